@@ -23,7 +23,10 @@ void AddInterfaceFlag(CLI::App& app, NetworkSettings& settings, const std::strin
                       const std::string& group) {
   const std::string help =
       "Name or IPv4 address of the network interface; auto: chosen by DDS (default: " + default_interface + ")";
-  app.add_option("--interface", settings.network_interface, help)->type_name("NAME")->group(group);
+  app.add_option("--interface", settings.network_interface, help)
+      ->check(InterfaceValue())
+      ->type_name("NAME")
+      ->group(group);
 }
 
 void AddSecurityFlag(CLI::App& app, NetworkSettings& settings, const std::string& automatic, const std::string& group) {

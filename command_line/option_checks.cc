@@ -1,12 +1,15 @@
 #include "command_line/option_checks.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <ifaddrs.h>
 
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "common/run/network_settings.h"
 #include "common/run/run_settings.h"
@@ -106,6 +109,22 @@ CLI::Validator SessionName() {
 
 CLI::Validator DdsDomain() {
   return WholeNumber(0, kMaxDomain);
+}
+
+CLI::Validator InterfaceValue() {
+  auto check = [](const std::string& text) -> std::string {
+    in_addr address{};
+    if (text == kAutomaticInterface || inet_pton(AF_INET, text.c_str(), &address) == 1) return "";
+    ifaddrs* first = nullptr;
+    if (getifaddrs(&first) != 0) return "";  // DDS looks itself
+    std::set<std::string> names;
+    for (const ifaddrs* one = first; one != nullptr; one = one->ifa_next) names.insert(one->ifa_name);
+    freeifaddrs(first);
+    if (names.contains(text)) return "";
+    return Mismatch(text, fmt::format("auto, or the name or IPv4 address of an interface of this host: {}",
+                                      fmt::join(names, ", ")));
+  };
+  return CLI::Validator(check, "");
 }
 
 CLI::Validator NetworkName() {

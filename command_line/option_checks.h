@@ -38,6 +38,9 @@ CLI::Validator DdsDomain();
 // The identity of a DDS participant: 24 hexadecimal digits.
 CLI::Validator ParticipantValue();
 
+// "auto", or the name or IPv4 address of an interface of this host.
+CLI::Validator InterfaceValue();
+
 // A network profile (transport/dds/binding/domain_config.h).
 CLI::Validator NetworkName();
 

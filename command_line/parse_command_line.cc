@@ -4,12 +4,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
+#include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
 
 #include "command_line/exit_status.h"
 #include "common/base/closest_name.h"
+#include "common/base/utf8.h"
 
 namespace troupe {
 namespace {
@@ -90,8 +93,18 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    std::cerr << "error: " << MessageOf(app, error) << "\n";
+    std::cerr << "error: " << PlainLine(MessageOf(app, error)) << "\n";
     return kExitBadInput;
+  }
+}
+
+int RunProgram(int (*run)(int argc, const char* const* argv), int argc, const char* const* argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails, as on a full disk
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& exception) {
+    std::cerr << FailureOf(exception).ToString() << "\n";
+    return kExitFailed;
   }
 }
 

@@ -13,4 +13,7 @@ namespace troupe {
 // program ends with it; its help, its version, or an error of one line has been printed.
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
+// The exit status of a program: that of `run`, or that of a failure, which is printed as one line, if it throws.
+int RunProgram(int (*run)(int argc, const char* const* argv), int argc, const char* const* argv);
+
 }  // namespace troupe

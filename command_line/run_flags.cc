@@ -19,7 +19,7 @@ CLI::Option* AddOverride(CLI::App& app, const char* name, std::optional<Value>& 
 }
 
 CLI::Option* AddOutput(CLI::App& app, const char* name, std::string& file, const char* help, const std::string& group) {
-  return app.add_option(name, file, help)->type_name("FILE")->group(group);
+  return app.add_option(name, file, help)->check(NotEmpty())->type_name("FILE")->group(group);
 }
 
 }  // namespace
@@ -27,6 +27,7 @@ CLI::Option* AddOutput(CLI::App& app, const char* name, std::string& file, const
 CLI::Option* AddWorldFile(CLI::App& app, std::string& file) {
   return app.add_option("FILE", file, "A Stage world (.world), a scenario (.json) or a ROS map (.yaml)")
       ->required()
+      ->check(NotEmpty())
       ->type_name("");
 }
 
@@ -82,6 +83,7 @@ void AddAllowControllersFlag(CLI::App& app, std::vector<std::string>& paths, con
   app.add_option("--allow-controllers", paths,
                  "Controller library, or a folder with such, that a world loaded during the run may name; repeatable. "
                  "The libraries of the run's own file are allowed")
+      ->check(NotEmpty())
       ->type_name("PATH")
       ->group(group)
       ->allow_extra_args(false);
@@ -91,6 +93,7 @@ void AddAllowFilesFlag(CLI::App& app, std::vector<std::string>& paths, const std
   app.add_option("--allow-files", paths,
                  "World file, or a folder with such, that may be loaded or spawned from during the run, by troupe ctl "
                  "or ROS 2; repeatable. The folder of the run's own file and the installed worlds are allowed")
+      ->check(NotEmpty())
       ->type_name("PATH")
       ->group(group)
       ->allow_extra_args(false);

@@ -9,6 +9,7 @@ namespace troupe {
 void AddTraceFlags(CLI::App& app, TraceOptions& trace, const std::string& group) {
   app.add_option("--trace", trace.file,
                  "Write the phases of all ticks as Chrome trace JSON, for ui.perfetto.dev or chrome://tracing")
+      ->check(NotEmpty())
       ->type_name("FILE")
       ->group(group);
   const auto set = [&trace](const std::string& text) {

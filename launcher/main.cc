@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
-#include <exception>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <optional>
+#include <string>
 
 #include "command_line/exit_status.h"
 #include "command_line/parse_command_line.h"
@@ -13,6 +15,14 @@
 
 namespace troupe {
 namespace {
+
+// Standard output that is lost, as on a full disk, fails the command. A reader that has seen enough, or none from the
+// start, does not.
+int CheckStandardOutput(int exit_status) {
+  if (std::fflush(stdout) == 0 || errno == EPIPE || errno == EBADF) return exit_status;
+  const int failed = Fail(Failure(std::string("cannot write to standard output: ") + std::strerror(errno)));
+  return exit_status == kExitDone ? failed : exit_status;
+}
 
 int Main(int argc, const char* const* argv) {
   CLI::App app("Troupe, a distributed 2.5D multi-robot simulator", "troupe");
@@ -34,13 +44,9 @@ int Main(int argc, const char* const* argv) {
   AddHostCommand(app, exit_status);
   AddCompletionsCommand(app, exit_status);
   AddHelpCommand(app, exit_status);
-  try {
-    if (const std::optional<int> ended = ParseCommandLine(app, argc, argv)) return *ended;
-    if (app.get_subcommands().empty()) fmt::print("{}", app.help());
-    return exit_status;
-  } catch (const std::exception& exception) {
-    return Fail(FailureOf(exception));
-  }
+  if (const std::optional<int> ended = ParseCommandLine(app, argc, argv)) return CheckStandardOutput(*ended);
+  if (app.get_subcommands().empty()) fmt::print("{}", app.help());
+  return CheckStandardOutput(exit_status);
 }
 
 }  // namespace
@@ -48,6 +54,5 @@ int Main(int argc, const char* const* argv) {
 
 // An exception while another is reported ends the program.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
-  std::signal(SIGXFSZ, SIG_IGN);   // a write beyond the limit fails, as on a full disk
-  return troupe::Main(argc, argv);
+  return troupe::RunProgram(troupe::Main, argc, argv);
 }

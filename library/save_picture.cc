@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "common/base/file_replacement.h"
 #include "common/picture/draw_picture.h"
 #include "library/scan_fans.h"
-#include "library/write_file.h"
 
 namespace troupe {
 Status SavePicture(const Scene& scene, const BodyIndex& bodies, const WorldState& state, const std::string& file,
@@ -20,7 +20,7 @@ Status SavePicture(const Scene& scene, const BodyIndex& bodies, const WorldState
       rays == PictureRays::kDrawn ? MeasureMarks(scene, bodies, state) : std::vector<Mark>();
   const Result<std::string> bytes = DrawPicture(scene.world(), state, fans, with_format, marks);
   if (!bytes.ok()) return Failure(bytes.error().message);
-  return WritePicture(file, bytes.value());
+  return WriteWholeFile(file, bytes.value());
 }
 
 }  // namespace troupe

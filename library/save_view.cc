@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "common/base/file_replacement.h"
 #include "common/picture/image_png.h"
-#include "library/write_file.h"
 
 namespace troupe {
 namespace {
@@ -34,7 +34,7 @@ Status SaveView(const CameraReading& reading, const std::string& file, CameraIma
   const std::vector<std::uint8_t> rgb = image == CameraImage::kDepths ? DepthPixels(reading) : reading.colors;
   const Result<std::string> bytes = EncodePng(static_cast<int>(reading.width), static_cast<int>(reading.height), rgb);
   if (!bytes.ok()) return Failure(bytes.error().message);
-  return WritePicture(file, bytes.value());
+  return WriteWholeFile(file, bytes.value());
 }
 
 }  // namespace troupe

@@ -24,8 +24,11 @@ Result<std::uint64_t> NextNumber(const Recording& recording) {
 }  // namespace
 
 Result<std::optional<Journal>> Journal::OpenToContinue(const JournalFiles& files) {
-  std::error_code ignored;
-  if (std::filesystem::file_size(files.recording, ignored) == 0 || ignored) return std::optional<Journal>();
+  std::error_code failure;
+  const bool exists = std::filesystem::exists(files.recording, failure);
+  if (!failure && (!exists || std::filesystem::file_size(files.recording, failure) == 0) && !failure) {
+    return std::optional<Journal>();
+  }
   Result<std::unique_ptr<const mcap::ByteSource>> source = mcap::OpenFileSource(files.recording);
   if (!source.ok()) return source.error();
   const Result<mcap::Reader> file = mcap::Reader::Open(std::move(source).value());
@@ -39,7 +42,9 @@ Result<std::optional<Journal>> Journal::OpenToContinue(const JournalFiles& files
   if (!recording.ok()) return recording.error();
   const Result<std::uint64_t> next = NextNumber(recording.value());
   if (!next.ok()) return next.error();
-  JournalTailContent tail = ReadJournalTail(files, recording.value().run().run, next.value());
+  Result<JournalTailContent> read = ReadJournalTail(files, recording.value().run().run, next.value());
+  if (!read.ok()) return read.error();
+  JournalTailContent& tail = read.value();
   return std::optional(Journal{std::move(recording).value(), std::move(tail.ticks),
                                tail.progress.value_or(RunProgress()), std::move(written).value(),
                                std::move(sink).value()});

@@ -1,18 +1,17 @@
 #include "recording/journal_tail.h"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <utility>
 
+#include "common/base/file.h"
 #include "recording/convert_recorded.h"
 #include "recording/mcap/byte_reader.h"
 #include "recording/mcap/byte_writer.h"
@@ -127,11 +126,20 @@ std::optional<TailRecord> ParseRecord(std::span<const std::byte> content, RunId 
   return std::nullopt;
 }
 
-std::vector<std::byte> ReadFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::vector<char> bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  const std::span<const std::byte> view = std::as_bytes(std::span(bytes));
-  return {view.begin(), view.end()};
+// More than the tail of any run.
+constexpr std::size_t kMostTailBytes = std::size_t{1} << 32;
+
+// Empty if there is no file.
+Result<std::string> ReadFile(const std::string& path) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(path, unknown) && !unknown) return std::string();
+  Result<std::string> bytes = ReadWholeFile(path, kMostTailBytes);
+  if (bytes.ok()) return bytes;
+  return Error{{path}, "cannot read: " + bytes.error().message, ErrorCode::kFailure};
+}
+
+Error CannotWrite(const std::string& path, ErrorCode code) {
+  return {{path}, std::string("cannot write: ") + std::strerror(errno), code};
 }
 
 }  // namespace
@@ -140,12 +148,14 @@ JournalFiles JournalFiles::Of(const std::string& recording) {
   return {recording, {recording + ".journal-a", recording + ".journal-b"}};
 }
 
-JournalTailContent ReadJournalTail(const JournalFiles& files, RunId run, std::uint64_t first_number) {
+Result<JournalTailContent> ReadJournalTail(const JournalFiles& files, RunId run, std::uint64_t first_number) {
   JournalTailContent content;
   std::map<std::uint64_t, TailRecord> records;  // by serial
   const std::array<std::string, 2>& paths = files.tail;
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const std::vector<std::byte> bytes = ReadFile(paths[i]);
+    const Result<std::string> read = ReadFile(paths[i]);
+    if (!read.ok()) return read.error();
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(read.value()));
     ByteReader in(bytes);
     while (in.remaining() > kRecordHead) {
       const auto length = in.Read<std::uint32_t>();
@@ -176,10 +186,9 @@ Status JournalTail::OpenFiles(const JournalFiles& files) {
   const std::array<std::string, 2>& paths = files.tail;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     segments_[i].path = paths[i];
-    segments_[i].descriptor = open(paths[i].c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (segments_[i].descriptor < 0) {
-      return Error{{paths[i]}, std::string("cannot open for writing: ") + std::strerror(errno), ErrorCode::kFailure};
-    }
+    Result<FileDescriptor> file = OpenToWrite(paths[i]);
+    if (!file.ok()) return Error{{paths[i]}, "cannot open for writing: " + file.error().message, file.error().code};
+    segments_[i].file = std::move(file).value();
   }
   return {};
 }
@@ -188,9 +197,7 @@ Result<std::unique_ptr<JournalTail>> JournalTail::Create(const JournalFiles& fil
   std::unique_ptr<JournalTail> tail(new JournalTail(run, sync));
   if (Status failure = tail->OpenFiles(files); !failure.ok()) return failure.error();
   for (const Segment& segment : tail->segments_) {
-    if (ftruncate(segment.descriptor, 0) != 0) {
-      return Error{{segment.path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kFailure};
-    }
+    if (ftruncate(segment.file.get(), 0) != 0) return CannotWrite(segment.path, ErrorCode::kFailure);
   }
   return tail;
 }
@@ -198,7 +205,9 @@ Result<std::unique_ptr<JournalTail>> JournalTail::Create(const JournalFiles& fil
 Result<std::unique_ptr<JournalTail>> JournalTail::Continue(const JournalFiles& files, RunId run, JournalSync sync) {
   std::unique_ptr<JournalTail> tail(new JournalTail(run, sync));
   if (Status failure = tail->OpenFiles(files); !failure.ok()) return failure.error();
-  const JournalTailContent content = ReadJournalTail(files, run, 0);
+  const Result<JournalTailContent> read = ReadJournalTail(files, run, 0);
+  if (!read.ok()) return read.error();
+  const JournalTailContent& content = read.value();
   tail->next_serial_ = content.next_serial;
   tail->current_ = content.newest_segment;
   for (std::size_t i = 0; i < tail->segments_.size(); ++i) {
@@ -206,12 +215,6 @@ Result<std::unique_ptr<JournalTail>> JournalTail::Continue(const JournalFiles& f
     tail->segments_[i].last_number = content.last_numbers[i];
   }
   return tail;
-}
-
-JournalTail::~JournalTail() {
-  for (const Segment& segment : segments_) {
-    if (segment.descriptor >= 0) close(segment.descriptor);
-  }
 }
 
 Status JournalTail::Append(const RecordedTick* tick, const RunProgress& progress) {
@@ -239,10 +242,7 @@ Status JournalTail::Append(const RecordedTick* tick, const RunProgress& progress
     current_ = 1 - current_;
     other.size = 0;
     other.last_number.reset();
-    if (ftruncate(other.descriptor, 0) != 0) {
-      return status_ =
-                 Error{{other.path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kOutputFailed};
-    }
+    if (ftruncate(other.file.get(), 0) != 0) return status_ = CannotWrite(other.path, ErrorCode::kOutputFailed);
   }
   Segment& segment = segments_[current_];
   if (tick != nullptr) segment.last_number = tick->number;
@@ -252,24 +252,20 @@ Status JournalTail::Append(const RecordedTick* tick, const RunProgress& progress
 Status JournalTail::Write(Segment& segment) {
   std::span<const std::byte> bytes = record_;
   while (!bytes.empty()) {
-    const ssize_t written = pwrite(segment.descriptor, bytes.data(), bytes.size(), static_cast<off_t>(segment.size));
+    const ssize_t written = pwrite(segment.file.get(), bytes.data(), bytes.size(), static_cast<off_t>(segment.size));
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) {
-      return status_ =
-                 Error{{segment.path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kOutputFailed};
-    }
+    if (written < 0) return status_ = CannotWrite(segment.path, ErrorCode::kOutputFailed);
     segment.size += static_cast<std::uint64_t>(written);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
-  if (sync_ == JournalSync::kYes && fdatasync(segment.descriptor) != 0) {
-    return status_ =
-               Error{{segment.path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+  if (sync_ == JournalSync::kYes && fdatasync(segment.file.get()) != 0) {
+    return status_ = CannotWrite(segment.path, ErrorCode::kOutputFailed);
   }
   return {};
 }
 
 void JournalTail::Discard() {
-  for (const Segment& segment : segments_) static_cast<void>(ftruncate(segment.descriptor, 0));
+  for (const Segment& segment : segments_) static_cast<void>(ftruncate(segment.file.get(), 0));
 }
 
 void JournalTail::Remove() {

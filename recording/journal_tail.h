@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/file.h"
 #include "recording/recorded_run.h"
 #include "transport/protocol/run_progress.h"
 #include "troupe/result.h"
@@ -38,7 +39,6 @@ class JournalTail {
   static Result<std::unique_ptr<JournalTail>> Create(const JournalFiles& files, RunId run, JournalSync sync);
   // The files as they are: what is appended follows their newest record.
   static Result<std::unique_ptr<JournalTail>> Continue(const JournalFiles& files, RunId run, JournalSync sync);
-  ~JournalTail();
   JournalTail(const JournalTail&) = delete;
   JournalTail& operator=(const JournalTail&) = delete;
 
@@ -54,7 +54,7 @@ class JournalTail {
  private:
   struct Segment {
     std::string path;
-    int descriptor = -1;
+    FileDescriptor file{-1};
     std::uint64_t size = 0;
     std::optional<std::uint64_t> last_number;  // of its ticks
   };
@@ -84,7 +84,7 @@ struct JournalTailContent {
 };
 
 // Reads the records of the run with ticks from `first_number` on. Stops at the first damaged record of each file, as
-// one that was being written. Files that do not exist are empty.
-JournalTailContent ReadJournalTail(const JournalFiles& files, RunId run, std::uint64_t first_number);
+// one that was being written. Files that do not exist are empty; the error is one that cannot be read.
+Result<JournalTailContent> ReadJournalTail(const JournalFiles& files, RunId run, std::uint64_t first_number);
 
 }  // namespace troupe

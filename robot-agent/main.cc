@@ -10,6 +10,8 @@
 #include <stop_token>
 #include <thread>
 
+#include "command_line/parse_command_line.h"
+#include "common/base/print.h"
 #include "common/base/random_id.h"
 #include "common/base/stop_signals.h"
 #include "robot-agent/program/command_line.h"
@@ -29,7 +31,7 @@ namespace {
 void Report(const AgentCommandLine& line, const std::string& text) {
   const std::vector<std::string>& robots = line.agent.robots;
   const std::string others = robots.size() > 1 ? fmt::format(" and {} more", robots.size() - 1) : "";
-  fmt::print(stderr, "agent of {}{}: {}\n", robots.front(), others, text);
+  PrintPlain(stderr, "agent of {}{}: {}\n", robots.front(), others, text);
 }
 
 // Reports why the program ends; returns its exit status.
@@ -118,7 +120,6 @@ int Main(int argc, const char* const* argv) {
   if (const int* exit_status = std::get_if<int>(&parsed)) return *exit_status;
   const AgentCommandLine& line = std::get<AgentCommandLine>(parsed);
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails, as on a full disk
   try {
     return Run(line);
   } catch (const std::exception& exception) {
@@ -131,5 +132,5 @@ int Main(int argc, const char* const* argv) {
 
 // An exception while another is reported ends the program.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
-  return troupe::Main(argc, argv);
+  return troupe::RunProgram(troupe::Main, argc, argv);
 }

@@ -7,6 +7,8 @@
 #include <exception>
 #include <optional>
 
+#include "command_line/parse_command_line.h"
+#include "common/base/print.h"
 #include "common/base/stop_signals.h"
 #include "ros/link/host_program.h"
 #include "ros/messages/ros_security.h"
@@ -28,7 +30,13 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
     return Error{{}, "--security: found 'on', expected a folder of keys, auto or off: only 'troupe run' makes keys"};
   }
   if (network.security != kSecurityAuto) return network.security;
-  if (network.network_interface != kLoopbackInterface) return std::string(kSecurityOff);
+  if (network.network_interface != kLoopbackInterface) {
+    PrintPlain(stderr,
+               "warning: no keys: any program on the network of interface {} can read and control this run; expected "
+               "--security with a folder of keys (troupe keys make), or --security off\n",
+               network.network_interface);
+    return std::string(kSecurityOff);
+  }
   Result<RunKeysFolder> folder = RunKeysFolder::MakeWithToken();
   if (!folder.ok()) return folder.error();
   own_keys = std::move(folder).value();
@@ -78,7 +86,7 @@ int Run(ServiceCommandLine line, Reporter& reporter) {
   if (options.settings.ros) {
     const Result<ros::Enclave> enclave = ros::FindEnclave(line.ros.network.security, ros::kWorldEnclave);
     if (!enclave.ok()) return fail(enclave.error());
-    if (!enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);
+    if (!enclave.value().warning.empty()) PrintPlain(stderr, "{}\n", enclave.value().warning);
   }
 
   const StopSignals stop;
@@ -96,7 +104,7 @@ int Run(ServiceCommandLine line, Reporter& reporter) {
   dds.keys = std::move(keys).value();
   dds.discovery_ports = line.ports;
   dds.agent_groups = CountAgentGroups(line, run, !dds.keys.enclave.empty());
-  dds.on_problem = [](const std::string& problem) { fmt::print(stderr, "{}\n", problem); };
+  dds.on_problem = [](const std::string& problem) { PrintPlain(stderr, "{}\n", problem); };
   const dds::NetworkLog network_log(dds.on_problem);
   auto [transport, participants] = MakeDdsServiceTransport(dds);
   if (line.faults.any()) transport = MakeFaultyTransport(std::move(transport), line.faults);
@@ -123,7 +131,6 @@ int Main(int argc, const char* const* argv) {
   if (const int* exit_status = std::get_if<int>(&parsed)) return *exit_status;
   const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails, as on a full disk
   const std::unique_ptr<Reporter> reporter =
       line.report_fd ? MakeLauncherReporter(*line.report_fd) : MakeConsoleReporter();
   try {
@@ -140,5 +147,5 @@ int Main(int argc, const char* const* argv) {
 
 // An exception while another is reported ends the program.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
-  return troupe::Main(argc, argv);
+  return troupe::RunProgram(troupe::Main, argc, argv);
 }

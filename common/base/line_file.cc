@@ -16,23 +16,9 @@ constexpr std::int64_t kBlock = 4096;                   // bytes: space is free 
 }  // namespace
 
 Result<LineFile> LineFile::Open(const std::string& path, Space space) {
-  const int descriptor = open(path.c_str(), (space == Space::kFree ? O_RDWR : O_RDONLY) | O_CLOEXEC);
-  if (descriptor < 0) return Error{{path}, std::string("cannot read: ") + std::strerror(errno), ErrorCode::kFailure};
-  return LineFile(path, descriptor, space);
-}
-
-LineFile::LineFile(LineFile&& other) noexcept
-    : path_(std::move(other.path_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      space_(other.space_),
-      status_(std::move(other.status_)),
-      text_(std::move(other.text_)),
-      begin_(other.begin_),
-      read_(other.read_),
-      freed_(other.freed_) {}
-
-LineFile::~LineFile() {
-  if (descriptor_ >= 0) close(descriptor_);
+  FileDescriptor file(open(path.c_str(), (space == Space::kFree ? O_RDWR : O_RDONLY) | O_CLOEXEC));
+  if (file.get() < 0) return Error{{path}, std::string("cannot read: ") + std::strerror(errno), ErrorCode::kFailure};
+  return LineFile(path, std::move(file), space);
 }
 
 bool LineFile::ReadMore() {
@@ -42,7 +28,7 @@ bool LineFile::ReadMore() {
   text_.resize(before + kPiece);
   ssize_t size = 0;
   do {
-    size = read(descriptor_, text_.data() + before, kPiece);
+    size = read(file_.get(), text_.data() + before, kPiece);
   } while (size < 0 && errno == EINTR);
   if (size < 0) status_ = Error{{path_}, std::string("cannot read: ") + std::strerror(errno), ErrorCode::kFailure};
   text_.resize(before + static_cast<std::size_t>(size > 0 ? size : 0));
@@ -50,7 +36,7 @@ bool LineFile::ReadMore() {
   read_ += size;
   if (space_ == Space::kFree) {
     // Where the file system cannot do this, the copy needs space of its own.
-    const int done = fallocate(descriptor_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, freed_, read_ - freed_);
+    const int done = fallocate(file_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, freed_, read_ - freed_);
     if (done == 0) freed_ = read_ / kBlock * kBlock;
   }
   return true;

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/file.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -17,10 +18,6 @@ class LineFile {
   enum class Space : bool { kKeep, kFree };
 
   static Result<LineFile> Open(const std::string& path, Space space);
-  LineFile(LineFile&& other) noexcept;
-  LineFile& operator=(LineFile&&) = delete;
-  ~LineFile();
-
   // The next line, without its end. False at the end of the file, and where it cannot be read; a last line without an
   // end, as a killed process leaves it, is omitted.
   bool Next(std::string& line);
@@ -28,13 +25,13 @@ class LineFile {
   const Status& status() const { return status_; }
 
  private:
-  LineFile(std::string path, int descriptor, Space space)
-      : path_(std::move(path)), descriptor_(descriptor), space_(space) {}
+  LineFile(std::string path, FileDescriptor file, Space space)
+      : path_(std::move(path)), file_(std::move(file)), space_(space) {}
   // Reads a piece behind the text that is not yet consumed. False at the end.
   bool ReadMore();
 
   std::string path_;
-  int descriptor_;
+  FileDescriptor file_;
   Space space_;
   Status status_;
   std::string text_;  // read, from `begin_` on not yet consumed

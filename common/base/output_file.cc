@@ -1,8 +1,11 @@
 #include "common/base/output_file.h"
 
+#include <fcntl.h>
+
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <utility>
 
 namespace troupe {
 namespace {
@@ -12,12 +15,9 @@ constexpr std::size_t kWriteSize = std::size_t{64} * 1024;  // bytes
 }  // namespace
 
 Result<OutputFile> OutputFile::Create(const std::string& path) {
-  std::FILE* const file = std::fopen(path.c_str(), "we");
-  if (file == nullptr) {
-    return Error{{path}, std::string("cannot open for writing: ") + std::strerror(errno), ErrorCode::kFailure};
-  }
-  std::setvbuf(file, nullptr, _IONBF, 0);  // the buffer here is enough
-  return OutputFile(path, file);
+  Result<FileDescriptor> file = OpenToWrite(path, O_TRUNC);
+  if (!file.ok()) return Error{{path}, "cannot open for writing: " + file.error().message, file.error().code};
+  return OutputFile(path, std::move(file).value());
 }
 
 void OutputFile::Append(std::uint64_t number) {
@@ -41,22 +41,19 @@ Status OutputFile::EndLine() {
 }
 
 Status OutputFile::WriteBuffer() {
-  if (error_.ok() && std::fwrite(buffer_.data(), 1, buffer_.size(), file_.get()) != buffer_.size()) {
-    error_ = SystemError("cannot write: ");
+  if (error_.ok() && !WriteAll(file_.get(), buffer_)) {
+    error_ = Error{{path_}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kFailure};
   }
   buffer_.clear();
   return error_;
 }
 
 Status OutputFile::Close() {
-  if (file_ == nullptr) return error_;
   (void)WriteBuffer();  // error_ keeps its outcome
-  if (std::fclose(file_.release()) != 0 && error_.ok()) error_ = SystemError("cannot close: ");
+  if (!file_.Close() && error_.ok()) {
+    error_ = Error{{path_}, std::string("cannot close: ") + std::strerror(errno), ErrorCode::kFailure};
+  }
   return error_;
-}
-
-Error OutputFile::SystemError(const char* failed) const {
-  return {{path_}, std::string(failed) + std::strerror(errno), ErrorCode::kFailure};
 }
 
 }  // namespace troupe

@@ -1,18 +1,19 @@
-// OutputFile: text to a file, through a buffer. The first error stays, and no text is written after it.
+// OutputFile: text to a file, through a buffer. The first error stays, and no text is written after it; what was
+// written before it is kept.
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <string>
 #include <string_view>
 
+#include "common/base/file.h"
 #include "troupe/result.h"
 
 namespace troupe {
 
 class OutputFile {
  public:
+  // Empties the file, or makes it.
   static Result<OutputFile> Create(const std::string& path);
 
   void Append(std::string_view text) { buffer_ += text; }
@@ -28,16 +29,11 @@ class OutputFile {
   Status Close();
 
  private:
-  struct Closer {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
-  OutputFile(std::string path, std::FILE* file) : path_(std::move(path)), file_(file) {}
+  OutputFile(std::string path, FileDescriptor file) : path_(std::move(path)), file_(std::move(file)) {}
   Status WriteBuffer();
-  Error SystemError(const char* failed) const;
 
   std::string path_;
-  std::unique_ptr<std::FILE, Closer> file_;
+  FileDescriptor file_;
   std::string buffer_;
   Status error_;
 };

@@ -2,6 +2,8 @@
 
 #include <new>
 
+#include "common/base/utf8.h"
+
 namespace troupe {
 namespace {
 
@@ -12,7 +14,7 @@ std::string Format(const SourceLocation& where, const char* severity, const std:
     if (where.line > 0 && where.column > 0) text += ":" + std::to_string(where.column);
     text += ": ";
   }
-  return text + severity + ": " + message;
+  return PlainLine(text + severity + ": " + message);
 }
 
 }  // namespace

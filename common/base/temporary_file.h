@@ -3,7 +3,9 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
+#include "common/base/file.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -11,17 +13,14 @@ namespace troupe {
 class TemporaryFile {
  public:
   static Result<TemporaryFile> Create();
-  ~TemporaryFile();
-  TemporaryFile(TemporaryFile&& other) noexcept;
-  TemporaryFile& operator=(TemporaryFile&& other) noexcept;
 
   // By which this process can open it while the object exists.
-  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+  std::string path() const { return "/proc/self/fd/" + std::to_string(file_.get()); }
 
  private:
-  explicit TemporaryFile(int descriptor) : descriptor_(descriptor) {}
+  explicit TemporaryFile(FileDescriptor file) : file_(std::move(file)) {}
 
-  int descriptor_;  // -1: moved from
+  FileDescriptor file_;
 };
 
 }  // namespace troupe

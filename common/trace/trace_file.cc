@@ -1,5 +1,6 @@
 #include "common/trace/trace_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <stdio_ext.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@
 #include <optional>
 #include <string_view>
 
+#include "common/base/file.h"
 #include "common/base/line_file.h"
 #include "common/base/output_file.h"
 
@@ -60,7 +62,7 @@ template <typename Visit>
 Status ForEachLine(const std::vector<std::string>& parts, LineFile::Space space, Visit visit) {
   for (std::size_t part = 1; part <= parts.size(); ++part) {
     const std::string& path = parts[part - 1];
-    if (!std::filesystem::exists(path)) continue;
+    if (std::error_code unknown; !std::filesystem::exists(path, unknown) && !unknown) continue;
     Result<LineFile> file = LineFile::Open(path, space);
     if (!file.ok()) return file.error();
     for (std::string line; file.value().Next(line);) {
@@ -95,9 +97,13 @@ std::int64_t TraceFile::Now() {
 }
 
 Result<TraceFile> TraceFile::Create(const std::string& path, const std::string& process) {
-  std::FILE* const file = std::fopen(path.c_str(), "we");
-  if (file == nullptr)
+  Result<FileDescriptor> opened = OpenToWrite(path, O_TRUNC);
+  if (!opened.ok()) return Error{{path}, "cannot write a trace here: " + opened.error().message, opened.error().code};
+  std::FILE* const file = fdopen(opened.value().get(), "w");
+  if (file == nullptr) {
     return Error{{path}, std::string("cannot write a trace here: ") + std::strerror(errno), ErrorCode::kFailure};
+  }
+  (void)opened.value().Release();  // the stream closes it
   TraceFile trace(path, file);
   // Viewers accept a list without its end, as of a program that is running or was killed.
   fmt::print(file, "[\n{{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":{},\"args\":{{\"name\":\"{} ({})\"}}}},\n",

@@ -34,7 +34,8 @@ struct Error {
   std::string message;  // the text found, and the text expected
   ErrorCode code = ErrorCode::kBadInput;
 
-  // "file:line:column: error: message"; unknown parts of the place are left out.
+  // "file:line:column: error: message", as one line without control characters; unknown parts of the place are left
+  // out.
   std::string ToString() const;
 };
 

@@ -8,6 +8,7 @@
 
 #include "command_line/exit_status.h"
 #include "command_line/run_flags.h"
+#include "common/base/print.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/commands.h"
 #include "recording/recording.h"
@@ -41,7 +42,7 @@ std::string DescribeRobot(const RobotDescription& robot) {
     const std::string summary = SummaryOf(sensor.parameters);
     if (!summary.empty()) text += fmt::format(" ({})", summary);
   }
-  return text + "\n";
+  return PlainLine(text) + "\n";
 }
 
 std::string DescribeJoint(const JointDescription& joint) {
@@ -52,10 +53,11 @@ std::string DescribeJoint(const JointDescription& joint) {
 }
 
 std::string DescribeGripper(const WorldDescription& world, const GripperDescription& gripper) {
-  return fmt::format("    gripper {}: fingers {} and {}, {}, {}{}\n", gripper.name, world.joint(gripper.left).name,
-                     world.joint(gripper.right).name,
-                     gripper.lift ? "lift " + world.joint(*gripper.lift).name : std::string("no lift"),
-                     Count(gripper.beams.size(), "beam"), gripper.autosnatch ? ", autosnatch" : "");
+  const std::string lift = gripper.lift ? "lift " + world.joint(*gripper.lift).name : std::string("no lift");
+  const std::string text = fmt::format("    gripper {}: fingers {} and {}, {}, {}{}", gripper.name,
+                                       world.joint(gripper.left).name, world.joint(gripper.right).name, lift,
+                                       Count(gripper.beams.size(), "beam"), gripper.autosnatch ? ", autosnatch" : "");
+  return PlainLine(text) + "\n";
 }
 
 std::string DescribeManipulation(const WorldDescription& world, RobotId robot) {
@@ -75,7 +77,8 @@ std::string DescribeObjects(const WorldDescription& world) {
   std::string text = fmt::format("objects: {} (gravity {} m/s^2)\n", world.objects.size(), world.gravity);
   for (ModelId id : world.objects) {
     const ModelDescription& model = world.model(id);
-    text += fmt::format("  {}: {:g} x {:g} x {:g} m\n", model.name, model.size_x, model.size_y, model.size_z);
+    text +=
+        fmt::format("  {}: {:g} x {:g} x {:g} m\n", PlainLine(model.name), model.size_x, model.size_y, model.size_z);
   }
   return text;
 }
@@ -118,14 +121,15 @@ int CheckRecording(const std::string& file) {
   if (!opened.ok()) return Fail(opened.error());
   const Recording& recording = opened.value();
   const RecordedRun& run = recording.run();
-  fmt::print("recording: of troupe {}, step version {}, {}\n", run.program_version, run.step_version, run.file);
+  PrintPlain(stdout, "recording: of troupe {}, step version {}, {}\n", run.program_version, run.step_version, run.file);
   fmt::print("recorded: ticks 0 to {}, {} s simulated, {}, {}, {} bytes\n", recording.places().greatest(),
              SecondsOf(recording), Count(recording.places().edits(), "edit"), Count(recording.keyframes(), "keyframe"),
              recording.size());
   LoadedWorld begin;
   begin.world = run.world;
   begin.settings = run.settings;
-  fmt::print("world: {}\n{}", run.world.name, DescribeContent(begin));
+  PrintPlain(stdout, "world: {}\n", run.world.name);
+  fmt::print("{}", DescribeContent(begin));
   std::fflush(stdout);
   if (recording.damage()) return Fail({{file}, recording.damage()->problem, ErrorCode::kFailure});
   if (const Status damaged = recording.CheckData(); !damaged.ok()) return Fail(damaged.error());

@@ -10,6 +10,7 @@
 #include "command_line/network_flags.h"
 #include "command_line/option_checks.h"
 #include "command_line/run_flags.h"
+#include "common/base/print.h"
 #include "launcher/commands/arguments.h"
 #include "launcher/commands/commands.h"
 #include "transport/dds/tools/control_client.h"
@@ -68,34 +69,35 @@ Result<ControlReply> SendRequest(const CtlOptions& options) {
 
 void Print(const EntityReport& entity) {
   const Pose& X_WE = entity.X_WE;
-  fmt::print("{:<6} {:<24} {:<12} {:.3f},{:.3f},{:.3f},{:.2f}\n", Word(entity.kind), entity.name, entity.type, X_WE.x,
-             X_WE.y, X_WE.z, RadiansToDegrees(X_WE.heading));
+  PrintPlain(stdout, "{:<6} {:<24} {:<12} {:.3f},{:.3f},{:.3f},{:.2f}\n", Word(entity.kind), entity.name, entity.type,
+             X_WE.x, X_WE.y, X_WE.z, RadiansToDegrees(X_WE.heading));
 }
 
 void PrintAgents(const ControlReply& reply) {
-  fmt::print("{:<20} {:<8} {:<20} {:>8} {:>10} {:>10}\n", "ROBOT", "AGENT", "HOST", "PID", "ANSWER MS", "TIMES LAST");
+  PrintPlain(stdout, "{:<20} {:<8} {:<20} {:>8} {:>10} {:>10}\n", "ROBOT", "AGENT", "HOST", "PID", "ANSWER MS",
+             "TIMES LAST");
   for (const EntityReport& entity : reply.entities) {
     if (entity.kind != EntityKind::kRobot) continue;
     if (!entity.agent) {
-      fmt::print("{:<20} {:<8}\n", entity.name, "none");
+      PrintPlain(stdout, "{:<20} {:<8}\n", entity.name, "none");
       continue;
     }
     const AgentReport& agent = *entity.agent;
-    fmt::print("{:<20} {:<8} {:<20} {:>8} {:>10.2f} {:>10}\n", entity.name, agent.present ? "present" : "lost",
+    PrintPlain(stdout, "{:<20} {:<8} {:<20} {:>8} {:>10.2f} {:>10}\n", entity.name, agent.present ? "present" : "lost",
                agent.host, agent.pid, 1e3 * agent.answer_seconds, agent.times_last);
   }
 }
 
 void Print(ControlCommand command, const ControlReply& reply) {
   if (command == ControlCommand::kSpawnables) {
-    for (const EntityReport& model : reply.entities) fmt::print("{:<24} {}\n", model.name, model.type);
+    for (const EntityReport& model : reply.entities) PrintPlain(stdout, "{:<24} {}\n", model.name, model.type);
     return;
   }
   for (const EntityReport& entity : reply.entities) Print(entity);
   if (command == ControlCommand::kEntities) return;
-  fmt::print("{} tick {} hash {:016x}", ToString(reply.state), reply.tick, reply.state_hash);
-  if (reply.edition > 0) fmt::print(" edition {}", reply.edition);
-  fmt::print("\n");
+  PrintPlain(stdout, "{} tick {} hash {:016x}", ToString(reply.state), reply.tick, reply.state_hash);
+  if (reply.edition > 0) PrintPlain(stdout, " edition {}", reply.edition);
+  PrintPlain(stdout, "\n");
 }
 
 // An absolute path if the source names a file: the service may have another working folder.

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "command_line/exit_status.h"
+#include "command_line/option_checks.h"
+#include "common/base/print.h"
 #include "launcher/commands/arguments.h"
 #include "launcher/commands/commands.h"
 #include "launcher/process/signal_watch.h"
@@ -50,7 +52,7 @@ int EditCommand(const EditOptions& options) {
     std::fflush(stdout);
     pollfd waited = {signals.descriptor(), POLLIN, 0};
     while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
-    if (link.is_modified()) fmt::print(stderr, "{}: warning: the last edits were not saved\n", options.file);
+    if (link.is_modified()) PrintPlain(stderr, "{}: warning: the last edits were not saved\n", options.file);
     return kExitDone;
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
@@ -65,13 +67,15 @@ void AddEditCommand(CLI::App& app, int& exit_status) {
   command
       ->add_option("FILE", options->file,
                    "A Stage world (.world), models (.inc) or a JSON scenario (.json); a new one if it does not exist")
-      ->required();
+      ->required()
+      ->check(NotEmpty());
   AddListenOption(*command, options->listen);
   command
       ->add_option(
           "--allow-files", options->allowed,
           "A file or folder that the edited text may name, beside the folders of FILE and of the files that it "
           "names already; may be repeated")
+      ->check(NotEmpty())
       ->type_name("PATH")
       ->allow_extra_args(false);
   command->add_flag("--view-only", options->view_only, "Refuse requests that change the file");

@@ -4,13 +4,14 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 
 #include "command_line/exit_status.h"
 #include "command_line/option_checks.h"
 #include "command_line/run_flags.h"
+#include "common/base/file_replacement.h"
+#include "common/base/print.h"
 #include "common/spatial/occupancy_grid.h"
 #include "launcher/commands/commands.h"
 #include "worldfile/load_world.h"
@@ -27,12 +28,15 @@ struct ExportMapOptions {
   std::optional<double> height;
 };
 
-Status Write(const std::string& path, const std::string& content) {
-  std::ofstream file(path, std::ios::binary);
-  file << content;
-  file.close();
-  if (!file) return Failure("cannot write " + path);
-  return {};
+// Both or none: the image of one map beside the scale of another would be a wrong map.
+Status WriteBoth(const std::string& image_path, const std::string& image, const std::string& yaml_path,
+                 const std::string& yaml) {
+  Result<FileReplacement> new_image = FileReplacement::Prepare(image_path, image);
+  if (!new_image.ok()) return new_image.error();
+  Result<FileReplacement> new_yaml = FileReplacement::Prepare(yaml_path, yaml);
+  if (!new_yaml.ok()) return new_yaml.error();
+  if (Status failure = new_image.value().Commit(); !failure.ok()) return failure;
+  return new_yaml.value().Commit();
 }
 
 // Rows from the largest y down, as pictures have them.
@@ -64,11 +68,12 @@ int ExportMapCommand(const ExportMapOptions& options) {
   const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height, kMostCells);
   if (grid.empty()) return Fail({{}, options.file + ": found no static model and no ROS map, so it has no map"});
   const std::string image = options.output + ".pgm";
-  if (Status failure = Write(image, Pgm(grid)); !failure.ok()) return Fail(failure.error());
   const std::string name = std::filesystem::path(image).filename().string();
-  if (Status failure = Write(options.output + ".yaml", Yaml(grid, name)); !failure.ok()) return Fail(failure.error());
-  fmt::print("{} x {} cells of {} m, at a height of {:.3g} m: {}.yaml\n", grid.width, grid.height, grid.resolution,
-             height, options.output);
+  if (Status failure = WriteBoth(image, Pgm(grid), options.output + ".yaml", Yaml(grid, name)); !failure.ok()) {
+    return Fail(failure.error());
+  }
+  PrintPlain(stdout, "{} x {} cells of {} m, at a height of {:.3g} m: {}.yaml\n", grid.width, grid.height,
+             grid.resolution, height, options.output);
   return kExitDone;
 }
 
@@ -80,6 +85,7 @@ void AddExportMapCommand(CLI::App& app, int& exit_status) {
   AddWorldFile(*command, options->file);
   command->add_option("-o,--output", options->output, "Name of the map: NAME.yaml and NAME.pgm are written")
       ->required()
+      ->check(NotEmpty())
       ->type_name("NAME");
   command
       ->add_option(

@@ -15,6 +15,7 @@
 
 #include "command_line/exit_status.h"
 #include "command_line/option_checks.h"
+#include "common/base/file.h"
 #include "common/base/hexadecimal.h"
 #include "common/base/json_integer.h"
 #include "common/base/version.h"
@@ -60,11 +61,11 @@ void HostServer::Start(int id, const HostMessage& request) {
 }
 
 void HostServer::SendFile(const std::string& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return Send({{"file", path}, {"error", strerror(errno)}});
+  const Result<FileDescriptor> file = OpenToRead(path);
+  if (!file.ok()) return Send({{"file", path}, {"error", file.error().message}});
   char data[kPieceOfFile];
   ssize_t size = 0;
-  while (connected_ && (size = read(file, data, sizeof data)) > 0) {
+  while (connected_ && (size = read(file.value().get(), data, sizeof data)) > 0) {
     Send({{"file", path}, {"data", ToHexadecimal(std::as_bytes(std::span(data, static_cast<std::size_t>(size))))}});
   }
   if (size < 0) {
@@ -72,17 +73,15 @@ void HostServer::SendFile(const std::string& path) {
   } else {
     Send({{"file", path}, {"end", true}});
   }
-  close(file);
 }
 
 void HostServer::KeepKey(const std::string& name, const std::string& content) {
   const std::filesystem::path path = std::filesystem::path(folder_.path()) / kKeysFolderOfHost / name;
   std::error_code failure;
   std::filesystem::create_directories(path.parent_path(), failure);  // in a folder of mode 0700
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  int problem = file >= 0 && WriteAll(file, content) ? 0 : errno;
-  if (file >= 0 && close(file) != 0 && problem == 0) problem = errno;
-  if (problem != 0) Send({{"output", "error: cannot write " + path.string() + ": " + strerror(problem)}});
+  FileDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  if (file.get() >= 0 && WriteAll(file.get(), content) && file.Close()) return;
+  Send({{"output", "error: cannot write " + path.string() + ": " + strerror(errno)}});
 }
 
 void HostServer::Execute(const HostMessage& request) {

@@ -11,6 +11,7 @@
 
 #include "command_line/exit_status.h"
 #include "command_line/option_checks.h"
+#include "common/base/print.h"
 #include "launcher/commands/commands.h"
 #include "transport/protocol/agent_name.h"
 #include "transport/security/key_authority.h"
@@ -43,7 +44,7 @@ std::vector<Holder> HoldersOf(const KeysOptions& options) {
 }
 
 void Print(const std::string& name, const fs::path& path, bool made) {
-  fmt::print("{}: {}{}\n", name, path.string(), made ? "" : " (kept)");
+  PrintPlain(stdout, "{}: {}{}\n", name, path.string(), made ? "" : " (kept)");
 }
 
 // The authority of the folder, which is made if the folder is new or empty.

@@ -13,6 +13,8 @@
 #include "command_line/exit_status.h"
 #include "command_line/option_checks.h"
 #include "command_line/run_flags.h"
+#include "common/base/file.h"
+#include "common/base/utf8.h"
 #include "launcher/commands/commands.h"
 #include "launcher/commands/controller_check.h"
 #include "world-service/replay/run_replay.h"
@@ -56,8 +58,13 @@ class ReplayProgress {
 Status CheckOutputs(const ReplayArguments& arguments) {
   for (const std::string* output : {&arguments.outputs.hash_log, &arguments.outputs.poses, &arguments.scans}) {
     std::error_code failure;
-    if (output->empty() || !std::filesystem::equivalent(*output, arguments.file, failure)) continue;
-    return Error{{*output}, "found the recording itself, expected another file to write"};
+    if (output->empty()) continue;
+    if (std::filesystem::equivalent(*output, arguments.file, failure)) {
+      return Error{{*output}, "found the recording itself, expected another file to write"};
+    }
+    if (const Status status = CheckWritable(*output); !status.ok()) {
+      return Error{{*output}, "cannot write: " + status.error().message};
+    }
   }
   return {};
 }
@@ -71,7 +78,8 @@ std::string StatesText(const ReplayReport& report) {
 std::string ControllersText(const ControllerCheck& check) {
   std::string text = fmt::format("{} proposals of controllers are equal\n", check.compared());
   if (!check.lost().empty()) {
-    text += fmt::format("not compared since their agents were lost: {}\n", fmt::join(check.lost(), ", "));
+    text += fmt::format("not compared since their agents were lost: {}\n",
+                        PlainLine(fmt::format("{}", fmt::join(check.lost(), ", "))));
   }
   return text;
 }
@@ -131,6 +139,7 @@ void AddReplayCommand(CLI::App& app, int& exit_status) {
   const auto arguments = std::make_shared<ReplayArguments>();  // lives as long as the command
   command->add_option("FILE", arguments->file, "A recording of 'troupe run --record FILE.mcap'")
       ->required()
+      ->check(NotEmpty())
       ->type_name("");
   CLI::Option* const verify =
       command->add_flag("--verify", arguments->verify, "Compare the events, too, and check the CRC of the whole file");

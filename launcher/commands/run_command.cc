@@ -12,7 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/output_file.h"
+#include "common/base/file_replacement.h"
+#include "common/base/print.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/commands.h"
 #include "launcher/supervise/distributed_run.h"
@@ -67,14 +68,14 @@ Status CheckRosOptions(const RunOptions& options) {
     if (!fault.empty()) return Error{{}, fault};
   }
   for (const std::string& warning : {faults.discovery, faults.rmw}) {
-    if (!warning.empty()) fmt::print(stderr, "warning: {}\n", warning);
+    if (!warning.empty()) PrintPlain(stderr, "warning: {}\n", warning);
   }
   if (is_open) return Status();
   for (const std::string& name : EnclavesOf(options, loaded.value())) {
     const Result<ros::Enclave> enclave = ros::FindEnclave(security, name);
     if (!enclave.ok()) return enclave.error();
     // Processes of their own print it themselves.
-    if (options.in_process && !enclave.value().warning.empty()) fmt::print(stderr, "{}\n", enclave.value().warning);
+    if (options.in_process && !enclave.value().warning.empty()) PrintPlain(stderr, "{}\n", enclave.value().warning);
   }
   return Status();
 }
@@ -107,7 +108,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
     options.token = MakeToken();
     Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(options, *this);
     if (!gateway.ok()) {
-      fmt::print(stderr, "no viewer: {}\n", gateway.error().message);
+      PrintPlain(stderr, "no viewer: {}\n", gateway.error().message);
       return {};
     }
     gateway_ = std::move(gateway).value();
@@ -145,14 +146,6 @@ class InProcessViewer final : public RunObserver, private RunLink {
   std::unique_ptr<ViewerGateway> gateway_;
 };
 
-Status WriteSummary(const std::string& path, const RunOutcome& outcome) {
-  Result<OutputFile> file = OutputFile::Create(path);
-  if (!file.ok()) return file.error();
-  file.value().Append(SummaryJson(outcome));
-  if (Status failure = file.value().EndLine(); !failure.ok()) return failure;
-  return file.value().Close();
-}
-
 int RunCommand(RunOptions options) {
   if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckOutputs(options); !status.ok()) return Fail(status.error());
@@ -175,12 +168,13 @@ int RunCommand(RunOptions options) {
     return std::make_unique<InProcessViewer>(transport, options.network.session);
   };
   const RunEnd end = options.in_process ? RunInProcess(options, make_viewer) : RunDistributed(options);
-  if (end.error) fmt::print(stderr, "{}\n", end.error->ToString());
+  if (end.error) PrintPlain(stderr, "{}\n", end.error->ToString());
   if (!end.outcome) return end.exit_status;
   fmt::print("{}", SummaryText(*end.outcome));
   std::fflush(stdout);
   if (!options.summary.empty()) {
-    if (const Status status = WriteSummary(options.summary, *end.outcome); !status.ok()) return Fail(status.error());
+    const Status status = WriteWholeFile(options.summary, SummaryJson(*end.outcome) + "\n");
+    if (!status.ok()) return Fail(status.error());
   }
   return end.exit_status;
 }

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -13,6 +11,8 @@
 
 #include "command_line/exit_status.h"
 #include "command_line/option_checks.h"
+#include "common/base/file.h"
+#include "common/base/print.h"
 #include "common/sensing/sensor_registry.h"
 #include "launcher/commands/check_controllers.h"
 #include "launcher/commands/commands.h"
@@ -26,12 +26,10 @@
 namespace troupe {
 namespace {
 
-// Opens without truncating the file, so that a run that fails later leaves an older picture unchanged.
-Status CheckWritable(const std::string& path) {
-  std::FILE* file = std::fopen(path.c_str(), "ab");
-  if (file == nullptr) return Error{{path, 0, 0}, std::string("cannot write: ") + std::strerror(errno)};
-  std::fclose(file);
-  return Status();
+// Before the run: an older picture is not changed by one that fails.
+Status CheckPicture(const std::string& path) {
+  const Status status = CheckWritable(path);
+  return status.ok() ? status : Error{{path, 0, 0}, "cannot write: " + status.error().message};
 }
 
 PictureOptions ToPictureOptions(const SnapshotOptions& options) {
@@ -115,7 +113,7 @@ int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& pict
       return Fail(found.error());
     }
   }
-  if (const Status problem = CheckWritable(options.output); !problem.ok()) return Fail(problem.error());
+  if (const Status problem = CheckPicture(options.output); !problem.ok()) return Fail(problem.error());
   if (const Status problem = SaveState(*world.scene(), world.bodies(), world.state(), options, picture, rays);
       !problem.ok()) {
     return Fail(problem.error());
@@ -131,9 +129,11 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
   command
       ->add_option("FILE", options->file,
                    "A Stage .world file, a JSON scenario, a ROS map .yaml or a recording (.mcap)")
-      ->required();
+      ->required()
+      ->check(NotEmpty());
   command->add_option("-o,--output", options->output, "The picture; its ending, .png or .svg, selects the format")
       ->required()
+      ->check(NotEmpty())
       ->type_name("FILE");
   command->add_option("--tick", options->tick, "Run to this tick first (default: 0, the world as loaded)")
       ->check(WholeNumber(0))
@@ -195,11 +195,11 @@ int SnapshotCommand(const SnapshotOptions& options) {
     if (!found.ok()) return Fail(found.error());
     camera = found.value();
   }
-  for (const Warning& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning.ToString());
-  if (const Status problem = CheckWritable(options.output); !problem.ok()) return Fail(problem.error());
+  for (const Warning& warning : simulation.warnings()) PrintPlain(stderr, "{}\n", warning.ToString());
+  if (const Status problem = CheckPicture(options.output); !problem.ok()) return Fail(problem.error());
 
   simulation.Step(options.tick);
-  for (const std::string& failure : simulation.failures()) fmt::print(stderr, "warning: {}\n", failure);
+  for (const std::string& failure : simulation.failures()) PrintPlain(stderr, "warning: {}\n", failure);
   const CameraImage image = options.depths ? CameraImage::kDepths : CameraImage::kColors;
   const Status saved = camera ? simulation.SaveView(options.output, camera->robot, camera->sensor, image)
                               : simulation.SavePicture(options.output, picture_options, rays);

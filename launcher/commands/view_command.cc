@@ -13,6 +13,7 @@
 #include "command_line/exit_status.h"
 #include "command_line/network_flags.h"
 #include "command_line/option_checks.h"
+#include "common/base/print.h"
 #include "launcher/commands/arguments.h"
 #include "launcher/commands/commands.h"
 #include "launcher/commands/recorded_states.h"
@@ -115,7 +116,7 @@ int ServeRecording(const ViewOptions& options, SignalWatch& signals) {
   std::optional<std::string> damage;
   const Result<std::unique_ptr<RecordedStates>> states = RecordedStates::Create(recording.value(), damage);
   if (!states.ok()) return Fail(states.error());
-  if (damage) fmt::print(stderr, "{}: warning: {}; it is shown up to there\n", options.file, *damage);
+  if (damage) PrintPlain(stderr, "{}: warning: {}; it is shown up to there\n", options.file, *damage);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
   gateway_options.session = std::filesystem::path(options.file).filename().string();
   gateway_options.token = MakeToken();

@@ -29,7 +29,4 @@ std::string ToLine(const HostMessage& message);
 // The result is not an object if the line is not a message.
 HostMessage ParseHostMessage(const std::string& line);
 
-// Writes all of the text, waiting if necessary. False: the reader has closed its end.
-bool WriteAll(int descriptor, const std::string& text);
-
 }  // namespace troupe

@@ -9,12 +9,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <sstream>
 #include <utility>
 
+#include "common/base/file.h"
 #include "common/base/hexadecimal.h"
 #include "common/base/json_integer.h"
 #include "common/base/version.h"
@@ -32,6 +31,7 @@ constexpr const char* kDefaultStart =
     "ssh -T -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=5 -o ServerAliveCountMax=12 {address} "
     "{command_text}";
 
+constexpr std::size_t kMostBytesOfKeys = 1'000'000;           // of a file
 constexpr auto kDisconnectTimeout = std::chrono::seconds(3);  // for the end of the connection
 constexpr auto kFetchTimeout = std::chrono::seconds(30);      // between two messages while a file is fetched
 constexpr auto kFetchPoll = std::chrono::milliseconds(100);   // longest wait until progress is told
@@ -146,12 +146,10 @@ Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::st
     for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(keys) / enclave, failure)) {
       const std::filesystem::path path = enclave / entry.path().filename();
       const std::string source = keys / path;
-      std::ifstream file(source, std::ios::binary);
-      std::ostringstream content;
-      content << file.rdbuf();
-      if (!file) return Error{{source}, "cannot read a file of the folder of keys"};
-      const std::string data = content.str();
-      Send(ToLine({{"key", path.string()}, {"data", ToHexadecimal(std::as_bytes(std::span(data)))}}));
+      const Result<std::string> content = ReadWholeFile(source, kMostBytesOfKeys);
+      if (!content.ok()) return Error{{source}, "cannot read: " + content.error().message};
+      const std::span<const char> data = content.value();
+      Send(ToLine({{"key", path.string()}, {"data", ToHexadecimal(std::as_bytes(data))}}));
     }
     if (failure) return Error{{keys + "/" + enclave}, "cannot read the folder of keys: " + failure.message()};
   }

@@ -14,14 +14,16 @@ LineReader::LineReader(int descriptor) : descriptor_(descriptor) {
 }
 
 std::vector<std::string> LineReader::Read() {
-  char buffer[65536];
   while (!at_end_) {
-    ssize_t size = read(descriptor_, buffer, sizeof buffer);
-    if (size < 0 && errno == EINTR) continue;
-    if (size < 0 && errno == EAGAIN) break;
+    constexpr std::size_t kPiece = 65536;  // bytes; too many for a small stack (ulimit -s)
+    const std::size_t before = partial_.size();
+    partial_.resize(before + kPiece);
+    const ssize_t size = read(descriptor_, partial_.data() + before, kPiece);
+    const int reason = errno;
+    partial_.resize(before + static_cast<std::size_t>(size > 0 ? size : 0));
+    if (size < 0 && reason == EINTR) continue;
+    if (size < 0 && reason == EAGAIN) break;
     at_end_ = size <= 0;  // what cannot be read has no more lines
-    if (at_end_) break;
-    partial_.append(buffer, static_cast<std::size_t>(size));
   }
   if (at_end_ && !partial_.empty() && partial_.back() != '\n') partial_ += '\n';
   std::vector<std::string> lines;

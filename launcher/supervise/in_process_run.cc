@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "common/base/or_failure.h"
+#include "common/base/print.h"
 #include "common/base/thread_pool.h"
 #include "common/base/wake_event.h"
 #include "common/trace/trace_file.h"
@@ -90,7 +91,7 @@ class NewAgents {
   }
 
  private:
-  static void Tell(const std::string& text) { fmt::print(stderr, "{}\n", text); }
+  static void Tell(const std::string& text) { PrintPlain(stderr, "{}\n", text); }
 
   // On the thread of an agent.
   void ReactToFailure(const AgentOptions& agent, const Error& error) {
@@ -285,7 +286,7 @@ RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
   if (!trace_files.ok()) return FailedRun(trace_files.error());
   // Outlives the connections of the run to it, and so awaits its end.
   ros::HostProgram ros_program(options.ros.socket, options.ros.network, ros::HostProgram::AtEnd::kAwait,
-                               [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
+                               [](const std::string& line) { PrintPlain(stderr, "{}\n", line); });
   Result<PreparedRun> prepared = PrepareRun(source);
   if (!prepared.ok()) return FailedRun(prepared.error());
   AgentOptions agent = MakeAgentOptions(options, prepared.value().options);

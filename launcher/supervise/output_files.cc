@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/file.h"
 #include "common/base/output_file.h"
 
 namespace troupe {
@@ -102,13 +103,23 @@ std::vector<NamedFile> OutputsOf(const RunOptions& options) {
   return outputs;
 }
 
-Status CheckWritable(const NamedFile& output) {
-  const int file = open(output.second->c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (file < 0) {
-    return Error{{}, std::string(output.first) + ": cannot write " + *output.second + ": " + strerror(errno)};
-  }
-  close(file);
-  return Status();
+bool IsDevice(const std::string& path) {
+  std::error_code failure;
+  return fs::exists(path, failure) && !fs::is_regular_file(path, failure);
+}
+
+// A recording is a journal, too, which is cut where the run continues, and has files beside it.
+bool IsJournal(const NamedFile& output) {
+  return output.first == std::string_view("--journal") || output.second->ends_with(".mcap");
+}
+
+Status CheckOutput(const NamedFile& output) {
+  const std::string& path = *output.second;
+  const Status status = IsJournal(output) && IsDevice(path) && !fs::is_directory(path)
+                            ? Failure("it is not a file, expected a regular file")
+                            : CheckWritable(path);
+  if (status.ok()) return status;
+  return Error{{}, std::string(output.first) + ": cannot write " + path + ": " + status.error().message};
 }
 
 // Of existing files also by another link.
@@ -118,11 +129,6 @@ bool IsSameFile(const std::string& a, const std::string& b) {
   const fs::path resolved_a = fs::weakly_canonical(fs::absolute(a, failure), failure);
   const fs::path resolved_b = fs::weakly_canonical(fs::absolute(b, failure), failure);
   return !resolved_a.empty() && resolved_a == resolved_b;
-}
-
-bool IsDevice(const std::string& path) {
-  std::error_code failure;
-  return fs::exists(path, failure) && !fs::is_regular_file(path, failure);
 }
 
 // Two outputs in one file would be mixed up. Devices may be shared.
@@ -171,9 +177,8 @@ Status CheckNotRead(const RunOptions& options, std::vector<NamedFile> outputs) {
 
 OutputParts::OutputParts(const std::string& output, const std::string& option) : option_(option) {
   std::error_code ignored;
-  folder_ = std::filesystem::is_regular_file(output, ignored)
-                ? std::filesystem::absolute(output, ignored).parent_path().string()
-                : std::filesystem::temp_directory_path(ignored).string();
+  folder_ = IsDevice(output) ? std::filesystem::temp_directory_path(ignored).string()
+                             : std::filesystem::absolute(output, ignored).parent_path().string();
 }
 
 OutputParts::~OutputParts() {
@@ -200,7 +205,7 @@ std::optional<Error> OutputFailure(const std::string& line, const std::string& p
 Status MergeScans(const std::vector<std::string>& parts, const std::string& output, LineFile::Space space) {
   std::vector<std::unique_ptr<Part>> open;
   for (const std::string& path : parts) {
-    if (!std::filesystem::exists(path)) continue;
+    if (std::error_code unknown; !std::filesystem::exists(path, unknown) && !unknown) continue;
     Result<LineFile> part = LineFile::Open(path, space);
     if (!part.ok()) return part.error();
     open.push_back(std::make_unique<Part>(std::move(part).value()));
@@ -239,7 +244,7 @@ Status CheckOutputs(const RunOptions& options) {
   if (Status failure = CheckDistinct(outputs); !failure.ok()) return failure;
   if (Status failure = CheckNotRead(options, outputs); !failure.ok()) return failure;
   for (const NamedFile& output : outputs) {
-    if (Status failure = CheckWritable(output); !failure.ok()) return failure;
+    if (Status failure = CheckOutput(output); !failure.ok()) return failure;
   }
   return Status();
 }

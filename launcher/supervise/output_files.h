@@ -19,7 +19,7 @@ namespace troupe {
 class OutputParts {
  public:
   // The parts are in the file system of `output`, the file into which they are merged, or in that of temporary files if
-  // `output` is not a regular file. `option`: for error messages.
+  // `output` is a device. `option`: for error messages.
   OutputParts(const std::string& output, const std::string& option);
   ~OutputParts();
   OutputParts(const OutputParts&) = delete;
@@ -45,8 +45,8 @@ std::optional<Error> OutputFailure(const std::string& line, const std::string& p
 Status MergeScans(const std::vector<std::string>& parts, const std::string& output, LineFile::Space space);
 
 // Fails if two outputs are one file, by whatever paths; if an output is a file that the run reads (its world or
-// scenario, an included file, an image, a controller library); or if one cannot be written. Creates the files that do
-// not exist, and changes no other.
+// scenario, an included file, an image, a controller library); or if one cannot be written. Changes no file, and leaves
+// none that was not there.
 Status CheckOutputs(const RunOptions& options);
 
 // One kind of output file (scans, traces), of which each agent writes a part.

@@ -62,7 +62,7 @@ void Progress::TellEvent(Tick tick, const std::string& event, const std::string&
 void Progress::Tell(const std::string& line) {
   std::string kept = status_line_;
   ClearStatusLine();
-  fmt::print(stderr, "{}\n{}", line, kept);
+  fmt::print(stderr, "{}\n{}", PlainLine(line), kept);
   std::fflush(stderr);
   status_line_ = kept;
 }

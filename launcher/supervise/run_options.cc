@@ -58,6 +58,7 @@ void AddOutputFlags(CLI::App& command, RunOptions& options) {
   AddRecordFlags(command, options.record, options.keyframe_interval, group);
   AddScansFlag(command, options.scans, group);
   command.add_option("--summary", options.summary, "Write the summary of the run as a JSON object")
+      ->check(NotEmpty())
       ->type_name("FILE")
       ->group(group);
   AddTraceFlags(command, options.trace, group);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/json_text.h"
+#include "common/base/utf8.h"
 
 namespace troupe {
 namespace {
@@ -14,7 +15,7 @@ std::string HashText(std::uint64_t hash) {
 }
 
 std::string ListText(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, ", "));
+  return PlainLine(fmt::format("{}", fmt::join(names, ", ")));
 }
 
 }  // namespace

@@ -1,41 +1,34 @@
 #include "recording/mcap/byte_sink.h"
 
-#include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <utility>
+
+#include "common/base/file.h"
 
 namespace troupe::mcap {
 namespace {
 
 class FileSink final : public ByteSink {
  public:
-  FileSink(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
-  ~FileSink() override { static_cast<void>(Close()); }
+  FileSink(std::string path, FileDescriptor file) : path_(std::move(path)), file_(std::move(file)) {}
 
   Status Write(std::span<const std::byte> bytes) override {
-    while (status_.ok() && !bytes.empty()) {
-      const ssize_t written = write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) {
-        status_ = SystemError("cannot write: ");
-      } else {
-        bytes = bytes.subspan(static_cast<std::size_t>(written));
-      }
-    }
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (status_.ok() && !WriteAll(file_.get(), text)) status_ = SystemError("cannot write: ");
     return status_;
   }
   Status Sync() override {
-    if (status_.ok() && fdatasync(descriptor_) != 0) status_ = SystemError("cannot write: ");
+    if (status_.ok() && fdatasync(file_.get()) != 0) status_ = SystemError("cannot write: ");
     return status_;
   }
   Status Close() override {
-    const int descriptor = std::exchange(descriptor_, -1);
-    if (descriptor >= 0 && close(descriptor) != 0 && status_.ok()) status_ = SystemError("cannot close: ");
+    if (!file_.Close() && status_.ok()) status_ = SystemError("cannot close: ");
     return status_;
   }
 
@@ -45,7 +38,7 @@ class FileSink final : public ByteSink {
   }
 
   std::string path_;
-  int descriptor_;
+  FileDescriptor file_;
   Status status_;
 };
 
@@ -70,18 +63,18 @@ Result<std::unique_ptr<ByteSink>> CreateFileSink(const std::string& path) {
 }
 
 Result<std::unique_ptr<ByteSink>> AppendFileSink(const std::string& path, std::uint64_t size) {
-  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor < 0) {
-    return Error{{path}, std::string("cannot open for writing: ") + std::strerror(errno), ErrorCode::kFailure};
-  }
-  auto sink = std::make_unique<FileSink>(path, descriptor);
+  Result<FileDescriptor> opened = OpenToWrite(path);
+  if (!opened.ok()) return Error{{path}, "cannot open for writing: " + opened.error().message, opened.error().code};
+  const int descriptor = opened.value().get();
+  auto sink = std::make_unique<FileSink>(path, std::move(opened).value());
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     return Error{{path}, "cannot open for writing: another process writes this file", ErrorCode::kFailure};
   }
   struct stat info = {};
-  if (fstat(descriptor, &info) != 0 || !S_ISREG(info.st_mode)) return std::unique_ptr<ByteSink>(std::move(sink));
+  const bool known = fstat(descriptor, &info) == 0;
+  if (known && !S_ISREG(info.st_mode)) return std::unique_ptr<ByteSink>(std::move(sink));
   const auto end = static_cast<off_t>(size);
-  if (ftruncate(descriptor, end) != 0 || lseek(descriptor, end, SEEK_SET) != end) {
+  if (!known || ftruncate(descriptor, end) != 0 || lseek(descriptor, end, SEEK_SET) != end) {
     return Error{{path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kFailure};
   }
   return std::unique_ptr<ByteSink>(std::move(sink));

@@ -1,6 +1,5 @@
 #include "recording/mcap/byte_source.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -9,25 +8,25 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/file.h"
+
 namespace troupe::mcap {
 namespace {
 
 class FileSource final : public ByteSource {
  public:
-  FileSource(std::string path, int descriptor, std::uint64_t size)
-      : path_(std::move(path)), descriptor_(descriptor), size_(size) {}
-  ~FileSource() override { close(descriptor_); }
-  FileSource(const FileSource&) = delete;
-  FileSource& operator=(const FileSource&) = delete;
+  FileSource(std::string path, FileDescriptor file, std::uint64_t size)
+      : path_(std::move(path)), file_(std::move(file)), size_(size) {}
 
   const std::string& name() const override { return path_; }
   std::uint64_t size() const override { return size_; }
   void Read(std::uint64_t offset, std::span<std::byte> bytes) const override {
     while (!bytes.empty()) {
-      const ssize_t count = pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+      const ssize_t count = pread(file_.get(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
       if (count < 0 && errno == EINTR) continue;
-      if (count < 0) throw std::system_error(errno, std::generic_category(), "cannot read");
-      if (count == 0) throw std::system_error(EIO, std::generic_category(), "cannot read: the file has become shorter");
+      if (count < 0) throw std::system_error(errno, std::generic_category(), path_ + ": cannot read");
+      if (count == 0)
+        throw std::system_error(EIO, std::generic_category(), path_ + ": cannot read: the file has become shorter");
       bytes = bytes.subspan(static_cast<std::size_t>(count));
       offset += static_cast<std::uint64_t>(count);
     }
@@ -35,7 +34,7 @@ class FileSource final : public ByteSource {
 
  private:
   std::string path_;
-  int descriptor_;
+  FileDescriptor file_;
   std::uint64_t size_;
 };
 
@@ -57,15 +56,13 @@ class MemorySource final : public ByteSource {
 }  // namespace
 
 Result<std::unique_ptr<const ByteSource>> OpenFileSource(const std::string& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return Error{{path}, std::string("cannot read: ") + std::strerror(errno)};
+  Result<FileDescriptor> file = OpenToRead(path);
+  if (!file.ok()) return Error{{path}, "cannot read: " + file.error().message};
   struct stat status = {};
-  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    close(descriptor);
-    return Error{{path}, "cannot read: expected a regular file"};
-  }
+  if (fstat(file.value().get(), &status) != 0)
+    return Error{{path}, std::string("cannot read: ") + std::strerror(errno)};
   return std::unique_ptr<const ByteSource>(
-      std::make_unique<FileSource>(path, descriptor, static_cast<std::uint64_t>(status.st_size)));
+      std::make_unique<FileSource>(path, std::move(file).value(), static_cast<std::uint64_t>(status.st_size)));
 }
 
 std::unique_ptr<const ByteSource> MakeMemorySource(std::string name, std::span<const std::byte> bytes) {

@@ -1,37 +1,47 @@
 #include "robot-agent/robot/scan_log.h"
 
+#include <fcntl.h>
 #include <stdio_ext.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+
+#include "common/base/file.h"
+#include "common/base/line_file.h"
 
 namespace troupe {
 namespace {
 
-// Removes the bytes after the last line end. False if the file cannot be truncated.
-bool TruncateToWholeLines(std::FILE* file) {
-  off_t end = 0;
-  off_t position = 0;
-  for (int c = std::getc(file); c != EOF; c = std::getc(file)) {
-    ++position;
-    if (c == '\n') end = position;
-  }
-  return ftruncate(fileno(file), end) == 0 && fseeko(file, end, SEEK_SET) == 0;
+// The bytes of the whole lines of the file; 0 if there is none.
+Result<off_t> LengthOfWholeLines(const std::string& path) {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown)) return off_t{0};
+  Result<LineFile> file = LineFile::Open(path, LineFile::Space::kKeep);
+  if (!file.ok()) return file.error();
+  off_t length = 0;
+  for (std::string line; file.value().Next(line);) length += static_cast<off_t>(line.size()) + 1;
+  if (!file.value().status().ok()) return file.value().status().error();
+  return length;
 }
 
 }  // namespace
 
 Result<std::unique_ptr<ScanLog>> ScanLog::Open(const std::string& path, bool keep) {
-  std::FILE* file = keep ? std::fopen(path.c_str(), "r+e") : nullptr;
-  if (file != nullptr && !TruncateToWholeLines(file)) {
-    std::fclose(file);
-    file = nullptr;
-  } else if (file == nullptr && (!keep || errno == ENOENT)) {
-    file = std::fopen(path.c_str(), "we");
+  const Result<off_t> kept = keep ? LengthOfWholeLines(path) : Result<off_t>(0);
+  if (!kept.ok()) return kept.error();
+  Result<FileDescriptor> file = OpenToWrite(path, kept.value() == 0 ? O_TRUNC : 0);
+  if (!file.ok()) return Error{{path}, "cannot write scans here: " + file.error().message};
+  const int descriptor = file.value().get();
+  std::FILE* stream = nullptr;
+  if (kept.value() == 0 ||
+      (ftruncate(descriptor, kept.value()) == 0 && lseek(descriptor, kept.value(), SEEK_SET) == kept.value())) {
+    stream = fdopen(descriptor, "w");
   }
-  if (file == nullptr) return Error{{path}, std::string("cannot write scans here: ") + std::strerror(errno)};
-  return std::unique_ptr<ScanLog>(new ScanLog(file, path));
+  if (stream == nullptr) return Error{{path}, std::string("cannot write scans here: ") + std::strerror(errno)};
+  (void)file.value().Release();  // the stream closes it
+  return std::unique_ptr<ScanLog>(new ScanLog(stream, path));
 }
 
 ScanLog::~ScanLog() {

@@ -33,6 +33,7 @@ void AddRosSecurityFlags(CLI::App& app, ros::RosSecurity& security, const std::s
           });
   app.add_option("--ros-keystore", security.keystore,
                  "Keystore of ROS's security tools (default: ROS_SECURITY_KEYSTORE)")
+      ->check(NotEmpty())
       ->type_name("DIR")
       ->group(group);
   app.add_option("--ros-enclave", security.enclave,

@@ -18,6 +18,7 @@
 #include "command_line/option_checks.h"
 #include "command_line/parse_command_line.h"
 #include "common/base/flood_limiter.h"
+#include "common/base/print.h"
 #include "common/base/stop_signals.h"
 #include "common/base/version.h"
 #include "common/base/wake_event.h"
@@ -92,7 +93,7 @@ int Main(int argc, const char* const* argv) {
   }
 #endif
   const auto fail = [](const Error& error) {
-    fmt::print(stderr, "ros-participant: error: {}\n", error.message);
+    PrintPlain(stderr, "ros-participant: error: {}\n", error.message);
     return ExitStatusOf(error);
   };
   const Result<int> listening = ros::Bind(line.socket);
@@ -103,7 +104,7 @@ int Main(int argc, const char* const* argv) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return kExitDone;
   }
-  FloodLimiter reports([](const std::string& text) { fmt::print(stderr, "ros-participant: warning: {}\n", text); });
+  FloodLimiter reports([](const std::string& text) { PrintPlain(stderr, "ros-participant: warning: {}\n", text); });
   const dds::NetworkLog network_log([&reports](const std::string& text) { reports.Add(text); });
   const auto serving = line.while_used ? ParticipantServer::Serving::kWhileUsed : ParticipantServer::Serving::kAlways;
   try {
@@ -121,5 +122,5 @@ int Main(int argc, const char* const* argv) {
 
 // An exception while another is reported ends the program.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
-  return troupe::Main(argc, argv);
+  return troupe::RunProgram(troupe::Main, argc, argv);
 }

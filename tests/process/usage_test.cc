@@ -1,6 +1,7 @@
 // Errors of users: one line with the text found and the text expected, and the exit status of the manual.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -8,6 +9,7 @@
 
 #include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
 
 namespace troupe::test {
 namespace {
@@ -53,6 +55,9 @@ TEST(Usage, BadUsageEndsWithOneErrorLineAndStatus2) {
       {{"check"}, "error: FILE is required"},
       {{"check", "/no/such.world"}, "/no/such.world"},
       {{"top", "--domain", "x"}, "error: --domain: found 'x'"},
+      {{"top", "--interface", "none0"},
+       "error: --interface: found 'none0', expected auto, or the name or IPv4 address"},
+      {{"run", pen, "--interface", "none0"}, "error: --interface: found 'none0', expected auto, or the name or IPv4"},
   };
   for (const BadUsage& usage : cases) {
     Finished run = Finish(Troupe(usage.arguments));
@@ -61,6 +66,112 @@ TEST(Usage, BadUsageEndsWithOneErrorLineAndStatus2) {
     EXPECT_THAT(run.output, HasSubstr("error: ")) << testing::PrintToString(usage.arguments);
     EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
   }
+}
+
+// As of a variable of the shell that is not set.
+TEST(Usage, AnEmptyNameOfAFileIsRefused) {
+  const std::string pen = WorldPath("pen.world");
+  std::vector<std::vector<std::string>> cases = {{"check", ""},
+                                                 {"run", "", "--in-process"},
+                                                 {"replay", ""},
+                                                 {"snapshot", pen, "-o", ""},
+                                                 {"export-map", pen, "-o", ""},
+                                                 {"edit", ""}};
+  for (const char* option : {"--hash-log", "--poses", "--scans", "--record", "--summary", "--trace", "--journal",
+                             "--allow-files", "--allow-controllers"}) {
+    cases.push_back({"run", pen, "--ticks", "1", option, ""});
+    cases.push_back({"run", pen, "--ticks", "1", std::string(option) + "="});
+  }
+  for (const char* option : {"--hash-log", "--poses", "--scans"}) cases.push_back({"replay", "x.mcap", option, ""});
+  for (const std::vector<std::string>& arguments : cases) {
+    const Finished run = Finish(Troupe(arguments));
+    EXPECT_EQ(run.exit_status, 2) << testing::PrintToString(arguments) << "\n" << run.output;
+    EXPECT_EQ(run.output.find("error: "), 0u) << run.output;
+    EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+  }
+}
+
+// Each would wait for another program for ever, and a device is no recording.
+TEST(Usage, ANamedPipeIsNoFile) {
+  OutputFolder folder;
+  const std::string pipe = folder.Path("pipe");
+  const std::string recording = folder.Path("pipe.mcap");
+  for (const std::string& path : {pipe, recording, folder.Path("pipe.png"), folder.Path("pipe.world")}) {
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  }
+  const std::string pen = WorldPath("pen.world");
+  std::vector<std::vector<std::string>> cases = {{"check", recording},
+                                                 {"check", folder.Path("pipe.world")},
+                                                 {"replay", recording},
+                                                 {"snapshot", recording, "-o", folder.Path("out.png")},
+                                                 {"snapshot", pen, "-o", folder.Path("pipe.png")},
+                                                 {"view", recording},
+                                                 {"run", recording, "--headless"},
+                                                 {"run", recording, "--in-process"}};
+  for (const char* option : {"--hash-log", "--poses", "--scans", "--record", "--summary", "--trace", "--journal"}) {
+    cases.push_back({"run", pen, "--ticks", "1", "--headless", option, pipe});
+    cases.push_back({"run", pen, "--ticks", "1", "--in-process", option, pipe});
+  }
+  cases.push_back({"run", pen, "--ticks", "1", "--in-process", "--record", recording});
+  for (const std::vector<std::string>& arguments : cases) {
+    const Finished run = Finish(Troupe(arguments));
+    EXPECT_EQ(run.exit_status, 2) << testing::PrintToString(arguments) << "\n" << run.output;
+    EXPECT_THAT(run.output, HasSubstr("regular file")) << testing::PrintToString(arguments);
+    EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+  }
+}
+
+TEST(Usage, OutputGoesToAnOpenPipe) {
+  const std::string command =
+      ProgramPath("troupe") + " run " + WorldPath("pen.world") +
+      " --ticks 3 --in-process --headless --hash-log /dev/stdout 2>/dev/null | grep -c '^[0-3] [0-9a-f]*$'";
+  EXPECT_EQ(Finish(Program({"/bin/sh", "-c", command})).output, "4\n");
+}
+
+TEST(Usage, LostStandardOutputIsAFailure) {
+  const std::string command = ProgramPath("troupe") + " check " + WorldPath("pen.world");
+  const Finished full = Finish(Program({"/bin/sh", "-c", command + " > /dev/full"}));
+  EXPECT_EQ(full.exit_status, 3);
+  EXPECT_EQ(full.output, "error: cannot write to standard output: No space left on device\n");
+  EXPECT_EQ(Finish(Program({"/bin/sh", "-c", command + " >&-"})).exit_status, 0);
+}
+
+TEST(Usage, NamesDoNotCommandTheTerminal) {
+  OutputFolder folder;
+  const std::string world = folder.Path("a\x1b[2Jb.world");
+  std::ofstream(world) << "position ( name \"r\x1b]0;x\x07\nstatus\" ctrl \"idle\" )\n";
+  const std::string missing = folder.Path("none\x1b[2J.world");
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"check", world},
+           {"check", missing},
+           {"run", world, "--in-process", "--ticks", "2"},
+           {"check", world, "\x1b"},
+           {"run", world, "--headless", "--ticks", "2", "--domain", std::to_string(TestDomain())}}) {
+    const Finished run = Finish(Troupe(arguments));
+    EXPECT_EQ(run.output.find_first_of("\x1b\x07"), std::string::npos) << run.output;
+    EXPECT_THAT(run.output, testing::Not(HasSubstr("\nstatus"))) << "a line of its own: " << run.output;
+  }
+}
+
+TEST(Usage, LimitsOfTheProcessAreToldInOneLine) {
+  const std::string run = ProgramPath("troupe") + " run " + WorldPath("pen.world") + " --headless --ticks 3 --domain " +
+                          std::to_string(TestDomain());
+  for (const char* limit : {"ulimit -n 5; ", "ulimit -n 6; ", "ulimit -v 60000; ", "ulimit -v 100000; "}) {
+    const Finished limited = Finish(Program({"/bin/sh", "-c", limit + run}));
+    EXPECT_EQ(limited.exit_status, 3) << limit << limited.output;
+    EXPECT_THAT(limited.output, HasSubstr("error: ")) << limit;
+    EXPECT_EQ(std::count(limited.output.begin(), limited.output.end(), '\n'), 1) << limit << limited.output;
+  }
+  const Finished small_stack = Finish(Program({"/bin/sh", "-c", "ulimit -s 64; " + run}));
+  EXPECT_EQ(small_stack.exit_status, 0) << small_stack.output;
+}
+
+TEST(Usage, AServiceWithoutKeysOnANetworkSaysSo) {
+  Program service({ProgramPath("world-service"), WorldPath("pen.world"), "--interface", "auto", "--session", "no-keys",
+                   "--domain", std::to_string(TestDomain())});
+  EXPECT_THAT(service.WaitForLine("warning: no keys"), HasSubstr("--security"));
+  service.Signal(SIGTERM);
+  EXPECT_EQ(service.Wait(), 130);
 }
 
 TEST(Usage, AnUnknownControllerIsReportedOnceForAllRobots) {

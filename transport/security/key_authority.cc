@@ -52,11 +52,11 @@ Result<KeyAuthority> KeyAuthority::Create(std::chrono::seconds lifetime) {
 
 Result<KeyAuthority> KeyAuthority::Load(const std::string& folder) {
   const std::filesystem::path path(folder);
-  const Result<std::string> key_pem = ReadWholeFile((path / kAuthorityKey).string());
+  const Result<std::string> key_pem = ReadFileOfKeys((path / kAuthorityKey).string());
   if (!key_pem.ok()) return key_pem.error();
-  const Result<std::string> certificate_pem = ReadWholeFile((path / kAuthorityCertificate).string());
+  const Result<std::string> certificate_pem = ReadFileOfKeys((path / kAuthorityCertificate).string());
   if (!certificate_pem.ok()) return certificate_pem.error();
-  Result<std::string> governance = ReadWholeFile((path / kGovernanceFile).string());
+  Result<std::string> governance = ReadFileOfKeys((path / kGovernanceFile).string());
   if (!governance.ok()) return governance.error();
   Result<CertifiedKey> key = ReadCertifiedKey(key_pem.value(), certificate_pem.value());
   if (!key.ok()) return Error{{folder}, key.error().message, key.error().code};

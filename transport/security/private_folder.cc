@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <system_error>
+
+#include "common/base/file.h"
 
 namespace troupe {
 namespace {
@@ -38,19 +38,10 @@ Status MakeFolders(const fs::path& folder) {
 }
 
 Status WriteFile(const fs::path& path, const std::string& content) {
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (file < 0) return SystemFailure(path, "cannot make the file");
-  std::size_t written = 0;
-  while (written < content.size()) {
-    const ssize_t count = write(file, content.data() + written, content.size() - written);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) break;
-    written += static_cast<std::size_t>(count);
-  }
-  Status status;
-  if (written < content.size()) status = SystemFailure(path, "cannot write the file");
-  if (close(file) != 0 && status.ok()) status = SystemFailure(path, "cannot write the file");
-  return status;
+  FileDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  if (file.get() < 0) return SystemFailure(path, "cannot make the file");
+  const bool written = WriteAll(file.get(), content);
+  return written && file.Close() ? Status() : SystemFailure(path, "cannot write the file");
 }
 
 // A folder is never replaced by a rename, unless it is empty.
@@ -82,12 +73,11 @@ Status WritePrivateFolder(const std::string& folder, const std::vector<PrivateFi
   return status;
 }
 
-Result<std::string> ReadWholeFile(const std::string& path) {
-  const std::ifstream file(path, std::ios::binary);
-  if (!file) return Error{{path}, std::string("cannot read: ") + std::strerror(errno)};
-  std::ostringstream content;
-  content << file.rdbuf();
-  return content.str();
+Result<std::string> ReadFileOfKeys(const std::string& path) {
+  constexpr std::size_t kMost = 1'000'000;  // bytes
+  Result<std::string> content = ReadWholeFile(path, kMost);
+  if (content.ok()) return content;
+  return Error{{path}, "cannot read: " + content.error().message};
 }
 
 }  // namespace troupe

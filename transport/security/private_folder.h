@@ -17,7 +17,7 @@ struct PrivateFile {
 // folders above it are made too (0700). Fails if a folder with files, or anything else, has that name already.
 Status WritePrivateFolder(const std::string& folder, const std::vector<PrivateFile>& files);
 
-// The whole content of a file that should be small.
-Result<std::string> ReadWholeFile(const std::string& path);
+// The content of a small file of such a folder.
+Result<std::string> ReadFileOfKeys(const std::string& path);
 
 }  // namespace troupe

@@ -57,7 +57,7 @@ Result<RunToken> RunToken::Make() {
 
 Result<RunToken> RunToken::ReadFrom(const std::string& keys) {
   const std::string path = PathIn(keys);
-  const Result<std::string> text = ReadWholeFile(path);
+  const Result<std::string> text = ReadFileOfKeys(path);
   if (!text.ok()) return text.error();
   RunToken token;
   const std::optional<std::string> secret = FromHexadecimal(text.value());

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <vector>
 
+#include "common/base/file.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
@@ -32,27 +30,19 @@ Result<std::string> ReadTextFile(const std::string& named, const SourceLocation&
   const std::optional<std::string> resolved = allowed.Resolve(named);
   if (!resolved) return Error{where, NotAllowed(named, allowed)};
   const std::string& path = *resolved;
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
-    return Error{where, NotReadable(path, std::strerror(error ? error.value() : ENOENT))};
+  const Result<FileDescriptor> file = OpenToRead(path);
+  if (!file.ok()) {
+    const bool is_other_kind = file.error().code == ErrorCode::kBadInput;
+    return Error{where, is_other_kind ? "found " + QuotedPath(path) + ", expected a regular file"
+                                      : NotReadable(path, file.error().message)};
   }
-  // Anything else (a folder, a pipe, a device) could fail late or never end.
-  if (!std::filesystem::is_regular_file(status)) {
-    return Error{where, "found " + QuotedPath(path) + ", expected a regular file"};
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return Error{where, NotReadable(path, std::strerror(errno))};
-  const auto size = std::filesystem::file_size(path, error);
-  if (error) return Error{where, NotReadable(path, error.message())};
-  if (size > kMaxTextFileBytes) {
-    return Error{where, "found " + std::to_string(size) + " bytes in " + QuotedPath(path) + ", expected at most " +
-                            std::to_string(kMaxTextFileBytes)};
-  }
-  std::string text(static_cast<std::size_t>(size), '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return text;
+  Result<std::string> text = ReadToEnd(file.value(), path, kMaxTextFileBytes);
+  if (text.ok()) return text;
+  const bool is_too_long = text.error().code == ErrorCode::kBadInput;
+  if (!is_too_long) return Error{where, NotReadable(path, text.error().message)};
+  std::error_code ignored;
+  return Error{where, fmt::format("found {} bytes in {}, expected at most {}",
+                                  std::filesystem::file_size(path, ignored), QuotedPath(path), kMaxTextFileBytes)};
 }
 
 std::string DirectoryOf(const std::string& path) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <thread>
 
+#include "common/base/file.h"
+
 namespace troupe {
 namespace {
 

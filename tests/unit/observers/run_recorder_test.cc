@@ -158,7 +158,7 @@ TEST_F(RunRecorderTest, ProgressThatIsReportedWithinARewindTearsNoRecordOfTheJou
     });
     EXPECT_TRUE(written.ok());
     pauses.join();
-    const JournalTailContent tail = ReadJournalTail(files, 7, 0);
+    const JournalTailContent tail = ReadJournalTail(files, 7, 0).value();
     EXPECT_EQ(tail.ticks.size(), kStates);
     EXPECT_EQ(tail.next_serial, 2 * kStates);
     EXPECT_TRUE(recorder->OnEnd().ok());

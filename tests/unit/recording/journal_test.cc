@@ -186,7 +186,7 @@ TEST_F(JournalTest, ReusesTheFilesOfItsTail) {
     tail->Release(tick.number);
   }
   for (const std::string& file : files_.tail) EXPECT_LT(fs::file_size(file), 2u << 20);
-  const JournalTailContent content = ReadJournalTail(files_, run_.run, 298);
+  const JournalTailContent content = ReadJournalTail(files_, run_.run, 298).value();
   EXPECT_EQ(content.ticks.size(), 2u);
   EXPECT_EQ(content.progress, Progress(299));
   tail->Remove();

@@ -1,5 +1,8 @@
 #include "transport/dds/binding/domain_participant.h"
 
+#include <sys/mman.h>
+#include <sys/resource.h>
+
 #include <map>
 #include <mutex>
 #include <utility>
@@ -77,7 +80,21 @@ SharedDomain OpenNumberedDomain(const DomainConfig& config) {
   return {created, config.domain};
 }
 
+// Cyclone ends the process where it cannot start a thread, as with a limit of the address space.
+void CheckRoomForThreads(const DomainConfig& config) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  constexpr std::size_t kRoom = std::size_t{96} << 20;  // bytes, for about ten threads
+  void* const room = mmap(nullptr, kRoom, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED) {
+    throw Exception(DDS_RETCODE_OUT_OF_RESOURCES,
+                    Starting(config) + " (expected 96 MiB more of address space: ulimit -v)");
+  }
+  munmap(room, kRoom);
+}
+
 SharedDomain OpenDomain(const DomainConfig& config) {
+  CheckRoomForThreads(config);
   if (config.domain >= kDomains) throw Exception(DDS_RETCODE_BAD_PARAMETER, Starting(config) + " (expected 0 to 230)");
   if (!config.security_enclave.empty()) {
     const Status enclave = CheckEnclave(config.security_enclave);

@@ -2,6 +2,7 @@
 
 #include <dds/ddsrt/log.h>
 
+#include <cstdio>
 #include <utility>
 
 namespace troupe::dds {
@@ -19,6 +20,12 @@ NetworkLog::NetworkLog(FloodLimiter::Tell tell)
 
 NetworkLog::~NetworkLog() {
   dds_set_log_sink(nullptr, nullptr);  // waits for calls that have begun
+}
+
+void PrintFirstNetworkMessage() {
+  static const NetworkLog log([printed = false](const std::string& line) mutable {
+    if (!std::exchange(printed, true)) std::fprintf(stderr, "%s (further ones are not shown)\n", line.c_str());
+  });
 }
 
 }  // namespace troupe::dds

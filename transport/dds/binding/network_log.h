@@ -20,4 +20,8 @@ class NetworkLog {
   FloodLimiter lines_;
 };
 
+// For a tool: prints the first message of the process alone, to standard error. Tools look again and again for a
+// service that no packet may reach.
+void PrintFirstNetworkMessage();
+
 }  // namespace troupe::dds

@@ -10,6 +10,7 @@
 #include "common/base/random_id.h"
 #include "transport/dds/binding/builtin_topic.h"
 #include "transport/dds/binding/condition.h"
+#include "transport/dds/binding/network_log.h"
 #include "transport/dds/binding/wait_set.h"
 #include "transport/dds/convert/convert_control.h"
 #include "transport/dds/convert/topic_types.h"
@@ -164,6 +165,7 @@ Status ControlClient::WaitForService(double seconds) {
     }
     if (!keys.ok()) return keys.error();
     if (!connection_ || connection_->keys() != keys.value()) {
+      dds::PrintFirstNetworkMessage();
       dds::DomainConfig config = dds::ToolConfig(network_.domain, network_.network_interface, network_.service_address);
       config.security_enclave = keys.value().enclave;
       connection_ = std::make_unique<Connection>(config, network_.session, keys.value());

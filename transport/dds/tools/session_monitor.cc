@@ -10,6 +10,7 @@
 
 #include "transport/dds/binding/builtin_topic.h"
 #include "transport/dds/binding/condition.h"
+#include "transport/dds/binding/network_log.h"
 #include "transport/dds/binding/wait_set.h"
 #include "transport/dds/convert/convert_status.h"
 #include "transport/dds/convert/topic_types.h"
@@ -173,6 +174,7 @@ class SessionMonitor::Implementation {
   }
 
   void AddParticipant(const std::string& enclave) {
+    dds::PrintFirstNetworkMessage();
     dds::DomainConfig config = dds::ToolConfig(network_.domain, network_.network_interface, network_.service_address);
     config.security_enclave = enclave;
     auto participant = std::make_unique<MonitoringParticipant>(config);

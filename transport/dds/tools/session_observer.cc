@@ -3,6 +3,7 @@
 #include <exception>
 #include <utility>
 
+#include "transport/dds/binding/network_log.h"
 #include "transport/dds/transport/dds_transport.h"
 #include "transport/security/session_keys.h"
 
@@ -26,6 +27,7 @@ class DdsSessionObserver : public SessionObserver {
 Result<std::unique_ptr<SessionObserver>> ObserveSession(const NetworkSettings& network, ObserverHandler& handler) {
   Result<ParticipantKeys> keys = FindKeys(network.security, network.domain, network.session, Role::Observer());
   if (!keys.ok()) return keys.error();
+  dds::PrintFirstNetworkMessage();
   DdsOptions options;
   static_cast<NetworkSettings&>(options) = network;
   options.keys = std::move(keys).value();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/or_failure.h"
+#include "common/base/print.h"
 #include "common/base/version.h"
 #include "recording/tick_reader.h"
 #include "world-service/core/step_version.h"
@@ -172,7 +173,7 @@ Status RunRecorder::Reported(const Status& outcome) {
   if (outcome.ok() || !options_.journal_is_optional || committed_.tail == nullptr) return outcome;
   thread_->Fail(outcome.error());
   if (!std::exchange(committed_.is_dropped, true)) {
-    fmt::print(stderr,
+    PrintPlain(stderr,
                "the journal of the run cannot be written ({}): the run cannot be continued if its world service "
                "dies\n",
                outcome.error().message);

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/print.h"
 #include "ros/connection/clock_output.h"
 #include "ros/connection/parameter_services.h"
 #include "ros/connection/ros_endpoints.h"
@@ -54,7 +55,7 @@ class RosWorldGateway final : public RunObserver {
   Status OnBegin(const RunStart& start) override {
     ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, scene_, start.control));
     connection_.Announce();
-    TellNames();
+    ReportNames();
     if (options_.pose_topics.goals || options_.pose_topics.poses) {
       poses_.emplace(connection_, options_, scene_, start.control, [this](const std::string& text) { Warn(text); });
     }
@@ -72,7 +73,7 @@ class RosWorldGateway final : public RunObserver {
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
     if (poses_) poses_->ChangeWorld(scene);
-    TellNames();
+    ReportNames();
     const std::lock_guard lock(mutex_);
     if (simulation_) simulation_->ChangeWorld(scene);
   }
@@ -107,12 +108,12 @@ class RosWorldGateway final : public RunObserver {
 
  private:
   void Warn(const std::string& text) {
-    fmt::print(stderr, "ROS: {}\n", text);
+    PrintPlain(stderr, "ROS: {}\n", text);
     const std::lock_guard lock(log_mutex_);
     log_.Write(ros::LogLevel::kWarning, "/world", text);
   }
   // Each notice once.
-  void TellNames() {
+  void ReportNames() {
     for (const std::string& notice : ros::NoticesOfNames(scene_->world(), options_.network.domain, options_.names)) {
       if (told_names_.insert(notice).second) Warn(notice);
     }

@@ -1,0 +1,59 @@
+// Files by their descriptors: opened only where no program is waited for, and read and written to the end.
+//
+// The message of an error is the reason alone ("No such file or directory", "it is a named pipe, ..."), behind which
+// callers say what they could not do; its place is the file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "troupe/result.h"
+
+namespace troupe {
+
+// An open file, which is closed at the end.
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
+  FileDescriptor(FileDescriptor&& other) noexcept : descriptor_(other.Release()) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept;
+  ~FileDescriptor() { (void)Close(); }
+
+  int get() const { return descriptor_; }
+  // The caller closes it.
+  int Release();
+  // False, with the reason in errno: not all that was written is in the file.
+  bool Close();
+
+ private:
+  int descriptor_;  // -1: none
+};
+
+// What errno says.
+Error FileError(const std::string& path, ErrorCode code = ErrorCode::kFailure);
+
+// Opens a regular file; a folder, a pipe or a device could wait for a program, fail late or never end. Any other error
+// has the code kFailure.
+Result<FileDescriptor> OpenToRead(const std::string& path);
+
+// Opens a regular file, which is made if there is none, or a device or an open pipe of a process (/dev/null,
+// /dev/stdout). Named pipes are refused as above: without a reader, a program would wait for one. `flags`: more of
+// open(2), as O_TRUNC.
+Result<FileDescriptor> OpenToWrite(const std::string& path, int flags = 0);
+
+// Whether OpenToWrite can open the file. Changes nothing, and leaves none that was not there.
+Status CheckWritable(const std::string& path);
+
+// The content from here to the end, whatever size the file system states: that of a file in /proc is 0. A file of more
+// than `most` bytes is refused with the code kBadInput.
+Result<std::string> ReadToEnd(const FileDescriptor& file, const std::string& path, std::size_t most);
+
+// OpenToRead and ReadToEnd.
+Result<std::string> ReadWholeFile(const std::string& path, std::size_t most);
+
+// Waits where the descriptor itself does not. False, with the reason in errno: not all is written.
+bool WriteAll(int descriptor, std::string_view bytes);
+
+}  // namespace troupe
