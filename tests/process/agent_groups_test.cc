@@ -6,9 +6,9 @@
 #include <set>
 #include <string>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -27,19 +27,16 @@ class AgentGroupsRunTest : public testing::Test {
 
   std::string Path(const std::string& name) const { return folder_.Path(name); }
   Program Run(const std::string& hashes, std::vector<std::string> more) const {
-    std::vector<std::string> arguments = {
-        "run",      Path("yard.world"),           "--headless", "--controller", "wander", "--ticks", "60",
-        "--domain", std::to_string(TestDomain()), "--hash-log", Path(hashes)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Troupe(arguments);
+    return Troupe(Words("run % --headless --controller wander --ticks 60 --domain % --hash-log %",
+                        {Path("yard.world"), std::to_string(TestDomain()), Path(hashes)}) +
+                  more);
   }
   void ExpectHashesOfOneProcess() const {
-    const Finished whole = Finish(Run("whole", {"--in-process"}));
-    ASSERT_EQ(whole.exit_status, 0) << whole.output;
+    OutputOf(Run("whole", {"--in-process"}));
     EXPECT_EQ(folder_.Read("hashes"), folder_.Read("whole"));
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 // The value of an option in a command line.

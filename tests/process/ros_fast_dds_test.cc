@@ -4,11 +4,9 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,6 +14,7 @@
 #include "ros/connection/simulation_types.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/ros_graph.h"
@@ -25,8 +24,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
-using StateClient = Client<simulation_interfaces_srv_dds__GetSimulationState_Request_,
-                           simulation_interfaces_srv_dds__GetSimulationState_Response_>;
+using StateClient = TROUPE_SIMULATION_CLIENT(GetSimulationState);
 
 std::string Domain() {
   return std::to_string(TestRosNetwork().domain);
@@ -40,8 +38,7 @@ Program Caller(std::vector<std::string> arguments) {
 // The lines of a caller on one topic.
 std::vector<json> LinesOn(Program& caller, const std::string& topic) {
   std::vector<json> found;
-  std::istringstream lines(caller.output());
-  for (std::string text; std::getline(lines, text);) {
+  for (const std::string& text : LinesOf(caller.output())) {
     json line = json::parse(text, nullptr, false);
     if (line.is_object() && line["topic"] == topic) found.push_back(std::move(line));
   }
@@ -57,9 +54,7 @@ class RosFastDds : public testing::Test {
   }
 
   static Program Run(std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"--speed", "1", "--ros", "--ros-interface", "lo", "--ros-domain", Domain()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return RunPen(std::move(arguments));
+    return RunPen(Words("--speed 1 --ros --ros-interface lo --ros-domain %", {Domain()}) + more);
   }
   // The processes of ros-participant on Fast DDS.
   static std::vector<pid_t> SidesOf(const Program& run) {
@@ -73,8 +68,7 @@ class RosFastDds : public testing::Test {
   }
   static void End(Program& run) {
     const std::vector<pid_t> sides = SidesOf(run);
-    run.Signal(SIGINT);
-    EXPECT_EQ(run.Wait(), 130) << run.output();
+    run.Interrupt();
     for (const pid_t side : sides) EXPECT_TRUE(IsGoneSoon(side));
   }
 };
@@ -154,8 +148,7 @@ TEST_F(RosFastDds, FollowsRobotsThatAreSpawnedAndDeleted) {
   const auto edit = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "ctl");
     arguments.insert(arguments.end(), {"--session", session, "--domain", std::to_string(TestDomain())});
-    const Finished edited = Finish(Troupe(std::move(arguments)));
-    EXPECT_EQ(edited.exit_status, 0) << edited.output;
+    OutputOf(Troupe(std::move(arguments)));
   };
   edit({"spawn", "rover", "--name", "late", "--pose", "0.5,-2,0,0"});
   Program caller = Caller({"leaves", "/late/robot"});
