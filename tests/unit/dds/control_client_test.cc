@@ -33,11 +33,7 @@ class ReplyingService : public ServiceHandler {
   void OnAgentGone(AgentId) override {}
   void OnRivalService(const SessionMessage&) override {}
   void OnControl(const ControlRequest& request) override {
-    ControlReply reply;
-    reply.client = request.client;
-    reply.number = request.number;
-    reply.done = true;
-    endpoint_->SendControlReply(reply);
+    endpoint_->SendControlReply(ControlReply{.client = request.client, .number = request.number, .done = true});
     if (request.command != ControlCommand::kPlay) return;
     has_replied_ = true;
     has_replied_.notify_all();
@@ -61,11 +57,7 @@ class ReplyingService : public ServiceHandler {
 };
 
 NetworkSettings Network(const std::string& session) {
-  NetworkSettings network;
-  network.domain = TestDomain();
-  network.session = session;
-  network.security = kSecurityOff;
-  return network;
+  return {.domain = TestDomain(), .session = session, .security = kSecurityOff};
 }
 
 TEST(ControlClient, TakesTheReplyOfAServiceThatEndsRightAfterIt) {
