@@ -49,12 +49,8 @@ class AgentProtocolTest : public testing::Test {
   }
 
   void SendSession(Edition edition = 0, const WorldDescription& world = World(), RunId run = kRun) {
-    SessionMessage session;
-    session.run = run;
-    session.protocol_version = kProtocolVersion;
-    session.world = world;
-    session.world_edition = edition;
-    protocol_.OnSession(session);
+    protocol_.OnSession(
+        SessionMessage{.run = run, .protocol_version = kProtocolVersion, .world = world, .world_edition = edition});
   }
   void PerformTask() {
     std::optional<ReplicaTask> task = protocol_.BeginTask();
@@ -63,9 +59,7 @@ class AgentProtocolTest : public testing::Test {
     protocol_.FinishTask(*task);
   }
   static FrameMessage Frame(Tick tick, Edition edition = 0) {
-    FrameMessage frame;
-    frame.run = kRun;
-    frame.state = PlacedState(World());
+    FrameMessage frame{.run = kRun, .state = PlacedState(World())};
     frame.state.tick = tick;
     frame.edition = frame.world_edition = edition;
     return frame;
@@ -533,11 +527,7 @@ TEST_F(IncarnationTest, ALaterServiceIsJoinedAtOnceAndGetsTheSameAnswer) {
 
 TEST_F(IncarnationTest, AnEarlierServiceHasNoEffectAnyMore) {
   JoinAndRun();
-  SessionMessage session;
-  session.run = kRun;
-  session.world = World();
-  session.incarnation = 1;
-  protocol_.OnSession(session);
+  protocol_.OnSession(SessionMessage{.run = kRun, .world = World(), .incarnation = 1});
   ASSERT_TRUE(PollAfter(0.0));
   AnswerAs(0);
   EXPECT_FALSE(protocol_.is_running());

@@ -126,10 +126,7 @@ TEST(RunOptions, GivesEachRunItsOwnSession) {
 }
 
 TEST(RunOptions, OverridesOnlyTheGivenSettings) {
-  RunSettings settings;
-  settings.ticks = 5;
-  settings.speed = 2.0;
-  settings.on_agent_loss = OnAgentLoss::kPause;
+  RunSettings settings{.ticks = 5, .speed = 2.0, .on_agent_loss = OnAgentLoss::kPause};
   Parse({"w.world"}).options.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 5u);
   EXPECT_EQ(settings.speed, 2.0);

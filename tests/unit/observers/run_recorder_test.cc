@@ -1,16 +1,16 @@
 #include "world-service/observers/recorder/run_recorder.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <chrono>
-#include <filesystem>
 #include <latch>
 #include <thread>
 
 #include "recording/journal_tail.h"
 #include "recording/tick_reader.h"
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
 #include "transport/protocol/memory_transport.h"
@@ -71,17 +71,16 @@ class RunRecorderTest : public testing::Test, protected RunObserver {
 
 TEST_F(RunRecorderTest, RecordsEachTickWithItsProposalsEventsAndHash) {
   ASSERT_TRUE(Run().ok());
-  const Result<Recording> recording = Open();
-  ASSERT_TRUE(recording.ok()) << recording.error().message;
-  EXPECT_FALSE(recording.value().damage());
-  EXPECT_TRUE(recording.value().CheckData().ok());
-  EXPECT_EQ(recording.value().run().world, scene_->world());
-  EXPECT_EQ(recording.value().run().file, "plane.world");
-  EXPECT_EQ(recording.value().run().keyframe_interval, 7u);
-  EXPECT_EQ(recording.value().run().settings.ticks, 40u);
-  EXPECT_EQ(recording.value().run().run, frames_.front().run);
-  EXPECT_EQ(recording.value().keyframes(), 7u) << "0, 7, ..., 35 and the last";
-  TickReader reader(recording.value());
+  const Recording recording = test::ValueOf(Open());
+  EXPECT_FALSE(recording.damage());
+  EXPECT_TRUE(recording.CheckData().ok());
+  EXPECT_EQ(recording.run().world, scene_->world());
+  EXPECT_EQ(recording.run().file, "plane.world");
+  EXPECT_EQ(recording.run().keyframe_interval, 7u);
+  EXPECT_EQ(recording.run().settings.ticks, 40u);
+  EXPECT_EQ(recording.run().run, frames_.front().run);
+  EXPECT_EQ(recording.keyframes(), 7u) << "0, 7, ..., 35 and the last";
+  TickReader reader(recording);
   RecordedTick tick;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     ASSERT_TRUE(reader.Next(tick).value()) << i;
@@ -102,19 +101,14 @@ TEST_F(RunRecorderTest, RecordsEachTickWithItsProposalsEventsAndHash) {
 TEST_F(RunRecorderTest, LetsTheRunWaitForASlowDiskAndLosesNoTick) {
   recording_options_.keyframe_interval = 1;  // each tick is written by itself
   recording_options_.queue_bytes = 1;
-  const Result<RunSummary> summary = Run({.write_time = std::chrono::milliseconds(3)});
-  ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_GT(summary.value().record_waited_seconds, 0.0);
-  const Result<Recording> recording = Open();
-  ASSERT_TRUE(recording.ok());
-  EXPECT_EQ(recording.value().places().greatest(), 40u);
-  EXPECT_EQ(recording.value().keyframes(), 41u);
+  EXPECT_GT(test::ValueOf(Run({.write_time = std::chrono::milliseconds(3)})).record_waited_seconds, 0.0);
+  const Recording recording = test::ValueOf(Open());
+  EXPECT_EQ(recording.places().greatest(), 40u);
+  EXPECT_EQ(recording.keyframes(), 41u);
 }
 
 TEST_F(RunRecorderTest, DoesNotWaitForAFastDisk) {
-  const Result<RunSummary> summary = Run();
-  ASSERT_TRUE(summary.ok());
-  EXPECT_EQ(summary.value().record_waited_seconds, 0.0);
+  EXPECT_EQ(test::ValueOf(Run()).record_waited_seconds, 0.0);
 }
 
 TEST_F(RunRecorderTest, AFullDiskEndsTheRun) {
@@ -124,9 +118,7 @@ TEST_F(RunRecorderTest, AFullDiskEndsTheRun) {
   ASSERT_FALSE(summary.ok());
   EXPECT_EQ(summary.error().message, "no space");
   EXPECT_EQ(summary.error().code, ErrorCode::kOutputFailed);
-  const Result<Recording> recording = Open();
-  ASSERT_TRUE(recording.ok()) << "the part that is written is readable";
-  EXPECT_TRUE(recording.value().damage());
+  EXPECT_TRUE(test::ValueOf(Open()).damage());
 }
 
 class NoControl final : public WorldControl {
@@ -136,34 +128,30 @@ class NoControl final : public WorldControl {
 // A pause reports progress on the thread that delivers it, while the thread of the run writes a rewind.
 TEST_F(RunRecorderTest, ProgressThatIsReportedWithinARewindTearsNoRecordOfTheJournal) {
   constexpr std::uint64_t kStates = 2000;  // less than a file of the tail
-  std::string pattern = testing::TempDir() + "troupe-recorder-XXXXXX";
-  const std::filesystem::path folder = mkdtemp(pattern.data());
-  recording_options_.journal = JournalFiles::Of((folder / "run.mcap").string());
+  const test::TemporaryFolder folder;
+  recording_options_.journal = JournalFiles::Of(folder.Path("run.mcap"));
   const JournalFiles& files = *recording_options_.journal;
-  {
-    const std::unique_ptr<RunRecorder> recorder = RunRecorder::Create(files.recording, recording_options_).value();
-    NoControl control;
-    ASSERT_TRUE(recorder->OnBegin({7, options_.settings, scene_, control}).ok());
-    std::latch both(2);
-    std::jthread pauses([&] {
-      both.arrive_and_wait();
-      for (std::uint64_t i = 0; i < kStates; ++i) EXPECT_TRUE(recorder->OnProgress({}).ok());
-    });
+  const std::unique_ptr<RunRecorder> recorder = RunRecorder::Create(files.recording, recording_options_).value();
+  NoControl control;
+  ASSERT_TRUE(recorder->OnBegin({7, options_.settings, scene_, control}).ok());
+  std::latch both(2);
+  std::jthread pauses([&] {
     both.arrive_and_wait();
-    std::uint64_t made = 0;
-    const Status written = recorder->Append([&](RecordedTick& tick) -> Result<bool> {
-      if (made == kStates) return false;
-      tick.tick = made++;
-      return true;
-    });
-    EXPECT_TRUE(written.ok());
-    pauses.join();
-    const JournalTailContent tail = ReadJournalTail(files, 7, 0);
-    EXPECT_EQ(tail.ticks.size(), kStates);
-    EXPECT_EQ(tail.next_serial, 2 * kStates);
-    EXPECT_TRUE(recorder->OnEnd().ok());
-  }
-  std::filesystem::remove_all(folder);
+    for (std::uint64_t i = 0; i < kStates; ++i) EXPECT_TRUE(recorder->OnProgress({}).ok());
+  });
+  both.arrive_and_wait();
+  std::uint64_t made = 0;
+  const Status written = recorder->Append([&](RecordedTick& tick) -> Result<bool> {
+    if (made == kStates) return false;
+    tick.tick = made++;
+    return true;
+  });
+  EXPECT_TRUE(written.ok());
+  pauses.join();
+  const JournalTailContent tail = ReadJournalTail(files, 7, 0);
+  EXPECT_EQ(tail.ticks.size(), kStates);
+  EXPECT_EQ(tail.next_serial, 2 * kStates);
+  EXPECT_TRUE(recorder->OnEnd().ok());
 }
 
 TEST_F(RunRecorderTest, ADiskThatIsFullFromTheStartEndsTheRunBeforeItBegins) {

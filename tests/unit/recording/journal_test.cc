@@ -8,6 +8,7 @@
 
 #include "recording/journal_tail.h"
 #include "recording/recording_writer.h"
+#include "tests/support/files.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {
@@ -18,15 +19,11 @@ namespace fs = std::filesystem;
 class JournalTest : public testing::Test {
  protected:
   JournalTest() {
-    std::string pattern = testing::TempDir() + "troupe-journal-XXXXXX";
-    folder_ = mkdtemp(pattern.data());
-    files_ = JournalFiles::Of((folder_ / "run.mcap").string());
     SmallWorld world;
     world.AddRobot("r0", {});
     run_.run = 7;
     run_.world = world.world();
   }
-  ~JournalTest() override { fs::remove_all(folder_); }
 
   // Ticks that last 0.1 s each, the first `steps` + 1 of a run.
   static std::vector<RecordedTick> Ticks(std::uint64_t steps) {
@@ -52,11 +49,8 @@ class JournalTest : public testing::Test {
   }
 
   static RunProgress Progress(std::uint64_t stalls) {
-    RunProgress progress;
-    progress.incarnation = 3;
-    progress.stalls = stalls;
-    progress.absent = {RobotId(0)};
-    progress.newcomers = {RobotId(1), RobotId(2)};
+    RunProgress progress{
+        .incarnation = 3, .absent = {RobotId(0)}, .newcomers = {RobotId(1), RobotId(2)}, .stalls = stalls};
     return progress;
   }
 
@@ -91,8 +85,8 @@ class JournalTest : public testing::Test {
     fs::resize_file(file, fs::file_size(file) - bytes);
   }
 
-  fs::path folder_;
-  JournalFiles files_;
+  const test::TemporaryFolder folder_;
+  const JournalFiles files_ = JournalFiles::Of(folder_.Path("run.mcap"));
   RecordedRun run_;
 };
 

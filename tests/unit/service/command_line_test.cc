@@ -22,11 +22,7 @@ TEST(ServiceCommandLine, WithoutOptionsKeepsTheScenariosSettings) {
   EXPECT_EQ(line.file, "a.world");
   EXPECT_FALSE(line.faults.any());
   EXPECT_FALSE(line.report_fd);
-  RunSettings settings;
-  settings.ticks = 7;
-  settings.speed = 3.0;
-  settings.mode = Mode::kRealtime;
-  settings.on_agent_loss = OnAgentLoss::kPause;
+  RunSettings settings{.ticks = 7, .mode = Mode::kRealtime, .speed = 3.0, .on_agent_loss = OnAgentLoss::kPause};
   line.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 7u);
   EXPECT_EQ(settings.speed, 3.0);
@@ -68,9 +64,7 @@ TEST(ServiceCommandLine, OverridesTheScenario) {
                              "4"});
   ASSERT_TRUE(std::holds_alternative<ServiceCommandLine>(parsed));
   const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
-  RunSettings settings;
-  settings.speed = 3.0;
-  settings.mode = Mode::kRealtime;
+  RunSettings settings{.mode = Mode::kRealtime, .speed = 3.0};
   line.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 5u);
   EXPECT_EQ(settings.speed, std::nullopt);
