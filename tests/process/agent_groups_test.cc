@@ -40,7 +40,7 @@ class AgentGroupsRunTest : public testing::Test {
 };
 
 // The value of an option in a command line.
-std::string ValueOf(const std::string& command_line, const std::string& option) {
+std::string OptionOf(const std::string& command_line, const std::string& option) {
   const std::size_t begin = command_line.find(option + "=");
   if (begin == std::string::npos) return {};
   const std::size_t value = begin + option.size() + 1;
@@ -57,8 +57,8 @@ TEST_F(AgentGroupsRunTest, AgentsOfSeveralGroupsContinueWithAnotherService) {
     const std::string command_line = CommandLineOf(child);
     if (command_line.find("world-service") != std::string::npos) service = child;
     if (command_line.find("robot-agent") == std::string::npos) continue;
-    services.insert(ValueOf(command_line, "--service"));
-    participants.insert(ValueOf(command_line, "--service-participant"));
+    services.insert(OptionOf(command_line, "--service"));
+    participants.insert(OptionOf(command_line, "--service-participant"));
   }
   EXPECT_EQ(services.size(), 2u);
   EXPECT_EQ(participants.size(), 2u);

@@ -204,7 +204,7 @@ TEST_F(DdsTransportTest, SessionsOfOtherNamesDoNotMatch) {
   Service service(MakeServiceTransport());
   const DdsServiceTransport other_service_transport = MakeDdsServiceTransport(other);
   EXPECT_NE(port_, other_service_transport.participants.front().port);
-  Service other_service;
+  test::CollectingService other_service;
   const auto other_end = other_service_transport.transport->MakeServiceEndpoint();
   other_end->Start(other_service);
   service.endpoint->SendSession(Session(1));
@@ -385,7 +385,7 @@ TEST_F(DdsTransportTest, AnAgentMakesItsEndpointsOfTheNetworkAgainAfterAFailure)
   auto other = std::make_unique<dds::Entity>(
       dds_create_topic(connection.participant.handle(), dds::TopicTraits<troupe_wire_Proposal>::descriptor(),
                        topics::kProposal, dds::qos_profiles::Description().get(), nullptr));
-  Agent agent;
+  test::CollectingAgent agent;
   dds::DdsAgentEndpoint agent_end(connection, std::nullopt, true);
   agent_end.Start(agent);
   ASSERT_TRUE(Eventually([&] { return failures > 0; }));
