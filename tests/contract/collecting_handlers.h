@@ -4,7 +4,9 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "transport/protocol/transport.h"
@@ -42,14 +44,22 @@ class Inbox {
   std::vector<T> items_;
 };
 
-class CollectingService final : public ServiceHandler {
+class CollectingService : public ServiceHandler {
  public:
-  void OnJoin(const JoinMessage& join) override { joins.Put(join); }
-  void OnProposal(const ProposalMessage& proposal) override { proposals.Put(proposal); }
+  void OnJoin(const JoinMessage& join) override {
+    joins.Put(join);
+    if (on_join) on_join(join);
+  }
+  void OnProposal(const ProposalMessage& proposal) override {
+    proposals.Put(proposal);
+    if (on_proposal) on_proposal(proposal);
+  }
   void OnAgentGone(AgentId agent) override { gone.Put(agent); }
   void OnRivalService(const SessionMessage& rival) override { rivals.Put(rival); }
   void OnControl(const ControlRequest& request) override { controls.Put(request); }
 
+  std::function<void(const JoinMessage&)> on_join;  // both set before the start
+  std::function<void(const ProposalMessage&)> on_proposal;
   Inbox<JoinMessage> joins;
   Inbox<ProposalMessage> proposals;
   Inbox<AgentId> gone;
@@ -57,9 +67,12 @@ class CollectingService final : public ServiceHandler {
   Inbox<ControlRequest> controls;
 };
 
-class CollectingAgent final : public AgentHandler {
+class CollectingAgent : public AgentHandler {
  public:
-  void OnSession(const SessionMessage& session) override { sessions.Put(session); }
+  void OnSession(const SessionMessage& session) override {
+    sessions.Put(session);
+    if (on_session) on_session(session);
+  }
   void OnAdmission(const AdmissionMessage& admission) override { admissions.Put(admission); }
   void OnFrame(const FrameMessage& frame) override {
     frames.Put(frame);
@@ -67,13 +80,46 @@ class CollectingAgent final : public AgentHandler {
   }
   void OnHistory(const HistoryMessage& history) override { histories.Put(history); }
   void OnServiceGone() override { service_gone.Put(true); }
+  void OnServiceLost() override { service_lost.Put(true); }
 
-  std::function<void(const FrameMessage&)> on_frame;  // set before the start
+  std::function<void(const SessionMessage&)> on_session;  // both set before the start
+  std::function<void(const FrameMessage&)> on_frame;
   Inbox<SessionMessage> sessions;
   Inbox<AdmissionMessage> admissions;
   Inbox<FrameMessage> frames;
   Inbox<HistoryMessage> histories;
   Inbox<bool> service_gone;
+  Inbox<bool> service_lost;
+};
+
+// With their endpoints, which are started.
+class StartedService final : public CollectingService {
+ public:
+  explicit StartedService(Transport& transport) : endpoint(transport.MakeServiceEndpoint()) { endpoint->Start(*this); }
+  // With a transport of its own.
+  explicit StartedService(std::unique_ptr<Transport> transport) : StartedService(*transport) {
+    own_ = std::move(transport);
+  }
+  ~StartedService() override { endpoint.reset(); }
+
+  std::unique_ptr<ServiceEndpoint> endpoint;
+
+ private:
+  std::unique_ptr<Transport> own_;
+};
+
+class StartedAgent final : public CollectingAgent {
+ public:
+  StartedAgent(Transport& transport, AgentId id) : endpoint(transport.MakeAgentEndpoint(id)) { endpoint->Start(*this); }
+  StartedAgent(std::unique_ptr<Transport> transport, AgentId id) : StartedAgent(*transport, id) {
+    own_ = std::move(transport);
+  }
+  ~StartedAgent() override { endpoint.reset(); }
+
+  std::unique_ptr<AgentEndpoint> endpoint;
+
+ private:
+  std::unique_ptr<Transport> own_;
 };
 
 class CollectingObserver final : public ObserverHandler {

@@ -1,7 +1,6 @@
 // The contract of every transport's observers. Include it beside transport_contract.h.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdlib>
@@ -137,10 +136,7 @@ TEST_P(ObserverContract, StatusAndTheEndOfTheServiceAreSeen) {
   Publisher service(*rig_);
   Observer observer(*rig_);
   ASSERT_TRUE(observer.handler.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
-  StatusMessage status;
-  status.run = 77;
-  status.tick = 1;
-  status.waiting_for = {"r3"};
+  StatusMessage status{.run = 77, .tick = 1, .waiting_for = {"r3"}};
   EXPECT_TRUE(SendUntil(
       observer.handler.statuses, [&] { service.endpoint().SendStatus(status); },
       [&](const StatusMessage& came) { return came == status; }));

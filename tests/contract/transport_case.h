@@ -1,7 +1,6 @@
 // A transport to run the contract tests over.
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <memory>
 #include <ostream>

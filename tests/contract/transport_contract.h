@@ -43,22 +43,13 @@ class TransportContract : public testing::TestWithParam<TransportCase> {
 
   // A proposal may be dropped unless its agent has joined.
   static void SendAsMember(AgentEndpoint& endpoint, const ProposalMessage& proposal) {
-    JoinMessage join;
-    join.run = proposal.run;
-    join.agent = proposal.agent;
-    join.robots = {"r0"};
-    endpoint.SendJoin(join);
+    endpoint.SendJoin(JoinMessage{.run = proposal.run, .agent = proposal.agent, .robots = {"r0"}});
     endpoint.SendProposal(proposal);
   }
 
   static SessionMessage SomeSession(RunId run) {
-    SessionMessage session;
-    session.run = run;
-    session.protocol_version = 3;
-    session.host = "a host";
-    session.pid = 4711;
-    session.lease_seconds = 2.5;
-    session.world = BusyWorld();
+    SessionMessage session{
+        .run = run, .protocol_version = 3, .host = "a host", .pid = 4711, .lease_seconds = 2.5, .world = BusyWorld()};
     return session;
   }
 
@@ -81,44 +72,33 @@ class TransportContract : public testing::TestWithParam<TransportCase> {
 };
 
 TEST_P(TransportContract, SessionReachesEarlyAndLateAgents) {
-  CollectingAgent early;
-  CollectingAgent late;
-  CollectingService service;
-  const auto early_endpoint = rig_->ForAgent().MakeAgentEndpoint(1);
-  early_endpoint->Start(early);
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
+  StartedAgent early(rig_->ForAgent(), 1);
+  StartedService service(rig_->ForService());
   const SessionMessage sent = SomeSession(77);
-  service_endpoint->SendSession(sent);
+  service.endpoint->SendSession(sent);
   const auto is_sent = [&](const SessionMessage& session) {
     return session.run == sent.run && session.protocol_version == sent.protocol_version && session.host == sent.host &&
            session.pid == sent.pid && session.lease_seconds == sent.lease_seconds &&
            session.world.name == sent.world.name && Hash(session.world) == Hash(sent.world);
   };
   EXPECT_TRUE(early.sessions.WaitFor(kPatience, is_sent));
-  const auto late_endpoint = rig_->ForAgent().MakeAgentEndpoint(2);
-  late_endpoint->Start(late);
+  StartedAgent late(rig_->ForAgent(), 2);
   EXPECT_TRUE(late.sessions.WaitFor(kPatience, is_sent));
 }
 
 TEST_P(TransportContract, JoinArrivesIntact) {
-  CollectingAgent agent;
-  CollectingService service;
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
-  service_endpoint->SendSession(SomeSession(77));
-  const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(0xfedcba9876543210);
-  agent_endpoint->Start(agent);
-  JoinMessage join;
-  join.run = 77;
-  join.agent = 0xfedcba9876543210;
-  join.protocol_version = 9;
-  join.world_hash = 0x8000000000000001;
-  join.host = "some.host";
-  join.pid = 0xffffffff;
-  join.robots = {"r0", "a robot, \"named\"", "r2"};
+  StartedService service(rig_->ForService());
+  service.endpoint->SendSession(SomeSession(77));
+  StartedAgent agent(rig_->ForAgent(), 0xfedcba9876543210);
+  JoinMessage join{.run = 77,
+                   .agent = 0xfedcba9876543210,
+                   .protocol_version = 9,
+                   .world_hash = 0x8000000000000001,
+                   .host = "some.host",
+                   .pid = 0xffffffff,
+                   .robots = {"r0", "a robot, \"named\"", "r2"}};
   EXPECT_TRUE(SendUntil(
-      service.joins, [&] { agent_endpoint->SendJoin(join); },
+      service.joins, [&] { agent.endpoint->SendJoin(join); },
       [&](const JoinMessage& came) {
         return came.run == join.run && came.agent == join.agent && came.protocol_version == join.protocol_version &&
                came.world_hash == join.world_hash && came.host == join.host && came.pid == join.pid &&
@@ -127,13 +107,9 @@ TEST_P(TransportContract, JoinArrivesIntact) {
 }
 
 TEST_P(TransportContract, HistoryArrivesIntact) {
-  CollectingAgent agent;
-  CollectingService service;
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
-  service_endpoint->SendSession(SomeSession(77));
-  const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(5);
-  agent_endpoint->Start(agent);
+  StartedService service(rig_->ForService());
+  service.endpoint->SendSession(SomeSession(77));
+  StartedAgent agent(rig_->ForAgent(), 5);
   ASSERT_TRUE(agent.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
   HistoryMessage sent{77, {5, 6}, MemoryPlace{2, 8, true}, {}};
   for (Tick tick = 9; tick < 60; ++tick) {
@@ -142,20 +118,16 @@ TEST_P(TransportContract, HistoryArrivesIntact) {
   }
   sent.entries[3].world = BusyWorld();
   EXPECT_TRUE(SendUntil(
-      agent.histories, [&] { service_endpoint->SendHistory(sent); },
+      agent.histories, [&] { service.endpoint->SendHistory(sent); },
       [&](const HistoryMessage& came) { return came == sent; }));
 }
 
 TEST_P(TransportContract, AdmissionArrivesIntact) {
-  CollectingAgent agent;
-  CollectingService service;
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
-  const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(5);
-  agent_endpoint->Start(agent);
+  StartedService service(rig_->ForService());
+  StartedAgent agent(rig_->ForAgent(), 5);
   for (const AdmissionMessage& sent : {AdmissionMessage{77, 5, true, ""}, AdmissionMessage{77, 5, false, "a reason"}}) {
     EXPECT_TRUE(SendUntil(
-        agent.admissions, [&] { service_endpoint->SendAdmissions({sent}); },
+        agent.admissions, [&] { service.endpoint->SendAdmissions({sent}); },
         [&](const AdmissionMessage& came) {
           return came.run == sent.run && came.agent == sent.agent && came.admitted == sent.admitted &&
                  came.reason == sent.reason;
@@ -164,18 +136,14 @@ TEST_P(TransportContract, AdmissionArrivesIntact) {
 }
 
 TEST_P(TransportContract, FrameOfAnySizeArrivesIntact) {
-  CollectingAgent agent;
-  CollectingService service;
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
-  const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(5);
-  agent_endpoint->Start(agent);
+  StartedService service(rig_->ForService());
+  StartedAgent agent(rig_->ForAgent(), 5);
   Tick tick = 1;
   for (std::size_t robots : {2u, 100u, 5000u}) {
     FrameMessage sent = SomeFrame(tick++, robots);
     sent.last = robots == 5000;
     EXPECT_TRUE(SendUntil(
-        agent.frames, [&] { service_endpoint->SendFrame(sent); },
+        agent.frames, [&] { service.endpoint->SendFrame(sent); },
         [&](const FrameMessage& came) {
           return came.run == sent.run && came.state == sent.state && came.state_hash == sent.state_hash &&
                  came.last == sent.last && came.events == sent.events;
@@ -185,15 +153,11 @@ TEST_P(TransportContract, FrameOfAnySizeArrivesIntact) {
 }
 
 TEST_P(TransportContract, ProposalArrivesIntact) {
-  CollectingAgent agent;
-  CollectingService service;
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
-  const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(5);
-  agent_endpoint->Start(agent);
+  StartedService service(rig_->ForService());
+  StartedAgent agent(rig_->ForAgent(), 5);
   ProposalMessage sent{77, 5, 123456789012345, {{RobotId(2), {0.1, -0.2, 1.0 / 3.0}}, {RobotId(3), {}}}, {"a report"}};
   EXPECT_TRUE(SendUntil(
-      service.proposals, [&] { SendAsMember(*agent_endpoint, sent); },
+      service.proposals, [&] { SendAsMember(*agent.endpoint, sent); },
       [&](const ProposalMessage& came) {
         return came.run == sent.run && came.agent == sent.agent && came.tick == sent.tick &&
                came.proposals == sent.proposals && came.reports == sent.reports;
@@ -201,17 +165,13 @@ TEST_P(TransportContract, ProposalArrivesIntact) {
 }
 
 TEST_P(TransportContract, BadNumbersArriveAsTheyAre) {
-  CollectingAgent agent;
-  CollectingService service;
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
-  const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(5);
-  agent_endpoint->Start(agent);
+  StartedService service(rig_->ForService());
+  StartedAgent agent(rig_->ForAgent(), 5);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   const ProposalMessage sent{77, 5, 1, {{RobotId(4000000000), {nan, infinity, -infinity}}}, {}};
   EXPECT_TRUE(SendUntil(
-      service.proposals, [&] { SendAsMember(*agent_endpoint, sent); },
+      service.proposals, [&] { SendAsMember(*agent.endpoint, sent); },
       [&](const ProposalMessage& came) {
         return came.proposals.size() == 1 && came.proposals[0].robot == RobotId(4000000000) &&
                came.proposals[0].twist.vx != came.proposals[0].twist.vx && came.proposals[0].twist.vy == infinity &&
@@ -221,9 +181,7 @@ TEST_P(TransportContract, BadNumbersArriveAsTheyAre) {
 
 TEST_P(TransportContract, TwoAgentsSendAndReceiveAtOnce) {
   CollectingAgent agents[2];
-  CollectingService service;
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
+  StartedService service(rig_->ForService());
   std::unique_ptr<AgentEndpoint> endpoints[2];
   for (std::size_t i = 0; i < 2; ++i) {
     endpoints[i] = rig_->ForAgent().MakeAgentEndpoint(i + 1);
@@ -240,7 +198,7 @@ TEST_P(TransportContract, TwoAgentsSendAndReceiveAtOnce) {
     }
     for (CollectingAgent& agent : agents) {
       EXPECT_TRUE(SendUntil(
-          agent.frames, [&] { service_endpoint->SendFrame(SomeFrame(tick, 2)); },
+          agent.frames, [&] { service.endpoint->SendFrame(SomeFrame(tick, 2)); },
           [&](const FrameMessage& came) { return came.state.tick == tick; }));
     }
   }
@@ -248,9 +206,7 @@ TEST_P(TransportContract, TwoAgentsSendAndReceiveAtOnce) {
 
 TEST_P(TransportContract, ServiceLearnsThatAnAgentHasEnded) {
   CollectingAgent agent;
-  CollectingService service;
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
+  StartedService service(rig_->ForService());
   CollectingAgent other;
   auto staying = rig_->ForAgent().MakeAgentEndpoint(1);
   auto leaving = rig_->ForAgent().MakeAgentEndpoint(2);
@@ -269,39 +225,29 @@ TEST_P(TransportContract, ServiceLearnsThatAnAgentHasEnded) {
 }
 
 TEST_P(TransportContract, AgentLearnsThatTheServiceHasEnded) {
-  CollectingAgent agent;
-  CollectingService service;
-  auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
-  service_endpoint->SendSession(SomeSession(77));
-  const auto agent_endpoint = rig_->ForAgent().MakeAgentEndpoint(1);
-  agent_endpoint->Start(agent);
+  StartedService service(rig_->ForService());
+  service.endpoint->SendSession(SomeSession(77));
+  StartedAgent agent(rig_->ForAgent(), 1);
   ASSERT_TRUE(agent.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
-  service_endpoint.reset();
+  service.endpoint.reset();
   EXPECT_TRUE(agent.service_gone.WaitFor(kPatience, [](bool) { return true; }));
 }
 
 TEST_P(TransportContract, ServicesOfOneSessionDetectEachOther) {
-  CollectingService first;
-  CollectingService second;
-  const auto first_endpoint = rig_->ForService().MakeServiceEndpoint();
-  first_endpoint->Start(first);
-  first_endpoint->SendSession(SomeSession(77));
-  const auto second_endpoint = rig_->ForService().MakeServiceEndpoint();
-  second_endpoint->Start(second);
-  second_endpoint->SendSession(SomeSession(78));
+  StartedService first(rig_->ForService());
+  first.endpoint->SendSession(SomeSession(77));
+  StartedService second(rig_->ForService());
+  second.endpoint->SendSession(SomeSession(78));
   EXPECT_TRUE(second.rivals.WaitFor(kPatience, [](const SessionMessage& rival) { return rival.run == 77; }));
   EXPECT_TRUE(first.rivals.WaitFor(kPatience, [](const SessionMessage& rival) { return rival.run == 78; }));
 }
 
 TEST_P(TransportContract, NoMessageIsDeliveredToADestroyedEndpoint) {
-  CollectingService service;
-  const auto service_endpoint = rig_->ForService().MakeServiceEndpoint();
-  service_endpoint->Start(service);
+  StartedService service(rig_->ForService());
   std::atomic<bool> enough = false;
   std::thread sender([&] {
     for (Tick tick = 1; !enough; ++tick) {
-      service_endpoint->SendFrame(SomeFrame(tick, 2));
+      service.endpoint->SendFrame(SomeFrame(tick, 2));
       std::this_thread::yield();
     }
   });

@@ -1,42 +1,19 @@
 #include "tests/contract/whole_run.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <cstdio>
-#include <fstream>
 #include <future>
-#include <sstream>
 #include <stop_token>
-#include <thread>
 
 #include "robot-agent/agent/agent_host.h"
+#include "tests/support/files.h"
 #include "tests/support/ray_sensors.h"
 #include "tests/support/test_world.h"
 #include "world-service/observers/recorder/recorder.h"
 
 namespace troupe::test {
 namespace {
-
-class TemporaryFile {
- public:
-  TemporaryFile() {
-    const int descriptor = mkstemp(path_.data());
-    EXPECT_GE(descriptor, 0);
-    close(descriptor);
-  }
-  ~TemporaryFile() { std::remove(path_.c_str()); }
-  const std::string& path() const { return path_; }
-  std::string Read() const {
-    std::ostringstream text;
-    text << std::ifstream(path_).rdbuf();
-    return text.str();
-  }
-
- private:
-  std::string path_ = testing::TempDir() + "troupe-hash-log-XXXXXX";
-};
 
 Result<RunSummary> Serve(TransportRig& rig, const std::shared_ptr<const Scene>& scene, std::uint64_t ticks,
                          const std::string& hash_log) {
@@ -63,16 +40,13 @@ WorldDescription BusyWorld() {
     description.name = "r" + std::to_string(i);
     test.model(description.root).name = description.name;
 
-    ModelDescription eye;
-    eye.name = description.name + ".ranger:0";
-    eye.type = "ranger";
-    eye.parent = description.root;
-    eye.shape = ShapeId(test.world.shapes.size());
+    ModelDescription eye{.name = description.name + ".ranger:0",
+                         .type = "ranger",
+                         .parent = description.root,
+                         .shape = ShapeId(test.world.shapes.size())};
     test.world.shapes.emplace_back();
     test.world.models.push_back(eye);
-    SensorDescription ranger;
-    ranger.name = "ranger:0";
-    ranger.model = ModelId(test.world.models.size() - 1);
+    SensorDescription ranger{.name = "ranger:0", .model = ModelId(test.world.models.size() - 1)};
     RaySensors(ranger).push_back({.X_MS = {0.0, 0.0, 0.25, 0.0}, .range = {0.0, 4.0}, .fov = 3.0, .samples = 30});
     description.sensors.push_back(ranger);
     description.controller = {"wander", R"({"speed": 1.5})"};
@@ -83,8 +57,8 @@ WorldDescription BusyWorld() {
 
 WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
   const auto scene = std::make_shared<const Scene>(BusyWorld());
-  const TemporaryFile hash_log;
-  const auto serve = [&] { return Serve(rig, scene, run.ticks, hash_log.path()); };
+  const TemporaryFolder folder;
+  const auto serve = [&] { return Serve(rig, scene, run.ticks, folder.Path("hashes")); };
 
   std::stop_source stop;
   std::vector<std::future<Result<AgentEnd>>> agents;
@@ -93,10 +67,7 @@ WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
   if (run.service_first && run.before_agents) run.before_agents();
   AgentId next_agent = 100;
   for (const std::vector<std::string>& robots : run.agents) {
-    AgentOptions options;
-    options.agent = ++next_agent;
-    options.robots = robots;
-    options.session_timeout_seconds = 30.0;
+    AgentOptions options{.agent = ++next_agent, .robots = robots, .session_timeout_seconds = 30.0};
     Transport& transport = rig.ForAgent();
     agents.push_back(std::async(std::launch::async, [&stop, &transport, options] {
       return RunAgent(transport.MakeAgentEndpoint(options.agent), options, stop.get_token());
@@ -117,7 +88,7 @@ WholeRunResult RunBusyWorld(TransportRig& rig, const WholeRun& run) {
   }
   EXPECT_TRUE(summary.ok()) << summary.error().ToString();
   if (!summary.ok()) return {};
-  return {summary.value(), hash_log.Read()};
+  return {summary.value(), folder.Read("hashes")};
 }
 
 }  // namespace troupe::test

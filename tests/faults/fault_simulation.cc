@@ -26,14 +26,12 @@ constexpr std::uint64_t kMostSteps = 500'000;  // events of a run
 constexpr std::size_t kMostReports = 200;      // events or notices between two reports of the service
 
 CoordinatorOptions MakeCoordinatorOptions(const FaultPlan& plan) {
-  CoordinatorOptions options;
-  options.settings = plan.settings;
-  options.run = kRun;
-  options.lease_seconds = plan.lease;
-  options.start_timeout_seconds = plan.start_timeout;
-  options.start_paused = plan.start_paused;
-  options.host = "service";
-  return options;
+  return {.settings = plan.settings,
+          .run = kRun,
+          .lease_seconds = plan.lease,
+          .start_timeout_seconds = plan.start_timeout,
+          .start_paused = plan.start_paused,
+          .host = "service"};
 }
 
 }  // namespace
@@ -351,9 +349,7 @@ void FaultSimulation::Launch(const std::vector<std::string>& robots, double long
 void FaultSimulation::StartAgent(std::size_t group) {
   if (!run_goes_on()) return;
   const ProcessId id = NewProcess();
-  AgentOptions options;
-  options.agent = id;
-  options.robots = groups_[group].robots;
+  AgentOptions options{.agent = id, .robots = groups_[group].robots};
   options.libraries.Add(kCountingController);
   options.session_timeout_seconds = plan_.session_timeout;
   Log("agent {}: starts for {}", id, fmt::join(options.robots, ", "));

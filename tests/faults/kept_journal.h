@@ -18,14 +18,12 @@ class KeptJournal final : public RunObserver {
   void SetOnCommit(std::function<void()> call) { on_commit_ = std::move(call); }
 
   ResumedRun Resume(RunId run) const {
-    ResumedRun resumed;
-    resumed.run = run;
-    resumed.incarnation = incarnation_ + 1;
-    resumed.original = original_;
-    resumed.scene = scene_;
-    resumed.frame = frame_;
-    resumed.progress = progress_;
-    return resumed;
+    return {.run = run,
+            .incarnation = incarnation_ + 1,
+            .original = original_,
+            .scene = scene_,
+            .frame = frame_,
+            .progress = progress_};
   }
   // Another service continues.
   void SetIncarnation(Incarnation incarnation) { incarnation_ = incarnation; }

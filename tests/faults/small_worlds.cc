@@ -13,9 +13,7 @@ namespace {
 
 // A radio that loses a few messages, with a delay or without.
 void AddRadio(WorldDescription& world, RobotId robot, std::size_t index) {
-  RadioParameters radio;
-  radio.loss = 0.2;
-  radio.delay = 0.1 * static_cast<double>(index % 3);
+  RadioParameters radio{.delay = 0.1 * static_cast<double>(index % 3), .loss = 0.2};
   test::AddSensor(world, robot, {0.0, 0.0, 0.4, 0.0}, radio);
 }
 

@@ -6,9 +6,9 @@
 #include <set>
 #include <string>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -27,23 +27,20 @@ class AgentGroupsRunTest : public testing::Test {
 
   std::string Path(const std::string& name) const { return folder_.Path(name); }
   Program Run(const std::string& hashes, std::vector<std::string> more) const {
-    std::vector<std::string> arguments = {
-        "run",      Path("yard.world"),           "--headless", "--controller", "wander", "--ticks", "60",
-        "--domain", std::to_string(TestDomain()), "--hash-log", Path(hashes)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Troupe(arguments);
+    return Troupe(Words("run % --headless --controller wander --ticks 60 --domain % --hash-log %",
+                        {Path("yard.world"), std::to_string(TestDomain()), Path(hashes)}) +
+                  more);
   }
   void ExpectHashesOfOneProcess() const {
-    const Finished whole = Finish(Run("whole", {"--in-process"}));
-    ASSERT_EQ(whole.exit_status, 0) << whole.output;
+    OutputOf(Run("whole", {"--in-process"}));
     EXPECT_EQ(folder_.Read("hashes"), folder_.Read("whole"));
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 // The value of an option in a command line.
-std::string ValueOf(const std::string& command_line, const std::string& option) {
+std::string OptionOf(const std::string& command_line, const std::string& option) {
   const std::size_t begin = command_line.find(option + "=");
   if (begin == std::string::npos) return {};
   const std::size_t value = begin + option.size() + 1;
@@ -60,8 +57,8 @@ TEST_F(AgentGroupsRunTest, AgentsOfSeveralGroupsContinueWithAnotherService) {
     const std::string command_line = CommandLineOf(child);
     if (command_line.find("world-service") != std::string::npos) service = child;
     if (command_line.find("robot-agent") == std::string::npos) continue;
-    services.insert(ValueOf(command_line, "--service"));
-    participants.insert(ValueOf(command_line, "--service-participant"));
+    services.insert(OptionOf(command_line, "--service"));
+    participants.insert(OptionOf(command_line, "--service-participant"));
   }
   EXPECT_EQ(services.size(), 2u);
   EXPECT_EQ(participants.size(), 2u);

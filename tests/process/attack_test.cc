@@ -6,7 +6,6 @@
 #include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -76,8 +75,7 @@ class AttackedRun {
     return 0.0;
   }
   std::string Stop() {
-    run_.Signal(SIGINT);
-    EXPECT_EQ(run_.Wait(), 130) << run_.output();
+    run_.Interrupt();
     return run_.output();
   }
 
@@ -163,9 +161,7 @@ TEST(Attack, ASecuredRunIsInvisibleToStrangers) {
 
 // One of each message that only the service or an agent sends, and floods of the others.
 void Forge(Arsenal& arsenal, RunId id) {
-  SessionMessage session;
-  session.run = id;
-  session.protocol_version = kProtocolVersion;
+  SessionMessage session{.run = id, .protocol_version = kProtocolVersion};
   arsenal.sessions.Send(session);
   session.run = 1;
   arsenal.sessions.Send(session);
@@ -176,17 +172,12 @@ void Forge(Arsenal& arsenal, RunId id) {
   frame.last = true;
   arsenal.frames.Send(frame);
   arsenal.admissions.Send(std::vector<AdmissionMessage>{{id, 1, false, "leave"}});
-  JoinMessage join;
-  join.run = id;
-  join.protocol_version = kProtocolVersion;
-  join.robots = {"r0"};
+  JoinMessage join{.run = id, .protocol_version = kProtocolVersion, .robots = {"r0"}};
   for (AgentId agent = 1; agent <= kFlood; ++agent) {
     join.agent = agent;
     arsenal.joins.Send(join);
   }
-  ProposalMessage proposal;
-  proposal.run = id;
-  proposal.tick = 1;
+  ProposalMessage proposal{.run = id, .tick = 1};
   for (AgentId agent = 1; agent <= kFlood; ++agent) {
     proposal.agent = agent;
     arsenal.proposals.Send(proposal);
@@ -267,12 +258,7 @@ TEST(Attack, AnotherUserNeitherControlsNorJoinsARunOnLoopback) {
   request.command = ControlCommand::kDelete;
   request.name = "r0";
   arsenal.controls.Send(request);
-  JoinMessage join;
-  join.run = *id;
-  join.agent = 5;
-  join.protocol_version = kProtocolVersion;
-  join.robots = {"r0"};
-  arsenal.joins.Send(join);
+  arsenal.joins.Send(JoinMessage{.run = *id, .agent = 5, .protocol_version = kProtocolVersion, .robots = {"r0"}});
   EXPECT_TRUE(arsenal.controls.Delivered() && arsenal.joins.Delivered());
 
   NetworkSettings other_user = NetworkOf(run.session());

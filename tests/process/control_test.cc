@@ -5,9 +5,9 @@
 #include <sstream>
 
 #include "common/base/host_name.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
@@ -23,7 +23,7 @@ std::vector<std::uint64_t> HashesInLog(const std::string& log) {
 }
 
 TEST(Control, SteppingGivesTheSameHashesAsRunning) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   ASSERT_EQ(Finish(RunPen({"--ticks", "120", "--hash-log", folder.Path("hashes")})).exit_status, 0);
   const std::vector<std::uint64_t> hashes = HashesInLog(folder.Read("hashes"));
   ASSERT_EQ(hashes.size(), 121u);
@@ -42,8 +42,7 @@ TEST(Control, SteppingGivesTheSameHashesAsRunning) {
     EXPECT_EQ(reply.value().state, RunState::kPaused);
     ASSERT_EQ(reply.value().state_hash, hashes[tick]) << tick;
   }
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
 }
 
 TEST(Control, TheCommandLinePausesStepsAndResumes) {
@@ -51,25 +50,19 @@ TEST(Control, TheCommandLinePausesStepsAndResumes) {
   Program run = RunPen({"--session", session, "--speed", "10"});
   run.WaitForLine("ready");
   const auto ctl = [&](std::vector<std::string> action) {
-    std::vector<std::string> arguments = {"ctl", "--domain", std::to_string(TestDomain()), "--session", session};
-    arguments.insert(arguments.end(), action.begin(), action.end());
-    return Finish(Troupe(arguments));
+    return Finish(Troupe(Words("ctl --domain % --session %", {std::to_string(TestDomain()), session}) + action));
   };
   EXPECT_THAT(ctl({"step"}).output, testing::HasSubstr("error: the run is playing; only a paused one can step"));
-  const Finished paused = ctl({"pause"});
-  EXPECT_EQ(paused.exit_status, 0);
-  EXPECT_THAT(paused.output, testing::StartsWith("paused tick "));
-  EXPECT_EQ(ctl({"status"}).output, paused.output);
+  const std::string paused = OutputOf(ctl({"pause"}));
+  EXPECT_THAT(paused, testing::StartsWith("paused tick "));
+  EXPECT_EQ(ctl({"status"}).output, paused);
   const Finished stepped = ctl({"step", "3"});
-  EXPECT_EQ(std::stoull(stepped.output.substr(12)), std::stoull(paused.output.substr(12)) + 3);
+  EXPECT_EQ(std::stoull(stepped.output.substr(12)), std::stoull(paused.substr(12)) + 3);
   EXPECT_THAT(ctl({"play"}).output, testing::StartsWith("playing tick "));
-  const Finished agents = ctl({"agents"});
-  EXPECT_EQ(agents.exit_status, 0);
-  EXPECT_THAT(agents.output, testing::StartsWith("ROBOT                AGENT    HOST "));
-  EXPECT_THAT(agents.output,
-              testing::ContainsRegex("\nr0 +present +" + HostName() + " +[0-9]+ +[0-9]+\\.[0-9]{2} +[0-9]+\n"));
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  const std::string agents = OutputOf(ctl({"agents"}));
+  EXPECT_THAT(agents, testing::StartsWith("ROBOT                AGENT    HOST "));
+  EXPECT_THAT(agents, testing::ContainsRegex("\nr0 +present +" + HostName() + " +[0-9]+ +[0-9]+\\.[0-9]{2} +[0-9]+\n"));
+  run.Interrupt();
 }
 
 }  // namespace

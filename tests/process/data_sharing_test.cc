@@ -6,9 +6,9 @@
 
 #include <set>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/memory_maps.h"
 
 namespace troupe::test {
@@ -17,12 +17,9 @@ namespace {
 using testing::HasSubstr;
 
 std::string HashLogOf(const std::vector<std::string>& options) {
-  const OutputFolder folder;
-  std::vector<std::string> arguments = {"--ticks", "100", "--hash-log", folder.Path("hashes")};
-  arguments.insert(arguments.end(), options.begin(), options.end());
-  const Finished run = Finish(RunPen(arguments));
-  EXPECT_EQ(run.exit_status, 0) << run.output;
-  EXPECT_EQ(run.output.find("no data sharing"), std::string::npos) << run.output;
+  const TemporaryFolder folder;
+  const std::string run = OutputOf(RunPen(Words("--ticks 100 --hash-log %", {folder.Path("hashes")}) + options));
+  EXPECT_EQ(run.find("no data sharing"), std::string::npos);
   return folder.Read("hashes");
 }
 
@@ -122,12 +119,8 @@ TEST(DataSharing, LeavesNoProcessOfAKilledLauncher) {
 }
 
 TEST(DataSharing, RefusesOtherValues) {
-  const Finished run = Finish(Troupe({"run", "x.world", "--data-sharing", "maybe"}));
-  EXPECT_EQ(run.exit_status, 2);
-  EXPECT_THAT(run.output, HasSubstr("maybe"));
-  const Finished threads = Finish(Troupe({"run", "x.world", "--threads", "0"}));
-  EXPECT_EQ(threads.exit_status, 2);
-  EXPECT_THAT(threads.output, HasSubstr("--threads"));
+  EXPECT_THAT(OutputOf(Troupe({"run", "x.world", "--data-sharing", "maybe"}), 2), HasSubstr("maybe"));
+  EXPECT_THAT(OutputOf(Troupe({"run", "x.world", "--threads", "0"}), 2), HasSubstr("--threads"));
 }
 
 }  // namespace

@@ -10,8 +10,6 @@
 #include <utmp.h>
 
 #include <chrono>
-#include <cmath>
-#include <cstdlib>
 #include <thread>
 
 #include "tests/process/programs.h"
@@ -106,25 +104,21 @@ class TerminalProgram {
 class Driving : public testing::Test {
  protected:
   void Start(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> all = {
-        "run",       WorldPath("driving.world"), "--domain", std::to_string(TestDomain()), "--session", session_,
-        "--headless"};
-    all.insert(all.end(), more.begin(), more.end());
-    run_ = std::make_unique<Program>(Troupe(all));
+    run_ =
+        std::make_unique<Program>(Troupe(Words("run % --domain % --session % --headless",
+                                               {WorldPath("driving.world"), std::to_string(TestDomain()), session_}) +
+                                         more));
     run_->WaitForLine("ready");
     client_ = std::make_unique<ControlClient>(NetworkOf(session_));
     ASSERT_TRUE(client_->WaitForService(kSeconds).ok());
   }
   void TearDown() override {
     if (!run_) return;
-    run_->Signal(SIGINT);
-    EXPECT_EQ(run_->Wait(), 130) << run_->output();
+    run_->Interrupt();
   }
 
   std::vector<std::string> Command(const std::string& tool, const std::vector<std::string>& words) const {
-    std::vector<std::string> all = {tool, "--domain", std::to_string(TestDomain()), "--session", session_};
-    all.insert(all.end(), words.begin(), words.end());
-    return all;
+    return Words("% --domain % --session %", {tool, std::to_string(TestDomain()), session_}) + words;
   }
   Finished Goto(const std::vector<std::string>& words) const { return Finish(Troupe(Command("goto", words))); }
   TerminalProgram Teleop(const std::vector<std::string>& words) const {
@@ -134,9 +128,7 @@ class Driving : public testing::Test {
   }
 
   EntityReport RobotNow(const std::string& name) {
-    ControlRequest request;
-    request.command = ControlCommand::kEntities;
-    request.name = name;
+    ControlRequest request{.command = ControlCommand::kEntities, .name = name};
     const Result<ControlReply> reply = client_->Call(request, kSeconds);
     if (!reply.ok() || reply.value().entities.size() != 1) {
       ADD_FAILURE() << "no robot " << name;
@@ -161,9 +153,7 @@ class Driving : public testing::Test {
 
 TEST_F(Driving, GotoSendsARobotToPointsAndWaitsUntilItIsThere) {
   Start({"--speed", "5"});
-  const Finished there = Goto({"walker", "2,0", "2,-1,90"});
-  EXPECT_EQ(there.exit_status, 0) << there.output;
-  EXPECT_THAT(there.output, HasSubstr("walker is at "));
+  EXPECT_THAT(OutputOf(Goto({"walker", "2,0", "2,-1,90"})), HasSubstr("walker is at "));
   const EntityReport robot = RobotNow("walker");
   EXPECT_LT((robot.X_WE.translation() - Vec2(2.0, -1.0)).norm(), 0.2);
   EXPECT_NEAR(robot.X_WE.heading, 0.5 * kPi, 0.06);
@@ -176,14 +166,12 @@ TEST_F(Driving, GotoSendsARobotToPointsAndWaitsUntilItIsThere) {
 
 TEST_F(Driving, GotoCancelsTheGoalWhenItEndsEarly) {
   Start({"--speed", "1"});
-  const Finished late = Goto({"walker", "500,0", "--timeout", "1"});
-  EXPECT_EQ(late.exit_status, 3);
-  EXPECT_THAT(late.output, HasSubstr("error: walker has not arrived within 1 s: it is "));
+  EXPECT_THAT(OutputOf(Goto({"walker", "500,0", "--timeout", "1"}), 3),
+              HasSubstr("error: walker has not arrived within 1 s: it is "));
   EXPECT_TRUE(Await("walker", Stands));
   Program tool = Troupe(Command("goto", {"walker", "500,0"}));
   EXPECT_TRUE(Await("walker", [](const EntityReport& robot) { return robot.twist.vx > 0.1; }));
-  tool.Signal(SIGINT);
-  EXPECT_EQ(tool.Wait(), 130);
+  tool.Interrupt();
   EXPECT_TRUE(Await("walker", Stands));
 }
 
@@ -205,13 +193,10 @@ TEST_F(Driving, ToolsNameWhatIsWrong) {
       {{"idler", "1,2"}, 3, "error: the controller of 'idler' (idle) accepts no goals"},
   };
   for (const auto& c : cases) {
-    const Finished end = Goto(c.words);
-    EXPECT_EQ(end.exit_status, c.exit_status) << end.output;
-    EXPECT_THAT(end.output, HasSubstr(c.message));
+    EXPECT_THAT(OutputOf(Goto(c.words), c.exit_status), HasSubstr(c.message));
   }
-  const Finished piped = Finish(Troupe(Command("teleop", {"walker"})));
-  EXPECT_EQ(piped.exit_status, 2);
-  EXPECT_THAT(piped.output, HasSubstr("error: the standard input is no terminal, expected one for the keys"));
+  EXPECT_THAT(OutputOf(Troupe(Command("teleop", {"walker"})), 2),
+              HasSubstr("error: the standard input is no terminal, expected one for the keys"));
   TerminalProgram unknown = Teleop({"missing"});
   EXPECT_EQ(unknown.Wait(), 3);
   EXPECT_TRUE(unknown.is_restored());
@@ -295,8 +280,7 @@ TEST_F(Driving, TeleopEndsWithTheRun) {
   Start({"--speed", "1"});
   TerminalProgram tool = Teleop({"idler"});
   ASSERT_TRUE(tool.WaitFor("idler: ahead 0.00"));
-  run_->Signal(SIGINT);
-  EXPECT_EQ(run_->Wait(), 130);
+  run_->Interrupt();
   run_.reset();
   EXPECT_EQ(tool.Wait(), 3);
   EXPECT_THAT(tool.output(), HasSubstr("error: "));

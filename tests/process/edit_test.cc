@@ -5,11 +5,11 @@
 #include <fstream>
 #include <optional>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/edits.h"
+#include "tests/support/files.h"
 #include "transport/dds/tools/control_client.h"
 #include "worldfile/load_world.h"
 
@@ -76,8 +76,7 @@ std::vector<std::uint64_t> HashesOverDds(const std::string& robots_per_process) 
   run.WaitForLine("ready");
   std::vector<std::uint64_t> hashes =
       HashesOfScript([&](const ControlRequest& request) { return client.Call(request, kSeconds); });
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
   return hashes;
 }
 
@@ -94,23 +93,11 @@ TEST(Edit, GivesTheSameHashesForAnyPackingAndInOneProcess) {
 // `troupe ctl` on one run.
 class CtlTest : public testing::Test {
  protected:
-  Finished Ctl(std::vector<std::string> action) const {
-    std::vector<std::string> arguments = {"ctl", "--domain", std::to_string(TestDomain()), "--session", session_};
-    arguments.insert(arguments.end(), action.begin(), action.end());
-    return Finish(Troupe(arguments));
-  }
-  std::string Problem(const std::vector<std::string>& action) const {
-    const Finished finished = Ctl(action);
-    EXPECT_EQ(finished.exit_status, 3) << finished.output;
-    return finished.output;
-  }
-  std::string Done(const std::vector<std::string>& action) const {
-    const Finished finished = Ctl(action);
-    EXPECT_EQ(finished.exit_status, 0) << finished.output;
-    return finished.output;
-  }
+  Finished Ctl(const std::vector<std::string>& action) const { return test::Ctl(session_, action); }
+  std::string Problem(const std::vector<std::string>& action) const { return OutputOf(Ctl(action), 3); }
+  std::string Done(const std::vector<std::string>& action) const { return OutputOf(Ctl(action)); }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
   const std::string session_ = TestSession("ctl-edits");
   Program run_ = RunPen({"--paused", "--session", session_, "--poses", folder_.Path("poses"), "--scans",
                          folder_.Path("scans"), "--record", folder_.Path("record")});
@@ -132,8 +119,7 @@ TEST_F(CtlTest, EditsTheWorld) {
   Done({"step", "3"});
   Done({"reset"});
   Done({"step", "3"});
-  run_.Signal(SIGINT);
-  EXPECT_EQ(run_.Wait(), 130) << run_.output();
+  run_.Interrupt();
   const std::string poses = folder_.Read("poses");
   EXPECT_THAT(poses, HasSubstr("\n3,rover0,"));
   EXPECT_THAT(poses, HasSubstr("\n3,r3,")) << "after the reset";
@@ -160,8 +146,7 @@ TEST_F(CtlTest, PrintsTheReasonOfARefusal) {
   EXPECT_EQ(Ctl({"set-pose", "r0", "--pose=0,0"}).exit_status, 2);
   EXPECT_NE(Ctl({"set-pose", "r0", "--pose=nan,0,0,0"}).exit_status, 0);
   EXPECT_THAT(Done({"status"}), HasSubstr("paused tick 0")) << "the run continues";
-  run_.Signal(SIGINT);
-  EXPECT_EQ(run_.Wait(), 130) << run_.output();
+  run_.Interrupt();
 }
 
 // A world without robots has no agent that could answer: the service alone has to keep the run going.
@@ -201,12 +186,8 @@ class EmptyWorldTest : public testing::Test {
     EXPECT_EQ(Ask(step).tick, tick + 3);
     Ask(Request(ControlCommand::kPlay));
   }
-  void Stop() {
-    run_->Signal(SIGINT);
-    EXPECT_EQ(run_->Wait(), 130) << run_->output();
-  }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
   const std::string session_ = TestSession("empty");
   std::optional<Program> run_;
   ControlClient client_{NetworkOf(session_)};
@@ -219,7 +200,7 @@ TEST_F(EmptyWorldTest, AnswersAllRequests) {
   ExpectPausesAndSteps();
   Load("empty.world");
   ExpectPausesAndSteps();
-  Stop();
+  run_->Interrupt();
 }
 
 TEST_F(EmptyWorldTest, ContinuesAfterTheLastRobotOfAPlayingRunIsDeleted) {
@@ -228,16 +209,15 @@ TEST_F(EmptyWorldTest, ContinuesAfterTheLastRobotOfAPlayingRunIsDeleted) {
   ExpectPausesAndSteps();
   Spawn("b");
   ExpectPausesAndSteps();
-  Stop();
+  run_->Interrupt();
 }
 
 TEST_F(EmptyWorldTest, RunsInOneProcess) {
   std::vector<std::string> hashes;
   for (const char* mode : {"--headless", "--in-process"}) {
-    const Finished run = Finish(Troupe({"run", folder_.Path("empty.world"), mode, "--ticks", "20", "--domain",
-                                        std::to_string(TestDomain()), "--hash-log", folder_.Path("hashes"), "--scans",
-                                        folder_.Path("scans"), "--trace", folder_.Path("trace")}));
-    EXPECT_EQ(run.exit_status, 0) << run.output;
+    OutputOf(Troupe({"run", folder_.Path("empty.world"), mode, "--ticks", "20", "--domain",
+                     std::to_string(TestDomain()), "--hash-log", folder_.Path("hashes"), "--scans",
+                     folder_.Path("scans"), "--trace", folder_.Path("trace")}));
     hashes.push_back(folder_.Read("hashes"));
   }
   EXPECT_THAT(hashes[0], HasSubstr("\n20 "));

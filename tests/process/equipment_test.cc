@@ -6,9 +6,9 @@
 
 #include <fstream>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -31,14 +31,12 @@ class EquipmentTest : public testing::Test {
   std::string Path(const std::string& name) const { return folder_.Path(name); }
 
   Program Start(const std::vector<std::string>& options) const {
-    std::vector<std::string> arguments = {
-        "run", Path("equipment.json"), "--domain", std::to_string(TestDomain()), "--ticks", "300", "--headless"};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    return Troupe(AndFiles(std::move(arguments)));
+    return Troupe(AndFiles(
+        Words("run % --domain % --ticks 300 --headless", {Path("equipment.json"), std::to_string(TestDomain())}) +
+        options));
   }
   Logs LogsOf(Program program) const {
-    const Finished finished = Finish(std::move(program));
-    EXPECT_EQ(finished.exit_status, 0) << finished.output;
+    OutputOf(std::move(program));
     return {folder_.Read("hash-log"), folder_.Read("scans")};
   }
   Logs LogsOfRun(const std::vector<std::string>& options) const { return LogsOf(Start(options)); }
@@ -60,7 +58,7 @@ class EquipmentTest : public testing::Test {
     return arguments;
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(EquipmentTest, GivesTheSameFilesInEveryKindOfRun) {

@@ -7,11 +7,10 @@
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_domain.h"
 #include "transport/dds/tools/control_client.h"
 
@@ -27,28 +26,15 @@ std::string RosDomain() {
 
 // A run in the ROS domain of this test, with additional arguments.
 Program RunWithRos(const std::string& world, std::vector<std::string> more) {
-  std::vector<std::string> arguments = {"run",
-                                        WorldPath(world),
-                                        "--domain",
-                                        std::to_string(TestDomain()),
-                                        "--headless",
-                                        "--speed",
-                                        "max",
-                                        "--ros",
-                                        "--ros-distro",
-                                        "jazzy",
-                                        "--ros-interface",
-                                        "lo",
-                                        "--ros-domain",
-                                        RosDomain()};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return Troupe(std::move(arguments));
+  return Troupe(
+      Words("run % --domain % --headless --speed max --ros --ros-distro jazzy --ros-interface lo --ros-domain %",
+            {WorldPath(world), std::to_string(TestDomain()), RosDomain()}) +
+      more);
 }
 
 std::vector<json> Lines(Program& program) {
   std::vector<json> lines;
-  std::istringstream text(program.output());
-  for (std::string line; std::getline(text, line);) {
+  for (const std::string& line : LinesOf(program.output())) {
     lines.push_back(json::parse(line, nullptr, false));
     EXPECT_TRUE(lines.back().is_object()) << line;
   }
@@ -63,7 +49,7 @@ class FastDdsClientTest : public testing::Test {
     }
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 // Steps a run by the control topic.
@@ -107,7 +93,7 @@ struct GripperRun {
 
 // Anna's gripper receives goals: an intermediate opening, impossible ones, her box, and open again; the last is
 // cancelled.
-GripperRun DriveGripper(const std::string& hashes, OutputFolder& folder) {
+GripperRun DriveGripper(const std::string& hashes, TemporaryFolder& folder) {
   const std::string session = TestSession(hashes);
   Program run = RunWithRos("hands.json", {"--paused", "--session", session, "--hash-log", folder.Path(hashes)});
   Program client(
@@ -123,8 +109,7 @@ GripperRun DriveGripper(const std::string& hashes, OutputFolder& folder) {
   client.WaitForLine("canceled");
   stepper.Step(10);
   EXPECT_EQ(client.Wait(), 0) << client.output();
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
   EXPECT_NE(run.output().find("/anna/gripper/gripper_cmd: refused a goal of"), std::string::npos) << run.output();
   return {Lines(client), folder.Read(hashes)};
 }
@@ -166,14 +151,13 @@ TEST_F(FastDdsClientTest, EqualGripperGoalsGiveEqualHashes) {
 }
 
 // Drives r0 by another Twist before each of a thousand steps.
-std::string StepAThousandTimes(const std::string& hashes, OutputFolder& folder) {
+std::string StepAThousandTimes(const std::string& hashes, TemporaryFolder& folder) {
   Program run = RunWithRos("pen.world", {"--paused", "--ros-reliable-commands", "--hash-log", folder.Path(hashes)});
   Program client({ProgramPath("fastdds_client"), RosDomain(), "step", "1000", "/r0=0.4"});
   client.WaitForLine("\"stepped\"");
   EXPECT_EQ(client.Wait(), 0);
   EXPECT_THAT(client.output(), testing::HasSubstr(R"({"repeated":0,"steps":1000,"topic":"stepped"})"));
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
   return folder.Read(hashes);
 }
 
@@ -189,8 +173,7 @@ TEST_F(FastDdsClientTest, QueriesAndEditsTheWorldByItsServices) {
   run.WaitForLine("ready");
   Program client({ProgramPath("fastdds_world"), RosDomain()});
   EXPECT_EQ(client.Wait(), 0) << client.output();
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
   const json ok = {1, ""};
   const auto state = [&](double x, double heading, std::int64_t nanoseconds) {
     return json{{"topic", "state"},
@@ -235,8 +218,7 @@ TEST_F(FastDdsClientTest, AStoppedReaderDelaysNoTick) {
   const Tick before = stepper.Step(1);
   EXPECT_EQ(stepper.Step(3000), before + 3000);
   reader.Signal(SIGCONT);
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
 }
 
 }  // namespace

@@ -10,10 +10,10 @@
 #include <set>
 
 #include "command_line/exit_status.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/process/run_files.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_domain.h"
 
 namespace troupe::test {
@@ -44,32 +44,15 @@ class FastDdsPeerTest : public testing::Test {
     const std::string domain = std::to_string(TestRosNetwork().domain);
     Program peer({ProgramPath("fastdds_peer"), domain, std::to_string(kEnough), drives[0], drives[1]});
     peer.WaitForLine("ready");
-    Program run = Troupe({"run",
-                          WorldPath(world),
-                          "--domain",
-                          std::to_string(TestDomain()),
-                          "--headless",
-                          "--ros",
-                          "--ros-no-hit",
-                          "range-max",
-                          "--ros-interface",
-                          "lo",
-                          "--ros-domain",
-                          domain,
-                          "--ros-distro",
-                          "jazzy",
-                          "--speed",
-                          "4",
-                          "--poses",
-                          folder_.Path("poses"),
-                          "--scans",
-                          folder_.Path("scans")});
+    Program run = Troupe(
+        Words("run % --domain % --headless --ros --ros-no-hit range-max --ros-interface lo --ros-domain % --ros-distro "
+              "jazzy --speed 4 --poses % --scans %",
+              {WorldPath(world), std::to_string(TestDomain()), domain, folder_.Path("poses"), folder_.Path("scans")}));
     // Until it has enough scans, however long discovery took.
     peer.WaitForLine("\"enough\"");
     run.Signal(SIGINT);
     ASSERT_EQ(run.Wait(), kExitInterrupted) << run.output();
-    std::istringstream lines(peer.output());
-    for (std::string line; std::getline(lines, line);) {
+    for (const std::string& line : LinesOf(peer.output())) {
       const json message = json::parse(line, nullptr, false);
       ASSERT_TRUE(message.is_object()) << line;
       messages_[message["topic"]].push_back(message);
@@ -84,7 +67,7 @@ class FastDdsPeerTest : public testing::Test {
   void CheckRanges(const std::string& robot);
   void CheckPosesOfBen(Tick tick, const Frames& frames) const;
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
   std::map<std::string, std::vector<json>> messages_;
   std::map<std::pair<Tick, std::string>, LoggedPose> poses_;
   std::map<std::tuple<Tick, std::string, std::string>, std::vector<double>> scans_;
@@ -280,8 +263,7 @@ TEST_F(FastDdsPeerTest, ExchangesMessagesByRadio) {
   Run("../../../worlds/scenarios/radio.json", {"cleo=0.02,0.05", "dora=-0.05,0.1"});
   // By tick and sender, as the scan log of cleo has them.
   std::map<std::pair<Tick, std::string>, std::vector<json>> logged;
-  std::istringstream lines(folder_.Read("scans"));
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : LinesOf(folder_.Read("scans"))) {
     const json reading = json::parse(line);
     if (reading["robot"] != "cleo" || reading["sensor"] != "radio") continue;
     for (const json& received : reading["received"]) {
@@ -303,8 +285,7 @@ TEST_F(FastDdsPeerTest, ExchangesMessagesByRadio) {
 // The lines of --scans that have `key`, by tick and robot.
 std::map<std::pair<Tick, std::string>, json> LinesWith(const std::string& scans, const char* key) {
   std::map<std::pair<Tick, std::string>, json> found;
-  std::istringstream lines(scans);
-  for (std::string text; std::getline(lines, text);) {
+  for (const std::string& text : LinesOf(scans)) {
     const json line = json::parse(text);
     if (line.contains(key)) found[{line["tick"], line["robot"]}] = line[key];
   }

@@ -2,14 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "launcher/hosts/shell_words.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -40,9 +39,8 @@ class FullDisk : public testing::TestWithParam<Case> {
     EXPECT_THAT(run.output, HasSubstr(reason));
     EXPECT_THAT(run.output, Not(HasSubstr("/proc/")));
     EXPECT_THAT(run.output, Not(HasSubstr("restart"))) << "another attempt would fail as well";
-    std::istringstream lines(run.output);
     int errors = 0;
-    for (std::string line; std::getline(lines, line);) errors += line.find("error: ") != std::string::npos ? 1 : 0;
+    for (const std::string& line : LinesOf(run.output)) errors += line.find("error: ") != std::string::npos ? 1 : 0;
     EXPECT_EQ(errors, 1) << run.output;
   }
 
@@ -62,7 +60,7 @@ class FullDisk : public testing::TestWithParam<Case> {
     }
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_P(FullDisk, ALimitOfTheFileSizeEndsTheRun) {

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "launcher/process/process.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -33,11 +33,9 @@ class Hosts : public testing::Test {
     return path;
   }
   Program Run(const json& hosts, std::vector<std::string> arguments) {
-    std::vector<std::string> all = {"run",        Scenario(hosts), "--domain", std::to_string(TestDomain()),
-                                    "--headless", "--controller",  "wander",   "--interface",
-                                    "lo"};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    return Troupe(std::move(all));
+    return Troupe(Words("run % --domain % --headless --controller wander --interface lo",
+                        {Scenario(hosts), std::to_string(TestDomain())}) +
+                  arguments);
   }
   // All processes below this one.
   static std::vector<pid_t> Descendants(pid_t process) {
@@ -61,7 +59,7 @@ class Hosts : public testing::Test {
     }
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(Hosts, GiveTheSameFilesAsOneHost) {
@@ -80,9 +78,7 @@ TEST_F(Hosts, GiveTheSameFilesAsOneHost) {
       near.insert(near.end(), {"--" + kind, folder_.Path("local-" + kind)});
     }
     remote.insert(remote.end(), {"--summary", folder_.Path("summary")});
-    Finished run = Finish(Run({first, second}, remote));
-    ASSERT_EQ(run.exit_status, 0) << run.output;
-    EXPECT_THAT(run.output, HasSubstr("4 robots in 4 agent processes on 2 hosts"));
+    EXPECT_THAT(OutputOf(Run({first, second}, remote)), HasSubstr("4 robots in 4 agent processes on 2 hosts"));
     ASSERT_EQ(Finish(Troupe(near)).exit_status, 0);
     for (const std::string& kind : std::vector<std::string>{"hash-log", "poses", "scans"}) {
       EXPECT_FALSE(folder_.Read("remote-" + kind).empty()) << kind;
@@ -120,8 +116,7 @@ TEST_F(Hosts, StopInOrderOnASignal) {
   run.WaitForLine("4 robots in 4 agent processes on 2 hosts, ready");
   std::vector<pid_t> processes = Descendants(run.pid());
   EXPECT_GE(processes.size(), 7u);  // 2 hosts, 5 programs
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
   EXPECT_THAT(run.output(), HasSubstr("stopped before its end"));
   for (pid_t process : processes) EXPECT_TRUE(IsGoneSoon(process)) << CommandLineOf(process);
 }
@@ -183,9 +178,8 @@ TEST_F(Hosts, ThatReturnAreConnectedAgain) {
   run.WaitForLine("host far: connected again; its 1 agent is started again");
   EXPECT_EQ(run.Wait(), 0) << run.output();
   EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
-  const Finished alone = Finish(Troupe({"run", WorldPath("pen.world"), "--ticks", "100", "--in-process", "--headless",
-                                        "--controller", "wander", "--hash-log", folder_.Path("alone")}));
-  ASSERT_EQ(alone.exit_status, 0) << alone.output;
+  OutputOf(Troupe({"run", WorldPath("pen.world"), "--ticks", "100", "--in-process", "--headless", "--controller",
+                   "wander", "--hash-log", folder_.Path("alone")}));
   EXPECT_EQ(folder_.Read("hashes"), folder_.Read("alone"));
 }
 
@@ -208,11 +202,9 @@ TEST_F(Hosts, DeleteTheFoldersOfThoseThatWereKilled) {
     if (CommandLineOf(process).ends_with("/troupe host ")) kill(process, SIGKILL);
   }
   run.WaitForLine("host far: the connection is lost");
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
   EXPECT_EQ(left().size(), 1u);
-  const Finished next = Finish(Run(json::array({far}), {"--ticks", "5"}));
-  EXPECT_EQ(next.exit_status, 0) << next.output;
+  OutputOf(Run(json::array({far}), {"--ticks", "5"}));
   EXPECT_EQ(left(), std::vector<std::string>());
 }
 
@@ -233,28 +225,25 @@ TEST_F(Hosts, StartAKilledAgentAgain) {
 TEST_F(Hosts, WithoutProgramsAreNamed) {
   json bad = HostHere("bad");
   bad["programs"] = "/no/such/folder";
-  Finished run = Finish(Run({HostHere("good"), bad}, {"--ticks", "5"}));
-  EXPECT_EQ(run.exit_status, 3);
-  EXPECT_THAT(run.output, HasSubstr("host bad: `/no/such/folder/troupe host` ended with exit status 127"));
-  EXPECT_THAT(run.output, HasSubstr("not found"));
+  const std::string run = OutputOf(Run({HostHere("good"), bad}, {"--ticks", "5"}), 3);
+  EXPECT_THAT(run, HasSubstr("host bad: `/no/such/folder/troupe host` ended with exit status 127"));
+  EXPECT_THAT(run, HasSubstr("not found"));
 }
 
 TEST_F(Hosts, WithAnotherVersionAreNamed) {
   json bad = HostHere("old");
   bad["start"] = R"(: {command}; echo '{"host":"0.0.1","folder":"/tmp","programs":"/tmp"}'; cat)";
-  Finished run = Finish(Run(json::array({bad}), {"--ticks", "5"}));
-  EXPECT_EQ(run.exit_status, 3);
-  EXPECT_THAT(run.output, HasSubstr("host old: "));
-  EXPECT_THAT(run.output, HasSubstr("has version 0.0.1 of Troupe, expected "));
+  const std::string run = OutputOf(Run(json::array({bad}), {"--ticks", "5"}), 3);
+  EXPECT_THAT(run, HasSubstr("host old: "));
+  EXPECT_THAT(run, HasSubstr("has version 0.0.1 of Troupe, expected "));
 }
 
 TEST_F(Hosts, WithoutRoomForAllRobotsAreAnErrorInTheScenario) {
   json host = HostHere("small");
   host["robots"] = 3;
-  Finished run = Finish(Run(json::array({host}), {"--ticks", "5"}));
-  EXPECT_EQ(run.exit_status, 2) << run.output;
-  EXPECT_THAT(run.output, HasSubstr("scenario.json:1:"));
-  EXPECT_THAT(run.output, HasSubstr("hosts for 3 of 4 robots"));
+  const std::string run = OutputOf(Run(json::array({host}), {"--ticks", "5"}), 2);
+  EXPECT_THAT(run, HasSubstr("scenario.json:1:"));
+  EXPECT_THAT(run, HasSubstr("hosts for 3 of 4 robots"));
 }
 
 }  // namespace

@@ -4,29 +4,19 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
 
 std::string HashesOfScenario(const std::string& scenario, const std::string& ticks, std::vector<std::string> more) {
-  OutputFolder folder;
-  std::vector<std::string> arguments{"run",
-                                     WorldPath("../../../worlds/scenarios/" + scenario + ".json"),
-                                     "--domain",
-                                     std::to_string(TestDomain()),
-                                     "--ticks",
-                                     ticks,
-                                     "--speed",
-                                     "max",
-                                     "--headless",
-                                     "--hash-log",
-                                     folder.Path("hashes")};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  const Finished run = Finish(Troupe(std::move(arguments)));
-  EXPECT_EQ(run.exit_status, 0) << run.output;
+  TemporaryFolder folder;
+  OutputOf(Troupe(Words("run % --domain % --ticks % --speed max --headless --hash-log %",
+                        {WorldPath("../../../worlds/scenarios/" + scenario + ".json"), std::to_string(TestDomain()),
+                         ticks, folder.Path("hashes")}) +
+                  more));
   return folder.Read("hashes");
 }
 
@@ -53,7 +43,7 @@ TEST(ManipulationOverDds, RelayIsTheSame) {
 
 // The new agent knows only the state of the world, which is sufficient.
 TEST(ManipulationOverDds, AnAgentKilledWithAPayloadAndRestartedReachesTheSameState) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   Program run = Troupe({"run", WorldPath("../../../worlds/scenarios/stage_stacking.json"), "--domain",
                         std::to_string(TestDomain()), "--speed", "10", "--lease", "0.5", "--on-agent-loss", "pause",
                         "--restart-agents", "0", "--headless", "--hash-log", folder.Path("hashes")});

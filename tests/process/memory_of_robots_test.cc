@@ -5,11 +5,10 @@
 #include <signal.h>
 
 #include <fstream>
-#include <sstream>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
@@ -28,17 +27,11 @@ std::vector<pid_t> AgentsOf(const Program& run) {
 class MemoryOfRobotsTest : public testing::Test {
  protected:
   std::string Path(const std::string& name) const { return folder_.Path(name); }
-  std::vector<std::string> Lines(const std::string& name) const {
-    std::istringstream text(folder_.Read(name));
-    std::vector<std::string> lines;
-    for (std::string line; std::getline(text, line);) lines.push_back(line);
-    return lines;
-  }
+  std::vector<std::string> Lines(const std::string& name) const { return LinesOf(folder_.Read(name)); }
   // The pen for 100 ticks, with a hash log and a recording. Stateful controllers, sensor noise and odometry.
   void RunUndisturbed() const {
-    const Finished run = Finish(RunPen({"--ticks", "100", "--hash-log", Path("whole"), "--in-process", "--record",
-                                        Path("whole.mcap"), "--keyframe-interval", "20"}));
-    ASSERT_EQ(run.exit_status, 0) << run.output;
+    OutputOf(RunPen({"--ticks", "100", "--hash-log", Path("whole"), "--in-process", "--record", Path("whole.mcap"),
+                     "--keyframe-interval", "20"}));
     ASSERT_EQ(Lines("whole").size(), 101u);
   }
   // `troupe run` of the recording.
@@ -51,7 +44,7 @@ class MemoryOfRobotsTest : public testing::Test {
     return Finish(Troupe({"replay", Path(name), "--verify", "--controllers"}));
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(MemoryOfRobotsTest, AgentsThatAreKilledChangeNoHash) {
@@ -67,20 +60,18 @@ TEST_F(MemoryOfRobotsTest, AgentsThatAreKilledChangeNoHash) {
   }
   EXPECT_EQ(run.Wait(), 0) << run.output();
   EXPECT_EQ(folder_.Read("killed"), folder_.Read("whole"));
-  const Finished verified = Verify("killed.mcap");
-  EXPECT_EQ(verified.exit_status, 0) << verified.output;
-  EXPECT_THAT(verified.output, HasSubstr("400 proposals of controllers are equal"));
+  EXPECT_THAT(OutputOf(Verify("killed.mcap")), HasSubstr("400 proposals of controllers are equal"));
 }
 
 TEST_F(MemoryOfRobotsTest, AnAgentThatAlwaysDiesAtOneTickEndsTheRun) {
   std::ofstream(Path("abort.json")) << R"({"world": ")" << WorldPath("pen.world") << R"(", "robots": [{"name": "r2", )"
                                     << R"("controller": ")" ABORTING_LIBRARY R"("}]})";
-  const Finished run =
-      Finish(Troupe({"run", Path("abort.json"), "--ticks", "100", "--speed", "max", "--headless", "--on-agent-loss",
-                     "rebuild", "--lease", "0.3", "--domain", std::to_string(TestDomain())}));
-  EXPECT_EQ(run.exit_status, 3) << run.output;
-  EXPECT_THAT(run.output, HasSubstr("error: robot r2: the agent"));
-  EXPECT_THAT(run.output, HasSubstr("after 5 restarts at tick 20"));
+  const std::string run =
+      OutputOf(Troupe({"run", Path("abort.json"), "--ticks", "100", "--speed", "max", "--headless", "--on-agent-loss",
+                       "rebuild", "--lease", "0.3", "--domain", std::to_string(TestDomain())}),
+               3);
+  EXPECT_THAT(run, HasSubstr("error: robot r2: the agent"));
+  EXPECT_THAT(run, HasSubstr("after 5 restarts at tick 20"));
 }
 
 TEST_F(MemoryOfRobotsTest, ALiveRunIsRewound) {
@@ -94,9 +85,7 @@ TEST_F(MemoryOfRobotsTest, ALiveRunIsRewound) {
   std::vector<std::string> expected;  // lines of the hash log
   const std::vector<std::string> whole = Lines("whole");
   const auto call = [&](ControlCommand command, std::uint64_t ticks) {
-    ControlRequest request;
-    request.command = command;
-    request.ticks = ticks;
+    ControlRequest request{.command = command, .ticks = ticks};
     const Result<ControlReply> reply = client.Call(request, kSeconds);
     ASSERT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
   };
@@ -108,16 +97,13 @@ TEST_F(MemoryOfRobotsTest, ALiveRunIsRewound) {
   call(ControlCommand::kRewind, 25);
   call(ControlCommand::kStep, 20);
   expect(25, 45);
-  const Finished rewound =
-      Finish(Troupe({"ctl", "rewind", "3", "--session", session, "--domain", std::to_string(TestDomain())}));
-  EXPECT_EQ(rewound.exit_status, 0) << rewound.output;
-  EXPECT_THAT(rewound.output, HasSubstr("paused tick 3 hash " + whole[3].substr(2)));
+  EXPECT_THAT(OutputOf(Troupe({"ctl", "rewind", "3", "--session", session, "--domain", std::to_string(TestDomain())})),
+              HasSubstr("paused tick 3 hash " + whole[3].substr(2)));
   call(ControlCommand::kPlay, 1);
   expect(3, 100);
   EXPECT_EQ(run.Wait(), 0) << run.output();
   EXPECT_EQ(Lines("rewound"), expected);
-  const Finished verified = Verify("rewound.mcap");
-  EXPECT_EQ(verified.exit_status, 0) << verified.output;
+  OutputOf(Verify("rewound.mcap"));
 }
 
 TEST_F(MemoryOfRobotsTest, ARecordingContinuesWithTheSameHashes) {
@@ -133,19 +119,14 @@ TEST_F(MemoryOfRobotsTest, ARecordingContinuesWithTheSameHashes) {
     const std::size_t from = std::stoul(arguments[1]);
     arguments.insert(arguments.end(),
                      {"--ticks", "100", "--hash-log", Path("branch"), "--record", Path("branch.mcap")});
-    const Finished run = Continue(arguments);
-    ASSERT_EQ(run.exit_status, 0) << run.output;
+    OutputOf(Continue(arguments));
     EXPECT_EQ(Lines("branch"),
               std::vector<std::string>(whole.begin() + static_cast<std::ptrdiff_t>(from), whole.end()));
-    const Finished verified = Verify("branch.mcap");
-    EXPECT_EQ(verified.exit_status, 0) << verified.output;
-    EXPECT_THAT(verified.output, HasSubstr("101 states, of ticks 0 to 100, replayed"));
+    EXPECT_THAT(OutputOf(Verify("branch.mcap")), HasSubstr("101 states, of ticks 0 to 100, replayed"));
   }
   // From the last tick, beyond the end of the recording.
-  const Finished longer = Continue({"--ticks", "120", "--hash-log", Path("longer")});
-  ASSERT_EQ(longer.exit_status, 0) << longer.output;
-  const Finished reference = Finish(RunPen({"--ticks", "120", "--hash-log", Path("reference"), "--in-process"}));
-  ASSERT_EQ(reference.exit_status, 0);
+  OutputOf(Continue({"--ticks", "120", "--hash-log", Path("longer")}));
+  OutputOf(RunPen({"--ticks", "120", "--hash-log", Path("reference"), "--in-process"}));
   const std::vector<std::string> expected = Lines("reference");
   EXPECT_EQ(Lines("longer"), std::vector<std::string>(expected.begin() + 100, expected.end()));
 }
@@ -155,16 +136,13 @@ TEST_F(MemoryOfRobotsTest, ARecordingContinuesWithOtherControllersAndAnotherSeed
   const std::vector<std::string> whole = Lines("whole");
   for (const std::string mode : {"--in-process", "--headless"}) {
     SCOPED_TRACE(mode);
-    const Finished run =
-        Continue({"--from-tick", "50", "--ticks", "100", "--hash-log", Path("changed"), "--record",
-                  Path("changed.mcap"), "--controller", R"(r1=wander:{"speed": 0.2})", "--seed", "9", mode});
-    ASSERT_EQ(run.exit_status, 0) << run.output;
+    OutputOf(Continue({"--from-tick", "50", "--ticks", "100", "--hash-log", Path("changed"), "--record",
+                       Path("changed.mcap"), "--controller", R"(r1=wander:{"speed": 0.2})", "--seed", "9", mode}));
     const std::vector<std::string> changed = Lines("changed");
     ASSERT_EQ(changed.size(), 51u);
     EXPECT_EQ(changed.front(), whole[50]);
     EXPECT_NE(changed.back(), whole[100]);
-    const Finished verified = Verify("changed.mcap");
-    EXPECT_EQ(verified.exit_status, 0) << verified.output;
+    OutputOf(Verify("changed.mcap"));
     if (mode == "--in-process") {
       std::ofstream(Path("first")) << folder_.Read("changed");
     } else {
@@ -186,14 +164,11 @@ TEST_F(MemoryOfRobotsTest, ABadBranchIsRefused) {
     for (const char* mode : {"--in-process", "--headless"}) {
       std::vector<std::string> all = arguments;
       all.emplace_back(mode);
-      const Finished run = Continue(all);
-      EXPECT_EQ(run.exit_status, 2) << run.output;
-      EXPECT_THAT(run.output, HasSubstr(problem));
+      EXPECT_THAT(OutputOf(Continue(all), 2), HasSubstr(problem));
     }
   }
-  const Finished world = Finish(RunPen({"--from-tick", "3"}));
-  EXPECT_EQ(world.exit_status, 2);
-  EXPECT_THAT(world.output, HasSubstr("option --from-tick: found a world, expected a recording (.mcap)"));
+  EXPECT_THAT(OutputOf(RunPen({"--from-tick", "3"}), 2),
+              HasSubstr("option --from-tick: found a world, expected a recording (.mcap)"));
 }
 
 }  // namespace

@@ -7,9 +7,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
@@ -92,7 +93,7 @@ class Memory : public testing::Test {
   static constexpr std::uint32_t kSide = 2000;
   static constexpr std::size_t kAllowed = 16 * kSide * kSide;  // bytes
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(Memory, OfARunWithADenseMapIsBounded) {
@@ -101,17 +102,15 @@ TEST_F(Memory, OfARunWithADenseMapIsBounded) {
                         std::to_string(TestDomain()), "--session", session, "--paused", "--no-ros"});
   ControlClient client(NetworkOf(session));
   ASSERT_TRUE(client.WaitForService(kSeconds).ok());
-  const Result<ControlReply> reply = client.Call(ControlCommand::kStep, 20, kSeconds);
-  ASSERT_TRUE(reply.ok()) << reply.error().message;
-  ASSERT_TRUE(reply.value().done) << reply.value().problem;
+  const ControlReply reply = ValueOf(client.Call(ControlCommand::kStep, 20, kSeconds));
+  ASSERT_TRUE(reply.done) << reply.problem;
   const std::vector<pid_t> processes = ChildrenOf(run.pid());
   EXPECT_EQ(processes.size(), 2u) << "a service and an agent";
   const std::size_t program = (kCanLimitMemory ? 60 : 120) * kMebibyte;  // sanitizers keep freed memory
   for (const pid_t process : processes) {
     EXPECT_LE(Kibibytes(process, "VmHWM") * 1024, program + kAllowed) << CommandLineOf(process);
   }
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130);
+  run.Interrupt();
 }
 
 TEST_F(Memory, ForALoadedWorldMayBeMissing) {
@@ -127,18 +126,12 @@ TEST_F(Memory, ForALoadedWorldMayBeMissing) {
   for (const pid_t process : ChildrenOf(run.pid())) {
     if (CommandLineOf(process).find("world-service") != std::string::npos) LimitMemory(process, 100 * kMebibyte);
   }
-  ControlRequest load;
-  load.command = ControlCommand::kLoadWorld;
-  load.source = folder_.Path("huge.world");
-  const Result<ControlReply> refused = client.Call(load, kSeconds);
-  ASSERT_TRUE(refused.ok()) << refused.error().message;
-  EXPECT_FALSE(refused.value().done);
-  EXPECT_THAT(refused.value().problem, HasSubstr("there is not enough memory"));
-  const Result<ControlReply> reply = client.Call(ControlCommand::kStep, 20, kSeconds);
-  ASSERT_TRUE(reply.ok()) << reply.error().message;
-  EXPECT_EQ(reply.value().tick, 25u) << "the run continues";
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130);
+  ControlRequest load{.command = ControlCommand::kLoadWorld, .source = folder_.Path("huge.world")};
+  const ControlReply refused = ValueOf(client.Call(load, kSeconds));
+  EXPECT_FALSE(refused.done);
+  EXPECT_THAT(refused.problem, HasSubstr("there is not enough memory"));
+  EXPECT_EQ(ValueOf(client.Call(ControlCommand::kStep, 20, kSeconds)).tick, 25u) << "the run continues";
+  run.Interrupt();
 }
 
 TEST_F(Memory, MissingEndsAProgramWithOneLine) {
@@ -164,9 +157,8 @@ TEST_F(Memory, MissingEndsAProgramWithOneLine) {
   commands.back().insert(commands.back().end(),
                          {world, "--domain", domain, "--session", TestSession("limited-service")});
   for (const std::vector<std::string>& command : commands) {
-    const Finished finished = Finish(Program(command));
-    EXPECT_EQ(finished.exit_status, 3) << command[3] << " " << command[4] << ": " << finished.output;
-    EXPECT_THAT(finished.output, HasSubstr("error: there is not enough memory")) << command[3] << " " << command[4];
+    EXPECT_THAT(OutputOf(Program(command), 3), HasSubstr("error: there is not enough memory"))
+        << command[3] << " " << command[4];
   }
 }
 

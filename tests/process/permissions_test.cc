@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -36,25 +36,11 @@ class PermissionsTest : public testing::Test {
     run_.emplace(RunPen(permissions));
     run_->WaitForLine("ready");
   }
-  Finished Ctl(std::vector<std::string> action) const {
-    action.insert(action.begin(), {"ctl", "--domain", std::to_string(TestDomain()), "--session", session_});
-    return Finish(Troupe(action));
-  }
-  std::string Refusal(const std::vector<std::string>& action) const {
-    const Finished finished = Ctl(action);
-    EXPECT_EQ(finished.exit_status, 3) << finished.output;
-    return finished.output;
-  }
-  void ExpectSteps() {
-    const Finished stepped = Ctl({"step", "3"});
-    EXPECT_EQ(stepped.exit_status, 0) << stepped.output << run_->output();
-  }
-  void Stop() {
-    run_->Signal(SIGINT);
-    EXPECT_EQ(run_->Wait(), 130) << run_->output();
-  }
+  Finished Ctl(const std::vector<std::string>& action) const { return test::Ctl(session_, action); }
+  std::string Refusal(const std::vector<std::string>& action) const { return OutputOf(Ctl(action), 3); }
+  void ExpectSteps() { OutputOf(Ctl({"step", "3"})); }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
   const std::string session_ = TestSession("permissions");
   std::optional<Program> run_;
 };
@@ -70,7 +56,7 @@ TEST_F(PermissionsTest, AForeignFileIsNeitherLoadedNorSpawned) {
   }
   EXPECT_FALSE(LibraryWasOpened());
   ExpectSteps();
-  Stop();
+  run_->Interrupt();
 }
 
 TEST_F(PermissionsTest, AnAllowedFileCannotNameAForeignLibrary) {
@@ -81,10 +67,9 @@ TEST_F(PermissionsTest, AnAllowedFileCannotNameAForeignLibrary) {
   }
   EXPECT_FALSE(LibraryWasOpened());
   ExpectSteps();
-  const Finished loaded = Ctl({"load", folder_.Path("foreign/plain.json")});
-  EXPECT_EQ(loaded.exit_status, 0) << loaded.output;
+  OutputOf(Ctl({"load", folder_.Path("foreign/plain.json")}));
   ExpectSteps();
-  Stop();
+  run_->Interrupt();
 }
 
 TEST_F(PermissionsTest, IncludesAndImagesOfAnAllowedFileMustBeAllowed) {
@@ -104,22 +89,19 @@ TEST_F(PermissionsTest, IncludesAndImagesOfAnAllowedFileMustBeAllowed) {
     EXPECT_THAT(Refusal({"load", folder_.Path(std::string("own/") + file)}), HasSubstr("(--allow-files)")) << file;
   }
   ExpectSteps();
-  Stop();
+  run_->Interrupt();
 }
 
 // A service that is not the owner's could send the agents any description.
 TEST_F(PermissionsTest, AnAgentOpensNoLibraryThatItsOwnerHasNotAllowed) {
   const auto agent = [&](std::vector<std::string> more) {
-    std::vector<std::string> command = {ProgramPath("robot-agent"),  "--robot", "x", "--session", session_, "--domain",
-                                        std::to_string(TestDomain())};
-    command.insert(command.end(), more.begin(), more.end());
-    return Finish(Program(command));
+    return Finish(Program(Words("% --robot x --session % --domain %",
+                                {ProgramPath("robot-agent"), session_, std::to_string(TestDomain())}) +
+                          more));
   };
   Program service({ProgramPath("world-service"), folder_.Path("foreign/evil.json"), "--session", session_, "--domain",
                    std::to_string(TestDomain())});
-  const Finished refused = agent({});
-  EXPECT_EQ(refused.exit_status, 2) << refused.output;
-  EXPECT_THAT(refused.output, HasSubstr("is not allowed"));
+  EXPECT_THAT(OutputOf(agent({}), 2), HasSubstr("is not allowed"));
   EXPECT_FALSE(LibraryWasOpened());
   const Finished allowed = agent({"--allow-controllers", MARKING_LIBRARY});
   EXPECT_THAT(allowed.output, HasSubstr("is not a controller"));

@@ -7,10 +7,11 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
+#include "command_line/exit_status.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -24,12 +25,6 @@ std::string FromEnvironment(const char* name) {
   const char* value = std::getenv(name);
   EXPECT_NE(value, nullptr) << name << " is not set; run this test by ctest";
   return value != nullptr ? value : "";
-}
-
-std::string ReadFile(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
 }
 
 // The programs of a run pass on what the programs that they start say, and restart some of those: a test that sees no
@@ -49,7 +44,7 @@ Process StartOrFail(const std::vector<std::string>& command, const LinePipe& out
 
 // True also for a process that has ended and that its parent has not waited for.
 bool IsGone(pid_t process) {
-  std::string stat = ReadFile("/proc/" + std::to_string(process) + "/stat");
+  std::string stat = TextOf("/proc/" + std::to_string(process) + "/stat");
   std::size_t name_end = stat.rfind(") ");
   return name_end == std::string::npos || stat[name_end + 2] == 'Z' || stat[name_end + 2] == 'X';
 }
@@ -69,14 +64,14 @@ std::vector<pid_t> ChildrenOf(pid_t process) {
   std::error_code failure;
   for (const auto& thread :
        std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", failure)) {
-    std::istringstream words(ReadFile(thread.path() / "children"));
+    std::istringstream words(TextOf(thread.path() / "children"));
     for (pid_t child = 0; words >> child;) children.push_back(child);
   }
   return children;
 }
 
 std::string CommandLineOf(pid_t process) {
-  std::string line = ReadFile("/proc/" + std::to_string(process) + "/cmdline");
+  std::string line = TextOf("/proc/" + std::to_string(process) + "/cmdline");
   for (char& c : line) c = c == '\0' ? ' ' : c;
   return line;
 }
@@ -86,7 +81,9 @@ bool IsGoneSoon(pid_t process) {
 }
 
 Program::Program(std::vector<std::string> command)
-    : pipe_(std::make_unique<LinePipe>()), process_(StartOrFail(command, *pipe_)) {
+    : command_(testing::PrintToString(command)),
+      pipe_(std::make_unique<LinePipe>()),
+      process_(StartOrFail(command, *pipe_)) {
   pipe_->CloseWritingEnd();
 }
 
@@ -139,6 +136,12 @@ int Program::Wait() {
   return process_.end()->exit_code;
 }
 
+void Program::Interrupt(const std::source_location& where) {
+  Signal(SIGINT);
+  const testing::ScopedTrace trace(where.file_name(), static_cast<int>(where.line()), "interrupted");
+  EXPECT_EQ(Wait(), kExitInterrupted) << output();
+}
+
 std::string Program::output() {
   std::string text;
   for (const std::string& line : lines_) text += line + "\n";
@@ -146,10 +149,7 @@ std::string Program::output() {
 }
 
 NetworkSettings NetworkOf(const std::string& session) {
-  NetworkSettings network;
-  network.domain = TestDomain();
-  network.session = session;
-  return network;
+  return {.domain = TestDomain(), .session = session};
 }
 
 Program Troupe(std::vector<std::string> arguments) {
@@ -157,16 +157,28 @@ Program Troupe(std::vector<std::string> arguments) {
   return Program(std::move(arguments));
 }
 
-Program RunPen(std::vector<std::string> arguments) {
-  std::vector<std::string> all = {"run", WorldPath("pen.world"), "--domain", std::to_string(TestDomain()),
-                                  "--headless"};
-  all.insert(all.end(), arguments.begin(), arguments.end());
-  return Troupe(std::move(all));
+Program RunPen(const std::vector<std::string>& arguments) {
+  return Troupe(Words("run % --domain % --headless", {WorldPath("pen.world"), std::to_string(TestDomain())}) +
+                arguments);
 }
 
 Finished Finish(Program program) {
   int exit_status = program.Wait();
-  return {exit_status, program.output()};
+  return {exit_status, program.output(), program.command()};
+}
+
+std::string OutputOf(const Finished& finished, int exit_status, const std::source_location& where) {
+  const testing::ScopedTrace trace(where.file_name(), static_cast<int>(where.line()), finished.command);
+  EXPECT_EQ(finished.exit_status, exit_status) << finished.output;
+  return finished.output;
+}
+
+std::string OutputOf(Program program, int exit_status, const std::source_location& where) {
+  return OutputOf(Finish(std::move(program)), exit_status, where);
+}
+
+Finished Ctl(const std::string& session, const std::vector<std::string>& action) {
+  return Finish(Troupe(Words("ctl --domain % --session %", {std::to_string(TestDomain()), session}) + action));
 }
 
 std::vector<pid_t> ChildrenWith(const Program& program, const std::string& part) {

@@ -5,12 +5,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <source_location>
 #include <string>
 #include <vector>
 
 #include "common/run/network_settings.h"
 #include "launcher/process/line_pipe.h"
 #include "launcher/process/process.h"
+#include "tests/support/words.h"
 
 namespace troupe::test {
 
@@ -45,13 +47,17 @@ class Program {
   bool HasEnded() { return process_.Poll() || !process_.running(); }
   // Waits for the end, and returns the exit status; without an end within the deadline the test fails.
   int Wait();
+  // Stops a run in order, as Ctrl-C does, and expects its exit status.
+  void Interrupt(const std::source_location& where = std::source_location::current());
   // All output so far.
   std::string output();
+  const std::string& command() const { return command_; }
 
  private:
   std::size_t FindLine(const std::string& part, std::size_t following);
   void ReadMore();
 
+  std::string command_;
   std::unique_ptr<LinePipe> pipe_;  // on the heap, so that programs can be moved
   Process process_;
   std::vector<std::string> lines_;
@@ -63,13 +69,21 @@ NetworkSettings NetworkOf(const std::string& session);
 // `troupe` with these arguments.
 Program Troupe(std::vector<std::string> arguments);
 // `troupe run` of pen.world in a domain of this test, with additional arguments.
-Program RunPen(std::vector<std::string> arguments);
+Program RunPen(const std::vector<std::string>& arguments);
 
 struct Finished {
   int exit_status = 0;
   std::string output;
+  std::string command;
 };
 Finished Finish(Program program);
+// The output of a program that has to end with this exit status.
+std::string OutputOf(const Finished& finished, int exit_status = 0,
+                     const std::source_location& where = std::source_location::current());
+std::string OutputOf(Program program, int exit_status = 0,
+                     const std::source_location& where = std::source_location::current());
+// `troupe ctl` on a run of TestDomain().
+Finished Ctl(const std::string& session, const std::vector<std::string>& action);
 
 // Its running children whose command lines contain `part`.
 std::vector<pid_t> ChildrenWith(const Program& program, const std::string& part);

@@ -6,14 +6,13 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "recording/recording_writer.h"
 #include "recording/tick_reader.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/edits.h"
+#include "tests/support/files.h"
 #include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
@@ -43,8 +42,7 @@ class RecordingTest : public testing::Test {
                                         std::string("--domain"), std::to_string(TestDomain())}) {
       arguments.push_back(argument);
     }
-    const Finished run = Finish(Troupe(arguments));
-    ASSERT_EQ(run.exit_status, 0) << run.output;
+    OutputOf(Troupe(arguments));
   }
   Finished Replay(std::vector<std::string> arguments, const std::string& file = "run.mcap") const {
     arguments.insert(arguments.begin(), {"replay", Path(file)});
@@ -56,11 +54,10 @@ class RecordingTest : public testing::Test {
   void ExpectEqualReplay(ScanOrder order = ScanOrder::kSame) const {
     std::vector<std::string> arguments = Outputs("replay-");
     arguments.insert(arguments.end(), {"--verify", "--controllers"});
-    const Finished replay = Replay(arguments);
-    EXPECT_EQ(replay.exit_status, 0) << replay.output;
-    EXPECT_THAT(replay.output, HasSubstr("all state hashes are equal"));
-    EXPECT_THAT(replay.output, HasSubstr("all recorded events are equal, and the file is whole"));
-    EXPECT_THAT(replay.output, ContainsRegex("\n[0-9]+ proposals of controllers are equal"));
+    const std::string replay = OutputOf(Replay(arguments));
+    EXPECT_THAT(replay, HasSubstr("all state hashes are equal"));
+    EXPECT_THAT(replay, HasSubstr("all recorded events are equal, and the file is whole"));
+    EXPECT_THAT(replay, ContainsRegex("\n[0-9]+ proposals of controllers are equal"));
     EXPECT_FALSE(folder_.Read("run-hashes").empty());
     for (const char* name : {"hashes", "poses"}) {
       EXPECT_TRUE(folder_.Read(std::string("run-") + name) == folder_.Read(std::string("replay-") + name)) << name;
@@ -72,9 +69,8 @@ class RecordingTest : public testing::Test {
     }
   }
   std::vector<std::string> SortedLines(const std::string& name) const {
-    std::istringstream text(folder_.Read(name));
     std::vector<std::string> lines;
-    for (std::string line; std::getline(text, line);) lines.push_back(line);
+    for (const std::string& line : LinesOf(folder_.Read(name))) lines.push_back(line);
     std::sort(lines.begin(), lines.end());
     return lines;
   }
@@ -94,7 +90,7 @@ class RecordingTest : public testing::Test {
     ASSERT_TRUE(writer.Close().ok());
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 struct World {
@@ -132,15 +128,11 @@ TEST_F(RecordingTest, IsEqualOnALossyNetwork) {
 
 // Late robots stop: the recording has the proposals that were used.
 TEST_F(RecordingTest, IsEqualInRealtimeModeWithLateRobots) {
-  Run({WorldPath("pen.world"), "--ticks", "150", "--mode", "realtime", "--speed", "10", "--faults",
-       "delay=0.4:0.03,seed=5"});
-  const Finished replay = Replay({"--verify", "--hash-log", Path("hashes"), "--poses", Path("poses")});
-  EXPECT_EQ(replay.exit_status, 0) << replay.output;
+  Run(Words("% --ticks 150 --mode realtime --speed 10 --faults delay=0.4:0.03,seed=5", {WorldPath("pen.world")}));
+  OutputOf(Replay({"--verify", "--hash-log", Path("hashes"), "--poses", Path("poses")}));
   EXPECT_EQ(folder_.Read("hashes"), folder_.Read("run-hashes"));
   EXPECT_TRUE(folder_.Read("poses") == folder_.Read("run-poses"));
-  const Finished controllers = Replay({"--verify", "--controllers"});
-  EXPECT_EQ(controllers.exit_status, 2);
-  EXPECT_THAT(controllers.output, HasSubstr("found a recording of mode realtime"));
+  EXPECT_THAT(OutputOf(Replay({"--verify", "--controllers"}), 2), HasSubstr("found a recording of mode realtime"));
   const Recording recording = std::move(Recording::Open(Path("run.mcap"))).value();
   TickReader reader(recording);
   RecordedTick tick;
@@ -167,18 +159,15 @@ class ControllersTest : public RecordingTest {
 
 TEST_F(ControllersTest, ARepeatableControllerDecidesTheSameAgain) {
   RunWith("false");
-  const Finished replay = Replay({"--verify", "--controllers"});
-  EXPECT_EQ(replay.exit_status, 0) << replay.output;
-  EXPECT_THAT(replay.output, HasSubstr("\n240 proposals of controllers are equal\n"));
+  EXPECT_THAT(OutputOf(Replay({"--verify", "--controllers"})), HasSubstr("\n240 proposals of controllers are equal\n"));
 }
 
 TEST_F(ControllersTest, NamesTheFirstNumberOfAControllerThatIsNotRepeatable) {
   RunWith("true");
   EXPECT_EQ(Replay({"--verify"}).exit_status, 0);
-  const Finished replay = Replay({"--verify", "--controllers"});
-  EXPECT_EQ(replay.exit_status, 3);
-  EXPECT_THAT(replay.output, HasSubstr("31 states, of ticks 0 to 30, replayed"));
-  EXPECT_THAT(replay.output, ContainsRegex("run.mcap: error: tick 31: robot r1: the vx is 0.1[0-9]*, expected 0.1"));
+  const std::string replay = OutputOf(Replay({"--verify", "--controllers"}), 3);
+  EXPECT_THAT(replay, HasSubstr("31 states, of ticks 0 to 30, replayed"));
+  EXPECT_THAT(replay, ContainsRegex("run.mcap: error: tick 31: robot r1: the vx is 0.1[0-9]*, expected 0.1"));
   // From any tick: the memory of controllers begins with the run.
   EXPECT_EQ(Replay({"--verify", "--controllers", "--from", "20", "--to", "30"}).exit_status, 0);
   EXPECT_EQ(Replay({"--controllers"}).exit_status, 2) << "without --verify";
@@ -243,8 +232,7 @@ class EditedRunTest : public RecordingTest {
       ASSERT_TRUE(reply.ok() && reply.value().done)
           << (reply.ok() ? reply.value().problem : reply.error().message) << run.output();
     }
-    run.Signal(SIGINT);
-    EXPECT_EQ(run.Wait(), 130) << run.output();
+    run.Interrupt();
   }
 };
 
@@ -252,18 +240,15 @@ TEST_F(EditedRunTest, IsReplayedWithTheSameFilesFromAnyTick) {
   RunWithEdits();
   ExpectEqualReplay(ScanOrder::kOfAgents);
   // The lines of the hash log from the first state of a tick to the last of another.
-  std::istringstream log(folder_.Read("run-hashes"));
   std::vector<std::string> lines;
-  for (std::string line; std::getline(log, line);) lines.push_back(line + "\n");
+  for (const std::string& line : LinesOf(folder_.Read("run-hashes"))) lines.push_back(line + "\n");
   const auto is_of = [](Tick tick) {
     return [tick](const std::string& line) { return line.starts_with(std::to_string(tick) + " "); };
   };
   for (const auto& [from, to] : std::vector<std::pair<Tick, Tick>>{
            {0, 0}, {0, 3}, {7, 8}, {12, 12}, {19, 5}, {25, 11}, {31, 1}, {39, 13}, {43, 2}}) {
     SCOPED_TRACE(std::to_string(from) + " to " + std::to_string(to));
-    const Finished replay =
-        Replay({"--from", std::to_string(from), "--to", std::to_string(to), "--hash-log", Path("part")});
-    ASSERT_EQ(replay.exit_status, 0) << replay.output;
+    OutputOf(Replay({"--from", std::to_string(from), "--to", std::to_string(to), "--hash-log", Path("part")}));
     const auto first = std::find_if(lines.begin(), lines.end(), is_of(from));
     const auto last = std::find_if(lines.rbegin(), lines.rend(), is_of(to));
     std::string expected;
@@ -276,14 +261,11 @@ TEST_F(RecordingTest, IsReplayedInPart) {
   Run({WorldPath("pen.world"), "--ticks", "120", "--speed", "max", "--in-process", "--keyframe-interval", "25"});
   std::vector<std::string> arguments = Outputs("part-");
   for (const char* word : {"--from", "61", "--to", "90"}) arguments.emplace_back(word);
-  const Finished replay = Replay(arguments);
-  ASSERT_EQ(replay.exit_status, 0) << replay.output;
-  EXPECT_THAT(replay.output, HasSubstr("30 states, of ticks 61 to 90, replayed"));
+  EXPECT_THAT(OutputOf(Replay(arguments)), HasSubstr("30 states, of ticks 61 to 90, replayed"));
   // Scans and hashes are the lines of these ticks.
   const auto lines_of = [&](const std::string& name, const auto& tick_of) {
-    std::istringstream text(folder_.Read(name));
     std::string lines;
-    for (std::string line; std::getline(text, line);) {
+    for (const std::string& line : LinesOf(folder_.Read(name))) {
       const int tick = tick_of(line);
       if (tick < 0 || (tick >= 61 && tick <= 90)) lines += line + "\n";
     }
@@ -296,9 +278,7 @@ TEST_F(RecordingTest, IsReplayedInPart) {
   EXPECT_TRUE(folder_.Read("part-scans") == lines_of("run-scans", of_scan));
 
   for (const auto& [option, tick] : {std::pair("--from", "121"), std::pair("--to", "500")}) {
-    const Finished beyond = Replay({option, tick});
-    EXPECT_EQ(beyond.exit_status, 2);
-    EXPECT_THAT(beyond.output, HasSubstr("expected at most 120"));
+    EXPECT_THAT(OutputOf(Replay({option, tick}), 2), HasSubstr("expected at most 120"));
   }
   EXPECT_EQ(Replay({"--from", "50", "--to", "40"}).exit_status, 2);
 }
@@ -311,11 +291,9 @@ TEST_F(RecordingTest, IsDrawnAndChecked) {
                 .exit_status,
             0);
   EXPECT_TRUE(folder_.Read("a.svg") == folder_.Read("b.svg"));
-  const Finished beyond = Finish(Troupe({"snapshot", Path("run.mcap"), "--tick", "61", "-o", Path("c.svg")}));
-  EXPECT_EQ(beyond.exit_status, 2);
-  const Finished check = Finish(Troupe({"check", Path("run.mcap")}));
-  EXPECT_EQ(check.exit_status, 0);
-  EXPECT_THAT(check.output, HasSubstr("recorded: ticks 0 to 60, 6 s simulated, 0 edits, 2 keyframes"));
+  OutputOf(Troupe({"snapshot", Path("run.mcap"), "--tick", "61", "-o", Path("c.svg")}), 2);
+  EXPECT_THAT(OutputOf(Troupe({"check", Path("run.mcap")})),
+              HasSubstr("recorded: ticks 0 to 60, 6 s simulated, 0 edits, 2 keyframes"));
 }
 
 class ChangedRecordingTest : public RecordingTest {
@@ -330,28 +308,25 @@ TEST_F(ChangedRecordingTest, AChangedProposalIsADifferenceThatNamesTheModel) {
   Rewrite("changed.mcap", Same, [](RecordedTick& tick) {
     if (tick.tick == 27) tick.proposals[2].twist.vx *= 0.99;
   });
-  const Finished replay = Replay({}, "changed.mcap");
-  EXPECT_EQ(replay.exit_status, 3);
-  EXPECT_THAT(replay.output, HasSubstr("27 states, of ticks 0 to 26, replayed"));
-  EXPECT_THAT(replay.output, HasSubstr("changed.mcap: error: tick 27: found the state hash "));
-  EXPECT_THAT(replay.output, HasSubstr("; at the next recorded state, of tick 40, the x of r2 is "));
+  const std::string replay = OutputOf(Replay({}, "changed.mcap"), 3);
+  EXPECT_THAT(replay, HasSubstr("27 states, of ticks 0 to 26, replayed"));
+  EXPECT_THAT(replay, HasSubstr("changed.mcap: error: tick 27: found the state hash "));
+  EXPECT_THAT(replay, HasSubstr("; at the next recorded state, of tick 40, the x of r2 is "));
 }
 
 TEST_F(ChangedRecordingTest, AChangedStateIsADifferenceThatNamesTheField) {
   Rewrite("changed.mcap", Same, [](RecordedTick& tick) {
     if (tick.keyframe && tick.tick == 40) tick.keyframe->state.robots[1].X_WR.heading = 0.125;
   });
-  const Finished replay = Replay({}, "changed.mcap");
-  EXPECT_EQ(replay.exit_status, 3);
-  EXPECT_THAT(replay.output, HasSubstr("tick 40: the heading of r1 is "));
-  EXPECT_THAT(replay.output, HasSubstr(", expected 0.125"));
+  const std::string replay = OutputOf(Replay({}, "changed.mcap"), 3);
+  EXPECT_THAT(replay, HasSubstr("tick 40: the heading of r1 is "));
+  EXPECT_THAT(replay, HasSubstr(", expected 0.125"));
 }
 
 TEST_F(ChangedRecordingTest, AChangedHashIsADifference) {
   Rewrite("changed.mcap", Same, [](RecordedTick& tick) { tick.state_hash ^= tick.tick == 33 ? 1U : 0U; });
-  const Finished replay = Replay({}, "changed.mcap");
-  EXPECT_EQ(replay.exit_status, 3);
-  EXPECT_THAT(replay.output, HasSubstr("; at the next recorded state, of tick 40, no model differs any more"));
+  EXPECT_THAT(OutputOf(Replay({}, "changed.mcap"), 3),
+              HasSubstr("; at the next recorded state, of tick 40, no model differs any more"));
 }
 
 TEST_F(ChangedRecordingTest, AChangedEventIsFoundByVerify) {
@@ -359,18 +334,15 @@ TEST_F(ChangedRecordingTest, AChangedEventIsFoundByVerify) {
     if (tick.tick == 33) tick.events.push_back({33, EventType::kStallEnded, RobotId(0)});
   });
   EXPECT_EQ(Replay({}, "changed.mcap").exit_status, 0);
-  const Finished verified = Replay({"--verify"}, "changed.mcap");
-  EXPECT_EQ(verified.exit_status, 3);
-  EXPECT_THAT(verified.output, HasSubstr("tick 33: found "));
+  EXPECT_THAT(OutputOf(Replay({"--verify"}, "changed.mcap"), 3), HasSubstr("tick 33: found "));
 }
 
 TEST_F(ChangedRecordingTest, AProposalBeyondTheLimitsIsADifference) {
   Rewrite("changed.mcap", Same, [](RecordedTick& tick) {
     if (tick.tick == 27) tick.proposals[0].twist.vx = 1e9;
   });
-  const Finished replay = Replay({}, "changed.mcap");
-  EXPECT_EQ(replay.exit_status, 3);
-  EXPECT_THAT(replay.output, HasSubstr("tick 27: the proposal of robot r0 is refused: found the twist"));
+  EXPECT_THAT(OutputOf(Replay({}, "changed.mcap"), 3),
+              HasSubstr("tick 27: the proposal of robot r0 is refused: found the twist"));
 }
 
 TEST_F(ChangedRecordingTest, AnotherVersionOfTheStepIsRefusedUnlessForced) {
@@ -379,10 +351,9 @@ TEST_F(ChangedRecordingTest, AnotherVersionOfTheStepIsRefusedUnlessForced) {
     run.program_version = "9.8.7";
   };
   Rewrite("later.mcap", later, [](RecordedTick&) {});
-  const Finished refused = Replay({}, "later.mcap");
-  EXPECT_EQ(refused.exit_status, 2);
-  EXPECT_THAT(refused.output, HasSubstr("(troupe 9.8.7), expected"));
-  EXPECT_THAT(refused.output, HasSubstr("--force replays it"));
+  const std::string refused = OutputOf(Replay({}, "later.mcap"), 2);
+  EXPECT_THAT(refused, HasSubstr("(troupe 9.8.7), expected"));
+  EXPECT_THAT(refused, HasSubstr("--force replays it"));
   EXPECT_EQ(Replay({"--force"}, "later.mcap").exit_status, 0);
   EXPECT_EQ(Finish(Troupe({"snapshot", Path("later.mcap"), "-o", Path("a.svg")})).exit_status, 2);
 }
@@ -393,9 +364,7 @@ TEST_F(ChangedRecordingTest, ACutOffFileIsReplayedToItsLastWholeChunk) {
     const std::string whole = folder_.Read("run.mcap");
     const std::string part = whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
     std::ofstream(Path("part.mcap"), std::ios::binary) << part;
-    const Finished replay = Replay({}, "part.mcap");
-    EXPECT_EQ(replay.exit_status, 3) << replay.output;
-    EXPECT_THAT(replay.output, HasSubstr("part.mcap: error: "));
+    EXPECT_THAT(OutputOf(Replay({}, "part.mcap"), 3), HasSubstr("part.mcap: error: "));
   }
 }
 
@@ -410,11 +379,10 @@ TEST_F(RecordingTest, IsReadableAfterTheServiceWasKilled) {
     if (CommandLineOf(child).find("world-service") != std::string::npos) kill(child, SIGKILL);
   }
   EXPECT_EQ(run.Wait(), 3) << run.output();
-  const Finished replay = Replay({});
-  EXPECT_EQ(replay.exit_status, 3);
-  EXPECT_THAT(replay.output, HasSubstr("replayed"));
-  EXPECT_THAT(replay.output, HasSubstr("their state hashes are equal"));
-  EXPECT_THAT(replay.output, HasSubstr("run.mcap: error: "));
+  const std::string replay = OutputOf(Replay({}), 3);
+  EXPECT_THAT(replay, HasSubstr("replayed"));
+  EXPECT_THAT(replay, HasSubstr("their state hashes are equal"));
+  EXPECT_THAT(replay, HasSubstr("run.mcap: error: "));
 }
 
 TEST_F(RecordingTest, EndsTheRunOnAFullDisk) {
@@ -422,20 +390,16 @@ TEST_F(RecordingTest, EndsTheRunOnAFullDisk) {
     const std::string command = "ulimit -f 200; exec " + ProgramPath("troupe") + " run " + WorldPath("pen.world") +
                                 " --speed max --keyframe-interval 10 --on-service-loss end --domain " +
                                 std::to_string(TestDomain()) + " " + mode + " --record " + Path("run.mcap");
-    const Finished run = Finish(Program({"/bin/sh", "-c", command}));
-    EXPECT_EQ(run.exit_status, 3) << run.output;
-    EXPECT_THAT(run.output, HasSubstr("\n" + Path("run.mcap") + ": error: cannot write: File too large")) << run.output;
-    const Finished replay = Replay({});
-    EXPECT_EQ(replay.exit_status, 3);
-    EXPECT_THAT(replay.output, HasSubstr("their state hashes are equal"));
+    EXPECT_THAT(OutputOf(Program({"/bin/sh", "-c", command}), 3),
+                HasSubstr("\n" + Path("run.mcap") + ": error: cannot write: File too large"));
+    EXPECT_THAT(OutputOf(Replay({}), 3), HasSubstr("their state hashes are equal"));
   }
 }
 
 TEST_F(RecordingTest, RefusesOtherFiles) {
   std::ofstream(Path("run.mcap")) << "not a recording";
-  const Finished replay = Replay({});
-  EXPECT_EQ(replay.exit_status, 2);
-  EXPECT_THAT(replay.output, HasSubstr("run.mcap: error: found other bytes at the start, expected an MCAP file"));
+  EXPECT_THAT(OutputOf(Replay({}), 2),
+              HasSubstr("run.mcap: error: found other bytes at the start, expected an MCAP file"));
   EXPECT_EQ(Replay({}, "missing.mcap").exit_status, 2);
   EXPECT_EQ(Finish(Troupe({"check", Path("run.mcap")})).exit_status, 2);
 }

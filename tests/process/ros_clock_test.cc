@@ -1,9 +1,7 @@
 // The topics of a run in a pause, for nodes that start then; and simulated time between ticks.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <csignal>
 #include <set>
 #include <string>
 #include <vector>
@@ -11,8 +9,8 @@
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_qos.h"
 #include "ros/connection/simulation_types.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "transport/dds/binding/wire.h"
@@ -41,12 +39,8 @@ TEST(RosClock, ANodeThatStartsInAPauseLearnsTheTimeAndSeesTheRobots) {
   Program run = RunPen(RosArguments({"--paused", "--speed", "1"}));
   {
     ros::RosParticipant stepper(TestRosNetwork());
-    Client<simulation_interfaces_srv_dds__StepSimulation_Request_,
-           simulation_interfaces_srv_dds__StepSimulation_Response_>
-        step(stepper, "/world/step_simulation");
-    simulation_interfaces_srv_dds__StepSimulation_Request_ request{};
-    request.steps = 7;
-    step.Call(request, [](const auto& response) { EXPECT_EQ(response.result.result, 1); });
+    TROUPE_SIMULATION_CLIENT(StepSimulation) step(stepper, "/world/step_simulation");
+    StepBy(step, 7);
   }
   ros::RosParticipant late(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(late, "/", "late");
@@ -65,12 +59,11 @@ TEST(RosClock, ANodeThatStartsInAPauseLearnsTheTimeAndSeesTheRobots) {
     });
     return frames.size() == 4;
   })) << testing::PrintToString(frames);
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
 }
 
 TEST(RosClock, AdvancesBetweenTicksIfAskedWithoutChangingTheRun) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   ros::RosParticipant participant(TestRosNetwork());
   ros::RosReader<ros::Clock> reader(ros::MakeNode(participant, "/", "reader"), "/clock", ros::Stream(10'000));
   Program run = RunPen(
@@ -83,9 +76,8 @@ TEST(RosClock, AdvancesBetweenTicksIfAskedWithoutChangingTheRun) {
   EXPECT_EQ(times.back(), 30 * kIntervalNs);
   EXPECT_GT(std::set<std::int64_t>(times.begin(), times.end()).size(), 100u) << "of 30 ticks";
 
-  OutputFolder without;
-  const Finished plain = Finish(RunPen({"--no-ros", "--ticks", "30", "--hash-log", without.Path("hashes")}));
-  ASSERT_EQ(plain.exit_status, 0) << plain.output;
+  TemporaryFolder without;
+  OutputOf(RunPen({"--no-ros", "--ticks", "30", "--hash-log", without.Path("hashes")}));
   EXPECT_EQ(folder.Read("hashes"), without.Read("hashes"));
 }
 

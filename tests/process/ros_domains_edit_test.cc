@@ -4,18 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "ros/connection/simulation_types.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/own_network.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
@@ -36,25 +34,14 @@ class RosDomainsEdit : public testing::Test {
   }
   void TearDown() override {
     if (!run_) return;
-    run_->Signal(SIGINT);
-    EXPECT_EQ(run_->Wait(), 130) << run_->output();
+    run_->Interrupt();
   }
 
   void Start(std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {"run",
-                                          folder_.Path("fleet.json"),
-                                          "--headless",
-                                          "--paused",
-                                          "--session",
-                                          session_,
-                                          "--domain",
-                                          std::to_string(kSimulationDomain),
-                                          "--ros-interface",
-                                          "lo",
-                                          "--ros-domain",
-                                          std::to_string(kRunDomain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    run_.emplace(Troupe(std::move(arguments)));
+    run_.emplace(Troupe(
+        Words("run % --headless --paused --session % --domain % --ros-interface lo --ros-domain %",
+              {folder_.Path("fleet.json"), session_, std::to_string(kSimulationDomain), std::to_string(kRunDomain)}) +
+        more));
     run_->WaitForLine(", ready");
   }
   Finished Ctl(std::vector<std::string> arguments) const {
@@ -62,10 +49,7 @@ class RosDomainsEdit : public testing::Test {
     arguments.insert(arguments.end(), {"--session", session_, "--domain", std::to_string(kSimulationDomain)});
     return Finish(Troupe(std::move(arguments)));
   }
-  void Edit(std::vector<std::string> arguments) const {
-    const Finished edited = Ctl(std::move(arguments));
-    EXPECT_EQ(edited.exit_status, 0) << edited.output;
-  }
+  void Edit(std::vector<std::string> arguments) const { OutputOf(Ctl(std::move(arguments))); }
   static bool HasPlainRobot(std::uint32_t domain) {
     RosGraph graph(InDomain(domain));
     return Eventually([&] { return graph.Nodes() == std::vector<std::string>{"/robot"}; }) &&
@@ -82,7 +66,7 @@ class RosDomainsEdit : public testing::Test {
     EXPECT_THAT(caller.output(), HasSubstr("use_sim_time")) << domain;
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
   const std::string session_ = TestSession("domains-edit");
   std::optional<Program> run_;
 
@@ -144,8 +128,7 @@ TEST_F(RosDomainsEdit, RobotsOfALoadedWorldHaveItsDomains) {
 TEST_F(RosDomainsEdit, AServiceOfRosSpawnsRobotsWithDomains) {
   Start();
   const ros::RosParticipant participant(InDomain(kRunDomain));
-  Client<simulation_interfaces_srv_dds__SpawnEntity_Request_, simulation_interfaces_srv_dds__SpawnEntity_Response_>
-      client(participant, "/world/spawn_entity");
+  TROUPE_SIMULATION_CLIENT(SpawnEntity) client(participant, "/world/spawn_entity");
   const auto spawn = [&](const char* uri, const char* text, double x) {
     simulation_interfaces_srv_dds__SpawnEntity_Request_ request{};
     request.name = const_cast<char*>(uri[0] == '\0' ? "written" : "late");

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <csignal>
 #include <fstream>
 #include <set>
 #include <vector>
@@ -12,9 +11,9 @@
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_qos.h"
 #include "ros/connection/simulation_types.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/own_network.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/ros_graph.h"
@@ -33,22 +32,13 @@ class RosDomains : public testing::Test {
         << "}}]}";
   }
   std::vector<std::string> Arguments(std::vector<std::string> more) const {
-    std::vector<std::string> arguments = {"run",
-                                          folder_.Path("fleet.json"),
-                                          "--headless",
-                                          "--session",
-                                          TestSession("domains"),
-                                          "--domain",
-                                          std::to_string(kSimulationDomain),
-                                          "--ros-interface",
-                                          "lo",
-                                          "--ros-domain",
-                                          std::to_string(kRunDomain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
+    return Words("run % --headless --session % --domain % --ros-interface lo --ros-domain %",
+                 {folder_.Path("fleet.json"), TestSession("domains"), std::to_string(kSimulationDomain),
+                  std::to_string(kRunDomain)}) +
+           more;
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(RosDomains, AToolInADomainSeesOneRobotUnderPlainNames) {
@@ -71,18 +61,15 @@ TEST_F(RosDomains, AToolInADomainSeesOneRobotUnderPlainNames) {
     return (nodes = graph.Nodes()) ==
            std::vector<std::string>{"/r0/robot", "/r1/robot", "/r2/robot", "/r3/robot", "/world"};
   })) << testing::PrintToString(nodes);
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
 }
 
 TEST_F(RosDomains, TheRunIsTheSameAsWithoutRos) {
   if (!HasNetworkOfItsOwn()) GTEST_SKIP() << "needs root and network namespaces";
   std::string hashes[2];
   for (const bool ros : {false, true}) {
-    OutputFolder outputs;
-    const Finished finished =
-        Finish(Troupe(Arguments({ros ? "--ros" : "--no-ros", "--ticks", "50", "--hash-log", outputs.Path("hashes")})));
-    ASSERT_EQ(finished.exit_status, 0) << finished.output;
+    TemporaryFolder outputs;
+    OutputOf(Troupe(Arguments({ros ? "--ros" : "--no-ros", "--ticks", "50", "--hash-log", outputs.Path("hashes")})));
     hashes[ros ? 1 : 0] = outputs.Read("hashes");
   }
   EXPECT_FALSE(hashes[0].empty());
@@ -107,9 +94,8 @@ TEST_F(RosDomains, TimeAdvancesBetweenTicksInTheDomainOfARobot) {
 TEST_F(RosDomains, ARobotCannotHaveTheDomainOfTheSimulation) {
   std::vector<std::string> arguments = Arguments({});
   *(std::find(arguments.begin(), arguments.end(), "--domain") + 1) = "3";
-  const Finished finished = Finish(Troupe(std::move(arguments)));
-  EXPECT_EQ(finished.exit_status, 2);
-  EXPECT_THAT(finished.output,
+  const std::string finished = OutputOf(Troupe(std::move(arguments)), 2);
+  EXPECT_THAT(finished,
               testing::HasSubstr("error: found the ROS domain 3 for robot 'rover2', which is the domain of the "
                                  "simulation, expected another one, or another --domain"));
 }

@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <algorithm>
 #include <string>
@@ -37,9 +36,7 @@ class RosEditRun {
     return {};
   }
   ControlReply Step(std::uint64_t ticks) {
-    ControlRequest request = {};
-    request.command = ControlCommand::kStep;
-    request.ticks = ticks;
+    ControlRequest request{.command = ControlCommand::kStep, .ticks = ticks};
     const ControlReply reply = Ask(request);
     const ControlReply before = std::exchange(newest_, reply);
     if (reply.edition == before.edition) {
@@ -81,27 +78,15 @@ class RosEditRun {
   pid_t Participant() const { return Only("/ros-participant "); }
 
   void End() {
-    run_.Signal(SIGINT);
-    EXPECT_EQ(run_.Wait(), 130) << run_.output();
+    run_.Interrupt();
     EXPECT_THAT(run_.output(), testing::Not(testing::HasSubstr("the agent (process"))) << "an agent failed";
   }
 
  private:
   std::vector<std::string> Arguments(const std::string& file, std::vector<std::string> more) const {
-    std::vector<std::string> arguments = {"run",
-                                          file,
-                                          "--headless",
-                                          "--domain",
-                                          std::to_string(TestDomain()),
-                                          "--session",
-                                          session_,
-                                          "--ros",
-                                          "--ros-interface",
-                                          "lo",
-                                          "--ros-domain",
-                                          std::to_string(TestRosNetwork().domain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
+    return Words("run % --headless --domain % --session % --ros --ros-interface lo --ros-domain %",
+                 {file, std::to_string(TestDomain()), session_, std::to_string(TestRosNetwork().domain)}) +
+           more;
   }
   // The child processes whose command lines contain `part`.
   std::vector<pid_t> Children(const std::string& part) const {
@@ -118,11 +103,7 @@ class RosEditRun {
   }
   ControlReply Edit(ControlCommand command, const std::string& name = "", const std::string& source = "",
                     const Pose& pose = {}) {
-    ControlRequest request = {};
-    request.command = command;
-    request.name = name;
-    request.source = source;
-    request.pose = pose;
+    ControlRequest request{.command = command, .name = name, .source = source, .pose = pose};
     return newest_ = Ask(request);
   }
 

@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/ros_edit_run.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -81,7 +81,7 @@ TEST(RosEdit, TheAgentOfADeletedRobotLeavesAndASpawnOfItsNameGetsAnother) {
 }
 
 // Another world in which all robots are the same, and have the same names.
-std::string OtherWorld(const OutputFolder& folder) {
+std::string OtherWorld(const TemporaryFolder& folder) {
   std::ofstream(folder.Path("other.world"))
       << std::ifstream(WorldPath("pen.world")).rdbuf() << "wall ( name \"more\" pose [0 0 0 0] size [0.2 0.2 0.2] )\n";
   return folder.Path("other.world");
@@ -89,7 +89,7 @@ std::string OtherWorld(const OutputFolder& folder) {
 
 TEST(RosEdit, ALoadedWorldWithTheSameNamesKeepsTheRobots) {
   for (const char* robots_per_process : {"1", "4"}) {
-    const OutputFolder folder;
+    const TemporaryFolder folder;
     RosEditRun run(WorldPath("pen.world"),
                    {"--paused", "--allow-files", folder.Path(""), "--robots-per-process", robots_per_process});
     run.Step(5);

@@ -3,10 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,12 +34,9 @@ class RosFastDdsHosts : public testing::Test {
   // On host 1.
   Program Run(const std::vector<std::string>& more) const {
     const BridgedHosts::Visit visit(*hosts_, 1);
-    std::vector<std::string> arguments = {
-        "run",      WorldPath("pen.world"), "--headless", "--paused",     "--session", session_,
-        "--domain", kTroupeDomain,          "--ros",      "--ros-domain", kRosDomain,  "--ros-services",
-        "both"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Troupe(std::move(arguments));
+    return Troupe(Words("run % --headless --paused --session % --domain % --ros --ros-domain % --ros-services both",
+                        {WorldPath("pen.world"), session_, kTroupeDomain, kRosDomain}) +
+                  more);
   }
   Program Caller(int host, const std::string& where, std::vector<std::string> arguments) const {
     const BridgedHosts::Visit visit(*hosts_, host);
@@ -59,10 +54,7 @@ class RosFastDdsHosts : public testing::Test {
     EXPECT_EQ(parameters.Wait(), 0) << parameters.output();
     EXPECT_THAT(parameters.output(), HasSubstr("use_sim_time"));
   }
-  static void End(Program& run) {
-    run.Signal(SIGINT);
-    EXPECT_EQ(run.Wait(), 130) << run.output();
-  }
+  static void End(Program& run) { run.Interrupt(); }
 
   const std::string session_ = TestSession("fast-dds-hosts");
   std::unique_ptr<BridgedHosts> hosts_;

@@ -31,8 +31,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
-using StateClient = Client<simulation_interfaces_srv_dds__GetSimulationState_Request_,
-                           simulation_interfaces_srv_dds__GetSimulationState_Response_>;
+using StateClient = TROUPE_SIMULATION_CLIENT(GetSimulationState);
 
 std::string Domain() {
   return std::to_string(TestRosNetwork().domain);
@@ -94,9 +93,7 @@ class RosFastDds : public testing::Test {
   }
 
   static Program Run(std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"--speed", "1", "--ros", "--ros-interface", "lo", "--ros-domain", Domain()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return RunPen(std::move(arguments));
+    return RunPen(Words("--speed 1 --ros --ros-interface lo --ros-domain %", {Domain()}) + more);
   }
   // The processes of ros-participant on Fast DDS.
   static std::vector<pid_t> SidesOf(const Program& run) {
@@ -110,8 +107,7 @@ class RosFastDds : public testing::Test {
   }
   static void End(Program& run) {
     const std::vector<pid_t> sides = SidesOf(run);
-    run.Signal(SIGINT);
-    EXPECT_EQ(run.Wait(), 130) << run.output();
+    run.Interrupt();
     for (const pid_t side : sides) EXPECT_TRUE(IsGoneSoon(side));
   }
 };
@@ -230,8 +226,7 @@ TEST_F(RosFastDds, FollowsRobotsThatAreSpawnedAndDeleted) {
   const auto edit = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "ctl");
     arguments.insert(arguments.end(), {"--session", session, "--domain", std::to_string(TestDomain())});
-    const Finished edited = Finish(Troupe(std::move(arguments)));
-    EXPECT_EQ(edited.exit_status, 0) << edited.output;
+    OutputOf(Troupe(std::move(arguments)));
   };
   edit({"spawn", "rover", "--name", "late", "--pose", "0.5,-2,0,0"});
   Program caller = Caller({"leaves", "/late/robot"});

@@ -9,10 +9,10 @@
 
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_participant.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/process/ros_edit_run.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 
@@ -20,8 +20,7 @@ namespace troupe::test {
 namespace {
 
 using testing::HasSubstr;
-using StepClient = Client<simulation_interfaces_srv_dds__StepSimulation_Request_,
-                          simulation_interfaces_srv_dds__StepSimulation_Response_>;
+using StepClient = TROUPE_SIMULATION_CLIENT(StepSimulation);
 
 std::vector<pid_t> ParticipantsOf(const Program& run) {
   std::vector<pid_t> participants = ChildrenOf(run.pid());
@@ -83,8 +82,7 @@ TEST(RosHost, EditsAndLostAgentsChangeTheGraph) {
   kill(agents.front(), SIGKILL);
   EXPECT_TRUE(Eventually([&] { return run.AgentsOf("r2") != agents && run.AgentsOf("r2").size() == 1; }));
   run.ExpectRobots({"r0", "r1", "r2", "r3"});
-  run.program().Signal(SIGINT);
-  EXPECT_EQ(run.program().Wait(), 130);
+  run.program().Interrupt();
 }
 
 TEST(RosHost, ARunInOneProcessHasTheProgramToo) {
@@ -93,8 +91,7 @@ TEST(RosHost, ARunInOneProcessHasTheProgramToo) {
   EXPECT_EQ(run.participants(), 1u);
   const std::vector<pid_t> participants = ParticipantsOf(run.program());
   ASSERT_EQ(participants.size(), 1u);
-  run.program().Signal(SIGINT);
-  EXPECT_EQ(run.program().Wait(), 130);
+  run.program().Interrupt();
   EXPECT_TRUE(IsGoneSoon(participants.front()));
 }
 
@@ -112,12 +109,9 @@ TEST(RosHost, ItsProgramsEndWithALauncherThatIsKilled) {
 // The programs of a run that are started by hand find the participant of their session, or start it.
 TEST(RosHost, ProgramsThatAreStartedByHandShareOne) {
   const std::string session = TestSession("by-hand");
-  const std::vector<std::string> common = {"--session=" + session,
-                                           "--domain=" + std::to_string(TestDomain()),
-                                           "--ros",
-                                           "--ros-interface=lo",
-                                           "--ros-services=cyclone",
-                                           "--ros-domain=" + std::to_string(TestRosNetwork().domain)};
+  const std::vector<std::string> common = Words("% % --ros --ros-interface=lo --ros-services=cyclone %",
+                                                {"--session=" + session, "--domain=" + std::to_string(TestDomain()),
+                                                 "--ros-domain=" + std::to_string(TestRosNetwork().domain)});
   RosGraph graph;
   std::vector<Program> programs;
   const auto start = [&](std::vector<std::string> command) {
@@ -146,7 +140,7 @@ TEST(RosHost, ANetworkThatCannotBeUsedEndsTheRun) {
 
 // Drives r0 by commands that are acknowledged before each step; returns the hashes.
 std::string CommandAndStep(const std::string& mode) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   ros::RosParticipant participant(TestRosNetwork());
   dds::Topic<ros::TwistMessage> topic(participant.participant(), "rt/r0/cmd_vel");
   dds::DataWriter<ros::TwistMessage> commands(participant.publisher(), topic, ros::ToDds(ros::Stream(1)));
@@ -160,12 +154,9 @@ std::string CommandAndStep(const std::string& mode) {
     twist.angular.z = 0.3 * (i % 5) - 0.6;
     commands.write(twist);
     EXPECT_TRUE(commands.wait_for_acknowledgments(20.0));
-    simulation_interfaces_srv_dds__StepSimulation_Request_ request{};
-    request.steps = 1;
-    step.Call(request, [](const auto& response) { EXPECT_EQ(response.result.result, 1); });
+    StepBy(step, 1);
   }
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
   return folder.Read("hashes");
 }
 
@@ -181,9 +172,8 @@ double LastStamp(const std::string& mode) {
   ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "tester");
   ros::RosReader<ros::OdometryMessage> odometry(node, "/r3/odom", ros::Stream(1000));
-  Finished run = Finish(RunPen({"--ticks", "150", "--speed", "10", "--ros", "--ros-interface", "lo", "--ros-domain",
-                                std::to_string(TestRosNetwork().domain), mode}));
-  EXPECT_EQ(run.exit_status, 0) << run.output;
+  OutputOf(RunPen({"--ticks", "150", "--speed", "10", "--ros", "--ros-interface", "lo", "--ros-domain",
+                   std::to_string(TestRosNetwork().domain), mode}));
   double last = 0.0;
   Eventually([&] {
     odometry.Drain([&](const ros::OdometryMessage& message) {
@@ -201,7 +191,7 @@ TEST(RosHost, TheSamplesOfTheLastTicksArrive) {
 
 // Those of one machine share it; the world service is on the host of the launcher.
 TEST(RosHost, HostsHaveTheirOwnParticipants) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   std::ofstream(folder.Path("scenario.json")) << R"({"world": ")" << WorldPath("pen.world") << R"(", "hosts": [
         {"name": "first", "address": "127.0.0.1", "start": "{command}"},
         {"name": "second", "address": "127.0.0.1", "start": "{command}", "robots": ["r1", "r3"]}]})";

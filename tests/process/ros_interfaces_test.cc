@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -11,8 +10,8 @@
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/simulation_types.h"
 #include "ros/messages/convert.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "transport/dds/binding/wire.h"
@@ -21,9 +20,6 @@ namespace troupe::test {
 namespace {
 
 using testing::ElementsAre;
-
-#define TROUPE_TEST_SERVICE(name) \
-  Client<simulation_interfaces_srv_dds__##name##_Request_, simulation_interfaces_srv_dds__##name##_Response_>
 
 geometry_msgs_msg_dds__PoseStamped_ PoseAt(double x, double y) {
   geometry_msgs_msg_dds__PoseStamped_ pose{};
@@ -39,26 +35,14 @@ class RosInterfaces : public testing::Test {
         << R"({"world": ")" << WorldPath("pen.world") << R"(", "name": "placed", "places": [)"
         << R"({"name": "dock", "pose": [1, 2, 90], "description": "the charger", "tags": ["charger", "start"]},)"
         << R"({"name": "door", "pose": [-1, 0, 0], "tags": ["start"]}]})";
-    std::vector<std::string> arguments = {"run",
-                                          folder_.Path("place.json"),
-                                          "--headless",
-                                          "--session",
-                                          TestSession("interfaces"),
-                                          "--domain",
-                                          std::to_string(TestDomain()),
-                                          "--paused",
-                                          "--ros",
-                                          "--ros-interface",
-                                          "lo",
-                                          "--ros-domain",
-                                          std::to_string(TestRosNetwork().domain)};
+    std::vector<std::string> arguments =
+        Words("run % --headless --session % --domain % --paused --ros --ros-interface lo --ros-domain %",
+              {folder_.Path("place.json"), TestSession("interfaces"), std::to_string(TestDomain()),
+               std::to_string(TestRosNetwork().domain)});
     run_.emplace(Troupe(std::move(arguments)));
     run_->WaitForLine(", ready");
   }
-  ~RosInterfaces() override {
-    run_->Signal(SIGINT);
-    EXPECT_EQ(run_->Wait(), 130) << run_->output();
-  }
+  ~RosInterfaces() override { run_->Interrupt(); }
 
   std::vector<std::string> PoseNames(const std::vector<std::string>& tags, std::uint8_t mode) {
     dds::WireArena arena;
@@ -89,9 +73,7 @@ class RosInterfaces : public testing::Test {
     request.info.category.category = 1;
     request.info.description = Text("a scout");
     arena.FillStrings(request.info.tags, tags);
-    std::uint8_t result = 0;
-    set_info_.Call(request, [&](const auto& response) { result = response.result.result; });
-    return result;
+    return set_info_.ResultOf(request);
   }
   int CurrentWorld(std::string* name = nullptr, std::string* uri = nullptr) {
     int result = 0;
@@ -107,17 +89,11 @@ class RosInterfaces : public testing::Test {
     state_.Call({}, [&](const auto& response) { state = response.state.state; });
     return state;
   }
-  int Unload() {
-    int result = 0;
-    unload_.Call({}, [&](const auto& response) { result = response.result.result; });
-    return result;
-  }
+  int Unload() { return unload_.ResultOf({}); }
   int LoadText(const std::string& text) {
     simulation_interfaces_srv_dds__LoadWorld_Request_ request{};
     request.resource_string = Text(text.c_str());
-    int result = 0;
-    load_.Call(request, [&](const auto& response) { result = response.result.result; });
-    return result;
+    return load_.ResultOf(request);
   }
   int SetTwist(const char* entity, double vx, double vy) {
     simulation_interfaces_srv_dds__SetEntityState_Request_ request{};
@@ -126,26 +102,24 @@ class RosInterfaces : public testing::Test {
     request.state.pose = ros::ToMessage(Pose{-2.0, -2.0, 0.0, 0.0});
     request.state.twist.linear.x = vx;
     request.state.twist.linear.y = vy;
-    int result = 0;
-    set_state_.Call(request, [&](const auto& response) { result = response.result.result; });
-    return result;
+    return set_state_.ResultOf(request);
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
   ros::RosParticipant participant_{TestRosNetwork()};
-  TROUPE_TEST_SERVICE(GetCurrentWorld) world_{participant_, "/world/get_current_world"};
-  TROUPE_TEST_SERVICE(GetAvailableWorlds) worlds_{participant_, "/world/get_available_worlds"};
-  TROUPE_TEST_SERVICE(UnloadWorld) unload_{participant_, "/world/unload_world"};
-  TROUPE_TEST_SERVICE(LoadWorld) load_{participant_, "/world/load_world"};
-  TROUPE_TEST_SERVICE(GetNamedPoses) poses_{participant_, "/world/get_named_poses"};
-  TROUPE_TEST_SERVICE(GetEntityBounds) bounds_{participant_, "/world/get_entity_bounds"};
-  TROUPE_TEST_SERVICE(GetEntities) entities_{participant_, "/world/get_entities"};
-  TROUPE_TEST_SERVICE(GetEntityState) get_state_{participant_, "/world/get_entity_state"};
-  TROUPE_TEST_SERVICE(SetEntityState) set_state_{participant_, "/world/set_entity_state"};
-  TROUPE_TEST_SERVICE(SetEntityInfo) set_info_{participant_, "/world/set_entity_info"};
-  TROUPE_TEST_SERVICE(GetEntityInfo) info_{participant_, "/world/get_entity_info"};
-  TROUPE_TEST_SERVICE(SpawnEntities) spawn_{participant_, "/world/spawn_entities"};
-  TROUPE_TEST_SERVICE(GetSimulationState) state_{participant_, "/world/get_simulation_state"};
+  TROUPE_SIMULATION_CLIENT(GetCurrentWorld) world_{participant_, "/world/get_current_world"};
+  TROUPE_SIMULATION_CLIENT(GetAvailableWorlds) worlds_{participant_, "/world/get_available_worlds"};
+  TROUPE_SIMULATION_CLIENT(UnloadWorld) unload_{participant_, "/world/unload_world"};
+  TROUPE_SIMULATION_CLIENT(LoadWorld) load_{participant_, "/world/load_world"};
+  TROUPE_SIMULATION_CLIENT(GetNamedPoses) poses_{participant_, "/world/get_named_poses"};
+  TROUPE_SIMULATION_CLIENT(GetEntityBounds) bounds_{participant_, "/world/get_entity_bounds"};
+  TROUPE_SIMULATION_CLIENT(GetEntities) entities_{participant_, "/world/get_entities"};
+  TROUPE_SIMULATION_CLIENT(GetEntityState) get_state_{participant_, "/world/get_entity_state"};
+  TROUPE_SIMULATION_CLIENT(SetEntityState) set_state_{participant_, "/world/set_entity_state"};
+  TROUPE_SIMULATION_CLIENT(SetEntityInfo) set_info_{participant_, "/world/set_entity_info"};
+  TROUPE_SIMULATION_CLIENT(GetEntityInfo) info_{participant_, "/world/get_entity_info"};
+  TROUPE_SIMULATION_CLIENT(SpawnEntities) spawn_{participant_, "/world/spawn_entities"};
+  TROUPE_SIMULATION_CLIENT(GetSimulationState) state_{participant_, "/world/get_simulation_state"};
   std::optional<Program> run_;
 };
 

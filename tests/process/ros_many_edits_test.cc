@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/ros_edit_run.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -27,7 +27,7 @@ Pose PlaceOf(int robot) {
 }
 
 // Writes a world with twenty robots, r0 and so on, and `more`.
-std::string WriteWorld(const OutputFolder& folder, const std::string& name, const std::string& more) {
+std::string WriteWorld(const TemporaryFolder& folder, const std::string& name, const std::string& more) {
   std::ofstream file(folder.Path(name));
   file << kField << more;
   for (int i = 0; i < kSpawned; ++i) {
@@ -55,7 +55,7 @@ double MeanMemoryOf(const std::vector<pid_t>& processes) {
 }
 
 TEST(RosManyEdits, TheGraphIsRightAfterEachAndMemoryIsFlat) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   const std::string field = WriteWorld(folder, "field.world", "");
   const std::string other =
       WriteWorld(folder, "other.world", "cube ( name \"more\" pose [-3 0 0 0] size [0.2 0.2 0.2] )\n");

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <csignal>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -14,9 +13,9 @@
 #include "ros/connection/ros_participant.h"
 #include "ros/connection/ros_qos.h"
 #include "ros/messages/convert.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_domain.h"
 #include "transport/dds/tools/control_client.h"
 
@@ -81,34 +80,18 @@ class RosPoses : public testing::Test {
         << R"({"world": "rooms.world", "robots": [{"name": "cleo", "ros_domain": )" << OwnDomain() << "}]}";
   }
   void Start(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"run",
-                                          folder_.Path("rooms.json"),
-                                          "--headless",
-                                          "--speed",
-                                          "20",
-                                          "--session",
-                                          session_,
-                                          "--domain",
-                                          std::to_string(TestDomain()),
-                                          "--ros",
-                                          "--ros-interface",
-                                          "lo",
-                                          "--ros-domain",
-                                          std::to_string(TestRosNetwork().domain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    run_.emplace(Troupe(std::move(arguments)));
+    run_.emplace(
+        Troupe(Words("run % --headless --speed 20 --session % --domain % --ros --ros-interface lo --ros-domain %",
+                     {folder_.Path("rooms.json"), session_, std::to_string(TestDomain()),
+                      std::to_string(TestRosNetwork().domain)}) +
+               more));
     run_->WaitForLine(", ready");
     ASSERT_TRUE(client_.WaitForService(kSeconds).ok()) << run_->output();
   }
-  void TearDown() override {
-    run_->Signal(SIGINT);
-    EXPECT_EQ(run_->Wait(), 130) << run_->output();
-  }
+  void TearDown() override { run_->Interrupt(); }
 
   Pose PoseOf(const std::string& robot) {
-    ControlRequest question;
-    question.command = ControlCommand::kEntities;
-    question.name = robot;
+    ControlRequest question{.command = ControlCommand::kEntities, .name = robot};
     const Result<ControlReply> reply = client_.Call(question, kSeconds);
     if (!reply.ok() || reply.value().entities.size() != 1) {
       ADD_FAILURE() << run_->output();
@@ -125,7 +108,7 @@ class RosPoses : public testing::Test {
         kDrive);
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
   const std::string session_ = TestSession("poses");
   std::optional<Program> run_;
   ControlClient client_{NetworkOf(session_)};
@@ -169,11 +152,8 @@ TEST_F(RosPoses, AnInitialPoseIsSetInTheWorld) {
 TEST_F(RosPoses, TheTopicsFollowTheRobotsOfTheWorld) {
   Start({"--ros-rviz", "both"});
   const auto edit = [&](ControlCommand command, const std::string& name, const Pose& pose) {
-    ControlRequest request;
-    request.command = command;
-    request.name = name;
-    request.source = command == ControlCommand::kSpawn ? "rover" : "";
-    request.pose = pose;
+    ControlRequest request{
+        .command = command, .name = name, .source = command == ControlCommand::kSpawn ? "rover" : "", .pose = pose};
     const Result<ControlReply> reply = client_.Call(request, kSeconds);
     EXPECT_TRUE(reply.ok() && reply.value().done) << run_->output();
   };

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <map>
 #include <string>
 
@@ -56,11 +55,7 @@ class RosRollingTest : public testing::Test {
     });
     return answer;
   }
-  std::uint8_t Set(const rolling_client_dds__SetEntityState_Request_& request) {
-    std::uint8_t result = 0;
-    set_state_.Call(request, [&](const auto& response) { result = response.result.result; });
-    return result;
-  }
+  std::uint8_t Set(const rolling_client_dds__SetEntityState_Request_& request) { return set_state_.ResultOf(request); }
   ros::PoseMessage PoseOf(const char* name) {
     simulation_interfaces_srv_dds__GetEntityState_Request_ request{};
     request.entity = Text(name);
@@ -78,9 +73,7 @@ class RosRollingTest : public testing::Test {
       participant_, "/world/spawn_entity"};
   Client<rolling_client_dds__SetEntityState_Request_, simulation_interfaces_srv_dds__SetEntityState_Response_>
       set_state_{participant_, "/world/set_entity_state"};
-  Client<simulation_interfaces_srv_dds__GetEntityState_Request_,
-         simulation_interfaces_srv_dds__GetEntityState_Response_>
-      get_state_{participant_, "/world/get_entity_state"};
+  TROUPE_SIMULATION_CLIENT(GetEntityState) get_state_{participant_, "/world/get_entity_state"};
   Client<simulation_interfaces_srv_dds__GetSpawnables_Request_, rolling_client_dds__GetSpawnables_Response_>
       spawnables_{participant_, "/world/get_spawnables"};
   Client<rolling_client_dds__LoadWorld_Request_, rolling_client_dds__LoadWorld_Response_> load_{participant_,
@@ -164,8 +157,7 @@ TEST_F(RosRollingTest, AnswersInTheLayoutsOfTheSecondVersion) {
   CheckSpawnAndPose();
   CheckOnlyPosesAreSet();
   CheckLoad();
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
 }
 
 }  // namespace

@@ -17,9 +17,9 @@
 #include "ros/connection/ros_qos.h"
 #include "ros/connection/simulation_types.h"
 #include "ros/messages/convert.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/process/run_files.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/ros_graph.h"
@@ -76,7 +76,7 @@ class Reader {
 };
 
 TEST(RosRun, PublishesTheValuesInTheRunsFilesWithoutChangingTheRun) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   Reader reader;
   Program run = RunPen(RosArguments({"--ticks", "300", "--speed", "10", "--poses", folder.Path("poses"), "--scans",
                                      folder.Path("scans"), "--hash-log", folder.Path("hashes")}));
@@ -105,27 +105,23 @@ TEST(RosRun, PublishesTheValuesInTheRunsFilesWithoutChangingTheRun) {
   EXPECT_TRUE(std::is_sorted(reader.clocks().begin(), reader.clocks().end()));
   EXPECT_EQ(reader.clocks().back(), 300u);
 
-  OutputFolder without;
-  Finished plain = Finish(RunPen({"--no-ros", "--ticks", "300", "--hash-log", without.Path("hashes")}));
-  ASSERT_EQ(plain.exit_status, 0) << plain.output;
+  TemporaryFolder without;
+  OutputOf(RunPen({"--no-ros", "--ticks", "300", "--hash-log", without.Path("hashes")}));
   EXPECT_EQ(folder.Read("hashes"), without.Read("hashes"));
 }
 
 // Drives r0 by hand, stepping from a pause, and returns the hash after each step.
 std::vector<std::string> StepByService(int steps) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "tester");
   ros::RosReader<ros::LaserScan> scans(node, "/r0/scan", ros::Stream(1000));
-  Client<simulation_interfaces_srv_dds__StepSimulation_Request_,
-         simulation_interfaces_srv_dds__StepSimulation_Response_>
-      step(participant, "/world/step_simulation");
+  TROUPE_SIMULATION_CLIENT(StepSimulation)
+  step(participant, "/world/step_simulation");
   Program run = RunPen(RosArguments({"--paused", "--speed", "1", "--hash-log", folder.Path("hashes")}));
   std::set<Tick> seen;
   for (int i = 1; i <= steps; ++i) {
-    simulation_interfaces_srv_dds__StepSimulation_Request_ request{};
-    request.steps = 2;
-    step.Call(request, [](const auto& response) { EXPECT_EQ(response.result.result, 1); });
+    StepBy(step, 2);
     if (!seen.empty()) {
       // Written before the step returned, but perhaps still on the network.
       EXPECT_TRUE(Eventually([&] {
@@ -136,17 +132,15 @@ std::vector<std::string> StepByService(int steps) {
     scans.Drain([&](const ros::LaserScan& scan) { seen.insert(TickOf(scan.header.stamp)); });
   }
   EXPECT_FALSE(seen.empty());
-  Client<simulation_interfaces_srv_dds__GetSimulationState_Request_,
-         simulation_interfaces_srv_dds__GetSimulationState_Response_>
-      state(participant, "/world/get_simulation_state");
+  TROUPE_SIMULATION_CLIENT(GetSimulationState)
+  state(participant, "/world/get_simulation_state");
   state.Call({}, [](const auto& response) { EXPECT_EQ(response.state.state, 2) << "paused"; });
-  Client<simulation_interfaces_srv_dds__GetEntities_Request_, simulation_interfaces_srv_dds__GetEntities_Response_>
-      entities(participant, "/world/get_entities");
+  TROUPE_SIMULATION_CLIENT(GetEntities)
+  entities(participant, "/world/get_entities");
   entities.Call({}, [](const auto& response) {
     EXPECT_THAT(dds::Strings(response.entities), testing::ElementsAre("r0", "r1", "r2", "r3"));
   });
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
   std::istringstream lines(folder.Read("hashes"));
   std::vector<std::string> hashes;
   for (std::string line; std::getline(lines, line);) hashes.push_back(line);
@@ -177,17 +171,13 @@ class WorldServices {
   std::uint8_t Delete(const char* name) {
     simulation_interfaces_srv_dds__DeleteEntity_Request_ request{};
     request.entity = const_cast<char*>(name);
-    std::uint8_t result = 0;
-    delete_.Call(request, [&](const auto& response) { result = response.result.result; });
-    return result;
+    return delete_.ResultOf(request);
   }
   std::uint8_t SetPose(const char* name, const ros::PoseMessage& pose) {
     simulation_interfaces_srv_dds__SetEntityState_Request_ request{};
     request.entity = const_cast<char*>(name);
     request.state.pose = pose;
-    std::uint8_t result = 0;
-    set_state_.Call(request, [&](const auto& response) { result = response.result.result; });
-    return result;
+    return set_state_.ResultOf(request);
   }
   // Names and x of the entities that pass the filter.
   std::map<std::string, double> States(const char* filter, std::vector<std::uint8_t> categories = {}) {
@@ -209,16 +199,12 @@ class WorldServices {
   std::uint8_t Reset(std::uint8_t scope) {
     simulation_interfaces_srv_dds__ResetSimulation_Request_ request{};
     request.scope = scope;
-    std::uint8_t result = 0;
-    reset_.Call(request, [&](const auto& response) { result = response.result.result; });
-    return result;
+    return reset_.ResultOf(request);
   }
   std::uint8_t Load(const std::string& uri) {
     simulation_interfaces_srv_dds__LoadWorld_Request_ request{};
     request.uri = const_cast<char*>(uri.c_str());
-    std::uint8_t result = 0;
-    load_.Call(request, [&](const auto& response) { result = response.result.result; });
-    return result;
+    return load_.ResultOf(request);
   }
   std::vector<std::string> Spawnables() {
     std::vector<std::string> uris;
@@ -234,11 +220,7 @@ class WorldServices {
     info_.Call(request, [&](const auto& response) { category = response.info.category.category; });
     return category;
   }
-  void Step() {
-    simulation_interfaces_srv_dds__StepSimulation_Request_ request{};
-    request.steps = 1;
-    step_.Call(request, [](const auto& response) { EXPECT_EQ(response.result.result, 1); });
-  }
+  void Step() { StepBy(step_, 1); }
   void PlainReset() {
     plain_reset_.Call({}, [](const auto&) {});
   }
@@ -246,28 +228,23 @@ class WorldServices {
  private:
   ros::RosParticipant participant_{TestRosNetwork()};
   ros::RosNode node_ = ros::MakeNode(participant_, "/", "editor");
-  Client<simulation_interfaces_srv_dds__SpawnEntity_Request_, simulation_interfaces_srv_dds__SpawnEntity_Response_>
-      spawn_{participant_, "/world/spawn_entity"};
-  Client<simulation_interfaces_srv_dds__DeleteEntity_Request_, simulation_interfaces_srv_dds__DeleteEntity_Response_>
-      delete_{participant_, "/world/delete_entity"};
-  Client<simulation_interfaces_srv_dds__SetEntityState_Request_,
-         simulation_interfaces_srv_dds__SetEntityState_Response_>
-      set_state_{participant_, "/world/set_entity_state"};
-  Client<simulation_interfaces_srv_dds__GetEntitiesStates_Request_,
-         simulation_interfaces_srv_dds__GetEntitiesStates_Response_>
-      states_{participant_, "/world/get_entities_states"};
-  Client<simulation_interfaces_srv_dds__ResetSimulation_Request_,
-         simulation_interfaces_srv_dds__ResetSimulation_Response_>
-      reset_{participant_, "/world/reset_simulation"};
-  Client<simulation_interfaces_srv_dds__LoadWorld_Request_, simulation_interfaces_srv_dds__LoadWorld_Response_> load_{
-      participant_, "/world/load_world"};
-  Client<simulation_interfaces_srv_dds__GetSpawnables_Request_, simulation_interfaces_srv_dds__GetSpawnables_Response_>
-      spawnables_{participant_, "/world/get_spawnables"};
-  Client<simulation_interfaces_srv_dds__GetEntityInfo_Request_, simulation_interfaces_srv_dds__GetEntityInfo_Response_>
-      info_{participant_, "/world/get_entity_info"};
-  Client<simulation_interfaces_srv_dds__StepSimulation_Request_,
-         simulation_interfaces_srv_dds__StepSimulation_Response_>
-      step_{participant_, "/world/step_simulation"};
+  TROUPE_SIMULATION_CLIENT(SpawnEntity)
+  spawn_{participant_, "/world/spawn_entity"};
+  TROUPE_SIMULATION_CLIENT(DeleteEntity)
+  delete_{participant_, "/world/delete_entity"};
+  TROUPE_SIMULATION_CLIENT(SetEntityState)
+  set_state_{participant_, "/world/set_entity_state"};
+  TROUPE_SIMULATION_CLIENT(GetEntitiesStates)
+  states_{participant_, "/world/get_entities_states"};
+  TROUPE_SIMULATION_CLIENT(ResetSimulation)
+  reset_{participant_, "/world/reset_simulation"};
+  TROUPE_SIMULATION_CLIENT(LoadWorld) load_{participant_, "/world/load_world"};
+  TROUPE_SIMULATION_CLIENT(GetSpawnables)
+  spawnables_{participant_, "/world/get_spawnables"};
+  TROUPE_SIMULATION_CLIENT(GetEntityInfo)
+  info_{participant_, "/world/get_entity_info"};
+  TROUPE_SIMULATION_CLIENT(StepSimulation)
+  step_{participant_, "/world/step_simulation"};
   Client<std_srvs_srv_dds__Empty_Request_, std_srvs_srv_dds__Empty_Response_> plain_reset_{participant_, "/reset"};
 };
 
@@ -276,7 +253,7 @@ TEST(RosRun, EditsTheWorldByService) {
   ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "reader");
   ros::RosReader<ros::OdometryMessage> truth(node, "/late/ground_truth", ros::Stream(1000));
-  OutputFolder folder;
+  TemporaryFolder folder;
   const std::string broken = folder.Path("broken.world");
   std::ofstream(broken) << "position ( name \"x\"\n";
   Program run = RunPen(RosArguments({"--paused", "--allow-files", folder.Path("")}));
@@ -326,8 +303,7 @@ TEST(RosRun, EditsTheWorldByService) {
   EXPECT_EQ(world.Load("/nowhere.world"), kFailed);
   EXPECT_EQ(world.Load("/worlds/office.sdf"), 101) << "an unsupported format";
   world.PlainReset();
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
 }
 
 TEST(RosRun, OpensNothingInTheRosDomainUnlessAsked) {
@@ -335,8 +311,7 @@ TEST(RosRun, OpensNothingInTheRosDomainUnlessAsked) {
   const ros::RosNode node = ros::MakeNode(participant, "/", "reader");
   ros::RosReader<ros::Clock> clock(node, "/clock", ros::Stream(10));
   const std::string domain = std::to_string(TestRosNetwork().domain);
-  Finished run = Finish(RunPen({"--ros-interface", "lo", "--ros-domain", domain, "--ticks", "20", "--speed", "10"}));
-  ASSERT_EQ(run.exit_status, 0) << run.output;
+  OutputOf(RunPen({"--ros-interface", "lo", "--ros-domain", domain, "--ticks", "20", "--speed", "10"}));
   clock.Drain([](const ros::Clock&) { FAIL() << "a clock without --ros"; });
 }
 
@@ -356,8 +331,7 @@ TEST(RosRun, ARobotWhoseNameIsValidKeepsItsTopicsAndOthersHaveANotice) {
     const std::set<std::string> topics = graph.Topics("/");
     return std::includes(topics.begin(), topics.end(), expected.begin(), expected.end());
   }));
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130);
+  run.Interrupt();
   EXPECT_THAT(run.output(), testing::HasSubstr("the topics of robot '0' are below /n0:"));
   EXPECT_THAT(run.output(), testing::HasSubstr("the topics of robot 'a-b' are below /a_b_1:"));
   EXPECT_THAT(run.output(), testing::Not(testing::HasSubstr("robot 'a_b'")));

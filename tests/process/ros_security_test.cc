@@ -1,15 +1,14 @@
 // Runs in a ROS domain with security, as ROS 2's own tools set it up (SROS 2).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <stdlib.h>
 
 #include <algorithm>
 
 #include "ros/connection/ros_endpoints.h"
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_graph.h"
 #include "tests/support/ros_keystore.h"
 
@@ -63,11 +62,10 @@ class RosSecurity : public testing::Test {
     }));
     EXPECT_THAT(open.Topics("/"), IsEmpty());
     EXPECT_THAT(open.Nodes(), IsEmpty());
-    run.Signal(SIGINT);
-    EXPECT_EQ(run.Wait(), 130) << run.output();
+    run.Interrupt();
   }
 
-  const OutputFolder folder_;
+  const TemporaryFolder folder_;
   const RosKeystore keystore_{folder_.Path(""), TestRosNetwork().domain};
 };
 
@@ -98,46 +96,42 @@ TEST_F(RosSecurity, RequiredKeysThatAreMissingEndTheRunWithOneLine) {
   keystore_.AddEnclave("/r0");
   std::filesystem::remove(folder_.Path("enclaves/r0/key.pem"));
   SetEnvironment("Enforce", keystore_.path());
-  const Finished robot = Finish(RunPen(InRosDomain({"--ticks", "5"})));
-  EXPECT_EQ(robot.exit_status, 2) << robot.output;
-  EXPECT_THAT(robot.output, HasSubstr(folder_.Path("enclaves/r0/key.pem") + ": error: cannot read"));
-  EXPECT_EQ(std::count(robot.output.begin(), robot.output.end(), '\n'), 1) << robot.output;
+  const std::string robot = OutputOf(RunPen(InRosDomain({"--ticks", "5"})), 2);
+  EXPECT_THAT(robot, HasSubstr(folder_.Path("enclaves/r0/key.pem") + ": error: cannot read"));
+  EXPECT_EQ(std::count(robot.begin(), robot.end(), '\n'), 1);
   std::filesystem::remove_all(folder_.Path("enclaves/world"));
   for (const char* mode : {"--headless", "--in-process"}) {
-    const Finished run = Finish(RunPen(InRosDomain({"--ticks", "5", mode})));
-    EXPECT_EQ(run.exit_status, 2) << run.output;
-    EXPECT_THAT(run.output, HasSubstr(folder_.Path("enclaves/world") + ": error: found no such folder")) << mode;
-    EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+    const std::string run = OutputOf(RunPen(InRosDomain({"--ticks", "5", mode})), 2);
+    EXPECT_THAT(run, HasSubstr(folder_.Path("enclaves/world") + ": error: found no such folder")) << mode;
+    EXPECT_EQ(std::count(run.begin(), run.end(), '\n'), 1);
   }
 }
 
 TEST_F(RosSecurity, TheProgramsLookForTheirKeysThemselves) {
   SetEnvironment("Enforce", keystore_.path());
-  const Finished service = Finish(Program({ProgramPath("world-service"), WorldPath("pen.world"), "--session",
-                                           TestSession("keys"), "--domain", std::to_string(TestDomain()), "--ros"}));
-  EXPECT_EQ(service.exit_status, 2) << service.output;
-  EXPECT_THAT(service.output, HasSubstr(folder_.Path("enclaves/world") + ": error: found no such folder"));
-  const Finished agent = Finish(Program({ProgramPath("robot-agent"), "--session", TestSession("keys"), "--domain",
-                                         std::to_string(TestDomain()), "--robot", "r0", "--ros"}));
-  EXPECT_EQ(agent.exit_status, 2) << agent.output;
-  EXPECT_THAT(agent.output, HasSubstr(folder_.Path("enclaves/r0") + ": error: found no such folder"));
+  EXPECT_THAT(OutputOf(Program({ProgramPath("world-service"), WorldPath("pen.world"), "--session", TestSession("keys"),
+                                "--domain", std::to_string(TestDomain()), "--ros"}),
+                       2),
+              HasSubstr(folder_.Path("enclaves/world") + ": error: found no such folder"));
+  EXPECT_THAT(OutputOf(Program({ProgramPath("robot-agent"), "--session", TestSession("keys"), "--domain",
+                                std::to_string(TestDomain()), "--robot", "r0", "--ros"}),
+                       2),
+              HasSubstr(folder_.Path("enclaves/r0") + ": error: found no such folder"));
 }
 
 TEST_F(RosSecurity, OptionalKeysThatAreMissingAreAWarning) {
   SetEnvironment("Permissive", keystore_.path());
   for (const char* mode : {"--headless", "--in-process"}) {
-    const Finished run = Finish(RunPen(InRosDomain({"--ticks", "5", mode})));
-    EXPECT_EQ(run.exit_status, 0) << run.output;
-    EXPECT_THAT(run.output, HasSubstr(folder_.Path("enclaves/world") + ": warning: ")) << mode;
-    EXPECT_THAT(run.output, HasSubstr("continuing without security")) << mode;
+    const std::string run = OutputOf(RunPen(InRosDomain({"--ticks", "5", mode})));
+    EXPECT_THAT(run, HasSubstr(folder_.Path("enclaves/world") + ": warning: ")) << mode;
+    EXPECT_THAT(run, HasSubstr("continuing without security")) << mode;
   }
 }
 
 TEST_F(RosSecurity, BadValuesAreErrorsOfRunsWithRosOnly) {
   SetEnvironment("Strict", keystore_.path());
-  const Finished run = Finish(RunPen(InRosDomain({"--ticks", "5"})));
-  EXPECT_EQ(run.exit_status, 2) << run.output;
-  EXPECT_EQ(run.output, "error: ROS_SECURITY_STRATEGY: found 'Strict', expected Enforce or Permissive\n");
+  const std::string run = OutputOf(RunPen(InRosDomain({"--ticks", "5"})), 2);
+  EXPECT_EQ(run, "error: ROS_SECURITY_STRATEGY: found 'Strict', expected Enforce or Permissive\n");
   EXPECT_EQ(Finish(RunPen({"--ticks", "5", "--in-process"})).exit_status, 0);
 }
 

@@ -176,8 +176,7 @@ TEST_F(RosStepsTest, RefusesWhatItsStateDoesNotAllow) {
   EXPECT_EQ(StepResult(), kFailed) << "in a playing run";
   EXPECT_EQ(SetState(kPaused), kOk);
   EXPECT_EQ(StepResult(), kOk);
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
 }
 
 TEST_F(RosStepsTest, MakesStepsWithFeedbackAfterEachAndTheSensorDataOfTheLast) {
@@ -212,8 +211,7 @@ TEST_F(RosStepsTest, MakesStepsWithFeedbackAfterEachAndTheSensorDataOfTheLast) {
   EXPECT_EQ(ResultOf(9).status, GoalStatus::kUnknown);
   EXPECT_EQ(Cancel(9), CancelAnswer::kUnknownGoal);
   EXPECT_EQ(Cancel(1), CancelAnswer::kGoalHasEnded);
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
 }
 
 TEST_F(RosStepsTest, StopsWhenCancelledOrPausedAndAcceptsOneGoalAtATime) {

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tests/support/files.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
 
@@ -38,8 +39,7 @@ inline std::map<std::pair<Tick, std::string>, LoggedPose> ReadPoses(const std::s
 // Ranges by tick, robot and sensor.
 inline std::map<std::tuple<Tick, std::string, std::string>, std::vector<double>> ReadScans(const std::string& text) {
   std::map<std::tuple<Tick, std::string, std::string>, std::vector<double>> scans;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : LinesOf(text)) {
     const nlohmann::json scan = nlohmann::json::parse(line);
     if (!scan.contains("ranges")) continue;  // of a sensor without rays
     scans[{scan["tick"], scan["robot"], scan["sensor"]}] = scan["ranges"].get<std::vector<double>>();

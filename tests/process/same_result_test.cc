@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -25,15 +25,14 @@ struct Files {
 };
 
 Files RunWith(std::vector<std::string> arguments) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   for (const char* name : {"hash-log", "poses", "scans", "record", "summary"}) {
     arguments.push_back(std::string("--") + name);
     arguments.push_back(folder.Path(name));
   }
   for (const char* word : {"--speed", "max", "--ticks"}) arguments.push_back(word);
   arguments.push_back(std::to_string(kTicksOfRun));
-  Finished run = Finish(RunPen(arguments));
-  EXPECT_EQ(run.exit_status, 0) << run.output;
+  OutputOf(RunPen(arguments));
   EXPECT_EQ(folder.size(), 5u) << "only the five files that were asked for are left";
   return {folder.Read("hash-log"), folder.Read("poses"), folder.Read("scans"), folder.Read("record"),
           nlohmann::json::parse(folder.Read("summary"), nullptr, false)};

@@ -4,14 +4,12 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <thread>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
@@ -32,16 +30,13 @@ class ServiceRestartTest : public testing::Test {
 
   // The arguments for a run of 80 ticks with all files of the service, by a prefix of their names.
   std::vector<std::string> Arguments(const std::string& prefix) const {
-    return {"--ticks",    "80",
-            "--hash-log", Path(prefix + "hashes"),
-            "--poses",    Path(prefix + "poses"),
-            "--record",   Path(prefix + "states.jsonl")};
+    return Words("--ticks 80 --hash-log % --poses % --record %",
+                 {Path(prefix + "hashes"), Path(prefix + "poses"), Path(prefix + "states.jsonl")});
   }
   void RunUndisturbed() const {
     std::vector<std::string> arguments = Arguments("whole-");
     arguments.emplace_back("--in-process");
-    const Finished run = Finish(RunPen(arguments));
-    ASSERT_EQ(run.exit_status, 0) << run.output;
+    OutputOf(RunPen(arguments));
   }
   void ExpectFilesOfAnUndisturbedRun() const {
     RunUndisturbed();
@@ -74,13 +69,11 @@ class ServiceRestartTest : public testing::Test {
     return reply.ok() ? reply.value() : ControlReply();
   }
   ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
-    ControlRequest request;
-    request.command = command;
-    request.ticks = ticks;
+    ControlRequest request{.command = command, .ticks = ticks};
     return Call(request);
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
   const std::string session_ = TestSession("restart");
 };
 
@@ -114,9 +107,7 @@ TEST_F(ServiceRestartTest, APausedRunRemainsPausedAndAStepIsFinished) {
 TEST_F(ServiceRestartTest, AnEditedRunHasItsWorld) {
   Program run = Start({"--paused", "--speed", "max"});
   Call(ControlCommand::kStep, 5);
-  ControlRequest removal;
-  removal.command = ControlCommand::kDelete;
-  removal.name = "r3";
+  ControlRequest removal{.command = ControlCommand::kDelete, .name = "r3"};
   EXPECT_TRUE(Call(removal).done);
   Call(ControlCommand::kStep, 3);
   ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
@@ -181,8 +172,7 @@ TEST_F(ServiceRestartTest, ARecordingIsWholeAfterwards) {
   Kill(run);
   EXPECT_EQ(run.Wait(), 0) << run.output();
   ExpectFilesOfAnUndisturbedRun();
-  const Finished replay = Finish(Troupe({"replay", Path("run.mcap"), "--verify", "--hash-log", Path("replayed")}));
-  EXPECT_EQ(replay.exit_status, 0) << replay.output;
+  OutputOf(Troupe({"replay", Path("run.mcap"), "--verify", "--hash-log", Path("replayed")}));
   EXPECT_EQ(folder_.Read("replayed"), folder_.Read("whole-hashes"));
   EXPECT_EQ(folder_.size(), 7u) << "the tail of the journal is left";
 }
@@ -190,25 +180,9 @@ TEST_F(ServiceRestartTest, ARecordingIsWholeAfterwards) {
 // Without a launcher: the service is continued by hand, at another port, as on another host.
 TEST_F(ServiceRestartTest, AnotherServiceContinuesTheJournalOfAProcess) {
   const std::string domain = std::to_string(TestDomain());
-  std::vector<std::string> service = {ProgramPath("world-service"),
-                                      "--session",
-                                      session_,
-                                      "--domain",
-                                      domain,
-                                      "--lease",
-                                      "1",
-                                      "--journal",
-                                      Path("run.mcap"),
-                                      "--speed",
-                                      "10",
-                                      "--hash-log",
-                                      Path("run-hashes"),
-                                      "--poses",
-                                      Path("run-poses"),
-                                      "--ticks",
-                                      "80",
-                                      "--security",
-                                      "off"};
+  std::vector<std::string> service = Words(
+      "% --session % --domain % --lease 1 --journal % --speed 10 --hash-log % --poses % --ticks 80 --security off",
+      {ProgramPath("world-service"), session_, domain, Path("run.mcap"), Path("run-hashes"), Path("run-poses")});
   std::vector<std::string> begin = service;
   begin.insert(begin.begin() + 1, WorldPath("pen.world"));
   Program first(begin);
@@ -220,9 +194,7 @@ TEST_F(ServiceRestartTest, AnotherServiceContinuesTheJournalOfAProcess) {
   // Of a journal whose service lives, nothing can be continued.
   std::vector<std::string> rival = service;
   rival[2] = session_ + "-rival";
-  const Finished refused = Finish(Program(rival));
-  EXPECT_EQ(refused.exit_status, 3);
-  EXPECT_THAT(refused.output, HasSubstr("another process writes this file"));
+  EXPECT_THAT(OutputOf(Program(rival), 3), HasSubstr("another process writes this file"));
 
   first.Signal(SIGKILL);
   first.Wait();
@@ -236,33 +208,27 @@ TEST_F(ServiceRestartTest, AnotherServiceContinuesTheJournalOfAProcess) {
 TEST_F(ServiceRestartTest, ARunWhoseOwnJournalCannotBeWrittenContinuesWithoutIt) {
   const std::string command = "ulimit -f 200; exec " + ProgramPath("troupe") + " run " + WorldPath("pen.world") +
                               " --headless --ticks 2000 --domain " + std::to_string(TestDomain());
-  const Finished run = Finish(Program({"/bin/sh", "-c", command}));
-  EXPECT_EQ(run.exit_status, 0) << run.output;
-  EXPECT_THAT(run.output, HasSubstr("the journal of the run cannot be written"));
+  EXPECT_THAT(OutputOf(Program({"/bin/sh", "-c", command})), HasSubstr("the journal of the run cannot be written"));
 }
 
 TEST_F(ServiceRestartTest, ARunEndsWhoseRecordingCannotBeContinuedForLackOfSpace) {
   const std::string command = "ulimit -f 200; exec " + ProgramPath("troupe") + " run " + WorldPath("pen.world") +
                               " --headless --ticks 2000 --domain " + std::to_string(TestDomain()) + " --record " +
                               Path("run.mcap");
-  const Finished run = Finish(Program({"/bin/sh", "-c", command}));
-  EXPECT_EQ(run.exit_status, 3) << run.output;
-  EXPECT_THAT(run.output, HasSubstr("run.mcap.journal-a: error: cannot write: File too large"));
+  EXPECT_THAT(OutputOf(Program({"/bin/sh", "-c", command}), 3),
+              HasSubstr("run.mcap.journal-a: error: cannot write: File too large"));
   const Finished replay = Finish(Troupe({"replay", Path("run.mcap"), "--verify"}));
   EXPECT_THAT(replay.output, HasSubstr("state hashes are equal"));
 }
 
 TEST_F(ServiceRestartTest, ARecordingAndAnotherJournalAreRefused) {
-  const Finished run = Finish(RunPen({"--record", Path("run.mcap"), "--journal", Path("journal.mcap")}));
-  EXPECT_EQ(run.exit_status, 2);
-  EXPECT_THAT(run.output, HasSubstr("found --journal and a recording"));
+  EXPECT_THAT(OutputOf(RunPen({"--record", Path("run.mcap"), "--journal", Path("journal.mcap")}), 2),
+              HasSubstr("found --journal and a recording"));
 }
 
 TEST_F(ServiceRestartTest, AJournalWithoutARunIsNotContinued) {
-  const Finished service =
-      Finish(Program({ProgramPath("world-service"), "--resume", "--journal", Path("nothing.mcap")}));
-  EXPECT_EQ(service.exit_status, 2);
-  EXPECT_THAT(service.output, HasSubstr("nothing.mcap: error: found a journal without a run, expected one to resume"));
+  EXPECT_THAT(OutputOf(Program({ProgramPath("world-service"), "--resume", "--journal", Path("nothing.mcap")}), 2),
+              HasSubstr("nothing.mcap: error: found a journal without a run, expected one to resume"));
 }
 
 }  // namespace

@@ -1,11 +1,10 @@
 // Several runs on one network.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -17,17 +16,15 @@ TEST(Sessions, ASecondServiceInASessionIsRefusedAndTheFirstContinues) {
   std::string session = TestSession("taken");
   Program first = RunPen({"--session", session, "--speed", "10"});
   first.WaitForLine("4 robots in 4 agent processes, ready");
-  Finished second = Finish(RunPen({"--session", session, "--ticks", "10"}));
-  EXPECT_EQ(second.exit_status, 3);
-  EXPECT_THAT(second.output, HasSubstr("error: "));
-  EXPECT_THAT(second.output, HasSubstr(session));
-  first.Signal(SIGINT);
-  EXPECT_EQ(first.Wait(), 130);
+  const std::string second = OutputOf(RunPen({"--session", session, "--ticks", "10"}), 3);
+  EXPECT_THAT(second, HasSubstr("error: "));
+  EXPECT_THAT(second, HasSubstr(session));
+  first.Interrupt();
   EXPECT_THAT(first.output(), Not(HasSubstr("error")));
 }
 
 TEST(Sessions, TwoRunsAtOnceInADomainDoNotMix) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   std::vector<Program> programs;
   for (std::string name : {"a", "b", "c"}) {
     std::string seed = name == "c" ? "5" : "4";
@@ -42,13 +39,11 @@ TEST(Sessions, TopListsTheRunningSessions) {
   std::string session = TestSession("listed");
   Program run = RunPen({"--session", session, "--speed", "10"});
   run.WaitForLine("4 robots in 4 agent processes, ready");
-  Finished top = Finish(Troupe({"top", "--once", "--domain", std::to_string(TestDomain())}));
-  EXPECT_EQ(top.exit_status, 0);
-  EXPECT_THAT(top.output, testing::ContainsRegex(session + " +pen +[^ ]+:[0-9]+ +[0-9]+ .*4/4"));
+  EXPECT_THAT(OutputOf(Troupe({"top", "--once", "--domain", std::to_string(TestDomain())})),
+              testing::ContainsRegex(session + " +pen +[^ ]+:[0-9]+ +[0-9]+ .*4/4"));
   Finished other = Finish(Troupe({"top", "--once", "--domain", std::to_string(TestDomain()), "--session", "none"}));
   EXPECT_THAT(other.output, Not(HasSubstr(session)));
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130);
+  run.Interrupt();
 }
 
 }  // namespace

@@ -1,13 +1,12 @@
 // The unmodified worlds of Stage: a process for each robot, and the same result in every other kind of run.
 #include "tests/support/stage_worlds.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -24,21 +23,10 @@ class StageWorld : public testing::TestWithParam<const char*> {
     nlohmann::json summary;
   };
   Files RunWith(std::vector<std::string> arguments) const {
-    OutputFolder folder;
-    std::vector<std::string> all = {"run",
-                                    World(),
-                                    "--ticks",
-                                    "600",
-                                    "--speed",
-                                    "max",
-                                    "--headless",
-                                    "--hash-log",
-                                    folder.Path("hashes"),
-                                    "--summary",
-                                    folder.Path("summary")};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    Finished run = Finish(Troupe(all));
-    EXPECT_EQ(run.exit_status, 0) << run.output;
+    TemporaryFolder folder;
+    OutputOf(Troupe(Words("run % --ticks 600 --speed max --headless --hash-log % --summary %",
+                          {World(), folder.Path("hashes"), folder.Path("summary")}) +
+                    arguments));
     return {folder.Read("hashes"), nlohmann::json::parse(folder.Read("summary"), nullptr, false)};
   }
 };

@@ -6,9 +6,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
@@ -28,9 +29,8 @@ void SignalAll(const std::vector<pid_t>& processes, int signal) {
 // The hashes of 100 ticks without any fault.
 const std::string& ExpectedHashes() {
   static const std::string hashes = [] {
-    const OutputFolder folder;
-    const Finished run = Finish(RunPen({"--in-process", "--ticks", "100", "--hash-log", folder.Path("hashes")}));
-    EXPECT_EQ(run.exit_status, 0) << run.output;
+    const TemporaryFolder folder;
+    OutputOf(RunPen({"--in-process", "--ticks", "100", "--hash-log", folder.Path("hashes")}));
     return folder.Read("hashes");
   }();
   return hashes;
@@ -52,7 +52,7 @@ class StoppedProcess : public testing::Test {
     EXPECT_EQ(summary["lost"], nlohmann::json::array());
   }
 
-  OutputFolder folder_;
+  TemporaryFolder folder_;
   Program program_;
 };
 
@@ -97,16 +97,12 @@ TEST(StoppedAgent, RejoinsAWorldThatWasEditedMeanwhile) {
   ControlClient client(NetworkOf(session));
   const Status found = client.WaitForService(kSeconds);
   ASSERT_TRUE(found.ok()) << found.error().message;
-  ControlRequest removal;
-  removal.command = ControlCommand::kDelete;
-  removal.name = "r3";
-  const Result<ControlReply> reply = client.Call(removal, kSeconds);
-  ASSERT_TRUE(reply.ok()) << reply.error().message;
-  EXPECT_TRUE(reply.value().done) << reply.value().problem;
+  ControlRequest removal{.command = ControlCommand::kDelete, .name = "r3"};
+  const ControlReply reply = ValueOf(client.Call(removal, kSeconds));
+  EXPECT_TRUE(reply.done) << reply.problem;
   SignalAll(agent, SIGCONT);
   run.WaitForLine("r2 has an agent");
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130) << run.output();
+  run.Interrupt();
 }
 
 TEST(StoppedAgent, GivesUpAServiceThatDoesNotReturn) {
@@ -138,11 +134,9 @@ TEST(StoppedAgent, GivesUpAServiceThatDoesNotReturn) {
   ControlClient client(NetworkOf(session));
   const Status found = client.WaitForService(kSeconds);
   ASSERT_TRUE(found.ok()) << found.error().message;
-  const Result<ControlReply> stepped = client.Call(ControlCommand::kStep, 1, kSeconds);
-  ASSERT_TRUE(stepped.ok()) << stepped.error().message;
-  ASSERT_TRUE(stepped.value().done) << stepped.value().problem;
-  const Result<ControlReply> played = client.Call(ControlCommand::kPlay, 0, kSeconds);
-  ASSERT_TRUE(played.ok()) << played.error().message;
+  const ControlReply stepped = ValueOf(client.Call(ControlCommand::kStep, 1, kSeconds));
+  ASSERT_TRUE(stepped.done) << stepped.problem;
+  ValueOf(client.Call(ControlCommand::kPlay, 0, kSeconds));
   service.Signal(SIGKILL);
   for (Program& agent : agents) {
     EXPECT_EQ(agent.Wait(), 3);

@@ -5,14 +5,13 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -52,7 +51,7 @@ class LongRun {
 class StopSignal : public testing::TestWithParam<int> {};
 
 TEST_P(StopSignal, EndsARunInOrderWithStatus130AndItsFiles) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   LongRun run({"--summary", folder.Path("summary"), "--hash-log", folder.Path("hashes")});
   run.program().Signal(GetParam());
   EXPECT_EQ(run.program().Wait(), 130);
@@ -72,8 +71,7 @@ INSTANTIATE_TEST_SUITE_P(Signals, StopSignal, testing::Values(SIGINT, SIGTERM, S
 TEST(Supervision, CtrlCStopsARunInProcessToo) {
   Program program = RunPen({"--in-process", "--speed", "1"});
   program.WaitForLine("4 robots in this process, ready");
-  program.Signal(SIGINT);
-  EXPECT_EQ(program.Wait(), 130);
+  program.Interrupt();
   EXPECT_THAT(program.output(), HasSubstr("stopped before its end"));
 }
 
@@ -81,8 +79,7 @@ TEST(Supervision, CtrlCBeforeAllRobotsHaveJoinedStopsToo) {
   Program program = RunPen({"--faults", "loss=1,seed=1"});
   ASSERT_TRUE(Eventually([&] { return ChildrenOf(program.pid()).size() > 1; }));
   std::vector<pid_t> children = ChildrenOf(program.pid());
-  program.Signal(SIGINT);
-  EXPECT_EQ(program.Wait(), 130);
+  program.Interrupt();
   for (pid_t child : children) EXPECT_TRUE(IsGoneSoon(child));
 }
 
@@ -94,7 +91,7 @@ TEST(Supervision, AKilledLauncherLeavesNoProcess) {
 }
 
 TEST(Supervision, AKilledLauncherLeavesNoFilesButItsOutputs) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   LongRun run({"--scans", folder.Path("scans")});
   run.program().Signal(SIGKILL);
   run.program().Wait();
@@ -122,13 +119,12 @@ TEST(Supervision, AHangingAgentDoesNotPreventTheEndOfTheRun) {
   LongRun run;
   kill(run.Child("--robot=r2"), SIGSTOP);
   run.program().WaitForLine("r2 has lost its agent");
-  run.program().Signal(SIGINT);
-  EXPECT_EQ(run.program().Wait(), 130);
+  run.program().Interrupt();
   run.ExpectNoProcessLeft();
 }
 
 TEST(AgentLoss, TheOtherRobotsContinueToTheEnd) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   LongRun run({"--ticks", "400", "--summary", folder.Path("summary"), "--poses", folder.Path("poses"),
                "--restart-agents", "0"});
   kill(run.Child("--robot=r1"), SIGKILL);
@@ -149,17 +145,15 @@ TEST(AgentLoss, ARobotRestartedByHandRejoins) {
   run.program().WaitForLine("r1 has lost its agent");
   Program agent({"/bin/sh", "-c", "exec " + command});
   run.program().WaitForLine("r1 has an agent");
-  run.program().Signal(SIGINT);
-  EXPECT_EQ(run.program().Wait(), 130);
+  run.program().Interrupt();
   EXPECT_EQ(agent.Wait(), 0) << agent.output();
   run.ExpectNoProcessLeft();
 }
 
 // Every robot has scans to the end, whichever way its agent was started again.
-void ExpectAllScans(const OutputFolder& folder) {
-  std::istringstream scans(folder.Read("scans"));
+void ExpectAllScans(const TemporaryFolder& folder) {
   std::map<std::string, int> last_tick;
-  for (std::string line; std::getline(scans, line);) {
+  for (const std::string& line : LinesOf(folder.Read("scans"))) {
     nlohmann::json scan = nlohmann::json::parse(line);
     last_tick[scan["robot"]] = scan["tick"];
   }
@@ -167,7 +161,7 @@ void ExpectAllScans(const OutputFolder& folder) {
 }
 
 TEST(AgentLoss, ScansOfARobotRestartedByHandAreInTheFile) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   LongRun run({"--scans", folder.Path("scans"), "--ticks", "100", "--on-agent-loss", "pause", "--restart-agents", "0"});
   kill(run.Child("--robot=r1"), SIGKILL);
   Program agent({"/bin/sh", "-c", "exec " + run.program().WaitForLineAfter("to start it again:")});
@@ -179,8 +173,7 @@ TEST(AgentLoss, ScansOfARobotRestartedByHandAreInTheFile) {
 // The events joined and left of a robot in a recording.
 std::vector<std::string> MembershipEventsOf(const std::string& robot, const std::string& record) {
   std::vector<std::string> events;
-  std::istringstream lines(record);
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : LinesOf(record)) {
     const nlohmann::json tick = nlohmann::json::parse(line);
     for (const nlohmann::json& event : tick.value("events", nlohmann::json::array())) {
       if (event.value("robot", "") != robot) continue;
@@ -191,7 +184,7 @@ std::vector<std::string> MembershipEventsOf(const std::string& robot, const std:
 }
 
 TEST(AgentLoss, AKilledAgentIsStartedAgainAndRejoins) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   LongRun run({"--scans", folder.Path("scans"), "--ticks", "100", "--summary", folder.Path("summary"), "--record",
                folder.Path("record"), "--on-agent-loss", "pause"});
   kill(run.Child("--robot=r1"), SIGKILL);
@@ -221,7 +214,7 @@ TEST(AgentLoss, AnAgentThatDiesBeforeTheRunBeginsIsStartedAgain) {
 }
 
 TEST(AgentLoss, AnAgentIsStartedAgainOnlyAsOftenAsAllowed) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   LongRun run({"--ticks", "400", "--summary", folder.Path("summary"), "--restart-agents", "2"});
   pid_t agent = run.Child("--robot=r2");
   for (int restart = 1; restart <= 3; ++restart) {
@@ -256,8 +249,7 @@ TEST(AgentLoss, AnAgentIsStartedAgainForTheRobotsThatWereNotDeleted) {
     if (CommandLineOf(child).find("--robot=r0") != std::string::npos) kill(child, SIGKILL);
   }
   run.WaitForLine("r1 has an agent");
-  run.Signal(SIGINT);
-  EXPECT_EQ(run.Wait(), 130);
+  run.Interrupt();
   EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
 }
 
@@ -265,8 +257,7 @@ TEST(AgentLoss, AnAgentThatWasStoppedInOrderIsNotStartedAgain) {
   LongRun run;
   kill(run.Child("--robot=r1"), SIGTERM);
   run.program().WaitForLine("ended with exit status 130; to start it again:");
-  run.program().Signal(SIGINT);
-  EXPECT_EQ(run.program().Wait(), 130);
+  run.program().Interrupt();
   EXPECT_THAT(run.program().output(), testing::Not(HasSubstr("; restart ")));
   run.ExpectNoProcessLeft();
 }
@@ -276,8 +267,7 @@ TEST(AgentLoss, ARobotThatRejoinsWithinItsLeaseContinues) {
   kill(run.Child("--robot=r3"), SIGKILL);
   Program agent({"/bin/sh", "-c", "exec " + run.program().WaitForLineAfter("to start it again:")});
   run.program().WaitForLine("r3 has an agent");
-  run.program().Signal(SIGINT);
-  EXPECT_EQ(run.program().Wait(), 130);
+  run.program().Interrupt();
   EXPECT_EQ(agent.Wait(), 0) << agent.output();
 }
 

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -17,11 +17,10 @@ using testing::UnorderedElementsAre;
 
 // Phases by process.
 std::map<std::string, std::set<std::string>> TraceOf(std::vector<std::string> arguments) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   for (const char* word : {"--ticks", "30", "--speed", "max", "--trace"}) arguments.push_back(word);
   arguments.push_back(folder.Path("trace.json"));
-  const Finished run = Finish(RunPen(arguments));
-  EXPECT_EQ(run.exit_status, 0) << run.output;
+  OutputOf(RunPen(arguments));
   EXPECT_EQ(folder.size(), 1u);
   std::map<int, std::string> names;
   std::map<std::string, std::set<std::string>> phases;
@@ -58,10 +57,8 @@ TEST(TraceOfARun, ExistsForARunInOneProcess) {
 }
 
 TEST(TraceOfARun, CoversTheRequestedTicks) {
-  OutputFolder folder;
-  const Finished run =
-      Finish(RunPen({"--ticks", "30", "--trace", folder.Path("trace.json"), "--trace-ticks", "10:12"}));
-  EXPECT_EQ(run.exit_status, 0) << run.output;
+  TemporaryFolder folder;
+  OutputOf(RunPen({"--ticks", "30", "--trace", folder.Path("trace.json"), "--trace-ticks", "10:12"}));
   std::set<int> ticks;
   for (const nlohmann::json& event : nlohmann::json::parse(folder.Read("trace.json"))) {
     if (event["ph"] == "X") ticks.insert(event["args"]["tick"].get<int>());
@@ -70,9 +67,8 @@ TEST(TraceOfARun, CoversTheRequestedTicks) {
 }
 
 TEST(TraceOfARun, NeedsAValidWindowOfTicks) {
-  const Finished run = Finish(RunPen({"--trace", "/dev/null", "--trace-ticks", "12:10"}));
-  EXPECT_EQ(run.exit_status, 2);
-  EXPECT_THAT(run.output, testing::HasSubstr("expected the first and the last tick"));
+  EXPECT_THAT(OutputOf(RunPen({"--trace", "/dev/null", "--trace-ticks", "12:10"}), 2),
+              testing::HasSubstr("expected the first and the last tick"));
 }
 
 }  // namespace

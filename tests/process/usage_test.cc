@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/process/output_folder.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 
 namespace troupe::test {
 namespace {
@@ -60,11 +60,10 @@ TEST(Usage, BadUsageEndsWithOneErrorLineAndStatus2) {
       {{"run", pen, "--interface", "none0"}, "error: --interface: found 'none0', expected auto, or the name or IPv4"},
   };
   for (const BadUsage& usage : cases) {
-    Finished run = Finish(Troupe(usage.arguments));
-    EXPECT_EQ(run.exit_status, 2) << run.output;
-    EXPECT_THAT(run.output, HasSubstr(usage.message)) << testing::PrintToString(usage.arguments);
-    EXPECT_THAT(run.output, HasSubstr("error: ")) << testing::PrintToString(usage.arguments);
-    EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+    const std::string run = OutputOf(Troupe(usage.arguments), 2);
+    EXPECT_THAT(run, HasSubstr(usage.message)) << testing::PrintToString(usage.arguments);
+    EXPECT_THAT(run, HasSubstr("error: ")) << testing::PrintToString(usage.arguments);
+    EXPECT_EQ(std::count(run.begin(), run.end(), '\n'), 1);
   }
 }
 
@@ -84,16 +83,15 @@ TEST(Usage, AnEmptyNameOfAFileIsRefused) {
   }
   for (const char* option : {"--hash-log", "--poses", "--scans"}) cases.push_back({"replay", "x.mcap", option, ""});
   for (const std::vector<std::string>& arguments : cases) {
-    const Finished run = Finish(Troupe(arguments));
-    EXPECT_EQ(run.exit_status, 2) << testing::PrintToString(arguments) << "\n" << run.output;
-    EXPECT_EQ(run.output.find("error: "), 0u) << run.output;
-    EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+    const std::string run = OutputOf(Troupe(arguments), 2);
+    EXPECT_EQ(run.find("error: "), 0u);
+    EXPECT_EQ(std::count(run.begin(), run.end(), '\n'), 1);
   }
 }
 
 // Each would wait for another program for ever, and a device is no recording.
 TEST(Usage, ANamedPipeIsNoFile) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   const std::string pipe = folder.Path("pipe");
   const std::string recording = folder.Path("pipe.mcap");
   for (const std::string& path : {pipe, recording, folder.Path("pipe.png"), folder.Path("pipe.world")}) {
@@ -114,10 +112,9 @@ TEST(Usage, ANamedPipeIsNoFile) {
   }
   cases.push_back({"run", pen, "--ticks", "1", "--in-process", "--record", recording});
   for (const std::vector<std::string>& arguments : cases) {
-    const Finished run = Finish(Troupe(arguments));
-    EXPECT_EQ(run.exit_status, 2) << testing::PrintToString(arguments) << "\n" << run.output;
-    EXPECT_THAT(run.output, HasSubstr("regular file")) << testing::PrintToString(arguments);
-    EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+    const std::string run = OutputOf(Troupe(arguments), 2);
+    EXPECT_THAT(run, HasSubstr("regular file")) << testing::PrintToString(arguments);
+    EXPECT_EQ(std::count(run.begin(), run.end(), '\n'), 1);
   }
 }
 
@@ -130,14 +127,13 @@ TEST(Usage, OutputGoesToAnOpenPipe) {
 
 TEST(Usage, LostStandardOutputIsAFailure) {
   const std::string command = ProgramPath("troupe") + " check " + WorldPath("pen.world");
-  const Finished full = Finish(Program({"/bin/sh", "-c", command + " > /dev/full"}));
-  EXPECT_EQ(full.exit_status, 3);
-  EXPECT_EQ(full.output, "error: cannot write to standard output: No space left on device\n");
+  const std::string full = OutputOf(Program({"/bin/sh", "-c", command + " > /dev/full"}), 3);
+  EXPECT_EQ(full, "error: cannot write to standard output: No space left on device\n");
   EXPECT_EQ(Finish(Program({"/bin/sh", "-c", command + " >&-"})).exit_status, 0);
 }
 
 TEST(Usage, NamesDoNotCommandTheTerminal) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   const std::string world = folder.Path("a\x1b[2Jb.world");
   std::ofstream(world) << "position ( name \"r\x1b]0;x\x07\nstatus\" ctrl \"idle\" )\n";
   const std::string missing = folder.Path("none\x1b[2J.world");
@@ -157,13 +153,11 @@ TEST(Usage, LimitsOfTheProcessAreToldInOneLine) {
   const std::string run = ProgramPath("troupe") + " run " + WorldPath("pen.world") + " --headless --ticks 3 --domain " +
                           std::to_string(TestDomain());
   for (const char* limit : {"ulimit -n 5; ", "ulimit -n 6; ", "ulimit -v 60000; ", "ulimit -v 100000; "}) {
-    const Finished limited = Finish(Program({"/bin/sh", "-c", limit + run}));
-    EXPECT_EQ(limited.exit_status, 3) << limit << limited.output;
-    EXPECT_THAT(limited.output, HasSubstr("error: ")) << limit;
-    EXPECT_EQ(std::count(limited.output.begin(), limited.output.end(), '\n'), 1) << limit << limited.output;
+    const std::string limited = OutputOf(Program({"/bin/sh", "-c", limit + run}), 3);
+    EXPECT_THAT(limited, HasSubstr("error: ")) << limit;
+    EXPECT_EQ(std::count(limited.begin(), limited.end(), '\n'), 1) << limit << limited;
   }
-  const Finished small_stack = Finish(Program({"/bin/sh", "-c", "ulimit -s 64; " + run}));
-  EXPECT_EQ(small_stack.exit_status, 0) << small_stack.output;
+  OutputOf(Program({"/bin/sh", "-c", "ulimit -s 64; " + run}));
 }
 
 TEST(Usage, AServiceWithoutKeysOnANetworkSaysSo) {
@@ -175,19 +169,17 @@ TEST(Usage, AServiceWithoutKeysOnANetworkSaysSo) {
 }
 
 TEST(Usage, AnUnknownControllerIsReportedOnceForAllRobots) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   std::ofstream(folder.Path("two.world")) << "position ( name \"a\" )\nposition ( name \"b\" pose [3 0 0 0] )\n";
   const std::vector<BadUsage> cases = {{{"--controller", "dance"}, "dance"},
                                        {{"--controller", "./no-such-library.so"}, "no-such-library.so"}};
   for (const BadUsage& usage : cases) {
     for (const std::vector<std::string>& mode : {std::vector<std::string>{}, {"--in-process"}}) {
-      std::vector<std::string> arguments = {"run", folder.Path("two.world"), "--ticks", "5", "--headless"};
-      arguments.insert(arguments.end(), mode.begin(), mode.end());
+      std::vector<std::string> arguments = Words("run % --ticks 5 --headless", {folder.Path("two.world")}) + mode;
       arguments.insert(arguments.end(), usage.arguments.begin(), usage.arguments.end());
-      Finished run = Finish(Troupe(arguments));
-      EXPECT_EQ(run.exit_status, 2) << run.output;
-      EXPECT_THAT(run.output, HasSubstr(usage.message));
-      EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+      const std::string run = OutputOf(Troupe(arguments), 2);
+      EXPECT_THAT(run, HasSubstr(usage.message));
+      EXPECT_EQ(std::count(run.begin(), run.end(), '\n'), 1);
     }
   }
 }
@@ -195,41 +187,38 @@ TEST(Usage, AnUnknownControllerIsReportedOnceForAllRobots) {
 TEST(Usage, AFullDiskFailsTheRun) {
   for (const char* output : {"--hash-log", "--poses", "--record", "--scans", "--summary"}) {
     for (const char* mode : {"--headless", "--in-process"}) {
-      Finished run = Finish(RunPen({"--ticks", "50", "--speed", "max", mode, output, "/dev/full"}));
-      EXPECT_EQ(run.exit_status, 3) << output << " " << mode << "\n" << run.output;
-      EXPECT_THAT(run.output, HasSubstr("/dev/full: error: ")) << output << " " << mode;
-      EXPECT_THAT(run.output, HasSubstr("No space left on device")) << output << " " << mode;
+      const std::string run = OutputOf(RunPen({"--ticks", "50", "--speed", "max", mode, output, "/dev/full"}), 3);
+      EXPECT_THAT(run, HasSubstr("/dev/full: error: ")) << output << " " << mode;
+      EXPECT_THAT(run, HasSubstr("No space left on device")) << output << " " << mode;
     }
   }
 }
 
 TEST(Usage, BadOutputIsRefusedBeforeAnythingIsWritten) {
-  OutputFolder folder;
-  Finished run = Finish(RunPen({"--ticks", "5", "--poses", folder.Path("same"), "--record", folder.Path("same")}));
-  EXPECT_EQ(run.exit_status, 2);
-  EXPECT_THAT(run.output, HasSubstr("--poses and --record name the same file"));
+  TemporaryFolder folder;
+  EXPECT_THAT(OutputOf(RunPen({"--ticks", "5", "--poses", folder.Path("same"), "--record", folder.Path("same")}), 2),
+              HasSubstr("--poses and --record name the same file"));
   EXPECT_EQ(folder.size(), 0u);
 }
 
 TEST(Usage, OneFileIsNotTwoOutputsByWhateverPaths) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   std::ofstream(folder.Path("file")) << "kept";
   std::filesystem::create_symlink("file", folder.Path("link"));
   std::filesystem::create_hard_link(folder.Path("file"), folder.Path("other"));
   std::filesystem::create_directory(folder.Path("sub"));
   for (const char* name : {"link", "other", "sub/../file"}) {
-    Finished run = Finish(RunPen({"--ticks", "5", "--scans", folder.Path("file"), "--trace", folder.Path(name)}));
-    EXPECT_EQ(run.exit_status, 2) << run.output;
-    EXPECT_THAT(run.output, HasSubstr("--scans and --trace name the same file")) << name;
+    EXPECT_THAT(OutputOf(RunPen({"--ticks", "5", "--scans", folder.Path("file"), "--trace", folder.Path(name)}), 2),
+                HasSubstr("--scans and --trace name the same file"))
+        << name;
   }
-  Finished run = Finish(RunPen({"--ticks", "5", "--poses", folder.Path("new"), "--trace", folder.Path("sub/../new")}));
-  EXPECT_EQ(run.exit_status, 2) << run.output;
+  OutputOf(RunPen({"--ticks", "5", "--poses", folder.Path("new"), "--trace", folder.Path("sub/../new")}), 2);
   EXPECT_EQ(folder.Read("file"), "kept");
   EXPECT_FALSE(std::filesystem::exists(folder.Path("new")));
 }
 
 // A scenario with a world, and an include in the world.
-void WriteScenario(const OutputFolder& folder) {
+void WriteScenario(const TemporaryFolder& folder) {
   std::ofstream(folder.Path("own.json")) << R"({"world": "own.world", "ticks": 5})";
   std::ofstream(folder.Path("own.world")) << "include \"own.inc\"\nposition ( name \"a\" )\n";
   std::ofstream(folder.Path("own.inc")) << "define box model ( size [1 1 1] )\n";
@@ -237,23 +226,22 @@ void WriteScenario(const OutputFolder& folder) {
 }
 
 TEST(Usage, AnOutputIsNeverAFileThatTheRunReads) {
-  OutputFolder folder;
+  TemporaryFolder folder;
   WriteScenario(folder);
   for (const char* option : {"--hash-log", "--poses", "--scans", "--summary", "--record", "--trace"}) {
     for (const char* name : {"own.json", "own.world", "own.inc", "link"}) {
-      Finished run = Finish(Troupe({"run", folder.Path("own.json"), option, folder.Path(name), "--in-process"}));
-      EXPECT_EQ(run.exit_status, 2) << run.output;
-      EXPECT_THAT(run.output, HasSubstr(std::string("error: ") + option + ": found " + folder.Path(name) +
-                                        ", which the run reads"));
-      EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+      const std::string run =
+          OutputOf(Troupe({"run", folder.Path("own.json"), option, folder.Path(name), "--in-process"}), 2);
+      EXPECT_THAT(
+          run, HasSubstr(std::string("error: ") + option + ": found " + folder.Path(name) + ", which the run reads"));
+      EXPECT_EQ(std::count(run.begin(), run.end(), '\n'), 1);
     }
   }
   EXPECT_EQ(folder.Read("own.json"), R"({"world": "own.world", "ticks": 5})");
   EXPECT_THAT(folder.Read("own.world"), HasSubstr("position"));
   EXPECT_THAT(folder.Read("own.inc"), HasSubstr("define"));
   for (int overwritten = 0; overwritten < 2; ++overwritten) {
-    Finished run = Finish(Troupe({"run", folder.Path("own.json"), "--poses", folder.Path("poses"), "--in-process"}));
-    EXPECT_EQ(run.exit_status, 0) << run.output;
+    OutputOf(Troupe({"run", folder.Path("own.json"), "--poses", folder.Path("poses"), "--in-process"}));
   }
 }
 
@@ -276,14 +264,12 @@ TEST(Usage, UnknownWordsAreNamedInOrderWithTheLikelyOnes) {
       {{"run", pen, "--controller", "wandr"}, "; did you mean 'wander'?\n"},
   };
   for (const BadUsage& usage : cases) {
-    Finished run = Finish(Troupe(usage.arguments));
-    EXPECT_EQ(run.exit_status, 2) << run.output;
-    EXPECT_THAT(run.output, HasSubstr(usage.message)) << testing::PrintToString(usage.arguments);
+    EXPECT_THAT(OutputOf(Troupe(usage.arguments), 2), HasSubstr(usage.message))
+        << testing::PrintToString(usage.arguments);
   }
   for (const char* program : {"world-service", "robot-agent"}) {
-    Finished run = Finish(Program({ProgramPath(program), "--sesion", "x"}));
-    EXPECT_EQ(run.exit_status, 2) << run.output;
-    EXPECT_THAT(run.output, HasSubstr("--sesion (did you mean --session?); " + std::string(program) + " --help"));
+    EXPECT_THAT(OutputOf(Program({ProgramPath(program), "--sesion", "x"}), 2),
+                HasSubstr("--sesion (did you mean --session?); " + std::string(program) + " --help"));
   }
 }
 
@@ -296,19 +282,16 @@ TEST(Usage, EveryCommandHasHelp) {
                                        {{"check", "--help"}, "FILE"},
                                        {{"top", "--help"}, "--once"}};
   for (const BadUsage& usage : cases) {
-    Finished run = Finish(Troupe(usage.arguments));
-    EXPECT_EQ(run.exit_status, 0);
-    EXPECT_THAT(run.output, HasSubstr(usage.message));
+    EXPECT_THAT(OutputOf(Troupe(usage.arguments)), HasSubstr(usage.message));
   }
 }
 
 TEST(Usage, CheckDescribesAWorldWithoutRunningIt) {
-  Finished check = Finish(Troupe({"check", WorldPath("pen.world")}));
-  EXPECT_EQ(check.exit_status, 0);
-  EXPECT_THAT(check.output, HasSubstr("world: pen"));
-  EXPECT_THAT(check.output, HasSubstr("robots: 4\n"));
-  EXPECT_THAT(check.output, HasSubstr("r1: differential drive, controller expand, ranger:0 (3 sensors, 3 rays)"));
-  EXPECT_THAT(check.output, HasSubstr("warnings: 0"));
+  const std::string check = OutputOf(Troupe({"check", WorldPath("pen.world")}));
+  EXPECT_THAT(check, HasSubstr("world: pen"));
+  EXPECT_THAT(check, HasSubstr("robots: 4\n"));
+  EXPECT_THAT(check, HasSubstr("r1: differential drive, controller expand, ranger:0 (3 sensors, 3 rays)"));
+  EXPECT_THAT(check, HasSubstr("warnings: 0"));
 }
 
 }  // namespace

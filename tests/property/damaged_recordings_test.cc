@@ -23,16 +23,12 @@ using Bytes = std::vector<std::byte>;
 Bytes RecordRun() {
   const fs::path file = fs::path(testing::TempDir()) / ("damaged-" + std::to_string(getpid()) + ".mcap");
   {
-    OutputFiles outputs;
-    outputs.record = file.string();
-    outputs.keyframe_interval = 4;
+    OutputFiles outputs{.record = file.string(), .keyframe_interval = 4};
     const WorldDescription world = Yard(2);
     ControlledRun run(world, {.outputs = outputs});
     run.Step(9);
-    ControlRequest edit;
-    edit.command = ControlCommand::kSetPose;
-    edit.name = world.robots[0].name;
-    edit.pose = {-3.0, -3.0, 0.0, 0.0};
+    ControlRequest edit{
+        .command = ControlCommand::kSetPose, .name = world.robots[0].name, .pose = {-3.0, -3.0, 0.0, 0.0}};
     EXPECT_TRUE(run.Ask(edit).done);
     run.Step(4);
     EXPECT_TRUE(run.Ask(ControlCommand::kRewind, 11).done);

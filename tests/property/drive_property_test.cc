@@ -100,10 +100,9 @@ TEST(DriveProperty, NoMotionExceedsTheBoundsOfItsDrive) {
     for (int tick = 0; tick < 300 && !testing::Test::HasFailure(); ++tick) {
       for (std::size_t i = 0; i < world.robots.size(); ++i) {
         if (!draws.Chance(0.1)) continue;
-        Command command;
-        command.twist = {draws.Between(-3.0, 3.0), draws.Between(-3.0, 3.0), draws.Between(-3.0, 3.0)};
-        command.speed = draws.Between(-3.0, 3.0);
-        command.steering = draws.Between(-2.0, 2.0);
+        Command command{.twist = {draws.Between(-3.0, 3.0), draws.Between(-3.0, 3.0), draws.Between(-3.0, 3.0)},
+                        .speed = draws.Between(-3.0, 3.0),
+                        .steering = draws.Between(-2.0, 2.0)};
         if (draws.Chance(0.5)) {
           ASSERT_TRUE(simulation.Drive(RobotId(i), command).ok());
         } else {

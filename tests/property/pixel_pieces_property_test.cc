@@ -201,11 +201,10 @@ TEST(PixelPiecesProperty, ContactsAreThoseOfTheList) {
       const BodyId body(random.Index(worlds.state().robots.size()));
       const Vec2 place = worlds.Place();
       const double speed = random.Chance(0.2) ? 30.0 : 2.0;
-      Motion motion;
-      motion.X_WF = {place.x(), place.y(), random.Chance(0.5) ? 0.0 : random.Uniform(0.0, 1.0), random.Angle()};
-      motion.twist = {random.Uniform(-speed, speed), random.Uniform(-speed, speed), random.Uniform(-3.0, 3.0)};
-      motion.climb = random.Chance(0.2) ? random.Uniform(-1.0, 1.0) : 0.0;
-      motion.duration = 0.3;
+      Motion motion{.X_WF = {place.x(), place.y(), random.Chance(0.5) ? 0.0 : random.Uniform(0.0, 1.0), random.Angle()},
+                    .twist = {random.Uniform(-speed, speed), random.Uniform(-speed, speed), random.Uniform(-3.0, 3.0)},
+                    .climb = random.Chance(0.2) ? random.Uniform(-1.0, 1.0) : 0.0,
+                    .duration = 0.3};
       const auto dense = FirstContact(worlds.dense(), dense_bodies, MoverOf(worlds.dense(), body), motion);
       const auto listed = FirstContact(worlds.listed(), listed_bodies, MoverOf(worlds.listed(), body), motion);
       ASSERT_EQ(dense.has_value(), listed.has_value()) << "seed " << seed + 5000;

@@ -87,13 +87,12 @@ TEST(RadioProperty, EveryMessageArrivesAsStronglyAsGeometrySays) {
     std::vector<Pose> X_RS;
     std::vector<RadioParameters> radios;
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
-      RadioParameters radio;
-      radio.range = random.Uniform(4.0, 30.0);
-      radio.power = random.Uniform(-10.0, 30.0);
-      radio.path_loss_exponent = random.Uniform(1.5, 4.0);
-      radio.wall_loss = random.Uniform(0.0, 12.0);
-      radio.body_loss = random.Uniform(0.0, 6.0);
-      radio.range_and_bearing = true;
+      RadioParameters radio{.range = random.Uniform(4.0, 30.0),
+                            .power = random.Uniform(-10.0, 30.0),
+                            .path_loss_exponent = random.Uniform(1.5, 4.0),
+                            .wall_loss = random.Uniform(0.0, 12.0),
+                            .body_loss = random.Uniform(0.0, 6.0),
+                            .range_and_bearing = true};
       radios.push_back(radio);
       const double height = random.Chance(0.5) ? 0.6 : random.Uniform(0.05, 1.2);
       X_RS.push_back({random.Uniform(-0.1, 0.1), random.Uniform(-0.1, 0.1), height, random.Angle()});

@@ -1,7 +1,6 @@
 // Ray casting compared with a brute-force caster that has no pieces and grids: it tests the raw outlines of all models.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <optional>
 
 #include "common/spatial/ray_cast.h"

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "common/sensing/contact_search.h"
 #include "tests/support/brute_force_prisms.h"
@@ -65,10 +64,9 @@ TEST(SensorsProperty, EveryPixelOfACameraIsTheNearestOfAllBlocks) {
   std::size_t bodies = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     RandomStream random(seed);
-    CameraParameters camera;
-    camera.width = 1 + static_cast<std::uint32_t>(random.Index(24));
-    camera.height = 1 + static_cast<std::uint32_t>(random.Index(24));
-    camera.fov = random.Uniform(0.2, 2.4);
+    CameraParameters camera{.width = 1 + static_cast<std::uint32_t>(random.Index(24)),
+                            .height = 1 + static_cast<std::uint32_t>(random.Index(24)),
+                            .fov = random.Uniform(0.2, 2.4)};
     const double low = random.Chance(0.3) ? random.Uniform(-1.3, 1.0) : random.Uniform(-0.5, 0.1);
     camera.elevation = {low, low + random.Uniform(0.05, 0.3)};
     camera.range = {random.Uniform(0.0, 0.5), random.Uniform(2.0, 12.0)};
@@ -121,10 +119,9 @@ TEST(SensorsProperty, EveryRayOfAScannerOfSeveralPlanesIsTheNearestOfAllBlocks) 
   std::size_t hits = 0;
   for (std::uint64_t seed = 100; seed < 200; ++seed) {
     RandomStream random(seed);
-    RaySensorDescription scanner;
-    scanner.fov = random.Uniform(0.5, 6.2);
-    scanner.samples = 2 + static_cast<std::uint32_t>(random.Index(40));
-    scanner.range = {0.0, random.Uniform(2.0, 12.0)};
+    RaySensorDescription scanner{.range = {0.0, random.Uniform(2.0, 12.0)},
+                                 .fov = random.Uniform(0.5, 6.2),
+                                 .samples = 2 + static_cast<std::uint32_t>(random.Index(40))};
     double elevation = random.Chance(0.3) ? random.Uniform(-1.2, 0.0) : random.Uniform(-0.3, 0.0);
     const std::size_t planes = 1 + random.Index(8);
     for (std::size_t i = 0; i < planes; ++i) {
@@ -171,10 +168,7 @@ TEST(SensorsProperty, EveryRayOfAScannerOfSeveralPlanesIsTheNearestOfAllBlocks) 
 TEST(SensorsProperty, APlaneWithoutElevationReadsAsAFlatScanner) {
   for (std::uint64_t seed = 200; seed < 260; ++seed) {
     RandomStream random(seed);
-    RaySensorDescription flat;
-    flat.fov = 6.0;
-    flat.samples = 90;
-    flat.range = {0.0, 9.0};
+    RaySensorDescription flat{.range = {0.0, 9.0}, .fov = 6.0, .samples = 90};
     RaySensorDescription planes = flat;
     planes.elevations = {-0.2, 0.0, 0.2};
     const auto mounted = Mount(seed, RangerParameters{{flat, planes, flat}}, random);
@@ -192,12 +186,11 @@ TEST(SensorsProperty, AFiducialFinderFindsAllModelsInSight) {
   std::size_t hidden = 0;
   for (std::uint64_t seed = 300; seed < 500; ++seed) {
     RandomStream random(seed);
-    FiducialParameters finder;
-    finder.range = {random.Chance(0.5) ? 0.0 : 1.0, random.Uniform(2.0, 12.0)};
-    finder.id_range = random.Uniform(1.0, 8.0);
-    finder.fov = random.Uniform(0.5, 2.0 * kPi);
-    finder.key = random.Chance(0.3) ? 7 : 0;
-    finder.ignores_height = random.Chance(0.4);
+    FiducialParameters finder{.range = {random.Chance(0.5) ? 0.0 : 1.0, random.Uniform(2.0, 12.0)},
+                              .id_range = random.Uniform(1.0, 8.0),
+                              .fov = random.Uniform(0.5, 2.0 * kPi),
+                              .key = random.Chance(0.3) ? 7 : 0,
+                              .ignores_height = random.Chance(0.4)};
     const auto mounted = Mount(seed, finder, random);
     if (!mounted) continue;
     const auto& [sensed, robot, sensor, X_WS] = *mounted;
@@ -245,11 +238,10 @@ TEST(SensorsProperty, ABlobfinderSeesTheColorOfEachColumn) {
   std::size_t colored = 0;
   for (std::uint64_t seed = 600; seed < 900; ++seed) {
     RandomStream random(seed);
-    BlobfinderParameters finder;
-    finder.width = 1 + static_cast<std::uint32_t>(random.Index(60));
-    finder.height = 40;
-    finder.fov = random.Uniform(0.2, 2.5);
-    finder.range = random.Uniform(2.0, 12.0);
+    BlobfinderParameters finder{.width = 1 + static_cast<std::uint32_t>(random.Index(60)),
+                                .height = 40,
+                                .range = random.Uniform(2.0, 12.0),
+                                .fov = random.Uniform(0.2, 2.5)};
     if (random.Chance(0.5)) finder.colors = {{0.0, 0.0, 0.0, 1.0}, {1.0, 0.5, 0.0, 1.0}, {0.5, 0.0, 0.0, 1.0}};
     const auto mounted = Mount(seed, finder, random);
     if (!mounted) continue;

@@ -52,10 +52,8 @@ class ControlledRun final : private RunObserver {
     std::vector<std::string> names;
     for (const RobotDescription& robot : scene_->world().robots) names.push_back(robot.name);
     StartAgents(names);
-    ServiceOptions options;
-    options.start_paused = true;
-    options.start_timeout_seconds = setup.start_timeout_seconds;
-    options.world_file = setup.world_file;
+    ServiceOptions options{
+        .start_timeout_seconds = setup.start_timeout_seconds, .start_paused = true, .world_file = setup.world_file};
     options.settings.agent_deadline_seconds = 0.0;
     options.settings.on_agent_loss = setup.on_agent_loss;
     options.settings.speed = setup.speed;
@@ -86,9 +84,7 @@ class ControlledRun final : private RunObserver {
     return reply.get();
   }
   ControlReply Ask(ControlCommand command, std::uint64_t ticks = 1) {
-    ControlRequest request;
-    request.command = command;
-    request.ticks = ticks;
+    ControlRequest request{.command = command, .ticks = ticks};
     return Ask(request);
   }
   // REQUIRES: the run is paused.
@@ -173,10 +169,7 @@ class ControlledRun final : private RunObserver {
   }
   void StartAgent(const std::vector<std::string>& robots) {
     const std::lock_guard lock(mutex_);
-    AgentOptions options;
-    options.agent = ++last_agent_;
-    options.robots = robots;
-    options.libraries = AllowedPaths::All();
+    AgentOptions options{.agent = ++last_agent_, .robots = robots, .libraries = AllowedPaths::All()};
     Agent& agent = agents_.emplace_back();
     agent.robots = robots;
     if (agents_stop_) agent.stop.request_stop();

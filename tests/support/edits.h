@@ -24,12 +24,7 @@ inline WorldDescription Scenario(const std::string& name) {
 
 inline ControlRequest Request(ControlCommand command, const std::string& name = {}, const Pose& pose = {},
                               const std::string& source = {}) {
-  ControlRequest request;
-  request.command = command;
-  request.name = name;
-  request.pose = pose;
-  request.source = source;
-  return request;
+  return {.command = command, .name = name, .source = source, .pose = pose};
 }
 
 // A world file that defines a robot, for as long as it is there.

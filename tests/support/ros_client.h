@@ -50,6 +50,13 @@ class Client {
     ASSERT_TRUE(Eventually([&] { return Receive(check); }));
   }
 
+  // The result of a service of simulation_interfaces.
+  std::uint8_t ResultOf(const Request& request) {
+    std::uint8_t result = 0;
+    Call(request, [&](const auto& response) { result = response.result.result; });
+    return result;
+  }
+
   // Sends the request without waiting for a response.
   void Send(Request request) {
     ASSERT_TRUE(Eventually([&] {
@@ -82,5 +89,16 @@ class Client {
   dds::DataReader<Response> reader_;
   std::int64_t calls_ = 0;
 };
+
+// For a service of simulation_interfaces.
+#define TROUPE_SIMULATION_CLIENT(name) \
+  Client<simulation_interfaces_srv_dds__##name##_Request_, simulation_interfaces_srv_dds__##name##_Response_>
+
+template <typename Request, typename Response>
+void StepBy(Client<Request, Response>& client, std::uint64_t ticks) {
+  Request request{};
+  request.steps = ticks;
+  EXPECT_EQ(client.ResultOf(request), kOk);
+}
 
 }  // namespace troupe::test

@@ -5,7 +5,6 @@
 #include <dds/dds.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <set>
 #include <string>
 #include <vector>

@@ -17,16 +17,14 @@ namespace troupe::test {
 inline std::size_t AddSensor(WorldDescription& world, RobotId robot, const Pose& X_RM, SensorParameters parameters) {
   RobotDescription& description = world.robots[robot.index()];
   const std::size_t index = description.sensors.size();
-  SensorDescription sensor;
-  sensor.name = std::string(TypeOf(parameters)) + ":" + std::to_string(index);
-  sensor.model = ModelId(world.models.size());
-  sensor.parameters = std::move(parameters);
-  ModelDescription model;
-  model.name = description.name + "." + sensor.name;
-  model.type = std::string(TypeOf(sensor.parameters));
-  model.parent = description.root;
-  model.X_PM = X_RM;
-  model.shape = ShapeId(world.shapes.size());
+  SensorDescription sensor{.name = std::string(TypeOf(parameters)) + ":" + std::to_string(index),
+                           .model = ModelId(world.models.size()),
+                           .parameters = std::move(parameters)};
+  ModelDescription model{.name = description.name + "." + sensor.name,
+                         .type = std::string(TypeOf(sensor.parameters)),
+                         .parent = description.root,
+                         .X_PM = X_RM,
+                         .shape = ShapeId(world.shapes.size())};
   world.shapes.emplace_back();
   world.models.push_back(std::move(model));
   description.sensors.push_back(std::move(sensor));

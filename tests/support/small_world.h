@@ -32,9 +32,7 @@ class SmallWorld {
   RobotId AddRobot(const std::string& name, const Pose& X_WR) {
     const ModelId root(world_.models.size());
     AddModel(name, std::nullopt, X_WR, 0.4, 0.4, {0.0, 0.4}).type = "position";
-    RobotDescription robot;
-    robot.name = name;
-    robot.root = root;
+    RobotDescription robot{.name = name, .root = root};
     robot.drive.velocity = {{-1.0, 1.0}, {-1.0, 1.0}, {-2.0, 2.0}};
     robot.drive.acceleration = {{-100.0, 100.0}, {-100.0, 100.0}, {-100.0, 100.0}};
     world_.robots.push_back(robot);
@@ -45,17 +43,15 @@ class SmallWorld {
   std::size_t AddRanger(RobotId robot, const Pose& X_RM, std::vector<RaySensorDescription> sensors) {
     RobotDescription& description = world_.robots[robot.index()];
     const std::size_t index = description.sensors.size();
-    ModelDescription model;
-    model.name = description.name + ".ranger:" + std::to_string(index);
-    model.type = "ranger";
-    model.parent = description.root;
-    model.X_PM = X_RM;
-    model.shape = ShapeId(world_.shapes.size());
+    ModelDescription model{.name = description.name + ".ranger:" + std::to_string(index),
+                           .type = "ranger",
+                           .parent = description.root,
+                           .X_PM = X_RM,
+                           .shape = ShapeId(world_.shapes.size())};
     world_.shapes.emplace_back();  // a ranger has no body
-    SensorDescription ranger;
-    ranger.name = "ranger:" + std::to_string(index);
-    ranger.model = ModelId(world_.models.size());
-    ranger.parameters = RangerParameters{std::move(sensors)};
+    SensorDescription ranger{.name = "ranger:" + std::to_string(index),
+                             .model = ModelId(world_.models.size()),
+                             .parameters = RangerParameters{std::move(sensors)}};
     world_.models.push_back(model);
     description.sensors.push_back(ranger);
     return index;
@@ -75,15 +71,14 @@ class SmallWorld {
     const double y = 0.5 * size_y;
     Shape shape;
     shape.blocks.push_back({.outline = {{-x, -y}, {x, -y}, {x, y}, {-x, y}}, .z = z});
-    ModelDescription model;
-    model.name = name;
-    model.type = "model";
-    model.parent = parent;
-    model.X_PM = X_PM;
-    model.shape = ShapeId(world_.shapes.size());
-    model.size_x = size_x;
-    model.size_y = size_y;
-    model.size_z = z.max;
+    ModelDescription model{.name = name,
+                           .type = "model",
+                           .parent = parent,
+                           .X_PM = X_PM,
+                           .shape = ShapeId(world_.shapes.size()),
+                           .size_x = size_x,
+                           .size_y = size_y,
+                           .size_z = z.max};
     world_.shapes.push_back(shape);
     world_.models.push_back(model);
     return world_.models.back();
@@ -94,19 +89,12 @@ class SmallWorld {
 
 // One ray straight ahead, of at most `range` m.
 inline RaySensorDescription OneRay(double range = 5.0) {
-  RaySensorDescription sensor;
-  sensor.range = {0.0, range};
-  sensor.samples = 1;
-  return sensor;
+  return {.range = {0.0, range}, .samples = 1};
 }
 
 // A fan of rays over `fov` rad.
 inline RaySensorDescription Fan(double fov, std::uint32_t samples, double range = 5.0) {
-  RaySensorDescription sensor;
-  sensor.range = {0.0, range};
-  sensor.fov = fov;
-  sensor.samples = samples;
-  return sensor;
+  return {.range = {0.0, range}, .fov = fov, .samples = samples};
 }
 
 }  // namespace troupe

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "tests/support/values.h"
 #include "tests/worldfile/scenario_run.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/text/text_file.h"
@@ -68,12 +69,10 @@ TEST(Nav2Files, TheInitialPoseOfTheParametersIsThatOfTheRobotWithDrift) {
   ASSERT_EQ(loaded.world.robots.size(), 1u);
   const RobotDescription& robot = loaded.world.robots[0];
   EXPECT_EQ(robot.localization.type, LocalizationType::kOdometry);
-  const Result<std::string> parameters = ReadTextFile(ExamplePath("params.yaml"), {"params.yaml", 0, 0});
-  ASSERT_TRUE(parameters.ok());
+  const std::string parameters = test::ValueOf(ReadTextFile(ExamplePath("params.yaml"), {"params.yaml", 0, 0}));
   std::smatch pose;
-  ASSERT_TRUE(
-      std::regex_search(parameters.value(), pose,
-                        std::regex(R"(initial_pose: \{x: ([-.0-9]+), y: ([-.0-9]+), z: 0\.0, yaw: ([-.0-9]+)\})")));
+  ASSERT_TRUE(std::regex_search(
+      parameters, pose, std::regex(R"(initial_pose: \{x: ([-.0-9]+), y: ([-.0-9]+), z: 0\.0, yaw: ([-.0-9]+)\})")));
   const ScenarioRun run(loaded.world);
   EXPECT_EQ(std::stod(pose[1]), run[robot.name].X_WR.x);
   EXPECT_EQ(std::stod(pose[2]), run[robot.name].X_WR.y);

@@ -2,7 +2,6 @@
 // Stage's model of a real lab.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 

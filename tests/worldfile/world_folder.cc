@@ -1,17 +1,8 @@
 #include "tests/worldfile/world_folder.h"
 
-#include <stdlib.h>
-
-#include <filesystem>
-#include <fstream>
-
-#include "troupe/check.h"
-
 namespace troupe {
 
 WorldFolder::WorldFolder() {
-  path_ = testing::TempDir() + "troupe_world_XXXXXX";
-  TROUPE_CHECK(mkdtemp(path_.data()) != nullptr);
   std::filesystem::create_directory(Path("folder"));
   Write("bad.inc", "model( )\n\nmodel( color )\n");
   Write("open.inc", "model( color \"red\"\n");
@@ -24,18 +15,9 @@ WorldFolder::WorldFolder() {
   Write("map.pgm", "P2 3 2 255\n0 127 255\n205 0 254\n");
 }
 
-WorldFolder::~WorldFolder() {
-  std::filesystem::remove_all(path_);
-}
-
-void WorldFolder::Write(const std::string& name, const std::string& content) const {
-  std::filesystem::create_directories(std::filesystem::path(Path(name)).parent_path());
-  std::ofstream(Path(name), std::ios::binary) << content;
-}
-
 std::string WorldFolder::WithoutPath(std::string text) const {
-  for (std::size_t i = text.find(path_ + "/"); i != std::string::npos; i = text.find(path_ + "/")) {
-    text.erase(i, path_.size() + 1);
+  for (std::size_t i = text.find(Path("")); i != std::string::npos; i = text.find(Path(""))) {
+    text.erase(i, path().size() + 1);
   }
   return text;
 }

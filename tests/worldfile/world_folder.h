@@ -7,21 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/files.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {
 
-class WorldFolder {
+class WorldFolder : public test::TemporaryFolder {
  public:
   // Has the files that the tables of bad worlds name: bad.inc, open.inc, loop.inc, back.inc, text.png, cut.pgm,
   // bomb.pgm, map.pgm and a folder.
   WorldFolder();
-  ~WorldFolder();
-  WorldFolder(const WorldFolder&) = delete;
-  WorldFolder& operator=(const WorldFolder&) = delete;
-
-  std::string Path(const std::string& name) const { return path_ + "/" + name; }
-  void Write(const std::string& name, const std::string& content) const;
 
   // The whole message of the error, with paths from the folder on; "" without an error.
   std::string ErrorOf(const std::string& name) const;
@@ -34,8 +29,6 @@ class WorldFolder {
 
  private:
   std::string WithoutPath(std::string text) const;
-
-  std::string path_;
 };
 
 }  // namespace troupe

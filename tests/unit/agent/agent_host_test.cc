@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "tests/support/small_world.h"
+#include "tests/support/values.h"
 #include "tests/unit/agent/scripted_service.h"
 
 namespace troupe {
@@ -192,9 +193,7 @@ TEST(AgentHostTest, EndsWhenTheRunIsOver) {
   service.StartAndAdmit();
   service.SendFrame(0);
   service.SendLast(1);
-  const Result<AgentEnd> end = service.AwaitEnd();
-  ASSERT_TRUE(end.ok());
-  EXPECT_EQ(end.value(), AgentEnd::kRunOver);
+  EXPECT_EQ(test::ValueOf(service.AwaitEnd()), AgentEnd::kRunOver);
   EXPECT_THAT(service.proposals(), SizeIs(1));
 }
 
@@ -203,9 +202,7 @@ TEST(AgentHostTest, EndsWhenTheFrameThatItAnsweredTurnsOutToBeTheLast) {
   service.StartAndAdmit();
   service.SendFrame(4);
   service.SendLast(4);
-  const Result<AgentEnd> end = service.AwaitEnd();
-  ASSERT_TRUE(end.ok());
-  EXPECT_EQ(end.value(), AgentEnd::kRunOver);
+  EXPECT_EQ(test::ValueOf(service.AwaitEnd()), AgentEnd::kRunOver);
 }
 
 TEST(AgentHostTest, EndsOnStop) {

@@ -51,23 +51,19 @@ class AgentProtocolTest : public testing::Test {
   }
 
   void SendSession(Edition edition = 0, const WorldDescription& world = World(), RunId run = kRun) {
-    SessionMessage session;
-    session.run = run;
-    session.protocol_version = kProtocolVersion;
-    session.world = world;
-    session.world_edition = edition;
-    protocol_.OnSession(session);
+    protocol_.OnSession(
+        SessionMessage{.run = run, .protocol_version = kProtocolVersion, .world = world, .world_edition = edition});
+  }
+  void Finish(ReplicaTask& task) {
+    task.Perform(options_, {});
+    protocol_.FinishTask(task);
   }
   void PerformTask() {
-    std::optional<ReplicaTask> task = protocol_.BeginTask();
-    ASSERT_TRUE(task.has_value());
-    task->Perform(options_, {});
-    protocol_.FinishTask(*task);
+    ReplicaTask task = protocol_.BeginTask().value();
+    Finish(task);
   }
   static FrameMessage Frame(Tick tick, Edition edition = 0) {
-    FrameMessage frame;
-    frame.run = kRun;
-    frame.state = PlacedState(World());
+    FrameMessage frame{.run = kRun, .state = PlacedState(World())};
     frame.state.tick = tick;
     frame.edition = frame.world_edition = edition;
     return frame;
@@ -80,11 +76,13 @@ class AgentProtocolTest : public testing::Test {
     now_ += seconds;
     return protocol_.Poll(now_);
   }
+  // The join that it sends at once.
+  JoinMessage Joined() { return PollAfter(0.0).value(); }
   // Joins, and answers frame 0.
   void JoinAndRun() {
     SendSession();
     PerformTask();
-    ASSERT_TRUE(PollAfter(0.0).has_value());
+    Joined();
     Answer(true);
     SendFrame(0);
     ASSERT_THAT(endpoint_.sent, SizeIs(1));
@@ -124,9 +122,8 @@ class HistoryTest : public AgentProtocolTest {
   void Prepare() {
     SendSession();
     PerformTask();
-    const std::optional<JoinMessage> join = PollAfter(0.0);
-    ASSERT_TRUE(join.has_value());
-    EXPECT_EQ(join->memory, std::nullopt);
+    const JoinMessage join = Joined();
+    EXPECT_EQ(join.memory, std::nullopt);
   }
 };
 
@@ -135,9 +132,8 @@ TEST_F(HistoryTest, TheRobotsProcessItAndTheAgentJoinsAgainAtOnce) {
   protocol_.OnHistory(HistoryOf({}, {Entry(0), Entry(1), Entry(2)}));
   EXPECT_EQ(PollAfter(5.0), std::nullopt) << "it joins no more before it knows the history";
   PerformTask();
-  std::optional<JoinMessage> join = PollAfter(0.0);
-  ASSERT_TRUE(join.has_value());
-  EXPECT_EQ(join->memory, (MemoryPlace{0, 2, true}));
+  JoinMessage join = Joined();
+  EXPECT_EQ(join.memory, (MemoryPlace{0, 2, true}));
   EXPECT_THAT(endpoint_.sent, IsEmpty());
   // The same again, what others need, and what does not follow, have no effect.
   protocol_.OnHistory(HistoryOf({}, {Entry(0)}));
@@ -146,9 +142,8 @@ TEST_F(HistoryTest, TheRobotsProcessItAndTheAgentJoinsAgainAtOnce) {
   // An answer to another agent with the same memory is of use.
   protocol_.OnHistory(HistoryOf(MemoryPlace{0, 2, true}, {Entry(3)}, {99}));
   PerformTask();
-  join = PollAfter(0.0);
-  ASSERT_TRUE(join.has_value());
-  EXPECT_EQ(join->memory, (MemoryPlace{0, 3, true}));
+  join = Joined();
+  EXPECT_EQ(join.memory, (MemoryPlace{0, 3, true}));
   SendFrame(4);
   EXPECT_THAT(endpoint_.sent, IsEmpty());
   Answer(true);
@@ -165,16 +160,15 @@ TEST_F(HistoryTest, OfNewRobotsOnlyTheOneThatWasAskedForIsOfUse) {
 TEST_F(HistoryTest, AnOlderWorldIsFollowedByThatOfTheSession) {
   SendSession(3, Without({"r1"}));
   PerformTask();
-  ASSERT_TRUE(PollAfter(0.0).has_value());
+  Joined();
   HistoryEntry first = Entry(0);
   first.world = World();
   protocol_.OnHistory(HistoryOf({}, {first, Entry(1)}));
   PerformTask();
-  const std::optional<JoinMessage> join = PollAfter(0.0);
-  ASSERT_TRUE(join.has_value());
-  EXPECT_EQ(join->world_edition, 3u);
-  EXPECT_EQ(join->world_hash, Hash(Without({"r1"})));
-  EXPECT_THAT(join->robots, ElementsAre("r0"));
+  const JoinMessage join = Joined();
+  EXPECT_EQ(join.world_edition, 3u);
+  EXPECT_EQ(join.world_hash, Hash(Without({"r1"})));
+  EXPECT_THAT(join.robots, ElementsAre("r0"));
   SendFrame(1, 3);
   Answer(true);
   PerformTask();  // the world of the session again
@@ -206,14 +200,13 @@ TEST_F(HistoryTest, AFrameOfARewoundRunIsAnsweredOnceItsHistoryIsKnown) {
   protocol_.OnFrame(frame, now_);
   PerformTask();  // the robots are made anew
   ASSERT_THAT(endpoint_.sent, SizeIs(1)) << "it has no memory of ticks 0 to 3";
-  std::optional<JoinMessage> join = PollAfter(0.0);
-  ASSERT_TRUE(join.has_value());
-  EXPECT_EQ(join->memory, std::nullopt);
+  JoinMessage join = Joined();
+  EXPECT_EQ(join.memory, std::nullopt);
   HistoryEntry entry = Entry(3, 2);
   entry.frame.fresh_edition = 2;
   protocol_.OnHistory(HistoryOf({}, {entry}));
   PerformTask();
-  ASSERT_TRUE(PollAfter(0.0).has_value());
+  Joined();
   Answer(true);
   ASSERT_THAT(endpoint_.sent, SizeIs(2));
   EXPECT_EQ(endpoint_.sent[1].edition, 2u);
@@ -234,11 +227,10 @@ TEST_F(AgentProtocolTest, ALostServiceIsJoinedAgainAndTheRobotsContinue) {
   EXPECT_FALSE(protocol_.over());
   SendFrame(1);
   EXPECT_THAT(endpoint_.sent, SizeIs(1)) << "not a member";
-  const std::optional<JoinMessage> join = PollAfter(0.0);
-  ASSERT_TRUE(join.has_value());
-  EXPECT_EQ(join->agent, kAgent);
-  EXPECT_EQ(join->world_hash, Hash(World()));
-  EXPECT_THAT(join->robots, ElementsAre("r0", "r1"));
+  const JoinMessage join = Joined();
+  EXPECT_EQ(join.agent, kAgent);
+  EXPECT_EQ(join.world_hash, Hash(World()));
+  EXPECT_THAT(join.robots, ElementsAre("r0", "r1"));
   Answer(true);
   ASSERT_THAT(endpoint_.sent, SizeIs(2));
   EXPECT_EQ(endpoint_.sent.back().tick, 2u);
@@ -293,7 +285,7 @@ TEST_F(AgentProtocolTest, AnotherRunDoesNotReplaceALostService) {
 TEST_F(AgentProtocolTest, AnAgentThatIsUnknownJoinsAgain) {
   JoinAndRun();
   Answer(false);
-  ASSERT_TRUE(PollAfter(0.0).has_value());
+  Joined();
   Answer(false);  // a duplicate
   EXPECT_FALSE(protocol_.over());
   Answer(true);
@@ -312,11 +304,10 @@ TEST_F(AgentProtocolTest, JoinsForTheWorldThatWasEditedMeanwhileAndFollowsTheEdi
   JoinAndRun();
   protocol_.OnServiceLost(now_);
   SendSession(2, Without({"r1"}));
-  const std::optional<JoinMessage> join = PollAfter(0.0);
-  ASSERT_TRUE(join.has_value());
-  EXPECT_EQ(join->world_edition, 2u);
-  EXPECT_EQ(join->world_hash, Hash(Without({"r1"})));
-  EXPECT_THAT(join->robots, ElementsAre("r0"));
+  const JoinMessage join = Joined();
+  EXPECT_EQ(join.world_edition, 2u);
+  EXPECT_EQ(join.world_hash, Hash(Without({"r1"})));
+  EXPECT_THAT(join.robots, ElementsAre("r0"));
   SendFrame(3, 2);
   Answer(true);
   PerformTask();
@@ -336,7 +327,7 @@ TEST_F(AgentProtocolTest, FollowsALoadOfAWorldWithOtherIdsThatCameBeforeItsFirst
   Answer(true);
   protocol_.OnServiceLost(now_);
   SendSession(1, other.world());
-  ASSERT_TRUE(PollAfter(0.0).has_value());
+  Joined();
   Answer(true);
   FrameMessage frame = Frame(0, 1);
   frame.state = PlacedState(other.world());
@@ -390,16 +381,13 @@ TEST_F(AgentProtocolTest, AServiceThatIsLostDuringAChangeIsJoinedAfterIt) {
   JoinAndRun();
   SendSession(1, Without({"r1"}));
   SendFrame(0, 1);
-  std::optional<ReplicaTask> task = protocol_.BeginTask();
-  ASSERT_TRUE(task.has_value());
+  ReplicaTask task = protocol_.BeginTask().value();
   protocol_.OnServiceLost(now_);
   EXPECT_FALSE(PollAfter(0.0).has_value());
-  task->Perform(options_, {});
-  protocol_.FinishTask(*task);
+  Finish(task);
   EXPECT_THAT(endpoint_.sent, SizeIs(1));
-  const std::optional<JoinMessage> join = PollAfter(0.0);
-  ASSERT_TRUE(join.has_value());
-  EXPECT_EQ(join->world_hash, Hash(Without({"r1"})));
+  const JoinMessage join = Joined();
+  EXPECT_EQ(join.world_hash, Hash(Without({"r1"})));
   Answer(true);
   EXPECT_THAT(endpoint_.sent, SizeIs(2));
 }
@@ -407,7 +395,7 @@ TEST_F(AgentProtocolTest, AServiceThatIsLostDuringAChangeIsJoinedAfterIt) {
 TEST_F(AgentProtocolTest, AServiceThatIsLostBeforeItsAnswerMayBeReplaced) {
   SendSession();
   PerformTask();
-  ASSERT_TRUE(PollAfter(0.0).has_value());
+  Joined();
   protocol_.OnServiceLost(now_);
   EXPECT_FALSE(PollAfter(1.0).has_value());
   SendSession(0, World(), kRun + 1);
@@ -417,12 +405,10 @@ TEST_F(AgentProtocolTest, AServiceThatIsLostBeforeItsAnswerMayBeReplaced) {
 
 TEST_F(AgentProtocolTest, AReplicaForASessionThatWasReplacedIsOfNoUse) {
   SendSession();
-  std::optional<ReplicaTask> task = protocol_.BeginTask();
-  ASSERT_TRUE(task.has_value());
+  ReplicaTask task = protocol_.BeginTask().value();
   SendSession(0, World(), kRun + 1);
-  task->Perform(options_, {});
-  protocol_.FinishTask(*task);
-  EXPECT_NE(task->robots.replica, nullptr);
+  Finish(task);
+  EXPECT_NE(task.robots.replica, nullptr);
   PerformTask();
   EXPECT_EQ(PollAfter(0.0)->run, kRun + 1);
 }
@@ -431,26 +417,22 @@ TEST_F(AgentProtocolTest, TheLastFrameDuringAChangeEndsTheAgent) {
   JoinAndRun();
   SendSession(1, Without({"r1"}));
   SendFrame(0, 1);
-  std::optional<ReplicaTask> task = protocol_.BeginTask();
-  ASSERT_TRUE(task.has_value());
+  ReplicaTask task = protocol_.BeginTask().value();
   FrameMessage last = Frame(0, 1);
   last.last = true;
   protocol_.OnFrame(last, now_);
-  task->Perform(options_, {});
-  protocol_.FinishTask(*task);
+  Finish(task);
   EXPECT_TRUE(protocol_.over());
   EXPECT_TRUE(protocol_.failure().ok());
   EXPECT_THAT(endpoint_.sent, SizeIs(1));
-  EXPECT_NE(task->robots.replica, nullptr);
+  EXPECT_NE(task.robots.replica, nullptr);
 }
 
 TEST_F(AgentProtocolTest, AServiceThatEndsWhileTheReplicaIsMadeIsReplacedByTheNext) {
   SendSession();
-  std::optional<ReplicaTask> task = protocol_.BeginTask();
-  ASSERT_TRUE(task.has_value());
+  ReplicaTask task = protocol_.BeginTask().value();
   protocol_.OnServiceGone(now_);
-  task->Perform(options_, {});
-  protocol_.FinishTask(*task);
+  Finish(task);
   EXPECT_EQ(PollAfter(1.0), std::nullopt);
   EXPECT_FALSE(protocol_.over());
   SendSession(0, World(), kRun + 1);
@@ -495,13 +477,11 @@ TEST_F(AgentProtocolTest, FramesAreAnsweredInTheirOrderAndAgainOnlyIfTheAnswerIs
 TEST_F(HistoryTest, TheEndOfTheServiceEndsAMemberWhoseRobotsProcessAHistory) {
   JoinAndRun();
   protocol_.OnServiceLost(now_);
-  ASSERT_TRUE(PollAfter(0.0).has_value());
+  Joined();
   protocol_.OnHistory(HistoryOf(MemoryPlace{0, 0, true}, {Entry(1)}));
-  std::optional<ReplicaTask> task = protocol_.BeginTask();
-  ASSERT_TRUE(task.has_value());
+  ReplicaTask task = protocol_.BeginTask().value();
   protocol_.OnServiceGone(now_);
-  task->Perform(options_, {});
-  protocol_.FinishTask(*task);
+  Finish(task);
   ASSERT_TRUE(protocol_.over());
   EXPECT_EQ(protocol_.failure().error().message, "the world service is gone");
 }
@@ -509,17 +489,14 @@ TEST_F(HistoryTest, TheEndOfTheServiceEndsAMemberWhoseRobotsProcessAHistory) {
 TEST_F(HistoryTest, ANewerWorldReplacesThatOfAnAgentThatWasNeverAdmitted) {
   Prepare();
   protocol_.OnHistory(HistoryOf({}, {Entry(0)}));
-  std::optional<ReplicaTask> task = protocol_.BeginTask();
-  ASSERT_TRUE(task.has_value());
+  ReplicaTask task = protocol_.BeginTask().value();
   SendSession(1, Without({"r1"}));
-  task->Perform(options_, {});
-  protocol_.FinishTask(*task);
+  Finish(task);
   PerformTask();  // the replica of the newer world
-  const std::optional<JoinMessage> join = PollAfter(0.0);
-  ASSERT_TRUE(join.has_value());
-  EXPECT_EQ(join->world_edition, 1u);
-  EXPECT_THAT(join->robots, ElementsAre("r0"));
-  EXPECT_EQ(join->memory, std::nullopt);
+  const JoinMessage join = Joined();
+  EXPECT_EQ(join.world_edition, 1u);
+  EXPECT_THAT(join.robots, ElementsAre("r0"));
+  EXPECT_EQ(join.memory, std::nullopt);
 }
 
 // Another service continues the run.
@@ -540,10 +517,9 @@ class IncarnationTest : public AgentProtocolTest {
 TEST_F(IncarnationTest, ALaterServiceIsJoinedAtOnceAndGetsTheSameAnswer) {
   JoinAndRun();
   protocol_.OnFrame(FrameOf(2, 0), now_);
-  const std::optional<JoinMessage> join = PollAfter(0.0);
-  ASSERT_TRUE(join);
-  EXPECT_EQ(join->incarnation, 2u);
-  EXPECT_EQ(join->run, kRun);
+  const JoinMessage join = Joined();
+  EXPECT_EQ(join.incarnation, 2u);
+  EXPECT_EQ(join.run, kRun);
   AnswerAs(2);
   protocol_.OnFrame(FrameOf(2, 0), now_);
   ASSERT_GE(endpoint_.sent.size(), 2u);
@@ -554,12 +530,8 @@ TEST_F(IncarnationTest, ALaterServiceIsJoinedAtOnceAndGetsTheSameAnswer) {
 
 TEST_F(IncarnationTest, AnEarlierServiceHasNoEffectAnyMore) {
   JoinAndRun();
-  SessionMessage session;
-  session.run = kRun;
-  session.world = World();
-  session.incarnation = 1;
-  protocol_.OnSession(session);
-  ASSERT_TRUE(PollAfter(0.0));
+  protocol_.OnSession(SessionMessage{.run = kRun, .world = World(), .incarnation = 1});
+  Joined();
   AnswerAs(0);
   EXPECT_FALSE(protocol_.is_running());
   AnswerAs(1);
@@ -577,17 +549,14 @@ TEST_F(IncarnationTest, ALaterServiceIsJoinedAfterTheChangeThatHasBegun) {
   JoinAndRun();
   SendSession(1, Without({"r1"}));
   SendFrame(0, 1);
-  std::optional<ReplicaTask> task = protocol_.BeginTask();
-  ASSERT_TRUE(task.has_value());
+  ReplicaTask task = protocol_.BeginTask().value();
   protocol_.OnFrame(FrameOf(1, 0), now_);
   EXPECT_EQ(PollAfter(1.0), std::nullopt);
-  task->Perform(options_, {});
-  protocol_.FinishTask(*task);
+  Finish(task);
   EXPECT_THAT(protocol_.DrainNotices(), ElementsAre("another world service continues the run"));
-  const std::optional<JoinMessage> join = PollAfter(0.0);
-  ASSERT_TRUE(join.has_value());
-  EXPECT_EQ(join->incarnation, 1u);
-  EXPECT_EQ(join->world_edition, 1u);
+  const JoinMessage join = Joined();
+  EXPECT_EQ(join.incarnation, 1u);
+  EXPECT_EQ(join.world_edition, 1u);
   AnswerAs(1);
   EXPECT_THAT(protocol_.DrainNotices(), ElementsAre("joined the run again"));
   EXPECT_THAT(endpoint_.sent, SizeIs(2)) << "the frame that was kept";

@@ -8,6 +8,7 @@
 
 #include "tests/support/controlled_run.h"
 #include "tests/support/edits.h"
+#include "tests/support/values.h"
 #include "tests/support/yard.h"
 
 namespace troupe::test {
@@ -29,9 +30,7 @@ TEST(EditedRunTest, AResetGivesTheSameHashesAgain) {
     ASSERT_EQ(hashes.size(), 202u);
     EXPECT_THAT(Slice(hashes, 101, 202), ElementsAreArray(Slice(hashes, 0, 101)));
     EXPECT_NE(hashes[100], hashes[0]);
-    const Result<RunSummary> summary = run.Finish();
-    ASSERT_TRUE(summary.ok()) << summary.error().ToString();
-    EXPECT_EQ(summary.value().rejected, 0u);
+    EXPECT_EQ(ValueOf(run.Finish()).rejected, 0u);
   }
 }
 
@@ -76,9 +75,7 @@ TEST(EditedRunTest, TheAgentOfADeletedRobotLeavesAndAResetNeedsANewOne) {
     run.Step(20);
     ASSERT_TRUE(run.Ask(Request(ControlCommand::kDelete, "r1")).done);
     if (packing == 1) {
-      const Result<AgentEnd> end = run.AwaitAgentOf("r1");
-      ASSERT_TRUE(end.ok()) << end.error().ToString();
-      EXPECT_EQ(end.value(), AgentEnd::kRunOver);
+      EXPECT_EQ(ValueOf(run.AwaitAgentOf("r1")), AgentEnd::kRunOver);
     }
     run.Step(20);
     EXPECT_EQ(run.frame().state.robots[1].twist, Twist{});
@@ -88,10 +85,9 @@ TEST(EditedRunTest, TheAgentOfADeletedRobotLeavesAndAResetNeedsANewOne) {
     const std::vector<std::uint64_t> hashes = run.Hashes();
     ASSERT_EQ(hashes.size(), 21u + 21u + 21u);
     EXPECT_THAT(Slice(hashes, 42, 63), ElementsAreArray(Slice(hashes, 0, 21)));
-    const Result<RunSummary> summary = run.Finish();
-    ASSERT_TRUE(summary.ok()) << summary.error().ToString();
-    EXPECT_EQ(summary.value().rejected, 0u);
-    EXPECT_TRUE(summary.value().lost.empty());
+    const RunSummary summary = ValueOf(run.Finish());
+    EXPECT_EQ(summary.rejected, 0u);
+    EXPECT_TRUE(summary.lost.empty());
   }
 }
 
@@ -129,9 +125,7 @@ TEST(EditedRunTest, TheSameEditsGiveTheSameHashesForAnyPacking) {
     edit(SpawnScout("r1", {6.0, 20.0, 0.0, 2.0}));
     edit(Request(ControlCommand::kSetPose, "wall3", {0.0, 30.0, 0.0, 0.0}));
     edit(Request(ControlCommand::kReset, ""));
-    const Result<RunSummary> summary = run.Finish();
-    ASSERT_TRUE(summary.ok()) << summary.error().ToString();
-    EXPECT_EQ(summary.value().rejected, 0u);
+    EXPECT_EQ(ValueOf(run.Finish()).rejected, 0u);
     if (expected.empty()) expected = run.Hashes();
     EXPECT_EQ(run.Hashes(), expected);
   }

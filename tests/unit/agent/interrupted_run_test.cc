@@ -1,16 +1,12 @@
 // Runs whose world service dies after any of its states: another one restores the newest state, the files of the user,
 // and the memory that agents need. A rewind that was interrupted is finished first.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "recording/journal_tail.h"
 #include "recording/recording_writer.h"
 #include "recording/tick_reader.h"
 #include "tests/support/controlled_run.h"
+#include "tests/support/files.h"
 #include "tests/support/yard.h"
 #include "world-service/program/prepared_run.h"
 #include "world-service/replay/restore_run.h"
@@ -18,36 +14,16 @@
 namespace troupe::test {
 namespace {
 
-namespace fs = std::filesystem;
-
-std::string TextOf(const std::string& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
 class InterruptedRunTest : public testing::Test {
  protected:
-  InterruptedRunTest() {
-    std::string pattern = testing::TempDir() + "troupe-interrupted-XXXXXX";
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~InterruptedRunTest() override { fs::remove_all(folder_); }
-  std::string File(const std::string& name) const { return (folder_ / name).string(); }
-
   // 30 steps, a change of a pose, 10 steps, then a rewind to tick 35.
   void RunAndRewind() {
-    OutputFiles files;
-    files.record = File("whole.mcap");
-    files.hash_log = File("hashes");
-    files.keyframe_interval = 8;
+    OutputFiles files{.hash_log = folder_.Path("hashes"), .record = folder_.Path("whole.mcap"), .keyframe_interval = 8};
     const WorldDescription world = Yard(3);
     ControlledRun run(world, {.outputs = files});
     run.Step(30);
-    ControlRequest edit;
-    edit.command = ControlCommand::kSetPose;
-    edit.name = world.robots[0].name;
-    edit.pose = {-3.0, -3.0, 0.0, 0.0};
+    ControlRequest edit{
+        .command = ControlCommand::kSetPose, .name = world.robots[0].name, .pose = {-3.0, -3.0, 0.0, 0.0}};
     ASSERT_TRUE(run.Ask(edit).done);
     run.Step(10);
     ASSERT_TRUE(run.Ask(ControlCommand::kRewind, 35).done);
@@ -57,8 +33,8 @@ class InterruptedRunTest : public testing::Test {
 
   // The journal of a service that died with that many states. Some are in its recording, the others in the tail.
   JournalFiles DieWith(std::uint64_t states, std::uint64_t recorded) const {
-    const JournalFiles files = JournalFiles::Of(File(std::to_string(states) + ".mcap"));
-    const Recording whole = Recording::Open(File("whole.mcap")).value();
+    const JournalFiles files = JournalFiles::Of(folder_.Path(std::to_string(states) + ".mcap"));
+    const Recording whole = Recording::Open(folder_.Path("whole.mcap")).value();
     RecordingWriter writer =
         RecordingWriter::Create(mcap::CreateFileSink(files.recording).value(), whole.run()).value();
     const std::unique_ptr<JournalTail> tail = JournalTail::Create(files, whole.run().run, JournalSync::kNo).value();
@@ -78,7 +54,7 @@ class InterruptedRunTest : public testing::Test {
     RunSource source;
     source.resume = true;
     source.outputs.journal = files;
-    if (with_hashes) source.outputs.hash_log = File("resumed-hashes");
+    if (with_hashes) source.outputs.hash_log = folder_.Path("resumed-hashes");
     Result<PreparedRun> run = PrepareRun(source);
     if (run.ok()) {
       for (const std::unique_ptr<RunObserver>& observer : run.value().recorders.observers) {
@@ -88,7 +64,7 @@ class InterruptedRunTest : public testing::Test {
     return run;
   }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
   FrameMessage rewound_;
 };
 
@@ -98,7 +74,7 @@ constexpr std::uint64_t kEdit = 31;                  // its number
 
 TEST_F(InterruptedRunTest, ARewindIsFinishedWhereverItWasInterrupted) {
   RunAndRewind();
-  const std::string hashes = TextOf(File("hashes"));
+  const std::string hashes = folder_.Read("hashes");
   for (std::uint64_t states = kBeforeRewind + 1; states <= kAfterRewind; ++states) {
     SCOPED_TRACE(states);
     for (const bool with_hashes : {true, false}) {
@@ -113,7 +89,7 @@ TEST_F(InterruptedRunTest, ARewindIsFinishedWhereverItWasInterrupted) {
       EXPECT_EQ(resumed.frame->world_edition, rewound_.world_edition);
       EXPECT_EQ(resumed.next_number, kAfterRewind);
       EXPECT_EQ(resumed.previous, (MemoryPlace{rewound_.edition, 34, true}));
-      EXPECT_TRUE(!with_hashes || TextOf(File("resumed-hashes")) == hashes);
+      EXPECT_TRUE(!with_hashes || folder_.Read("resumed-hashes") == hashes);
     }
   }
 }

@@ -1,11 +1,10 @@
 // A robot with a gripper, alone in its agent, with a controller that a test writes.
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "common/spatial/body_index.h"
 #include "robot-agent/robot/robot.h"
 #include "tests/support/gripper_world.h"
+#include "tests/support/values.h"
 
 namespace troupe::test {
 namespace {
@@ -23,9 +22,7 @@ class ManipulatingRobotTest : public testing::Test {
     scene_ = std::make_unique<Scene>(world_.world);
     bodies_ = std::make_unique<BodyIndex>(*scene_);
     if (state_.robots.empty()) state_ = PlacedState(world_.world);
-    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, parts_.robot, {nullptr, AllowedPaths::All()});
-    ASSERT_TRUE(robot.ok()) << robot.error().message;
-    robot_ = std::move(robot).value();
+    robot_ = ValueOf(Robot::Create(*scene_, parts_.robot, {nullptr, AllowedPaths::All()}));
   }
   Proposal Decide() {
     bodies_->Assign(state_);

@@ -4,13 +4,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <random>
 
 #include "tests/support/controlled_run.h"
 #include "tests/support/edits.h"
+#include "tests/support/values.h"
 #include "tests/support/yard.h"
 #include "worldfile/load_world.h"
 
@@ -77,10 +75,9 @@ TEST_P(RebuiltWorldTest, LossesAtAnyTimeChangeNoHash) {
   PlayTo(run, 300, replace);
   EXPECT_GT(replaced, 5);
   ExpectSameRun(run.Hashes(), undisturbed, 300);
-  const Result<RunSummary> summary = run.Finish();
-  ASSERT_TRUE(summary.ok()) << summary.error().ToString();
-  EXPECT_EQ(summary.value().rejected, 0u);
-  EXPECT_THAT(summary.value().lost, IsEmpty());
+  const RunSummary summary = ValueOf(run.Finish());
+  EXPECT_EQ(summary.rejected, 0u);
+  EXPECT_THAT(summary.lost, IsEmpty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, RebuiltWorldTest,
@@ -157,9 +154,7 @@ TEST(RebuiltRunTest, EditsAreRemembered) {
       }
     });
     EXPECT_THAT(run.Hashes(), ElementsAreArray(undisturbed));
-    const Result<RunSummary> summary = run.Finish();
-    ASSERT_TRUE(summary.ok()) << summary.error().ToString();
-    EXPECT_EQ(summary.value().rejected, 0u);
+    EXPECT_EQ(ValueOf(run.Finish()).rejected, 0u);
   }
 }
 

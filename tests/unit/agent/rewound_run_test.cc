@@ -3,16 +3,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <optional>
 #include <utility>
 
 #include "tests/support/controlled_run.h"
 #include "tests/support/edits.h"
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "tests/support/yard.h"
 #include "world-service/replay/branched_run.h"
 #include "world-service/replay/run_replay.h"
@@ -32,24 +30,16 @@ WorldDescription CountingYard() {
 
 class Files {
  public:
-  Files() {
-    std::filesystem::create_directories(folder_);
-    std::ofstream(definitions()) << "define scout position ( size [0.3 0.3 0.2] ctrl \"wander\" )\n";
-  }
-  ~Files() { std::filesystem::remove_all(folder_); }
-  std::string definitions() const { return folder_ + "/robots.world"; }
-  std::string recording() const { return folder_ + "/run.mcap"; }
+  Files() { folder_.Write("robots.world", "define scout position ( size [0.3 0.3 0.2] ctrl \"wander\" )\n"); }
+  std::string definitions() const { return folder_.Path("robots.world"); }
+  std::string recording() const { return folder_.Path("run.mcap"); }
 
  private:
-  const std::string folder_ =
-      (std::filesystem::temp_directory_path() / ("rewound-run-" + std::to_string(getpid()))).string();
+  const TemporaryFolder folder_;
 };
 
 OutputFiles Record(const std::string& path, std::uint64_t keyframe_interval) {
-  OutputFiles files;
-  files.record = path;
-  files.keyframe_interval = keyframe_interval;
-  return files;
+  return {.record = path, .keyframe_interval = keyframe_interval};
 }
 
 void Rewind(ControlledRun& run, Tick tick) {
@@ -74,15 +64,13 @@ void ExpectSame(ControlledRun& run, const std::vector<std::uint64_t>& hash_of_ti
 }
 
 void ExpectEqualReplay(const std::string& path) {
-  const Result<Recording> recording = Recording::Open(path);
-  ASSERT_TRUE(recording.ok()) << recording.error().ToString();
+  const Recording recording = ValueOf(Recording::Open(path));
   ReplayOptions options;
   options.compare_events = true;
-  const Result<ReplayReport> report = RunReplay(recording.value(), options).Run();
-  ASSERT_TRUE(report.ok()) << report.error().ToString();
-  EXPECT_EQ(report.value().difference, std::nullopt);
-  EXPECT_EQ(report.value().damage, std::nullopt);
-  EXPECT_GT(report.value().states, 100u);
+  const ReplayReport report = ValueOf(RunReplay(recording, options).Run());
+  EXPECT_EQ(report.difference, std::nullopt);
+  EXPECT_EQ(report.damage, std::nullopt);
+  EXPECT_GT(report.states, 100u);
 }
 
 struct World {
@@ -112,9 +100,7 @@ TEST_P(RewoundWorldTest, ItContinuesAsBeforeFromAnyTick) {
     const ControlReply future = run.Ask(ControlCommand::kRewind, 36);
     EXPECT_FALSE(future.done);
     EXPECT_THAT(future.problem, HasSubstr("found tick 36, expected at most 35"));
-    const Result<RunSummary> summary = run.Finish();
-    ASSERT_TRUE(summary.ok()) << summary.error().ToString();
-    EXPECT_EQ(summary.value().rejected, 0u);
+    EXPECT_EQ(ValueOf(run.Finish()).rejected, 0u);
   }
   ExpectEqualReplay(files.recording());
 }
@@ -202,9 +188,7 @@ TEST(RewoundRunTest, EditsArePartOfThePast) {
     EXPECT_FALSE(run.Ask(ControlCommand::kRewind, 30).done);
     Rewind(run, 12);
     ExpectSame(run, hashes, 19);
-    const Result<RunSummary> summary = run.Finish();
-    ASSERT_TRUE(summary.ok()) << summary.error().ToString();
-    EXPECT_EQ(summary.value().rejected, 0u);
+    EXPECT_EQ(ValueOf(run.Finish()).rejected, 0u);
   }
   ExpectEqualReplay(files.recording());
 }
@@ -312,9 +296,7 @@ TEST(RewoundRunTest, AStopEndsARewind) {
     EXPECT_FALSE(reply.done);
     EXPECT_EQ(reply.problem, "the run is over");
     EXPECT_EQ(reply.tick, 120u);
-    const Result<RunSummary> summary = run.Finish();
-    ASSERT_TRUE(summary.ok()) << summary.error().ToString();
-    EXPECT_TRUE(summary.value().interrupted);
+    EXPECT_TRUE(ValueOf(run.Finish()).interrupted);
   }
   EXPECT_EQ(RewindsIn(files.recording()), 0u);
   ExpectEqualReplay(files.recording());
@@ -354,13 +336,12 @@ TEST(RewoundRunTest, ABranchFromWithinARewindHasNoMoreOfItsStates) {
   }
   BranchOptions options;
   options.from = 20;
-  const Result<BranchedRun> branch = BranchRun(files.recording(), options);
-  ASSERT_TRUE(branch.ok()) << branch.error().ToString();
-  ASSERT_EQ(branch.value().begin->last_number, 81u) << "0 to 60, and 0 to 20 again";
+  const BranchedRun branch = ValueOf(BranchRun(files.recording(), options));
+  ASSERT_EQ(branch.begin->last_number, 81u) << "0 to 60, and 0 to 20 again";
   const std::string path = files.recording() + ".branch.mcap";
-  const auto recorder = RunRecorder::Create(path, {.world_file = {}, .begin = branch.value().begin}).value();
+  const auto recorder = RunRecorder::Create(path, {.world_file = {}, .begin = branch.begin}).value();
   NoControl control;
-  ASSERT_TRUE(recorder->OnBegin({1, {}, branch.value().scene, control}).ok());
+  ASSERT_TRUE(recorder->OnBegin({1, {}, branch.scene, control}).ok());
   ASSERT_TRUE(recorder->OnEnd().ok());
   const Recording recording = Recording::Open(path).value();
   std::vector<std::uint64_t> copies;

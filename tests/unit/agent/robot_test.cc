@@ -5,12 +5,13 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "robot-agent/robot/scan_log.h"
+#include "tests/support/files.h"
 #include "tests/support/small_world.h"
+#include "tests/support/values.h"
 
 namespace troupe {
 namespace {
@@ -26,15 +27,11 @@ class RobotTest : public ::testing::Test {
 
   void Make(bool with_log = false) {
     if (with_log) {
-      Result<std::unique_ptr<ScanLog>> log = ScanLog::Open(log_path_);
-      ASSERT_TRUE(log.ok());
-      log_ = std::move(log).value();
+      log_ = test::ValueOf(ScanLog::Open(log_path_));
     }
     scene_ = std::make_unique<Scene>(world_.world());
     index_ = std::make_unique<BodyIndex>(*scene_);
-    Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id_, {log_.get(), AllowedPaths::All()});
-    ASSERT_TRUE(robot.ok()) << robot.error().message;
-    robot_ = std::move(robot).value();
+    robot_ = test::ValueOf(Robot::Create(*scene_, id_, {log_.get(), AllowedPaths::All()}));
     state_ = PlacedState(world_.world());
   }
   Twist Decide(Tick tick) {
@@ -44,10 +41,7 @@ class RobotTest : public ::testing::Test {
   }
   std::vector<std::string> LogLines() {
     EXPECT_TRUE(log_->Flush().ok());
-    std::vector<std::string> lines;
-    std::ifstream file(log_path_);
-    for (std::string line; std::getline(file, line);) lines.push_back(line);
-    return lines;
+    return test::LinesOf(test::TextOf(log_path_));
   }
 
   std::string log_path_ = ::testing::TempDir() + "/troupe_robot_test_" + std::to_string(getpid());

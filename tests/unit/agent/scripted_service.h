@@ -55,9 +55,7 @@ class ScriptedService {
             .world = world_};
   }
   FrameMessage Frame(Tick tick, RunId run = 1) const {
-    FrameMessage frame;
-    frame.run = run;
-    frame.state = PlacedState(world_);
+    FrameMessage frame{.run = run, .state = PlacedState(world_)};
     frame.state.tick = tick;
     return frame;
   }

@@ -1,10 +1,10 @@
 #include "common/base/allowed_paths.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
+
+#include "tests/support/files.h"
 
 namespace troupe {
 namespace {
@@ -12,27 +12,18 @@ namespace {
 namespace fs = std::filesystem;
 
 // A tree of files: own/a.world, own/below/b.world, own2/c.world, and links to them.
-class AllowedPathsTest : public testing::Test {
+class AllowedPathsTest : public testing::Test, public test::TemporaryFolder {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::canonical(fs::temp_directory_path()) / "allowed-XXXXXX").string();
-    root_ = mkdtemp(pattern.data());
-    for (const char* file : {"own/a.world", "own/below/b.world", "own2/c.world"}) {
-      fs::create_directories((root_ / file).parent_path());
-      std::ofstream(root_ / file) << "x";
-    }
-    fs::create_symlink("../own2/c.world", root_ / "own/link.world");
-    fs::create_symlink("../own2", root_ / "own/link");
-    fs::create_symlink("own", root_ / "inward");
-    fs::create_symlink("self", root_ / "self");
+    for (const char* file : {"own/a.world", "own/below/b.world", "own2/c.world"}) Write(file, "x");
+    fs::create_symlink("../own2/c.world", Path("own/link.world"));
+    fs::create_symlink("../own2", Path("own/link"));
+    fs::create_symlink("own", Path("inward"));
+    fs::create_symlink("self", Path("self"));
     allowed_.Add(Path("own"));
   }
-  void TearDown() override { fs::remove_all(root_); }
-
-  std::string Path(const std::string& name) const { return (root_ / name).string(); }
   std::string Resolved(const std::string& name) const { return allowed_.Resolve(Path(name)).value_or("refused"); }
 
-  fs::path root_;
   AllowedPaths allowed_;
 };
 
@@ -74,7 +65,7 @@ TEST_F(AllowedPathsTest, AFileAllowsItselfOnly) {
   EXPECT_TRUE(allowed.Resolve(Path("own/a.world")));
   EXPECT_FALSE(allowed.Resolve(Path("own/below/b.world")));
   const fs::path before = fs::current_path();
-  fs::current_path(root_ / "own");
+  fs::current_path(Path("own"));
   EXPECT_EQ(allowed.Resolve("a.world"), Path("own/a.world"));
   fs::current_path(before);
 }

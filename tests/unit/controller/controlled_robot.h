@@ -61,14 +61,12 @@ SensorReading Read(const SensorDescription& ranger, RangeAtBearing range) {
 }
 
 inline Observation At(Tick tick, const std::vector<SensorReading>& readings, bool stalled = false) {
-  Observation observation;
-  observation.tick = tick;
-  observation.interval = 0.1;
-  observation.time = static_cast<double>(tick) / 10.0;
-  observation.stalled = stalled;
-  observation.sensors = readings;
-  observation.random_key = tick;
-  return observation;
+  return {.tick = tick,
+          .time = static_cast<double>(tick) / 10.0,
+          .interval = 0.1,
+          .stalled = stalled,
+          .sensors = readings,
+          .random_key = tick};
 }
 
 }  // namespace troupe

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/support/values.h"
 #include "tests/unit/controller/controlled_robot.h"
 
 namespace troupe {
@@ -14,9 +15,7 @@ class ExpandTest : public ::testing::Test {
  protected:
   void Make(std::vector<SensorDescription> sensors, DriveType drive = DriveType::kDifferential) {
     robot_ = MakeRobot("expand", R"({"speed": 0.5, "turn_gain": 2})", std::move(sensors), drive);
-    Result<std::unique_ptr<Controller>> controller = CreateFor(robot_);
-    ASSERT_TRUE(controller.ok());
-    controller_ = std::move(controller).value();
+    controller_ = test::ValueOf(CreateFor(robot_));
   }
 
   template <typename RangeAtBearing>

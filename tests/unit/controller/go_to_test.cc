@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/model/drive_limits.h"
+#include "tests/support/values.h"
 #include "tests/unit/controller/controlled_robot.h"
 
 namespace troupe {
@@ -19,9 +20,7 @@ class DrivingTest : public ::testing::Test {
     if (controller == "follow") {
       robot_.sensors.push_back({.name = "finder", .parameters = FiducialParameters{}});
     }
-    Result<std::unique_ptr<Controller>> made = CreateFor(robot_);
-    ASSERT_TRUE(made.ok()) << made.error().message;
-    controller_ = std::move(made).value();
+    controller_ = test::ValueOf(CreateFor(robot_));
   }
 
   // Until the robot stands and `until` is true, or `most` ticks have passed. True if it did.

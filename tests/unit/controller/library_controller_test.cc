@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/values.h"
 #include "tests/unit/controller/controlled_robot.h"
 
 namespace troupe {
@@ -30,9 +31,7 @@ std::string ErrorOf(const std::string& path, const std::string& parameters = "{}
 
 TEST(LibraryControllerTest, RunsAUsersController) {
   const RobotDescription robot = MakeRobot(Library("good"), "{}");
-  const Result<std::unique_ptr<Controller>> controller = CreateFor(robot);
-  ASSERT_TRUE(controller.ok()) << controller.error().message;
-  EXPECT_EQ(controller.value()->Update(At(0, {})).twist.vx, 0.25);
+  EXPECT_EQ(test::ValueOf(CreateFor(robot))->Update(At(0, {})).twist.vx, 0.25);
 }
 
 TEST(LibraryControllerTest, ARelativePathCountsFromTheWorkingDirectory) {

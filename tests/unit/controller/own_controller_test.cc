@@ -4,9 +4,8 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "tests/support/files.h"
 #include "tests/unit/controller/controlled_robot.h"
 
 namespace troupe {
@@ -29,9 +28,7 @@ class OwnControllerTest : public ::testing::Test {
   void Run(const std::string& command) {
     const std::string log = folder_ + "/log";
     if (std::system((command + " > '" + log + "' 2>&1").c_str()) == 0) return;
-    std::stringstream text;
-    text << std::ifstream(log).rdbuf();
-    FAIL() << command << "\n" << text.str();
+    FAIL() << command << "\n" << test::TextOf(log);
   }
 
   std::string folder_ = ::testing::TempDir() + "/troupe_own_controller_" + std::to_string(getpid());

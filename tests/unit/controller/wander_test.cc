@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "tests/support/values.h"
 #include "tests/unit/controller/controlled_robot.h"
 
 namespace troupe {
@@ -23,9 +24,7 @@ class WanderTest : public ::testing::Test {
   void Make(std::vector<SensorDescription> sensors, DriveType drive = DriveType::kDifferential,
             const std::string& parameters = R"({"speed": 0.5, "turn_rate": 0.7, "min_distance": 1})") {
     robot_ = MakeRobot("wander", parameters, std::move(sensors), drive);
-    Result<std::unique_ptr<Controller>> controller = CreateFor(robot_);
-    ASSERT_TRUE(controller.ok());
-    controller_ = std::move(controller).value();
+    controller_ = test::ValueOf(CreateFor(robot_));
   }
 
   template <typename RangeAtBearing>
@@ -77,10 +76,8 @@ TEST_F(WanderTest, UsesTheRangerWithMostSamples) {
 
 TEST_F(WanderTest, LooksAheadThroughAScannerMountedBackwards) {
   robot_ = MakeRobot("wander", "{}", {MakeScanner()});
-  Result<std::unique_ptr<Controller>> controller =
-      CreateController({.robot = &robot_, .parameters = "{}", .sensors = {{&robot_.sensors[0], Pose{0, 0, 0, kPi}}}});
-  ASSERT_TRUE(controller.ok());
-  controller_ = std::move(controller).value();
+  controller_ = test::ValueOf(
+      CreateController({.robot = &robot_, .parameters = "{}", .sensors = {{&robot_.sensors[0], Pose{0, 0, 0, kPi}}}}));
   EXPECT_GT(See(WallAhead(0.8, -0.5, 0.5)).twist.vx, 0.0);  // that wall is behind the robot
 }
 

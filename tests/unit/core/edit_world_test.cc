@@ -1,7 +1,6 @@
 // Changes of a world from outside the simulation.
 #include "world-service/core/edit_world.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>

@@ -55,10 +55,7 @@ class AgentGroupsTest : public testing::TestWithParam<bool> {
       const AgentId id(group + 1);
       ASSERT_TRUE(
           members_[group]->handler.sessions.WaitFor(kSeconds, [](const auto& s) { return s.run == kGroupedRun; }));
-      JoinMessage join;
-      join.run = kGroupedRun;
-      join.agent = id;
-      join.robots = {"r" + std::to_string(group)};
+      JoinMessage join{.run = kGroupedRun, .agent = id, .robots = {"r" + std::to_string(group)}};
       ASSERT_TRUE(test::Eventually([&] {
         members_[group]->end->SendJoin(join);
         return service_.joins.WaitFor(0.1, [&](const JoinMessage& joined) { return joined.agent == id; });
@@ -91,10 +88,7 @@ TEST_P(AgentGroupsTest, EachGroupReceivesAllMessagesAndAnswers) {
       service_end_->SendFrame(frame);
       return member.handler.frames.WaitFor(0.1, [](const FrameMessage& one) { return one.state.tick == 9; });
     }));
-    ProposalMessage proposal;
-    proposal.run = kGroupedRun;
-    proposal.agent = id;
-    proposal.tick = 10;
+    ProposalMessage proposal{.run = kGroupedRun, .agent = id, .tick = 10};
     EXPECT_TRUE(test::Eventually([&] {
       member.end->SendProposal(proposal);
       return service_.proposals.WaitFor(0.1, [&](const ProposalMessage& one) { return one.agent == id; });

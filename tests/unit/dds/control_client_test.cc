@@ -38,10 +38,7 @@ class ReplyingService : public ServiceHandler {
       is_stepping_.notify_all();
       return;
     }
-    ControlReply reply;
-    reply.client = request.client;
-    reply.number = request.number;
-    reply.done = true;
+    ControlReply reply{.client = request.client, .number = request.number, .done = true};
     endpoint_->SendControlReply(reply);
     if (request.command != ControlCommand::kPlay) return;
     has_replied_ = true;
@@ -68,10 +65,7 @@ class ReplyingService : public ServiceHandler {
 };
 
 NetworkSettings Network(const std::string& session) {
-  NetworkSettings network;
-  network.domain = TestDomain();
-  network.session = session;
-  network.security = kSecurityOff;
+  NetworkSettings network{.domain = TestDomain(), .session = session, .security = kSecurityOff};
   return network;
 }
 

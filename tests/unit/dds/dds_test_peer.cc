@@ -2,7 +2,6 @@
 // "service" offers one. Each stays until SIGTERM.
 //   dds_test_peer agent|observer|service DOMAIN SESSION ID LEASE
 #include <sys/prctl.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -17,11 +16,7 @@ class JoiningAgent : public AgentHandler {
  public:
   JoiningAgent(AgentEndpoint& endpoint, AgentId id) : endpoint_(endpoint), id_(id) {}
   void OnSession(const SessionMessage& session) override {
-    JoinMessage join;
-    join.run = session.run;
-    join.agent = id_;
-    join.robots = {"robot"};
-    endpoint_.SendJoin(join);
+    endpoint_.SendJoin(JoinMessage{.run = session.run, .agent = id_, .robots = {"robot"}});
   }
   void OnAdmission(const AdmissionMessage&) override {}
   void OnFrame(const FrameMessage&) override {}
@@ -85,10 +80,7 @@ int main(int argc, char** argv) {
     const auto transport = troupe::MakeDdsServiceTransport(options).transport;
     troupe::SilentService service;
     const auto endpoint = transport->MakeServiceEndpoint();
-    troupe::SessionMessage session;
-    session.run = id;
-    session.lease_seconds = options.lease_seconds;
-    endpoint->SendSession(session);
+    endpoint->SendSession(troupe::SessionMessage{.run = id, .lease_seconds = options.lease_seconds});
     endpoint->Start(service);
     troupe::WaitForTermination(signals);
   }

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <optional>
 #include <random>
@@ -14,9 +13,7 @@ namespace troupe::dds {
 namespace {
 
 FrameMessage FirstFrame() {
-  FrameMessage frame;
-  frame.run = 7;
-  frame.edition = 2;
+  FrameMessage frame{.run = 7, .edition = 2};
   frame.state.tick = 10;
   frame.state.robots.resize(5);
   frame.state.joints.resize(4);

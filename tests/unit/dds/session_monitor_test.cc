@@ -48,10 +48,7 @@ TEST(SessionMonitorTest, ListsTheSessionsOfADomainWithTheirStatus) {
     RunningService& service = services[name];
     service.transport = MakeDdsServiceTransport(options).transport;
     service.endpoint = service.transport->MakeServiceEndpoint();
-    SessionMessage session;
-    session.run = run;
-    session.host = "machine";
-    session.pid = 77;
+    SessionMessage session{.run = run, .host = "machine", .pid = 77};
     session.world.name = "world of " + name;
     service.endpoint->SendSession(session);
     service.status.run = run;

@@ -70,26 +70,9 @@ class StrangerTest : public testing::Test {
     agent_end_->Start(agent_);
   }
 
-  static SessionMessage Session() {
-    SessionMessage session;
-    session.run = kRun;
-    session.host = "the true host";
-    return session;
-  }
-  static JoinMessage Join() {
-    JoinMessage join;
-    join.run = kRun;
-    join.agent = kAgent;
-    join.robots = {"r0"};
-    return join;
-  }
-  static ProposalMessage Proposal(Tick tick) {
-    ProposalMessage proposal;
-    proposal.run = kRun;
-    proposal.agent = kAgent;
-    proposal.tick = tick;
-    return proposal;
-  }
+  static SessionMessage Session() { return {.run = kRun, .host = "the true host"}; }
+  static JoinMessage Join() { return {.run = kRun, .agent = kAgent, .robots = {"r0"}}; }
+  static ProposalMessage Proposal(Tick tick) { return {.run = kRun, .agent = kAgent, .tick = tick}; }
 
   bool AgentJoins() {
     return Eventually([this] {

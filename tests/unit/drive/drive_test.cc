@@ -14,12 +14,10 @@ namespace {
 constexpr double kTickLength = 0.1;  // s
 
 DriveDescription MakeDrive(DriveType type) {
-  DriveDescription drive;
-  drive.type = type;
-  drive.wheelbase = 0.5;
-  drive.velocity = {{-0.5, 1.0}, {-0.3, 0.3}, {-1.0, 1.0}};
-  drive.acceleration = {{-4.0, 2.0}, {-1.0, 1.0}, {-5.0, 5.0}};
-  return drive;
+  return {.type = type,
+          .wheelbase = 0.5,
+          .velocity = {{-0.5, 1.0}, {-0.3, 0.3}, {-1.0, 1.0}},
+          .acceleration = {{-4.0, 2.0}, {-1.0, 1.0}, {-5.0, 5.0}}};
 }
 
 Twist FinalTwist(const DriveDescription& drive, const Command& command) {

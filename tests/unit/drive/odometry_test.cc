@@ -14,16 +14,11 @@ void ExpectNear(const Pose& actual, const Pose& expected, double tolerance = 1e-
 }
 
 LocalizationDescription MakeOdometry(const Pose& origin) {
-  LocalizationDescription localization;
-  localization.type = LocalizationType::kOdometry;
-  localization.origin = origin;
-  return localization;
+  return {.type = LocalizationType::kOdometry, .origin = origin};
 }
 
 TEST(OdometryTest, GpsIsTheTruePose) {
-  LocalizationDescription gps;
-  gps.origin = {5.0, 5.0, 0.0, 1.0};
-  gps.error_x = 0.5;
+  LocalizationDescription gps{.origin = {5.0, 5.0, 0.0, 1.0}, .error_x = 0.5};
   Odometry odometry(gps);
   const Pose X_WR{1.0, 2.0, 0.5, -3.0};
   odometry.Update({});

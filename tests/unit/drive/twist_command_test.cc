@@ -11,9 +11,7 @@ TEST(CommandFromTwist, PassesATwistToADriveThatFollowsOne) {
 }
 
 TEST(CommandFromTwist, SteersACarOntoTheArcOfTheTwist) {
-  DriveDescription car;
-  car.type = DriveType::kCar;
-  car.wheelbase = 0.5;
+  DriveDescription car{.type = DriveType::kCar, .wheelbase = 0.5};
   for (const double vx : {1.0, -0.5}) {
     for (const double wz : {0.0, 0.75, -0.25}) {
       const Command command = CommandFromTwist({vx, 9.0, wz}, car);

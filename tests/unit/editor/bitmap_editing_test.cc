@@ -4,8 +4,9 @@
 #include <algorithm>
 
 #include "common/image/grey_image.h"
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "tests/unit/editor/edited_world.h"
-#include "tests/unit/editor/temporary_folder.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {
@@ -52,7 +53,7 @@ bool IsWallAt(const WorldDescription& world, double x, double y, const std::stri
 }
 
 struct House {
-  TemporaryFolder folder;
+  test::TemporaryFolder folder;
   std::unique_ptr<Editor> editor;
 
   House() {
@@ -85,9 +86,7 @@ TEST(BitmapEditingTest, WallsAreDrawnInMemoryAndUndone) {
   Applied(*house.editor, {{"op", "save"}});
   EXPECT_FALSE(house.editor->is_modified());
   EXPECT_EQ(house.folder.Read("house.world"), kHouse);
-  const Result<LoadedWorld> loaded = LoadWorld(house.folder / "house.world");
-  ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
-  EXPECT_TRUE(IsWallAt(loaded.value().world, 0.05, 0.0));
+  EXPECT_TRUE(IsWallAt(test::ValueOf(LoadWorld(house.folder / "house.world")).world, 0.05, 0.0));
   EXPECT_EQ(house.folder.size(), 2U);
   // Beyond the save, and back on the disk.
   Applied(*house.editor, {{"op", "undo"}});
@@ -178,8 +177,8 @@ TEST(BitmapEditingTest, AnImageThatHasChangedOnDiskIsKept) {
 }
 
 TEST(BitmapEditingTest, ForeignImagesAreRefusedWithTheReason) {
-  const TemporaryFolder folder;
-  const TemporaryFolder elsewhere;
+  const test::TemporaryFolder folder;
+  const test::TemporaryFolder elsewhere;
   folder.Write("plan.png", FloorPlan());
   elsewhere.Write("far.png", FloorPlan());
   folder.Write("plan.pgm", "P2\n2 1\n255\n0 255\n");

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 
-#include "tests/unit/editor/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace troupe {
 namespace {
@@ -56,7 +56,7 @@ position( name "r" pose [-3 0 0 0] size [0.3 0.3 0.3] )
 )";
 
 struct Edited {
-  TemporaryFolder folder;
+  test::TemporaryFolder folder;
   std::unique_ptr<EditLink> link;
   Watcher watcher;
   std::unique_ptr<RunObservation> observation;
@@ -80,10 +80,7 @@ TEST(EditLinkTest, StaticModelsAreShownAsObjectsAndMoveTheText) {
   Edited edited;
   EXPECT_EQ(edited.watcher.session().world.objects.size(), 1U);
   EXPECT_TRUE(Validate(edited.watcher.session().world).ok());
-  ControlRequest move;
-  move.command = ControlCommand::kSetPose;
-  move.name = "b";
-  move.pose = {2.0, 0.0, 0.0, 0.0};
+  ControlRequest move{.command = ControlCommand::kSetPose, .name = "b", .pose = {2.0, 0.0, 0.0, 0.0}};
   EXPECT_TRUE(edited.Ask(move).done);
   EXPECT_TRUE(edited.watcher.Await([](const SessionMessage& session, const FrameMessage& frame) {
     return session.world_edition == frame.world_edition && frame.state.objects[0].X_WO.x == 2.0 && frame.paused;
@@ -95,16 +92,12 @@ TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
   for (const auto& [height, passes] : {std::pair(0.35, true), std::pair(0.45, false)}) {
     Edited edited;
     ASSERT_TRUE(edited.Edit({{"op", "test"}, {"model", "bridge"}, {"probe_height", height}}).ok());
-    ControlRequest step;
-    step.command = ControlCommand::kStep;
-    step.ticks = 150;
+    ControlRequest step{.command = ControlCommand::kStep, .ticks = 150};
     EXPECT_TRUE(edited.Ask(step).done);
     EXPECT_TRUE(edited.watcher.Await([passed = passes](const SessionMessage&, const FrameMessage& frame) {
       return frame.state.tick == 150 && (frame.state.robots[0].X_WR.x > 0.5) == passed;
     }));
-    ControlRequest move;
-    move.command = ControlCommand::kSetPose;
-    move.name = "b";
+    ControlRequest move{.command = ControlCommand::kSetPose, .name = "b"};
     EXPECT_FALSE(edited.Ask(move).done);
     ASSERT_TRUE(edited.Edit({{"op", "end_test"}}).ok());
     EXPECT_TRUE(edited.watcher.Await(
@@ -115,9 +108,7 @@ TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
 
 TEST(EditLinkTest, MoreStepsThanItTakesAtOnceAreRefused) {
   Edited edited;
-  ControlRequest step;
-  step.command = ControlCommand::kStep;
-  step.ticks = 1001;
+  ControlRequest step{.command = ControlCommand::kStep, .ticks = 1001};
   const ControlReply refused = edited.Ask(step);
   EXPECT_FALSE(refused.done);
   EXPECT_EQ(refused.problem, "found 1001 steps, expected at most 1000 at once");
@@ -131,10 +122,7 @@ TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
   ControlRequest play;
   play.command = ControlCommand::kPlay;
   EXPECT_EQ(edited.Ask(play).state, RunState::kPlaying);
-  ControlRequest drive;
-  drive.command = ControlCommand::kCommandRobot;
-  drive.name = "r";
-  drive.ticks = 5;
+  ControlRequest drive{.command = ControlCommand::kCommandRobot, .ticks = 5, .name = "r"};
   drive.robot_command.twist = Twist{0.5, 0.0, 0.0};
   EXPECT_TRUE(edited.Ask(drive).done);
   EXPECT_TRUE(edited.watcher.Await([](const SessionMessage&, const FrameMessage& frame) {

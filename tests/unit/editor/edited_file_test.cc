@@ -7,7 +7,7 @@
 
 #include <csignal>
 
-#include "tests/unit/editor/temporary_folder.h"
+#include "tests/support/files.h"
 
 namespace troupe {
 namespace {
@@ -19,7 +19,7 @@ EditedFile Opened(const std::string& path, const std::string& initial = "") {
 }
 
 TEST(EditedFileTest, SavedTextReplacesTheFileAsAWhole) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.Write("a.world", "old\n");
   chmod(path.c_str(), 0640);
   EditedFile file = Opened(path);
@@ -37,7 +37,7 @@ TEST(EditedFileTest, SavedTextReplacesTheFileAsAWhole) {
 }
 
 TEST(EditedFileTest, ALinkStaysALink) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   folder.Write("a.world", "old\n");
   std::filesystem::create_symlink("a.world", folder / "link.world");
   EditedFile file = Opened(folder / "link.world");
@@ -48,7 +48,7 @@ TEST(EditedFileTest, ALinkStaysALink) {
 }
 
 TEST(EditedFileTest, AFileThatHasChangedOnDiskIsKept) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.Write("a.world", "old\n");
   EditedFile file = Opened(path);
   file.Change("mine\n", "the change");
@@ -68,7 +68,7 @@ TEST(EditedFileTest, AFileThatHasChangedOnDiskIsKept) {
 }
 
 TEST(EditedFileTest, ANewFileDoesNotReplaceOneThatAppeared) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   EditedFile file = Opened(folder / "new.world", "");
   EXPECT_TRUE(file.is_modified({}));
   folder.Write("new.world", "theirs\n");
@@ -79,7 +79,7 @@ TEST(EditedFileTest, ANewFileDoesNotReplaceOneThatAppeared) {
 
 // A write that fails half-way, as on a full disk.
 TEST(EditedFileTest, AFullDiskLeavesTheFileAsItWas) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string path = folder.Write("a.world", "old\n");
   EditedFile file = Opened(path);
   file.Change(std::string(100'000, '#'), "the change");
@@ -100,7 +100,7 @@ TEST(EditedFileTest, AFullDiskLeavesTheFileAsItWas) {
 }
 
 TEST(EditedFileTest, HistoryIsBounded) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   EditedFile file = Opened(folder / "new.world", "");
   for (std::size_t i = 0; i < 2 * EditedFile::kMostStates; ++i) file.Change(std::to_string(i), "edit");
   std::size_t undone = 0;

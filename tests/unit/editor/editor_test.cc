@@ -5,9 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "tests/support/files.h"
 #include "tests/support/stage_worlds.h"
+#include "tests/support/values.h"
 #include "tests/unit/editor/edited_world.h"
-#include "tests/unit/editor/temporary_folder.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {
@@ -28,7 +29,7 @@ position( name "r0" pose [0 0 0 0] )
 )";
 
 TEST(EditorTest, PosesAreWrittenInTheUnitsAndTheFrameOfTheFile) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   folder.Write("things.inc", "define crate model ( size [50 50 40] color \"brown\" gripper_return 1 )\n");
   const auto editor = OpenedEditor(folder.Write("yard.world", kYard));
   ASSERT_TRUE(editor->SetPose("left", {1.5, 2.0, 0.0, std::numbers::pi / 6}).ok());
@@ -44,15 +45,13 @@ TEST(EditorTest, PosesAreWrittenInTheUnitsAndTheFrameOfTheFile) {
 }
 
 TEST(EditorTest, EditsAreUndoneToTheByte) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   folder.Write("things.inc", kThings);
   const std::string text = WithPart(kYard, "unit_length \"cm\"   # all of them\n", "");
   const auto editor = OpenedEditor(folder.Write("yard.world", text));
   ASSERT_TRUE(editor->Rename("left", "right").ok());
   ASSERT_TRUE(editor->Remove("table").ok());
-  const Result<std::string> added = editor->Add("crate", {1.25, 0.5, 0.0, 0.0});
-  ASSERT_TRUE(added.ok());
-  EXPECT_EQ(added.value(), "crate1");
+  EXPECT_EQ(test::ValueOf(editor->Add("crate", {1.25, 0.5, 0.0, 0.0})), "crate1");
   Applied(*editor, {{"op", "set_property"}, {"name", "r0"}, {"property", "color"}, {"value", "\"green\""}});
   for (int i = 0; i < 4; ++i) Applied(*editor, {{"op", "undo"}});
   EXPECT_EQ(editor->text(), text);
@@ -60,13 +59,11 @@ TEST(EditorTest, EditsAreUndoneToTheByte) {
   for (int i = 0; i < 4; ++i) Applied(*editor, {{"op", "redo"}});
   Refused(*editor, {{"op", "redo"}});
   Applied(*editor, {{"op", "save"}});
-  const Result<LoadedWorld> loaded = LoadWorld(folder / "yard.world");
-  ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
-  EXPECT_EQ(loaded.value().world.robots.size(), 1U);
+  EXPECT_EQ(test::ValueOf(LoadWorld(folder / "yard.world")).world.robots.size(), 1U);
 }
 
 TEST(EditorTest, EditsThatDoNotLoadAreRefusedWithTheirPlace) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   folder.Write("things.inc", kThings);
   const auto editor = OpenedEditor(folder.Write("yard.world", kYard));
   const auto set = [](const char* property, const char* value) {
@@ -83,7 +80,7 @@ TEST(EditorTest, EditsThatDoNotLoadAreRefusedWithTheirPlace) {
 }
 
 TEST(EditorTest, ABrokenTextIsCorrectedInTheText) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto editor = OpenedEditor(folder.Write("bad.world", "model( pose [0 0 )\n"));
   EXPECT_EQ(editor->world(), nullptr);
   const Json document = Applied(*editor, {{"op", "document"}});
@@ -95,23 +92,23 @@ TEST(EditorTest, ABrokenTextIsCorrectedInTheText) {
 }
 
 TEST(EditorTest, TheTextNamesFilesOfItsOwnFoldersOnly) {
-  const TemporaryFolder folder;
-  const TemporaryFolder elsewhere;
+  const test::TemporaryFolder folder;
+  const test::TemporaryFolder elsewhere;
   elsewhere.Write("things.inc", kThings);
   const std::string file = folder.Write("yard.world", "position( name \"r0\" )\n");
   const std::string text = "include \"" + (elsewhere / "things.inc") + "\"\n";
   const auto editor = OpenedEditor(file);
   const Json reply = Applied(*editor, {{"op", "set_text"}, {"text", text}});
   EXPECT_NE(reply["error"].get<std::string>().find("allow"), std::string::npos) << reply;
-  Result<std::unique_ptr<Editor>> allowing = Editor::Open(file, {elsewhere / "things.inc"});
-  ASSERT_TRUE(allowing.ok());
-  EXPECT_EQ(Applied(*allowing.value(), {{"op", "set_text"}, {"text", text}})["error"], "");
+  EXPECT_EQ(Applied(*test::ValueOf(Editor::Open(file, {elsewhere / "things.inc"})),
+                    {{"op", "set_text"}, {"text", text}})["error"],
+            "");
   folder.Write("yard.world", text);
   EXPECT_EQ(Applied(*OpenedEditor(file), {{"op", "document"}})["error"], "");
 }
 
 TEST(EditorTest, ModelsOfAnIncludeFileStandSideBySide) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string text =
       std::string(kThings) + "# A robot.\ndefine bot position ( size [0.3 0.3 0.2] )\ndefine eye ranger ( )\n";
   const auto editor = OpenedEditor(folder.Write("things.inc", text));
@@ -123,7 +120,7 @@ TEST(EditorTest, ModelsOfAnIncludeFileStandSideBySide) {
 }
 
 TEST(EditorTest, ADrawnModelIsWhereItWasDrawn) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   for (const auto& [units, metres] : {std::pair("", 1.0), std::pair("unit_length \"mm\"\n", 0.001)}) {
     const auto editor = OpenedEditor(folder.Write("drawn.inc", units));
     const Json blocks = {{{"outline", {{0.1, 0.0}, {0.9, 0.0}, {0.9, 0.4}}}, {"z", {0.4, 0.7}}},
@@ -151,7 +148,7 @@ TEST(EditorTest, ADrawnModelIsWhereItWasDrawn) {
 }
 
 TEST(EditorTest, PartsAreAddedChangedAndRemoved) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string text = "define bot position ( size [0.4 0.4 0.3] )\n";
   const auto editor = OpenedEditor(folder.Write("bot.inc", text));
   Applied(*editor, {{"op", "change_part"},
@@ -184,7 +181,7 @@ TEST(EditorTest, PartsAreAddedChangedAndRemoved) {
 }
 
 TEST(EditorTest, AScenarioMovesWhatItsWorldHas) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   folder.Write("things.inc", kThings);
   folder.Write("yard.world", WithPart(kYard, "unit_length \"cm\"   # all of them\n", ""));
   const std::string text =
@@ -224,7 +221,7 @@ TEST(EditorTest, AScenarioMovesWhatItsWorldHas) {
 TEST(EditorTest, StageWorldsChangeByOneToken) {
   const std::string source = test::StageWorldsFolder() + "/simple.world";
   if (!std::filesystem::exists(source)) GTEST_SKIP() << "no Stage worlds at " << source;
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::filesystem::copy(test::StageWorldsFolder(), folder / "worlds", std::filesystem::copy_options::recursive);
   const auto editor = OpenedEditor(folder / "worlds/simple.world");
   const std::string before = editor->text();

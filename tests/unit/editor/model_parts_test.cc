@@ -5,8 +5,8 @@
 
 #include <numbers>
 
+#include "tests/support/files.h"
 #include "tests/unit/editor/edited_world.h"
-#include "tests/unit/editor/temporary_folder.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {
@@ -40,7 +40,7 @@ Json Shape(const Json& part, const Json& shape) {
 }
 
 TEST(ModelPartsTest, PartsAreReportedInTheFrameOfTheModel) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto editor = OpenedEditor(folder.Write("loader.world", kLoader));
   const Json report = Applied(*editor, {{"op", "model"}, {"name", "loader"}});
   const Json& slide = report["parts"][1]["parts"][0];
@@ -58,7 +58,7 @@ TEST(ModelPartsTest, PartsAreReportedInTheFrameOfTheModel) {
 }
 
 TEST(ModelPartsTest, AShapeChangesTheNumbersThatItConcerns) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto editor = OpenedEditor(folder.Write("loader.world", kLoader));
   // The slide's parent is turned: to the left in the model is forward on the arm.
   Applied(*editor, Shape({1, 0}, {{"pose", {0.1, 0.15, 0.15, std::numbers::pi / 2}}}));
@@ -85,7 +85,7 @@ TEST(ModelPartsTest, AShapeChangesTheNumbersThatItConcerns) {
 }
 
 TEST(ModelPartsTest, AGripperIsMadeOfDrawnParts) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto editor = OpenedEditor(folder.Write("loader.world", kLoader));
   const auto finger = [](double y, double towards) {
     const Json outline = {{0.4, y}, {0.6, y}, {0.6, y + 0.05}, {0.4, y + 0.05}};
@@ -120,7 +120,7 @@ TEST(ModelPartsTest, AGripperIsMadeOfDrawnParts) {
 }
 
 TEST(ModelPartsTest, ChosenPartsWithoutANameGetOne) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string text = R"(define bot position
 (
   actuator( axis [0 0 1] noblocks 1 gripper
@@ -139,7 +139,7 @@ TEST(ModelPartsTest, ChosenPartsWithoutANameGetOne) {
 }
 
 TEST(ModelPartsTest, HostileRequestsAreRefused) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto editor = OpenedEditor(folder.Write("loader.world", kLoader));
   const Json endless(1000, 0);
   for (const Json& part : {Json(7), Json({-1}), Json({"a"}), Json({9}), Json({1, 0, 0}), endless, Json({0, 0})}) {

@@ -5,11 +5,10 @@
 #include <png.h>
 #include <zlib.h>
 
-#include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "common/image/grey_image.h"
+#include "tests/support/files.h"
 #include "tests/unit/image/write_png.h"
 
 namespace troupe {
@@ -17,28 +16,12 @@ namespace {
 
 using testing::HasSubstr;
 
-class ImageFile : public testing::Test {
+class ImageFile : public testing::Test, public test::TemporaryFolder {
  protected:
-  void SetUp() override {
-    folder_ = testing::TempDir() + "troupe_image_" + testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::string Path(const std::string& name) const { return folder_ + "/" + name; }
-
-  std::string Write(const std::string& content) const {
-    std::ofstream(Path("image"), std::ios::binary) << content;
-    return Path("image");
-  }
+  std::string Write(const std::string& content) const { return TemporaryFolder::Write("image", content); }
   std::string WriteImage(const PngContent& content) const {
     WritePng(Path("image.png"), content);
     return Path("image.png");
-  }
-  static std::string ReadAll(const std::string& path) {
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    return text.str();
   }
 
   // Rows from the top, '#' is occupied; or the error's message.
@@ -52,8 +35,6 @@ class ImageFile : public testing::Test {
     }
     return text;
   }
-
-  std::string folder_;
 };
 
 TEST_F(ImageFile, GreyValuesAreThoseThatStageCompares) {
@@ -158,7 +139,7 @@ TEST_F(ImageFile, InterlacedImagesReadTheSame) {
 TEST_F(ImageFile, CutOffPngIsAnErrorWhereverItIsCut) {
   PngContent content{70, 40, 8, PNG_COLOR_TYPE_GRAY, false, {}, {}};
   for (int y = 0; y < 40; ++y) content.rows.push_back(std::vector<std::uint8_t>(70, static_cast<std::uint8_t>(y * 50)));
-  const std::string whole = ReadAll(WriteImage(content));
+  const std::string whole = test::TextOf(WriteImage(content));
   for (std::size_t size = 8; size < whole.size(); ++size) {
     EXPECT_FALSE(ReadBitmap(Write(whole.substr(0, size)), StagePixelRule()).ok()) << size;
   }
@@ -168,7 +149,7 @@ TEST_F(ImageFile, DamagedPngNeverCrashes) {
   PngContent content{70, 40, 8, PNG_COLOR_TYPE_RGB, true, {}, {}};
   for (int y = 0; y < 40; ++y)
     content.rows.push_back(std::vector<std::uint8_t>(210, static_cast<std::uint8_t>(y * 50)));
-  const std::string whole = ReadAll(WriteImage(content));
+  const std::string whole = test::TextOf(WriteImage(content));
   for (std::size_t i = 8; i < whole.size(); ++i) {
     std::string damaged = whole;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x55);
@@ -181,7 +162,7 @@ TEST_F(ImageFile, DamagedPngNeverCrashes) {
 
 // A header with a size far beyond that of the file is refused before memory is allocated.
 TEST_F(ImageFile, PngBombIsRefused) {
-  std::string bomb = ReadAll(WriteImage({1, 1, 8, PNG_COLOR_TYPE_GRAY, false, {{0}}, {}}));
+  std::string bomb = test::TextOf(WriteImage({1, 1, 8, PNG_COLOR_TYPE_GRAY, false, {{0}}, {}}));
   const auto set_size = [&bomb](std::uint32_t width, std::uint32_t height) {
     for (int i = 0; i < 4; ++i) {
       bomb[static_cast<std::size_t>(16 + i)] = static_cast<char>(width >> (24 - 8 * i));
@@ -230,7 +211,7 @@ TEST_F(ImageFile, DamagedPgmIsAnError) {
 
 TEST_F(ImageFile, OtherFilesAreErrors) {
   EXPECT_THAT(Picture(Path("missing.png")), HasSubstr("No such file"));
-  EXPECT_THAT(Picture(folder_), HasSubstr("not a regular file"));
+  EXPECT_THAT(Picture(path()), HasSubstr("not a regular file"));
   EXPECT_THAT(Picture("/dev/zero"), HasSubstr("not a regular file"));
   EXPECT_THAT(Picture(Write("\x89PNG\r\n\x1a\n")), HasSubstr("damaged PNG"));
 }

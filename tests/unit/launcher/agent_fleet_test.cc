@@ -170,9 +170,7 @@ TEST_F(AgentFleetTest, KeepsTheScansOfAnAgentThatIsStartedAgain) {
   options_.scans = ::testing::TempDir() + "/fleet-scans";
   options_.trace.file = ::testing::TempDir() + "/fleet-trace";
   AgentFleet fleet(options_, keys_);
-  ReadyReport ready;
-  ready.robots = {"r0"};
-  ready.participants = {{1, "aa"}};
+  ReadyReport ready{.robots = {"r0"}, .participants = {{1, "aa"}}};
   ASSERT_TRUE(fleet.Start(ready, {"127.0.0.1:1"}, {{&host_, "lo"}}, {0}).ok());
   host_.children[0]->Kill();
   ASSERT_EQ(fleet.PollEnded().size(), 1u);

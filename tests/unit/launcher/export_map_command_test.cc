@@ -8,7 +8,8 @@
 
 #include "common/spatial/occupancy_grid.h"
 #include "launcher/commands/commands.h"
-#include "tests/process/output_folder.h"
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {
@@ -25,16 +26,14 @@ int Export(std::vector<std::string> words) {
 
 // The written map, loaded as a world, gives the same map again.
 TEST(ExportMap, WritesAMapThatGivesTheSameMapWhenItIsRead) {
-  test::OutputFolder folder;
+  test::TemporaryFolder folder;
   std::ofstream(folder.Path("a.world")) << "model ( name \"l\" pose [ 1 0.5 0 0 ] size [ 2 1 1 ] )\n"
                                            "model ( name \"r\" pose [ 3.5 2.75 0 0 ] size [ 1 0.5 1 ] )\n";
   ASSERT_EQ(Export({"export-map", folder.Path("a.world"), "-o", folder.Path("map"), "--resolution", "0.25"}), 0);
-  const Result<LoadedWorld> read = LoadWorld(folder.Path("map.yaml"), {});
-  ASSERT_TRUE(read.ok()) << read.error().ToString();
-  const Result<LoadedWorld> original = LoadWorld(folder.Path("a.world"), {});
-  ASSERT_TRUE(original.ok());
-  const OccupancyGrid expected = MakeOccupancyGrid(Scene(original.value().world), 0.25, 0.1);
-  const OccupancyGrid found = MakeOccupancyGrid(Scene(read.value().world), 0.25, 0.1);
+  const LoadedWorld read = test::ValueOf(LoadWorld(folder.Path("map.yaml"), {}));
+  const LoadedWorld original = test::ValueOf(LoadWorld(folder.Path("a.world"), {}));
+  const OccupancyGrid expected = MakeOccupancyGrid(Scene(original.world), 0.25, 0.1);
+  const OccupancyGrid found = MakeOccupancyGrid(Scene(read.world), 0.25, 0.1);
   EXPECT_EQ(found.width, expected.width);
   EXPECT_EQ(found.height, expected.height);
   EXPECT_NEAR(found.origin_x, expected.origin_x, 1e-9);
@@ -42,7 +41,7 @@ TEST(ExportMap, WritesAMapThatGivesTheSameMapWhenItIsRead) {
   EXPECT_EQ(found.occupied, expected.occupied);
 }
 
-void WriteMap(const test::OutputFolder& folder, const std::string& pixels, const std::string& more = "") {
+void WriteMap(const test::TemporaryFolder& folder, const std::string& pixels, const std::string& more = "") {
   std::ofstream(folder.Path("in.pgm")) << "P2 4 3 255\n" << pixels;
   std::ofstream(folder.Path("in.yaml")) << "image: in.pgm\nresolution: 0.25\norigin: [-1.0, 2.5, 0]\nnegate: 0\n"
                                            "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
@@ -50,7 +49,7 @@ void WriteMap(const test::OutputFolder& folder, const std::string& pixels, const
 }
 
 TEST(ExportMap, KeepsSizeOriginResolutionAndPixelsOfAMap) {
-  const test::OutputFolder folder;
+  const test::TemporaryFolder folder;
   WriteMap(folder, "254 254 254 254  254 0 254 254  254 254 0 254\n");
   ASSERT_EQ(Export({"export-map", folder.Path("in.yaml"), "-o", folder.Path("out")}), 0);
   std::stringstream yaml;
@@ -65,7 +64,7 @@ TEST(ExportMap, KeepsSizeOriginResolutionAndPixelsOfAMap) {
 }
 
 TEST(ExportMap, WritesAMapWithoutAnOccupiedCell) {
-  const test::OutputFolder folder;
+  const test::TemporaryFolder folder;
   WriteMap(folder, "254 254 254 254  254 254 254 254  254 205 205 254\n");
   ASSERT_EQ(Export({"export-map", folder.Path("in.yaml"), "-o", folder.Path("out"), "--resolution", "0.1"}), 0);
   const Result<LoadedWorld> read = LoadWorld(folder.Path("out.yaml"), {});
@@ -75,7 +74,7 @@ TEST(ExportMap, WritesAMapWithoutAnOccupiedCell) {
 }
 
 TEST(ExportMap, EnlargesAMapByWholeCellsForBodiesBesideIt) {
-  const test::OutputFolder folder;
+  const test::TemporaryFolder folder;
   WriteMap(folder, "254 254 254 254  254 254 254 254  254 254 254 254\n");
   std::ofstream(folder.Path("a.world"))
       << "model( map_yaml \"in.yaml\" )\nmodel( pose [-1.6 3 0 0] size [0.1 0.1 1] )\n";
@@ -88,7 +87,7 @@ TEST(ExportMap, EnlargesAMapByWholeCellsForBodiesBesideIt) {
 }
 
 TEST(ExportMap, RefusesAWorldWithoutStaticBodies) {
-  test::OutputFolder folder;
+  test::TemporaryFolder folder;
   std::ofstream(folder.Path("a.world")) << "position ( name \"r\" )\n";
   EXPECT_EQ(Export({"export-map", folder.Path("a.world"), "-o", folder.Path("map")}), 2);
   EXPECT_EQ(Export({"export-map", folder.Path("no.world"), "-o", folder.Path("map")}), 2);

@@ -12,6 +12,8 @@
 #include <optional>
 #include <string>
 
+#include "tests/support/files.h"
+
 namespace troupe {
 namespace {
 
@@ -20,13 +22,11 @@ namespace fs = std::filesystem;
 class HostFolderTest : public testing::Test {
  protected:
   HostFolderTest() {
-    EXPECT_NE(mkdtemp(temporary_.data()), nullptr);
     const char* const before = std::getenv("TMPDIR");
     if (before != nullptr) before_ = before;
     setenv("TMPDIR", temporary_.c_str(), 1);
   }
   ~HostFolderTest() override {
-    fs::remove_all(temporary_);
     if (before_) {
       setenv("TMPDIR", before_->c_str(), 1);
     } else {
@@ -57,13 +57,12 @@ class HostFolderTest : public testing::Test {
     EXPECT_EQ(waitpid(process_, nullptr, 0), process_);
   }
   std::string MakeFolder(const std::string& name) const {
-    const std::string path = temporary_ + "/" + name;
-    fs::create_directory(path);
-    std::ofstream(path + "/file") << "1";
-    return path;
+    folder_.Write(name + "/file", "1");
+    return folder_.Path(name);
   }
 
-  std::string temporary_ = testing::TempDir() + "host-folder-XXXXXX";
+  const test::TemporaryFolder folder_;
+  const std::string temporary_ = folder_.path();
   std::optional<std::string> before_;
   pid_t process_ = -1;
 };

@@ -1,36 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "launcher/supervise/output_files.h"
+#include "tests/support/files.h"
 
 namespace troupe {
 namespace {
 
-class MergeScansTest : public testing::Test {
- protected:
-  MergeScansTest() { std::filesystem::create_directory(folder_); }
-  ~MergeScansTest() override { std::filesystem::remove_all(folder_); }
-
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-  std::string Write(const std::string& name, const std::string& text) const {
-    std::ofstream(Path(name)) << text;
-    return Path(name);
-  }
-  static std::string Read(const std::string& path) {
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-  }
-
- private:
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("merge-scans-test-" + std::to_string(getpid()));
-};
+class MergeScansTest : public testing::Test, public test::TemporaryFolder {};
 
 std::string Line(int tick, const std::string& robot) {
   return "{\"tick\":" + std::to_string(tick) + ",\"robot\":\"" + robot + "\",\"sensor\":\"s\",\"ranges\":[]}\n";
@@ -40,8 +17,8 @@ TEST_F(MergeScansTest, OrdersByTickAndThenByPart) {
   std::string a = Write("a", Line(0, "a") + Line(0, "a2") + Line(2, "a") + Line(10, "a"));
   std::string b = Write("b", Line(0, "b") + Line(1, "b") + Line(2, "b") + Line(9, "b"));
   ASSERT_TRUE(MergeScans({a, b}, Path("out"), LineFile::Space::kKeep).ok());
-  EXPECT_EQ(Read(Path("out")), Line(0, "a") + Line(0, "a2") + Line(0, "b") + Line(1, "b") + Line(2, "a") +
-                                   Line(2, "b") + Line(9, "b") + Line(10, "a"));
+  EXPECT_EQ(Read("out"), Line(0, "a") + Line(0, "a2") + Line(0, "b") + Line(1, "b") + Line(2, "a") + Line(2, "b") +
+                             Line(9, "b") + Line(10, "a"));
 }
 
 TEST_F(MergeScansTest, SeparatesTheScansBeforeAndAfterAReset) {
@@ -50,14 +27,14 @@ TEST_F(MergeScansTest, SeparatesTheScansBeforeAndAfterAReset) {
   std::string b = Write("b", Line(0, "b") + Line(6, "b") + reset + Line(0, "b"));
   std::string late = Write("late", reset + Line(1, "late"));
   ASSERT_TRUE(MergeScans({a, b, late}, Path("out"), LineFile::Space::kKeep).ok());
-  EXPECT_EQ(Read(Path("out")), Line(0, "a") + Line(0, "b") + Line(5, "a") + Line(6, "b") + reset + Line(0, "a") +
-                                   Line(0, "b") + Line(1, "a") + Line(1, "late"));
+  EXPECT_EQ(Read("out"), Line(0, "a") + Line(0, "b") + Line(5, "a") + Line(6, "b") + reset + Line(0, "a") +
+                             Line(0, "b") + Line(1, "a") + Line(1, "late"));
 }
 
 TEST_F(MergeScansTest, OmitsAnUnfinishedLine) {
   std::string a = Write("a", Line(0, "a") + "{\"tick\":1,\"rob");
   ASSERT_TRUE(MergeScans({a}, Path("out"), LineFile::Space::kKeep).ok());
-  EXPECT_EQ(Read(Path("out")), Line(0, "a"));
+  EXPECT_EQ(Read("out"), Line(0, "a"));
 }
 
 TEST_F(MergeScansTest, OmitsTheRepeatedScansOfARestartedRobot) {
@@ -65,13 +42,13 @@ TEST_F(MergeScansTest, OmitsTheRepeatedScansOfARestartedRobot) {
   std::string a = Write(
       "a", Line(4, "a") + Line(5, "a") + Line(5, "b") + Line(5, "a") + Line(5, "b") + Line(5, "c") + Line(6, "a"));
   ASSERT_TRUE(MergeScans({a}, Path("out"), LineFile::Space::kKeep).ok());
-  EXPECT_EQ(Read(Path("out")), once);
+  EXPECT_EQ(Read("out"), once);
 }
 
 TEST_F(MergeScansTest, TreatsAMissingPartAsEmpty) {
   std::string a = Write("a", Line(0, "a"));
   ASSERT_TRUE(MergeScans({Path("none"), a}, Path("out"), LineFile::Space::kKeep).ok());
-  EXPECT_EQ(Read(Path("out")), Line(0, "a"));
+  EXPECT_EQ(Read("out"), Line(0, "a"));
 }
 
 TEST_F(MergeScansTest, ReportsAPartThatCannotBeRead) {

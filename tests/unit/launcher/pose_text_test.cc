@@ -3,19 +3,18 @@
 #include <numbers>
 
 #include "launcher/commands/arguments.h"
+#include "tests/support/values.h"
 
 namespace troupe {
 namespace {
 
 TEST(PoseText, HasThreeOrFourNumbersAsInScenarios) {
-  const Result<PoseText> three = ParsePoseText("1.5,-2,90");
-  ASSERT_TRUE(three.ok());
-  EXPECT_EQ(three.value().X_WE, (Pose{1.5, -2.0, 0.0, std::numbers::pi / 2.0}));
-  EXPECT_FALSE(three.value().has_height);
-  const Result<PoseText> four = ParsePoseText("-1,2,0.5,0");
-  ASSERT_TRUE(four.ok());
-  EXPECT_EQ(four.value().X_WE, (Pose{-1.0, 2.0, 0.5, 0.0}));
-  EXPECT_TRUE(four.value().has_height);
+  const PoseText three = test::ValueOf(ParsePoseText("1.5,-2,90"));
+  EXPECT_EQ(three.X_WE, (Pose{1.5, -2.0, 0.0, std::numbers::pi / 2.0}));
+  EXPECT_FALSE(three.has_height);
+  const PoseText four = test::ValueOf(ParsePoseText("-1,2,0.5,0"));
+  EXPECT_EQ(four.X_WE, (Pose{-1.0, 2.0, 0.5, 0.0}));
+  EXPECT_TRUE(four.has_height);
 }
 
 TEST(PoseText, AnyOtherTextIsAnError) {

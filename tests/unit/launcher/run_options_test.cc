@@ -7,11 +7,13 @@
 #include <CLI/CLI.hpp>
 
 #include "launcher/supervise/output_files.h"
+#include "tests/support/words.h"
 
 namespace troupe {
 namespace {
 
 using testing::Contains;
+using test::operator+;
 using testing::HasSubstr;
 
 struct Parsed {
@@ -33,36 +35,9 @@ Parsed Parse(std::vector<std::string> words) {
 }
 
 TEST(RunOptions, AcceptsEveryOptionOfTheManual) {
-  Parsed parsed = Parse({"w.world",
-                         "--ticks",
-                         "600",
-                         "--seed",
-                         "7",
-                         "--mode",
-                         "realtime",
-                         "--speed",
-                         "max",
-                         "--in-process",
-                         "--robots-per-process",
-                         "2",
-                         "--controller",
-                         "wander",
-                         "--session",
-                         "s",
-                         "--domain",
-                         "3",
-                         "--no-ros",
-                         "--headless",
-                         "--hash-log",
-                         "h",
-                         "--poses",
-                         "p",
-                         "--scans",
-                         "c",
-                         "--summary",
-                         "m",
-                         "--record",
-                         "r"});
+  Parsed parsed = Parse(test::Words(
+      "w.world --ticks 600 --seed 7 --mode realtime --speed max --in-process --robots-per-process 2 --controller "
+      "wander --session s --domain 3 --no-ros --headless --hash-log h --poses p --scans c --summary m --record r"));
   EXPECT_EQ(parsed.error, "");
   EXPECT_EQ(parsed.options.file, "w.world");
   EXPECT_EQ(parsed.options.run.ticks, 600u);
@@ -98,9 +73,7 @@ TEST(RunOptions, StatesTheExpectedValueOfAnOption) {
       {{"second.world"}, "second.world"},
   };
   for (const auto& [words, expected] : cases) {
-    std::vector<std::string> line = {"w.world"};
-    line.insert(line.end(), words.begin(), words.end());
-    EXPECT_THAT(Parse(line).error, HasSubstr(expected)) << testing::PrintToString(words);
+    EXPECT_THAT(Parse(test::Words("w.world") + words).error, HasSubstr(expected)) << testing::PrintToString(words);
   }
   EXPECT_THAT(Parse({}).error, HasSubstr("FILE is required"));
 }
@@ -126,10 +99,7 @@ TEST(RunOptions, GivesEachRunItsOwnSession) {
 }
 
 TEST(RunOptions, OverridesOnlyTheGivenSettings) {
-  RunSettings settings;
-  settings.ticks = 5;
-  settings.speed = 2.0;
-  settings.on_agent_loss = OnAgentLoss::kPause;
+  RunSettings settings{.ticks = 5, .speed = 2.0, .on_agent_loss = OnAgentLoss::kPause};
   Parse({"w.world"}).options.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 5u);
   EXPECT_EQ(settings.speed, 2.0);
@@ -158,36 +128,14 @@ TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
 }
 
 TEST(RunOptions, AboutRosArePassedToTheServiceAndTheAgents) {
-  RunOptions options = Parse({"w.world",
-                              "--ros",
-                              "--ros-domain",
-                              "7",
-                              "--ros-distro",
-                              "humble",
-                              "--ros-interface",
-                              "lo",
-                              "--ros-cmd-vel",
-                              "both",
-                              "--ros-reliable-commands",
-                              "--ros-command-timeout",
-                              "0.25",
-                              "--ros-tf",
-                              "namespaced",
-                              "--ros-participants",
-                              "host",
-                              "--ros-clock-rate",
-                              "50",
-                              "--ros-rviz",
-                              "goal",
-                              "--no-ros-map-odom",
-                              "--no-ros-odom-base"})
-                           .options;
-  const std::vector<std::string> common = {"--ros",
-                                           "--ros-domain=7",
-                                           "--ros-distro=humble",
-                                           "--ros-interface=lo",
-                                           "--ros-tf=namespaced",
-                                           "--ros-clock-rate=50"};
+  RunOptions options =
+      Parse(
+          test::Words("w.world --ros --ros-domain 7 --ros-distro humble --ros-interface lo --ros-cmd-vel both "
+                      "--ros-reliable-commands --ros-command-timeout 0.25 --ros-tf namespaced --ros-participants host "
+                      "--ros-clock-rate 50 --ros-rviz goal --no-ros-map-odom --no-ros-odom-base"))
+          .options;
+  const std::vector<std::string> common = test::Words(
+      "--ros --ros-domain=7 --ros-distro=humble --ros-interface=lo --ros-tf=namespaced --ros-clock-rate=50");
   const std::vector<std::string> of_robots = {"--ros-cmd-vel=both", "--ros-reliable-commands",
                                               "--ros-command-timeout=0.25", "--no-ros-map-odom", "--no-ros-odom-base"};
   const std::vector<std::string> service = ServiceArguments(options);

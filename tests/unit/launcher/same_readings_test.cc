@@ -5,13 +5,13 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "common/sensing/sensor_registry.h"
 #include "library/scan_fans.h"
 #include "robot-agent/robot/robot.h"
 #include "robot-agent/robot/scan_log.h"
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "world-service/core/step.h"
 #include "worldfile/load_world.h"
 
@@ -25,17 +25,12 @@ class SameReadingsTest : public ::testing::TestWithParam<const char*> {
   void SetUp() override {
     const char* const source = std::getenv("TROUPE_SOURCE_DIR");
     if (source == nullptr) GTEST_SKIP() << "TROUPE_SOURCE_DIR is not set";
-    Result<LoadedWorld> loaded = LoadWorld(std::string(source) + "/worlds/scenarios/" + GetParam() + ".json");
-    ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
-    scene_ = std::make_unique<Scene>(std::move(loaded).value().world);
+    LoadedWorld loaded = test::ValueOf(LoadWorld(std::string(source) + "/worlds/scenarios/" + GetParam() + ".json"));
+    scene_ = std::make_unique<Scene>(std::move(loaded).world);
     bodies_ = std::make_unique<BodyIndex>(*scene_);
-    Result<std::unique_ptr<ScanLog>> log = ScanLog::Open(path_);
-    ASSERT_TRUE(log.ok()) << log.error().ToString();
-    log_ = std::move(log).value();
+    log_ = test::ValueOf(ScanLog::Open(path_));
     for (std::size_t i = 0; i < scene_->world().robots.size(); ++i) {
-      Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, RobotId(i), {log_.get(), {}});
-      ASSERT_TRUE(robot.ok()) << robot.error().ToString();
-      robots_.push_back(std::move(robot).value());
+      robots_.push_back(test::ValueOf(Robot::Create(*scene_, RobotId(i), {log_.get(), {}})));
       sensors_.push_back(MakeSensors(*scene_, RobotId(i)));
     }
   }
@@ -100,9 +95,7 @@ TEST_P(SameReadingsTest, InTheAgentAPictureAndASensorByItself) {
     state = Step(*scene_, state, proposals).state;
   }
   ASSERT_TRUE(log_->Flush().ok());
-  std::stringstream logged;
-  logged << std::ifstream(path_).rdbuf();
-  EXPECT_EQ(logged.str(), expected);
+  EXPECT_EQ(test::TextOf(path_), expected);
   EXPECT_FALSE(expected.empty());
 }
 

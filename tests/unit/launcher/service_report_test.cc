@@ -45,21 +45,20 @@ TEST(ServiceReport, StatusNamesTheAwaitedRobots) {
 }
 
 TEST(ServiceReport, AStatusHasAllItsFields) {
-  StatusMessage status;
-  status.run = 0xfedcba9876543211u;
-  status.tick = 7;
-  status.target_ticks = 10;
-  status.sim_seconds = 0.7;
-  status.wall_seconds = 0.5;
-  status.real_time_factor = 1.4;
-  status.robots = 3;
-  status.agents = 2;
-  status.waiting_for = {"r1", "r2"};
-  status.waiting_seconds = 0.3;
-  status.edition = 4;
-  status.incarnation = 5;
-  status.speed = 2.0;
-  status.phases = {0.1, 0.2, 0.3, 0.4};
+  StatusMessage status{.run = 0xfedcba9876543211u,
+                       .tick = 7,
+                       .target_ticks = 10,
+                       .sim_seconds = 0.7,
+                       .wall_seconds = 0.5,
+                       .real_time_factor = 1.4,
+                       .robots = 3,
+                       .agents = 2,
+                       .waiting_for = {"r1", "r2"},
+                       .waiting_seconds = 0.3,
+                       .edition = 4,
+                       .incarnation = 5,
+                       .speed = 2.0,
+                       .phases = {0.1, 0.2, 0.3, 0.4}};
   nlohmann::json report = FieldsToJson<nlohmann::json>(status);
   report["type"] = "status";
   EXPECT_EQ(Parse<StatusMessage>(report.dump()), status);

@@ -6,10 +6,9 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "launcher/supervise/in_process_run.h"
+#include "tests/support/files.h"
 #include "troupe/simulation.h"
 #include "worldfile/load_world.h"
 
@@ -34,28 +33,11 @@ robot( pose [0 0 0 0] name "r0" ctrl "wander" )
 robot( pose [0 2 0 90] name "r1" ctrl "wander" )
 )";
 
-class SnapshotCommandTest : public ::testing::Test {
+class SnapshotCommandTest : public ::testing::Test, public test::TemporaryFolder {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("troupe_snapshot_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-    Write("good.world", kWorld);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  SnapshotCommandTest() { Write("good.world", kWorld); }
 
-  std::string Path(const std::string& name) const { return folder_ / name; }
-  void Write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
-  std::string Read(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
-    return text.str();
-  }
-  SnapshotOptions Good(const std::string& output) const {
-    SnapshotOptions options;
-    options.file = Path("good.world");
-    options.output = Path(output);
-    return options;
-  }
+  SnapshotOptions Good(const std::string& output) const { return {.file = Path("good.world"), .output = Path(output)}; }
   // The exit status, and in `message` the text that was printed for the user.
   int Run(const SnapshotOptions& options) {
     ::testing::internal::CaptureStderr();
@@ -81,7 +63,6 @@ class SnapshotCommandTest : public ::testing::Test {
     return status;
   }
 
-  std::filesystem::path folder_;
   std::string message_;
 };
 
@@ -176,9 +157,7 @@ TEST_F(SnapshotCommandTest, RefusesBadFiles) {
       {"good.worlds", "x.png", "good.worlds"},
   };
   for (const auto& c : cases) {
-    SnapshotOptions options;
-    options.file = Path(c.file);
-    options.output = Path(c.output);
+    SnapshotOptions options{.file = Path(c.file), .output = Path(c.output)};
     EXPECT_EQ(Run(options), 2) << c.message;
     EXPECT_THAT(message_, HasSubstr("error: ")) << c.message;
     EXPECT_THAT(message_, HasSubstr(c.message));
@@ -203,9 +182,7 @@ TEST_F(SnapshotCommandTest, ADiskThatIsFullIsAFailure) {
 }
 
 TEST_F(SnapshotCommandTest, ReachesTheStateOfARunWithServiceAndAgents) {
-  RunOptions options;
-  options.file = Path("good.world");
-  options.in_process = true;
+  RunOptions options{.file = Path("good.world"), .in_process = true};
   options.network.session = "snapshot-test-" + std::to_string(getpid());
   options.headless = true;
   options.run.speed.emplace(std::nullopt);

@@ -19,16 +19,14 @@ using testing::HasSubstr;
 using testing::Not;
 
 StatusMessage WaitingStatus() {
-  StatusMessage status;
-  status.tick = 312;
-  status.target_ticks = 600;
-  status.sim_seconds = 31.2;
-  status.real_time_factor = 12.34;
-  status.robots = 100;
-  status.agents = 99;
-  status.waiting_for = {"a", "b", "c", "d", "e", "f"};
-  status.waiting_seconds = 1.25;
-  return status;
+  return {.tick = 312,
+          .target_ticks = 600,
+          .sim_seconds = 31.2,
+          .real_time_factor = 12.34,
+          .robots = 100,
+          .agents = 99,
+          .waiting_for = {"a", "b", "c", "d", "e", "f"},
+          .waiting_seconds = 1.25};
 }
 
 TEST(StatusText, ShowsProgressSpeedAndTheAwaitedRobots) {
@@ -49,20 +47,14 @@ TEST(SessionTop, ShowsRobotsThatNeedAttentionFirst) {
   }
   SessionTop top;
   EXPECT_THAT(top.Text(20), HasSubstr("waiting for a run"));
-  SessionMessage session;
-  session.run = 1;
-  session.world = world.world();
-  FrameMessage frame;
-  frame.run = 1;
-  frame.state = PlacedState(session.world);
+  SessionMessage session{.run = 1, .world = world.world()};
+  FrameMessage frame{.run = 1, .state = PlacedState(session.world)};
   frame.state.robots[0].twist.vx = 0.5;
   frame.state.robots[1].stalled = true;
   frame.events = {{0, EventType::kLeft, RobotId(3), {}, {}, {}}};
   top.OnSession(session);
   top.OnFrame(std::make_shared<const FrameMessage>(frame));
-  StatusMessage status;
-  status.run = 1;
-  status.waiting_for = {"c"};
+  StatusMessage status{.run = 1, .waiting_for = {"c"}};
   top.OnStatus(status);
   EXPECT_THAT(top.Text(20), Not(HasSubstr("phases of a tick")));
   status.phases = {0.0951, 0.002, 0.0015, 0.00042};
@@ -92,11 +84,7 @@ SessionMessage SessionOf(const std::vector<const char*>& robots, Edition edition
   for (const char* name : robots) {
     world.AddRobot(name, {static_cast<double>(world.world().robots.size()) * 2.0, 0.0, 0.0, 0.0});
   }
-  SessionMessage session;
-  session.run = 1;
-  session.world = world.world();
-  session.world_edition = edition;
-  return session;
+  return {.run = 1, .world = world.world(), .world_edition = edition};
 }
 
 FrameMessage FrameOf(const SessionMessage& session) {
@@ -203,30 +191,18 @@ TEST(DescribeWorld, DescribesTheContentOfAWorld) {
   loaded.world.shapes[0].rectangles.resize(12);
   loaded.world.models.resize(2);
   for (ModelDescription& model : loaded.world.models) model.shape = ShapeId(0);
-  RobotDescription robot;
-  robot.root = ModelId(0);
-  robot.name = "r0";
-  SensorDescription ranger;
-  ranger.name = "ranger:0";
-  ranger.model = ModelId(0);
+  RobotDescription robot{.name = "r0", .root = ModelId(0)};
+  SensorDescription ranger{.name = "ranger:0", .model = ModelId(0)};
   RaySensors(ranger).resize(2);
   RaySensors(ranger)[1].samples = 180;
   robot.sensors.push_back(ranger);
   loaded.world.robots.push_back(robot);
   for (const char* name : {"lift", "left", "right"}) {
-    JointDescription joint;
-    joint.name = name;
-    joint.robot = RobotId(0);
-    joint.position = {0.0, 0.25};
-    joint.max_speed = 0.5;
-    loaded.world.joints.push_back(joint);
+    loaded.world.joints.push_back(
+        JointDescription{.name = name, .robot = RobotId(0), .position = {0.0, 0.25}, .max_speed = 0.5});
   }
   loaded.world.joints[2].type = JointType::kRevolute;
-  GripperDescription gripper;
-  gripper.name = "hand";
-  gripper.robot = RobotId(0);
-  gripper.left = JointId(1);
-  gripper.right = JointId(2);
+  GripperDescription gripper{.name = "hand", .robot = RobotId(0), .left = JointId(1), .right = JointId(2)};
   gripper.beams.resize(2);
   loaded.world.grippers = {gripper};
   gripper.lift = JointId(0);

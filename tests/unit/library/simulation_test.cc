@@ -2,17 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
+#include "tests/support/files.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/small_world.h"
+#include "tests/support/values.h"
 
 namespace troupe {
 namespace {
@@ -147,21 +144,20 @@ TEST_F(SimulationTest, RefusesADescriptionThatIsNotValid) {
 
 TEST(SimulationLoad, NamesThePlaceInABadFile) {
   EXPECT_THAT(Simulation::Load("missing.world").error().ToString(), HasSubstr("missing.world"));
-  const std::string file = ::testing::TempDir() + "/troupe_simulation_test_" + std::to_string(getpid()) + ".world";
-  std::ofstream(file) << "define robot position ( size [0.4 0.4 0.3] )\nrobot( name \"r\" pose [0 0 0 zero] )\n";
+  const test::TemporaryFolder folder;
+  const std::string file = folder.Write(
+      "bad.world", "define robot position ( size [0.4 0.4 0.3] )\nrobot( name \"r\" pose [0 0 0 zero] )\n");
   EXPECT_THAT(Simulation::Load(file).error().ToString(), HasSubstr(file + ":2:"));
-  std::filesystem::remove(file);
 }
 
 TEST(SimulationLoad, OptionsReplaceSeedAndMissingControllers) {
-  const std::string file = ::testing::TempDir() + "/troupe_simulation_test_" + std::to_string(getpid()) + ".world";
-  std::ofstream(file) << "define robot position ( size [0.4 0.4 0.3] )\nrobot( name \"r\" )\n";
-  const Result<Simulation> simulation = Simulation::Load(file, {.seed = 77, .controller = "wander"});
-  std::filesystem::remove(file);
-  ASSERT_TRUE(simulation.ok()) << simulation.error().ToString();
-  EXPECT_EQ(simulation.value().world().seed, 77u);
-  ASSERT_EQ(simulation.value().world().robots.size(), 1u);
-  EXPECT_EQ(simulation.value().world().robots[0].controller.name, "wander");
+  const test::TemporaryFolder folder;
+  const std::string file =
+      folder.Write("r.world", "define robot position ( size [0.4 0.4 0.3] )\nrobot( name \"r\" )\n");
+  const Simulation simulation = test::ValueOf(Simulation::Load(file, {.seed = 77, .controller = "wander"}));
+  EXPECT_EQ(simulation.world().seed, 77u);
+  ASSERT_EQ(simulation.world().robots.size(), 1u);
+  EXPECT_EQ(simulation.world().robots[0].controller.name, "wander");
 }
 
 TEST(SimulationObjects, ReportsTheObjectThatAGripperHolds) {
@@ -177,20 +173,15 @@ TEST(SimulationObjects, ReportsTheObjectThatAGripperHolds) {
 
 TEST_F(SimulationTest, SavesPicturesByTheFilesEnding) {
   Simulation simulation = Create(world_.world());
-  const std::string stem = ::testing::TempDir() + "/troupe_simulation_test_" + std::to_string(getpid());
-  const auto read = [](const std::string& file) {
-    std::ostringstream bytes;
-    bytes << std::ifstream(file).rdbuf();
-    std::filesystem::remove(file);
-    return bytes.str();
-  };
+  const test::TemporaryFolder folder;
+  const std::string stem = folder.Path("picture");
   ASSERT_TRUE(simulation.SavePicture(stem + ".png").ok());
-  EXPECT_THAT(read(stem + ".png"), HasSubstr("PNG"));
+  EXPECT_THAT(test::TextOf(stem + ".png"), HasSubstr("PNG"));
   ASSERT_TRUE(simulation.SavePicture(stem + ".svg").ok());
-  const std::string plain = read(stem + ".svg");
+  const std::string plain = test::TextOf(stem + ".svg");
   EXPECT_THAT(plain, HasSubstr("<svg"));
   ASSERT_TRUE(simulation.SavePicture(stem + ".svg", {}, PictureRays::kDrawn).ok());
-  EXPECT_NE(read(stem + ".svg"), plain);
+  EXPECT_NE(test::TextOf(stem + ".svg"), plain);
 
   EXPECT_EQ(simulation.SavePicture(stem + ".gif").error().code, ErrorCode::kBadInput);
   EXPECT_EQ(simulation.SavePicture("/no/such/folder/x.png").error().code, ErrorCode::kFailure);

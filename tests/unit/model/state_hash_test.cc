@@ -88,13 +88,12 @@ TEST(StateHash, ChangesWithEveryFieldOfEveryRow) {
 
 // The hashes of recordings: they never change.
 TEST(StateHash, OfAStateIsAlwaysTheSame) {
-  WorldState state;
-  state.tick = 2;
-  state.robots = {{{1.0, 2.0, 3.0, 0.25}, {4.0, 5.0, 6.0}, true}, {}};
-  state.joints = {{0.5, -0.125, true}};
-  state.grippers = {{ModelId(3), std::nullopt, ObjectId(0)}};
-  state.objects = {{{1.5, 2.5, 3.5, -0.5}, ObjectMode::kHeld, 0.75, GripperId(0), std::nullopt},
-                   {{}, ObjectMode::kResting, 0.0, std::nullopt, ModelId(9)}};
+  WorldState state{.tick = 2,
+                   .robots = {{{1.0, 2.0, 3.0, 0.25}, {4.0, 5.0, 6.0}, true}, {}},
+                   .joints = {{0.5, -0.125, true}},
+                   .grippers = {{ModelId(3), std::nullopt, ObjectId(0)}},
+                   .objects = {{{1.5, 2.5, 3.5, -0.5}, ObjectMode::kHeld, 0.75, GripperId(0), std::nullopt},
+                               {{}, ObjectMode::kResting, 0.0, std::nullopt, ModelId(9)}}};
   EXPECT_EQ(StateHash(state), 0xed2b4e8603fc4992);
   state.stores = {{12.5, 7.5}};
   state.imus = {{8.0, 9.0, 10.0}};

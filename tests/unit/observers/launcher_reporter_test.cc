@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -40,9 +39,7 @@ class LauncherReporterTest : public testing::Test {
 };
 
 TEST_F(LauncherReporterTest, ReportsTheRobotsThatNeedAgents) {
-  RunSettings settings;
-  settings.robots_per_process = 3;
-  settings.restart_agents = 5;
+  RunSettings settings{.robots_per_process = 3, .restart_agents = 5};
   SmallWorld world;
   world.AddRobot("r0", {});
   world.AddRobot("r1", {0.0, 2.0, 0.0, 0.0});
@@ -74,10 +71,7 @@ TEST_F(LauncherReporterTest, ReportsTheNewRobotsOfAnEdit) {
 TEST_F(LauncherReporterTest, ReportsTheProgressAndTheEndOfTheRun) {
   reporter_->OnStarted(0.5);
   EXPECT_EQ(Next()["type"], "started");
-  StatusMessage status;
-  status.tick = 7;
-  status.waiting_for = {"r1"};
-  reporter_->OnStatus(status);
+  reporter_->OnStatus(StatusMessage{.tick = 7, .waiting_for = {"r1"}});
   const json told = Next();
   EXPECT_EQ(told["type"], "status");
   EXPECT_EQ(told["tick"], 7);
@@ -86,11 +80,7 @@ TEST_F(LauncherReporterTest, ReportsTheProgressAndTheEndOfTheRun) {
   EXPECT_EQ(Next(), json::parse(R"({"type":"event","tick":7,"event":"left","text":"a text"})"));
   reporter_->OnNotice("a notice");
   EXPECT_EQ(Next()["text"], "a notice");
-  RunSummary summary;
-  summary.ticks = 9;
-  summary.state_hash = 0xabc;
-  summary.slowest = {{"r1", 3, 0.25}};
-  reporter_->Ended(summary);
+  reporter_->Ended(RunSummary{.ticks = 9, .state_hash = 0xabc, .slowest = {{"r1", 3, 0.25}}});
   const json end = Next();
   EXPECT_EQ(end["type"], "end");
   EXPECT_EQ(end["ticks"], 9);

@@ -2,14 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <charconv>
-#include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "tests/unit/service/coordinator_fixture.h"
 
 namespace troupe {
@@ -19,12 +17,7 @@ using ::testing::HasSubstr;
 
 class RecorderTest : public testing::Test {
  protected:
-  ~RecorderTest() override { std::remove(path_.c_str()); }
-  std::string Text() const {
-    std::ostringstream text;
-    text << std::ifstream(path_).rdbuf();
-    return text.str();
-  }
+  std::string Text() const { return test::TextOf(path_); }
   FrameMessage Frame(Tick tick) const {
     FrameMessage frame;
     frame.state = PlacedState(world_);
@@ -36,18 +29,18 @@ class RecorderTest : public testing::Test {
   }
   // Writes frames 0 to 2.
   void Record(const OutputFiles& files, const std::vector<Event>& events = {}) {
-    Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(world_, files);
-    ASSERT_TRUE(recorder.ok()) << recorder.error().ToString();
+    std::unique_ptr<Recorder> recorder = test::ValueOf(Recorder::Create(world_, files));
     for (Tick tick = 0; tick <= 2; ++tick) {
       FrameMessage frame = Frame(tick);
       if (tick == 2) frame.events = events;
-      EXPECT_TRUE(recorder.value()->OnTick({frame, {}}).ok());
+      EXPECT_TRUE(recorder->OnTick({frame, {}}).ok());
     }
-    EXPECT_TRUE(recorder.value()->OnEnd().ok());
+    EXPECT_TRUE(recorder->OnEnd().ok());
   }
 
   WorldDescription world_ = test::PlaneWorld(2);
-  const std::string path_ = testing::TempDir() + "troupe-recorder-" + std::to_string(getpid());
+  const test::TemporaryFolder folder_;
+  const std::string path_ = folder_.Path("file");
 };
 
 TEST_F(RecorderTest, HashLogHasALineForEachTick) {
@@ -58,33 +51,28 @@ TEST_F(RecorderTest, HashLogHasALineForEachTick) {
 TEST_F(RecorderTest, PosesReadBackToTheLastBit) {
   world_.robots[1].name = world_.models[1].name = "odd, \"name\"";
   Record({.hash_log = "", .poses = path_, .record = ""});
-  std::istringstream lines(Text());
-  std::string line;
-  std::getline(lines, line);
-  EXPECT_EQ(line, "tick,robot,x,y,z,heading,stalled");
-  std::getline(lines, line);
+  const std::vector<std::string> lines = test::LinesOf(Text());
+  EXPECT_EQ(lines.at(0), "tick,robot,x,y,z,heading,stalled");
+  const std::string& line = lines.at(1);
   EXPECT_EQ(line, "0,r0,0.1,-1e-300,0,0.3333333333333333,0");
   double heading = 0.0;
   const std::size_t at = line.find("0.333");
   std::from_chars(line.data() + at, line.data() + line.size(), heading);
   EXPECT_EQ(heading, 1.0 / 3.0);
-  std::getline(lines, line);
-  EXPECT_EQ(line, "0,\"odd, \"\"name\"\"\",0,10,0,0,1");
+  EXPECT_EQ(lines.at(2), "0,\"odd, \"\"name\"\"\",0,10,0,0,1");
 }
 
 TEST_F(RecorderTest, RecordIsAJsonObjectForEachTick) {
   Record({.hash_log = "", .poses = "", .record = path_},
          {{2, EventType::kStallBegan, RobotId(0), ModelId(1), "\xff not \"UTF-8\""}});
-  std::istringstream lines(Text());
-  std::string line;
-  std::getline(lines, line);
-  const auto header = nlohmann::json::parse(line);
+  const std::vector<std::string> lines = test::LinesOf(Text());
+  const auto header = nlohmann::json::parse(lines.at(0));
   EXPECT_EQ(header["world"], "plane");
   EXPECT_EQ(header["robots"], nlohmann::json({"r0", "r1"}));
   EXPECT_EQ(header["interval_ns"], 100000000);
-  for (int tick = 0; tick <= 2; ++tick) {
-    std::getline(lines, line);
-    const auto frame = nlohmann::json::parse(line);
+  ASSERT_EQ(lines.size(), 4u);
+  for (std::size_t tick = 0; tick <= 2; ++tick) {
+    const auto frame = nlohmann::json::parse(lines[tick + 1]);
     EXPECT_EQ(frame["tick"], tick);
     EXPECT_EQ(frame["hash"], "000000000000abc" + std::to_string(tick));
     EXPECT_EQ(frame["robots"], nlohmann::json::parse("[[0.1,-1e-300,0,0.3333333333333333,0],[0,10,0,0,1]]"));
@@ -95,7 +83,6 @@ TEST_F(RecorderTest, RecordIsAJsonObjectForEachTick) {
       EXPECT_EQ(frame["events"][0]["other"], "r1");
     }
   }
-  EXPECT_FALSE(std::getline(lines, line));
 }
 
 // A robot with a lift that is the gripper and turns, which is enough for a recorder, and two boxes.
@@ -108,14 +95,9 @@ class ManipulationRecorderTest : public RecorderTest {
       world_.models.back().X_PM = {1.0, 0.0, 0.5, 0.0};
     }
     world_.models[2].parent = world_.robots[1].root;
-    JointDescription joint;
-    joint.name = "lift";
-    joint.robot = RobotId(1);
-    joint.model = ModelId(2);
+    JointDescription joint{.name = "lift", .robot = RobotId(1), .model = ModelId(2)};
     world_.joints = {joint};
-    GripperDescription gripper;
-    gripper.robot = RobotId(0);
-    gripper.model = ModelId(2);
+    GripperDescription gripper{.robot = RobotId(0), .model = ModelId(2)};
     gripper.left = gripper.right = JointId(0);
     gripper.left_pad = gripper.right_pad = ModelId(2);
     world_.grippers = {gripper};
@@ -129,13 +111,10 @@ class ManipulationRecorderTest : public RecorderTest {
     state_.objects[1].support = ModelId(3);
   }
   void RecordState(const OutputFiles& files, const std::vector<Event>& events = {}) {
-    Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(world_, files);
-    ASSERT_TRUE(recorder.ok()) << recorder.error().ToString();
-    FrameMessage frame;
-    frame.state = state_;
-    frame.events = events;
-    EXPECT_TRUE(recorder.value()->OnTick({frame, {}}).ok());
-    EXPECT_TRUE(recorder.value()->OnEnd().ok());
+    std::unique_ptr<Recorder> recorder = test::ValueOf(Recorder::Create(world_, files));
+    FrameMessage frame{.state = state_, .events = events};
+    EXPECT_TRUE(recorder->OnTick({frame, {}}).ok());
+    EXPECT_TRUE(recorder->OnEnd().ok());
   }
   WorldState state_;
 };
@@ -154,15 +133,12 @@ TEST_F(ManipulationRecorderTest, PosesHaveObjectsAndJointsAfterTheRobots) {
 TEST_F(ManipulationRecorderTest, TheRecordHasThemToo) {
   RecordState({.hash_log = "", .poses = "", .record = path_},
               {{0, EventType::kGripped, RobotId(1), {}, "lift", ModelId(3)}});
-  std::istringstream lines(Text());
-  std::string line;
-  std::getline(lines, line);
-  const auto header = nlohmann::json::parse(line);
+  const std::vector<std::string> lines = test::LinesOf(Text());
+  const auto header = nlohmann::json::parse(lines.at(0));
   EXPECT_EQ(header["joints"], nlohmann::json({"r1.lift"}));
   EXPECT_EQ(header["grippers"], nlohmann::json({"r1.lift"}));
   EXPECT_EQ(header["objects"], nlohmann::json({"box", "lid, \"red\""}));
-  std::getline(lines, line);
-  const auto frame = nlohmann::json::parse(line);
+  const auto frame = nlohmann::json::parse(lines.at(1));
   EXPECT_EQ(frame["joints"], nlohmann::json::parse("[[0.25,-0.5,1]]"));
   EXPECT_EQ(frame["grippers"], nlohmann::json::parse(R"([["box",null,"box"]])"));
   EXPECT_EQ(frame["objects"],
@@ -173,10 +149,10 @@ TEST_F(ManipulationRecorderTest, TheRecordHasThemToo) {
 
 TEST_F(RecorderTest, RecordOfAWorldWithoutRobotsIsJsonToo) {
   world_ = test::PlaneWorld(0);
-  Result<std::unique_ptr<Recorder>> recorder = Recorder::Create(world_, {.hash_log = "", .poses = "", .record = path_});
-  ASSERT_TRUE(recorder.ok());
-  EXPECT_TRUE(recorder.value()->OnTick({FrameMessage{}, {}}).ok());
-  EXPECT_TRUE(recorder.value()->OnEnd().ok());
+  std::unique_ptr<Recorder> recorder =
+      test::ValueOf(Recorder::Create(world_, {.hash_log = "", .poses = "", .record = path_}));
+  EXPECT_TRUE(recorder->OnTick({FrameMessage{}, {}}).ok());
+  EXPECT_TRUE(recorder->OnEnd().ok());
   const std::string text = Text();
   EXPECT_EQ(nlohmann::json::parse(text.substr(text.find('\n')))["robots"], nlohmann::json::array());
 }
@@ -189,22 +165,20 @@ TEST_F(RecorderTest, ReportsAFileThatCannotBeMade) {
 }
 
 TEST_F(RecorderTest, ReportsAFullDisk) {
-  Result<std::unique_ptr<Recorder>> recorder =
-      Recorder::Create(world_, {.hash_log = "", .poses = "/dev/full", .record = ""});
-  ASSERT_TRUE(recorder.ok());
+  std::unique_ptr<Recorder> recorder =
+      test::ValueOf(Recorder::Create(world_, {.hash_log = "", .poses = "/dev/full", .record = ""}));
   Status error;
-  for (Tick tick = 0; tick < 10000 && error.ok(); ++tick) error = recorder.value()->OnTick({Frame(tick), {}});
+  for (Tick tick = 0; tick < 10000 && error.ok(); ++tick) error = recorder->OnTick({Frame(tick), {}});
   ASSERT_FALSE(error.ok());
   EXPECT_THAT(error.error().ToString(), HasSubstr("/dev/full: error: cannot write: No space left"));
-  EXPECT_FALSE(recorder.value()->OnEnd().ok());
+  EXPECT_FALSE(recorder->OnEnd().ok());
 }
 
 TEST_F(RecorderTest, ReportsADiskThatIsFullAtTheEnd) {
-  Result<std::unique_ptr<Recorder>> recorder =
-      Recorder::Create(world_, {.hash_log = "/dev/full", .poses = "", .record = ""});
-  ASSERT_TRUE(recorder.ok());
-  EXPECT_TRUE(recorder.value()->OnTick({Frame(0), {}}).ok());  // still in the buffer
-  EXPECT_FALSE(recorder.value()->OnEnd().ok());
+  std::unique_ptr<Recorder> recorder =
+      test::ValueOf(Recorder::Create(world_, {.hash_log = "/dev/full", .poses = "", .record = ""}));
+  EXPECT_TRUE(recorder->OnTick({Frame(0), {}}).ok());  // still in the buffer
+  EXPECT_FALSE(recorder->OnEnd().ok());
 }
 
 }  // namespace

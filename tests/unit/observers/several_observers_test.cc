@@ -1,14 +1,12 @@
 // A run with a list of observers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <cstdio>
-#include <fstream>
 #include <memory>
-#include <sstream>
 
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
 #include "transport/protocol/memory_transport.h"
@@ -53,9 +51,6 @@ class Notebook final : public RunObserver {
 class SeveralObserversTest : public testing::Test {
  protected:
   SeveralObserversTest() { options_.settings.ticks = 20; }
-  ~SeveralObserversTest() override {
-    for (const std::string& path : paths_) std::remove(path.c_str());
-  }
 
   Result<RunSummary> Run(const RunObservers& observers) {
     const std::unique_ptr<Transport> transport = MakeMemoryTransport();
@@ -63,35 +58,24 @@ class SeveralObserversTest : public testing::Test {
     test::SteadyAgent second(*transport, 1);
     return RunService(scene_, options_, transport->MakeServiceEndpoint(), observers, stop_);
   }
-  std::string MakePath() {
-    paths_.push_back(testing::TempDir() + "troupe-observers-" + std::to_string(getpid()) + "-" +
-                     std::to_string(paths_.size()));
-    return paths_.back();
-  }
-  static std::string Text(const std::string& path) {
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-  }
+  std::string MakePath() { return folder_.Path(std::to_string(++paths_)); }
 
   const std::shared_ptr<const Scene> scene_ = std::make_shared<const Scene>(test::PlaneWorld(2));
   ServiceOptions options_;
   std::atomic<bool> stop_ = false;
-  std::vector<std::string> paths_;
+  const test::TemporaryFolder folder_;
+  int paths_ = 0;
 };
 
 TEST_F(SeveralObserversTest, ObservationChangesNoHash) {
-  const Result<RunSummary> alone = Run({});
-  ASSERT_TRUE(alone.ok());
+  const RunSummary alone = test::ValueOf(Run({}));
   Notebook one;
   Notebook other;
-  const auto recorder = Recorder::Create(scene_->world(), {.hash_log = MakePath(), .poses = MakePath(), .record = ""});
-  ASSERT_TRUE(recorder.ok());
-  const Result<RunSummary> observed = Run({&one, recorder.value().get(), &other});
-  ASSERT_TRUE(observed.ok());
-  EXPECT_EQ(observed.value().state_hash, alone.value().state_hash);
+  const auto recorder =
+      test::ValueOf(Recorder::Create(scene_->world(), {.hash_log = MakePath(), .poses = MakePath(), .record = ""}));
+  EXPECT_EQ(test::ValueOf(Run({&one, recorder.get(), &other})).state_hash, alone.state_hash);
   ASSERT_EQ(one.hashes.size(), 21u);
-  EXPECT_EQ(one.hashes.back(), alone.value().state_hash);
+  EXPECT_EQ(one.hashes.back(), alone.state_hash);
   EXPECT_EQ(one.hashes, other.hashes);
 }
 
@@ -102,10 +86,10 @@ TEST_F(SeveralObserversTest, TwoOfAKindWriteTheSame) {
   const auto other = Recorder::Create(scene_->world(), files[1]);
   ASSERT_TRUE(one.ok() && other.ok());
   ASSERT_TRUE(Run({one.value().get(), other.value().get()}).ok());
-  EXPECT_THAT(Text(files[0].hash_log), HasSubstr("\n20 "));
-  EXPECT_EQ(Text(files[0].hash_log), Text(files[1].hash_log));
-  EXPECT_EQ(Text(files[0].poses), Text(files[1].poses));
-  EXPECT_EQ(Text(files[0].record), Text(files[1].record));
+  EXPECT_THAT(test::TextOf(files[0].hash_log), HasSubstr("\n20 "));
+  EXPECT_EQ(test::TextOf(files[0].hash_log), test::TextOf(files[1].hash_log));
+  EXPECT_EQ(test::TextOf(files[0].poses), test::TextOf(files[1].poses));
+  EXPECT_EQ(test::TextOf(files[0].record), test::TextOf(files[1].record));
 }
 
 TEST_F(SeveralObserversTest, ReportTheInputsOfEachTick) {
@@ -160,9 +144,9 @@ TEST_F(SeveralObserversTest, OneThatCannotEndFailsTheRun) {
 }
 
 TEST_F(SeveralObserversTest, AFullDiskEndsTheRun) {
-  const auto recorder = Recorder::Create(scene_->world(), {.hash_log = "/dev/full", .poses = "", .record = ""});
-  ASSERT_TRUE(recorder.ok());
-  const Result<RunSummary> summary = Run({recorder.value().get()});
+  const auto recorder =
+      test::ValueOf(Recorder::Create(scene_->world(), {.hash_log = "/dev/full", .poses = "", .record = ""}));
+  const Result<RunSummary> summary = Run({recorder.get()});
   ASSERT_FALSE(summary.ok());
   EXPECT_THAT(summary.error().ToString(), HasSubstr("/dev/full"));
 }

@@ -14,6 +14,7 @@
 #include "common/picture/shading.h"
 #include "common/picture/solids.h"
 #include "common/picture/viewport.h"
+#include "tests/support/values.h"
 
 namespace troupe {
 namespace {
@@ -30,20 +31,14 @@ Polygon Box(double min_x, double min_y, double max_x, double max_y) {
 class WorldMaker {
  public:
   ModelId Add(const std::string& name, Shape shape, Color color, Pose X_PM = {}) {
-    ModelDescription model;
-    model.name = name;
-    model.type = "model";
-    model.X_PM = X_PM;
-    model.shape = ShapeId(world.shapes.size());
-    model.color = color;
+    ModelDescription model{
+        .name = name, .type = "model", .X_PM = X_PM, .shape = ShapeId(world.shapes.size()), .color = color};
     world.shapes.push_back(std::move(shape));
     world.models.push_back(model);
     return ModelId(world.models.size() - 1);
   }
   void AddMap() {
-    Shape shape;
-    shape.rectangles = {{-5, -5, 5, -4.4}, {-5, -4.4, -4.23, 5}};
-    shape.rectangles_z = {0.0, 1.0};
+    Shape shape{.rectangles = {{-5, -5, 5, -4.4}, {-5, -4.4, -4.23, 5}}, .rectangles_z = {0.0, 1.0}};
     Add("map", shape, {0.3, 0.3, 0.3, 1.0});
   }
   void AddTable(Pose X_WM) {
@@ -54,10 +49,7 @@ class WorldMaker {
   RobotId AddRobot(const std::string& name, Pose X_WR, double size = 0.5) {
     Shape shape;
     shape.blocks = {{Box(-0.5 * size, -0.5 * size, 0.5 * size, 0.5 * size), {0.0, 0.3}}};
-    RobotDescription robot;
-    robot.name = name;
-    robot.root = Add(name, shape, {0.1, 0.2, 0.9, 1.0}, X_WR);
-    world.robots.push_back(robot);
+    world.robots.push_back(RobotDescription{.name = name, .root = Add(name, shape, {0.1, 0.2, 0.9, 1.0}, X_WR)});
     state.robots.push_back({X_WR, {}, false});
     return RobotId(world.robots.size() - 1);
   }
@@ -179,9 +171,7 @@ TEST(DrawPicture, TheSameWorldGivesTheSameBytes) {
   const WorldMaker demo = Demo();
   for (PictureView view : {PictureView::kTop, PictureView::kSide}) {
     for (PictureFormat format : {PictureFormat::kPng, PictureFormat::kSvg}) {
-      PictureOptions options;
-      options.view = view;
-      options.format = format;
+      PictureOptions options{.view = view, .format = format};
       const Result<std::string> first = DrawPicture(demo.world, demo.state, DemoFans(), options);
       const Result<std::string> second = DrawPicture(demo.world, demo.state, DemoFans(), options);
       ASSERT_TRUE(first.ok() && second.ok());
@@ -330,9 +320,7 @@ TEST(DrawPicture, AnEmptyWorldIsAnEmptyGrid) {
 
 TEST(DrawPicture, RobotsOfAHugeWorldStayVisible) {
   WorldMaker maker;
-  Shape shape;
-  shape.rectangles = {{-500, -350, 500, -349}, {-500, 349, 500, 350}};
-  shape.rectangles_z = {0.0, 2.0};
+  Shape shape{.rectangles = {{-500, -350, 500, -349}, {-500, 349, 500, 350}}, .rectangles_z = {0.0, 2.0}};
   maker.Add("site", shape, {0.3, 0.3, 0.3, 1.0});
   maker.AddRobot("r0", {100, 50, 0, 0});
   const Picture picture(maker);
@@ -343,13 +331,9 @@ TEST(DrawPicture, RobotsOfAHugeWorldStayVisible) {
 
 TEST(DrawPicture, ZoomingIntoAHugeWorldKeepsItsShapes) {
   WorldMaker maker;
-  Shape shape;
-  shape.rectangles = {{-1e7, -1e7, 0.0, 1e7}};
-  shape.rectangles_z = {0.0, 2.0};
+  Shape shape{.rectangles = {{-1e7, -1e7, 0.0, 1e7}}, .rectangles_z = {0.0, 2.0}};
   maker.Add("half plane", shape, {0.3, 0.3, 0.3, 1.0});
-  PictureOptions options;
-  options.center = Vec2(0, 0);
-  options.meters = 0.5;
+  PictureOptions options{.center = Vec2(0, 0), .meters = 0.5};
   const Picture picture(maker, options);
   EXPECT_EQ(picture.At(-0.13, 0.03), ToPixel(WallColor({0.3, 0.3, 0.3, 1.0})));
   EXPECT_LT(Distance(picture.At(0.13, 0.03), ToPixel(page::kGround)), 60);
@@ -360,10 +344,9 @@ TEST(DrawPicture, ManyRobotsAreDrawnWithoutNumbersThatAreNone) {
   for (int i = 0; i < 1000; ++i) maker.AddRobot("robot" + std::to_string(i), {i % 40 * 0.6, i / 40 * 0.6, 0, 0.1 * i});
   PictureOptions options;
   options.format = PictureFormat::kSvg;
-  const Result<std::string> svg = DrawPicture(maker.world, maker.state, {}, options);
-  ASSERT_TRUE(svg.ok());
-  EXPECT_THAT(svg.value(), Not(HasSubstr("nan")));
-  EXPECT_THAT(svg.value(), Not(HasSubstr("inf")));
+  const std::string svg = test::ValueOf(DrawPicture(maker.world, maker.state, {}, options));
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  EXPECT_THAT(svg, Not(HasSubstr("inf")));
 }
 
 // Every tag is closed in its order, and nothing outside of tags needs escaping.
@@ -400,10 +383,9 @@ TEST(DrawPicture, SvgIsWellFormedForAnyNames) {
     demo.world.robots[0].name = name;
     PictureOptions options;
     options.format = PictureFormat::kSvg;
-    const Result<std::string> svg = DrawPicture(demo.world, demo.state, DemoFans(), options);
-    ASSERT_TRUE(svg.ok());
-    EXPECT_TRUE(WellFormed(svg.value()));
-    EXPECT_THAT(svg.value(), Not(HasSubstr("nan")));
+    const std::string svg = test::ValueOf(DrawPicture(demo.world, demo.state, DemoFans(), options));
+    EXPECT_TRUE(WellFormed(svg));
+    EXPECT_THAT(svg, Not(HasSubstr("nan")));
   }
 }
 
@@ -464,9 +446,8 @@ WorldMaker MakerWithArea(double heading) {
     for (int x = 0; x < 600; ++x) bitmap.set_occupied(x, y, (x / 30 + y / 30) % 2 == 0);
   }
   const PixelLines lines{.factor = 0.01};
-  Shape shape;
-  shape.rectangles_z = {0.0, 1.0};
-  shape.area = PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), lines, lines);
+  Shape shape{.rectangles_z = {0.0, 1.0},
+              .area = PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), lines, lines)};
   WorldMaker maker;
   maker.Add("map", shape, {0.3, 0.3, 0.3, 1.0}, {-3.0, -1.5, 0.0, heading});
   return maker;
@@ -504,9 +485,7 @@ TEST(DrawPicture, AreasAreInSideViewsAndSvgs) {
   EXPECT_TRUE(DrawPicture(maker.world, maker.state, {}, options).ok());
   options.view = PictureView::kTop;
   options.format = PictureFormat::kSvg;
-  const Result<std::string> svg = DrawPicture(maker.world, maker.state, {}, options);
-  ASSERT_TRUE(svg.ok());
-  EXPECT_THAT(svg.value(), HasSubstr("<image"));
+  EXPECT_THAT(test::ValueOf(DrawPicture(maker.world, maker.state, {}, options)), HasSubstr("<image"));
 }
 
 TEST(DrawPicture, AnAreaOfManyPixelsHasTheirMeanOnThePage) {

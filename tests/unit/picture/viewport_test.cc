@@ -36,9 +36,7 @@ TEST(Viewport, ShowsTheWholeWorldUpright) {
 }
 
 TEST(Viewport, ShowsThePartAskedFor) {
-  PictureOptions options;
-  options.center = Vec2(100, -50);
-  options.meters = 4;
+  PictureOptions options{.center = Vec2(100, -50), .meters = 4};
   const Viewport viewport = MakeViewport({-8, -8, 8, 8}, options);
   EXPECT_NEAR(viewport.region.width(), 4, 1e-12);
   EXPECT_NEAR(viewport.region.center().x(), 100, 1e-12);

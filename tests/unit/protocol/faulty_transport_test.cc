@@ -8,6 +8,7 @@
 #include <mutex>
 #include <vector>
 
+#include "tests/support/values.h"
 #include "transport/protocol/memory_transport.h"
 
 namespace troupe {
@@ -91,9 +92,7 @@ TEST(FaultyTransport, LosesTheGivenShare) {
 }
 
 TEST(FaultyTransport, LosesTheSameMessagesForTheSameSeed) {
-  Faults faults;
-  faults.loss = 0.3;
-  faults.seed = 5;
+  Faults faults{.loss = 0.3, .seed = 5};
   EXPECT_EQ(Send(faults), Send(faults));
 }
 
@@ -112,9 +111,7 @@ TEST(FaultyTransport, ReordersMessages) {
 }
 
 TEST(FaultyTransport, DelaysMessagesAndDeliversAllOfThem) {
-  Faults faults;
-  faults.delay_probability = 0.5;
-  faults.delay_seconds = 0.01;
+  Faults faults{.delay_probability = 0.5, .delay_seconds = 0.01};
   std::vector<Tick> ticks = Send(faults, kFrames);
   EXPECT_FALSE(std::is_sorted(ticks.begin(), ticks.end()));
   std::sort(ticks.begin(), ticks.end());
@@ -124,23 +121,20 @@ TEST(FaultyTransport, DelaysMessagesAndDeliversAllOfThem) {
 }
 
 TEST(ParseFaults, ReadsEveryField) {
-  const Result<Faults> faults =
-      ParseFaults("loss=0.1,duplicate=0.05,reorder=0.2,delay=0.3:0.005,latency=0.01:0.2,seed=7");
-  ASSERT_TRUE(faults.ok());
-  EXPECT_EQ(faults.value().loss, 0.1);
-  EXPECT_EQ(faults.value().duplicate, 0.05);
-  EXPECT_EQ(faults.value().reorder, 0.2);
-  EXPECT_EQ(faults.value().delay_probability, 0.3);
-  EXPECT_EQ(faults.value().delay_seconds, 0.005);
-  EXPECT_EQ(faults.value().latency_seconds, 0.01);
-  EXPECT_EQ(faults.value().latency_jitter, 0.2);
-  EXPECT_EQ(faults.value().seed, 7u);
+  const Faults faults =
+      test::ValueOf(ParseFaults("loss=0.1,duplicate=0.05,reorder=0.2,delay=0.3:0.005,latency=0.01:0.2,seed=7"));
+  EXPECT_EQ(faults.loss, 0.1);
+  EXPECT_EQ(faults.duplicate, 0.05);
+  EXPECT_EQ(faults.reorder, 0.2);
+  EXPECT_EQ(faults.delay_probability, 0.3);
+  EXPECT_EQ(faults.delay_seconds, 0.005);
+  EXPECT_EQ(faults.latency_seconds, 0.01);
+  EXPECT_EQ(faults.latency_jitter, 0.2);
+  EXPECT_EQ(faults.seed, 7u);
 }
 
 TEST(ParseFaults, OfAnEmptyTextIsNoFaults) {
-  const Result<Faults> faults = ParseFaults("");
-  ASSERT_TRUE(faults.ok());
-  EXPECT_FALSE(faults.value().any());
+  EXPECT_FALSE(test::ValueOf(ParseFaults("")).any());
 }
 
 TEST(ParseFaults, NamesTheFoundAndTheExpectedText) {

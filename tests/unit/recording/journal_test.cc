@@ -52,13 +52,12 @@ class JournalTest : public testing::Test {
   }
 
   static RunProgress Progress(std::uint64_t stalls) {
-    RunProgress progress;
-    progress.incarnation = 3;
-    progress.stalls = stalls;
-    progress.absent = {RobotId(0)};
-    progress.newcomers = {RobotId(1), RobotId(2)};
-    progress.speed_is_set = true;
-    progress.speed = 2.5;
+    RunProgress progress{.incarnation = 3,
+                         .absent = {RobotId(0)},
+                         .newcomers = {RobotId(1), RobotId(2)},
+                         .stalls = stalls,
+                         .speed_is_set = true,
+                         .speed = 2.5};
     progress.commands = {{{.robot = RobotId(1), .twist = Twist{0.5, 0.0, 0.1}}, 7, true},
                          {{.robot = RobotId(1), .goal = Goal{9, {{1.0, 2.0}}, 0.5}}, stalls, false}};
     return progress;

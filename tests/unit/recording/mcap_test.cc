@@ -10,6 +10,7 @@
 #include "recording/mcap/byte_writer.h"
 #include "recording/mcap/reader.h"
 #include "recording/mcap/writer.h"
+#include "tests/support/values.h"
 
 namespace troupe::mcap {
 namespace {
@@ -84,23 +85,22 @@ const std::vector<Contents>& Small() {
 
 TEST(Mcap, ReturnsWhatWasWritten) {
   const std::vector<std::byte> bytes = Write(Small());
-  const Result<Reader> reader = Open(bytes);
-  ASSERT_TRUE(reader.ok()) << reader.error().message;
-  EXPECT_FALSE(reader.value().damage());
-  EXPECT_EQ(reader.value().profile(), "profile");
-  EXPECT_EQ(reader.value().library(), "library");
-  EXPECT_EQ(reader.value().schemas().at(1), (Schema{"a::Type", "omgidl", "struct Type {};"}));
-  EXPECT_EQ(reader.value().channels().at(0), (Channel{1, "/first", "cdr", {{"key", "value"}}}));
-  EXPECT_EQ(reader.value().channels().at(1), (Channel{0, "/second", "text"}));
-  ASSERT_EQ(reader.value().chunks().size(), 3u);
-  EXPECT_EQ(reader.value().chunks()[0].channels, (std::vector<std::uint16_t>{0, 1}));
-  EXPECT_EQ(reader.value().chunks()[1].channels, (std::vector<std::uint16_t>{1}));
-  EXPECT_EQ(reader.value().chunks()[0].start_time, 10u);
-  EXPECT_EQ(reader.value().chunks()[0].end_time, 20u);
-  EXPECT_EQ(reader.value().statistics(), (Statistics{5, 10, 30, {{0, 3}, {1, 2}}}));
-  EXPECT_TRUE(reader.value().CheckData().ok());
+  const Reader reader = test::ValueOf(Open(bytes));
+  EXPECT_FALSE(reader.damage());
+  EXPECT_EQ(reader.profile(), "profile");
+  EXPECT_EQ(reader.library(), "library");
+  EXPECT_EQ(reader.schemas().at(1), (Schema{"a::Type", "omgidl", "struct Type {};"}));
+  EXPECT_EQ(reader.channels().at(0), (Channel{1, "/first", "cdr", {{"key", "value"}}}));
+  EXPECT_EQ(reader.channels().at(1), (Channel{0, "/second", "text"}));
+  ASSERT_EQ(reader.chunks().size(), 3u);
+  EXPECT_EQ(reader.chunks()[0].channels, (std::vector<std::uint16_t>{0, 1}));
+  EXPECT_EQ(reader.chunks()[1].channels, (std::vector<std::uint16_t>{1}));
+  EXPECT_EQ(reader.chunks()[0].start_time, 10u);
+  EXPECT_EQ(reader.chunks()[0].end_time, 20u);
+  EXPECT_EQ(reader.statistics(), (Statistics{5, 10, 30, {{0, 3}, {1, 2}}}));
+  EXPECT_TRUE(reader.CheckData().ok());
   bool whole = false;
-  EXPECT_EQ(ReadAll(reader.value(), whole), Small());
+  EXPECT_EQ(ReadAll(reader, whole), Small());
   EXPECT_TRUE(whole);
 }
 
@@ -116,10 +116,9 @@ TEST(Mcap, ReturnsRandomMessages) {
       }
     }
     const std::vector<std::byte> bytes = Write(chunks);
-    const Result<Reader> reader = Open(bytes);
-    ASSERT_TRUE(reader.ok());
+    const Reader reader = test::ValueOf(Open(bytes));
     bool whole = false;
-    EXPECT_EQ(ReadAll(reader.value(), whole), chunks);
+    EXPECT_EQ(ReadAll(reader, whole), chunks);
     EXPECT_TRUE(whole);
   }
 }
@@ -266,12 +265,11 @@ TEST(Mcap, ReadsUncompressedChunksThatDefineTheirChannels) {
     text("");
     out.AddWithLength<std::uint64_t>([&] { out.Add(std::span<const std::byte>(records)); });
   });
-  const Result<Reader> reader = Open(bytes);
-  ASSERT_TRUE(reader.ok()) << reader.error().message;
-  EXPECT_TRUE(reader.value().damage()) << "it has no end";
-  EXPECT_EQ(reader.value().channels().at(7).topic, "/topic");
+  const Reader reader = test::ValueOf(Open(bytes));
+  EXPECT_TRUE(reader.damage()) << "it has no end";
+  EXPECT_EQ(reader.channels().at(7).topic, "/topic");
   bool whole = false;
-  EXPECT_EQ(ReadAll(reader.value(), whole), (std::vector<Contents>{{{7, 5, "{}"}}}));
+  EXPECT_EQ(ReadAll(reader, whole), (std::vector<Contents>{{{7, 5, "{}"}}}));
 }
 
 // Fails after some bytes, as a disk that is full.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <random>
 #include <regex>
 #include <string>
 #include <vector>
@@ -25,12 +24,8 @@ RecordedRun MakeRun() {
   world.AddBox("wall", 3.0, 0.0, 0.2, 4.0, {0.0, 1.0});
   world.AddRobot("r0", {});
   world.AddRobot("r1", {0.0, 2.0, 0.0, 0.0});
-  RecordedRun run;
-  run.run = 7;
-  run.program_version = "1.2.3";
-  run.step_version = 4;
-  run.file = "small.world";
-  run.keyframe_interval = 5;
+  RecordedRun run{
+      .run = 7, .program_version = "1.2.3", .step_version = 4, .file = "small.world", .keyframe_interval = 5};
   run.settings.ticks = 20;
   run.settings.mode = Mode::kRealtime;
   run.settings.speed = 2.5;
@@ -40,9 +35,7 @@ RecordedRun MakeRun() {
 }
 
 FrameMessage FrameOf(const RecordedTick& tick, const WorldDescription& world) {
-  FrameMessage frame;
-  frame.run = 7;
-  frame.state = PlacedState(world);
+  FrameMessage frame{.run = 7, .state = PlacedState(world)};
   frame.state.tick = tick.tick;
   frame.edition = tick.edition;
   frame.state_hash = tick.state_hash;

@@ -13,14 +13,13 @@ namespace {
 
 // 3 x 2 pixels.
 CameraReading SomeView() {
-  CameraReading reading;
-  reading.width = 3;
-  reading.height = 2;
-  reading.focal_length_x = 1.5;
-  reading.focal_length_y = 2.5;
-  reading.center_x = 1.25;
-  reading.center_y = -0.5;
-  reading.limits = {0.2, 8.0};
+  CameraReading reading{.width = 3,
+                        .height = 2,
+                        .focal_length_x = 1.5,
+                        .focal_length_y = 2.5,
+                        .center_x = 1.25,
+                        .center_y = -0.5,
+                        .limits = {0.2, 8.0}};
   for (std::uint8_t i = 0; i < 18; ++i) reading.colors.push_back(i);
   reading.depths = {1.0F, 2.0F, std::numeric_limits<float>::infinity(), 4.0F, 5.0F, 6.0F};
   return reading;
@@ -99,12 +98,11 @@ TEST(ConvertSensors, AnOpticalFrameLooksAlongZ) {
 }
 
 TEST(ConvertSensors, ACloudHasTheHitsOfAllPlanes) {
-  RangeScan scan;
-  scan.fan = {2.0, 2};
-  scan.elevations = {-0.5, 0.25};
-  scan.limits = {0.0, 9.0};
-  scan.ranges = {1.0, 9.0, 9.0, 2.0};
-  scan.intensities = {0.5, 0.0, 0.0, 1.0};
+  RangeScan scan{.ranges = {1.0, 9.0, 9.0, 2.0},
+                 .intensities = {0.5, 0.0, 0.0, 1.0},
+                 .fan = {2.0, 2},
+                 .elevations = {-0.5, 0.25},
+                 .limits = {0.0, 9.0}};
   dds::WireArena arena;
   const PointCloud2 cloud = MakeScanCloud({1, 2}, "lidar", scan, arena);
   ASSERT_EQ(cloud.width, 2u);
@@ -161,10 +159,7 @@ TEST(ConvertSensors, FiducialsAreBoxesOfTheirModels) {
 }
 
 TEST(ConvertSensors, BlobsAreBoxesOfPixels) {
-  BlobfinderReading reading;
-  reading.width = 80;
-  reading.height = 60;
-  reading.fov = 1.0;
+  BlobfinderReading reading{.width = 80, .height = 60, .fov = 1.0};
   reading.blobs.push_back({{1.0, 0.5, 0.0, 1.0}, 10, 20, 30, 50, 4.0});
   dds::WireArena arena;
   const Detection2dArray array = MakeBlobDetections({1, 2}, "r/blobfinder", reading, arena);

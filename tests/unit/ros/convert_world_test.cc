@@ -14,13 +14,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 TEST(MakeMap, MarksOccupiedCells) {
-  OccupancyGrid grid;
-  grid.resolution = 0.25;
-  grid.origin_x = -1.0;
-  grid.origin_y = -2.0;
-  grid.width = 2;
-  grid.height = 1;
-  grid.occupied = {true, false};
+  OccupancyGrid grid{
+      .resolution = 0.25, .origin_x = -1.0, .origin_y = -2.0, .width = 2, .height = 1, .occupied = {true, false}};
   dds::WireArena arena;
   const OccupancyGridMessage map = MakeMap(grid, arena);
   EXPECT_STREQ(map.header.frame_id, "map");

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/values.h"
 #include "transport/dds/binding/wire.h"
 
 namespace troupe {
@@ -27,17 +28,15 @@ bool Matches(const EntityFilter& filter, const std::string& name, EntityKind kin
 }
 
 TEST(EntityFilter, AnExpressionMatchesAnywhereInAName) {
-  const Result<EntityFilter> filter = MakeFilter("bot_[0-9]+$");
-  ASSERT_TRUE(filter.ok()) << filter.error().ToString();
-  EXPECT_TRUE(Matches(filter.value(), "robot_12", EntityKind::kRobot));
-  EXPECT_FALSE(Matches(filter.value(), "robot_12a", EntityKind::kRobot));
+  const EntityFilter filter = test::ValueOf(MakeFilter("bot_[0-9]+$"));
+  EXPECT_TRUE(Matches(filter, "robot_12", EntityKind::kRobot));
+  EXPECT_FALSE(Matches(filter, "robot_12a", EntityKind::kRobot));
 }
 
 TEST(EntityFilter, AnEmptyFilterMatchesRobotsAndObjects) {
-  const Result<EntityFilter> filter = MakeFilter("");
-  ASSERT_TRUE(filter.ok());
-  EXPECT_TRUE(Matches(filter.value(), "box", EntityKind::kObject));
-  EXPECT_FALSE(Matches(filter.value(), "wall", EntityKind::kModel));
+  const EntityFilter filter = test::ValueOf(MakeFilter(""));
+  EXPECT_TRUE(Matches(filter, "box", EntityKind::kObject));
+  EXPECT_FALSE(Matches(filter, "wall", EntityKind::kModel));
 }
 
 TEST(EntityFilter, AnInvalidExpressionIsRefused) {
@@ -51,9 +50,7 @@ TEST(EntityFilter, AnExpressionThatWouldFillTheMemoryIsRefused) {
 }
 
 TEST(EntityFilter, AnExpressionOfExponentialTimeInBacktrackersIsFast) {
-  const Result<EntityFilter> filter = MakeFilter("^(a+)+$");
-  ASSERT_TRUE(filter.ok());
-  EXPECT_FALSE(Matches(filter.value(), std::string(60, 'a') + "b", EntityKind::kRobot));
+  EXPECT_FALSE(Matches(test::ValueOf(MakeFilter("^(a+)+$")), std::string(60, 'a') + "b", EntityKind::kRobot));
 }
 
 TEST(EntityFilter, TagsMatchAnyOrAll) {
@@ -82,10 +79,7 @@ Result<BoundsFilter> MakeBounds(std::uint8_t type, const Points& points) {
 
 // A box of 2 m x 1 m x 0.5 m, turned by 90 degrees.
 EntityReport BoxAt(double x, double y, double z) {
-  EntityReport entity;
-  entity.X_WE = {x, y, z, 1.5707963267948966};
-  entity.box = {-1.0, -0.5, 0.0, 1.0, 0.5, 0.5};
-  return entity;
+  return {.X_WE = {x, y, z, 1.5707963267948966}, .box = {-1.0, -0.5, 0.0, 1.0, 0.5, 0.5}};
 }
 
 TEST(BoundsFilter, ABoxOverlapsInAreaAndHeight) {

@@ -1,6 +1,5 @@
 #include "robot-agent/ros/gripper_goals.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -6,11 +6,8 @@ namespace troupe::ros {
 namespace {
 
 LocalizationDescription Odometry() {
-  LocalizationDescription localization;
-  localization.type = LocalizationType::kOdometry;
-  localization.error_x = 0.1;
-  localization.error_y = 0.2;
-  localization.error_heading = 0.05;
+  LocalizationDescription localization{
+      .type = LocalizationType::kOdometry, .error_x = 0.1, .error_y = 0.2, .error_heading = 0.05};
   return localization;
 }
 

@@ -32,9 +32,7 @@ class RobotFramesTest : public testing::Test {
     world_.AddJoint(parts_.robot, arm, {0.0, 0.0}, 1.0, {-1.0, 1.0});
     world_.world.joints.back().type = JointType::kRevolute;
     mount_ = world_.AddModel(std::vector<Block>(), {0.0, 0.05, 0.1, 0.0}, arm);
-    SensorDescription ranger;
-    ranger.name = "ranger:0";
-    ranger.model = mount_;
+    SensorDescription ranger{.name = "ranger:0", .model = mount_};
     RaySensors(ranger) = {Fan(1.0, 5)};
     RaySensors(ranger)[0].X_MS = {0.02, 0.0, 0.0, -0.25};
     world_.world.robots[0].sensors = {ranger};
@@ -115,9 +113,7 @@ TEST(JointNamesOf, MakesNamesAndFramesUnique) {
   world.world.joints[0].name = "a.b";
   world.world.joints[1].name = "a_b";
   world.world.joints[2].name = "scan_mount";
-  SensorDescription ranger;
-  ranger.name = "a_b_link";
-  ranger.model = parts.root;
+  SensorDescription ranger{.name = "a_b_link", .model = parts.root};
   RaySensors(ranger) = {Fan(1.0, 5)};
   world.world.robots[0].sensors = {ranger, ranger};
   world.world.robots[0].sensors[1].name = "ranger:1";

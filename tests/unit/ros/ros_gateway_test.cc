@@ -18,6 +18,7 @@
 #include "tests/support/ros_graph.h"
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
+#include "tests/support/values.h"
 #include "transport/dds/binding/wire.h"
 
 // A message of a broken or hostile peer: one byte under the name of a Twist.
@@ -83,9 +84,8 @@ test::GripperWorld TwoGrippers() {
     for (const JointId joint : {parts.lift, parts.left, parts.right}) {
       world.world.joints[joint.index()].name = names[joint.index() % 3];
     }
-    SensorDescription ranger;
-    ranger.name = "ranger:0";
-    ranger.model = world.AddModel(std::vector<Block>(), {0.0, 0.0, 0.5, 0.0}, parts.carriage);
+    SensorDescription ranger{.name = "ranger:0",
+                             .model = world.AddModel(std::vector<Block>(), {0.0, 0.0, 0.5, 0.0}, parts.carriage)};
     RaySensors(ranger) = {Fan(1.0, 5)};
     world.world.robots.back().sensors = {ranger};
   }
@@ -123,9 +123,7 @@ class RosGatewayTest : public testing::Test {
     replica_.reset();
     host_.reset();
     options.socket = host_.emplace(options.network).socket();
-    Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {}, {}, {}, MakeRosGateway(options));
-    ASSERT_TRUE(replica.ok());
-    replica_ = std::move(replica).value();
+    replica_ = test::ValueOf(Replica::Create(world, {}, {}, {}, MakeRosGateway(options)));
   }
 
   ProposalMessage Tick() {

@@ -34,10 +34,7 @@ TEST(RunSettings, ConvertsSpeedsWithoutLoss) {
 }
 
 TEST(RunOverrides, ReplaceOnlyTheSettingsGiven) {
-  RunSettings settings;
-  settings.ticks = 7;
-  settings.speed = 3.0;
-  settings.on_agent_loss = OnAgentLoss::kPause;
+  RunSettings settings{.ticks = 7, .speed = 3.0, .on_agent_loss = OnAgentLoss::kPause};
   RunOverrides().ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 7u);
   EXPECT_EQ(settings.speed, 3.0);

@@ -10,7 +10,8 @@
 #include <fstream>
 
 #include "common/base/enclave.h"
-#include "tests/process/output_folder.h"
+#include "tests/support/files.h"
+#include "tests/support/values.h"
 #include "transport/protocol/agent_name.h"
 
 namespace troupe::test {
@@ -78,7 +79,7 @@ unsigned Mode(const std::string& path) {
 }
 
 TEST(KeyAuthorityTest, WritesIdentitiesThatItHasSigned) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   ASSERT_TRUE(Authority().WriteIdentity(folder.Path("new/agent"), Role::Agent("a1")).ok());
   EXPECT_TRUE(CheckEnclave(folder.Path("new/agent")).ok());
   const Owned<X509> authority = Certificate(folder.Path("new/agent/identity_ca.cert.pem"));
@@ -103,7 +104,7 @@ TEST(KeyAuthorityTest, WritesIdentitiesThatItHasSigned) {
 }
 
 TEST(KeyAuthorityTest, SecretsAreTheOwnersOnly) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   const KeyAuthority authority = Authority();
   ASSERT_TRUE(authority.Save(folder.Path("keys/authority")).ok());
   ASSERT_TRUE(authority.WriteIdentity(folder.Path("keys/service"), Role::Service()).ok());
@@ -114,7 +115,7 @@ TEST(KeyAuthorityTest, SecretsAreTheOwnersOnly) {
 }
 
 TEST(KeyAuthorityTest, KeysCountFromADayAgoUntilTheirAuthorityEnds) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   ASSERT_TRUE(Authority().WriteIdentity(folder.Path("service"), Role::Service()).ok());
   const Owned<X509> identity = Certificate(folder.Path("service/cert.pem"));
   const Owned<X509> authority = Certificate(folder.Path("service/identity_ca.cert.pem"));
@@ -128,7 +129,7 @@ TEST(KeyAuthorityTest, KeysCountFromADayAgoUntilTheirAuthorityEnds) {
 }
 
 TEST(KeyAuthorityTest, OverwritesNothing) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   const KeyAuthority authority = Authority();
   ASSERT_TRUE(authority.WriteIdentity(folder.Path("observer"), Role::Observer()).ok());
   const std::string before = folder.Read("observer/key.pem");
@@ -141,20 +142,20 @@ TEST(KeyAuthorityTest, OverwritesNothing) {
 }
 
 TEST(KeyAuthorityTest, ASavedAuthorityGivesMoreKeysOfTheSameKind) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   const KeyAuthority made = Authority();
   ASSERT_TRUE(made.Save(folder.Path("authority")).ok());
   ASSERT_TRUE(made.WriteIdentity(folder.Path("first"), Role::Agent("a1")).ok());
-  const Result<KeyAuthority> loaded = KeyAuthority::Load(folder.Path("authority"));
-  ASSERT_TRUE(loaded.ok());
-  ASSERT_TRUE(loaded.value().WriteIdentity(folder.Path("second"), Role::Agent("a2")).ok());
+  ASSERT_TRUE(ValueOf(KeyAuthority::Load(folder.Path("authority")))
+                  .WriteIdentity(folder.Path("second"), Role::Agent("a2"))
+                  .ok());
   for (const char* same : {"identity_ca.cert.pem", "governance.p7s"}) {
     EXPECT_EQ(folder.Read(std::string("first/") + same), folder.Read(std::string("second/") + same));
   }
 }
 
 TEST(KeyAuthorityTest, LoadNamesTheFault) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   EXPECT_THAT(KeyAuthority::Load(folder.Path("none")).error().ToString(),
               HasSubstr("none/ca.key.pem: error: cannot read"));
   ASSERT_TRUE(Authority().Save(folder.Path("one")).ok());
@@ -164,14 +165,12 @@ TEST(KeyAuthorityTest, LoadNamesTheFault) {
               HasSubstr("the private key is not that of the certificate"));
   std::ofstream(folder.Path("one/ca.key.pem")) << "nothing";
   EXPECT_THAT(KeyAuthority::Load(folder.Path("one")).error().ToString(), HasSubstr("found no private key"));
-  const Result<KeyAuthority> expired = KeyAuthority::Create(std::chrono::seconds(-60));
-  ASSERT_TRUE(expired.ok());
-  ASSERT_TRUE(expired.value().Save(folder.Path("old")).ok());
+  ASSERT_TRUE(ValueOf(KeyAuthority::Create(std::chrono::seconds(-60))).Save(folder.Path("old")).ok());
   EXPECT_THAT(KeyAuthority::Load(folder.Path("old")).error().ToString(), HasSubstr("has expired"));
 }
 
 TEST(EnclaveTest, NamesTheFileThatIsMissing) {
-  const OutputFolder folder;
+  const TemporaryFolder folder;
   EXPECT_THAT(CheckEnclave(folder.Path("none")).error().ToString(), HasSubstr("none: error: found no such folder"));
   ASSERT_TRUE(Authority().WriteIdentity(folder.Path("service"), Role::Service()).ok());
   std::ofstream(folder.Path("service/cert.pem"));

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/base/enclave.h"
-#include "tests/process/output_folder.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
 #include "transport/dds/convert/topic_types.h"
@@ -23,7 +23,7 @@ namespace troupe::dds {
 namespace {
 
 using test::Eventually;
-using test::OutputFolder;
+using test::TemporaryFolder;
 using test::TestConfig;
 
 DomainConfig ConfigWith(const std::string& enclave) {
@@ -132,7 +132,7 @@ class PermissionsTest : public testing::Test {
     return folder;
   }
 
-  const OutputFolder folder_;
+  const TemporaryFolder folder_;
   const Result<KeyAuthority> authority_ = KeyAuthority::Create();
   const std::string session_ = test::TestSession("permissions");
 };

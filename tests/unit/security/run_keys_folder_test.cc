@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/support/files.h"
 #include "transport/security/session_keys.h"
 
 namespace troupe {
@@ -20,13 +21,11 @@ constexpr std::uint32_t kDomain = 42;
 class RunKeysFolderTest : public testing::Test {
  protected:
   RunKeysFolderTest() {
-    EXPECT_NE(mkdtemp(folder_.data()), nullptr);
     if (const char* before = std::getenv("XDG_RUNTIME_DIR")) before_ = before;
     setenv("XDG_RUNTIME_DIR", folder_.c_str(), 1);
   }
   ~RunKeysFolderTest() override {
     before_.empty() ? unsetenv("XDG_RUNTIME_DIR") : setenv("XDG_RUNTIME_DIR", before_.c_str(), 1);
-    fs::remove_all(folder_);
   }
 
   // A process makes keys, publishes them, and is killed.
@@ -46,7 +45,8 @@ class RunKeysFolderTest : public testing::Test {
     return std::distance(fs::directory_iterator(SessionsFolder().value()), fs::directory_iterator());
   }
 
-  std::string folder_ = testing::TempDir() + "keys-XXXXXX";
+  const test::TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
   std::string before_;
 };
 

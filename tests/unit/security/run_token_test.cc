@@ -7,6 +7,8 @@
 #include <fstream>
 #include <string>
 
+#include "tests/support/files.h"
+
 namespace troupe {
 namespace {
 
@@ -16,10 +18,8 @@ constexpr const char* kParticipant = "0110a1b2c3d4e5f601020304";
 
 class RunTokenTest : public testing::Test {
  protected:
-  RunTokenTest() { EXPECT_NE(mkdtemp(folder_.data()), nullptr); }
-  ~RunTokenTest() override { std::filesystem::remove_all(folder_); }
-
-  std::string folder_ = testing::TempDir() + "token-XXXXXX";
+  const test::TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
 };
 
 TEST_F(RunTokenTest, AProofIsOfOneParticipantAndOneToken) {

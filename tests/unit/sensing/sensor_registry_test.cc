@@ -36,9 +36,7 @@ TEST(SensorRegistryTest, DescribedSensorsPrecedeTheBeamsOfGrippers) {
   test::GripperWorld world;
   const test::GripperRobot first = world.AddGripperRobot({});
   const test::GripperRobot second = world.AddGripperRobot({4.0, 0.0, 0.0, 0.0});
-  SensorDescription ranger;
-  ranger.name = "ranger:0";
-  ranger.model = world.world.robots[0].root;
+  SensorDescription ranger{.name = "ranger:0", .model = world.world.robots[0].root};
   RaySensors(ranger) = {OneRay()};
   world.world.robots[0].sensors = {ranger, ranger};
   world.world.grippers[0].beams.resize(2);

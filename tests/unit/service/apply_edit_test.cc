@@ -1,8 +1,6 @@
 // The inputs that observers are told determine a run: a log of them, applied again, gives the same hashes.
 #include "world-service/service/apply_edit.h"
 
-#include <gmock/gmock.h>
-
 #include <optional>
 #include <vector>
 
@@ -67,11 +65,7 @@ std::vector<std::uint64_t> Replay(const WorldDescription& world, const std::vect
 class ApplyEditTest : public test::CoordinatorTest {
  protected:
   void Edit(ControlCommand command, const std::string& name, const Pose& pose = {}, RequestedWorld world = nullptr) {
-    ControlRequest request;
-    request.command = command;
-    request.name = name;
-    request.pose = pose;
-    request.rename = true;
+    ControlRequest request{.command = command, .name = name, .pose = pose, .rename = true};
     coordinator->Control(
         request, [this](const ControlReply& reply) { done_.push_back(reply.done); }, now, std::move(world));
   }
@@ -127,9 +121,7 @@ TEST_F(ApplyEditTest, RefusesBadScopesAndMissingWorlds) {
   const auto plane = std::make_shared<const Scene>(test::PlaneWorld(1));
   const WorldState state = InitialState(*plane);
   for (const std::uint8_t scopes : {0, 8, 254}) {
-    ControlRequest request;
-    request.command = ControlCommand::kReset;
-    request.scopes = scopes;
+    ControlRequest request{.command = ControlCommand::kReset, .scopes = scopes};
     EXPECT_FALSE(ApplyEdit({request}, plane, plane, state).ok());
   }
   for (const ControlCommand command : {ControlCommand::kSpawn, ControlCommand::kLoadWorld}) {

@@ -3,16 +3,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
+
+#include "tests/support/words.h"
 
 namespace troupe {
 namespace {
 
 using ::testing::HasSubstr;
 
-std::variant<ServiceCommandLine, int> Parse(std::vector<const char*> words) {
-  words.insert(words.begin(), "world-service");
-  return ParseServiceCommandLine(static_cast<int>(words.size()), words.data());
+std::variant<ServiceCommandLine, int> Parse(const std::vector<std::string>& words) {
+  std::vector<const char*> arguments = {"world-service"};
+  for (const std::string& word : words) arguments.push_back(word.c_str());
+  return ParseServiceCommandLine(static_cast<int>(arguments.size()), arguments.data());
 }
 
 TEST(ServiceCommandLine, WithoutOptionsKeepsTheScenariosSettings) {
@@ -22,11 +26,7 @@ TEST(ServiceCommandLine, WithoutOptionsKeepsTheScenariosSettings) {
   EXPECT_EQ(line.file, "a.world");
   EXPECT_FALSE(line.faults.any());
   EXPECT_FALSE(line.report_fd);
-  RunSettings settings;
-  settings.ticks = 7;
-  settings.speed = 3.0;
-  settings.mode = Mode::kRealtime;
-  settings.on_agent_loss = OnAgentLoss::kPause;
+  RunSettings settings{.ticks = 7, .mode = Mode::kRealtime, .speed = 3.0, .on_agent_loss = OnAgentLoss::kPause};
   line.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 7u);
   EXPECT_EQ(settings.speed, 3.0);
@@ -35,42 +35,13 @@ TEST(ServiceCommandLine, WithoutOptionsKeepsTheScenariosSettings) {
 }
 
 TEST(ServiceCommandLine, OverridesTheScenario) {
-  const auto parsed = Parse({"a.world",
-                             "--ticks",
-                             "5",
-                             "--seed=9",
-                             "--mode=lockstep",
-                             "--speed",
-                             "max",
-                             "--controller",
-                             "wander",
-                             "--session",
-                             "s-1",
-                             "--domain",
-                             "3",
-                             "--interface",
-                             "eth0",
-                             "--on-agent-loss",
-                             "abort",
-                             "--hash-log",
-                             "h",
-                             "--poses",
-                             "p",
-                             "--record",
-                             "r",
-                             "--lease",
-                             "0.5",
-                             "--start-timeout",
-                             "0",
-                             "--faults",
-                             "loss=0.5",
-                             "--report-fd",
-                             "4"});
+  const auto parsed =
+      Parse(test::Words("a.world --ticks 5 --seed=9 --mode=lockstep --speed max --controller wander --session s-1 "
+                        "--domain 3 --interface eth0 --on-agent-loss abort --hash-log h --poses p --record r --lease "
+                        "0.5 --start-timeout 0 --faults loss=0.5 --report-fd 4"));
   ASSERT_TRUE(std::holds_alternative<ServiceCommandLine>(parsed));
   const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
-  RunSettings settings;
-  settings.speed = 3.0;
-  settings.mode = Mode::kRealtime;
+  RunSettings settings{.mode = Mode::kRealtime, .speed = 3.0};
   line.run.ApplyTo(settings);
   EXPECT_EQ(settings.ticks, 5u);
   EXPECT_EQ(settings.speed, std::nullopt);
@@ -93,7 +64,7 @@ TEST(ServiceCommandLine, OverridesTheScenario) {
 
 TEST(ServiceCommandLine, NamesTheFaultInOneLine) {
   struct Case {
-    std::vector<const char*> words;
+    std::vector<std::string> words;
     const char* message;
   };
   const std::vector<Case> cases = {

@@ -12,10 +12,7 @@ using testing::IsEmpty;
 class ControlTest : public CoordinatorTest {
  protected:
   void Ask(ControlCommand command, std::uint64_t ticks = 1) {
-    ControlRequest request;
-    request.number = ++number_;
-    request.command = command;
-    request.ticks = ticks;
+    ControlRequest request{.number = ++number_, .command = command, .ticks = ticks};
     coordinator->Control(
         request, [this](const ControlReply& reply) { replies.push_back(reply); }, now);
   }

@@ -32,15 +32,13 @@ void CoordinatorTest::MakeAndStart(std::size_t robots) {
 }
 
 JoinMessage CoordinatorTest::JoinOf(AgentId agent, const std::vector<std::string>& robots) const {
-  JoinMessage join;
-  join.run = kRun;
-  join.agent = agent;
-  join.protocol_version = kProtocolVersion;
-  join.world_hash = Hash(scene->world());
-  join.host = "host" + std::to_string(agent);
-  join.pid = static_cast<std::uint32_t>(agent);
-  join.robots = robots;
-  return join;
+  return {.run = kRun,
+          .agent = agent,
+          .protocol_version = kProtocolVersion,
+          .world_hash = Hash(scene->world()),
+          .host = "host" + std::to_string(agent),
+          .pid = static_cast<std::uint32_t>(agent),
+          .robots = robots};
 }
 
 void CoordinatorTest::Join(AgentId agent, const std::vector<std::string>& robots) {

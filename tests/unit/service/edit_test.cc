@@ -236,11 +236,7 @@ class EditedWorldTest : public EditTest {
     AnswerPaused(2);
   }
   static ControlRequest Request(ControlCommand command, const std::string& name, const Pose& pose = {}) {
-    ControlRequest request;
-    request.command = command;
-    request.name = name;
-    request.pose = pose;
-    return request;
+    return {.command = command, .name = name, .pose = pose};
   }
   void Spawn(const std::string& name, const Pose& pose = {0.0, -5.0, 0.0, 0.0}) {
     Ask(Request(ControlCommand::kSpawn, name, pose), std::make_shared<const WorldDescription>(PlaneWorld(1)));

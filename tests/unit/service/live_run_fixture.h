@@ -39,13 +39,12 @@ class LiveRunTest : public testing::Test {
   }
 
   void Join(AgentId agent) {
-    JoinMessage join;
-    join.run = kRun;
-    join.agent = agent;
-    join.protocol_version = kProtocolVersion;
-    join.world_hash = Hash(run_->world());
-    join.world_edition = run_->frame.world_edition;
-    join.robots = {"r" + std::to_string(agent - 1)};
+    JoinMessage join{.run = kRun,
+                     .agent = agent,
+                     .protocol_version = kProtocolVersion,
+                     .world_hash = Hash(run_->world()),
+                     .robots = {"r" + std::to_string(agent - 1)},
+                     .world_edition = run_->frame.world_edition};
     const JoinDecision decision = run_->members.Join(join, run_->next_place(), now_);
     ASSERT_EQ(decision.outcome, JoinDecision::Outcome::kAdmitted) << decision.reason;
     engine_->AddMember(*decision.member, now_);

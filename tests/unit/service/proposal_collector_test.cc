@@ -13,13 +13,11 @@ class ProposalCollectorTest : public testing::Test {
     world_.models.push_back(world_.models.back());
     world_.models.back().name = "r1.mast";
     world_.models.back().parent = world_.robots[1].root;
-    JointDescription joint;
-    joint.name = "mast";
-    joint.robot = RobotId(1);
-    joint.model = ModelId(world_.models.size() - 1);
-    joint.type = JointType::kRevolute;
-    joint.position = {-1.0, 1.0};
-    world_.joints.push_back(joint);
+    world_.joints.push_back(JointDescription{.name = "mast",
+                                             .robot = RobotId(1),
+                                             .model = ModelId(world_.models.size() - 1),
+                                             .type = JointType::kRevolute,
+                                             .position = {-1.0, 1.0}});
     state_ = PlacedState(world_);
     member_.id = 1;
     member_.robots = {RobotId(0), RobotId(1)};

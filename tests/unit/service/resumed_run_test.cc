@@ -35,9 +35,7 @@ class ResumedRunTest : public CoordinatorTest {
 
   // The service dies, and another one continues: without any agent.
   void Resume() {
-    ResumedRun resumed;
-    resumed.run = kRun;
-    resumed.incarnation = journal_.progress.incarnation + 1;
+    ResumedRun resumed{.run = kRun, .incarnation = journal_.progress.incarnation + 1};
     resumed.original = resumed.scene = scene;
     resumed.frame = journal_.frame;
     resumed.progress = journal_.progress;
@@ -143,10 +141,7 @@ TEST_F(ResumedRunTest, HasTheSpeedThatWasSet) {
 
 TEST_F(ResumedRunTest, ANewGoalHasAnotherNumberThanThoseBefore) {
   const auto next_goal = [this](Incarnation incarnation) {
-    ControlRequest request;
-    request.command = ControlCommand::kCommandRobot;
-    request.name = "r0";
-    request.ticks = 10;
+    ControlRequest request{.command = ControlCommand::kCommandRobot, .ticks = 10, .name = "r0"};
     request.robot_command.goal = Goal{0, {{1.0, 2.0}}};
     EXPECT_TRUE(Ask(request).done);
     ProposeAs(incarnation, 1);
@@ -184,9 +179,7 @@ TEST_F(ResumedRunTest, FinishesAStep) {
   paused.proposals.clear();
   paused.paused = true;
   coordinator->OnProposal(paused, now);
-  ControlRequest step;
-  step.command = ControlCommand::kStep;
-  step.ticks = 3;
+  ControlRequest step{.command = ControlCommand::kStep, .ticks = 3};
   coordinator->Control(
       step, [](const ControlReply&) {}, now);
   Propose(1);
@@ -244,10 +237,7 @@ TEST_F(ResumedRunTest, EndsARunWhoseLastTickWasCommitted) {
 
 TEST_F(ResumedRunTest, OfTwoServicesOfARunTheEarlierOneStops) {
   MakeAndStart(1);
-  SessionMessage other;
-  other.run = kRun;
-  other.incarnation = 1;
-  other.host = "there";
+  SessionMessage other{.run = kRun, .host = "there", .incarnation = 1};
   coordinator->OnRivalService(other, now);
   EXPECT_THAT(coordinator->error().error().message,
               HasSubstr("another world service (there, pid 0) continues this run"));

@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <memory>
-
 #include "tests/unit/service/coordinator_fixture.h"
 
 namespace troupe::test {
@@ -15,11 +13,8 @@ using testing::IsEmpty;
 class RobotCommandTest : public CoordinatorTest {
  protected:
   ControlReply Command(const std::string& robot, RobotCommand command, std::uint64_t ticks) {
-    ControlRequest request;
-    request.command = ControlCommand::kCommandRobot;
-    request.name = robot;
-    request.ticks = ticks;
-    request.robot_command = std::move(command);
+    ControlRequest request{
+        .command = ControlCommand::kCommandRobot, .ticks = ticks, .name = robot, .robot_command = std::move(command)};
     return Ask(request);
   }
   static RobotCommand Drive(double vx) {
@@ -140,9 +135,7 @@ TEST_F(RobotCommandTest, OfARunThatIsResetEnds) {
 TEST_F(RobotCommandTest, TheSpeedOfARunChangesFromTheNextTickOn) {
   options.settings.speed = 1.0;
   MakeAndStart(1);
-  ControlRequest request;
-  request.command = ControlCommand::kSpeed;
-  request.speed = 10.0;
+  ControlRequest request{.command = ControlCommand::kSpeed, .speed = 10.0};
   ASSERT_TRUE(Ask(request).done);
   EXPECT_EQ(coordinator->MakeStatus(now).speed, 10.0);
   Propose(1);

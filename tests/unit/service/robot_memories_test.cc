@@ -21,10 +21,7 @@ FrameMessage Newest(Edition edition, Tick tick) {
 }
 
 JoinMessage JoinWith(const std::optional<MemoryPlace>& memory, const std::string& robot = "r0") {
-  JoinMessage join;
-  join.robots = {robot};
-  join.memory = memory;
-  return join;
+  return {.robots = {robot}, .memory = memory};
 }
 
 TEST(RobotMemoriesTest, AtTheFirstStateNothingIsToBeRemembered) {

@@ -20,11 +20,7 @@ class RunControlTest : public test::LiveRunTest {
     control_.emplace(*run_, *engine_, *editor_);
   }
   void Ask(ControlCommand command, std::uint64_t ticks = 1) {
-    ControlRequest request;
-    request.command = command;
-    request.ticks = ticks;
-    request.name = "r0";
-    request.pose = {3.0, 0.0, 0.0, 0.0};
+    ControlRequest request{.command = command, .ticks = ticks, .name = "r0", .pose = {3.0, 0.0, 0.0, 0.0}};
     control_->Execute(
         request, [this](const ControlReply& reply) { replies_.push_back(reply); }, nullptr, now_);
   }

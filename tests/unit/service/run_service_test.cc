@@ -10,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "tests/support/values.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
 #include "transport/protocol/memory_transport.h"
@@ -52,11 +53,10 @@ class RunServiceTest : public testing::Test, protected RunObserver {
 TEST_F(RunServiceTest, RunsToTheEnd) {
   SteadyAgent first(*transport_, 0);
   SteadyAgent second(*transport_, 1);
-  const Result<RunSummary> summary = Run();
-  ASSERT_TRUE(summary.ok()) << summary.error().ToString();
-  EXPECT_EQ(summary.value().ticks, 20u);
-  EXPECT_EQ(summary.value().robots, 2u);
-  EXPECT_FALSE(summary.value().interrupted);
+  const RunSummary summary = test::ValueOf(Run());
+  EXPECT_EQ(summary.ticks, 20u);
+  EXPECT_EQ(summary.robots, 2u);
+  EXPECT_FALSE(summary.interrupted);
   EXPECT_EQ(last_status_.tick, 20u);
   EXPECT_THAT(told_, Contains("started"));
   EXPECT_THAT(told_, Contains("tick 0: r1 has an agent (here, pid 1)"));
@@ -68,17 +68,14 @@ TEST_F(RunServiceTest, StopsOnRequest) {
   SteadyAgent first(*transport_, 0);
   SteadyAgent second(*transport_, 1);
   on_status_ = [&] { stop_ = true; };
-  const Result<RunSummary> summary = Run();
-  ASSERT_TRUE(summary.ok());
-  EXPECT_TRUE(summary.value().interrupted);
-  EXPECT_GT(summary.value().ticks, 0u);
+  const RunSummary summary = test::ValueOf(Run());
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_GT(summary.ticks, 0u);
 }
 
 TEST_F(RunServiceTest, StopsOnRequestWhileItWaitsForAgents) {
   stop_ = true;
-  const Result<RunSummary> summary = Run();
-  ASSERT_TRUE(summary.ok());
-  EXPECT_TRUE(summary.value().interrupted);
+  EXPECT_TRUE(test::ValueOf(Run()).interrupted);
 }
 
 TEST_F(RunServiceTest, FailsWhenAnAgentDoesNotJoin) {
@@ -94,10 +91,9 @@ TEST_F(RunServiceTest, ContinuesWithoutAnAgentThatFallsSilent) {
   SteadyAgent first(*transport_, 0);
   SteadyAgent second(*transport_, 1);
   second.silent_from = 5;
-  const Result<RunSummary> summary = Run();
-  ASSERT_TRUE(summary.ok());
-  EXPECT_EQ(summary.value().ticks, 20u);
-  EXPECT_THAT(summary.value().lost, testing::ElementsAre("r1"));
+  const RunSummary summary = test::ValueOf(Run());
+  EXPECT_EQ(summary.ticks, 20u);
+  EXPECT_THAT(summary.lost, testing::ElementsAre("r1"));
 }
 
 TEST_F(RunServiceTest, OneOfTwoServicesThatGatherAgentsInOneSessionFails) {
@@ -120,10 +116,9 @@ TEST_F(RunServiceTest, PacesTicksWithoutLosingThem) {
   options_.settings.speed = 50.0;  // 2 ms a tick
   SteadyAgent first(*transport_, 0);
   SteadyAgent second(*transport_, 1);
-  const Result<RunSummary> summary = Run();
-  ASSERT_TRUE(summary.ok());
-  EXPECT_EQ(summary.value().ticks, 20u);
-  EXPECT_GE(summary.value().wall_seconds, 0.0399);
+  const RunSummary summary = test::ValueOf(Run());
+  EXPECT_EQ(summary.ticks, 20u);
+  EXPECT_GE(summary.wall_seconds, 0.0399);
 }
 
 // Delivers one message for which there was no memory.

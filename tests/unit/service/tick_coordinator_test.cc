@@ -350,10 +350,7 @@ TEST_F(TickCoordinatorTest, ALongStopIsNotCaughtUp) {
 
 TEST_F(TickCoordinatorTest, TheServiceWithTheHigherIdFails) {
   Make(1);
-  SessionMessage rival;
-  rival.run = kRun - 1;
-  rival.host = "elsewhere";
-  rival.pid = 4711;
+  SessionMessage rival{.run = kRun - 1, .host = "elsewhere", .pid = 4711};
   coordinator->OnRivalService(rival, now);
   ASSERT_FALSE(coordinator->error().ok());
   EXPECT_THAT(coordinator->error().error().message, HasSubstr("elsewhere, pid 4711"));

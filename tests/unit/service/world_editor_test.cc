@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "tests/support/values.h"
 #include "tests/unit/service/live_run_fixture.h"
 
 namespace troupe {
@@ -20,11 +21,7 @@ class WorldEditorTest : public test::LiveRunTest {
     editor_.emplace(*run_, *engine_);
   }
   static ControlRequest Request(ControlCommand command, const std::string& name, const Pose& pose = {}) {
-    ControlRequest request;
-    request.command = command;
-    request.name = name;
-    request.pose = pose;
-    return request;
+    return {.command = command, .name = name, .pose = pose};
   }
   std::optional<WorldEditor> editor_;
 };
@@ -100,9 +97,7 @@ TEST_F(WorldEditorTest, ASpawnedRobotNeedsAnAgentInTime) {
   const WorldDescription one = test::PlaneWorld(1);
   ControlRequest spawn = Request(ControlCommand::kSpawn, "r0", {0.0, 5.0, 0.0, 0.0});
   spawn.rename = true;
-  const Result<ControlRequest> applied = editor_->Apply(spawn, &one, now_);
-  ASSERT_TRUE(applied.ok()) << applied.error().message;
-  EXPECT_EQ(applied.value().name, "r00");
+  EXPECT_EQ(test::ValueOf(editor_->Apply(spawn, &one, now_)).name, "r00");
   EXPECT_EQ(run_->world().robots.size(), 3u);
   EXPECT_EQ(endpoint_.sessions.back().world_edition, 1u);
   EXPECT_THAT(editor_->DrainNewRobots(), ElementsAre("r00"));

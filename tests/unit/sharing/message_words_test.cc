@@ -40,22 +40,16 @@ FrameMessage SomeFrame() {
   frame.events = {{frame.state.tick, EventType::kStallBegan, RobotId(1), ModelId(5), "", {}},
                   {frame.state.tick, EventType::kGripped, RobotId(0), {}, "a gripper called \xc3\xa4", ModelId(4)}};
   frame.incarnation = 4;
-  RobotCommand drive;
-  drive.robot = RobotId(0);
-  drive.twist = Twist{0.1, -0.2, 0.3};
-  drive.grippers = {{0, 50.0, std::nullopt}, {1, std::nullopt, 0.0}};
-  RobotCommand go;
-  go.robot = RobotId(1);
-  go.goal = Goal{7, {{1.0, 2.0}, {3.0, -4.0}}, 0.5};
+  RobotCommand drive{.robot = RobotId(0),
+                     .twist = Twist{0.1, -0.2, 0.3},
+                     .grippers = {{0, 50.0, std::nullopt}, {1, std::nullopt, 0.0}}};
+  RobotCommand go{.robot = RobotId(1), .goal = Goal{7, {{1.0, 2.0}, {3.0, -4.0}}, 0.5}};
   frame.commands = {drive, go};
   return frame;
 }
 
 ProposalMessage SomeProposal() {
-  ProposalMessage message;
-  message.run = 77;
-  message.agent = 5;
-  message.tick = 12;
+  ProposalMessage message{.run = 77, .agent = 5, .tick = 12};
   const double infinity = std::numeric_limits<double>::infinity();
   message.proposals = {{RobotId(2),
                         {0.1, -0.0, infinity},

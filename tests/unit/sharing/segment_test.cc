@@ -34,10 +34,7 @@ FrameMessage Frame(Tick tick, std::size_t robots = 2) {
 }
 
 ProposalMessage Proposal(AgentId agent, Tick tick, std::size_t robots = 1) {
-  ProposalMessage message;
-  message.run = 7;
-  message.agent = agent;
-  message.tick = tick;
+  ProposalMessage message{.run = 7, .agent = agent, .tick = tick};
   for (std::size_t i = 0; i < robots; ++i) message.proposals.push_back({RobotId(i), {1.0, 0.0, 0.0}});
   return message;
 }

@@ -58,10 +58,10 @@ TEST(WalkRay, EntersFromOutside) {
 }
 
 TEST(WalkRay, StaysInTheGridForAnyRay) {
-  const double kInfinity = std::numeric_limits<double>::infinity();
-  const double kNan = std::numeric_limits<double>::quiet_NaN();
-  for (const double far : {1e9, 1e300, kInfinity, kNan}) {
-    for (const double length : {-1.0, 1.0, 1e300, kInfinity, kNan}) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double far : {1e9, 1e300, infinity, nan}) {
+    for (const double length : {-1.0, 1.0, 1e300, infinity, nan}) {
       Walk(kGridOfTwelve, {1.5, 1.5}, {-1.0, 0.0}, length);
       Walk(kGridOfTwelve, {far, 1.5}, {-1.0, 0.0}, length);
       Walk(kGridOfTwelve, {far, far}, {-0.8, -0.6}, length);

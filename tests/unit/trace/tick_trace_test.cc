@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+
+#include "tests/support/files.h"
 
 namespace troupe {
 namespace {
@@ -14,15 +14,9 @@ namespace {
 using nlohmann::json;
 using testing::ElementsAre;
 
-class Trace : public testing::Test {
+class Trace : public testing::Test, public test::TemporaryFolder {
  protected:
-  static std::string Path(const std::string& name) { return testing::TempDir() + "/trace_test_" + name; }
-  static std::string Read(const std::string& path) {
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-  }
-  static TraceOptions To(const std::string& name) {
+  TraceOptions To(const std::string& name) const {
     TraceOptions options;
     options.file = Path(name);
     return options;
@@ -44,7 +38,7 @@ class Trace : public testing::Test {
   }
   json Merged(const std::vector<std::string>& parts) {
     EXPECT_TRUE(MergeTraces(parts, Path("merged")).ok());
-    return json::parse(Read(Path("merged")));
+    return json::parse(Read("merged"));
   }
 };
 

@@ -39,14 +39,7 @@ class ByteReader {
     rest_.remove_prefix(std::min<std::size_t>(size, rest_.size()));
     return text;
   }
-  Pose ReadPose() {
-    Pose pose;
-    pose.x = ReadDouble();
-    pose.y = ReadDouble();
-    pose.z = ReadDouble();
-    pose.heading = ReadDouble();
-    return pose;
-  }
+  Pose ReadPose() { return {.x = ReadDouble(), .y = ReadDouble(), .z = ReadDouble(), .heading = ReadDouble()}; }
   void ReadInto(Pose& pose) { pose = ReadPose(); }
   void ReadInto(Twist& twist) { twist = {ReadFloat(), ReadFloat(), ReadFloat()}; }
   void ReadInto(double& number) { number = ReadDouble(); }

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "tests/support/small_world.h"
+#include "tests/support/values.h"
 #include "troupe/world_state.h"
 #include "viewer/foxglove/messages.h"
 #include "viewer/foxglove/protocol.h"
@@ -28,29 +28,25 @@ std::string PlaybackRequest(std::uint8_t command, float speed, std::optional<Tim
 }
 
 TEST(FoxgloveProtocolTest, ReadsSubscriptionsCallsAndPlayback) {
-  const Result<ClientMessage> subscribe =
-      ParseText(R"({"op": "subscribe", "subscriptions": [{"id": 3, "channelId": 9}, {"id": 4, "channelId": 1}]})");
-  ASSERT_TRUE(subscribe.ok());
-  ASSERT_EQ(std::get<Subscribe>(subscribe.value()).subscriptions.size(), 2u);
-  EXPECT_EQ(std::get<Subscribe>(subscribe.value()).subscriptions[0].channel, 9u);
-  const Result<ClientMessage> unsubscribe = ParseText(R"({"op": "unsubscribe", "subscriptionIds": [3]})");
-  ASSERT_TRUE(unsubscribe.ok());
-  EXPECT_EQ(std::get<Unsubscribe>(unsubscribe.value()).ids, std::vector<std::uint32_t>{3});
+  const ClientMessage subscribe = test::ValueOf(
+      ParseText(R"({"op": "subscribe", "subscriptions": [{"id": 3, "channelId": 9}, {"id": 4, "channelId": 1}]})"));
+  ASSERT_EQ(std::get<Subscribe>(subscribe).subscriptions.size(), 2u);
+  EXPECT_EQ(std::get<Subscribe>(subscribe).subscriptions[0].channel, 9u);
+  EXPECT_EQ(std::get<Unsubscribe>(test::ValueOf(ParseText(R"({"op": "unsubscribe", "subscriptionIds": [3]})"))).ids,
+            std::vector<std::uint32_t>{3});
   EXPECT_TRUE(std::holds_alternative<Ignored>(ParseText(R"({"op": "getParameters"})").value()));
 
   std::string call(1, '\2');
   Append(call, std::uint32_t{1});
   Append(call, std::uint32_t{77});
   Append(call, std::uint32_t{4});
-  const Result<ClientMessage> called = ParseBinary(call + "json{}");
-  ASSERT_TRUE(called.ok());
-  EXPECT_EQ(std::get<ServiceCall>(called.value()).command, "pause");
-  EXPECT_EQ(std::get<ServiceCall>(called.value()).call, 77u);
-  EXPECT_EQ(std::get<ServiceCall>(called.value()).json, "{}");
+  const ClientMessage called = test::ValueOf(ParseBinary(call + "json{}"));
+  EXPECT_EQ(std::get<ServiceCall>(called).command, "pause");
+  EXPECT_EQ(std::get<ServiceCall>(called).call, 77u);
+  EXPECT_EQ(std::get<ServiceCall>(called).json, "{}");
 
-  const Result<ClientMessage> playback = ParseBinary(PlaybackRequest(0, 2.0F, 5'000'000'000, "id"));
-  ASSERT_TRUE(playback.ok());
-  const auto& control = std::get<PlaybackControl>(playback.value());
+  const ClientMessage playback = test::ValueOf(ParseBinary(PlaybackRequest(0, 2.0F, 5'000'000'000, "id")));
+  const auto& control = std::get<PlaybackControl>(playback);
   EXPECT_TRUE(control.play);
   EXPECT_EQ(control.speed, 2.0F);
   EXPECT_EQ(control.seek, 5'000'000'000u);

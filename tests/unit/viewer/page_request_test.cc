@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/values.h"
+
 namespace troupe {
 namespace {
 
@@ -61,12 +63,10 @@ TEST(PageRequestTest, SetsTheSpeedAndCommandsRobots) {
 }
 
 TEST(PageRequestTest, GoesBackAndReturns) {
-  const Result<PageRequest> position = ParsePageRequest(R"({"type": "seek", "position": 12})");
-  ASSERT_TRUE(position.ok());
-  EXPECT_EQ(std::get<SeekRequest>(position.value()), (SeekRequest{12, std::nullopt}));
-  const Result<PageRequest> tick = ParsePageRequest(R"({"type": "seek", "tick": 3})");
-  ASSERT_TRUE(tick.ok());
-  EXPECT_EQ(std::get<SeekRequest>(tick.value()), (SeekRequest{std::nullopt, 3}));
+  EXPECT_EQ(std::get<SeekRequest>(test::ValueOf(ParsePageRequest(R"({"type": "seek", "position": 12})"))),
+            (SeekRequest{12, std::nullopt}));
+  EXPECT_EQ(std::get<SeekRequest>(test::ValueOf(ParsePageRequest(R"({"type": "seek", "tick": 3})"))),
+            (SeekRequest{std::nullopt, 3}));
   EXPECT_TRUE(ParsePageRequest(R"({"type": "live"})").ok());
   for (const char* bad : {R"({"type": "seek"})", R"({"type": "seek", "position": 1, "tick": 1})",
                           R"({"type": "seek", "position": -1})", R"({"type": "seek", "tick": 1.5})"}) {
@@ -75,15 +75,12 @@ TEST(PageRequestTest, GoesBackAndReturns) {
 }
 
 TEST(PageRequestTest, ReadsSelections) {
-  const Result<PageRequest> names = ParsePageRequest(R"({"type": "select", "robots": ["a", "b"]})");
-  ASSERT_TRUE(names.ok());
-  EXPECT_EQ(std::get<SelectRequest>(names.value()), (SelectRequest{false, {"a", "b"}}));
-  const Result<PageRequest> pictures = ParsePageRequest(R"({"type": "select", "robots": ["a"], "pictures": "a"})");
-  ASSERT_TRUE(pictures.ok());
-  EXPECT_EQ(std::get<SelectRequest>(pictures.value()), (SelectRequest{false, {"a"}, "a"}));
-  const Result<PageRequest> all = ParsePageRequest(R"({"type": "select", "robots": "all"})");
-  ASSERT_TRUE(all.ok());
-  EXPECT_TRUE(std::get<SelectRequest>(all.value()).all);
+  EXPECT_EQ(std::get<SelectRequest>(test::ValueOf(ParsePageRequest(R"({"type": "select", "robots": ["a", "b"]})"))),
+            (SelectRequest{false, {"a", "b"}}));
+  EXPECT_EQ(std::get<SelectRequest>(
+                test::ValueOf(ParsePageRequest(R"({"type": "select", "robots": ["a"], "pictures": "a"})"))),
+            (SelectRequest{false, {"a"}, "a"}));
+  EXPECT_TRUE(std::get<SelectRequest>(test::ValueOf(ParsePageRequest(R"({"type": "select", "robots": "all"})"))).all);
 }
 
 TEST(PageRequestTest, RefusesEverythingElse) {
@@ -140,10 +137,7 @@ TEST(PageRequestTest, RefusesEverythingElse) {
 }
 
 TEST(PageRequestTest, RepliesAreJsonWhateverTheyContain) {
-  ControlReply reply;
-  reply.done = true;
-  reply.state = RunState::kPaused;
-  reply.tick = 12;
+  ControlReply reply{.done = true, .state = RunState::kPaused, .tick = 12};
   reply.entities.push_back({"can\xff\"", "model"});
   EXPECT_EQ(
       ReplyToControl(3, reply).text,
@@ -154,10 +148,9 @@ TEST(PageRequestTest, RepliesAreJsonWhateverTheyContain) {
 }
 
 TEST(PageRequestTest, AsksForTheAgentOfARobot) {
-  const Result<PageRequest> request =
-      ParsePageRequest(R"({"type": "control", "id": 4, "command": "entities", "name": "r0"})");
-  ASSERT_TRUE(request.ok());
-  const PageControl& control = std::get<PageControl>(request.value());
+  const PageRequest request =
+      test::ValueOf(ParsePageRequest(R"({"type": "control", "id": 4, "command": "entities", "name": "r0"})"));
+  const PageControl& control = std::get<PageControl>(request);
   EXPECT_EQ(control.request.command, ControlCommand::kEntities);
   EXPECT_EQ(control.request.name, "r0");
   EXPECT_TRUE(IsQuestion(control.request.command));
@@ -173,9 +166,8 @@ TEST(PageRequestTest, EditsAreLongerThanOtherRequests) {
   const std::string edit =
       R"({"type": "edit", "id": 3, "op": "set_text", "text": ")" + std::string(20'000, 'x') + "\"}";
   EXPECT_FALSE(ParsePageRequest(edit).ok());
-  const Result<PageRequest> request = ParsePageRequest(edit, kLongestEditRequest);
-  ASSERT_TRUE(request.ok());
-  const PageEdit& parsed = std::get<PageEdit>(request.value());
+  const PageRequest request = test::ValueOf(ParsePageRequest(edit, kLongestEditRequest));
+  const PageEdit& parsed = std::get<PageEdit>(request);
   EXPECT_EQ(parsed.id, 3U);
   EXPECT_EQ(std::get<edit::SetText>(parsed.operation.value()).text.size(), 20'000U);
   const std::string select = R"({"type": "select", "robots": [")" + std::string(20'000, 'x') + "\"]}";
@@ -210,23 +202,21 @@ TEST(PageRequestTest, ViewersAskOnlyQuestionsOfAFile) {
 }
 
 TEST(PageRequestTest, EditsBecomeTypedOperations) {
-  const Result<EditOperation> pose =
-      DecodeEditOperation({{"op", "set_pose"}, {"name", "a"}, {"pose", {1, 2, 0, -3.5}}});
-  ASSERT_TRUE(pose.ok());
-  EXPECT_EQ(std::get<edit::SetPose>(pose.value()).pose, (Pose{1.0, 2.0, 0.0, -3.5}));
-  const Result<EditOperation> part = DecodeEditOperation(
-      {{"op", "change_part"}, {"model", "m"}, {"part", {0, 2}}, {"action", "shape"}, {"shape", {{"limits", {0, 1}}}}});
-  ASSERT_TRUE(part.ok());
-  const auto& shape = std::get<edit::ShapePart>(part.value());
+  EXPECT_EQ(std::get<edit::SetPose>(
+                test::ValueOf(DecodeEditOperation({{"op", "set_pose"}, {"name", "a"}, {"pose", {1, 2, 0, -3.5}}})))
+                .pose,
+            (Pose{1.0, 2.0, 0.0, -3.5}));
+  const EditOperation part = test::ValueOf(DecodeEditOperation(
+      {{"op", "change_part"}, {"model", "m"}, {"part", {0, 2}}, {"action", "shape"}, {"shape", {{"limits", {0, 1}}}}}));
+  const auto& shape = std::get<edit::ShapePart>(part);
   EXPECT_EQ(shape.model, "m");
   EXPECT_EQ(shape.part, (PartPath{0, 2}));
   EXPECT_EQ(shape.shape.limits, (std::vector<double>{0.0, 1.0}));
   EXPECT_FALSE(shape.shape.is_only_pose());
-  const Result<EditOperation> region = DecodeEditOperation(
-      {{"op", "set_region"}, {"rule", {{"count", 2}, {"model", "m"}, {"region", {0, 0, 1, 1}}, {"seed", 3}}}});
-  ASSERT_TRUE(region.ok());
+  const EditOperation region = test::ValueOf(DecodeEditOperation(
+      {{"op", "set_region"}, {"rule", {{"count", 2}, {"model", "m"}, {"region", {0, 0, 1, 1}}, {"seed", 3}}}}));
   std::string members;
-  for (const auto& [key, value] : *std::get<edit::SetRegion>(region.value()).rule) members += key + "=" + value + ";";
+  for (const auto& [key, value] : *std::get<edit::SetRegion>(region).rule) members += key + "=" + value + ";";
   EXPECT_EQ(members, "model=\"m\";count=2;region=[0, 0, 1, 1];seed=3;");
 }
 

@@ -15,17 +15,11 @@ SessionMessage Session(RunId run = 1, Edition edition = 0) {
   SmallWorld world;
   world.AddBox("box", 2.0, 0.0, 1.0, 1.0, {0.0, 1.0});
   world.AddRobot("r0", {});
-  SessionMessage session;
-  session.run = run;
-  session.world = world.world();
-  session.world_edition = edition;
-  return session;
+  return {.run = run, .world = world.world(), .world_edition = edition};
 }
 
 SharedFrame Frame(const SessionMessage& session, Tick tick, std::size_t events = 0, bool is_last = false) {
-  FrameMessage frame;
-  frame.run = session.run;
-  frame.state = PlacedState(session.world);
+  FrameMessage frame{.run = session.run, .state = PlacedState(session.world)};
   frame.state.tick = tick;
   frame.state_hash = tick;
   frame.edition = session.world_edition;

@@ -2,10 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <memory>
 #include <random>
-#include <utility>
 #include <vector>
 
 #include "tests/unit/viewer/byte_reader.h"

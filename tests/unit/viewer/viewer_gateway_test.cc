@@ -12,6 +12,7 @@
 
 #include "common/sensing/sensor_suite.h"
 #include "tests/support/small_world.h"
+#include "tests/support/values.h"
 #include "tests/unit/viewer/byte_reader.h"
 #include "tests/unit/viewer/web_client.h"
 
@@ -82,11 +83,7 @@ SessionMessage LaserWorld(Edition edition = 0) {
     fan.noise_variance = 0.01;
     world.AddRanger(robot, {0.0, 0.0, 0.2, 0.0}, {fan});
   }
-  SessionMessage session;
-  session.run = 1;
-  session.world = world.world();
-  session.world_edition = edition;
-  return session;
+  return {.run = 1, .world = world.world(), .world_edition = edition};
 }
 
 SharedFrame FrameAt(const SessionMessage& session, Tick tick) {
@@ -187,15 +184,8 @@ struct ParsedUpdate {
 class ViewerGatewayTest : public testing::Test {
  protected:
   void Start(bool view_only = false, const std::string& token = "", bool editor = false) {
-    ViewerGatewayOptions options;
-    options.editor = editor;
-    options.session = "s";
-    options.port = 0;
-    options.view_only = view_only;
-    options.token = token;
-    Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(options, link_);
-    ASSERT_TRUE(gateway.ok()) << gateway.error().message;
-    gateway_ = std::move(gateway).value();
+    ViewerGatewayOptions options{.session = "s", .port = 0, .view_only = view_only, .editor = editor, .token = token};
+    gateway_ = test::ValueOf(ViewerGateway::Start(options, link_));
   }
   std::uint16_t port() const {
     const std::string address = gateway_->Address();
@@ -206,24 +196,24 @@ class ViewerGatewayTest : public testing::Test {
     client->Upgrade();
     return client;
   }
-  static nlohmann::json ReadText(WebClient& client) {
-    for (;;) {
-      const auto message = client.Read();
-      if (!message) {
-        ADD_FAILURE() << "the connection ended";
-        return {};
-      }
-      if (message->opcode == 1) return nlohmann::json::parse(message->content);
-    }
+  // Starts the gateway with a page, and a run of a world, whose frames OnFrame(tick) sends.
+  void StartRun(const SessionMessage& world = LaserWorld()) {
+    Start();
+    client_ = Connect();
+    run_ = &link_.AwaitObserver();
+    world_ = world;
+    run_->OnSession(world_);
   }
-  static std::string ReadBinary(WebClient& client) {
+  void OnFrame(Tick tick) { run_->OnFrame(FrameAt(world_, tick)); }
+  static nlohmann::json ReadText(WebClient& client) {
+    return nlohmann::json::parse(ReadMessage(client, 1), nullptr, false);
+  }
+  static std::string ReadBinary(WebClient& client) { return ReadMessage(client, 2); }
+  // The next text of this type.
+  static nlohmann::json ReadText(WebClient& client, const std::string& type) {
     for (;;) {
-      const auto message = client.Read();
-      if (!message) {
-        ADD_FAILURE() << "the connection ended";
-        return {};
-      }
-      if (message->opcode == 2) return message->content;
+      nlohmann::json text = ReadText(client);
+      if (text.is_discarded() || text["type"] == type) return text;
     }
   }
   // The first update that `wanted` accepts.
@@ -239,6 +229,21 @@ class ViewerGatewayTest : public testing::Test {
 
   ScriptedLink link_;
   std::unique_ptr<ViewerGateway> gateway_;
+  std::unique_ptr<WebClient> client_;
+  ObserverHandler* run_ = nullptr;
+  SessionMessage world_;
+
+ private:
+  static std::string ReadMessage(WebClient& client, int opcode) {
+    for (;;) {
+      const auto message = client.Read();
+      if (!message) {
+        ADD_FAILURE() << "the connection ended";
+        return "";
+      }
+      if (message->opcode == opcode) return message->content;
+    }
+  }
 };
 
 TEST_F(ViewerGatewayTest, SendsTheWorldThenItsStateThenDifferences) {
@@ -271,22 +276,14 @@ TEST_F(ViewerGatewayTest, SendsTheWorldThenItsStateThenDifferences) {
 }
 
 TEST_F(ViewerGatewayTest, TheStatusOfTheRunFollowsItsWorld) {
-  Start();
-  auto client = Connect();
-  ObserverHandler& run = link_.AwaitObserver();
-  const SessionMessage world = LaserWorld();
-  run.OnSession(world);
-  run.OnFrame(FrameAt(world, 1));
-  StatusMessage status;
-  status.run = world.run;
-  status.target_ticks = 600;
-  status.speed = 2.0;
+  StartRun();
+  OnFrame(1);
+  StatusMessage status{.run = world_.run, .target_ticks = 600, .speed = 2.0};
   status.phases.step = 0.25;
   status.waiting_for.assign(70, "r0");
-  run.OnStatus(status);
-  EXPECT_EQ(ReadBinary(*client)[0], 1);
-  nlohmann::json text = ReadText(*client);
-  while (text["type"] != "status") text = ReadText(*client);
+  run_->OnStatus(status);
+  EXPECT_EQ(ReadBinary(*client_)[0], 1);
+  nlohmann::json text = ReadText(*client_, "status");
   EXPECT_EQ(text["target_ticks"], 600);
   EXPECT_EQ(text["speed"], 2.0);
   EXPECT_EQ(text["phases"]["step"], 0.25);
@@ -295,22 +292,17 @@ TEST_F(ViewerGatewayTest, TheStatusOfTheRunFollowsItsWorld) {
   // A viewer that comes later has it, too.
   auto late = Connect();
   EXPECT_EQ(ReadBinary(*late)[0], 1);
-  text = ReadText(*late);
-  while (text["type"] != "status") text = ReadText(*late);
+  text = ReadText(*late, "status");
   EXPECT_EQ(text["target_ticks"], 600);
 }
 
 TEST_F(ViewerGatewayTest, ManyTicksAreFewUpdates) {
-  Start();
-  auto client = Connect();
-  ObserverHandler& run = link_.AwaitObserver();
-  const SessionMessage world = LaserWorld();
-  run.OnSession(world);
+  StartRun();
   const auto start = std::chrono::steady_clock::now();
   constexpr Tick kTicks = 20000;
-  for (Tick tick = 1; tick <= kTicks; ++tick) run.OnFrame(FrameAt(world, tick));
+  for (Tick tick = 1; tick <= kTicks; ++tick) OnFrame(tick);
   int updates = 0;
-  AwaitUpdate(*client, [&](const ParsedUpdate& update) {
+  AwaitUpdate(*client_, [&](const ParsedUpdate& update) {
     ++updates;
     return update.tick == kTicks;
   });
@@ -319,23 +311,20 @@ TEST_F(ViewerGatewayTest, ManyTicksAreFewUpdates) {
 }
 
 TEST_F(ViewerGatewayTest, ReadingsAreThoseOfTheRobotsThemselves) {
-  Start();
-  auto client = Connect();
-  ObserverHandler& run = link_.AwaitObserver();
-  const SessionMessage world = LaserWorld();
-  run.OnSession(world);
-  run.OnFrame(FrameAt(world, 7));
-  EXPECT_TRUE(AwaitUpdate(*client, [](const ParsedUpdate&) { return true; }).readings.empty());
-  client->SendText(R"({"type": "select", "robots": ["r1", "unknown"]})");
-  const ParsedUpdate one = AwaitUpdate(*client, [](const ParsedUpdate& update) { return !update.readings.empty(); });
+  StartRun();
+  OnFrame(7);
+  EXPECT_TRUE(AwaitUpdate(*client_, [](const ParsedUpdate&) { return true; }).readings.empty());
+  client_->SendText(R"({"type": "select", "robots": ["r1", "unknown"]})");
+  const ParsedUpdate one = AwaitUpdate(*client_, [](const ParsedUpdate& update) { return !update.readings.empty(); });
   EXPECT_THAT(one.readings, testing::ElementsAre(1));
-  client->SendText(R"({"type": "select", "robots": "all"})");
-  const ParsedUpdate all = AwaitUpdate(*client, [](const ParsedUpdate& update) { return update.readings.size() == 2; });
+  client_->SendText(R"({"type": "select", "robots": "all"})");
+  const ParsedUpdate all =
+      AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.readings.size() == 2; });
   EXPECT_EQ(all.reading_tick, 7u);
 
-  const Scene scene(world.world);
+  const Scene scene(world_.world);
   BodyIndex bodies(scene);
-  bodies.Assign(FrameAt(world, 7)->state);
+  bodies.Assign(FrameAt(world_, 7)->state);
   for (std::size_t robot = 0; robot < 2; ++robot) {
     SensorSuite suite(scene, RobotId(robot));
     const RangerReading expected = *suite.Measure(0, {scene, bodies}, 7).ranger();
@@ -354,43 +343,35 @@ std::string PictureAt(const SessionMessage& world, Tick tick) {
 }
 
 TEST_F(ViewerGatewayTest, CameraImagesAreThoseOfTheRobotWhosePanelIsOpen) {
-  Start();
-  auto client = Connect();
-  ObserverHandler& run = link_.AwaitObserver();
-  const SessionMessage world = CameraWorld();
-  run.OnSession(world);
-  run.OnFrame(FrameAt(world, 1));
-  client->SendText(R"({"type": "select", "robots": ["r0"]})");
+  StartRun(CameraWorld());
+  OnFrame(1);
+  client_->SendText(R"({"type": "select", "robots": ["r0"]})");
   const auto has_camera = [](const ParsedUpdate& update) { return update.camera.has_value(); };
-  EXPECT_EQ(*AwaitUpdate(*client, has_camera).camera, ParsedUpdate::kNone);
-  client->SendText(R"({"type": "select", "robots": "all", "pictures": "r0"})");
+  EXPECT_EQ(*AwaitUpdate(*client_, has_camera).camera, ParsedUpdate::kNone);
+  client_->SendText(R"({"type": "select", "robots": "all", "pictures": "r0"})");
   const auto has_picture = [](const ParsedUpdate& update) { return update.camera == ParsedUpdate::kCamera; };
-  const ParsedUpdate shown = AwaitUpdate(*client, has_picture);
+  const ParsedUpdate shown = AwaitUpdate(*client_, has_picture);
   EXPECT_EQ(shown.width, 8u);
   EXPECT_EQ(shown.height, 6u);
-  EXPECT_EQ(shown.picture, PictureAt(world, 1));
+  EXPECT_EQ(shown.picture, PictureAt(world_, 1));
 }
 
 TEST_F(ViewerGatewayTest, CameraImagesAreFewAndThatOfTheLastStateFollows) {
-  Start();
-  auto client = Connect();
-  ObserverHandler& run = link_.AwaitObserver();
-  const SessionMessage world = CameraWorld();
-  run.OnSession(world);
-  run.OnFrame(FrameAt(world, 1));
-  client->SendText(R"({"type": "select", "robots": ["r0"], "pictures": "r0"})");
+  StartRun(CameraWorld());
+  OnFrame(1);
+  client_->SendText(R"({"type": "select", "robots": ["r0"], "pictures": "r0"})");
   const auto has_picture = [](const ParsedUpdate& update) { return update.camera == ParsedUpdate::kCamera; };
-  AwaitUpdate(*client, has_picture);
+  AwaitUpdate(*client_, has_picture);
   // Until a state comes so soon after an image that it has none.
   Tick tick = 1;
   for (bool was_kept = false; !was_kept;) {
-    run.OnFrame(FrameAt(world, ++tick));
-    was_kept = AwaitUpdate(*client, [&](const ParsedUpdate& update) { return update.tick == tick; }).camera ==
+    OnFrame(++tick);
+    was_kept = AwaitUpdate(*client_, [&](const ParsedUpdate& update) { return update.tick == tick; }).camera ==
                ParsedUpdate::kKept;
   }
-  const ParsedUpdate late = AwaitUpdate(*client, has_picture);
+  const ParsedUpdate late = AwaitUpdate(*client_, has_picture);
   EXPECT_EQ(late.tick, tick);
-  EXPECT_EQ(late.picture, PictureAt(world, tick));
+  EXPECT_EQ(late.picture, PictureAt(world_, tick));
 }
 
 TEST_F(ViewerGatewayTest, RequestsReachTheRunAndTheirRepliesTheViewer) {
@@ -398,48 +379,40 @@ TEST_F(ViewerGatewayTest, RequestsReachTheRunAndTheirRepliesTheViewer) {
   auto client = Connect();
   client->SendText(R"({"type": "control", "id": 5, "command": "pause"})");
   client->SendText(R"({"type": "control", "id": 6, "command": "set_pose", "name": "r0", "pose": [2, 0, 0, 0]})");
-  std::vector<nlohmann::json> replies;
-  while (replies.size() < 2) {
-    nlohmann::json text = ReadText(*client);
-    ASSERT_FALSE(text.is_null());
-    if (text["type"] == "reply") replies.push_back(text);
-  }
-  EXPECT_EQ(replies[0]["id"], 5);
-  EXPECT_EQ(replies[0]["done"], true);
-  EXPECT_EQ(replies[1]["id"], 6);
-  EXPECT_EQ(replies[1]["problem"], "in a wall");
+  nlohmann::json reply = ReadText(*client, "reply");
+  EXPECT_EQ(reply["id"], 5);
+  EXPECT_EQ(reply["done"], true);
+  reply = ReadText(*client, "reply");
+  EXPECT_EQ(reply["id"], 6);
+  EXPECT_EQ(reply["problem"], "in a wall");
 }
 
 TEST_F(ViewerGatewayTest, AViewerGoesBackToAPastStateAndReturns) {
-  Start();
-  auto client = Connect();
+  StartRun();
   auto other = Connect();
-  ObserverHandler& run = link_.AwaitObserver();
-  const SessionMessage world = LaserWorld();
-  run.OnSession(world);
-  for (Tick tick = 1; tick <= 20; ++tick) run.OnFrame(FrameAt(world, tick));
-  run.OnFrame(FrameAt(world, 20));  // resent
-  const ParsedUpdate newest = AwaitUpdate(*client, [](const ParsedUpdate& update) { return update.tick == 20; });
+  for (Tick tick = 1; tick <= 20; ++tick) OnFrame(tick);
+  OnFrame(20);  // resent
+  const ParsedUpdate newest = AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.tick == 20; });
   EXPECT_EQ(newest.position, 19u);
   EXPECT_EQ(newest.last, 19u);
   EXPECT_FALSE(newest.is_past());
-  client->SendText(R"({"type": "select", "robots": ["r0"]})");
-  client->SendText(R"({"type": "seek", "position": 4})");
-  const ParsedUpdate past = AwaitUpdate(*client, [](const ParsedUpdate& update) { return update.is_past(); });
+  client_->SendText(R"({"type": "select", "robots": ["r0"]})");
+  client_->SendText(R"({"type": "seek", "position": 4})");
+  const ParsedUpdate past = AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.is_past(); });
   EXPECT_EQ(past.tick, 5u);
   EXPECT_EQ(past.hash, 1005u);
   EXPECT_EQ(past.position, 4u);
   EXPECT_THAT(past.rows, testing::ElementsAre(0, 1));
   EXPECT_EQ(past.robots[0].X_WR.x, 0.005);
   EXPECT_EQ(past.reading_tick, 5u);
-  run.OnFrame(FrameAt(world, 21));
+  OnFrame(21);
   AwaitUpdate(*other, [](const ParsedUpdate& update) { return update.tick == 21; });
-  client->SendText(R"({"type": "seek", "tick": 7})");
-  const ParsedUpdate next = AwaitUpdate(*client, [](const ParsedUpdate&) { return true; });
+  client_->SendText(R"({"type": "seek", "tick": 7})");
+  const ParsedUpdate next = AwaitUpdate(*client_, [](const ParsedUpdate&) { return true; });
   EXPECT_EQ(next.tick, 7u) << "a viewer in the past receives no live state";
   EXPECT_EQ(next.last, 20u);
-  client->SendText(R"({"type": "live"})");
-  const ParsedUpdate live = AwaitUpdate(*client, [](const ParsedUpdate& update) { return !update.is_past(); });
+  client_->SendText(R"({"type": "live"})");
+  const ParsedUpdate live = AwaitUpdate(*client_, [](const ParsedUpdate& update) { return !update.is_past(); });
   EXPECT_EQ(live.tick, 21u);
   EXPECT_THAT(live.rows, testing::ElementsAre(0, 1));
 }
@@ -465,9 +438,7 @@ TEST_F(ViewerGatewayTest, ShowsARecordingFromItsBeginAndRefusesToChangeIt) {
   ScriptedRecording recording;
   ViewerGatewayOptions options;
   options.port = 0;
-  Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(options, recording);
-  ASSERT_TRUE(gateway.ok());
-  gateway_ = std::move(gateway).value();
+  gateway_ = test::ValueOf(ViewerGateway::Start(options, recording));
   auto client = Connect();
   const nlohmann::json session = ReadText(*client);
   EXPECT_EQ(session["recording"], true);
@@ -520,38 +491,28 @@ TEST_F(ViewerGatewayTest, AMalformedEditIsAnsweredAndKeepsTheConnection) {
   for (const bool view_only : {false, true}) {
     Start(view_only, "", true);
     auto client = Connect();
-    const auto await_reply = [&]() -> nlohmann::json {
-      for (;;) {
-        nlohmann::json text = ReadText(*client);
-        if (text.is_null() || text["type"] == "reply") return text;
-      }
-    };
     client->SendText(R"({"type": "edit", "id": 5, "op": "set_pose", "name": "a"})");
-    const nlohmann::json refused = await_reply();
+    const nlohmann::json refused = ReadText(*client, "reply");
     EXPECT_EQ(refused["id"], 5);
     EXPECT_EQ(refused["done"], false);
     EXPECT_EQ(refused["problem"], view_only ? "this page only shows the file (--view-only)"
                                             : "found no pose, expected four finite numbers");
     client->SendText(R"({"type": "edit", "id": 6, "op": "text"})");
-    const nlohmann::json done = await_reply();
+    const nlohmann::json done = ReadText(*client, "reply");
     EXPECT_EQ(done["id"], 6);
     EXPECT_EQ(done["is_text"], true);
   }
 }
 
 TEST_F(ViewerGatewayTest, ASleepingViewerSkipsToTheNewestState) {
-  Start();
-  auto sleeping = Connect();
+  StartRun();
   auto watching = Connect();
-  ObserverHandler& run = link_.AwaitObserver();
-  const SessionMessage world = LaserWorld();
-  run.OnSession(world);
   constexpr Tick kTicks = 50;
   for (Tick tick = 1; tick <= kTicks; ++tick) {
-    run.OnFrame(FrameAt(world, tick));
+    OnFrame(tick);
     AwaitUpdate(*watching, [&](const ParsedUpdate& update) { return update.tick == tick; });
   }
-  const ParsedUpdate newest = AwaitUpdate(*sleeping, [&](const ParsedUpdate& update) { return update.tick == kTicks; });
+  const ParsedUpdate newest = AwaitUpdate(*client_, [&](const ParsedUpdate& update) { return update.tick == kTicks; });
   EXPECT_EQ(newest.robots[0].X_WR.x, 0.001 * static_cast<double>(kTicks));
 }
 
@@ -579,18 +540,14 @@ TEST_F(ViewerGatewayTest, TheRunIsObservedOnlyWhileThereAreViewers) {
 }
 
 TEST_F(ViewerGatewayTest, AnEditedWorldIsSentAgain) {
-  Start();
-  auto client = Connect();
-  ObserverHandler& run = link_.AwaitObserver();
-  const SessionMessage first = LaserWorld();
-  run.OnSession(first);
-  run.OnFrame(FrameAt(first, 1));
-  AwaitUpdate(*client, [](const ParsedUpdate& update) { return update.world == 1; });
+  StartRun();
+  OnFrame(1);
+  AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.world == 1; });
   const SessionMessage second = LaserWorld(1);
-  run.OnSession(second);
-  run.OnFrame(FrameAt(second, 1));
-  EXPECT_EQ(ReadBinary(*client)[0], 1);
-  const ParsedUpdate update(ReadBinary(*client));
+  run_->OnSession(second);
+  run_->OnFrame(FrameAt(second, 1));
+  EXPECT_EQ(ReadBinary(*client_)[0], 1);
+  const ParsedUpdate update(ReadBinary(*client_));
   EXPECT_EQ(update.world, 2u);
   EXPECT_THAT(update.rows, testing::ElementsAre(0, 1));
 }

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/values.h"
 #include "tests/unit/viewer/web_client.h"
 
 namespace troupe {
@@ -78,9 +79,7 @@ class WebServerTest : public testing::Test {
     options.access.token = token;
     options.files = kFiles;
     options.longest_text = 1000;
-    Result<std::unique_ptr<WebServer>> started = WebServer::Create(options);
-    ASSERT_TRUE(started.ok()) << started.error().message;
-    server_ = std::move(started).value();
+    server_ = test::ValueOf(WebServer::Create(options));
     server_->Serve(handler_);
   }
   // The server works as on its first day.
@@ -379,10 +378,9 @@ TEST_F(WebServerTest, APortInUseIsAnErrorOrReplacedByAnother) {
   ASSERT_FALSE(refused.ok());
   EXPECT_THAT(refused.error().message, HasSubstr("the port is in use"));
   options.any_port = true;
-  const auto moved = WebServer::Create(options);
-  ASSERT_TRUE(moved.ok());
-  EXPECT_NE(moved.value()->port(), server_->port());
-  EXPECT_NE(moved.value()->port(), 0);
+  const auto moved = test::ValueOf(WebServer::Create(options));
+  EXPECT_NE(moved->port(), server_->port());
+  EXPECT_NE(moved->port(), 0);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/support/values.h"
+
 namespace troupe {
 namespace {
 
@@ -18,9 +20,7 @@ TEST(JsonTreeTest, HasTheLineAndColumnOfEveryValue) {
       "  \"a\" : [1, -2.5e3 , true,{\"x\\\"y\": null}],\n"
       "  \"b\": {}, \"c\": [ ]\n"
       "}";
-  const Result<JsonTree> parsed = JsonTree::Parse(text, "s.json");
-  ASSERT_TRUE(parsed.ok()) << parsed.error().ToString();
-  const JsonTree& tree = parsed.value();
+  const JsonTree tree = test::ValueOf(JsonTree::Parse(text, "s.json"));
   const JsonNode& root = tree.root();
   const auto place = [&](const JsonNode& value) {
     const SourceLocation where = tree.Where(value);
@@ -43,15 +43,14 @@ TEST(JsonTreeTest, HasTheLineAndColumnOfEveryValue) {
 
 TEST(JsonTreeTest, FindsTheNodesAtAPlace) {
   const std::string text = "{\n  \"robots\": [\n    {\"name\": \"b\\u00e9la\"}]}";
-  const Result<JsonTree> parsed = JsonTree::Parse(text, "s.json");
-  ASSERT_TRUE(parsed.ok());
-  const auto path = parsed.value().PathTo(parsed.value().OffsetOf({"s.json", 3, 7}));
+  const JsonTree parsed = test::ValueOf(JsonTree::Parse(text, "s.json"));
+  const auto path = parsed.PathTo(parsed.OffsetOf({"s.json", 3, 7}));
   ASSERT_EQ(path.size(), 4U);
   EXPECT_EQ(path[1]->key, "robots");
   EXPECT_EQ(path[2]->Find("name"), path[3]);
   EXPECT_EQ(path[3]->text, "b\xc3\xa9la");
   EXPECT_EQ(path[3]->span.Of(text), "\"b\\u00e9la\"");
-  EXPECT_TRUE(parsed.value().PathTo(text.size()).empty());
+  EXPECT_TRUE(parsed.PathTo(text.size()).empty());
 }
 
 // The values are those that the library reads from the text.
@@ -61,9 +60,7 @@ TEST(JsonTreeTest, HasTheValuesOfTheText) {
         "[1e-400, -0.0000001e-999999999999, 4.9e-324, 1.7976931348623157e308]",
         R"(["", "a\"b\\\/\b\f\n\r\t", "\u0041\u00e9\u20ac\uD83D\uDE00", "\u0000"])", "[\"\xc3\xa9\"]",
         R"({"b": [{}, [], {"c": null}], "a": true, "": false})", " \t\r\n3 "}) {
-    const Result<JsonTree> tree = JsonTree::Parse(text, "s.json");
-    ASSERT_TRUE(tree.ok()) << tree.error().ToString();
-    EXPECT_EQ(ToJson(tree.value().root()), nlohmann::json::parse(text)) << text;
+    EXPECT_EQ(ToJson(test::ValueOf(JsonTree::Parse(text, "s.json")).root()), nlohmann::json::parse(text)) << text;
   }
 }
 
@@ -88,9 +85,8 @@ TEST(JsonTreeTest, RefusesWhatTheLibraryRefuses) {
 }
 
 TEST(JsonTreeTest, SkipsAByteOrderMark) {
-  const Result<JsonTree> parsed = JsonTree::Parse("\xEF\xBB\xBF[7]", "s.json");
-  ASSERT_TRUE(parsed.ok());
-  EXPECT_EQ(parsed.value().Where(parsed.value().root().items[0]).column, 5);
+  const JsonTree parsed = test::ValueOf(JsonTree::Parse("\xEF\xBB\xBF[7]", "s.json"));
+  EXPECT_EQ(parsed.Where(parsed.root().items[0]).column, 5);
 }
 
 TEST(JsonTreeTest, NamesThePlaceOfBrokenSyntax) {

@@ -3,16 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <set>
 
 #include "common/model/model_poses.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/overlap.h"
 #include "tests/support/ray_sensors.h"
+#include "tests/support/values.h"
 #include "worldfile/scenario/scenario_override.h"
 #include "worldfile/text/text_file.h"
 
@@ -213,10 +212,9 @@ TEST(Scenario, NamesTheHostsThatItRunsOn) {
     {"address": "10.0.0.2", "name": "beta", "start": "on beta {command}", "programs": "/opt/bin", "interface": "eth1",
      "service": true, "robots": ["r*", "x"]},
     {"address": "10.0.0.3", "robots": 7}]})";
-  const Result<HostsOfScenario> read = ReadHostsOfScenario(path);
-  ASSERT_TRUE(read.ok()) << read.error().ToString();
-  EXPECT_EQ(read.value().network, "unicast");
-  const std::vector<HostSettings>& hosts = read.value().hosts;
+  const HostsOfScenario read = test::ValueOf(ReadHostsOfScenario(path));
+  EXPECT_EQ(read.network, "unicast");
+  const std::vector<HostSettings>& hosts = read.hosts;
   ASSERT_EQ(hosts.size(), 3u);
   EXPECT_EQ(hosts[0].name, "alpha");
   EXPECT_EQ(hosts[0].address, "alpha");
@@ -369,11 +367,10 @@ TEST(Spawn, OdometryCountsFromWhereTheRobotIsPlaced) {
 class OwnScenario : public testing::TestWithParam<const char*> {};
 
 TEST_P(OwnScenario, LoadsWithoutWarnings) {
-  const Result<LoadedWorld> loaded = LoadScenario(WorldsFolder() + "/scenarios/" + GetParam());
-  ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
-  for (const Warning& warning : loaded.value().warnings) ADD_FAILURE() << warning.ToString();
-  EXPECT_FALSE(loaded.value().world.robots.empty());
-  EXPECT_TRUE(Validate(loaded.value().world).ok());
+  const LoadedWorld loaded = test::ValueOf(LoadScenario(WorldsFolder() + "/scenarios/" + GetParam()));
+  for (const Warning& warning : loaded.warnings) ADD_FAILURE() << warning.ToString();
+  EXPECT_FALSE(loaded.world.robots.empty());
+  EXPECT_TRUE(Validate(loaded.world).ok());
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, OwnScenario, testing::Values("demo.json", "swarm.json", "under_table.json"),
@@ -383,9 +380,9 @@ INSTANTIATE_TEST_SUITE_P(Files, OwnScenario, testing::Values("demo.json", "swarm
                          });
 
 TEST(Scenario, TheExamplesOfTheDocumentationLoad) {
-  const Result<std::string> page = ReadTextFile(WorldsFolder() + "/../docs/scenarios.md", {"docs/scenarios.md", 0, 0});
-  ASSERT_TRUE(page.ok());
-  const std::string& text = page.value();
+  const std::string page =
+      test::ValueOf(ReadTextFile(WorldsFolder() + "/../docs/scenarios.md", {"docs/scenarios.md", 0, 0}));
+  const std::string& text = page;
   int examples = 0;
   for (std::size_t start = text.find("```json\n"); start != std::string::npos; start = text.find("```json\n", start)) {
     start += 8;

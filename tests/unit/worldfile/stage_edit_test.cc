@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "tests/support/files.h"
 #include "tests/support/stage_worlds.h"
+#include "tests/support/values.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/stage/stage_world.h"
 
@@ -124,9 +124,7 @@ TEST(StageEditTest, AddedEntriesAndDefinesLoad) {
   WrittenModel shelf{"crate", {}, {WrittenBlock({{0, 0}, {1, 0}, {1, 0.5}, {0, 0.5}}, 0.4, 0.6)}};
   shelf.Set("size", Tuple({1, 0.5, 0.2}));
   const std::string defined = WithDefine(added, Read(added), "shelf", shelf);
-  const Result<WorldTree> tree = ParseStageText(defined, "yard.world");
-  ASSERT_TRUE(tree.ok()) << tree.error().ToString();
-  EXPECT_TRUE(tree.value().defines.contains("shelf"));
+  EXPECT_TRUE(test::ValueOf(ParseStageText(defined, "yard.world")).defines.contains("shelf"));
   // Before the first entry, behind the defines that it is made from.
   EXPECT_LT(defined.find("define shelf crate"), defined.find("crate( name \"left\""));
   EXPECT_GT(defined.find("define shelf crate"), defined.find("define crate"));
@@ -183,9 +181,7 @@ TEST(StageEditTest, StageWorldsChangeByOneToken) {
   int changed_files = 0;
   for (const auto& file : fs::recursive_directory_iterator(folder)) {
     if (file.path().extension() != ".world" && file.path().extension() != ".inc") continue;
-    std::ostringstream content;
-    content << std::ifstream(file.path(), std::ios::binary).rdbuf();
-    const std::string text = content.str();
+    const std::string text = test::TextOf(file.path());
     const Result<StageTree> syntax = ParseStage(text, file.path().string());
     if (!syntax.ok()) continue;  // of a version of the language that is not read
     for (const Statement& statement : syntax.value().statements) {
