@@ -2,24 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <mutex>
-#include <vector>
-
-#include "robot-agent/ros/refusals.h"
-#include "ros/connection/action_server.h"
-
 namespace troupe {
 namespace {
 
 using ros::RosCaller;
-
-struct GripperCommandTypes {
-  using SendGoalRequest = control_msgs_action_dds__GripperCommand_SendGoal_Request_;
-  using SendGoalResponse = control_msgs_action_dds__GripperCommand_SendGoal_Response_;
-  using GetResultRequest = control_msgs_action_dds__GripperCommand_GetResult_Request_;
-  using GetResultResponse = control_msgs_action_dds__GripperCommand_GetResult_Response_;
-  using FeedbackMessage = control_msgs_action_dds__GripperCommand_FeedbackMessage_;
-};
 
 // A result or feedback, which have the same fields. The effort is 0: forces are not simulated.
 template <typename Message>
@@ -29,120 +15,83 @@ Message Describe(const GripperGoal& goal) {
 
 }  // namespace
 
-class GripperAction::Server {
- public:
-  Server(const ros::RosNode& node, const std::string& name, const WorldDescription& world, GripperId gripper)
-      : world_(&world),
-        gripper_(gripper),
-        name_(node.Resolve(name)),
-        largest_(ros::LargestOpening(world, gripper)),
-        goals_(largest_, ros::MotionOf(world, gripper, PlacedState(world)).opening, world.interval_ns),
-        server_(node, name,
-                {.send_goal = [this](const RosCaller& caller, const auto& request) { SendGoal(caller, request); },
-                 .cancel = [this](const RosCaller& caller, const GoalId& id,
-                                  std::int64_t stamp) { Cancel(caller, id, stamp); },
-                 .get_result = [this](const RosCaller& caller, const GoalId& id) { GetResult(caller, id); }}) {
-    server_.Start();
-  }
-
-  std::optional<GripperGoals::Order> Begin(Tick tick) {
-    const std::lock_guard lock(mutex_);
-    return goals_.Begin(tick);
-  }
-
-  void AbortAll() {
-    const std::lock_guard lock(mutex_);
-    goals_.AbortAll();
-  }
-
-  void Publish(const WorldState& state) {
-    const std::lock_guard lock(mutex_);
-    const GripperGoal* const executing = goals_.executing();
-    const GoalId id = executing != nullptr ? executing->id : GoalId{};
-    goals_.Observe(state.tick, ros::MotionOf(*world_, gripper_, state));
-    if (executing != nullptr && server_.feedback_wanted()) {
-      if (const GripperGoal* const goal = goals_.Find(id)) {
-        server_.WriteFeedback(id, Describe<control_msgs_action_dds__GripperCommand_Feedback_>(*goal));
-      }
-    }
-    WriteStatus();
-    AnswerCallers();
-  }
-
-  std::optional<std::string> DrainReport() {
-    const std::lock_guard lock(mutex_);
-    const std::uint64_t refused = refusals_.CountToReport();
-    if (refused == 0) return std::nullopt;
-    return fmt::format("{}: refused a goal of {} m, expected 0 to {:.6g} ({} so far)", name_, refused_, largest_,
-                       refused);
-  }
-
- private:
-  void SendGoal(const RosCaller& caller, const GripperCommandTypes::SendGoalRequest& request) {
-    const std::lock_guard lock(mutex_);
-    const GoalId id = ros::ToGoalId(request.goal_id);
-    const bool accepted = goals_.Accept(id, request.goal.command.position, request.goal.command.max_effort);
-    if (accepted) {
-      WriteStatus();
-    } else {
-      refused_ = request.goal.command.position;
-      refusals_.Count();
-    }
-    server_.AnswerGoal(caller, accepted, accepted ? goals_.Find(id)->stamp : 0);
-  }
-
-  void Cancel(const RosCaller& caller, const GoalId& id, std::int64_t stamp) {
-    const std::lock_guard lock(mutex_);
-    const ros::CancelResult<GripperGoal> cancelled = goals_.Cancel(id, stamp);
-    WriteStatus();
-    server_.AnswerCancel(caller, cancelled);
-  }
-
-  void GetResult(const RosCaller& caller, const GoalId& id) {
-    const std::lock_guard lock(mutex_);
-    server_.AwaitResult(caller, id);
-    AnswerCallers();
-  }
-
-  void AnswerCallers() {
-    server_.AnswerResults(goals_.goals(), [](const GripperGoal& goal, dds::WireArena&) {
-      return Describe<control_msgs_action_dds__GripperCommand_Result_>(goal);
-    });
-  }
-
-  void WriteStatus() { server_.WriteStatus(goals_.goals().all()); }
-
-  const WorldDescription* world_;
-  GripperId gripper_;
-  std::string name_;
-  double largest_;
-  std::mutex mutex_;  // guards the members below
-  GripperGoals goals_;
-  Refusals refusals_;
-  double refused_ = 0.0;                           // m, of the last refused goal
-  ros::ActionServer<GripperCommandTypes> server_;  // last, because it calls members above
-};
-
 GripperAction::GripperAction(const ros::RosNode& node, const std::string& name, const WorldDescription& world,
                              GripperId gripper)
-    : server_(std::make_unique<Server>(node, name, world, gripper)) {}
-
-GripperAction::~GripperAction() = default;
+    : world_(&world),
+      gripper_(gripper),
+      name_(node.Resolve(name)),
+      largest_(ros::LargestOpening(world, gripper)),
+      goals_(largest_, ros::MotionOf(world, gripper, PlacedState(world)).opening, world.interval_ns),
+      server_(node, name,
+              {.send_goal = [this](const RosCaller& caller, const auto& request) { SendGoal(caller, request); },
+               .cancel = [this](const RosCaller& caller, const GoalId& id,
+                                std::int64_t stamp) { Cancel(caller, id, stamp); },
+               .get_result = [this](const RosCaller& caller, const GoalId& id) { GetResult(caller, id); }}) {
+  server_.Start();
+}
 
 std::optional<GripperGoals::Order> GripperAction::Begin(Tick tick) {
-  return server_->Begin(tick);
+  const std::lock_guard lock(mutex_);
+  return goals_.Begin(tick);
 }
 
 void GripperAction::AbortAll() {
-  server_->AbortAll();
+  const std::lock_guard lock(mutex_);
+  goals_.AbortAll();
 }
 
 void GripperAction::Publish(const WorldState& state) {
-  server_->Publish(state);
+  const std::lock_guard lock(mutex_);
+  const GripperGoal* const executing = goals_.executing();
+  const GoalId id = executing != nullptr ? executing->id : GoalId{};
+  goals_.Observe(state.tick, ros::MotionOf(*world_, gripper_, state));
+  if (executing != nullptr && server_.feedback_wanted()) {
+    if (const GripperGoal* const goal = goals_.Find(id)) {
+      server_.WriteFeedback(id, Describe<control_msgs_action_dds__GripperCommand_Feedback_>(*goal));
+    }
+  }
+  WriteStatus();
+  AnswerCallers();
 }
 
 std::optional<std::string> GripperAction::DrainReport() {
-  return server_->DrainReport();
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t refused = refusals_.CountToReport();
+  if (refused == 0) return std::nullopt;
+  return fmt::format("{}: refused a goal of {} m, expected 0 to {:.6g} ({} so far)", name_, refused_, largest_,
+                     refused);
+}
+
+void GripperAction::SendGoal(const RosCaller& caller, const Types::SendGoalRequest& request) {
+  const std::lock_guard lock(mutex_);
+  const GoalId id = ros::ToGoalId(request.goal_id);
+  const bool accepted = goals_.Accept(id, request.goal.command.position, request.goal.command.max_effort);
+  if (accepted) {
+    WriteStatus();
+  } else {
+    refused_ = request.goal.command.position;
+    refusals_.Count();
+  }
+  server_.AnswerGoal(caller, accepted, accepted ? goals_.Find(id)->stamp : 0);
+}
+
+void GripperAction::Cancel(const RosCaller& caller, const GoalId& id, std::int64_t stamp) {
+  const std::lock_guard lock(mutex_);
+  const ros::CancelResult<GripperGoal> cancelled = goals_.Cancel(id, stamp);
+  WriteStatus();
+  server_.AnswerCancel(caller, cancelled);
+}
+
+void GripperAction::GetResult(const RosCaller& caller, const GoalId& id) {
+  const std::lock_guard lock(mutex_);
+  server_.AwaitResult(caller, id);
+  AnswerCallers();
+}
+
+void GripperAction::AnswerCallers() {
+  server_.AnswerResults(goals_.goals(), [](const GripperGoal& goal, dds::WireArena&) {
+    return Describe<control_msgs_action_dds__GripperCommand_Result_>(goal);
+  });
 }
 
 }  // namespace troupe

@@ -3,12 +3,13 @@
 // once per tick.
 #pragma once
 
-#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
 #include "robot-agent/ros/gripper_goals.h"
-#include "ros/connection/ros_participant.h"
+#include "robot-agent/ros/refusals.h"
+#include "ros/connection/action_server.h"
 
 namespace troupe {
 
@@ -16,7 +17,6 @@ class GripperAction {
  public:
   // `name`: of the action. REQUIRES: the world outlives the action.
   GripperAction(const ros::RosNode& node, const std::string& name, const WorldDescription& world, GripperId gripper);
-  ~GripperAction();
 
   // As in GripperGoals.
   std::optional<GripperGoals::Order> Begin(Tick tick);
@@ -29,8 +29,23 @@ class GripperAction {
   std::optional<std::string> DrainReport();
 
  private:
-  class Server;
-  std::unique_ptr<Server> server_;
+  TROUPE_ACTION_TYPES(Types, control_msgs_action_dds__GripperCommand);
+
+  void SendGoal(const ros::RosCaller& caller, const Types::SendGoalRequest& request);
+  void Cancel(const ros::RosCaller& caller, const GoalId& id, std::int64_t stamp);
+  void GetResult(const ros::RosCaller& caller, const GoalId& id);
+  void AnswerCallers();
+  void WriteStatus() { server_.WriteStatus(goals_.goals().all()); }
+
+  const WorldDescription* world_;
+  GripperId gripper_;
+  std::string name_;
+  double largest_;
+  std::mutex mutex_;  // guards the members below
+  GripperGoals goals_;
+  Refusals refusals_;
+  double refused_ = 0.0;             // m, of the last refused goal
+  ros::ActionServer<Types> server_;  // last, because it calls members above
 };
 
 }  // namespace troupe

@@ -1,7 +1,5 @@
 // ActionServer<Types>: the topics and services of an action, as rcl lays them out. Its owner keeps the goals
-// (ros/messages/action_goals.h) and names the types:
-//   struct Types { using SendGoalRequest = ..., SendGoalResponse, GetResultRequest, GetResultResponse, FeedbackMessage
-//   };
+// (ros/messages/action_goals.h), and its types are those of TROUPE_ACTION_TYPES.
 //
 // Requests arrive on threads of the connection, through the functions of Handlers. REQUIRES: all other calls are made
 // one at a time.
@@ -35,6 +33,16 @@ inline Time ActionTime(std::int64_t ns) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   return {static_cast<std::int32_t>(ns / kSecond), static_cast<std::uint32_t>(ns % kSecond)};
 }
+
+// The types of an action, by the name that they begin with: "control_msgs_action_dds__GripperCommand".
+#define TROUPE_ACTION_TYPES(Types, action)                  \
+  struct Types {                                            \
+    using SendGoalRequest = action##_SendGoal_Request_;     \
+    using SendGoalResponse = action##_SendGoal_Response_;   \
+    using GetResultRequest = action##_GetResult_Request_;   \
+    using GetResultResponse = action##_GetResult_Response_; \
+    using FeedbackMessage = action##_FeedbackMessage_;      \
+  }
 
 template <typename Types>
 class ActionServer {

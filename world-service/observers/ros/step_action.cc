@@ -17,13 +17,7 @@ using ros::GoalId;
 using ros::GoalStatus;
 using ros::RosCaller;
 
-struct SimulateStepsTypes {
-  using SendGoalRequest = simulation_interfaces_action_dds__SimulateSteps_SendGoal_Request_;
-  using SendGoalResponse = simulation_interfaces_action_dds__SimulateSteps_SendGoal_Response_;
-  using GetResultRequest = simulation_interfaces_action_dds__SimulateSteps_GetResult_Request_;
-  using GetResultResponse = simulation_interfaces_action_dds__SimulateSteps_GetResult_Response_;
-  using FeedbackMessage = simulation_interfaces_action_dds__SimulateSteps_FeedbackMessage_;
-};
+TROUPE_ACTION_TYPES(SimulateStepsTypes, simulation_interfaces_action_dds__SimulateSteps);
 
 struct StepGoal : ros::ActionGoal {
   std::uint64_t steps = 0;
