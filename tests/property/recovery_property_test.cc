@@ -95,10 +95,11 @@ std::string RandomRoom(test::RandomStream& random, double clutter, double crowd)
   return text;
 }
 
-Result<WorldDescription> LoadText(const std::string& text) {
-  const std::string path = testing::TempDir() + "recovery_property_test.world";
+Result<WorldDescription> LoadText(const std::string& text, std::uint64_t seed) {
+  const std::string path = testing::TempDir() + "recovery_property_test_" + std::to_string(seed) + ".world";
   std::ofstream(path) << text;
   Result<Simulation> loaded = Simulation::Load(path);
+  std::filesystem::remove(path);
   if (!loaded.ok()) return loaded.error();
   return loaded.value().world();
 }
@@ -165,7 +166,7 @@ struct Totals {
 
 void RunRoom(std::uint64_t seed, double clutter, double crowd, int ticks, Totals& totals) {
   test::RandomStream random(seed);
-  Result<WorldDescription> loaded = LoadText(RandomRoom(random, clutter, crowd));
+  Result<WorldDescription> loaded = LoadText(RandomRoom(random, clutter, crowd), seed);
   ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
   WorldDescription& world = loaded.value();
   std::vector<bool> may_stand;
