@@ -49,7 +49,7 @@ TEST(ServiceCommandLine, OverridesTheScenario) {
                              "--domain",
                              "3",
                              "--interface",
-                             "eth0",
+                             "10.0.0.5",
                              "--on-agent-loss",
                              "abort",
                              "--hash-log",
@@ -81,7 +81,7 @@ TEST(ServiceCommandLine, OverridesTheScenario) {
   EXPECT_EQ(line.network.session, "s-1");
   EXPECT_EQ(line.service.session, "s-1");
   EXPECT_EQ(line.network.domain, 3u);
-  EXPECT_EQ(line.network.network_interface, "eth0");
+  EXPECT_EQ(line.network.network_interface, "10.0.0.5");
   EXPECT_EQ(line.outputs.hash_log, "h");
   EXPECT_EQ(line.outputs.poses, "p");
   EXPECT_EQ(line.outputs.record, "r");
