@@ -98,10 +98,10 @@ std::int64_t TraceFile::Now() {
 
 Result<TraceFile> TraceFile::Create(const std::string& path, const std::string& process) {
   Result<FileDescriptor> opened = OpenToWrite(path, O_TRUNC);
-  if (!opened.ok()) return Error{{path}, "cannot write a trace here: " + opened.error().message, opened.error().code};
+  if (!opened.ok()) return Error{{path}, "cannot write a trace here: " + opened.error().message, ErrorCode::kOutputFailed};
   std::FILE* const file = fdopen(opened.value().get(), "w");
   if (file == nullptr) {
-    return Error{{path}, std::string("cannot write a trace here: ") + std::strerror(errno), ErrorCode::kFailure};
+    return Error{{path}, std::string("cannot write a trace here: ") + std::strerror(errno), ErrorCode::kOutputFailed};
   }
   (void)opened.value().Release();  // the stream closes it
   TraceFile trace(path, file);

@@ -225,13 +225,17 @@ class InProcessRun {
       done.Signal();
     });
     std::thread agent_thread;  // of the robots at the start, if there are any
-    if (!run_.world().robots.empty()) {
-      agent_thread = std::thread([&] {
-        agent = OrFailure([&] {
-          return RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop.get_token());
-        });
-        if (!agent.ok()) stop_ = true;  // without its only agent the run cannot continue
+    const auto run_agent = [&] {
+      agent = OrFailure([&] {
+        return RunAgent(transport_->MakeAgentEndpoint(agent_options_.agent), agent_options_, agent_stop.get_token());
       });
+      if (!agent.ok()) stop_ = true;  // without its only agent the run cannot continue
+    };
+    try {
+      if (!run_.world().robots.empty()) agent_thread = std::thread(run_agent);
+    } catch (const std::system_error& error) {
+      agent = Failure(std::string("cannot start a thread: ") + error.what());
+      stop_ = true;
     }
     WaitForEnd(done.descriptor(), signals, stop_);
     service_thread.join();

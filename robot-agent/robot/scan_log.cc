@@ -32,14 +32,16 @@ Result<std::unique_ptr<ScanLog>> ScanLog::Open(const std::string& path, bool kee
   const Result<off_t> kept = keep ? LengthOfWholeLines(path) : Result<off_t>(0);
   if (!kept.ok()) return kept.error();
   Result<FileDescriptor> file = OpenToWrite(path, kept.value() == 0 ? O_TRUNC : 0);
-  if (!file.ok()) return Error{{path}, "cannot write scans here: " + file.error().message};
+  if (!file.ok()) return Error{{path}, "cannot write scans here: " + file.error().message, ErrorCode::kOutputFailed};
   const int descriptor = file.value().get();
   std::FILE* stream = nullptr;
   if (kept.value() == 0 ||
       (ftruncate(descriptor, kept.value()) == 0 && lseek(descriptor, kept.value(), SEEK_SET) == kept.value())) {
     stream = fdopen(descriptor, "w");
   }
-  if (stream == nullptr) return Error{{path}, std::string("cannot write scans here: ") + std::strerror(errno)};
+  if (stream == nullptr) {
+    return Error{{path}, std::string("cannot write scans here: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+  }
   (void)file.value().Release();  // the stream closes it
   return std::unique_ptr<ScanLog>(new ScanLog(stream, path));
 }

@@ -47,6 +47,8 @@ bool later_too = false;
 bool selected = false;
 const char* mark = nullptr;
 std::atomic<bool> failed{false};
+std::atomic<bool> in_main{
+    false};  // memory counts from there: libraries allocate some before, where nothing can report it
 
 // Only calls that this library does not replace.
 void AppendTo(const char* path, const char* text) {
@@ -87,7 +89,7 @@ __attribute__((destructor)) void End() {
 
 // Whether this call fails, with `reason` in errno.
 bool Fails(Kind kind, int reason) {
-  if (!selected) return false;
+  if (!selected || (kind == kMemory && !in_main.load())) return false;
   const long number = ++calls[kind];
   if (kind != failing || number < first || (number > first && !later_too)) return false;
   if (!failed.exchange(true) && mark != nullptr) {
@@ -111,6 +113,13 @@ Function Next(Function, const char* name) {
 }
 #define NEXT(name) (Next(&name, #name))
 
+using Main = int (*)(int, char**, char**);
+Main program_main = nullptr;
+int BeginMain(int argc, char** argv, char** environment) {
+  in_main = true;
+  return program_main(argc, argv, environment);
+}
+
 // As glibc does when a stream fails.
 void SetError(FILE* file) {
   file->_flags |= 0x20;
@@ -120,6 +129,14 @@ void SetError(FILE* file) {
 
 // NOLINTBEGIN(readability-inconsistent-declaration-parameter-name)
 extern "C" {
+
+int __libc_start_main(Main main, int argc, char** argv, void (*init)(), void (*end)(), void (*end_of_libraries)(),
+                      void* stack) {
+  using Start = int (*)(Main, int, char**, void (*)(), void (*)(), void (*)(), void*);
+  program_main = main;
+  return reinterpret_cast<Start>(dlsym(RTLD_NEXT, "__libc_start_main"))(BeginMain, argc, argv, init, end,
+                                                                        end_of_libraries, stack);
+}
 
 #define OPENS(name)                                                            \
   int name(const char* path, int flags, ...) {                                 \

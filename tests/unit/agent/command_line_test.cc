@@ -21,14 +21,14 @@ AgentCommandLine ParseGood(std::vector<const char*> arguments) {
 
 TEST(AgentCommandLineTest, ReadsEveryOption) {
   const AgentCommandLine line = ParseGood(
-      {"--session", "lab",           "--robot",       "r0",   "--robot",           "r1",  "--domain", "7",
-       "--service", "10.0.0.1:7410", "--interface",   "eth0", "--lease",           "3.5", "--scans",  "scans.jsonl",
-       "--faults",  "loss=0.25",     "--start-delay", "0.5",  "--session-timeout", "9"});
+      {"--session", "lab",           "--robot",       "r0",       "--robot",           "r1",  "--domain", "7",
+       "--service", "10.0.0.1:7410", "--interface",   "10.0.0.5", "--lease",           "3.5", "--scans",  "scans.jsonl",
+       "--faults",  "loss=0.25",     "--start-delay", "0.5",      "--session-timeout", "9"});
   EXPECT_EQ(line.network.session, "lab");
   EXPECT_THAT(line.agent.robots, ElementsAre("r0", "r1"));
   EXPECT_EQ(line.network.domain, 7u);
   EXPECT_EQ(line.network.service_address, "10.0.0.1:7410");
-  EXPECT_EQ(line.network.network_interface, "eth0");
+  EXPECT_EQ(line.network.network_interface, "10.0.0.5");
   EXPECT_EQ(line.network.lease_seconds, 3.5);
   EXPECT_EQ(line.agent.scan_log, "scans.jsonl");
   EXPECT_EQ(line.faults.loss, 0.25);

@@ -37,7 +37,7 @@ TEST(ServiceCommandLine, WithoutOptionsKeepsTheScenariosSettings) {
 TEST(ServiceCommandLine, OverridesTheScenario) {
   const auto parsed =
       Parse(test::Words("a.world --ticks 5 --seed=9 --mode=lockstep --speed max --controller wander --session s-1 "
-                        "--domain 3 --interface eth0 --on-agent-loss abort --hash-log h --poses p --record r --lease "
+                        "--domain 3 --interface 10.0.0.5 --on-agent-loss abort --hash-log h --poses p --record r --lease "
                         "0.5 --start-timeout 0 --faults loss=0.5 --report-fd 4"));
   ASSERT_TRUE(std::holds_alternative<ServiceCommandLine>(parsed));
   const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
@@ -52,7 +52,7 @@ TEST(ServiceCommandLine, OverridesTheScenario) {
   EXPECT_EQ(line.network.session, "s-1");
   EXPECT_EQ(line.service.session, "s-1");
   EXPECT_EQ(line.network.domain, 3u);
-  EXPECT_EQ(line.network.network_interface, "eth0");
+  EXPECT_EQ(line.network.network_interface, "10.0.0.5");
   EXPECT_EQ(line.outputs.hash_log, "h");
   EXPECT_EQ(line.outputs.poses, "p");
   EXPECT_EQ(line.outputs.record, "r");

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <exception>
 #include <new>
+#include <system_error>
 #include <utility>
 
 #include "transport/protocol/topics.h"
@@ -140,12 +141,16 @@ void DdsAgentEndpoint::ChooseWays() {
     const auto [way, is_new] = segments_.try_emplace(service->writer);
     if (!is_new) continue;
     way->second = OpenSegment(*service);
-    if (way->second) {
-      std::thread reader([this, segment = way->second, from = service->participant] { ReadFrames(segment, from); });
-      readers_.push_back({way->second, std::move(reader)});
-    } else {
-      network_.Open();
+    try {
+      if (way->second) {
+        std::thread reader([this, segment = way->second, from = service->participant] { ReadFrames(segment, from); });
+        readers_.push_back({way->second, std::move(reader)});
+      }
+    } catch (const std::system_error& error) {
+      connection_.Report(std::string("no data sharing with the world service: cannot start a thread: ") + error.what());
+      way->second.reset();
     }
+    if (!way->second) network_.Open();
   }
 }
 
