@@ -128,6 +128,10 @@ TEST_F(ServiceRestartTest, AnEditedRunHasItsWorld) {
 
 TEST_F(ServiceRestartTest, DeletedEntitiesCanBeRestored) {
   Program run = Start({"--paused", "--speed", "max"});
+  ControlRequest question;
+  question.command = ControlCommand::kEntities;
+  question.name = "r3";
+  const Pose original = Call(question).entities.at(0).X_WE;
   ControlRequest removal;
   removal.command = ControlCommand::kDelete;
   removal.name = "r3";
@@ -141,26 +145,12 @@ TEST_F(ServiceRestartTest, DeletedEntitiesCanBeRestored) {
   ControlRequest restoration;
   restoration.command = ControlCommand::kRestore;
   restoration.source = "r3";
+  restoration.pose = original;
   const ControlReply restored = Call(restoration);
   EXPECT_TRUE(restored.done) << restored.problem;
   ASSERT_EQ(restored.entities.size(), 1u);
   EXPECT_EQ(restored.entities.front().name, "r3");
   EXPECT_EQ(Call(ControlCommand::kStep, 2).tick, 3u);
-}
-
-TEST_F(ServiceRestartTest, ModelsAreSpawnedFromTheTextThatWasLoaded) {
-  Program run = Start({"--paused", "--speed", "max"});
-  ControlRequest load;
-  load.command = ControlCommand::kLoadWorld;
-  load.text = "define crate model (size [0.2 0.2 0.2])\nposition (name \"solo\" pose [1 1 0 0])\n";
-  ASSERT_TRUE(Call(load).done);
-  ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
-  ControlRequest spawn;
-  spawn.command = ControlCommand::kSpawn;
-  spawn.source = "crate";
-  spawn.pose = {-1.0, -1.0, 0.0, 0.0};
-  const ControlReply spawned = Call(spawn);
-  EXPECT_TRUE(spawned.done) << spawned.problem;
 }
 
 TEST_F(ServiceRestartTest, ARecordingIsWholeAfterwards) {

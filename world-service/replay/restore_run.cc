@@ -83,7 +83,9 @@ class Restoration {
     }
     if (number <= last_copy_) return;
     if (edit.request.command == ControlCommand::kLoadWorld) {
-      world_file_ = edit.request.source;
+      // Of a world from a text, models are spawned from the first file again if the journal lacks the text.
+      const bool is_from_lost_text = edit.request.source.empty() && edit.world && !edit.world->models.empty();
+      world_file_ = is_from_lost_text ? std::nullopt : std::optional(edit.request.source);
       world_text_ = edit.request.text;
     }
     if (edit.request.command == ControlCommand::kDelete && edit.world) {
