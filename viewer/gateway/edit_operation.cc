@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "common/base/json_text.h"
+#include "troupe/polygon.h"
 #include "worldfile/text/quote.h"
 
 namespace troupe {
@@ -152,6 +153,9 @@ class Decoder {
         const auto y = Number(corner[1]);
         if (!x || !y) return malformed;
         block.outline.emplace_back(*x, *y);
+      }
+      if (const Result<Polygon> simple = Normalized(block.outline); !simple.ok()) {
+        return Malformed("found a block that is no simple polygon: " + simple.error().message);
       }
       blocks.push_back(std::move(block));
     }
