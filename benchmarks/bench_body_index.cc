@@ -1,7 +1,7 @@
 // The index of moving bodies: assigning a state, and finding near bodies. Argument: robots, 3 m from each other.
 #include <benchmark/benchmark.h>
 
-#include "benchmarks/sparse_world.h"
+#include "benchmarks/bench_worlds.h"
 #include "common/spatial/body_index.h"
 
 namespace troupe {

@@ -2,7 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include "tests/support/gripper_world.h"
-#include "world-service/core/initial_state.h"
+#include "world-service/core/step.h"
 
 namespace troupe {
 namespace {

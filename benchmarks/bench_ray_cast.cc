@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "benchmarks/cave_world.h"
+#include "benchmarks/bench_worlds.h"
 #include "common/sensing/sensor_suite.h"
 #include "common/spatial/ray_cast.h"
 #include "worldfile/load_world.h"

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/cave_world.h"
-#include "common/sensing/sensor_registry.h"
+#include "benchmarks/bench_worlds.h"
+#include "common/sensing/sensor_suite.h"
 
 namespace troupe {
 namespace {

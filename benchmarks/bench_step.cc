@@ -1,9 +1,7 @@
 // Steps of a whole world.
 #include <benchmark/benchmark.h>
 
-#include "benchmarks/cave_world.h"
-#include "benchmarks/sparse_world.h"
-#include "world-service/core/initial_state.h"
+#include "benchmarks/bench_worlds.h"
 #include "world-service/core/step.h"
 
 namespace troupe {

@@ -1,6 +1,6 @@
 # Writes a C++ source with the texts of IDL files, each with the files that it includes, so that it is complete by itself.
 #   cmake -DFOLDER=<idl> -DFILES=<a.idl;b.idl> -DOUTPUT=<source.cc> -P embed_idl.cmake
-# The source defines: const IdlText kIdlTexts[] of recording/idl_texts.h.
+# The source defines: const IdlText kIdlTexts[] of recording/recorded_run.h.
 cmake_minimum_required(VERSION 3.25)
 
 # Appends the lines of a file to `text`, and those of each file that it includes once, in the caller.
@@ -21,7 +21,7 @@ function(append_idl name)
   set(included "${included}" PARENT_SCOPE)
 endfunction()
 
-set(source "// Made by cmake/embed_idl.cmake.\n#include \"recording/idl_texts.h\"\n\nnamespace troupe {\n\n")
+set(source "// Made by cmake/embed_idl.cmake.\n#include \"recording/recorded_run.h\"\n\nnamespace troupe {\n\n")
 string(APPEND source "const IdlText kIdlTexts[] = {\n")
 foreach(file IN LISTS FILES)
   set(text "")

@@ -1,11 +1,21 @@
-// ParseCommandLine: the same for all programs.
+// Command lines of all programs: parsing, exit statuses, and checks of values.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <optional>
+#include <string>
+#include <vector>
+
+#include "troupe/result.h"
 
 namespace CLI {
+
+// ParseCommandLine: the same for all programs.
+
 class App;
-}
+
+}  // namespace CLI
 
 namespace troupe {
 
@@ -15,5 +25,67 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
 
 // The exit status of a program: that of `run`, or that of a failure, which is printed as one line, if it throws.
 int RunProgram(int (*run)(int argc, const char* const* argv), int argc, const char* const* argv);
+
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitBadInput = 2;  // of files or usage
+inline constexpr int kExitFailed = 3;
+inline constexpr int kExitOutputFailed = 4;  // of an agent whose output file cannot be written (a full disk)
+inline constexpr int kExitInterrupted = 130;
+
+// Of a program that ends with this error.
+inline int ExitStatusOf(const Error& error) {
+  const bool is_bad_input = error.code == ErrorCode::kBadInput || error.code == ErrorCode::kMalformed;
+  return is_bad_input ? kExitBadInput : kExitFailed;
+}
+
+}  // namespace troupe
+
+namespace CLI {
+
+// Checks of values on the command line. The message of each states the text found and the text expected.
+
+class Validator;
+
+}  // namespace CLI
+
+namespace troupe {
+
+CLI::Validator WholeNumber(std::uint64_t min, std::uint64_t max = std::numeric_limits<std::uint64_t>::max());
+
+// Seconds or factors: finite, and above zero unless zero is allowed.
+CLI::Validator PositiveNumber();
+CLI::Validator NumberFromZero();
+
+// As NetworkSettings::lease_seconds.
+CLI::Validator LeaseValue();
+
+// A multiple of real time above zero, or "max".
+CLI::Validator SpeedValue();
+
+// Its name is the words, separated by spaces, from which completions for shells are made.
+CLI::Validator OneOf(std::vector<std::string> words);
+
+CLI::Validator NotEmpty();
+
+// 1 to 64 letters, digits, '.', '-' and '_': a DDS partition without wildcards.
+CLI::Validator SessionName();
+
+// 0 to kMaxDomain (common/run/run_settings.h).
+CLI::Validator DdsDomain();
+
+// The identity of a DDS participant: 24 hexadecimal digits.
+CLI::Validator ParticipantValue();
+
+// "auto", or the name or IPv4 address of an interface of this host.
+CLI::Validator InterfaceValue();
+
+// A network profile (transport/dds/binding/domain_config.h).
+CLI::Validator NetworkName();
+
+// Text for ParseFaults (transport/protocol/faulty_transport.h).
+CLI::Validator FaultsValue();
+
+// Text for ParseTraceTicks (common/trace/tick_trace.h).
+CLI::Validator TraceTicksValue();
 
 }  // namespace troupe

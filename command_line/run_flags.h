@@ -7,11 +7,14 @@
 #include <vector>
 
 #include "common/run/run_settings.h"
+#include "common/trace/tick_trace.h"
 #include "troupe/result.h"
 
 namespace CLI {
+
 class App;
 class Option;
+
 }  // namespace CLI
 
 namespace troupe {
@@ -73,5 +76,48 @@ void AddScansFlag(CLI::App& app, std::string& scans, const std::string& group = 
 
 // --faults SPEC: for tests. `faults` is text for ParseFaults (transport/protocol/faulty_transport.h).
 void AddFaultsFlag(CLI::App& app, std::string& faults);
+
+}  // namespace troupe
+
+namespace CLI {
+
+// The options by which the processes of a run, and its tools, find each other. The defaults that the help texts state
+// are the values of `settings` at the time of the call; `settings` must outlive the parsing.
+
+}  // namespace CLI
+
+namespace troupe {
+
+// --session NAME, or the variable TROUPE_SESSION of the environment. Likewise --domain below and TROUPE_DOMAIN.
+CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std::string& help,
+                            const std::string& group = "Options");
+
+// --service HOST[:PORT]
+void AddServiceAddressFlag(CLI::App& app, NetworkSettings& settings, const std::string& help);
+
+// For a process of a run: --domain, --interface, --network, --security, --data-sharing and
+// --lease. `default_interface` and `security`
+// (the meaning of "auto") are parts of help texts.
+void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std::string& default_interface,
+                            const std::string& security, const std::string& group = "Options");
+
+// For a tool that observes or controls runs: --domain, --interface, --service and --security.
+void AddToolNetworkFlags(CLI::App& app, NetworkSettings& settings);
+
+}  // namespace troupe
+
+namespace CLI {
+
+// The options --trace and --trace-ticks of the programs that work on ticks.
+
+}  // namespace CLI
+
+namespace troupe {
+
+// `trace` must outlive the parsing.
+void AddTraceFlags(CLI::App& app, TraceOptions& trace, const std::string& group = "Options");
+
+// The arguments that give another program of Troupe the same options with `file` as its trace.
+std::vector<std::string> TraceArguments(const TraceOptions& trace, const std::string& file);
 
 }  // namespace troupe

@@ -1,9 +1,13 @@
 // Feeds any bytes to the readers of images, and what they accept to the importer of bitmaps.
+#include "fuzz/image.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+
 #include "common/image/image_file.h"
-#include "fuzz/check.h"
-#include "fuzz/memory_file.h"
-#include "fuzz/targets.h"
-#include "worldfile/map/bitmap_rectangles.h"
+#include "worldfile/map/map_yaml.h"
 
 namespace troupe::fuzz {
 namespace {
@@ -55,6 +59,40 @@ void Image(Bytes bytes) {
   Check(covered == OccupiedPixels(bitmap.value()));
   const BitmapRectangles cover = CoverOf(bitmap.value());
   Check(cover.dense != nullptr ? cover.dense->count() == dense.count() : cover.rectangles.size() == dense.count());
+}
+
+// Feeds any bytes to the reader of ROS maps, and to the importer of the image that they name.
+void MapYaml(Bytes bytes) {
+  static const MemoryFile image;
+  const auto end = std::find(bytes.begin(), bytes.end(), std::byte{0});
+  const auto length = static_cast<std::size_t>(end - bytes.begin());
+  const Result<troupe::MapYaml> map = ReadMapYamlText(TextOf(bytes.first(length)), "fuzz/map.yaml");
+  if (!map.ok()) {
+    Check(!map.error().message.empty() && !map.error().where.file.empty());
+    return;
+  }
+  Check(map.value().resolution > 0.0 && IsFinite(map.value().origin));
+  image.Write(end == bytes.end() ? Bytes() : bytes.subspan(length + 1));
+  BitmapCache bitmaps;
+  const auto pixels = bitmaps.Load(image.path(), map.value().rule, map.value().image_where);
+  if (!pixels.ok()) Check(!pixels.error().message.empty());
+}
+
+MemoryFile::MemoryFile() : descriptor_(memfd_create("fuzz", MFD_CLOEXEC)) {
+  Check(descriptor_ >= 0);
+}
+
+MemoryFile::~MemoryFile() {
+  close(descriptor_);
+}
+
+std::string MemoryFile::path() const {
+  return "/proc/self/fd/" + std::to_string(descriptor_);
+}
+
+void MemoryFile::Write(Bytes bytes) const {
+  Check(ftruncate(descriptor_, 0) == 0);
+  Check(pwrite(descriptor_, bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size()));
 }
 
 }  // namespace troupe::fuzz

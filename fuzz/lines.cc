@@ -4,11 +4,10 @@
 #include <span>
 #include <string>
 
-#include "common/base/hexadecimal.h"
-#include "fuzz/check.h"
+#include "common/base/text.h"
 #include "fuzz/targets.h"
-#include "launcher/hosts/host_messages.h"
-#include "launcher/supervise/service_report.h"
+#include "launcher/hosts/host.h"
+#include "launcher/supervise/reports.h"
 
 namespace troupe::fuzz {
 

@@ -5,19 +5,16 @@
 #include <fstream>
 #include <string>
 
-#include "common/model/state_hash.h"
-#include "fuzz/check.h"
-#include "recording/mcap/byte_writer.h"
+#include "common/model/states.h"
+#include "fuzz/targets.h"
+#include "recording/mcap/bytes.h"
 #include "recording/mcap/reader.h"
 #include "recording/recording_writer.h"
-#include "ros/connection/simulation_types.h"
 #include "ros/connection/topic_types.h"
 #include "transport/dds/convert/convert.h"
-#include "transport/dds/convert/topic_types.h"
 #include "transport/wire/cdr.h"
 #include "transport/wire/message_bytes.h"
 #include "world-service/core/edit_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 #include "worldfile/models/build_world.h"
 #include "worldfile/stage/stage_world.h"

@@ -1,11 +1,9 @@
 // Feed any bytes to the receivers of the types in idl/: from CDR to a sample, and by its converter to a message, which
 // then has to return from its own bytes as it is.
 #include "common/spatial/scene.h"
-#include "fuzz/check.h"
 #include "fuzz/targets.h"
 #include "fuzz/whole_sample.h"
 #include "transport/dds/convert/convert.h"
-#include "transport/dds/convert/topic_types.h"
 #include "transport/wire/cdr.h"
 #include "transport/wire/message_bytes.h"
 

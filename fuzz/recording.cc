@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "fuzz/check.h"
 #include "fuzz/targets.h"
-#include "recording/channels.h"
-#include "recording/mcap/byte_reader.h"
+#include "recording/mcap/bytes.h"
 #include "recording/mcap/writer.h"
+#include "recording/recorded_run.h"
 #include "world-service/replay/run_replay.h"
 
 namespace troupe::fuzz {

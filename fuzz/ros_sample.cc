@@ -2,17 +2,14 @@
 // its handler calls, if there is one.
 #include <cmath>
 
-#include "fuzz/check.h"
 #include "fuzz/targets.h"
 #include "fuzz/whole_sample.h"
 #include "robot-agent/drive/drive.h"
-#include "robot-agent/ros/gripper_goals.h"
+#include "robot-agent/ros/gripper_action.h"
 #include "ros/connection/action_server.h"
-#include "ros/connection/simulation_types.h"
 #include "ros/connection/topic_types.h"
 #include "transport/dds/binding/wire.h"
 #include "transport/wire/cdr.h"
-#include "world-service/observers/ros/entity_filter.h"
 #include "world-service/observers/ros/request_values.h"
 
 namespace troupe::fuzz {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdlib>
 #include <span>
+#include <string>
 
 namespace troupe::fuzz {
 
@@ -35,5 +37,16 @@ void RosSample(Bytes bytes);
 // Lines between a launcher and its processes.
 void HostMessage(Bytes bytes);
 void ServiceReport(Bytes bytes);
+
+// Helpers of the fuzz targets.
+
+// Stops the program, which is a finding.
+inline void Check(bool holds) {
+  if (!holds) std::abort();
+}
+
+inline std::string TextOf(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 }  // namespace troupe::fuzz

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fuzz/targets.h"
-#include "transport/dds/binding/topic.h"
+#include "transport/dds/binding/domain_participant.h"
 
 namespace troupe::fuzz {
 

@@ -8,9 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "command_line/exit_status.h"
 #include "command_line/parse_command_line.h"
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "launcher/commands/commands.h"
 
 namespace troupe {

@@ -1,8 +1,10 @@
-// SavePicture: a picture of a state of a world, as a file.
+// Pictures of a state as files: of the world, and of the view of a camera.
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "common/picture/draw_picture.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "troupe/picture_options.h"
@@ -12,8 +14,21 @@
 
 namespace troupe {
 
+// SavePicture: a picture of a state of a world, as a file.
 // As Simulation::SavePicture. REQUIRES: `bodies` is at `state`.
 Status SavePicture(const Scene& scene, const BodyIndex& bodies, const WorldState& state, const std::string& file,
                    const PictureOptions& options, PictureRays rays);
+
+// SaveView: the image of a camera, as a file.
+// As Simulation::SaveView.
+Status SaveView(const CameraReading& reading, const std::string& file, CameraImage image);
+
+// The readings of sensors as the fans and marks of a picture.
+
+// The readings of all rangers of all robots. REQUIRES: `bodies` is at `state`.
+std::vector<ScanFan> MeasureFans(const Scene& scene, const BodyIndex& bodies, const WorldState& state);
+
+// The marks of the readings of all other sensors of all robots, likewise.
+std::vector<Mark> MeasureMarks(const Scene& scene, const BodyIndex& bodies, const WorldState& state);
 
 }  // namespace troupe

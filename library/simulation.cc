@@ -2,16 +2,21 @@
 
 #include <cmath>
 #include <iterator>
+#include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "common/model/state_hash.h"
+#include "common/model/proposal.h"
+#include "common/model/states.h"
+#include "common/spatial/body_index.h"
+#include "common/spatial/scene.h"
 #include "library/save_picture.h"
-#include "library/save_view.h"
-#include "library/simulation_impl.h"
 #include "robot-agent/controller/create_controller.h"
-#include "world-service/core/initial_state.h"
+#include "robot-agent/robot/robot.h"
+#include "troupe/event.h"
+#include "troupe/world_state.h"
 #include "world-service/core/step.h"
-#include "world-service/core/validate_proposal.h"
 #include "worldfile/load_world.h"
 
 namespace troupe {
@@ -28,6 +33,34 @@ Result<std::vector<std::unique_ptr<Robot>>> CreateRobots(const Scene& scene) {
 }
 
 }  // namespace
+
+// The members of a simulation and of a snapshot.
+
+// Never changes once it is in a snapshot.
+struct Snapshot::Content {
+  std::shared_ptr<const Scene> scene;  // shared by a simulation and its snapshots; robots point into it
+  WorldState state;
+  std::vector<Event> events;                   // of the last tick
+  std::vector<std::unique_ptr<Robot>> robots;  // by id
+  std::vector<ExternalCommand> commands;       // by id
+  std::vector<std::string> failures;
+
+  // The error is a controller that cannot be copied.
+  Result<Content> Copy() const;
+};
+
+struct Simulation::Impl {
+  explicit Impl(Snapshot::Content start);
+
+  // Replaces the present content; `bodies` follow.
+  void Assign(Snapshot::Content content);
+
+  Snapshot::Content now;
+  BodyIndex bodies;  // at now.state between calls
+  std::vector<Warning> warnings;
+  std::vector<Proposal> proposals;   // of one step
+  std::vector<std::string> reports;  // since the last call of Step began
+};
 
 Simulation::Impl::Impl(Snapshot::Content start) : now(std::move(start)), bodies(*now.scene) {
   bodies.Assign(now.state);
@@ -188,6 +221,34 @@ Status Simulation::SaveView(const std::string& file, RobotId robot, std::size_t 
     return Error{{}, "found a sensor that is no camera, expected a camera", ErrorCode::kBadInput};
   }
   return troupe::SaveView(*view, file, image);
+}
+
+Tick Snapshot::tick() const {
+  return content_->state.tick;
+}
+
+Result<Snapshot::Content> Snapshot::Content::Copy() const {
+  Content copy{scene, state, events, {}, commands, failures};
+  copy.robots.reserve(robots.size());
+  for (const std::unique_ptr<Robot>& robot : robots) {
+    Result<std::unique_ptr<Robot>> clone = robot->Clone();
+    if (!clone.ok()) return clone.error();
+    copy.robots.push_back(std::move(clone).value());
+  }
+  return copy;
+}
+
+Result<Snapshot> Simulation::Save() const {
+  Result<Snapshot::Content> copy = impl_->now.Copy();
+  if (!copy.ok()) return copy.error();
+  return Snapshot(std::make_shared<const Snapshot::Content>(std::move(copy).value()));
+}
+
+Status Simulation::Restore(const Snapshot& snapshot) {
+  Result<Snapshot::Content> copy = snapshot.content_->Copy();
+  if (!copy.ok()) return copy.error();
+  impl_->Assign(std::move(copy).value());
+  return {};
 }
 
 }  // namespace troupe

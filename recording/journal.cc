@@ -1,8 +1,18 @@
 #include "recording/journal.h"
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <limits>
+#include <map>
 #include <system_error>
 #include <utility>
+
+#include "recording/mcap/bytes.h"
 
 namespace troupe {
 namespace {
@@ -19,6 +29,127 @@ Result<std::uint64_t> NextNumber(const Recording& recording) {
     if (!more.value()) return next;
     next = tick.number + 1;
   }
+}
+
+using mcap::ByteReader;
+using mcap::ByteWriter;
+
+// A file is left for the other one when it is longer.
+constexpr std::uint64_t kSegmentSize = std::uint64_t{1} << 20;  // bytes
+constexpr std::uint64_t kNoPause = std::numeric_limits<std::uint64_t>::max();
+constexpr double kNoSpeed = 0.0;
+constexpr std::size_t kRecordHead = 2 * sizeof(std::uint32_t);  // length and CRC of the content
+
+void AddRobots(ByteWriter& out, const std::vector<RobotId>& robots) {
+  out.AddWithLength<std::uint32_t>([&] {
+    for (const RobotId robot : robots) out.Add(static_cast<std::uint32_t>(robot.index()));
+  });
+}
+
+std::vector<RobotId> ReadRobots(ByteReader& in) {
+  std::vector<RobotId> robots;
+  ByteReader ids(in.ReadWithLength<std::uint32_t>());
+  while (ids.ok() && !ids.at_end()) robots.emplace_back(ids.Read<std::uint32_t>());
+  return robots;
+}
+
+// The commands as those of a recorded tick, then the ticks that are left of each.
+void AddCommands(ByteWriter& out, const std::vector<CommandInForce>& commands) {
+  out.Add(static_cast<std::uint32_t>(commands.size()));
+  if (commands.empty()) return;
+  RecordedTick tick;
+  for (const CommandInForce& in_force : commands) tick.commands.push_back(in_force.command);
+  out.AddWithLength<std::uint32_t>([&] { out.Add(std::span<const std::byte>(TickToBytes(tick))); });
+  for (const CommandInForce& in_force : commands) {
+    out.Add(in_force.ticks);
+    out.Add(static_cast<std::uint8_t>(in_force.sent));
+  }
+}
+
+// False: they are damaged.
+bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands) {
+  const auto count = in.Read<std::uint32_t>();
+  if (!in.ok() || count == 0) return in.ok();
+  RecordedTick tick;
+  if (!TickFromBytes(in.ReadWithLength<std::uint32_t>(), tick).ok() || tick.commands.size() != count) return false;
+  for (RobotCommand& command : tick.commands) {
+    const auto ticks = in.Read<std::uint64_t>();
+    commands.push_back({std::move(command), ticks, in.Read<std::uint8_t>() != 0});
+  }
+  return in.ok();
+}
+
+void AddProgress(ByteWriter& out, const RunProgress& progress) {
+  // All members: a new one does not compile without a place here, and one in ReadProgress.
+  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands] =
+      progress;
+  out.Add(incarnation);
+  out.Add(ticks_to_pause.value_or(kNoPause));
+  out.Add(stalls);
+  out.Add(rejected);
+  AddRobots(out, absent);
+  AddRobots(out, newcomers);
+  out.Add(static_cast<std::uint8_t>(speed_is_set));
+  out.Add(std::bit_cast<std::uint64_t>(speed.value_or(kNoSpeed)));
+  AddCommands(out, commands);
+}
+
+// False: it is damaged.
+bool ReadProgress(ByteReader& in, RunProgress& progress) {
+  progress.incarnation = in.Read<Incarnation>();
+  const auto ticks = in.Read<std::uint64_t>();
+  if (ticks != kNoPause) progress.ticks_to_pause = ticks;
+  progress.stalls = in.Read<std::uint64_t>();
+  progress.rejected = in.Read<std::uint64_t>();
+  progress.absent = ReadRobots(in);
+  progress.newcomers = ReadRobots(in);
+  progress.speed_is_set = in.Read<std::uint8_t>() != 0;
+  const auto speed = std::bit_cast<double>(in.Read<std::uint64_t>());
+  if (speed > kNoSpeed) progress.speed = speed;
+  return ReadCommands(in, progress.commands) && in.ok();
+}
+
+struct TailRecord {
+  RunProgress progress;
+  std::optional<RecordedTick> tick;
+};
+
+// Nothing for a damaged record, or one of another run.
+std::optional<TailRecord> ParseRecord(std::span<const std::byte> content, RunId run, std::uint64_t& serial) {
+  ByteReader in(content);
+  if (in.Read<RunId>() != run) return std::nullopt;
+  serial = in.Read<std::uint64_t>();
+  TailRecord record;
+  if (!ReadProgress(in, record.progress)) return std::nullopt;
+  if (in.at_end()) return record;
+  TickAssembler assembler(std::nullopt);
+  RecordedTick& tick = record.tick.emplace();
+  assembler.Begin(tick);
+  while (!in.at_end()) {
+    const auto channel = in.Read<std::uint8_t>();
+    const std::span<const std::byte> data = in.ReadWithLength<std::uint32_t>();
+    if (!in.ok() || channel >= kRecordingChannels) return std::nullopt;
+    const Result<bool> done = assembler.Add(static_cast<RecordingChannel>(channel), data, tick);
+    if (!done.ok()) return std::nullopt;
+    if (done.value()) return record;
+  }
+  return std::nullopt;
+}
+
+// More than the tail of any run.
+constexpr std::size_t kMostTailBytes = std::size_t{1} << 32;
+
+// Empty if there is no file.
+Result<std::string> ReadFile(const std::string& path) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(path, unknown) && !unknown) return std::string();
+  Result<std::string> bytes = ReadWholeFile(path, kMostTailBytes);
+  if (bytes.ok()) return bytes;
+  return Error{{path}, "cannot read: " + bytes.error().message, ErrorCode::kFailure};
+}
+
+Error CannotWrite(const std::string& path, ErrorCode code) {
+  return {{path}, std::string("cannot write: ") + std::strerror(errno), code};
 }
 
 }  // namespace
@@ -56,6 +187,134 @@ Result<bool> JournalReader::Next(RecordedTick& tick) {
   if (next_in_tail_ == journal_.tail.size()) return false;
   tick = journal_.tail[next_in_tail_++];
   return true;
+}
+
+JournalFiles JournalFiles::Of(const std::string& recording) {
+  return {recording, {recording + ".journal-a", recording + ".journal-b"}};
+}
+
+Result<JournalTailContent> ReadJournalTail(const JournalFiles& files, RunId run, std::uint64_t first_number) {
+  JournalTailContent content;
+  std::map<std::uint64_t, TailRecord> records;  // by serial
+  const std::array<std::string, 2>& paths = files.tail;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const Result<std::string> read = ReadFile(paths[i]);
+    if (!read.ok()) return read.error();
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(read.value()));
+    ByteReader in(bytes);
+    while (in.remaining() > kRecordHead) {
+      const auto length = in.Read<std::uint32_t>();
+      const auto crc = in.Read<std::uint32_t>();
+      const std::span<const std::byte> record = in.ReadBytes(length);
+      std::uint64_t serial = 0;
+      if (!in.ok() || mcap::Crc32(record) != crc) break;
+      std::optional<TailRecord> parsed = ParseRecord(record, run, serial);
+      if (!parsed) break;
+      content.sizes[i] = bytes.size() - in.remaining();
+      if (parsed->tick) content.last_numbers[i] = parsed->tick->number;
+      if (serial >= content.next_serial) {
+        content.next_serial = serial + 1;
+        content.newest_segment = i;
+      }
+      records[serial] = std::move(*parsed);
+    }
+  }
+  for (auto& [serial, record] : records) {
+    content.progress = std::move(record.progress);
+    if (!record.tick || record.tick->number != first_number + content.ticks.size()) continue;
+    content.ticks.push_back(std::move(*record.tick));
+  }
+  return content;
+}
+
+Status JournalTail::OpenFiles(const JournalFiles& files) {
+  const std::array<std::string, 2>& paths = files.tail;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    segments_[i].path = paths[i];
+    Result<FileDescriptor> file = OpenToWrite(paths[i]);
+    if (!file.ok()) return Error{{paths[i]}, "cannot open for writing: " + file.error().message, file.error().code};
+    segments_[i].file = std::move(file).value();
+  }
+  return {};
+}
+
+Result<std::unique_ptr<JournalTail>> JournalTail::Create(const JournalFiles& files, RunId run, JournalSync sync) {
+  std::unique_ptr<JournalTail> tail(new JournalTail(run, sync));
+  if (Status failure = tail->OpenFiles(files); !failure.ok()) return failure.error();
+  for (const Segment& segment : tail->segments_) {
+    if (ftruncate(segment.file.get(), 0) != 0) return CannotWrite(segment.path, ErrorCode::kFailure);
+  }
+  return tail;
+}
+
+Result<std::unique_ptr<JournalTail>> JournalTail::Continue(const JournalFiles& files, RunId run, JournalSync sync) {
+  std::unique_ptr<JournalTail> tail(new JournalTail(run, sync));
+  if (Status failure = tail->OpenFiles(files); !failure.ok()) return failure.error();
+  const Result<JournalTailContent> read = ReadJournalTail(files, run, 0);
+  if (!read.ok()) return read.error();
+  const JournalTailContent& content = read.value();
+  tail->next_serial_ = content.next_serial;
+  tail->current_ = content.newest_segment;
+  for (std::size_t i = 0; i < tail->segments_.size(); ++i) {
+    tail->segments_[i].size = content.sizes[i];
+    tail->segments_[i].last_number = content.last_numbers[i];
+  }
+  return tail;
+}
+
+Status JournalTail::Append(const RecordedTick* tick, const RunProgress& progress) {
+  if (!status_.ok()) return status_;
+  record_.clear();
+  ByteWriter out(record_);
+  out.Add(std::uint32_t{0});  // the length and the CRC follow below
+  out.Add(std::uint32_t{0});
+  out.Add(run_);
+  out.Add(next_serial_++);
+  AddProgress(out, progress);
+  if (tick != nullptr) {
+    for (const TickMessage& message : MessagesOf(*tick, run_)) {
+      out.Add(static_cast<std::uint8_t>(message.channel));
+      out.AddWithLength<std::uint32_t>([&] { out.Add(std::span<const std::byte>(message.data)); });
+    }
+  }
+  const auto content = std::span<const std::byte>(record_).subspan(kRecordHead);
+  const std::array<std::uint32_t, 2> head = {static_cast<std::uint32_t>(content.size()), mcap::Crc32(content)};
+  std::memcpy(record_.data(), head.data(), kRecordHead);
+
+  Segment& other = segments_[1 - current_];
+  if (segments_[current_].size > kSegmentSize &&
+      (!other.last_number || *other.last_number < released_.load(std::memory_order_relaxed))) {
+    current_ = 1 - current_;
+    other.size = 0;
+    other.last_number.reset();
+    if (ftruncate(other.file.get(), 0) != 0) return status_ = CannotWrite(other.path, ErrorCode::kOutputFailed);
+  }
+  Segment& segment = segments_[current_];
+  if (tick != nullptr) segment.last_number = tick->number;
+  return Write(segment);
+}
+
+Status JournalTail::Write(Segment& segment) {
+  std::span<const std::byte> bytes = record_;
+  while (!bytes.empty()) {
+    const ssize_t written = pwrite(segment.file.get(), bytes.data(), bytes.size(), static_cast<off_t>(segment.size));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return status_ = CannotWrite(segment.path, ErrorCode::kOutputFailed);
+    segment.size += static_cast<std::uint64_t>(written);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  if (sync_ == JournalSync::kYes && fdatasync(segment.file.get()) != 0) {
+    return status_ = CannotWrite(segment.path, ErrorCode::kOutputFailed);
+  }
+  return {};
+}
+
+void JournalTail::Discard() {
+  for (const Segment& segment : segments_) static_cast<void>(ftruncate(segment.file.get(), 0));
+}
+
+void JournalTail::Remove() {
+  for (const Segment& segment : segments_) unlink(segment.path.c_str());
 }
 
 }  // namespace troupe

@@ -1,21 +1,94 @@
-// Journal: a recording that a service writes such that another one can continue the run: the recording, and its tail
-// (journal_tail.h).
+// Journal: a recording that a service writes such that another one can continue the run: the recording, and its tail.
 #pragma once
 
+#include <array>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "recording/journal_tail.h"
-#include "recording/mcap/byte_sink.h"
+#include "common/base/file.h"
+#include "recording/mcap/byte_stream.h"
+#include "recording/recorded_run.h"
 #include "recording/recording.h"
-#include "recording/tick_reader.h"
-#include "transport/protocol/run_progress.h"
+#include "transport/protocol/messages.h"
 #include "troupe/result.h"
 
 namespace troupe {
+
+struct JournalFiles {
+  std::string recording;
+  std::array<std::string, 2> tail;
+
+  // With the tail beside the recording.
+  static JournalFiles Of(const std::string& recording);
+};
+
+enum class JournalSync : bool {
+  kNo,   // ticks survive the end of the process
+  kYes,  // and a loss of power
+};
+
+// JournalTail: the newest ticks of a run, which its recording does not have yet, in two files beside the recording.
+// Each tick is written by one call before the run continues, so that it survives the process.
+//
+// The files are written in turn: one of them is emptied and used again once the recording has all of its ticks.
+class JournalTail {
+ public:
+  // The files, emptied. Errors name the file; those of Append have the code kOutputFailed.
+  static Result<std::unique_ptr<JournalTail>> Create(const JournalFiles& files, RunId run, JournalSync sync);
+  // The files as they are: what is appended follows their newest record.
+  static Result<std::unique_ptr<JournalTail>> Continue(const JournalFiles& files, RunId run, JournalSync sync);
+  JournalTail(const JournalTail&) = delete;
+  JournalTail& operator=(const JournalTail&) = delete;
+
+  // Writes the tick, if not null, and the progress of the run after it. After an error nothing more is written.
+  Status Append(const RecordedTick* tick, const RunProgress& progress);
+  // The number of the first tick that the recording lacks. On any thread.
+  void Release(std::uint64_t first_unwritten) { released_.store(first_unwritten, std::memory_order_relaxed); }
+  // Removes the files: the recording is whole.
+  void Remove();
+  // Empties the files: no run can be continued from them.
+  void Discard();
+
+ private:
+  struct Segment {
+    std::string path;
+    FileDescriptor file{-1};
+    std::uint64_t size = 0;
+    std::optional<std::uint64_t> last_number;  // of its ticks
+  };
+
+  JournalTail(RunId run, JournalSync sync) : run_(run), sync_(sync) {}
+  Status OpenFiles(const JournalFiles& files);
+  Status Write(Segment& segment);
+
+  const RunId run_;
+  const JournalSync sync_;
+  std::array<Segment, 2> segments_;
+  std::size_t current_ = 0;
+  std::uint64_t next_serial_ = 0;
+  std::atomic<std::uint64_t> released_ = 0;  // by Release
+  std::vector<std::byte> record_;
+  Status status_;
+};
+
+// The content of the files.
+struct JournalTailContent {
+  std::vector<RecordedTick> ticks;      // each follows the one before; without log times
+  std::optional<RunProgress> progress;  // the newest
+  std::uint64_t next_serial = 0;
+  std::size_t newest_segment = 0;
+  std::array<std::uint64_t, 2> sizes = {};                        // bytes of the records
+  std::array<std::optional<std::uint64_t>, 2> last_numbers = {};  // of the ticks in each file
+};
+
+// Reads the records of the run with ticks from `first_number` on. Stops at the first damaged record of each file, as
+// one that was being written. Files that do not exist are empty; the error is one that cannot be read.
+Result<JournalTailContent> ReadJournalTail(const JournalFiles& files, RunId run, std::uint64_t first_number);
 
 // A journal that this process continues. The files are locked for other processes.
 struct Journal {

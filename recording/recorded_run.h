@@ -1,15 +1,23 @@
-// A recorded run: its begin, and each committed tick with all that determines it. docs/recording.md describes the file.
+// A recorded run: its values, the channels and schemas of a recording, and the records in CDR.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/run/run_settings.h"
+#include "recording/mcap/format.h"
 #include "transport/protocol/messages.h"
+#include "troupe/result.h"
 
 namespace troupe {
+
+// A recorded run: its begin, and each committed tick with all that determines it. docs/recording.md describes the file.
 
 // The begin.
 struct RecordedRun {
@@ -55,5 +63,54 @@ struct RecordedTick {
 
   bool is_step() const { return number > 0 && !edit; }
 };
+
+// The parts of a recorded run as the CDR bytes of their types in idl/, and back.
+//
+// Any bytes are safe: an error when they are not a sample of the type, or break the contract of its IDL file.
+
+std::vector<std::byte> RunToBytes(const RecordedRun& run);
+Result<RecordedRun> RunFromBytes(std::span<const std::byte> bytes);
+
+std::vector<std::byte> EditToBytes(const RecordedEdit& edit);
+Result<RecordedEdit> EditFromBytes(std::span<const std::byte> bytes);
+
+// The number, tick, edition, hash and events only.
+std::vector<std::byte> TickToBytes(const RecordedTick& tick);
+Status TickFromBytes(std::span<const std::byte> bytes, RecordedTick& tick);
+
+// The channels of a recording: their topics, and the types of their messages.
+
+inline constexpr const char* kRecordingProfile = "troupe";
+
+enum class RecordingChannel : std::uint8_t { kRun, kProposals, kEdits, kKeyframes, kTicks };
+inline constexpr std::size_t kRecordingChannels = 5;
+
+struct ChannelType {
+  const char* topic;
+  const char* type;  // its name in IDL
+  const char* file;  // in idl/
+};
+
+// In the order of RecordingChannel.
+inline constexpr std::array<ChannelType, kRecordingChannels> kChannelTypes = {{
+    {"/run", "troupe::wire::RecordedRun", "recorded_run.idl"},
+    {"/proposals", "troupe::wire::Proposal", "proposal.idl"},
+    {"/edits", "troupe::wire::RecordedEdit", "recorded_edit.idl"},
+    {"/keyframes", "troupe::wire::Frame", "frame.idl"},
+    {"/ticks", "troupe::wire::RecordedTick", "recorded_tick.idl"},
+}};
+
+// The schema of a channel: the text of its IDL file, with all types that it uses.
+mcap::Schema SchemaOf(const ChannelType& channel);
+
+// The texts of IDL files, embedded by the build. Each has the types that it uses.
+
+struct IdlText {
+  const char* file;  // in idl/
+  const char* text;
+};
+
+extern const IdlText kIdlTexts[];
+extern const std::size_t kIdlTextCount;
 
 }  // namespace troupe

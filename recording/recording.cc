@@ -6,9 +6,8 @@
 #include <iterator>
 #include <utility>
 
-#include "common/base/utf8.h"
-#include "recording/convert_recorded.h"
-#include "recording/tick_reader.h"
+#include "common/base/text.h"
+#include "transport/wire/message_bytes.h"
 
 namespace troupe {
 namespace {
@@ -171,6 +170,172 @@ Status Recording::VisitEdits(std::size_t chunk, const EditVisitor& visit) const 
     }
   }
   return {};
+}
+
+TickPlaces::TickPlaces(std::int64_t interval_ns, std::uint64_t end) : end_(end) {
+  AddEdit(0, 0, interval_ns);
+}
+
+void TickPlaces::AddEdit(std::uint64_t log_time, Tick tick, std::int64_t interval_ns) {
+  parts_.push_back({log_time, tick, static_cast<std::uint64_t>(std::max<std::int64_t>(1, interval_ns))});
+}
+
+std::uint64_t TickPlaces::EndOf(std::size_t part) const {
+  const std::uint64_t end = part + 1 < parts_.size() ? parts_[part + 1].begin : end_;
+  return std::max(end, parts_[part].begin);
+}
+
+Tick TickPlaces::LastTickOf(std::size_t part) const {
+  return parts_[part].tick + (EndOf(part) - parts_[part].begin) / parts_[part].interval_ns;
+}
+
+std::optional<std::uint64_t> TickPlaces::Find(std::size_t part, Tick tick) const {
+  if (tick < parts_[part].tick || tick > LastTickOf(part)) return std::nullopt;
+  return parts_[part].begin + (tick - parts_[part].tick) * parts_[part].interval_ns;
+}
+
+std::optional<std::uint64_t> TickPlaces::First(Tick tick) const {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (const auto found = Find(i, tick)) return found;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::uint64_t> TickPlaces::Last(Tick tick) const {
+  for (std::size_t i = parts_.size(); i-- > 0;) {
+    if (const auto found = Find(i, tick)) return found;
+  }
+  return std::nullopt;
+}
+
+Tick TickPlaces::greatest() const {
+  Tick greatest = 0;
+  for (std::size_t i = 0; i < parts_.size(); ++i) greatest = std::max(greatest, LastTickOf(i));
+  return greatest;
+}
+
+std::vector<TickMessage> MessagesOf(const RecordedTick& tick, RunId run) {
+  std::vector<TickMessage> messages;
+  if (tick.is_step()) {
+    ProposalMessage message;
+    message.run = run;
+    message.tick = tick.tick;
+    message.edition = tick.edition;
+    message.proposals = tick.proposals;
+    messages.push_back({RecordingChannel::kProposals, wire::ToBytes(message)});
+  }
+  if (tick.edit) messages.push_back({RecordingChannel::kEdits, EditToBytes(*tick.edit)});
+  if (tick.keyframe) messages.push_back({RecordingChannel::kKeyframes, wire::ToBytes(*tick.keyframe)});
+  messages.push_back({RecordingChannel::kTicks, TickToBytes(tick)});
+  return messages;
+}
+
+void TickAssembler::Begin(RecordedTick& tick) {
+  tick.edit.reset();
+  tick.keyframe.reset();
+  tick.proposals.clear();
+  has_proposals_ = false;
+}
+
+Result<bool> TickAssembler::Add(RecordingChannel channel, std::span<const std::byte> data, RecordedTick& tick) {
+  switch (channel) {
+    case RecordingChannel::kRun:
+      return Error{{}, "found a second begin of the run"};
+    case RecordingChannel::kProposals: {
+      if (Status broken = AddProposals(data, tick); !broken.ok()) return broken.error();
+      return false;
+    }
+    case RecordingChannel::kEdits: {
+      Result<RecordedEdit> edit = EditFromBytes(data);
+      if (!edit.ok()) return edit.error();
+      if (tick.edit) return Error{{}, "found two edits of one tick"};
+      tick.edit = std::move(edit).value();
+      return false;
+    }
+    case RecordingChannel::kKeyframes: {
+      Result<FrameMessage> keyframe = wire::FromBytes<FrameMessage>(data);
+      if (!keyframe.ok()) return keyframe.error();
+      if (tick.keyframe) return Error{{}, "found two keyframes of one tick"};
+      tick.keyframe = std::move(keyframe).value();
+      return false;
+    }
+    case RecordingChannel::kTicks:
+      break;
+  }
+  if (Status broken = TickFromBytes(data, tick); !broken.ok()) return broken.error();
+  if (Status broken = Check(tick); !broken.ok()) return broken.error();
+  expected_ = tick.number + 1;
+  return true;
+}
+
+Status TickAssembler::AddProposals(std::span<const std::byte> data, RecordedTick& tick) {
+  Result<ProposalMessage> proposals = wire::FromBytes<ProposalMessage>(data);
+  if (!proposals.ok()) return proposals.error();
+  if (has_proposals_) return Error{{}, "found the proposals of one tick twice"};
+  has_proposals_ = true;
+  proposals_ = std::move(proposals).value();
+  tick.proposals = std::move(proposals_.proposals);
+  return {};
+}
+
+Status TickAssembler::Check(const RecordedTick& tick) const {
+  const auto broken = [&](const std::string& problem) {
+    return Error{{}, fmt::format("tick {}: {}", tick.tick, problem)};
+  };
+  if (expected_ && tick.number != *expected_) {
+    return broken(fmt::format("found state number {}, expected {}: states are missing", tick.number, *expected_));
+  }
+  if (tick.is_step() != has_proposals_) {
+    return broken(has_proposals_ ? "found proposals, expected none" : "found neither proposals nor an edit");
+  }
+  if (tick.number == 0 && tick.edit) return broken("found an edit before the first state");
+  if (has_proposals_ && (proposals_.tick != tick.tick || proposals_.edition != tick.edition)) {
+    return broken(fmt::format("found proposals of tick {}", proposals_.tick));
+  }
+  if (tick.keyframe && (tick.keyframe->state.tick != tick.tick || tick.keyframe->edition != tick.edition ||
+                        tick.keyframe->state_hash != tick.state_hash)) {
+    return broken(fmt::format("found a keyframe of tick {}", tick.keyframe->state.tick));
+  }
+  return {};
+}
+
+Error TickReader::Broken(const std::string& problem) const {
+  return recording_->ErrorIn(next_chunk_ - 1, problem);
+}
+
+Result<bool> TickReader::NextChunk() {
+  chunk_.reset();
+  next_message_ = 0;
+  if (next_chunk_ >= recording_->chunks()) return false;
+  Result<mcap::Chunk> chunk = recording_->ReadChunk(next_chunk_++);
+  if (!chunk.ok()) return chunk.error();
+  chunk_ = std::move(chunk).value();
+  return true;
+}
+
+Result<bool> TickReader::Next(RecordedTick& tick) {
+  assembler_.Begin(tick);
+  bool begun = false;
+  for (;;) {
+    if (!chunk_ || next_message_ == chunk_->messages.size()) {
+      if (begun) return Broken("found a chunk that ends within a tick");
+      Result<bool> more = NextChunk();
+      if (!more.ok() || !more.value()) return more;
+      continue;
+    }
+    const mcap::Message& message = chunk_->messages[next_message_++];
+    begun = true;
+    const std::optional<RecordingChannel> channel = recording_->ChannelOf(message);
+    if (!channel) continue;
+    const Result<bool> done = assembler_.Add(*channel, message.data, tick);
+    if (!done.ok()) return Broken(done.error().message);
+    if (!done.value()) continue;
+    if (message.log_time < log_time_) {
+      return Broken(fmt::format("tick {}: found a log time that decreases", tick.tick));
+    }
+    tick.log_time = log_time_ = message.log_time;
+    return true;
+  }
 }
 
 }  // namespace troupe

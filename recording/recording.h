@@ -1,23 +1,60 @@
-// Recording: a recorded run in a file. Its ticks are read from its begin, or from any keyframe (tick_reader.h).
+// Recording: a recorded run in a file. Its ticks are read from its begin, or from any keyframe.
 //
 // A file that is cut off or damaged is read up to its last whole chunk. Any bytes are safe.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "recording/channels.h"
 #include "recording/mcap/reader.h"
 #include "recording/recorded_run.h"
-#include "recording/tick_places.h"
+#include "transport/protocol/messages.h"
+#include "troupe/ids.h"
 #include "troupe/result.h"
 
 namespace troupe {
+
+// TickPlaces: the places in a recording of the states of a tick. Ticks count up from one edit to the next; an edit may
+// set them back, so that a tick has several states.
+class TickPlaces {
+ public:
+  // The first state is that of tick 0 at log time 0. `end`: the log time of the last.
+  TickPlaces(std::int64_t interval_ns, std::uint64_t end);
+
+  // The next edit: from its log time on, ticks count from `tick`.
+  void AddEdit(std::uint64_t log_time, Tick tick, std::int64_t interval_ns);
+
+  // The log times of the first and of the last states of a tick; nothing if there are none.
+  std::optional<std::uint64_t> First(Tick tick) const;
+  std::optional<std::uint64_t> Last(Tick tick) const;
+
+  Tick greatest() const;
+  std::uint64_t end() const { return end_; }
+  // Of the ticks since the newest edit.
+  std::int64_t interval_ns() const { return static_cast<std::int64_t>(parts_.back().interval_ns); }
+  std::size_t edits() const { return parts_.size() - 1; }
+
+ private:
+  // The states from an edit to the next.
+  struct Part {
+    std::uint64_t begin = 0;  // log time
+    Tick tick = 0;            // at its begin
+    std::uint64_t interval_ns = 1;
+  };
+  std::uint64_t EndOf(std::size_t part) const;
+  Tick LastTickOf(std::size_t part) const;
+  std::optional<std::uint64_t> Find(std::size_t part, Tick tick) const;
+
+  std::vector<Part> parts_;
+  std::uint64_t end_;
+};
 
 // True for the paths of recordings: those that end in ".mcap".
 bool IsRecordingPath(const std::string& path);
@@ -69,6 +106,63 @@ class Recording {
   TickPlaces places_;
   std::vector<std::size_t> keyframe_chunks_;  // ascending
   std::vector<std::size_t> edit_chunks_;      // that have edits, ascending
+};
+
+// The messages of one tick of a recorded run: their order, and the tick that they make.
+
+struct TickMessage {
+  RecordingChannel channel = RecordingChannel::kTicks;
+  std::vector<std::byte> data;  // CDR
+};
+
+// In the order in which a recording has them: the last is that of kTicks.
+std::vector<TickMessage> MessagesOf(const RecordedTick& tick, RunId run);
+
+// Makes ticks of messages that follow each other, and checks that none is missing.
+class TickAssembler {
+ public:
+  // Of the first tick; nothing: any.
+  explicit TickAssembler(std::optional<std::uint64_t> first_number) : expected_(first_number) {}
+
+  // Clears the tick, whose memory is reused, for the next messages.
+  void Begin(RecordedTick& tick);
+  // True if the message was the last of the tick, which then lacks its log time.
+  Result<bool> Add(RecordingChannel channel, std::span<const std::byte> data, RecordedTick& tick);
+  // The number of the tick that follows; nothing: any.
+  const std::optional<std::uint64_t>& expected() const { return expected_; }
+
+ private:
+  Status AddProposals(std::span<const std::byte> data, RecordedTick& tick);
+  Status Check(const RecordedTick& tick) const;
+
+  std::optional<std::uint64_t> expected_;
+  bool has_proposals_ = false;
+  ProposalMessage proposals_;
+};
+
+// TickReader: the ticks of a recording, one after another.
+class TickReader {
+ public:
+  // Begins at a chunk. The recording outlives the reader.
+  explicit TickReader(const Recording& recording, std::size_t chunk = 0)
+      : recording_(&recording),
+        next_chunk_(chunk),
+        assembler_(chunk == 0 ? std::optional<std::uint64_t>(0) : std::nullopt) {}
+
+  // Reads the next tick; false at the end of the readable ticks. The error is damage: of a chunk, or a missing tick.
+  // `tick`: valid after true; its memory is reused.
+  Result<bool> Next(RecordedTick& tick);
+
+ private:
+  Result<bool> NextChunk();
+  Error Broken(const std::string& problem) const;
+
+  const Recording* recording_;
+  std::size_t next_chunk_;
+  std::optional<mcap::Chunk> chunk_;
+  std::size_t next_message_ = 0;
+  TickAssembler assembler_;
+  std::uint64_t log_time_ = 0;  // of the last tick
 };
 
 }  // namespace troupe

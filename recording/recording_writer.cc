@@ -2,11 +2,9 @@
 
 #include <map>
 #include <string>
-#include <utility>
 
-#include "common/base/version.h"
-#include "recording/convert_recorded.h"
-#include "recording/tick_messages.h"
+#include "common/base/identity.h"
+#include "recording/recording.h"
 
 namespace troupe {
 namespace {

@@ -7,8 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "recording/channels.h"
-#include "recording/mcap/byte_sink.h"
+#include "recording/mcap/byte_stream.h"
 #include "recording/mcap/writer.h"
 #include "recording/recorded_run.h"
 #include "troupe/result.h"

@@ -11,17 +11,17 @@
 #include <thread>
 
 #include "command_line/parse_command_line.h"
+#include "common/base/identity.h"
 #include "common/base/print.h"
-#include "common/base/random_id.h"
-#include "common/base/stop_signals.h"
+#include "common/base/wake_event.h"
 #include "robot-agent/program/command_line.h"
 #include "robot-agent/ros/ros_gateway.h"
 #include "ros/link/host_program.h"
 #include "ros/messages/names.h"
-#include "ros/messages/ros_security.h"
+#include "ros/messages/ros_options.h"
 #include "transport/dds/binding/network_log.h"
 #include "transport/dds/transport/dds_transport.h"
-#include "transport/protocol/agent_name.h"
+#include "transport/protocol/message_texts.h"
 #include "transport/security/session_keys.h"
 
 namespace troupe {

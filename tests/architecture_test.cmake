@@ -167,12 +167,12 @@ set(may_include_launcher common/base command_line launcher/commands)
 
 # Outside transport/dds these files alone may include something of it, and of that nothing that shows DDS itself.
 set(dds_users
-  launcher/commands/ctl_command.cc launcher/commands/commands.cc launcher/commands/session_top.h
+  launcher/commands/ctl_command.cc launcher/commands/commands.cc launcher/commands/top_command.h
   launcher/commands/top_command.cc launcher/commands/view_command.cc launcher/driving/robot_remote.cc
   robot-agent/main.cc world-service/main.cc)
 set(dds_headers_for_others
   transport/dds/tools/control_client.h transport/dds/transport/dds_transport.h transport/dds/binding/network_log.h transport/dds/tools/session_monitor.h
-  transport/dds/tools/session_observer.h)
+  )
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders
   transport/dds/binding transport/dds/convert transport/dds/transport transport/dds/tools recording transport/wire

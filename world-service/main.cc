@@ -9,17 +9,15 @@
 
 #include "command_line/parse_command_line.h"
 #include "common/base/print.h"
-#include "common/base/stop_signals.h"
+#include "common/base/wake_event.h"
 #include "ros/link/host_program.h"
-#include "ros/messages/ros_security.h"
+#include "ros/messages/ros_options.h"
 #include "transport/dds/binding/network_log.h"
 #include "transport/dds/transport/dds_transport.h"
-#include "transport/security/run_keys_folder.h"
 #include "transport/security/session_keys.h"
 #include "world-service/observers/status/reporter.h"
 #include "world-service/program/command_line.h"
 #include "world-service/program/prepared_run.h"
-#include "world-service/program/session_lock.h"
 
 namespace troupe {
 namespace {
@@ -43,10 +41,10 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
   return own_keys.path();
 }
 
-// The number of groups into which the service divides its agents (transport/dds/transport/agent_group.h): more than one
-// if a launcher has started it, because only a launcher assigns agents to groups, on the loopback interface with data
-// sharing and without DDS Security: elsewhere a frame is written once for each group. A service that continues a run
-// has at least as many as the one before it, whose ports are given.
+// The number of groups into which the service divides its agents (transport/dds/transport/dds_service_endpoint.h): more
+// than one if a launcher has started it, because only a launcher assigns agents to groups, on the loopback interface
+// with data sharing and without DDS Security: elsewhere a frame is written once for each group. A service that
+// continues a run has at least as many as the one before it, whose ports are given.
 std::size_t CountAgentGroups(const ServiceCommandLine& line, const PreparedRun& run, bool secured) {
   // docs/performance.md has the trials. A group costs the service a participant with its threads.
   constexpr std::size_t kAgentsOfGroup = 64;

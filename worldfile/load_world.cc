@@ -1,14 +1,16 @@
 #include "worldfile/load_world.h"
 
+#include <algorithm>
 #include <filesystem>
-#include <string>
+#include <utility>
 
 #include "worldfile/map/map_yaml.h"
-#include "worldfile/models/build_world.h"
 #include "worldfile/models/start_overlap.h"
+#include "worldfile/models/types/model_types.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/stage/stage_world.h"
-#include "worldfile/text/quote.h"
+#include "worldfile/stage/world_tree.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
@@ -29,6 +31,65 @@ Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& o
       "found a file ending in " + Quoted(ending) + ", expected .world (Stage), .json (scenario) or .yaml (ROS map)"};
 }
 
+std::string EndingOf(const std::string& path) {
+  return std::filesystem::path(path).extension().string();
+}
+
+bool IsFile(const std::string& source) {
+  const std::string ending = EndingOf(source);
+  return ending == ".world" || ending == ".inc" || ending == ".json";
+}
+
+// The defines of models, and the controller of robots without one.
+Result<ScenarioWorld> ReadDefinitions(const std::string& path, const LoadOverrides& overrides) {
+  if (EndingOf(path) == ".json") return ReadScenarioWorld(path, overrides);
+  Result<WorldTree> tree =
+      EndingOf(path) == ".inc" ? ParseStageWorld(path, overrides.allowed) : ReadWorldTree(path, overrides.allowed);
+  if (!tree.ok()) return tree.error();
+  ScenarioWorld world;
+  world.tree = std::move(tree).value();
+  if (overrides.controller) world.controller = ControllerDescription{*overrides.controller, "{}"};
+  return world;
+}
+
+// As Instantiate, but for models only.
+Result<WorldNode> MakeModel(const WorldTree& tree, const std::string& name) {
+  Result<WorldNode> made = Instantiate(tree, name, {});
+  if (!made.ok()) return made;
+  const std::string& type = made.value().type;
+  if (!IsModelType(type)) return Error{{}, "found " + Quoted(name) + ", expected a model"};
+  if (FindModelType(type) == nullptr) {
+    return Error{{}, (type == name ? "" : Quoted(name) + ": ") + UnknownTypeMessage(type, tree.defines)};
+  }
+  return made;
+}
+
+Result<LoadedWorld> BuildOne(const std::string& path, const std::string& name, const LoadOverrides& overrides) {
+  Result<ScenarioWorld> definitions = ReadDefinitions(path, overrides);
+  if (!definitions.ok()) return definitions.error();
+  WorldTree& tree = definitions.value().tree;
+  Result<WorldNode> model = MakeModel(tree, name);
+  if (!model.ok()) return model.error();
+  const bool controlled = model.value().Find("ctrl") != nullptr;
+  tree.world.children = {std::move(model).value()};
+  LoadOverrides build = overrides;
+  build.controller.reset();
+  Result<LoadedWorld> loaded = BuildWorld(tree, build);
+  if (!loaded.ok()) return loaded;
+  const auto domains = definitions.value().ros_domains_from.find(name);
+  if (domains != definitions.value().ros_domains_from.end()) loaded.value().ros_domains_from = domains->second;
+  if (controlled || !definitions.value().controller) return loaded;
+  for (RobotDescription& robot : loaded.value().world.robots) robot.controller = *definitions.value().controller;
+  return loaded;
+}
+
+Result<LoadedWorld> LoadFile(const std::string& path, const LoadOverrides& overrides) {
+  if (EndingOf(path) != ".inc") return LoadWorld(path, overrides);
+  const Result<WorldTree> tree = ParseStageWorld(path, overrides.allowed);
+  if (!tree.ok()) return tree.error();
+  return BuildWorld(tree.value(), overrides);
+}
+
 }  // namespace
 
 Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides) {
@@ -37,6 +98,41 @@ Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& over
     for (const std::string& message : FindStartOverlaps(loaded.value().world)) {
       loaded.value().warnings.push_back({{path}, message});
     }
+  }
+  return loaded;
+}
+
+Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, const LoadOverrides& overrides) {
+  const Result<ScenarioWorld> definitions = ReadDefinitions(world_file, overrides);
+  if (!definitions.ok()) return definitions.error();
+  const WorldTree& tree = definitions.value().tree;
+  std::vector<Spawnable> found;
+  for (const auto& [name, define] : tree.defines) {
+    const Result<WorldNode> model = MakeModel(tree, name);
+    if (!model.ok()) continue;
+    const std::string& type = model.value().type;
+    if (type == "model" || type == "position") found.push_back({name, type});  // others are parts of these
+  }
+  for (const char* type : {"model", "position"}) found.push_back({type, type});
+  return found;
+}
+
+Result<LoadedWorld> LoadSpawnable(const std::string& world_file, const std::string& source,
+                                  const LoadOverrides& overrides) {
+  if (source.empty()) return Error{{}, "found nothing to spawn, expected a model or a file"};
+  const std::size_t hash = source.rfind('#');
+  const std::string file = source.substr(0, hash);
+  if (!IsFile(file)) return BuildOne(world_file, source, overrides);
+  if (hash != std::string::npos) return BuildOne(file, source.substr(hash + 1), overrides);
+  Result<LoadedWorld> loaded = LoadFile(file, overrides);
+  if (!loaded.ok()) return loaded;
+  const std::vector<ModelDescription>& models = loaded.value().world.models;
+  const auto count = std::count_if(models.begin(), models.end(), [](const auto& model) { return !model.parent; });
+  if (count != 1) {
+    return Error{{file},
+                 "found " + std::to_string(count) +
+                     " models, expected one, with its parts, or FILE#NAME for a model "
+                     "that the file defines"};
   }
   return loaded;
 }

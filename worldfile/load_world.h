@@ -2,13 +2,31 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "troupe/result.h"
-#include "worldfile/models/loaded_world.h"
+#include "worldfile/models/build_world.h"
 
 namespace troupe {
 
 // Loads a Stage world (.world), a JSON scenario (.json) or a ROS map (.yaml), by the file's ending.
 Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides = {});
+
+// Models that can be added to a running world: those of its world file, and files with one model.
+
+// A type or define that gives a model.
+struct Spawnable {
+  std::string name;
+  std::string type;  // the base type of the define; the name itself for a type
+};
+
+// The robots and plain models that `world_file` and its includes define, by name; and the types of these two.
+Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, const LoadOverrides& overrides = {});
+
+// A world with only the model to be spawned. `source`: a name as above, a file (.world, .inc, .json) that has one
+// model with its parts, or "FILE#NAME": a model that this file defines. Robots have the controller that they would have
+// in the world file.
+Result<LoadedWorld> LoadSpawnable(const std::string& world_file, const std::string& source,
+                                  const LoadOverrides& overrides = {});
 
 }  // namespace troupe

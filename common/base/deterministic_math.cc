@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "common/base/hash.h"
+#include "troupe/random.h"
+
 namespace troupe {
 namespace {
 
@@ -61,6 +64,10 @@ double AtanPositive(double x) {
   if (x <= kTan5) return kPi / 4.0 + AtanSeries((x - 1.0) / (1.0 + x));
   if (x <= kTan7) return 3.0 * kPi / 8.0 + AtanSeries((x - kTan6) / (1.0 + x * kTan6));
   return kPi / 2.0 - AtanSeries(1.0 / x);
+}
+
+double ToUniform(std::uint64_t bits) {
+  return static_cast<double>(bits >> 11) * 0x1.0p-53;
 }
 
 }  // namespace
@@ -137,6 +144,25 @@ double WrapAngle(double radians) {
   double wrapped = std::remainder(radians, 2.0 * kPi);  // exact, in [-pi, pi]
   if (wrapped <= -kPi) wrapped += 2.0 * kPi;
   return wrapped;
+}
+
+std::uint64_t RandomBits(std::initializer_list<std::uint64_t> key) {
+  Hasher hasher;
+  for (std::uint64_t word : key) hasher.Add(word);
+  return hasher.value();
+}
+
+double RandomUniform(std::initializer_list<std::uint64_t> key) {
+  return ToUniform(RandomBits(key));
+}
+
+double RandomNormal(std::initializer_list<std::uint64_t> key) {
+  Hasher hasher;
+  for (std::uint64_t word : key) hasher.Add(word);
+  const double u = 1.0 - ToUniform(hasher.value());  // (0, 1], so that the logarithm exists
+  hasher.Add(std::uint64_t{1});
+  const double angle = 2.0 * kPi * ToUniform(hasher.value());
+  return std::sqrt(-2.0 * Log(u)) * SinCos(angle).cos;
 }
 
 }  // namespace troupe

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "troupe/result.h"
 
@@ -55,5 +56,48 @@ Result<std::string> ReadWholeFile(const std::string& path, std::size_t most);
 
 // Waits where the descriptor itself does not. False, with the reason in errno: not all is written.
 bool WriteAll(int descriptor, std::string_view bytes);
+
+// FileReplacement: the new content of a file, written beside it, that then takes its place as a whole: on a full disk,
+// or after a loss of power, the file is as before. For all files that are written at once.
+class FileReplacement {
+ public:
+  // Writes the content to the disk, with the permissions and the owner of the file at `path` if there is one. A
+  // symbolic link stays one, and its target is replaced; another hard link keeps the old content. Anything but a
+  // regular file is refused. The error names the file.
+  static Result<FileReplacement> Prepare(const std::string& path, std::string_view content);
+  ~FileReplacement();
+  FileReplacement(FileReplacement&& other) noexcept;
+  FileReplacement(const FileReplacement&) = delete;
+  FileReplacement& operator=(const FileReplacement&) = delete;
+  FileReplacement& operator=(FileReplacement&&) = delete;
+
+  // On an error the file is as before. Without a call nothing is left of the content.
+  Status Commit();
+
+ private:
+  FileReplacement() = default;
+
+  std::string named_;      // as the caller names it
+  std::string path_;       // without links
+  std::string temporary_;  // empty: none is left
+};
+
+// Prepares and commits. Unlike there, a device, or an open pipe (/dev/stdout), is written to as it is.
+Status WriteWholeFile(const std::string& path, std::string_view content);
+
+// TemporaryFile: a file without a name, in the folder for temporary files (TMPDIR). It ends with the process, however
+// that ends.
+class TemporaryFile {
+ public:
+  static Result<TemporaryFile> Create();
+
+  // By which this process can open it while the object exists.
+  std::string path() const { return "/proc/self/fd/" + std::to_string(file_.get()); }
+
+ private:
+  explicit TemporaryFile(FileDescriptor file) : file_(std::move(file)) {}
+
+  FileDescriptor file_;
+};
 
 }  // namespace troupe

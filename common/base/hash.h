@@ -2,7 +2,11 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
 #include <string_view>
 
 namespace troupe {
@@ -29,5 +33,10 @@ class Hasher {
  private:
   std::uint64_t state_ = 0x6a09e667f3bcc908u;
 };
+
+// FindEqualMemory: large data that several processes compute alike, each for itself, can be held once for all of them.
+// Memory with the same bytes that this process shares with others and that never changes, or null. A process that uses
+// it instead of its own saves the memory, and finds it in the caches that the others have filled.
+using FindEqualMemory = std::function<std::shared_ptr<const std::byte>(std::span<const std::byte> bytes)>;
 
 }  // namespace troupe

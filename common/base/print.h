@@ -9,11 +9,11 @@
 #include <string_view>
 #include <type_traits>
 
-#include "common/base/utf8.h"
+#include "common/base/text.h"
 
 namespace troupe {
 
-// As a plain line (utf8.h) if it is text.
+// As a plain line (text.h) if it is text.
 template <typename Value>
 auto PlainValue(const Value& value) {
   if constexpr (std::is_convertible_v<const Value&, std::string_view>) {

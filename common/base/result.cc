@@ -1,8 +1,11 @@
 #include "troupe/result.h"
 
+#include <cstdio>
+#include <cstdlib>
 #include <new>
 
-#include "common/base/utf8.h"
+#include "common/base/text.h"
+#include "troupe/check.h"
 
 namespace troupe {
 namespace {
@@ -30,6 +33,11 @@ std::string Warning::ToString() const {
 Error FailureOf(const std::exception& exception) {
   const bool no_memory = dynamic_cast<const std::bad_alloc*>(&exception) != nullptr;
   return Failure(no_memory ? "there is not enough memory" : exception.what());
+}
+
+void CheckFailed(const char* condition, const char* file, int line) {
+  std::fprintf(stderr, "%s:%d: internal error: check failed: %s\n", file, line, condition);
+  std::abort();
 }
 
 }  // namespace troupe

@@ -3,7 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "troupe/bitmap.h"
 #include "troupe/result.h"
@@ -34,5 +37,28 @@ inline constexpr std::int64_t kMaxInterlacedBytes = 400'000'000;
 // and BMP of any kind, PGM text (P2) and binary (P5). 16-bit samples are reduced to 8; palettes are looked up. The
 // error for another format names it, with a way to convert it.
 Result<Bitmap> ReadBitmap(const std::string& path, const PixelRule& rule);
+
+// ImageSource: contents that stand in for image files, of images that are edited and not saved yet.
+// The occupied pixels of the image at a path, by the rule; nothing: the file is to be read. A source that is empty
+// stands in for no file.
+using ImageSource = std::function<std::optional<Bitmap>(const std::string& path, const PixelRule& rule)>;
+
+// Images of one grey value for each pixel, to be edited and written as PNG files.
+
+struct GreyImage {
+  int width = 0;  // pixels
+  int height = 0;
+  std::vector<std::uint8_t> values;  // row by row from the top; 0: black
+};
+
+// Larger images are not read or written here.
+inline constexpr std::int64_t kMaxGreyPixels = 16'777'216;
+
+// Reads a PNG file of any kind as Stage does: of a coloured image the red counts, opacity does not, 16-bit samples are
+// reduced to 8. The error names another format, a damaged file, or one with too many pixels.
+Result<GreyImage> ReadGreyPng(const std::string& path);
+
+// The bytes of a PNG file, grey, 8 bits a pixel. REQUIRES: it has 1 to kMaxGreyPixels pixels, with a value each.
+Result<std::string> EncodeGreyPng(const GreyImage& image);
 
 }  // namespace troupe

@@ -6,7 +6,6 @@
 #include <memory>
 #include <string>
 
-#include "common/image/grey_image.h"
 #include "common/image/image_file.h"
 
 namespace troupe {

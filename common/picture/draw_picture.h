@@ -2,6 +2,8 @@
 // same world, state, fans, marks and options give the same bytes.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,5 +30,9 @@ struct ScanFan {
 Result<std::string> DrawPicture(const WorldDescription& world, const WorldState& state,
                                 const std::vector<ScanFan>& fans, const PictureOptions& options,
                                 const std::vector<Mark>& marks = {});
+
+// The bytes of a PNG file of an image: red, green and blue of each pixel, row by row from the top. The error is a fault
+// of the graphics library. REQUIRES: rgb has 3 * width * height bytes; both sides are at least 1
+Result<std::string> EncodePng(int width, int height, std::span<const std::uint8_t> rgb);
 
 }  // namespace troupe

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "common/picture/rectangle_outline.h"
 
 namespace troupe {

@@ -1,5 +1,3 @@
-#include "common/sensing/camera.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,10 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "common/base/hexadecimal.h"
-#include "common/sensing/fan_marks.h"
-#include "common/sensing/model_pose.h"
-#include "common/sensing/reading_json.h"
+#include "common/base/text.h"
+#include "common/sensing/sensor.h"
+#include "common/sensing/sensor_kinds.h"
 #include "common/spatial/column_cast.h"
 #include "troupe/check.h"
 #include "troupe/deterministic_math.h"

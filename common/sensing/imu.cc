@@ -1,10 +1,9 @@
-#include "common/sensing/imu.h"
-
 #include <algorithm>
 #include <span>
 
-#include "common/sensing/reading_json.h"
-#include "common/spatial/point_velocity.h"
+#include "common/sensing/sensor.h"
+#include "common/sensing/sensor_kinds.h"
+#include "common/spatial/body_index.h"
 #include "troupe/check.h"
 #include "troupe/random.h"
 

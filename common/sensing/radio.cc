@@ -1,23 +1,209 @@
-#include "common/sensing/radio.h"
-
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "common/base/hexadecimal.h"
-#include "common/sensing/fan_marks.h"
-#include "common/sensing/radio_path.h"
-#include "common/sensing/reading_json.h"
+#include "common/base/text.h"
+#include "common/sensing/sensor.h"
+#include "common/sensing/sensor_kinds.h"
+#include "common/spatial/column_cast.h"
+#include "common/spatial/ray_cast.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/radio_limits.h"
 #include "troupe/random.h"
+#include "troupe/vec2.h"
 
 namespace troupe {
 namespace {
+
+// The bodies between antennas: those that the straight line between two of them crosses, at its heights.
+
+struct RadioObstacles {
+  // Stretches of the line inside of static bodies. Those with less than kWallGap between them are one wall, so that
+  // the pixels of a slanted wall count once.
+  std::size_t walls = 0;
+  std::size_t bodies = 0;  // robots and objects
+};
+constexpr double kWallGap = 0.05;  // m
+
+// An antenna of a robot, in W.
+struct Antenna {
+  RobotId robot;
+  Vec2 at{0.0, 0.0};  // m
+  double z = 0.0;     // m
+};
+
+// A part of the line between two antennas: m from the one that receives, along the line's foot.
+struct LinePart {
+  double enter;
+  double leave;
+};
+
+// The part of the line that is in an obstacle.
+struct ObstacleOnLine {
+  LinePart part;
+  std::optional<BodyId> body;  // nothing: static
+};
+
+// A message on its way from an antenna, as strong as without obstacles.
+struct RadioSignal {
+  Antenna from;
+  const RadioParameters* sender = nullptr;  // never null
+  double clear = 0.0;                       // dBm
+  double weakest = 0.0;                     // dBm, of messages that are received
+
+  double LossBy(const RadioObstacles& obstacles) const {
+    return sender->wall_loss * static_cast<double>(obstacles.walls) +
+           sender->body_loss * static_cast<double>(obstacles.bodies);
+  }
+  bool Passes(const RadioObstacles& obstacles) const {
+    const double loss = LossBy(obstacles);
+    return loss == 0.0 || clear - loss >= weakest;
+  }
+};
+
+// The lines from one antenna to the senders of signals on other robots. A line ends where it enters the other robot;
+// bodies of its own robot, objects that either robot holds, and bodies that rangers do not see do not count; on a
+// vertical line none does.
+class RadioPaths {
+ public:
+  // REQUIRES: the world stays as it is; `signals` outlive the paths.
+  RadioPaths(const SensedWorld& world, const Antenna& to, std::span<const RadioSignal> signals);
+
+  // The strength of signal i behind all its obstacles, dBm; nothing if it is too weak.
+  std::optional<double> StrengthOf(std::size_t i);
+
+ private:
+  RadioObstacles CountObstacles(const Antenna& from);
+
+  const SensedWorld& world_;
+  Antenna to_;
+  std::span<const RadioSignal> signals_;
+  std::vector<RadioObstacles> first_;  // by signal: obstacles that it has at the least; all, if it has none
+  std::vector<bool> is_clear_;         // likewise: it surely has no obstacle
+  std::optional<ColumnCaster> caster_;
+  // Of one line; kept for their room.
+  std::vector<ColumnCut> cuts_;
+  std::vector<ObstacleOnLine> obstacles_;
+  std::vector<LinePart> walls_;
+  std::vector<BodyId> bodies_;
+};
+
+// The part of a line that climbs by `slope` m for each m, from height `z`, within a cut.
+std::optional<LinePart> PartIn(const ColumnCut& cut, double z, double slope, double length) {
+  LinePart part{cut.enter, std::min(cut.leave, length)};
+  if (slope == 0.0) {
+    if (!cut.z.Contains(z)) return std::nullopt;
+  } else {
+    const double at_min = (cut.z.min - z) / slope;
+    const double at_max = (cut.z.max - z) / slope;
+    part.enter = std::max(part.enter, std::min(at_min, at_max));
+    part.leave = std::min(part.leave, std::max(at_min, at_max));
+  }
+  if (!(part.leave - part.enter > kTouchTolerance)) return std::nullopt;
+  return part;
+}
+
+std::size_t CountWalls(std::vector<LinePart>& parts) {
+  std::sort(parts.begin(), parts.end(), [](const LinePart& a, const LinePart& b) { return a.enter < b.enter; });
+  std::size_t walls = 0;
+  double end = -std::numeric_limits<double>::infinity();
+  for (const LinePart& part : parts) {
+    if (part.enter - end >= kWallGap) ++walls;
+    end = std::max(end, part.leave);
+  }
+  return walls;
+}
+
+// Horizontal rays are cast all together. Nearly all lines are clear, or of no use beyond their first obstacle.
+RadioPaths::RadioPaths(const SensedWorld& world, const Antenna& to, std::span<const RadioSignal> signals)
+    : world_(world), to_(to), signals_(signals), first_(signals.size()), is_clear_(signals.size(), false) {
+  std::vector<Ray> rays;
+  std::vector<std::size_t> signal_of_ray;
+  rays.reserve(signals.size());
+  signal_of_ray.reserve(signals.size());
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    const Antenna& from = signals[i].from;
+    const Vec2 way = from.at - to.at;
+    const double length = std::sqrt(way.squaredNorm());
+    const bool ignores_obstacles = signals[i].sender->wall_loss == 0.0 && signals[i].sender->body_loss == 0.0;
+    if (!(length > kTouchTolerance) || ignores_obstacles) {
+      is_clear_[i] = true;
+    } else if (from.z == to.z) {
+      rays.push_back({to.at, way / length, to.z, length});
+      signal_of_ray.push_back(i);
+    }
+  }
+  std::vector<std::optional<RayHit>> hits;
+  CastRays(world.scene, world.bodies, rays, to.robot, hits);
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    const std::size_t i = signal_of_ray[k];
+    const std::optional<BodyId> body = hits[k] ? world.scene.body_of(hits[k]->model) : std::nullopt;
+    if (!hits[k] || (body && world.bodies.owner(*body) == signals[i].from.robot)) {
+      is_clear_[i] = true;
+    } else if (!body) {
+      first_[i].walls = 1;
+    } else {
+      first_[i].bodies = 1;
+    }
+  }
+}
+
+std::optional<double> RadioPaths::StrengthOf(std::size_t i) {
+  const RadioSignal& signal = signals_[i];
+  if (is_clear_[i]) return signal.clear;
+  if (!signal.Passes(first_[i])) return std::nullopt;
+  const RadioObstacles obstacles = CountObstacles(signal.from);
+  if (!signal.Passes(obstacles)) return std::nullopt;
+  return signal.clear - signal.LossBy(obstacles);
+}
+
+RadioObstacles RadioPaths::CountObstacles(const Antenna& from) {
+  const Vec2 way = from.at - to_.at;
+  const double length = std::sqrt(way.squaredNorm());
+  if (!caster_) {
+    double reach = 0.0;
+    for (std::size_t i = 0; i < signals_.size(); ++i) {
+      if (is_clear_[i] || !signals_[i].Passes(first_[i])) continue;
+      reach = std::max(reach, std::sqrt((signals_[i].from.at - to_.at).squaredNorm()));
+    }
+    caster_.emplace(world_.scene, world_.bodies, to_.at, reach, to_.robot, Sight::kRangers);
+  }
+  caster_->Cut(way / length, {std::min(to_.z, from.z), std::max(to_.z, from.z)}, length, cuts_);
+  const double slope = (from.z - to_.z) / length;
+  obstacles_.clear();
+  double end = length;
+  for (const ColumnCut& cut : cuts_) {
+    if (cut.enter >= length) break;
+    const std::optional<LinePart> part = PartIn(cut, to_.z, slope, length);
+    if (!part) continue;
+    const std::optional<BodyId> body = world_.scene.body_of(cut.model);
+    if (body && world_.bodies.owner(*body) == from.robot) {
+      end = std::min(end, part->enter);
+    } else {
+      obstacles_.push_back({*part, body});
+    }
+  }
+  walls_.clear();
+  bodies_.clear();
+  for (const ObstacleOnLine& obstacle : obstacles_) {
+    if (!(std::min(obstacle.part.leave, end) - obstacle.part.enter > kTouchTolerance)) continue;
+    if (obstacle.body) {
+      bodies_.push_back(*obstacle.body);
+    } else {
+      walls_.push_back(obstacle.part);
+    }
+  }
+  std::sort(bodies_.begin(), bodies_.end());
+  bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
+  return {CountWalls(walls_), bodies_.size()};
+}
 
 constexpr std::uint64_t kRadioStream = 0x726164696f;  // "radio"
 

@@ -1,11 +1,10 @@
-#include "common/sensing/ranger.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
-#include "common/sensing/reading_json.h"
+#include "common/sensing/sensor.h"
+#include "common/sensing/sensor_kinds.h"
 #include "common/spatial/column_cast.h"
 #include "common/spatial/ray_cast.h"
 #include "troupe/deterministic_math.h"

@@ -1,5 +1,5 @@
-// Sensor: one sensor of one robot. A kind of sensor is one pair of files in this folder, registered in
-// sensor_registry.cc.
+// Sensor: one sensor of one robot. The kinds are declared in
+// sensor_kinds.h and listed in sensor_suite.cc.
 //
 // A reading is a pure function of the world description (with its seed), the state and the tick: every process that
 // has the state (agent, viewer, replay, picture) measures the same bits.
@@ -8,12 +8,17 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/model/mark.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "troupe/deterministic_math.h"
+#include "troupe/ids.h"
+#include "troupe/pose.h"
 #include "troupe/sensor.h"
 #include "troupe/sensor_description.h"
 
@@ -81,5 +86,46 @@ Content& ContentOf(SensorReading& reading) {
   if (Content* content = std::get_if<Content>(&reading.content)) return *content;
   return reading.content.emplace<Content>();
 }
+
+// The place where a sensor with a field of view looks, as a mark.
+// The sector of radius `range` (m) around the x axis of S.
+inline Mark SectorMark(const Pose& X_WS, double fov, double range) {
+  constexpr int kSteps = 32;
+  Mark mark{MarkShape::kArea, MarkRole::kReach, X_WS.z, {X_WS.translation()}};
+  for (int i = 0; i <= kSteps; ++i) {
+    const SinCosResult at = SinCos(X_WS.heading + fov * (static_cast<double>(i) / kSteps - 0.5));
+    mark.points.push_back(X_WS.translation() + range * Vec2(at.cos, at.sin));
+  }
+  return mark;
+}
+
+// The poses and colours of models as sensors see them.
+
+// X_WM of any model, static or moving.
+inline Pose PoseOfModel(const SensedWorld& world, ModelId model) {
+  return world.scene.body_of(model) ? world.bodies.X_WM(model) : world.scene.X_LM(model);
+}
+
+// The colour of a model at `tick`.
+inline Color ColorOfModel(const SensedWorld& world, ModelId model, Tick tick) {
+  const WorldDescription& description = world.scene.world();
+  const std::optional<std::size_t> row = world.state != nullptr ? world.scene.light_of(model) : std::nullopt;
+  const bool is_switched_on =
+      row ? world.state->lights[*row].is_switched_on : description.model(model).blinking.is_switched_on;
+  return ColorAt(description.model(model), static_cast<std::int64_t>(tick) * description.interval_ns, is_switched_on);
+}
+
+// Parts of the JSON lines of readings.
+
+// `{"tick":12,"robot":"r0","sensor":"ranger:0"`, without a closing brace.
+std::string LineStart(Tick tick, const std::string& robot, const std::string& sensor);
+
+// A string in quotes; bytes that are not UTF-8 are replaced.
+std::string JsonString(const std::string& text);
+
+// `[0.1,5]`: each number as the shortest decimal that reads back as the same double.
+std::string JsonNumbers(std::span<const double> values);
+
+std::string JsonNumber(double value);
 
 }  // namespace troupe

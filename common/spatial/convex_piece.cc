@@ -1,6 +1,8 @@
 #include "common/spatial/convex_piece.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "common/geometry/convex_partition.h"
 
@@ -16,6 +18,74 @@ ConvexPiece Moved(std::vector<Vec2> vertices, const ZRange& z, const ModelDescri
           .model = id,
           .obstacle = model.obstacle_return,
           .ranger_return = model.ranger_return};
+}
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+// The gaps between `a` and `b` along the outward normals of a's edges, negative where they overlap, until visit(gap)
+// returns false; then false.
+template <typename Visit>
+bool ForEachGap(std::span<const Vec2> a, std::span<const Vec2> b, Visit visit) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Vec2& start = a[i];
+    const Vec2 along = a[i + 1 < a.size() ? i + 1 : 0] - start;
+    const double length = std::sqrt(along.squaredNorm());
+    if (length == 0.0) continue;
+    double gap = kUnbounded;
+    for (const Vec2& vertex : b) gap = std::min(gap, -Cross(along, vertex - start));
+    if (!visit(gap / length)) return false;
+  }
+  return true;
+}
+
+// The distances of points beyond the line along `along` through `start`, on its outer side, times its length: the least
+// and the most.
+struct Beyond {
+  double least = kUnbounded;
+  double most = -kUnbounded;
+
+  void Add(const Vec2& start, const Vec2& along, std::span<const Vec2> points) {
+    for (const Vec2& point : points) {
+      const double beyond = -Cross(along, point - start);
+      least = std::min(least, beyond);
+      most = std::max(most, beyond);
+    }
+  }
+};
+
+// `gap`: times the length of `along`. Without a root or a division.
+bool IsMoreThan(double gap, double margin, const Vec2& along) {
+  return gap > 0.0 && gap * gap > margin * margin * along.squaredNorm();
+}
+
+Vec2 NearestOnEdge(const Vec2& point, const Vec2& from, const Vec2& to) {
+  const Vec2 along = to - from;
+  const double square = along.squaredNorm();
+  if (square == 0.0) return from;
+  return from + std::clamp((point - from).dot(along) / square, 0.0, 1.0) * along;
+}
+
+// For three vertices or more.
+bool IsInside(std::span<const Vec2> polygon, const Vec2& point) {
+  if (polygon.size() < 3) return false;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2& from = polygon[i];
+    const Vec2& to = polygon[(i + 1) % polygon.size()];
+    if (Cross(to - from, point - from) < 0.0) return false;
+  }
+  return true;
+}
+
+// True if the inner parts of two edges cross, at `at`.
+bool EdgesCross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, Vec2& at) {
+  const double c_side = troupe::Cross(b - a, c - a);
+  const double d_side = troupe::Cross(b - a, d - a);
+  const double a_side = troupe::Cross(d - c, a - c);
+  const double b_side = troupe::Cross(d - c, b - c);
+  if (!((c_side < 0.0) != (d_side < 0.0) && (a_side < 0.0) != (b_side < 0.0))) return false;
+  if (c_side == d_side) return false;
+  at = c + (d - c) * (c_side / (c_side - d_side));
+  return true;
 }
 
 }  // namespace
@@ -58,6 +128,69 @@ ConvexPiece Transformed(const ConvexPiece& piece, const Pose& X_WF) {
   for (Vec2& vertex : result.vertices) vertex = transform * vertex;
   result.z = piece.z + X_WF.z;
   return result;
+}
+
+double PenetrationDepth(std::span<const Vec2> a, std::span<const Vec2> b) {
+  double largest = -kUnbounded;
+  const auto keep_largest = [&largest](double gap) {
+    largest = std::max(largest, gap);
+    return true;
+  };
+  ForEachGap(a, b, keep_largest);
+  ForEachGap(b, a, keep_largest);
+  return -largest;
+}
+
+bool OverlapBy(std::span<const Vec2> a, std::span<const Vec2> b, double depth) {
+  const auto overlaps = [depth](double gap) { return -gap > depth; };
+  return ForEachGap(a, b, overlaps) && ForEachGap(b, a, overlaps);
+}
+
+bool StayApart(std::span<const Vec2> a, std::span<const Vec2> a_later, std::span<const Vec2> b, double margin) {
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const Vec2 along = b[i + 1 < b.size() ? i + 1 : 0] - b[i];
+    Beyond mover;
+    mover.Add(b[i], along, a);
+    mover.Add(b[i], along, a_later);
+    if (IsMoreThan(mover.least, margin, along)) return true;
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Vec2 along = a[i + 1 < a.size() ? i + 1 : 0] - a[i];
+    Beyond mover;
+    mover.Add(a[i], along, a);
+    mover.Add(a[i], along, a_later);
+    Beyond obstacle;
+    obstacle.Add(a[i], along, b);
+    if (IsMoreThan(obstacle.least - mover.most, margin, along)) return true;
+  }
+  return false;
+}
+
+bool OverlapBy(const ConvexPiece& a, const ConvexPiece& b, double depth) {
+  return a.z.Overlaps(b.z) && OverlapBy(a.vertices, b.vertices, depth);
+}
+
+NearestPoints FindNearestPoints(std::span<const Vec2> a, std::span<const Vec2> b) {
+  if (IsInside(b, a.front())) return {0.0, a.front(), a.front()};
+  if (IsInside(a, b.front())) return {0.0, b.front(), b.front()};
+  NearestPoints nearest{std::numeric_limits<double>::infinity(), a.front(), b.front()};
+  const auto keep = [&](const Vec2& of_a, const Vec2& of_b) {
+    const double distance = (of_a - of_b).norm();
+    if (distance < nearest.distance) nearest = {distance, of_a, of_b};
+  };
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Vec2& a_from = a[i];
+    const Vec2& a_to = a[(i + 1) % a.size()];
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const Vec2& b_from = b[k];
+      const Vec2& b_to = b[(k + 1) % b.size()];
+      Vec2 at;
+      if (EdgesCross(a_from, a_to, b_from, b_to, at)) return {0.0, at, at};
+      keep(a_from, NearestOnEdge(a_from, b_from, b_to));
+      keep(NearestOnEdge(b_from, a_from, a_to), b_from);
+    }
+  }
+  return nearest;
 }
 
 }  // namespace troupe

@@ -1,14 +1,11 @@
 #include "common/spatial/grid.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "troupe/check.h"
 
 namespace troupe {
 namespace {
 
-// Keeps the rounding of a ray's walk, which adds up cell by cell, far within its tolerance (ray_walk.h).
+// Keeps the rounding of a ray's walk, which adds up cell by cell, far within its tolerance (grid.h).
 constexpr double kMaxCellsAlong = 65536.0;
 
 }  // namespace

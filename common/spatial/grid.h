@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -69,5 +70,100 @@ class Grid {
   double cells_per_metre_ = 1.0;
   std::array<Axis, 2> axes_;
 };
+
+// WalkRay: the cells of a grid that a ray passes.
+//
+// A ray gains at most one row in each column that it crosses if it is flat, and the other way round if it is steep. So
+// it is followed column by column, and the row in which it leaves a column is one addition of whole numbers away from
+// that of the column before. No branch depends on the side by which it leaves a cell, which no processor can predict
+// (as in Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987).
+
+// The error of a walk, in cells: the ray is at most so far from the cells visited for it.
+inline constexpr double kWalkTolerance = 1e-6;
+
+// The part of a ray, in m along it, within a rectangle; none if `enter` is not at most `leave`.
+struct RayPart {
+  double enter;
+  double leave;
+};
+
+inline RayPart PartWithin(const Rectangle& bounds, const Vec2& origin, const Vec2& direction,
+                          const Eigen::Array2d& inverse, double max_distance) {
+  RayPart part{0.0, max_distance};
+  const auto cut = [&part](double from, double along, double inverse_along, double low, double high) {
+    if (along == 0.0) {
+      if (from < low || from > high) part.leave = -1.0;
+      return;
+    }
+    const double a = (low - from) * inverse_along;
+    const double b = (high - from) * inverse_along;
+    part.enter = std::max(part.enter, std::min(a, b));
+    part.leave = std::min(part.leave, std::max(a, b));
+  };
+  cut(origin.x(), direction.x(), inverse.x(), bounds.min_x, bounds.max_x);
+  cut(origin.y(), direction.y(), inverse.y(), bounds.min_y, bounds.max_y);
+  return part;
+}
+
+// Calls visit(cell, distance) for those cells that the ray passes for which filled(cell) is true, in order, until
+// `visit` returns false, `max_distance` is reached or the ray leaves the grid; `distance`: m, the ray does not enter
+// the cell before. A few cells that the ray just misses, or that are just beyond its end, may be among them. REQUIRES:
+// |direction| = 1; inverse = 1 / direction by components
+template <typename Filled, typename Visit>
+void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse,
+             double max_distance, Filled filled, Visit visit) {
+  RayPart part{0.0, max_distance};
+  // A walk that starts inside ends at the edge without a cut.
+  if (!grid.bounds().Contains(origin)) part = PartWithin(grid.bounds(), origin, direction, inverse, max_distance);
+  const auto [enter, leave] = part;
+  if (!(enter <= leave)) return;
+
+  // From here on lengths are in cells, columns are those of the axis along which the ray passes more cells, rows those
+  // of the other.
+  const int major = std::abs(direction.x()) >= std::abs(direction.y()) ? 0 : 1;
+  const Grid::Axis& columns = grid.axis(major);
+  const Grid::Axis& rows = grid.axis(1 - major);
+  const double from_column = (origin[major] - columns.low) * grid.cells_per_metre();
+  const double from_row = (origin[1 - major] - rows.low) * grid.cells_per_metre();
+  const double columns_per_metre = direction[major] * grid.cells_per_metre();
+  const double rows_per_metre = direction[1 - major] * grid.cells_per_metre();
+  const double metres_per_column = grid.cell_size() * std::abs(inverse[major]);
+  const std::int32_t up = direction[major] > 0.0 ? 1 : -1;
+  const std::int32_t first = columns.Clamped(from_column + enter * columns_per_metre);
+  const std::int32_t last = columns.Clamped(from_column + leave * columns_per_metre);
+  const double first_left = (first + (0.5 + 0.5 * up) - from_column) * up * metres_per_column;  // m
+
+  // Rows as whole numbers, a cell being kCell: their errors do not grow with the distance from 0.
+  constexpr int kBits = 40;
+  constexpr double kCell = static_cast<double>(std::int64_t{1} << kBits);
+  const double row_count = rows.count;
+  const std::int64_t end = static_cast<std::int64_t>(rows.count) << kBits;
+  const double first_row_left = from_row + first_left * rows_per_metre;
+  auto row_left = static_cast<std::int64_t>(std::max(-1.0, std::min(row_count, first_row_left)) * kCell);
+  // If a ray enters at a corner, rounding may place its exit from the first column on the wrong side of the edge; and
+  // if it passes from corner to corner, the rows in which it enters and leaves may be two apart.
+  if (rows_per_metre >= 0.0) row_left = std::max<std::int64_t>(row_left, 0);
+  if (rows_per_metre <= 0.0) row_left = std::min(row_left, end - 1);
+  const auto first_left_row = static_cast<std::int32_t>(row_left >> kBits);
+  const std::int32_t first_row =
+      std::clamp(rows.Clamped(from_row + enter * rows_per_metre), first_left_row - 1, first_left_row + 1);
+  const auto rise = static_cast<std::int64_t>(rows_per_metre * metres_per_column * kCell);
+  const std::int32_t first_offset = first_row * rows.stride;  // the offset of each cell fits into 32 bits
+  std::ptrdiff_t row = first_offset;
+  for (std::int32_t column = first;; column += up, row_left += rise) {
+    const bool stays = static_cast<std::uint64_t>(row_left) < static_cast<std::uint64_t>(end);
+    const std::ptrdiff_t next_row = stays ? (row_left >> kBits) * rows.stride : row;
+    const std::int32_t column_offset = column * columns.stride;
+    const auto cell = static_cast<std::size_t>(column_offset + row);
+    const auto next = static_cast<std::size_t>(column_offset + next_row);
+    if (filled(cell) | filled(next)) {
+      const double entered = column == first ? enter : first_left + ((column - first) * up - 1) * metres_per_column;
+      if (filled(cell) && !visit(cell, entered)) return;
+      if (cell != next && filled(next) && !visit(next, entered)) return;
+    }
+    if ((column == last) | !stays) return;
+    row = next_row;
+  }
+}
 
 }  // namespace troupe

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 
 namespace troupe {
 namespace {

@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "common/spatial/discs.h"
-
 namespace troupe {
 namespace {
 

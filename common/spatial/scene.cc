@@ -6,8 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "common/model/check_state.h"
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 
 namespace troupe {
 

@@ -1,13 +1,14 @@
 #include "common/spatial/sweep.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <memory_resource>
 #include <tuple>
 #include <vector>
 
-#include "common/base/stack_memory.h"
-#include "common/spatial/overlap.h"
+#include "common/spatial/convex_piece.h"
 #include "common/spatial/sweep_events.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/rectangle.h"
@@ -330,6 +331,27 @@ std::optional<Contact> ContactWithObstacles(const Mover& mover, const Passage& p
 }
 
 }  // namespace
+
+namespace internal {
+
+// StackMemory: memory for short-lived vectors, on the stack as long as they are small.
+//
+//   StackMemory memory;
+//   std::pmr::vector<BodyId> near(&memory);
+
+// A base class, so that the bytes outlive the resource that uses them.
+struct StackBytes {
+  alignas(std::max_align_t) std::array<std::byte, 4096> bytes;
+};
+
+}  // namespace internal
+
+// Allocates memory one piece after another, first from the stack and then from the heap. Frees nothing before its
+// destruction, so it does not suit a vector that grows and shrinks often. Must outlive its vectors. For one thread.
+class StackMemory : private internal::StackBytes, public std::pmr::monotonic_buffer_resource {
+ public:
+  StackMemory() : std::pmr::monotonic_buffer_resource(bytes.data(), bytes.size()) {}
+};
 
 Pose Motion::After(double seconds) const {
   if (!(seconds > 0.0)) return X_WF;

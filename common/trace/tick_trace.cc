@@ -1,7 +1,21 @@
 #include "common/trace/tick_trace.h"
 
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <stdio_ext.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
-#include <utility>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <string_view>
+
+#include "common/base/file.h"
+#include "common/base/output_file.h"
 
 namespace troupe {
 namespace {
@@ -14,6 +28,72 @@ std::optional<Tick> TickOf(std::string_view text) {
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), tick);
   return failure == std::errc() && end == text.data() + text.size() ? std::optional(tick) : std::nullopt;
 }
+
+// An event begins with its time, so that it is easily parsed. Chrome counts in microseconds.
+constexpr char kLineStart[] = "{\"ts\":";
+constexpr std::size_t kStartLength = sizeof kLineStart - 1;
+
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '"' || c == '\\') escaped += '\\';
+    escaped += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return escaped;
+}
+
+// In microseconds, with the nanoseconds behind the point.
+std::string Microseconds(std::int64_t nanoseconds) {
+  return fmt::format("{}.{:03}", nanoseconds / 1000, nanoseconds % 1000);
+}
+
+// Parses the result of Microseconds at the beginning of `text`, with the text after it.
+struct EventTime {
+  std::int64_t nanoseconds;
+  const char* rest;
+};
+std::optional<EventTime> TimeOf(const std::string& line) {
+  if (!line.starts_with(kLineStart)) return std::nullopt;
+  const char* const end = line.data() + line.size();
+  std::int64_t whole = 0;
+  const auto point = std::from_chars(line.data() + kStartLength, end, whole);
+  if (point.ec != std::errc() || point.ptr == end || *point.ptr != '.') return std::nullopt;
+  std::int64_t thousandths = 0;
+  const auto after = std::from_chars(point.ptr + 1, end, thousandths);
+  if (after.ec != std::errc() || after.ptr != point.ptr + 4) return std::nullopt;
+  return EventTime{whole * 1000 + thousandths, after.ptr};
+}
+
+// Calls visit(part, line) for all whole lines with an object, without the comma after it. Parts count from 1.
+template <typename Visit>
+Status ForEachLine(const std::vector<std::string>& parts, LineFile::Space space, Visit visit) {
+  for (std::size_t part = 1; part <= parts.size(); ++part) {
+    const std::string& path = parts[part - 1];
+    if (std::error_code unknown; !std::filesystem::exists(path, unknown) && !unknown) continue;
+    Result<LineFile> file = LineFile::Open(path, space);
+    if (!file.ok()) return file.error();
+    for (std::string line; file.value().Next(line);) {
+      if (line.size() < 2 || line.front() != '{' || !line.ends_with("},")) continue;
+      line.pop_back();
+      visit(part, line);
+    }
+    if (!file.value().status().ok()) return file.value().status();
+  }
+  return Status();
+}
+
+// With another process number: two hosts may use the same number.
+std::string Renumbered(const std::string& text, std::size_t process) {
+  constexpr std::string_view kField = "\"pid\":";
+  const std::size_t at = text.find(kField);
+  if (at == std::string::npos) return text;
+  const std::size_t number = at + kField.size();
+  return text.substr(0, number) + std::to_string(process) + text.substr(std::min(text.find(',', number), text.size()));
+}
+
+// ns. The mean is over the window before and the one in progress.
+constexpr std::int64_t kWindow = 500'000'000;
+constexpr std::int64_t kOldest = 5'000'000'000;  // older windows say nothing about the present
 
 }  // namespace
 
@@ -108,6 +188,106 @@ Status TickTrace::Close() {
     Write(lane);
   }
   return file_.Close();
+}
+
+std::int64_t TraceFile::Now() {
+  using std::chrono::duration_cast;
+  using std::chrono::nanoseconds;
+  using Steady = std::chrono::steady_clock;
+  static const std::int64_t offset = (std::chrono::system_clock::now().time_since_epoch() -
+                                      duration_cast<nanoseconds>(Steady::now().time_since_epoch()))
+                                         .count();
+  return duration_cast<nanoseconds>(Steady::now().time_since_epoch()).count() + offset;
+}
+
+Result<TraceFile> TraceFile::Create(const std::string& path, const std::string& process) {
+  Result<FileDescriptor> opened = OpenToWrite(path, O_TRUNC);
+  if (!opened.ok())
+    return Error{{path}, "cannot write a trace here: " + opened.error().message, ErrorCode::kOutputFailed};
+  std::FILE* const file = fdopen(opened.value().get(), "w");
+  if (file == nullptr) {
+    return Error{{path}, std::string("cannot write a trace here: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+  }
+  (void)opened.value().Release();  // the stream closes it
+  TraceFile trace(path, file);
+  // Viewers accept a list without its end, as of a program that is running or was killed.
+  fmt::print(file, "[\n{{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":{},\"args\":{{\"name\":\"{} ({})\"}}}},\n",
+             getpid(), Escaped(process), getpid());
+  return trace;
+}
+
+void TraceFile::Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
+                      const std::string& robot) {
+  if (!file_ || !status_.ok()) return;
+  const std::string robot_field = robot.empty() ? "" : ",\"robot\":\"" + Escaped(robot) + "\"";
+  const std::string line =
+      fmt::format("{}{},\"dur\":{},\"name\":\"{}\",\"ph\":\"X\",\"pid\":{},\"tid\":{},\"args\":{{\"tick\":{}{}}}}},\n",
+                  kLineStart, Microseconds(begin), Microseconds(end - begin), name, getpid(), lane, tick, robot_field);
+  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size()) Fail();
+}
+
+void TraceFile::Fail() {
+  status_ = Error{{path_}, std::string("cannot write a trace: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+  __fpurge(file_.get());  // a later attempt might write text behind a gap
+}
+
+Status TraceFile::Close() {
+  if (file_ && status_.ok() && std::fflush(file_.get()) != 0) Fail();
+  file_.reset();
+  return status_;
+}
+
+Status MergeTraces(const std::vector<std::string>& parts, const std::string& output) {
+  std::int64_t start = std::numeric_limits<std::int64_t>::max();
+  const auto find_start = [&start](std::size_t, const std::string& line) {
+    if (const std::optional<EventTime> time = TimeOf(line)) start = std::min(start, time->nanoseconds);
+  };
+  if (Status unread = ForEachLine(parts, LineFile::Space::kKeep, find_start); !unread.ok()) return unread;
+  Result<OutputFile> created = OutputFile::Create(output);
+  if (!created.ok()) return created.error();
+  OutputFile& file = created.value();
+  const char* separator = "[";  // before the next line
+  const auto copy = [&](std::size_t part, const std::string& line) {
+    file.Append(separator);
+    (void)file.EndLine();  // Close returns its error
+    separator = ",";
+    if (const std::optional<EventTime> time = TimeOf(line)) {
+      file.Append(kLineStart + Microseconds(time->nanoseconds - start) + Renumbered(time->rest, part));
+    } else {
+      file.Append(Renumbered(line, part));
+    }
+  };
+  Status unread = ForEachLine(parts, LineFile::Space::kFree, copy);
+  file.Append(separator[0] == '[' ? "[]" : "\n]");
+  (void)file.EndLine();  // Close returns its error
+  Status closed = file.Close();
+  return unread.ok() ? closed : unread;
+}
+
+void PhaseTimes::Enter(TickPhase phase, std::int64_t now) {
+  if (phase_) now_.times[static_cast<std::size_t>(*phase_)] += now - entered_;
+  // A window ends between two ticks, and slow ticks make long ones.
+  if (phase == TickPhase::kWait && now_.ticks > 0 && now - now_.begin >= kWindow) {
+    before_ = now_;
+    now_ = {};
+    now_.begin = now;
+  }
+  if (!phase_) now_.begin = now;
+  if (phase == TickPhase::kStep) ++now_.ticks;
+  phase_ = phase;
+  entered_ = now;
+}
+
+void PhaseTimes::Restart(std::int64_t now) {
+  entered_ = now;
+}
+
+double PhaseTimes::Mean(TickPhase phase, std::int64_t now) const {
+  if (!phase_ || now - entered_ > kOldest) return 0.0;
+  const std::uint64_t ticks = before_.ticks + now_.ticks;
+  if (ticks == 0) return 0.0;
+  const auto index = static_cast<std::size_t>(phase);
+  return static_cast<double>(before_.times[index] + now_.times[index]) * 1e-9 / static_cast<double>(ticks);
 }
 
 }  // namespace troupe

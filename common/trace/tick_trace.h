@@ -5,18 +5,53 @@
 // progress: the agent's work on state n and the service's step from state n to n + 1 both belong to tick n + 1.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "common/trace/trace_file.h"
 #include "troupe/ids.h"
 #include "troupe/result.h"
 
 namespace troupe {
+
+// TraceFile: a file in Chrome's trace format, an object on each line; and the merging of several.
+class TraceFile {
+ public:
+  // `process`: its name in viewers.
+  static Result<TraceFile> Create(const std::string& path, const std::string& process);
+
+  // ns since 1970, so that the files of several hosts agree as well as their clocks. Never decreases.
+  static std::int64_t Now();
+
+  // A phase from `begin` to `end`, ns as of Now. `robot` may be empty. Writes nothing after an error.
+  void Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
+             const std::string& robot);
+
+  // The first error of a write (a full disk).
+  const Status& status() const { return status_; }
+  // Writes all buffered text. Returns status().
+  Status Close();
+
+ private:
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  TraceFile(std::string path, std::FILE* file) : path_(std::move(path)), file_(file) {}
+  void Fail();
+
+  std::string path_;
+  std::unique_ptr<std::FILE, Closer> file_;
+  Status status_;
+};
+
+// One file of several, with times from the first event on. Parts that do not exist, and last lines that were cut off,
+// as by killed processes, are left out. Frees the space of the parts, so that the file fits even on a full disk.
+Status MergeTraces(const std::vector<std::string>& parts, const std::string& output);
 
 enum class TickPhase : std::uint8_t {
   kWait,     // service: for the proposals; agent: for the frame, with receiving and decoding it
@@ -96,5 +131,39 @@ class TickTrace {
   std::vector<std::string> robots_;
   std::vector<std::unique_ptr<TraceLane>> lanes_;
 };
+
+// PhaseTimes: how long the phases of the service take in a tick, on average over about the last second.
+//
+// Threads: one at a time.
+class PhaseTimes {
+ public:
+  // Ends the phase before and begins this one, at `now`, ns of a clock that never decreases. Each kStep begins a tick.
+  void Enter(TickPhase phase, std::int64_t now = TraceFile::Now());
+  // The time since Enter does not count: the phase in progress begins now.
+  void Restart(std::int64_t now = TraceFile::Now());
+
+  // s, of one tick: all parts of the phase together. 0 without ticks in the last seconds.
+  double Mean(TickPhase phase, std::int64_t now = TraceFile::Now()) const;
+
+ private:
+  static constexpr std::size_t kPhases = 8;
+  // The phases that ended within a stretch of time.
+  struct Window {
+    std::int64_t begin = 0;
+    std::uint64_t ticks = 0;
+    std::array<std::int64_t, kPhases> times = {};  // ns, by phase
+  };
+
+  std::optional<TickPhase> phase_;
+  std::int64_t entered_ = 0;
+  Window now_;
+  Window before_;
+};
+
+// Notes the beginning of a phase in both, where they are not null.
+inline void Enter(TraceLane* lane, PhaseTimes* times, TickPhase phase, Tick tick) {
+  Enter(lane, phase, tick);
+  if (times != nullptr) times->Enter(phase);
+}
 
 }  // namespace troupe

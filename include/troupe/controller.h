@@ -146,7 +146,7 @@ struct Observation {
   double Random(std::uint64_t i) const { return RandomUniform({random_key, i}); }
 };
 
-// The command for one tick. The drive bounds the motion (common/model/drive_limits.h), which ends with the tick; a
+// The command for one tick. The drive bounds the motion (common/model/device_limits.h), which ends with the tick; a
 // command to a gripper or joint is valid until the next one to it.
 struct Command {
   Twist twist = {};       // differential and omni drives, in R

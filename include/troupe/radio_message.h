@@ -1,5 +1,5 @@
 // The messages that robots send by radio: as they are proposed, and as a state keeps them until they arrive. Which
-// radios receive one, and how strongly, follows from the state at its arrival: common/sensing/radio.h.
+// radios receive one, and how strongly, follows from the state at its arrival: common/sensing/sensor_kinds.h.
 #pragma once
 
 #include <cstddef>

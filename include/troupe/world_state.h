@@ -174,7 +174,7 @@ constexpr void ForEachTable(Visit&& visit) {
 }
 
 // The description's poses at tick 0. Every object is kPlaced: its support is not known here, so that a run begins with
-// InitialState of world-service/core/initial_state.h instead.
+// InitialState of world-service/core/step.h instead.
 WorldState PlacedState(const WorldDescription& world);
 
 // The bytes that a copy of the state needs in memory, about.

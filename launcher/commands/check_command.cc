@@ -6,13 +6,13 @@
 #include <cstdio>
 #include <memory>
 
-#include "command_line/exit_status.h"
+#include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
 #include "common/base/print.h"
-#include "launcher/commands/check_controllers.h"
 #include "launcher/commands/commands.h"
 #include "recording/recording.h"
 #include "robot-agent/controller/create_controller.h"
+#include "worldfile/scenario/scenario.h"
 
 namespace troupe {
 namespace {
@@ -164,6 +164,17 @@ void AddCheckCommand(CLI::App& app, int& exit_status) {
   const auto file = std::make_shared<std::string>();
   AddWorldFile(*command, *file);
   command->final_callback([file, &exit_status] { exit_status = CheckCommand(*file); });
+}
+
+Status CheckControllers(const std::string& file, const std::optional<std::string>& controller) {
+  if (controller) {
+    if (const Status status = CheckController(*controller, "{}"); !status.ok()) {
+      return Error{{}, "option --controller: " + status.error().message};
+    }
+  }
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  return file.ends_with(".json") ? CheckScenario(file, overrides) : Status();
 }
 
 }  // namespace troupe

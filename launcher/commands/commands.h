@@ -1,15 +1,22 @@
-// The commands of `troupe`, each in a file of its own, and what they have in common.
+// The commands of `troupe`, each in a file of its own or beside its relatives, and what they have in common.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
-#include "common/run/network_settings.h"
+#include "common/run/run_settings.h"
+#include "troupe/pose.h"
 #include "troupe/result.h"
+#include "troupe/robot_command.h"
 
 namespace CLI {
+
 class App;
-}
+
+}  // namespace CLI
 
 namespace troupe {
 
@@ -57,5 +64,38 @@ class SessionChoice {
 
 // An empty session becomes the only one in the domain. The error: none was found in kDiscoverySeconds, or several.
 Status SelectSession(NetworkSettings& network);
+
+}  // namespace troupe
+
+namespace CLI {
+
+// Values on the command lines of several commands: poses, goals, and the address of a web server.
+
+}  // namespace CLI
+
+namespace troupe {
+
+// A pose with the rule of scenarios: the height may be left out.
+struct PoseText {
+  Pose X_WE;  // z is 0 if it was left out
+  bool has_height = false;
+};
+
+// Reads "X,Y,HEADING" or "X,Y,Z,HEADING", in metres and degrees.
+Result<PoseText> ParsePoseText(const std::string& text);
+
+// Reads "X,Y" of each point, and of the last one "X,Y" or "X,Y,HEADING", in metres and degrees. REQUIRES: not empty
+Result<Goal> ParseGoalText(const std::vector<std::string>& points);
+
+struct ListenAddress {
+  std::string address;
+  std::uint16_t port = 0;
+};
+
+// "ADDRESS:PORT", with an IPv4 address.
+std::optional<ListenAddress> ParseListen(const std::string& text);
+
+// Adds --listen, which sets `listen` to a text that ParseListen reads.
+void AddListenOption(CLI::App& command, std::string& listen);
 
 }  // namespace troupe

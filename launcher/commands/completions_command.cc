@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "command_line/exit_status.h"
-#include "command_line/option_checks.h"
+#include "command_line/parse_command_line.h"
 #include "launcher/commands/commands.h"
 
 namespace troupe {
@@ -32,7 +31,7 @@ struct CommandInfo {
   std::vector<CommandInfo> commands;  // its subcommands
 };
 
-// A list of words of OneOf (command_line/option_checks.h).
+// A list of words of OneOf (command_line/parse_command_line.h).
 std::string WordsOf(CLI::Option& option) {
   try {
     return option.get_validator(0)->get_name();

@@ -6,15 +6,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "command_line/exit_status.h"
-#include "command_line/network_flags.h"
-#include "command_line/option_checks.h"
+#include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
 #include "common/base/print.h"
-#include "launcher/commands/arguments.h"
 #include "launcher/commands/commands.h"
 #include "transport/dds/tools/control_client.h"
-#include "transport/protocol/run_state_text.h"
+#include "transport/protocol/message_texts.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {

@@ -10,12 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "command_line/exit_status.h"
-#include "command_line/option_checks.h"
+#include "command_line/parse_command_line.h"
 #include "common/base/print.h"
-#include "launcher/commands/arguments.h"
 #include "launcher/commands/commands.h"
-#include "launcher/process/signal_watch.h"
+#include "launcher/process/process.h"
 #include "viewer/editor/edit_link.h"
 #include "viewer/gateway/access.h"
 #include "viewer/gateway/viewer_gateway.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "command_line/exit_status.h"
-#include "common/base/closest_name.h"
+#include "command_line/parse_command_line.h"
+#include "common/base/text.h"
 #include "launcher/commands/commands.h"
 
 namespace troupe {

@@ -12,18 +12,17 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/file_replacement.h"
+#include "common/base/file.h"
 #include "common/base/print.h"
-#include "launcher/commands/check_controllers.h"
+#include "launcher/commands/check_command.h"
 #include "launcher/commands/commands.h"
-#include "launcher/supervise/distributed_run.h"
-#include "launcher/supervise/in_process_run.h"
 #include "launcher/supervise/output_files.h"
+#include "launcher/supervise/reports.h"
 #include "launcher/supervise/run_options.h"
-#include "launcher/supervise/summary.h"
+#include "launcher/supervise/run_ways.h"
 #include "robot-agent/controller/create_controller.h"
 #include "ros/messages/names.h"
-#include "ros/messages/ros_security.h"
+#include "ros/messages/ros_options.h"
 #include "transport/protocol/transport.h"
 #include "viewer/gateway/access.h"
 #include "viewer/gateway/viewer_gateway.h"

@@ -1,7 +1,10 @@
 #include "launcher/driving/robot_remote.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <utility>
 
 #include "transport/dds/tools/control_client.h"
@@ -12,6 +15,24 @@ namespace {
 constexpr double kReplySeconds = 10.0;
 constexpr double kDiscoverySeconds = 5.0;
 constexpr double kMeasureSeconds = 0.3;
+
+constexpr char kEscape = '\033';
+constexpr char kEndOfInput = '\004';  // Ctrl-D
+constexpr double kFaster = 1.25;      // of one press
+constexpr double kMostSpeed = 100.0;  // m/s and rad/s
+
+// For the signal handler, which has no object.
+int restored_descriptor = -1;
+termios restored{};
+
+// That end a process at once, by default; the program stops by the others in an orderly way.
+constexpr std::array<int, 6> kDeadly = {SIGQUIT, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL};
+
+void RestoreAndDie(int signal) {
+  tcsetattr(restored_descriptor, TCSANOW, &restored);
+  std::signal(signal, SIG_DFL);
+  raise(signal);
+}
 
 }  // namespace
 
@@ -71,6 +92,125 @@ void RobotRemote::NoteTick(Tick tick) {
 std::uint64_t RobotRemote::TicksIn(double seconds) const {
   const double ticks = std::ceil(seconds * ticks_per_second_);
   return static_cast<std::uint64_t>(std::clamp(ticks, 2.0, static_cast<double>(kMostCommandTicks)));
+}
+
+const char* TeleopKeys::Help() {
+  return "  w, up     ahead          a, left   turn left      q   sideways to the left\n"
+         "  s, down   back           d, right  turn right     e   sideways to the right\n"
+         "  space     stop           + -       faster, slower\n"
+         "  o c       open, close the gripper                 r f lift up, down\n"
+         "  x, Ctrl-C end\n";
+}
+
+bool TeleopKeys::Press(std::string_view bytes, double now) {
+  for (const char byte : bytes) {
+    if (escape_.empty() && byte != kEscape) {
+      if (!PressKey(byte, now)) return false;
+      continue;
+    }
+    // ESC [ A or, of some terminals, ESC O A
+    escape_ += byte;
+    if (escape_.size() == 2 && byte != '[' && byte != 'O') escape_.clear();
+    if (escape_.size() < 3) continue;
+    const bool is_end = byte >= '@' && byte <= '~';
+    if (escape_.size() == 3) {
+      if (byte == 'A') Deflect(kAhead, 1.0, now);
+      if (byte == 'B') Deflect(kAhead, -1.0, now);
+      if (byte == 'C') Deflect(kTurn, -1.0, now);
+      if (byte == 'D') Deflect(kTurn, 1.0, now);
+    }
+    if (is_end || escape_.size() > 16) escape_.clear();
+  }
+  return true;
+}
+
+bool TeleopKeys::PressKey(char key, double now) {
+  const auto scale = [&](double factor) {
+    settings_.speed = std::min(settings_.speed * factor, kMostSpeed);
+    settings_.turn_rate = std::min(settings_.turn_rate * factor, kMostSpeed);
+  };
+  switch (key) {
+    case 'w':
+      Deflect(kAhead, 1.0, now);
+      break;
+    case 's':
+      Deflect(kAhead, -1.0, now);
+      break;
+    case 'a':
+      Deflect(kTurn, 1.0, now);
+      break;
+    case 'd':
+      Deflect(kTurn, -1.0, now);
+      break;
+    case 'q':
+      Deflect(kLeft, 1.0, now);
+      break;
+    case 'e':
+      Deflect(kLeft, -1.0, now);
+      break;
+    case ' ':
+      axes_ = {};
+      break;
+    case '+':
+    case '=':
+      scale(kFaster);
+      break;
+    case '-':
+      scale(1.0 / kFaster);
+      break;
+    case 'o':
+    case 'c':
+    case 'r':
+    case 'f':
+      if (!order_) order_.emplace();
+      if (key == 'o' || key == 'c') order_->opening = key == 'o' ? 100.0 : 0.0;
+      if (key == 'r' || key == 'f') order_->lift = key == 'r' ? 100.0 : 0.0;
+      break;
+    case 'x':
+    case kEndOfInput:
+      return false;
+    default:
+      break;
+  }
+  return true;
+}
+
+void TeleopKeys::Deflect(Axis axis, double value, double now) {
+  axes_[axis] = {value, now + settings_.hold_seconds};
+}
+
+Twist TeleopKeys::TwistAt(double now) const {
+  const auto at = [&](Axis axis) { return now < axes_[axis].until ? axes_[axis].value : 0.0; };
+  return {at(kAhead) * settings_.speed, at(kLeft) * settings_.speed, at(kTurn) * settings_.turn_rate};
+}
+
+std::optional<GripperOrder> TeleopKeys::DrainOrder() {
+  return std::exchange(order_, std::nullopt);
+}
+
+Result<std::unique_ptr<RawTerminal>> RawTerminal::Open(int descriptor) {
+  termios before{};
+  if (tcgetattr(descriptor, &before) != 0) {
+    return Error{{}, "the standard input is no terminal, expected one for the keys", ErrorCode::kBadInput};
+  }
+  return std::unique_ptr<RawTerminal>(new RawTerminal(descriptor, before));
+}
+
+RawTerminal::RawTerminal(int descriptor, const termios& before) : descriptor_(descriptor), before_(before) {
+  restored_descriptor = descriptor;
+  restored = before;
+  for (const int signal : kDeadly) std::signal(signal, RestoreAndDie);
+  termios raw = before;
+  raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  raw.c_cc[VMIN] = 1;
+  raw.c_cc[VTIME] = 0;
+  raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // a stopped tool cannot steer, and would leave the terminal raw
+  tcsetattr(descriptor, TCSANOW, &raw);
+}
+
+RawTerminal::~RawTerminal() {
+  tcsetattr(descriptor_, TCSANOW, &before_);
+  for (const int signal : kDeadly) std::signal(signal, SIG_DFL);
 }
 
 }  // namespace troupe

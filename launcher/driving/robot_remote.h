@@ -1,12 +1,17 @@
-// RobotRemote: commands from a tool to one robot of a run, and its pose.
+// Driving a robot from a tool: commands over DDS, and the keys of a terminal.
 #pragma once
 
+#include <termios.h>
+
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
-#include "common/run/network_settings.h"
+#include "common/run/run_settings.h"
 #include "transport/protocol/messages.h"
 #include "troupe/result.h"
 #include "troupe/robot_command.h"
@@ -15,6 +20,7 @@ namespace troupe {
 
 class ControlClient;
 
+// RobotRemote: commands from a tool to one robot of a run, and its pose.
 class RobotRemote {
  public:
   // Of the session `network.session`. The error: it was not found, or has no such robot. Throws as ControlClient.
@@ -44,6 +50,64 @@ class RobotRemote {
   Tick measured_tick_ = 0;  // at the begin of the present measurement
   Clock::time_point measured_at_;
   double ticks_per_second_ = 10.0;
+};
+
+struct TeleopSettings {
+  double speed = 0.5;         // m/s
+  double turn_rate = 1.0;     // rad/s
+  double hold_seconds = 0.7;  // that a key counts after its last repetition
+};
+
+// TeleopKeys: turns the keys of a terminal into commands to a robot. A terminal reports no release of a key, so that a
+// key counts until its repetition has been missing for a while.
+class TeleopKeys {
+ public:
+  explicit TeleopKeys(const TeleopSettings& settings) : settings_(settings) {}
+
+  // Reads what the terminal has sent, at `now` (s, of any clock). A sequence that ends in the middle continues with the
+  // next call. False: a key that ends the tool.
+  bool Press(std::string_view bytes, double now);
+
+  // The motion at `now`, in R.
+  Twist TwistAt(double now) const;
+  // Orders to the robot's first gripper since the last call.
+  std::optional<GripperOrder> DrainOrder();
+
+  // What the keys do.
+  static const char* Help();
+
+ private:
+  enum Axis : std::size_t { kAhead, kLeft, kTurn, kAxes };
+
+  struct Deflection {
+    double value = 0.0;  // -1 to 1
+    double until = 0.0;
+  };
+
+  bool PressKey(char key, double now);
+  void Deflect(Axis axis, double value, double now);
+
+  TeleopSettings settings_;
+  std::array<Deflection, kAxes> axes_;
+  std::optional<GripperOrder> order_;
+  std::string escape_;  // an unfinished sequence
+};
+
+// RawTerminal: a terminal whose keys arrive at once and are not shown, until the object is destroyed or the process
+// ends by a signal that can be handled. Ctrl-C still sends SIGINT.
+class RawTerminal {
+ public:
+  // The error: `descriptor` is no terminal. One at a time in a process.
+  static Result<std::unique_ptr<RawTerminal>> Open(int descriptor);
+  ~RawTerminal();
+  RawTerminal(const RawTerminal&) = delete;
+  RawTerminal& operator=(const RawTerminal&) = delete;
+
+ private:
+  RawTerminal(int descriptor, const termios& before);
+
+  int descriptor_;
+  termios before_;
 };
 
 }  // namespace troupe

@@ -4,12 +4,13 @@
 #include <sys/types.h>
 
 #include <functional>
+#include <map>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "launcher/process/line_pipe.h"
 #include "launcher/process/process.h"
 #include "troupe/result.h"
 
@@ -91,6 +92,63 @@ class LocalHost : public Host {
   const std::string none_;
   LinePipe output_;
   LinePipe reports_;
+};
+
+// The messages between a launcher and `troupe host` on another host: one JSON object a line.
+//
+// To the host, on its standard input; the end of the input terminates all processes that were started:
+//   {"start": id, "program": name, "arguments": [..], "reports": bool}    {"signal": id, "number": n}    {"read": path}
+//   {"run": name}    first: a host of that name whose connection was cut, and which has not noticed, is to end
+//   {"key": path, "data": hexadecimal}    a file below the host's folder of keys
+// From the host, on its standard output:
+//   {"host": version, "folder": path, "programs": path}         first; the folder is for output, and is deleted at the
+//   end
+//   {"started": id, "pid": n}    {"failed": id, "message": text}
+//   {"output": line}    {"report": line}
+//   {"ended": id, "exit_code": n, "signal": n, "peak_memory_mib": x}      after all of its lines
+//   {"file": path, "data": hexadecimal}    {"file": path, "end": true}    {"file": path, "error": text}
+
+// The folder of keys in the host's folder.
+inline constexpr const char* kKeysFolderOfHost = "keys";
+
+using HostMessage = nlohmann::json;
+
+// One line with its end. Bytes that are not UTF-8 are replaced.
+std::string ToLine(const HostMessage& message);
+
+// The result is not an object if the line is not a message.
+HostMessage ParseHostMessage(const std::string& line);
+
+// Quoting of words and command lines for a shell.
+
+// A word as a shell reads it.
+std::string ShellQuoted(const std::string& word);
+
+// A command line for a shell.
+std::string ShellQuoted(const std::vector<std::string>& words);
+
+// `text` with each "{name}" of `values` replaced by its value; other braces stay.
+std::string FillIn(const std::string& text, const std::map<std::string, std::string>& values);
+
+// HostFolder: the temporary folder of `troupe host`, for keys and for files of its processes: troupe-host-PID-XXXXXX.
+class HostFolder {
+ public:
+  // Makes it, and deletes those of this user's hosts that were killed.
+  HostFolder();
+  ~HostFolder();
+  HostFolder(const HostFolder&) = delete;
+  HostFolder& operator=(const HostFolder&) = delete;
+
+  // Of the hosts of this user with folders beside this one, those that serve the same name end, with all processes that
+  // they started: a launcher has lost its connection to them.
+  void TakeOver(const std::string& name);
+
+  // Empty if it could not be made.
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  int lock_ = -1;  // on the folder: the kernel drops it at the end of the process, by whatever cause
 };
 
 }  // namespace troupe

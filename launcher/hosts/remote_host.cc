@@ -11,14 +11,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <utility>
 
 #include "common/base/file.h"
-#include "common/base/hexadecimal.h"
-#include "common/base/json_integer.h"
-#include "common/base/version.h"
-#include "launcher/hosts/host_messages.h"
-#include "launcher/hosts/shell_words.h"
+#include "common/base/identity.h"
+#include "common/base/json.h"
+#include "common/base/text.h"
 
 namespace troupe {
 namespace {

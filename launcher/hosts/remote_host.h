@@ -6,9 +6,9 @@
 #include <set>
 #include <utility>
 
-#include "common/run/host_settings.h"
+#include "common/run/run_settings.h"
 #include "launcher/hosts/host.h"
-#include "launcher/process/line_pipe.h"
+#include "launcher/process/process.h"
 
 namespace troupe {
 

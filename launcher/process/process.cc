@@ -1,18 +1,19 @@
 #include "launcher/process/process.h"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <string.h>
 #include <sys/personality.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/signalfd.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <utility>
+#include <initializer_list>
+#include <system_error>
 
-#include "common/base/installed_folder.h"
+#include "common/base/paths.h"
 
 namespace troupe {
 namespace {
@@ -129,6 +130,79 @@ Result<std::string> FindProgram(const std::string& name) {
     return Failure("cannot start " + path + ": " + strerror(errno) + "; expected it beside the program troupe");
   }
   return path;
+}
+
+LineReader::LineReader(int descriptor) : descriptor_(descriptor) {
+  fcntl(descriptor_, F_SETFL, fcntl(descriptor_, F_GETFL) | O_NONBLOCK);
+}
+
+std::vector<std::string> LineReader::Read() {
+  while (!at_end_) {
+    constexpr std::size_t kPiece = 65536;  // bytes; too many for a small stack (ulimit -s)
+    const std::size_t before = partial_.size();
+    partial_.resize(before + kPiece);
+    const ssize_t size = read(descriptor_, partial_.data() + before, kPiece);
+    const int reason = errno;
+    partial_.resize(before + static_cast<std::size_t>(size > 0 ? size : 0));
+    if (size < 0 && reason == EINTR) continue;
+    if (size < 0 && reason == EAGAIN) break;
+    at_end_ = size <= 0;  // what cannot be read has no more lines
+  }
+  if (at_end_ && !partial_.empty() && partial_.back() != '\n') partial_ += '\n';
+  std::vector<std::string> lines;
+  std::size_t begin = 0;
+  for (std::size_t end; (end = partial_.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    lines.push_back(partial_.substr(begin, end - begin));
+  }
+  partial_.erase(0, begin);
+  return lines;
+}
+
+LinePipe::Ends::Ends() {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "making a pipe");
+  reading = ends[0];
+  writing = ends[1];
+}
+
+// Only the reading end is non-blocking; children inherit the writing end.
+LinePipe::LinePipe() : reader_(ends_.reading) {}
+
+LinePipe::~LinePipe() {
+  CloseWritingEnd();
+  close(ends_.reading);
+}
+
+void LinePipe::CloseWritingEnd() {
+  if (ends_.writing >= 0) close(std::exchange(ends_.writing, -1));
+}
+
+SignalWatch::SignalWatch() {
+  sigset_t watched;
+  sigemptyset(&watched);
+  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) sigaddset(&watched, signal);
+  descriptor_ = signalfd(-1, &watched, SFD_NONBLOCK | SFD_CLOEXEC);
+  if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "watching signals");
+  // A parent may have left it ignored: then the ends of children would be neither told nor kept.
+  signal(SIGCHLD, SIG_DFL);
+  pthread_sigmask(SIG_BLOCK, &watched, &before_);
+}
+
+SignalWatch::~SignalWatch() {
+  close(descriptor_);
+  pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
+bool SignalWatch::ReadStopRequest() {
+  bool stop = false;
+  signalfd_siginfo info;
+  while (read(descriptor_, &info, sizeof info) == static_cast<ssize_t>(sizeof info)) {
+    const bool is_child = info.ssi_signo == static_cast<unsigned>(SIGCHLD);
+    child_ended_ = child_ended_ || is_child;
+    stop = stop || !is_child;
+  }
+  stop_requested_ = stop_requested_ || stop;
+  return stop;
 }
 
 }  // namespace troupe

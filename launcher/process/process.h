@@ -1,12 +1,12 @@
-// Process: a child program that cannot outlive this one. The kernel sends it SIGKILL when the thread that started it
-// ends, by whatever cause, so REQUIRES: that thread lives as long as the program. The child has its own process group:
-// a terminal's Ctrl-C reaches only the parent, which then stops its children in order.
+// Child processes, lines from their pipes, and signals.
 #pragma once
 
+#include <signal.h>
 #include <sys/types.h>
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "troupe/result.h"
@@ -30,6 +30,9 @@ struct ProcessEnd {
 // so REQUIRES: kSame only where other hosts cannot send to the process.
 enum class Addresses : bool { kRandom, kSame };
 
+// Process: a child program that cannot outlive this one. The kernel sends it SIGKILL when the thread that started it
+// ends, by whatever cause, so REQUIRES: that thread lives as long as the program. The child has its own process group:
+// a terminal's Ctrl-C reaches only the parent, which then stops its children in order.
 class Process {
  public:
   // Descriptors for a child.
@@ -73,5 +76,78 @@ class Process {
 
 // The program `name` in the folder of the running program.
 Result<std::string> FindProgram(const std::string& name);
+
+// LineReader and LinePipe: lines from pipes, read without waiting.
+
+class LineReader {
+ public:
+  // Makes the descriptor non-blocking. Does not own it.
+  explicit LineReader(int descriptor);
+
+  // The lines completed since the last call; at the end of the input, or if it cannot be read any more, also an
+  // unfinished one.
+  std::vector<std::string> Read();
+  bool at_end() const { return at_end_; }
+
+ private:
+  int descriptor_;
+  bool at_end_ = false;
+  std::string partial_;
+};
+
+// A pipe that children write lines into and this process reads.
+class LinePipe {
+ public:
+  // Throws std::system_error without resources.
+  LinePipe();
+  ~LinePipe();
+  LinePipe(const LinePipe&) = delete;
+  LinePipe& operator=(const LinePipe&) = delete;
+
+  int reading_end() const { return ends_.reading; }
+  // For children. Closed in this process by CloseWritingEnd, so that the pipe ends with the last child.
+  int writing_end() const { return ends_.writing; }
+  void CloseWritingEnd();
+
+  std::vector<std::string> Read() { return reader_.Read(); }
+  bool at_end() const { return reader_.at_end(); }
+
+ private:
+  struct Ends {
+    Ends();
+    int reading = -1;
+    int writing = -1;
+  };
+
+  Ends ends_;
+  LineReader reader_;
+};
+
+// SignalWatch: makes this process's signals readable from a descriptor. During its lifetime SIGINT, SIGTERM, SIGHUP and
+// SIGCHLD have no other effect. REQUIRES: constructed before any other thread starts, so that all threads inherit the
+// signal mask.
+class SignalWatch {
+ public:
+  // Throws std::system_error without resources.
+  SignalWatch();
+  ~SignalWatch();
+  SignalWatch(const SignalWatch&) = delete;
+  SignalWatch& operator=(const SignalWatch&) = delete;
+
+  // Readable when a signal is pending.
+  int descriptor() const { return descriptor_; }
+  // Consumes all pending signals. True if one of them requests a stop.
+  bool ReadStopRequest();
+  // Whether ReadStopRequest has read since the last call that a child of this process has ended.
+  bool ReadChildEnd() { return std::exchange(child_ended_, false); }
+  // Whether ReadStopRequest has ever returned true.
+  bool stop_requested() const { return stop_requested_; }
+
+ private:
+  sigset_t before_;
+  int descriptor_ = -1;
+  bool stop_requested_ = false;
+  bool child_ended_ = false;
+};
 
 }  // namespace troupe

@@ -6,8 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "command_line/trace_flags.h"
-#include "launcher/hosts/shell_words.h"
+#include "command_line/run_flags.h"
 #include "troupe/check.h"
 #include "troupe/random.h"
 

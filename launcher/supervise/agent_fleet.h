@@ -12,9 +12,9 @@
 
 #include "launcher/hosts/host.h"
 #include "launcher/supervise/output_files.h"
+#include "launcher/supervise/reports.h"
 #include "launcher/supervise/run_keys.h"
 #include "launcher/supervise/run_options.h"
-#include "launcher/supervise/service_report.h"
 #include "troupe/result.h"
 
 namespace troupe {

@@ -1,5 +1,3 @@
-#include "launcher/supervise/distributed_run.h"
-
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
@@ -12,16 +10,15 @@
 #include <optional>
 #include <utility>
 
-#include "common/trace/trace_file.h"
-#include "launcher/hosts/multicast_probe.h"
-#include "launcher/process/signal_watch.h"
+#include "common/trace/tick_trace.h"
+#include "launcher/hosts/connect_hosts.h"
+#include "launcher/process/process.h"
 #include "launcher/supervise/agent_fleet.h"
 #include "launcher/supervise/output_files.h"
-#include "launcher/supervise/progress.h"
+#include "launcher/supervise/reports.h"
 #include "launcher/supervise/restarts.h"
-#include "launcher/supervise/run_hosts.h"
+#include "launcher/supervise/run_ways.h"
 #include "launcher/supervise/service_process.h"
-#include "launcher/supervise/service_report.h"
 #include "ros/link/host_program.h"
 
 namespace troupe {

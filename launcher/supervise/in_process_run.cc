@@ -1,5 +1,3 @@
-#include "launcher/supervise/in_process_run.h"
-
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/resource.h>
@@ -21,15 +19,16 @@
 #include "common/base/print.h"
 #include "common/base/thread_pool.h"
 #include "common/base/wake_event.h"
-#include "common/trace/trace_file.h"
-#include "launcher/process/signal_watch.h"
+#include "common/trace/tick_trace.h"
+#include "launcher/process/process.h"
 #include "launcher/supervise/output_files.h"
-#include "launcher/supervise/progress.h"
+#include "launcher/supervise/reports.h"
+#include "launcher/supervise/run_ways.h"
 #include "robot-agent/agent/agent_host.h"
 #include "robot-agent/ros/ros_gateway.h"
 #include "ros/link/host_program.h"
 #include "transport/protocol/faulty_transport.h"
-#include "transport/protocol/memory_transport.h"
+#include "transport/protocol/transport.h"
 #include "world-service/program/prepared_run.h"
 
 namespace troupe {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/line_file.h"
+#include "common/base/output_file.h"
 #include "launcher/hosts/host.h"
 #include "launcher/supervise/run_options.h"
 #include "troupe/result.h"

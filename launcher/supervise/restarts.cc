@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "command_line/exit_status.h"
+#include "command_line/parse_command_line.h"
 
 namespace troupe {
 namespace {

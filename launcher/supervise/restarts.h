@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "transport/protocol/run_progress.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 

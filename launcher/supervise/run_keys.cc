@@ -4,9 +4,8 @@
 #include <system_error>
 #include <utility>
 
-#include "transport/protocol/agent_name.h"
+#include "transport/protocol/message_texts.h"
 #include "transport/security/run_token.h"
-#include "transport/security/session_keys.h"
 
 namespace troupe {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "common/run/network_settings.h"
+#include "common/run/run_settings.h"
 #include "launcher/hosts/host.h"
 #include "transport/security/key_authority.h"
-#include "transport/security/run_keys_folder.h"
+#include "transport/security/session_keys.h"
 #include "troupe/result.h"
 
 namespace troupe {

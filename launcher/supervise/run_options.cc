@@ -8,10 +8,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "command_line/network_flags.h"
-#include "command_line/option_checks.h"
-#include "command_line/run_flags.h"
-#include "command_line/trace_flags.h"
+#include "command_line/parse_command_line.h"
 #include "ros/flags/ros_flags.h"
 #include "ros/link/host_program.h"
 #include "worldfile/scenario/scenario.h"

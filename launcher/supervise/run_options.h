@@ -7,13 +7,11 @@
 #include <vector>
 
 #include "command_line/run_flags.h"
-#include "common/run/host_settings.h"
-#include "common/run/network_settings.h"
 #include "common/run/run_settings.h"
 #include "common/trace/tick_trace.h"
 #include "ros/messages/ros_options.h"
 #include "troupe/result.h"
-#include "world-service/service/owner_permissions.h"
+#include "world-service/service/requested_file.h"
 #include "worldfile/load_world.h"
 
 namespace CLI {

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/base/utf8.h"
-#include "recording/mcap/byte_reader.h"
-#include "recording/mcap/compression.h"
-#include "recording/mcap/crc32.h"
+#include "common/base/text.h"
+#include "recording/mcap/bytes.h"
 
 namespace troupe::mcap {
 namespace {

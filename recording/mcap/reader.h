@@ -16,7 +16,7 @@
 #include <system_error>
 #include <vector>
 
-#include "recording/mcap/byte_source.h"
+#include "recording/mcap/byte_stream.h"
 #include "recording/mcap/format.h"
 #include "troupe/result.h"
 

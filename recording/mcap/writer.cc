@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "recording/mcap/byte_writer.h"
-#include "recording/mcap/crc32.h"
 #include "troupe/check.h"
 
 namespace troupe::mcap {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "recording/mcap/byte_sink.h"
-#include "recording/mcap/compression.h"
+#include "recording/mcap/byte_stream.h"
+#include "recording/mcap/bytes.h"
 #include "recording/mcap/format.h"
 #include "troupe/result.h"
 

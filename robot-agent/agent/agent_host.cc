@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "robot-agent/agent/agent_protocol.h"
-#include "robot-agent/robot/scan_log.h"
+#include "robot-agent/robot/robot.h"
 
 namespace troupe {
 namespace {

@@ -2,14 +2,44 @@
 // AgentProtocol.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <stop_token>
+#include <string>
+#include <vector>
 
-#include "robot-agent/agent/agent_options.h"
+#include "common/base/paths.h"
+#include "common/base/thread_pool.h"
+#include "common/trace/tick_trace.h"
+#include "robot-agent/agent/gateway.h"
+#include "transport/protocol/messages.h"
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
 
 namespace troupe {
+
+// AgentOptions: the settings of an agent.
+struct AgentOptions {
+  AgentId agent = 0;
+  std::vector<std::string> robots;  // names; empty: every robot of the world
+  bool skip_deleted = false;        // leave out the robots that the world does not have; without any, the run is over
+  std::string scan_log;             // file for the readings of all sensors; empty: none
+  bool keep_scan_log = false;       // append to the file
+  AllowedPaths libraries = {};      // that may be a robot's controller
+  TraceOptions trace = {};
+  // Threads that divide the robots; null, and with a scan log, for the order of its lines: one.
+  std::shared_ptr<ThreadPool> pool = {};
+  double session_timeout_seconds = 60;  // to wait for a session, at first or again; 0: without limit
+  MakeGateway make_gateway = {};        // empty: none
+  // Receives lines for people, on the thread of RunAgent; may be empty.
+  std::function<void(const std::string&)> on_notice = {};
+};
+
+enum class AgentEnd : std::uint8_t {
+  kRunOver,  // the service ended the run, or an edit removed all robots of the agent
+  kStopped,  // by a stop request
+};
 
 // Runs until the service ends the run, a stop request, or a failure: no session, a refusal by the service, another
 // protocol version, a service that is gone and does not return, a scan log that cannot be written. The code of the

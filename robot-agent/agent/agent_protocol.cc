@@ -6,10 +6,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/base/host_name.h"
-#include "common/base/utf8.h"
-#include "common/base/version.h"
-#include "robot-agent/robot/scan_log.h"
+#include "common/base/identity.h"
+#include "common/base/text.h"
+#include "robot-agent/robot/robot.h"
 
 namespace troupe {
 namespace {

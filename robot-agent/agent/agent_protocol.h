@@ -40,7 +40,7 @@
 #include <variant>
 #include <vector>
 
-#include "robot-agent/agent/agent_options.h"
+#include "robot-agent/agent/agent_host.h"
 #include "robot-agent/agent/replica.h"
 #include "robot-agent/agent/replica_task.h"
 #include "transport/protocol/transport.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/spatial/scene.h"
-#include "robot-agent/robot/external_command.h"
+#include "robot-agent/robot/robot.h"
 #include "troupe/world_state.h"
 
 namespace troupe {

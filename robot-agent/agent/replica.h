@@ -10,14 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "common/base/equal_memory.h"
+#include "common/base/hash.h"
 #include "common/base/thread_pool.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/agent/gateway.h"
 #include "robot-agent/robot/robot.h"
-#include "robot-agent/robot/scan_log.h"
 #include "transport/protocol/messages.h"
 #include "troupe/result.h"
 

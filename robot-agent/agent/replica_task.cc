@@ -5,8 +5,8 @@
 #include <new>
 #include <utility>
 
-#include "common/base/version.h"
-#include "robot-agent/robot/scan_log.h"
+#include "common/base/identity.h"
+#include "robot-agent/robot/robot.h"
 
 namespace troupe {
 

@@ -10,9 +10,9 @@
 #include <variant>
 #include <vector>
 
-#include "common/base/equal_memory.h"
+#include "common/base/hash.h"
 #include "common/trace/tick_trace.h"
-#include "robot-agent/agent/agent_options.h"
+#include "robot-agent/agent/agent_host.h"
 #include "robot-agent/agent/replica.h"
 #include "transport/protocol/messages.h"
 #include "troupe/result.h"

@@ -1,10 +1,18 @@
 // The built-in controllers; docs/controllers.md describes their behaviour and parameters.
 #pragma once
 
-#include <memory>
-#include <string>
+#include <fmt/format.h>
 
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robot-agent/navigation/mapped_route.h"
 #include "troupe/controller.h"
+#include "troupe/parameters.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -35,5 +43,34 @@ BuiltInController Flocking();
 BuiltInController LaserNoise();
 BuiltInController Rasterize();
 BuiltInController Dynamic();
+
+// The parameters of controllers that make a map.
+// `map_size` and `cell`, both in m.
+inline MappedRoute::Settings ReadMapSettings(Parameters& reader, double clearance) {
+  MappedRoute::Settings settings;
+  settings.clearance = clearance;
+  settings.side = reader.ReadNumber("map_size", {1.0, 10000.0}).value_or(settings.side);
+  settings.cell = reader.ReadNumber("cell", {0.02, 10.0}).value_or(settings.cell);
+  if (settings.side / settings.cell > EvidenceGrid::kMostCells) {
+    reader.Fail(fmt::format("a map of {:g} m with cells of {:g} m has more than {:g} cells along a side", settings.side,
+                            settings.cell, EvidenceGrid::kMostCells));
+  }
+  return settings;
+}
+
+// NestedParameters: parameters with lists and objects in them, for built-in controllers.
+class NestedParameters : public Parameters {
+ public:
+  using Parameters::Parameters;
+  // The error is a value that is not an object.
+  NestedParameters(std::string place, const nlohmann::json& object);
+
+  // The elements of a list; empty if it is missing or wrong.
+  std::vector<nlohmann::json> ReadArray(const char* key);
+  // The members of an object, by name; empty if it is missing or wrong.
+  std::vector<std::pair<std::string, nlohmann::json>> ReadObject(const char* key);
+  // A value of any kind; nothing if it is missing.
+  std::optional<nlohmann::json> ReadAny(const char* key);
+};
 
 }  // namespace troupe

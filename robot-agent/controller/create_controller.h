@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/allowed_paths.h"
+#include "common/base/paths.h"
 #include "troupe/controller.h"
 #include "troupe/result.h"
 

@@ -12,10 +12,8 @@
 #include <vector>
 
 #include "robot-agent/controller/built_in.h"
-#include "robot-agent/controller/map_parameters.h"
-#include "robot-agent/controller/nested_parameters.h"
-#include "robot-agent/navigation/clear_steering.h"
 #include "robot-agent/navigation/mapped_route.h"
+#include "robot-agent/navigation/steering.h"
 
 namespace troupe {
 namespace {

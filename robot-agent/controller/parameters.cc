@@ -7,9 +7,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "common/base/closest_name.h"
-#include "common/base/json_text.h"
-#include "robot-agent/controller/nested_parameters.h"
+#include "common/base/json.h"
+#include "common/base/text.h"
+#include "robot-agent/controller/built_in.h"
 
 namespace troupe {
 namespace {

@@ -4,9 +4,8 @@
 #include <optional>
 
 #include "robot-agent/controller/built_in.h"
-#include "robot-agent/controller/map_parameters.h"
-#include "robot-agent/navigation/clear_steering.h"
 #include "robot-agent/navigation/mapped_route.h"
+#include "robot-agent/navigation/steering.h"
 #include "troupe/parameters.h"
 
 namespace troupe {

@@ -4,7 +4,7 @@
 
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/rays.h"
-#include "robot-agent/navigation/recovery.h"
+#include "robot-agent/navigation/steering.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/parameters.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/model/drive_limits.h"
+#include "common/model/device_limits.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {

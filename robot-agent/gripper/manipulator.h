@@ -1,15 +1,92 @@
 // Manipulator: all joints and grippers of one robot, between its controller and its proposals.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "robot-agent/gripper/gripper_machine.h"
 #include "troupe/controller.h"
 #include "troupe/result.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
+
+class JointMotor {
+ public:
+  // The description must outlive the motor. Without a command the joint does not move.
+  explicit JointMotor(const JointDescription& joint) : joint_(&joint) {}
+
+  const JointDescription& joint() const { return *joint_; }
+
+  // Commands a position, m or rad. REQUIRES: it is within the joint's limits.
+  void MoveTo(double position);
+  // Commands a velocity, m/s or rad/s, up to the joint's limit; bounded by the speed of the joint.
+  void MoveAt(double velocity);
+
+  // The velocity (m/s or rad/s) to propose for the next tick. The time of a motion does not depend on the length of
+  // ticks, and the joint reaches its target exactly.
+  double Velocity(const JointState& state, double tick_seconds);
+
+  // True if the joint is at `position` (m or rad) up to rounding.
+  static bool IsAt(const JointState& state, double position);
+  // True if the joint has not reached its target and no contact blocks it.
+  bool moving(const JointState& state) const;
+
+ private:
+  // From the joint's position to its target, m or rad; 0 at the target up to rounding.
+  double RemainingWay(const JointState& state) const;
+
+  const JointDescription* joint_;
+  std::optional<double> target_;  // m or rad
+  double speed_ = 0.0;            // m/s or rad/s
+  double proposed_ = 0.0;         // the last proposal, m/s or rad/s
+};
+
+// The fingers' motors and the states of the gripper and its fingers.
+struct Fingers {
+  JointMotor& left;
+  JointMotor& right;
+  const JointState& left_state;
+  const JointState& right_state;
+  const GripperState& gripper;
+};
+
+// GripperMachine: the state machine of the two fingers of a gripper. Its states are open, closing, closed, opening;
+// they follow from the state of the world and the last command, so that a restarted agent continues and drops no
+// object. JointMotor: moves one joint to its commanded position, tick by tick.
+class GripperMachine {
+ public:
+  // With autosnatch the fingers close when a beam is broken, and open when none is and no object is between the pads.
+  explicit GripperMachine(bool autosnatch) : autosnatch_(autosnatch) {}
+
+  bool autosnatch() const { return autosnatch_; }
+
+  // A command is valid until the next one. With autosnatch, it is valid until the beams demand the same: fingers with
+  // the command to open stay open until the object has left the beams.
+  void SetCommand(FingerCommand command);
+  // Commands an opening, as a fraction of the widest one. REQUIRES: 0 < fraction < 1
+  void SetOpening(double fraction);
+  // Applies the state of the break beams. With autosnatch, call it before the others in each tick.
+  void UpdateBeams(bool is_broken, const GripperState& gripper);
+
+  FingerState Report(const Fingers& fingers) const;
+
+  struct Velocities {
+    double left = 0.0;  // m/s, for the next tick
+    double right = 0.0;
+  };
+  Velocities Propose(const Fingers& fingers, double tick_seconds) const;
+
+ private:
+  Velocities ProposeOpening(const Fingers& fingers, double fraction, double tick_seconds) const;
+
+  bool autosnatch_;
+  std::optional<FingerCommand> command_;  // nothing, and no opening_: the fingers stay
+  std::optional<double> opening_;         // as in SetOpening; excludes command_
+  bool commanded_ = false;                // by a controller, and the beams have not demanded the same since
+};
 
 class Manipulator {
  public:

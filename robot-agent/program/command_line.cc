@@ -4,12 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "command_line/network_flags.h"
-#include "command_line/option_checks.h"
-#include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
-#include "command_line/trace_flags.h"
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "ros/flags/ros_flags.h"
 
 namespace troupe {

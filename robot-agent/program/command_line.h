@@ -4,8 +4,8 @@
 #include <optional>
 #include <variant>
 
-#include "command_line/exit_status.h"
-#include "common/run/network_settings.h"
+#include "command_line/parse_command_line.h"
+#include "common/run/run_settings.h"
 #include "robot-agent/agent/agent_host.h"
 #include "ros/messages/ros_options.h"
 #include "transport/protocol/faulty_transport.h"

@@ -2,22 +2,35 @@
 // replica.
 #pragma once
 
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/base/allowed_paths.h"
+#include "common/base/paths.h"
 #include "common/model/proposal.h"
 #include "common/sensing/sensor_suite.h"
 #include "robot-agent/drive/drive.h"
 #include "robot-agent/gripper/manipulator.h"
-#include "robot-agent/robot/external_command.h"
 #include "troupe/controller.h"
 #include "troupe/result.h"
+#include "troupe/robot_command.h"
 #include "troupe/world_state.h"
 
 namespace troupe {
+
+// A command from outside of the simulation for one robot and tick.
+
+struct ExternalCommand {
+  // Commands to grippers, joints and radios are applied after the controller's. REQUIRES: they are valid for the robot.
+  Command command = {};
+  bool drives = false;            // the motion in `command` overrides the controller's
+  std::optional<Goal> goal = {};  // for a controller that accepts goals
+};
+
+// Adds a command of a frame, whose motion overrides one that is there. REQUIRES: CheckRobotCommand succeeded.
+void AddCommand(const RobotCommand& added, const DriveDescription& drive, ExternalCommand& external);
 
 class BodyIndex;
 class Scene;
@@ -111,6 +124,41 @@ class Robot {
   std::optional<Goal> goal_;  // in the frame of the pose estimate
   std::string failure_;
   std::string report_;
+};
+
+// ScanLog: a file of JSON lines, one or more for each reading of each sensor (Sensor::JsonLines), in the order of
+// ticks, robots and sensors. A ranger writes {"tick","robot","sensor","ranges"} for each ray sensor.
+class ScanLog {
+ public:
+  ~ScanLog();
+  ScanLog(const ScanLog&) = delete;
+  ScanLog& operator=(const ScanLog&) = delete;
+
+  // With `keep` new lines follow those in the file; a last line without its end, as a killed agent leaves, is removed.
+  static Result<std::unique_ptr<ScanLog>> Open(const std::string& path, bool keep = false);
+
+  // Appends lines, each with its line end.
+  void Write(const std::string& lines);
+
+  // Marks a restart of the robots, perhaps at an earlier tick: writes {"edition":N}.
+  void Restart(std::uint32_t edition);
+
+  // While it is muted, nothing is written.
+  void Mute(bool muted) { muted_ = muted; }
+
+  // The first error of a write (a full disk); nothing is written after it.
+  const Status& status() const { return status_; }
+  // Writes all buffered lines to the file.
+  Status Flush();
+
+ private:
+  explicit ScanLog(std::FILE* file, std::string path) : file_(file), path_(std::move(path)) {}
+  void Fail();
+
+  std::FILE* file_;
+  std::string path_;
+  Status status_;
+  bool muted_ = false;
 };
 
 }  // namespace troupe

@@ -1,18 +1,39 @@
-// CommandInput: the motion commands of one robot from ROS, each valid for a timeout.
+// What ROS asks of one robot: commands of motion, messages to send by radio, and the reasons of refusals.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "robot-agent/ros/refusals.h"
+#include "common/spatial/scene.h"
+#include "robot-agent/agent/gateway.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/messages/ros_options.h"
 #include "troupe/controller.h"
 
 namespace troupe {
 
+// Refusals: counts the refused commands of one input, and reports the count at 1, 10, 100, ..., so that a peer that
+// sends a thousand a second does not fill the log.
+class Refusals {
+ public:
+  void Count() { ++count_; }
+
+  // The count so far if a report is due, else 0.
+  std::uint64_t CountToReport() {
+    if (count_ == 0 || (reported_ > 0 && count_ < 10 * reported_)) return 0;
+    reported_ = count_;
+    return count_;
+  }
+
+ private:
+  std::uint64_t count_ = 0;
+  std::uint64_t reported_ = 0;
+};
+
+// CommandInput: the motion commands of one robot from ROS, each valid for a timeout.
 class CommandInput {
  public:
   // REQUIRES: the robot's description outlives the input.
@@ -58,6 +79,41 @@ class CommandInput {
   std::optional<Command> command_;
   Tick received_ = 0;
   Refusals refusals_;
+};
+
+// RadioPort: the radios of one robot in ROS: "<radio>/send" takes messages, "<radio>/received" has those that arrive.
+class RadioPort {
+ public:
+  // REQUIRES: the scene outlives the port, or the next call of ChangeWorld.
+  RadioPort(const ros::RosNode& node, const Scene& scene, RobotId robot);
+
+  // Appends the messages received from ROS since the last call to those that the robot is to send.
+  void AddMessages(std::vector<RadioMessage>& messages);
+
+  // The messages that arrive at this tick. Once for each tick.
+  void Publish(const RobotView& robot);
+
+  // Another world that has the same robot.
+  void ChangeWorld(const Scene& scene) { world_ = &scene.world(); }
+  // Drops the messages that came before.
+  void Restart();
+
+  // A line for each radio that refused messages since the last call.
+  std::vector<std::string> DrainReports();
+
+ private:
+  struct Radio {
+    std::size_t sensor;      // in RobotDescription::sensors
+    std::string topic;       // of messages to be sent
+    std::size_t most_bytes;  // of a message
+    std::unique_ptr<ros::RosReader<ros::String>> input;
+    std::unique_ptr<ros::RosWriter<ros::String>> output;
+    Refusals refusals = {};
+    std::string reason = {};  // of the newest refusal
+  };
+
+  const WorldDescription* world_;
+  std::vector<Radio> radios_;
 };
 
 }  // namespace troupe

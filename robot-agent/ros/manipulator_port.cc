@@ -1,11 +1,14 @@
 #include "robot-agent/ros/manipulator_port.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <span>
 
-#include "ros/connection/ros_qos.h"
-#include "ros/messages/gripper_state.h"
+#include "ros/connection/ros_network.h"
 #include "ros/messages/names.h"
+#include "ros/messages/text_messages.h"
 #include "transport/dds/binding/wire.h"
 
 namespace troupe {
@@ -105,6 +108,27 @@ std::vector<std::string> ManipulatorPort::DrainReports() {
   }
   for (Joint& joint : joints_) add(joint.position->DrainReport());
   return reports;
+}
+
+PositionInput::PositionInput(const ros::RosNode& node, const std::string& topic, const Interval& range)
+    : topic_(node.Resolve(topic)), range_(range), reader_(node, topic, ros::Commands(true)) {}
+
+std::optional<double> PositionInput::Latest() {
+  std::optional<double> position;
+  reader_.Drain([&](const ros::Float64& command) {
+    if (std::isfinite(command.data)) {
+      position = range_.Clamp(command.data);
+    } else {
+      refusals_.Count();
+    }
+  });
+  return position;
+}
+
+std::optional<std::string> PositionInput::DrainReport() {
+  const std::uint64_t refused = refusals_.CountToReport();
+  if (refused == 0) return std::nullopt;
+  return fmt::format("{}: ignored a command that is not finite ({} so far)", topic_, refused);
 }
 
 }  // namespace troupe

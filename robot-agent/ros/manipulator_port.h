@@ -7,12 +7,32 @@
 #include <vector>
 
 #include "common/spatial/scene.h"
+#include "robot-agent/ros/command_input.h"
 #include "robot-agent/ros/gripper_action.h"
-#include "robot-agent/ros/position_input.h"
 #include "ros/connection/ros_endpoints.h"
 #include "troupe/controller.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
+
+// PositionInput: commanded positions on a topic of std_msgs/Float64.
+class PositionInput {
+ public:
+  // The reader is reliable, because such a command is often sent only once.
+  PositionInput(const ros::RosNode& node, const std::string& topic, const Interval& range);
+
+  // The newest position received since the last call, clamped to the range.
+  std::optional<double> Latest();
+
+  // One line about commands refused since the last call; usually none.
+  std::optional<std::string> DrainReport();
+
+ private:
+  std::string topic_;
+  Interval range_;
+  ros::RosReader<ros::Float64> reader_;
+  Refusals refusals_;
+};
 
 class ManipulatorPort {
  public:

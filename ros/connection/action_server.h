@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "ros/connection/ros_endpoints.h"
-#include "ros/connection/ros_service.h"
 #include "ros/messages/action_goals.h"
 #include "transport/dds/binding/wire.h"
 

@@ -1,6 +1,6 @@
 // RosConnection: the way of a process into a ROS 2 domain. A HostConnection (ros/link) leads to the program
 // ros-participant of the host; the RosParticipant is that program's own, a participant of DDS. Nodes have writers,
-// readers and services on it: ros_endpoints.h, ros_service.h.
+// readers and services on it: ros_endpoints.h.
 #pragma once
 
 #include <dds/dds.h>
@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "ros/connection/ros_qos.h"
+#include "ros/connection/ros_network.h"
 #include "ros/messages/ros_options.h"
-#include "transport/dds/binding/exception.h"
+#include "transport/dds/binding/entity.h"
 
 namespace troupe::ros {
 

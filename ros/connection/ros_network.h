@@ -1,11 +1,16 @@
-// How participants in a ROS domain discover each other. With each range of discovery, tools on rmw_cyclonedds_cpp and
-// rmw_fastrtps_cpp of the chosen distribution discover these participants. docs/ros2.md explains it.
+// How participants in ROS use the network: its configuration, and the QoS of topics and services.
 #pragma once
+
+#include <cstdint>
 
 #include "ros/messages/ros_options.h"
 #include "transport/dds/binding/domain_config.h"
+#include "transport/dds/binding/qos.h"
 
 namespace troupe::ros {
+
+// How participants in a ROS domain discover each other. With each range of discovery, tools on rmw_cyclonedds_cpp and
+// rmw_fastrtps_cpp of the chosen distribution discover these participants. docs/ros2.md explains it.
 
 // Throws dds::Exception if a static peer has no address.
 dds::DomainConfig NetworkConfig(const RosNetwork& network);
@@ -19,5 +24,32 @@ bool UsesLoopbackOnly(const RosNetwork& network);
 
 // At the ports of how many participant indices the tools of a distribution look for others on a machine.
 std::uint32_t IndicesSearched(Distribution distribution);
+
+// The QoS of ROS topics: it matches the readers of ROS tools and keeps a slow reader from delaying a tick.
+// docs/ros2.md has the table.
+
+struct TopicQos {
+  enum class Kind : std::uint8_t { kStream, kLatched, kReliableCommands, kBestEffortCommands, kLogLines };
+  Kind kind = Kind::kStream;
+  std::int32_t depth = 1;  // samples that are kept for a slow reader
+};
+
+dds::Qos ToDds(const TopicQos& qos);
+
+// Reliable, because a reliable writer matches both kinds of readers; volatile. A slow reader receives the latest
+// `depth` samples.
+TopicQos Stream(std::int32_t depth);
+// Reliable and kept for late readers: maps, static transforms, descriptions, the announcement of nodes.
+TopicQos Latched(std::int32_t depth = 1);
+// The latest command. A reliable reader matches only reliable writers, whose samples arrive even if they are sent
+// before the reader has discovered the writer; these can wait for its acknowledgment. A best-effort one matches every
+// writer.
+TopicQos Commands(bool reliable, std::int32_t depth = 1);
+// Of services and their clients. All clients of a service get all responses, those to others too. So with few samples
+// a response that is lost on the way could not be sent again, and one that a client has not read yet would be replaced,
+// as soon as others call.
+TopicQos Service(std::int32_t depth = 1000);
+// Of /rosout: the lines of the last 10 s, for late readers, too.
+TopicQos LogLines();
 
 }  // namespace troupe::ros

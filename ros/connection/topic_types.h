@@ -1,13 +1,21 @@
-// Registers the ROS types of topics with the DDS binding.
+// The ROS types of topics, services and actions for the DDS binding, and a type by its name.
 #pragma once
+
+#include <dds/dds.h>
+
+#include <string>
 
 #include "idl/ros/actions.h"
 #include "idl/ros/discovery.h"
 #include "idl/ros/node.h"
 #include "idl/ros/parameters.h"
+#include "idl/ros/rolling.h"
+#include "idl/ros/simulate_steps.h"
 #include "idl/ros/simulation.h"
+#include "idl/ros/simulation_edits.h"
 #include "ros/messages/messages.h"
-#include "transport/dds/binding/topic.h"
+#include "ros/messages/ros_options.h"
+#include "transport/dds/binding/domain_participant.h"
 
 // All types, each as TYPE(name).
 #define TROUPE_ROS_TYPES(TYPE)                                            \
@@ -91,3 +99,62 @@ TROUPE_ROS_TYPES(TROUPE_ROS_TYPE)
 TROUPE_HUMBLE_DDS_TYPE(humble_sensor_msgs_msg_dds__Range_, "sensor_msgs::msg::dds_::Range_");
 TROUPE_HUMBLE_DDS_TYPE(humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_,
                        "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
+
+// All types, each as TYPE(name).
+#define TROUPE_SIMULATION_TYPES(TYPE)                                       \
+  TYPE(simulation_interfaces_action_dds__SimulateSteps_FeedbackMessage_)    \
+  TYPE(simulation_interfaces_action_dds__SimulateSteps_GetResult_Request_)  \
+  TYPE(simulation_interfaces_action_dds__SimulateSteps_GetResult_Response_) \
+  TYPE(simulation_interfaces_action_dds__SimulateSteps_SendGoal_Request_)   \
+  TYPE(simulation_interfaces_action_dds__SimulateSteps_SendGoal_Response_)  \
+  TYPE(simulation_interfaces_srv_dds__DeleteEntity_Request_)                \
+  TYPE(simulation_interfaces_srv_dds__DeleteEntity_Response_)               \
+  TYPE(simulation_interfaces_srv_dds__GetEntitiesStates_Request_)           \
+  TYPE(simulation_interfaces_srv_dds__GetEntitiesStates_Response_)          \
+  TYPE(simulation_interfaces_srv_dds__GetEntityInfo_Request_)               \
+  TYPE(simulation_interfaces_srv_dds__GetEntityInfo_Response_)              \
+  TYPE(simulation_interfaces_srv_dds__GetSpawnables_Request_)               \
+  TYPE(simulation_interfaces_srv_dds__GetSpawnables_Response_)              \
+  TYPE(simulation_interfaces_srv_dds__LoadWorld_Request_)                   \
+  TYPE(simulation_interfaces_srv_dds__LoadWorld_Response_)                  \
+  TYPE(simulation_interfaces_srv_dds__ResetSimulation_Request_)             \
+  TYPE(simulation_interfaces_srv_dds__ResetSimulation_Response_)            \
+  TYPE(simulation_interfaces_srv_dds__SetEntityState_Request_)              \
+  TYPE(simulation_interfaces_srv_dds__SetEntityState_Response_)             \
+  TYPE(simulation_interfaces_srv_dds__SpawnEntity_Request_)                 \
+  TYPE(simulation_interfaces_srv_dds__SpawnEntity_Response_)                \
+  TYPE(simulation_interfaces_srv_dds__GetCurrentWorld_Request_)             \
+  TYPE(simulation_interfaces_srv_dds__GetCurrentWorld_Response_)            \
+  TYPE(simulation_interfaces_srv_dds__GetAvailableWorlds_Request_)          \
+  TYPE(simulation_interfaces_srv_dds__GetAvailableWorlds_Response_)         \
+  TYPE(simulation_interfaces_srv_dds__UnloadWorld_Request_)                 \
+  TYPE(simulation_interfaces_srv_dds__UnloadWorld_Response_)                \
+  TYPE(simulation_interfaces_srv_dds__GetEntityBounds_Request_)             \
+  TYPE(simulation_interfaces_srv_dds__GetEntityBounds_Response_)            \
+  TYPE(simulation_interfaces_srv_dds__GetNamedPoses_Request_)               \
+  TYPE(simulation_interfaces_srv_dds__GetNamedPoses_Response_)              \
+  TYPE(simulation_interfaces_srv_dds__SetEntityInfo_Request_)               \
+  TYPE(simulation_interfaces_srv_dds__SetEntityInfo_Response_)              \
+  TYPE(simulation_interfaces_srv_dds__SpawnEntities_Request_)               \
+  TYPE(simulation_interfaces_srv_dds__SpawnEntities_Response_)              \
+  TYPE(std_srvs_srv_dds__Empty_Request_)                                    \
+  TYPE(std_srvs_srv_dds__Empty_Response_)
+
+#define TROUPE_SIMULATION_TYPE(type) TROUPE_DDS_TYPE(type);
+TROUPE_SIMULATION_TYPES(TROUPE_SIMULATION_TYPE)
+#undef TROUPE_SIMULATION_TYPE
+
+// Types of Rolling with another layout under the same DDS name.
+TROUPE_HUMBLE_DDS_TYPE(rolling_simulation_interfaces_srv_dds__SetEntityState_Request_,
+                       "simulation_interfaces::srv::dds_::SetEntityState_Request_");
+TROUPE_HUMBLE_DDS_TYPE(rolling_simulation_interfaces_srv_dds__GetSpawnables_Response_,
+                       "simulation_interfaces::srv::dds_::GetSpawnables_Response_");
+
+namespace troupe::ros {
+
+// The types of topics by their names.
+// A type of this file by its name on DDS ("nav_msgs::msg::dds_::Odometry_"), in the layout of
+// the distribution; null: there is none.
+const dds_topic_descriptor_t* FindTopicType(const std::string& name, Distribution distribution);
+
+}  // namespace troupe::ros

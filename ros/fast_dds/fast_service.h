@@ -16,7 +16,7 @@
 #include <span>
 
 #include "ros/fast_dds/pending_calls.h"
-#include "ros/link/endpoint_text.h"
+#include "ros/link/link.h"
 #include "ros/messages/ros_options.h"
 
 namespace troupe::ros {

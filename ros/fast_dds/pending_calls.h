@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "ros/fast_dds/call_header.h"
+#include "ros/fast_dds/rtps_datagram.h"
 
 namespace troupe::ros {
 

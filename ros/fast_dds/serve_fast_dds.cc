@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "common/base/flood_limiter.h"
+#include "common/base/text.h"
 #include "ros/fast_dds/fast_service.h"
 #include "ros/link/link.h"
 

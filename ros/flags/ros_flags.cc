@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "command_line/option_checks.h"
+#include "command_line/parse_command_line.h"
 
 namespace troupe {
 namespace {

@@ -7,8 +7,7 @@
 #include <new>
 #include <string_view>
 
-#include "common/base/version.h"
-#include "ros/link/socket_name.h"
+#include "common/base/identity.h"
 #include "transport/wire/cdr.h"
 
 namespace troupe::ros {

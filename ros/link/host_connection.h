@@ -21,7 +21,6 @@
 
 #include "common/base/wake_event.h"
 #include "ros/connection/ros_connection.h"
-#include "ros/link/endpoint_text.h"
 #include "ros/link/link.h"
 
 namespace troupe::ros {

@@ -13,8 +13,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/base/random_id.h"
-#include "ros/link/socket_name.h"
+#include "common/base/identity.h"
+#include "ros/link/link.h"
 
 namespace troupe::ros {
 namespace {

@@ -4,7 +4,11 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <nlohmann/json.hpp>
+#include <optional>
 
+#include "common/base/identity.h"
+#include "common/base/text.h"
 #include "troupe/check.h"
 
 namespace troupe::ros {
@@ -13,6 +17,32 @@ namespace {
 constexpr std::size_t kReadAtATime = std::size_t{64} << 10;
 constexpr int kMostChunks = 16;  // of one call: a fast sender holds up no other
 constexpr std::size_t kDroppedAtATime = std::size_t{256} << 10;
+
+using nlohmann::json;
+
+constexpr std::int32_t kDeepest = 1'000'000;  // samples
+
+Error Malformed(std::string_view text) {
+  return {{}, "found '" + PlainLine(text, 200) + "', expected a version, a node or an endpoint"};
+}
+
+Error BadName(const std::string& name) {
+  return {{}, "found '" + name + "', expected the name of a socket"};
+}
+
+Error SocketFailure(const std::string& doing, const std::string& name) {
+  return Failure("cannot " + doing + " '" + name + "': " + std::strerror(errno));
+}
+
+int MakeSocket() {
+  return socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+}
+
+bool IsOfThisUser(int connection) {
+  ucred peer = {};
+  socklen_t size = sizeof peer;
+  return getsockopt(connection, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && peer.uid == geteuid();
+}
 
 }  // namespace
 
@@ -70,6 +100,115 @@ bool Link::ReadArrived() {
     if (static_cast<std::size_t>(count) < chunk_.size()) return true;
   }
   return true;
+}
+
+std::string ToText(const HelloText& hello) {
+  return json{{"version", hello.version}, {"domain", hello.domain}}.dump();
+}
+
+std::string ToText(const NodeText& node) {
+  return json{{"namespace", node.node_namespace}, {"name", node.name}}.dump();
+}
+
+std::string ToText(const EndpointText& endpoint) {
+  return json{{"node", endpoint.node},
+              {"name", endpoint.name},
+              {"type", endpoint.type},
+              {"response_type", endpoint.response_type},
+              {"qos", static_cast<int>(endpoint.qos.kind)},
+              {"depth", endpoint.qos.depth},
+              {"part", static_cast<int>(endpoint.part)}}
+      .dump();
+}
+
+std::string ToText(const ServiceText& service) {
+  return json{{"domain", service.domain},
+              {"name", service.name},
+              {"request_type", service.request_type},
+              {"response_type", service.response_type}}
+      .dump();
+}
+
+Result<HelloText> ParseHello(std::string_view text) {
+  try {
+    const json parsed = json::parse(text);
+    return HelloText{parsed.at("version").get<std::string>(), parsed.at("domain").get<std::uint32_t>()};
+  } catch (const json::exception&) {
+    return Malformed(text);
+  }
+}
+
+Result<NodeText> ParseNode(std::string_view text) {
+  try {
+    const json parsed = json::parse(text);
+    return NodeText{parsed.at("namespace").get<std::string>(), parsed.at("name").get<std::string>()};
+  } catch (const json::exception&) {
+    return Malformed(text);
+  }
+}
+
+Result<EndpointText> ParseEndpoint(std::string_view text) {
+  try {
+    const json parsed = json::parse(text);
+    const auto kind = parsed.at("qos").get<std::uint32_t>();
+    const auto depth = parsed.at("depth").get<std::int64_t>();
+    const auto part = parsed.at("part").get<std::uint32_t>();
+    if (kind > static_cast<std::uint32_t>(TopicQos::Kind::kLogLines) || depth < 1 || depth > kDeepest ||
+        part > static_cast<std::uint32_t>(Part::kBestEffortReader)) {
+      return Malformed(text);
+    }
+    return EndpointText{parsed.at("node").get<std::uint32_t>(),
+                        parsed.at("name").get<std::string>(),
+                        parsed.at("type").get<std::string>(),
+                        parsed.at("response_type").get<std::string>(),
+                        {static_cast<TopicQos::Kind>(kind), static_cast<std::int32_t>(depth)},
+                        static_cast<Part>(part)};
+  } catch (const json::exception&) {
+    return Malformed(text);
+  }
+}
+
+Result<ServiceText> ParseService(std::string_view text) {
+  try {
+    const json parsed = json::parse(text);
+    return ServiceText{parsed.at("domain").get<std::uint32_t>(), parsed.at("name").get<std::string>(),
+                       parsed.at("request_type").get<std::string>(), parsed.at("response_type").get<std::string>()};
+  } catch (const json::exception&) {
+    return Malformed(text);
+  }
+}
+
+Result<int> Bind(const std::string& name) {
+  const std::optional<LocalAddress> address = MakeLocalAddress(name);
+  if (!address) return BadName(name);
+  const int descriptor = MakeSocket();
+  if (descriptor >= 0 && bind(descriptor, address->get(), address->length) == 0) return descriptor;
+  const Error failure = SocketFailure("bind socket", name);
+  if (descriptor >= 0) close(descriptor);
+  return failure;
+}
+
+Result<int> Connect(const std::string& name) {
+  const std::optional<LocalAddress> address = MakeLocalAddress(name);
+  if (!address) return BadName(name);
+  const int descriptor = MakeSocket();
+  if (descriptor >= 0 && connect(descriptor, address->get(), address->length) == 0) {
+    if (IsOfThisUser(descriptor)) return descriptor;
+    close(descriptor);
+    return Failure("socket '" + name + "' belongs to another user");
+  }
+  const Error failure = SocketFailure("connect to socket", name);
+  if (descriptor >= 0) close(descriptor);
+  return failure;
+}
+
+int Accept(int listening) {
+  const int connection = accept4(listening, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+  if (connection >= 0 && !IsOfThisUser(connection)) {
+    close(connection);
+    return -1;
+  }
+  return connection;
 }
 
 }  // namespace troupe::ros

@@ -1,6 +1,8 @@
 #include "ros/messages/robot_frames.h"
 
-#include "common/model/model_poses.h"
+#include <fmt/format.h>
+
+#include "common/model/states.h"
 
 namespace troupe::ros {
 namespace {
@@ -12,6 +14,38 @@ Pose PoseOnModel(const SensorDescription& description, std::size_t ray_sensor) {
   if (const auto* const finder = std::get_if<BlobfinderParameters>(&description.parameters)) return finder->X_MS;
   if (const auto* const imu = std::get_if<ImuParameters>(&description.parameters)) return imu->X_MS;
   return std::get<RangerParameters>(description.parameters).ray_sensors[ray_sensor].X_MS;
+}
+
+std::string Origin(const Pose& pose) {
+  return fmt::format(R"(<origin xyz="{:.6g} {:.6g} {:.6g}" rpy="0 0 {:.6g}"/>)", pose.x, pose.y, pose.z, pose.heading);
+}
+
+// A box around an outline in its model's frame.
+std::string Visual(const Block& block, const Pose& X_LM, const std::string& material) {
+  Rectangle around = Rectangle::Nothing();
+  for (const Vec2& corner : block.outline) around.Extend(corner);
+  const Vec2 center = around.center();
+  const Pose X_MB{center.x(), center.y(), 0.5 * (block.z.min + block.z.max), 0.0};
+  return fmt::format(
+      "    <visual>{}<geometry><box size=\"{:.6g} {:.6g} {:.6g}\"/></geometry><material name=\"{}\"/></visual>\n",
+      Origin(X_LM * X_MB), around.width(), around.height(), block.z.max - block.z.min, material);
+}
+
+std::string FixedJoint(const FixedFrame& frame) {
+  return fmt::format(
+      "  <link name=\"{0}\"/>\n  <joint name=\"{0}_mount\" type=\"fixed\"><parent link=\"{1}\"/><child "
+      "link=\"{0}\"/>{2}</joint>\n",
+      frame.frame, frame.parent, Origin(frame.X_PF));
+}
+
+// Forces are not simulated, so an effort of 0 limits nothing.
+std::string MovingJoint(const MovingFrame& frame, const JointDescription& joint) {
+  return fmt::format(
+      "  <joint name=\"{}\" type=\"{}\"><parent link=\"{}\"/><child link=\"{}\"/>{}<axis xyz=\"{:.6g} {:.6g} "
+      "{:.6g}\"/><limit lower=\"{:.6g}\" upper=\"{:.6g}\" velocity=\"{:.6g}\" effort=\"0\"/></joint>\n",
+      frame.joint_name, joint.type == JointType::kPrismatic ? "prismatic" : "revolute", frame.parent, frame.frame,
+      Origin(frame.X_PF), joint.axis_xy.x(), joint.axis_xy.y(), joint.axis_z, joint.position.min, joint.position.max,
+      joint.max_speed);
 }
 
 }  // namespace
@@ -50,6 +84,31 @@ RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& n
 
 Pose X_PF(const MovingFrame& frame, const WorldDescription& world, double position) {
   return frame.X_PF * JointMotion(world.joint(frame.joint), position);
+}
+
+std::string MakeRobotDescription(const Scene& scene, RobotId robot, const std::string& name, const FrameNames& names) {
+  const WorldDescription& world = scene.world();
+  const RobotFrames frames = RobotFramesOf(scene, robot, names);
+  std::string materials;
+  std::vector<std::string> visuals(frames.links.size());  // by link
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const ModelId model(i);
+    if (scene.robot_of(model) != robot || world.shape(world.model(model).shape).blocks.empty()) continue;
+    const Color& color = world.model(model).color;
+    const std::string material = fmt::format("material_{}", i);
+    materials += fmt::format("  <material name=\"{}\"><color rgba=\"{:.4g} {:.4g} {:.4g} {:.4g}\"/></material>\n",
+                             material, color.r, color.g, color.b, color.a);
+    for (const Block& block : world.shape(world.model(model).shape).blocks) {
+      visuals[scene.link_of(model)] += Visual(block, scene.X_LM(model), material);
+    }
+  }
+  std::string links;
+  for (std::size_t i = 0; i < frames.links.size(); ++i) {
+    links += fmt::format("  <link name=\"{}\">\n{}  </link>\n", frames.links[i], visuals[i]);
+  }
+  for (const MovingFrame& frame : frames.moving) links += MovingJoint(frame, world.joint(frame.joint));
+  for (const FixedFrame& frame : frames.fixed) links += FixedJoint(frame);
+  return fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n{}{}</robot>\n", name, materials, links);
 }
 
 }  // namespace troupe::ros

@@ -36,4 +36,9 @@ RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& n
 // The pose of the frame in its parent with its joint at `position` (m or rad).
 Pose X_PF(const MovingFrame& frame, const WorldDescription& world, double position);
 
+// The robot_description from which RViz draws a robot: a URDF with a box around each of the robot's blocks. Its frames
+// are those on tf (robot_frames.h), its joints those of joint_states.
+// `name`: the robot's in ROS.
+std::string MakeRobotDescription(const Scene& scene, RobotId robot, const std::string& name, const FrameNames& names);
+
 }  // namespace troupe::ros

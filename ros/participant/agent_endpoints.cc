@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <utility>
 
-#include "common/base/utf8.h"
-#include "common/base/version.h"
-#include "ros/connection/find_topic_type.h"
+#include "common/base/identity.h"
+#include "common/base/text.h"
+#include "ros/connection/topic_types.h"
 #include "transport/wire/cdr.h"
 
 namespace troupe::ros {

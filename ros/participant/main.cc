@@ -13,22 +13,19 @@
 #include <thread>
 #include <utility>
 
-#include "command_line/exit_status.h"
-#include "command_line/network_flags.h"
-#include "command_line/option_checks.h"
 #include "command_line/parse_command_line.h"
-#include "common/base/flood_limiter.h"
+#include "command_line/run_flags.h"
+#include "common/base/identity.h"
 #include "common/base/print.h"
-#include "common/base/stop_signals.h"
-#include "common/base/version.h"
+#include "common/base/text.h"
 #include "common/base/wake_event.h"
-#include "common/run/network_settings.h"
+#include "common/run/run_settings.h"
 #include "ros/flags/ros_flags.h"
 #if TROUPE_HAS_FAST_DDS
 #include "ros/fast_dds/serve_fast_dds.h"
 #endif
 #include "ros/link/host_program.h"
-#include "ros/link/socket_name.h"
+#include "ros/link/link.h"
 #include "ros/participant/participant_server.h"
 #include "transport/dds/binding/network_log.h"
 

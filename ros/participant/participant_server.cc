@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "ros/link/socket_name.h"
+#include "ros/link/link.h"
 
 namespace troupe::ros {
 namespace {

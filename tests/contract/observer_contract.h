@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/contract/transport_contract.h"
-#include "transport/protocol/observer_queue.h"
+#include "transport/protocol/delivery.h"
 
 namespace troupe::test {
 

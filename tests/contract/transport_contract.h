@@ -18,7 +18,7 @@
 #include "tests/contract/transport_case.h"
 #include "tests/contract/whole_run.h"
 #include "tests/support/test_world.h"
-#include "transport/protocol/memory_transport.h"
+#include "transport/protocol/transport.h"
 
 namespace troupe::test {
 

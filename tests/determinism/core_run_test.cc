@@ -5,10 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "common/base/hash.h"
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "common/spatial/ray_cast.h"
 #include "tests/support/random_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe {

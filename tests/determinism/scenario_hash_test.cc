@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/support/stage_worlds.h"
 #include "tests/worldfile/scenario_run.h"
 #include "worldfile/load_world.h"

@@ -1,14 +1,12 @@
 #include "tests/faults/fault_simulation.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <set>
 #include <utility>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/faults/small_worlds.h"
-#include "transport/dds/convert/convert_frame.h"
+#include "transport/dds/convert/convert.h"
 #include "troupe/event.h"
 
 namespace troupe::faults {

@@ -19,7 +19,7 @@
 #include "tests/faults/reference_run.h"
 #include "tests/faults/simulated_agent.h"
 #include "tests/faults/simulated_observer.h"
-#include "transport/dds/transport/frame_stream.h"
+#include "transport/dds/transport/dds_service_endpoint.h"
 #include "world-service/service/tick_coordinator.h"
 
 namespace troupe::faults {

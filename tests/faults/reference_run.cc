@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <utility>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/faults/small_worlds.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 #include "world-service/service/apply_edit.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tests/faults/network.h"
-#include "transport/dds/transport/observer_protocol.h"
+#include "transport/dds/transport/dds_observer_endpoint.h"
 
 namespace troupe::faults {
 

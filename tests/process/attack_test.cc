@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "tests/process/programs.h"
 #include "tests/support/bridged_hosts.h"
 #include "tests/support/stranger.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/tools/control_client.h"
-#include "transport/protocol/topics.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe::test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "common/base/host_name.h"
+#include "common/base/identity.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/files.h"

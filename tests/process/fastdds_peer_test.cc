@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "command_line/exit_status.h"
+#include "command_line/parse_command_line.h"
 #include "tests/process/programs.h"
 #include "tests/process/run_files.h"
 #include "tests/support/dds_domain.h"

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "common/base/enclave.h"
+#include "common/base/paths.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/files.h"
-#include "transport/protocol/agent_name.h"
+#include "transport/protocol/message_texts.h"
 
 namespace troupe::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "command_line/exit_status.h"
+#include "command_line/parse_command_line.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/files.h"
 

@@ -9,8 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/run/network_settings.h"
-#include "launcher/process/line_pipe.h"
+#include "common/run/run_settings.h"
 #include "launcher/process/process.h"
 #include "tests/support/words.h"
 

@@ -1,4 +1,6 @@
 // Recordings of real runs: a replay gives the same files, byte for byte, and finds every difference.
+#include "recording/recording.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "recording/recording_writer.h"
-#include "recording/tick_reader.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/edits.h"

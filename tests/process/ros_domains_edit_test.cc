@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "ros/connection/simulation_types.h"
+#include "ros/connection/topic_types.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/files.h"

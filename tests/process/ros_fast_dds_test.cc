@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-#include "ros/connection/simulation_types.h"
+#include "ros/connection/topic_types.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/ros_client.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ros/connection/ros_endpoints.h"
-#include "ros/connection/simulation_types.h"
+#include "ros/connection/topic_types.h"
 #include "ros/messages/convert.h"
 #include "tests/process/programs.h"
 #include "tests/support/files.h"

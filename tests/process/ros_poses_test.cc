@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_network.h"
 #include "ros/connection/ros_participant.h"
-#include "ros/connection/ros_qos.h"
 #include "ros/messages/convert.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "ros/connection/simulation_types.h"
+#include "ros/connection/topic_types.h"
 #include "tests/process/programs.h"
 #include "tests/process/rolling_requests.h"
 #include "tests/support/ros_client.h"

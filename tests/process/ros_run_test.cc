@@ -14,8 +14,8 @@
 #include <sstream>
 
 #include "ros/connection/ros_endpoints.h"
-#include "ros/connection/ros_qos.h"
-#include "ros/connection/simulation_types.h"
+#include "ros/connection/ros_network.h"
+#include "ros/connection/topic_types.h"
 #include "ros/messages/convert.h"
 #include "tests/process/programs.h"
 #include "tests/process/run_files.h"

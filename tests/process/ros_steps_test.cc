@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "ros/connection/ros_endpoints.h"
-#include "ros/connection/ros_qos.h"
-#include "ros/connection/simulation_types.h"
+#include "ros/connection/ros_network.h"
+#include "ros/connection/topic_types.h"
 #include "ros/messages/action_goals.h"
 #include "tests/process/programs.h"
 #include "tests/support/ros_client.h"

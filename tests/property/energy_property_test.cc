@@ -10,7 +10,6 @@
 
 #include "tests/support/random_world.h"
 #include "tests/support/small_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe::test {

@@ -1,10 +1,9 @@
 // Steps of several threads give the bits of a step of one, and robots of different islands are independent.
 #include <gtest/gtest.h>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/support/random_grippers.h"
 #include "tests/support/random_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/spatial/body_index.h"
-#include "common/spatial/overlap.h"
+#include "common/spatial/convex_piece.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/random_grippers.h"
 #include "tests/support/random_world.h"

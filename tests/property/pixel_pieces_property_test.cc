@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "common/spatial/convex_piece.h"
 #include "common/spatial/occupancy_grid.h"
-#include "common/spatial/overlap.h"
 #include "common/spatial/ray_cast.h"
 #include "common/spatial/sweep.h"
 #include "tests/support/random_world.h"

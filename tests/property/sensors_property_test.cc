@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "common/sensing/contact_search.h"
+#include "common/sensing/contact.h"
 #include "tests/support/brute_force_prisms.h"
 #include "tests/support/random_world.h"
 #include "tests/support/sensor_worlds.h"

@@ -3,11 +3,10 @@
 
 #include <cmath>
 
-#include "common/model/state_hash.h"
-#include "common/spatial/overlap.h"
+#include "common/model/states.h"
+#include "common/spatial/convex_piece.h"
 #include "common/spatial/sweep.h"
 #include "tests/support/random_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe {

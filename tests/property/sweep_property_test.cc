@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/spatial/overlap.h"
+#include "common/spatial/convex_piece.h"
 #include "common/spatial/sweep.h"
 #include "tests/support/random_world.h"
 

@@ -15,9 +15,9 @@
 #include <thread>
 #include <vector>
 
-#include "command_line/exit_status.h"
-#include "common/base/stop_signals.h"
-#include "common/model/state_hash.h"
+#include "command_line/parse_command_line.h"
+#include "common/base/wake_event.h"
+#include "common/model/states.h"
 #include "transport/dds/transport/dds_transport.h"
 #include "transport/security/session_keys.h"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "command_line/exit_status.h"
+#include "command_line/parse_command_line.h"
 #include "common/picture/canvas.h"
 
 namespace troupe {

@@ -22,8 +22,8 @@
 
 #include "robot-agent/agent/agent_host.h"
 #include "transport/protocol/faulty_transport.h"
-#include "transport/protocol/memory_transport.h"
-#include "world-service/observers/recorder/make_recorders.h"
+#include "transport/protocol/transport.h"
+#include "world-service/observers/recorder/recorder.h"
 #include "world-service/replay/journal_history.h"
 #include "world-service/service/run_service.h"
 

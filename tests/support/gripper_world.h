@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "tests/support/test_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe::test {

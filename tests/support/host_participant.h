@@ -11,7 +11,7 @@
 #include "common/base/wake_event.h"
 #include "ros/link/host_connection.h"
 #include "ros/link/host_program.h"
-#include "ros/link/socket_name.h"
+#include "ros/link/link.h"
 #include "ros/messages/ros_options.h"
 #include "ros/participant/participant_server.h"
 #include "tests/support/ros_domain.h"

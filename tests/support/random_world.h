@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "tests/support/test_world.h"
 #include "troupe/random.h"
 

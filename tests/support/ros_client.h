@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_participant.h"
-#include "ros/connection/ros_service.h"
 #include "ros/messages/messages.h"
 #include "tests/support/dds_domain.h"
 #include "transport/dds/binding/data_reader.h"

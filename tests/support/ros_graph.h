@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "ros/connection/ros_network.h"
 #include "ros/connection/ros_participant.h"
-#include "ros/connection/ros_qos.h"
 #include "ros/connection/topic_types.h"
 #include "tests/support/ros_domain.h"
 #include "transport/dds/binding/data_reader.h"

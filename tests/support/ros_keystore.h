@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "common/base/enclave.h"
+#include "common/base/paths.h"
 #include "transport/security/certificate.h"
 
 namespace troupe::test {

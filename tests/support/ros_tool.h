@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "transport/dds/binding/entity.h"
-#include "transport/dds/binding/exception.h"
 
 namespace troupe::test {
 

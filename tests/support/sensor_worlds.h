@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "common/sensing/sensor_registry.h"
+#include "common/sensing/sensor_suite.h"
 #include "common/spatial/body_index.h"
 #include "troupe/world_state.h"
 

@@ -8,7 +8,6 @@
 #include "tests/support/dds_domain.h"
 #include "transport/dds/binding/data_writer.h"
 #include "transport/dds/convert/convert.h"
-#include "transport/dds/convert/topic_types.h"
 #include "transport/dds/transport/qos_profiles.h"
 
 namespace troupe::test {

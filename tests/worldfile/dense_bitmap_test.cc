@@ -6,8 +6,8 @@
 
 #include "tests/worldfile/world_folder.h"
 #include "troupe/rectangle_cover.h"
-#include "worldfile/map/bitmap_rectangles.h"
-#include "worldfile/models/properties/shape_scaling.h"
+#include "worldfile/map/map_yaml.h"
+#include "worldfile/models/properties/model_shape.h"
 
 namespace troupe {
 namespace {

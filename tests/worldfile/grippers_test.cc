@@ -1,7 +1,7 @@
 // Actuators, grippers and objects of world files.
 #include <cmath>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "tests/worldfile/world_folder.h"
 #include "troupe/world_state.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "tests/worldfile/scenario_run.h"
 #include "worldfile/load_world.h"
 

@@ -1,5 +1,5 @@
 // The descriptions of models: bodies, sizes, places, names, colours.
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "tests/worldfile/world_folder.h"
 #include "troupe/pose.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/sensing/sensor_registry.h"
+#include "common/sensing/sensor_suite.h"
 #include "tests/worldfile/scenario_run.h"
 #include "worldfile/scenario/scenario.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/spatial/body_index.h"
-#include "common/spatial/overlap.h"
+#include "common/spatial/convex_piece.h"
 #include "common/spatial/scene.h"
 #include "common/spatial/sweep.h"
 #include "troupe/simulation.h"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "tests/support/ray_sensors.h"
 #include "tests/worldfile/world_folder.h"
 

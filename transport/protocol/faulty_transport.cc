@@ -8,8 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "transport/protocol/delivery_thread.h"
-#include "transport/protocol/observer_queue.h"
+#include "transport/protocol/delivery.h"
 #include "troupe/random.h"
 
 namespace troupe {

@@ -1,13 +1,11 @@
-#include "transport/protocol/memory_transport.h"
-
 #include <map>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <utility>
 
-#include "transport/protocol/delivery_thread.h"
-#include "transport/protocol/observer_queue.h"
+#include "transport/protocol/delivery.h"
+#include "transport/protocol/transport.h"
 
 namespace troupe {
 namespace {

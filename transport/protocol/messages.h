@@ -345,4 +345,52 @@ struct StatusMessage {
   }
 };
 
+// The place of a committed state in its run. An edit may set the time back, so ticks alone have an order only within an
+// edition.
+struct StatePlace {
+  Edition edition = 0;
+  Tick tick = 0;
+  auto operator<=>(const StatePlace&) const = default;
+};
+
+// A command of a tool to a robot that is in force: one part, a twist, an order to a gripper or a goal.
+struct CommandInForce {
+  RobotCommand command;
+  std::uint64_t ticks = 0;  // left
+  bool sent = false;        // to the agents, for the next tick
+  bool operator==(const CommandInForce&) const = default;
+};
+
+// RunProgress: the state of a run beside its world, as its journal has it: a service that continues the run needs it.
+struct RunProgress {
+  Incarnation incarnation = 0;                  // of the service that wrote it
+  std::optional<std::uint64_t> ticks_to_pause;  // 0 in a pause; nothing: the run plays
+  std::vector<RobotId> absent;                  // robots whose agents are lost, ascending
+  std::vector<RobotId> newcomers;               // robots of the newest edit that have no agent yet
+  std::uint64_t stalls = 0;                     // so far, for the summary
+  std::uint64_t rejected = 0;
+  bool speed_is_set = false;         // during the run, to:
+  std::optional<double> speed = {};  // a multiple of real time; nothing: no pacing
+  std::vector<CommandInForce> commands = {};
+  bool operator==(const RunProgress&) const = default;
+};
+
 }  // namespace troupe
+
+namespace troupe::topics {
+
+// The names of all topics of the simulation domain, for transports and for permissions.
+
+inline constexpr const char* kSession = "troupe/session";             // service to all
+inline constexpr const char* kJoin = "troupe/join";                   // agent to service
+inline constexpr const char* kAdmission = "troupe/admission";         // service to agent
+inline constexpr const char* kFrame = "troupe/frame";                 // service to agents and observers
+inline constexpr const char* kFrameRequest = "troupe/frame_request";  // observer to service
+inline constexpr const char* kWholeFrame = "troupe/whole_frame";      // service to observers
+inline constexpr const char* kHistory = "troupe/history";             // service to agents
+inline constexpr const char* kProposal = "troupe/proposal";           // agent to service
+inline constexpr const char* kStatus = "troupe/status";               // service to tools
+inline constexpr const char* kControl = "troupe/control";             // tool to service
+inline constexpr const char* kControlReply = "troupe/control_reply";  // service to tool
+
+}  // namespace troupe::topics

@@ -1,4 +1,4 @@
-// Transport: the connection between a world service, its agents and its observers. Implementations: memory_transport.h
+// Transport: the connection between a world service, its agents and its observers. Implementations: transport.h
 // (one process), transport/dds/transport/dds_transport.h (any number of processes and machines), faulty_transport.h
 // (wraps another one and loses, delays, duplicates and reorders messages, for tests).
 //
@@ -123,5 +123,10 @@ class Transport {
   virtual std::unique_ptr<AgentEndpoint> MakeAgentEndpoint(AgentId agent) = 0;
   virtual std::unique_ptr<ObserverEndpoint> MakeObserverEndpoint() = 0;
 };
+
+// MemoryTransport: messages between endpoints of one process. One thread of its own delivers all messages, in the order
+// in which it was sent, so that a whole run needs no hand-over between threads.
+// Makes the transport and starts its thread, which ends with it. A session message is kept for agents that start later.
+std::unique_ptr<Transport> MakeMemoryTransport();
 
 }  // namespace troupe

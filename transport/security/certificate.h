@@ -8,10 +8,17 @@
 #include <memory>
 #include <string>
 
-#include "transport/security/validity.h"
+#include "transport/security/session_keys.h"
 #include "troupe/result.h"
 
 namespace troupe {
+
+// Validity: the time during which a certificate or a document counts.
+// UTC, as "2030-12-31T23:59:59".
+struct Validity {
+  std::string not_before;
+  std::string not_after;
+};
 
 struct OpenSslDeleter {
   void operator()(EVP_PKEY* key) const;
@@ -43,5 +50,13 @@ Result<Validity> ValidityOf(const CertifiedKey& key);
 
 // An S/MIME message with the text and a detached signature: the contents of a .p7s file.
 Result<std::string> SignedDocument(const std::string& text, const CertifiedKey& authority);
+
+// The two documents of DDS Security 1.1, before they are signed: the rules of the simulation domain, which are the same
+// for all participants, and the permissions of one participant.
+
+std::string GovernanceDocument();
+
+// `subject`: that of the participant's certificate, as "CN=name". All that is not allowed is denied.
+std::string PermissionsDocument(const Role& role, const std::string& subject, const Validity& validity);
 
 }  // namespace troupe

@@ -5,11 +5,10 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/base/enclave.h"
-#include "common/base/random_id.h"
+#include "common/base/identity.h"
+#include "common/base/paths.h"
 #include "transport/security/certificate.h"
-#include "transport/security/private_folder.h"
-#include "transport/security/security_documents.h"
+#include "transport/security/run_token.h"
 #include "troupe/check.h"
 
 namespace troupe {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "transport/security/role.h"
+#include "transport/security/session_keys.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -30,7 +30,7 @@ class KeyAuthority {
   // Both write a new folder (mode 0700, its files 0600) that appears whole or not at all, and with it missing folders
   // above. They overwrite nothing: a folder with files is an error.
   Status Save(const std::string& folder) const;
-  // Makes the keys of one participant: a folder with the files of common/base/enclave.h.
+  // Makes the keys of one participant: a folder with the files of common/base/paths.h.
   // REQUIRES: the agent's name is an IsAgentName
   Status WriteIdentity(const std::string& folder, const Role& role) const;
 

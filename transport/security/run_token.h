@@ -7,6 +7,7 @@
 #include <compare>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "troupe/result.h"
 
@@ -36,5 +37,19 @@ class RunToken {
 // The name of the token's folder in a folder of keys.
 inline constexpr const char* kTokenFolder = "token";
 inline constexpr const char* kTokenFile = "token.hex";
+
+// A folder of secrets: made whole or not at all, for its owner only.
+
+struct PrivateFile {
+  std::string name;
+  std::string content;
+};
+
+// Writes the files (mode 0600) into a new folder (0700), which appears under its name when it is complete. Missing
+// folders above it are made too (0700). Fails if a folder with files, or anything else, has that name already.
+Status WritePrivateFolder(const std::string& folder, const std::vector<PrivateFile>& files);
+
+// The content of a small file of such a folder.
+Result<std::string> ReadFileOfKeys(const std::string& path);
 
 }  // namespace troupe

@@ -1,18 +1,21 @@
 #include "transport/security/session_keys.h"
 
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
-#include "common/base/enclave.h"
-#include "common/run/network_settings.h"
+#include "common/base/paths.h"
+#include "common/run/run_settings.h"
 
 namespace troupe {
 namespace {
@@ -49,6 +52,23 @@ std::string KeysOf(std::uint32_t domain, const std::string& session) {
   std::error_code failure;
   const fs::path keys = fs::canonical(folder / (Prefix(domain) + session), failure);
   return failure ? std::string() : keys.string();
+}
+
+constexpr std::string_view kPrefix = "keys-";  // then the process id of the maker
+
+bool IsRunning(pid_t pid) {
+  return kill(pid, 0) == 0 || errno != ESRCH;
+}
+
+void DeleteKeysOfKilledProcesses(const fs::path& sessions) {
+  std::error_code failure;
+  for (const fs::directory_entry& entry : fs::directory_iterator(sessions, failure)) {
+    const std::string name = entry.path().filename().string();
+    pid_t pid = 0;
+    if (!name.starts_with(kPrefix)) continue;
+    const auto parsed = std::from_chars(name.data() + kPrefix.size(), name.data() + name.size(), pid);
+    if (parsed.ec == std::errc() && pid > 0 && !IsRunning(pid)) fs::remove_all(entry.path(), failure);
+  }
 }
 
 }  // namespace
@@ -142,6 +162,60 @@ Result<ParticipantKeys> FindKeys(const std::string& security, std::uint32_t doma
   const std::string enclave = keys + "/" + KeyFolder(role);
   if (Status status = CheckEnclave(enclave); !status.ok()) return status.error();
   return ParticipantKeys{enclave, std::nullopt};
+}
+
+bool IsAgentName(const std::string& name) {
+  constexpr std::size_t kMaxLength = 64;
+  return !name.empty() && name.size() <= kMaxLength &&
+         name.find_first_not_of("0123456789abcdefghijklmnopqrstuvwxyz") == std::string::npos;
+}
+
+std::string KeyFolder(const Role& role) {
+  switch (role.kind) {
+    case Role::Kind::kService:
+      return "service";
+    case Role::Kind::kAgent:
+      return "agents/" + role.agent_name;
+    case Role::Kind::kOperator:
+      return "operator";
+    case Role::Kind::kObserver:
+      return "observer";
+  }
+  return {};
+}
+
+Result<RunKeysFolder> RunKeysFolder::Make() {
+  const Result<std::string> sessions = SessionsFolder();
+  if (!sessions.ok()) return sessions.error();
+  DeleteKeysOfKilledProcesses(sessions.value());
+  std::string path = sessions.value() + "/" + std::string(kPrefix) + std::to_string(getpid()) + "-XXXXXX";
+  if (mkdtemp(path.data()) == nullptr) return Failure("cannot make " + path + ": " + std::strerror(errno));
+  RunKeysFolder folder;
+  folder.path_ = std::move(path);
+  return folder;
+}
+
+Result<RunKeysFolder> RunKeysFolder::MakeWithToken() {
+  Result<RunKeysFolder> folder = Make();
+  if (!folder.ok()) return folder;
+  const Result<RunToken> token = RunToken::Make();
+  if (!token.ok()) return token.error();
+  if (const Status written = token.value().WriteTo(folder.value().path()); !written.ok()) return written.error();
+  return folder;
+}
+
+RunKeysFolder::RunKeysFolder(RunKeysFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+
+RunKeysFolder& RunKeysFolder::operator=(RunKeysFolder&& other) noexcept {
+  std::swap(path_, other.path_);
+  return *this;
+}
+
+RunKeysFolder::~RunKeysFolder() {
+  std::error_code ignored;
+  if (path_.empty()) return;
+  fs::remove_all(path_, ignored);
+  DeleteNamesOfDeletedKeys();  // the service may have been killed at its end
 }
 
 }  // namespace troupe

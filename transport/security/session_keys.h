@@ -1,5 +1,5 @@
 // SessionKeys: where the programs of a user find the keys of the runs on this host. A world service publishes the
-// folder of its keys (KeyFolder in role.h has the layout) under the name of its session, in a folder that only its user
+// folder of its keys (KeyFolder has the layout) under the name of its session, in a folder that only its user
 // can read, so that the tools of that user alone find the keys of a run by its session.
 #pragma once
 
@@ -8,11 +8,30 @@
 #include <string>
 #include <vector>
 
-#include "transport/security/role.h"
 #include "transport/security/run_token.h"
 #include "troupe/result.h"
 
 namespace troupe {
+
+// Role: the part that a participant has in the simulation domain. Its permissions follow from it.
+struct Role {
+  enum class Kind : std::uint8_t { kService, kAgent, kOperator, kObserver };
+
+  static Role Service() { return {Kind::kService, {}}; }
+  // REQUIRES: IsAgentName(name)
+  static Role Agent(std::string name) { return {Kind::kAgent, std::move(name)}; }
+  static Role Operator() { return {Kind::kOperator, {}}; }  // reads all that a run publishes, and controls it
+  static Role Observer() { return {Kind::kObserver, {}}; }  // reads only
+
+  Kind kind = Kind::kObserver;
+  std::string agent_name;  // of an agent: see AgentName; else empty
+};
+
+// Other names could match the names of other agents, because permissions are patterns: 1 to 64 of [0-9a-z].
+bool IsAgentName(const std::string& name);
+
+// "service", "operator", "observer", "agents/NAME": the folder of its keys in a folder of all keys.
+std::string KeyFolder(const Role& role);
 
 // A value of NetworkSettings::security of a launcher: keys of DDS Security for its run alone. "auto" means the same on
 // every interface but loopback, where the handshakes of a hundred agents would take longer than their start: there it
@@ -63,5 +82,25 @@ struct ParticipantKeys {
 // the role.
 Result<ParticipantKeys> FindKeys(const std::string& security, std::uint32_t domain, const std::string& session,
                                  const Role& role);
+
+// RunKeysFolder: the folder for the keys of one run, which this process makes and deletes.
+class RunKeysFolder {
+ public:
+  // In SessionsFolder(), of mode 0700. Deletes those that killed processes have left.
+  static Result<RunKeysFolder> Make();
+
+  // The same with a token in it.
+  static Result<RunKeysFolder> MakeWithToken();
+
+  RunKeysFolder() = default;  // none
+  RunKeysFolder(RunKeysFolder&& other) noexcept;
+  RunKeysFolder& operator=(RunKeysFolder&& other) noexcept;
+  ~RunKeysFolder();
+
+  const std::string& path() const { return path_; }  // empty: none
+
+ private:
+  std::string path_;
+};
 
 }  // namespace troupe

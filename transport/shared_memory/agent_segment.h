@@ -13,7 +13,6 @@
 #include "transport/protocol/messages.h"
 #include "transport/shared_memory/shared_layout.h"
 #include "transport/shared_memory/shared_memory.h"
-#include "transport/shared_memory/sharing_address.h"
 #include "troupe/result.h"
 
 namespace troupe {

@@ -7,8 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "common/base/random_id.h"
-#include "transport/shared_memory/message_words.h"
+#include "common/base/identity.h"
 
 namespace troupe {
 namespace {

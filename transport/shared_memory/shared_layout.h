@@ -5,13 +5,79 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <cstdint>
+#include <span>
 
 #include "transport/protocol/messages.h"
-#include "transport/shared_memory/futex.h"
-#include "transport/shared_memory/seqlock.h"
 #include "transport/shared_memory/words.h"
+#include "troupe/result.h"
 
 namespace troupe {
+
+// Futex: waiting for a change of a word that several processes share.
+
+using FutexWord = std::atomic<std::uint32_t>;
+static_assert(sizeof(FutexWord) == sizeof(std::uint32_t) && FutexWord::is_always_lock_free);
+
+inline constexpr std::uint32_t kAllWaiters = ~std::uint32_t{0};
+
+// Returns when the word is not `value`, when a thread of any process wakes one of the `groups` (bits) of this waiter,
+// after `seconds`, or earlier. The memory may be read-only.
+void FutexWait(const FutexWord& word, std::uint32_t value, double seconds, std::uint32_t groups = kAllWaiters);
+
+// Wakes all that wait for the word in one of these groups.
+void FutexWake(const FutexWord& word, std::uint32_t groups = kAllWaiters);
+
+// Seqlock: a message in shared memory that one process writes and any number read. A reader never waits for the writer,
+// which may have been stopped or killed in the middle: it obtains a complete message or none.
+
+// In front of the words of the message.
+struct SeqlockHeader {
+  Word sequence;  // 0: no message yet; odd: it is being written
+  Word count;     // of the words
+};
+
+class SeqlockWriter {
+ public:
+  // Begins with a new message; the old one is no longer readable.
+  SeqlockWriter(SeqlockHeader& header, std::span<Word> words) : header_(header), words_(words) {
+    const std::uint64_t before = header_.sequence.load(std::memory_order_relaxed);
+    next_ = (before | 1) + 1;  // of a writer that was killed it is odd
+    header_.sequence.store(next_ - 1, std::memory_order_relaxed);
+  }
+  WordWriter& words() { return words_; }
+  // The message is complete. False if it did not fit: then there is none.
+  bool Finish() {
+    const bool fits = words_.fits();
+    header_.count.store(fits ? words_.count() : 0, std::memory_order_release);
+    if (fits) header_.sequence.store(next_, std::memory_order_release);
+    return fits;
+  }
+
+ private:
+  SeqlockHeader& header_;
+  WordWriter words_;
+  std::uint64_t next_ = 0;
+};
+
+// Calls read(WordReader) with the message, if there is a complete one that is newer than `seen`, and sets `seen`. True
+// if the words did not change meanwhile; otherwise the result of `read` is of no use. REQUIRES: `seen` is 0 or of an
+// earlier call for the same header.
+template <typename Read>
+bool ReadNewer(const SeqlockHeader& header, std::span<const Word> words, std::uint64_t& seen, const Read& read) {
+  const std::uint64_t sequence = header.sequence.load(std::memory_order_acquire);
+  if (sequence == seen || sequence == 0 || sequence % 2 != 0) return false;
+  const std::uint64_t count = header.count.load(std::memory_order_acquire);
+  if (count > words.size()) {
+    seen = sequence;  // no message has as many words: they were not written by a SeqlockWriter
+    return false;
+  }
+  read(WordReader(words.first(static_cast<std::size_t>(count))));
+  if (header.sequence.load(std::memory_order_relaxed) != sequence) return false;
+  seen = sequence;
+  return true;
+}
 
 // Changes with the fields of messages; the number in it with this file and the words of values (words.h).
 inline constexpr std::uint64_t kSharedLayout = LayoutOf<ProposalMessage>(LayoutOf<FrameMessage>(0x54726f7570650006));
@@ -69,5 +135,18 @@ inline constexpr std::size_t kSlotWords = (kSlotBytes - sizeof(SlotHeader)) / si
 inline constexpr std::uint64_t Missing(std::uint32_t frame, std::uint32_t count) {
   return (std::uint64_t{frame} << 32) | count;
 }
+
+// Frames, always with the whole state, and proposals between their messages and words.
+
+void AddFrame(const FrameMessage& frame, WordWriter& words);
+std::size_t CountFrameWords(const FrameMessage& frame);  // that AddFrame adds
+void AddProposal(const ProposalMessage& message, WordWriter& words);
+
+// These fill their messages, so that their memory is used again. The error is that of words that are not those of a
+// message, which is then unspecified. Words that change meanwhile give an error, or a message of values that are each
+// of their type: the receiver of a frame checks it by its world (CheckState), the run refuses numbers of a proposal
+// that are not finite with an event that names the robot.
+Status ReadFrame(WordReader words, FrameMessage& frame);
+Status ReadProposal(WordReader words, ProposalMessage& message);
 
 }  // namespace troupe

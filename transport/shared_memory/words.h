@@ -1,6 +1,6 @@
 // Words: values in memory that several processes share, as atomic words of 64 bits. A word that is read while another
 // process writes it has its old value or its new one, so that a reader needs no lock, only a check afterwards that
-// nothing has changed (seqlock.h).
+// nothing has changed (shared_layout.h).
 //
 // A number, an id or a flag is one word; a list or a text its length and its elements, eight bytes of a text in a word;
 // a type with fields (troupe/fields.h) those, one after another.

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "transport/dds/binding/topic.h"
+#include "transport/dds/binding/domain_participant.h"
 #include "troupe/result.h"
 
 namespace troupe::wire {

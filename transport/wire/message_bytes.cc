@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "transport/dds/convert/convert.h"
-#include "transport/dds/convert/topic_types.h"
 #include "transport/wire/cdr.h"
 
 namespace troupe::wire {

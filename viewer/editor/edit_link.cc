@@ -9,12 +9,11 @@
 #include <type_traits>
 #include <utility>
 
-#include "common/base/host_name.h"
-#include "common/base/random_id.h"
-#include "common/model/state_hash.h"
+#include "common/base/identity.h"
+#include "common/model/states.h"
 #include "robot-agent/drive/drive.h"
-#include "viewer/editor/test_world.h"
-#include "world-service/core/initial_state.h"
+#include "viewer/editor/editable_world.h"
+#include "world-service/core/step.h"
 
 namespace troupe {
 namespace {

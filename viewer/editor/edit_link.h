@@ -17,7 +17,7 @@
 
 #include "troupe/simulation.h"
 #include "viewer/editor/editor.h"
-#include "viewer/gateway/run_link.h"
+#include "viewer/gateway/viewer_gateway.h"
 
 namespace troupe {
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "common/base/allowed_paths.h"
-#include "common/image/image_source.h"
+#include "common/base/paths.h"
+#include "common/image/image_file.h"
 #include "troupe/result.h"
-#include "worldfile/models/loaded_world.h"
+#include "worldfile/models/build_world.h"
 #include "worldfile/stage/world_tree.h"
 
 namespace troupe {
@@ -76,5 +76,14 @@ Pose PoseInWorld(const WorldDescription& world, ModelId model);
 nlohmann::json PictureOf(const WorldDescription& world);
 // Of these models alone, without their children.
 nlohmann::json PictureOf(const WorldDescription& world, const std::vector<ModelId>& models);
+
+// A small world to try a model in: a room with the model, and with a plain robot that drives towards it if the model is
+// none itself.
+
+inline constexpr const char* kProbe = "probe";  // name of the plain robot
+
+// `tree`: that defines the model. `probe_height`: m, of the plain robot.
+Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& model, double probe_height,
+                                  const NamedFiles& files);
 
 }  // namespace troupe

@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <utility>
 
-#include "common/base/file_replacement.h"
+#include "common/base/file.h"
 #include "common/base/hash.h"
 #include "worldfile/text/text_file.h"
 

@@ -11,11 +11,9 @@
 #include <sstream>
 #include <utility>
 
-#include "viewer/editor/file_values.h"
-#include "worldfile/edit/json_edit.h"
+#include "viewer/editor/model_parts.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/stage/stage_world.h"
-#include "worldfile/text/quote.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/allowed_paths.h"
+#include "common/base/paths.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
 #include "viewer/editor/editable_world.h"

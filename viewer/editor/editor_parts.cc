@@ -8,12 +8,11 @@
 #include <utility>
 
 #include "viewer/editor/editor.h"
-#include "viewer/editor/file_values.h"
 #include "viewer/editor/model_parts.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/stage/world_tree.h"
-#include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 

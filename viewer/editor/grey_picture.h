@@ -9,7 +9,6 @@
 #include <optional>
 #include <vector>
 
-#include "common/image/grey_image.h"
 #include "common/image/image_file.h"
 #include "troupe/bitmap.h"
 #include "viewer/gateway/edit_operation.h"

@@ -3,11 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "common/spatial/scene.h"
 #include "troupe/event.h"
+#include "troupe/ids.h"
 #include "troupe/sensor.h"
+#include "troupe/world_description.h"
 #include "troupe/world_state.h"
 
 namespace troupe::foxglove {
@@ -23,5 +27,50 @@ std::string MapText(const Scene& scene, Time time);
 std::string EventText(const std::string& text, bool warning, Time time);
 // `frame`: of the robot.
 std::string ScanText(const RangeScan& scan, const std::string& frame, Time time);
+
+// JSON as Foxglove writes it.
+
+using Json = nlohmann::json;
+
+// {"sec": 1, "nsec": 500000000}
+inline Json TimeOf(Time time) {
+  constexpr Time kSecond = 1'000'000'000;
+  return {{"sec", time / kSecond}, {"nsec", time % kSecond}};
+}
+
+// Names need not be UTF-8.
+inline std::string Dump(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// The channels of a run for Foxglove: their topics, and the JSON schemas of their messages.
+
+enum class ChannelKind : std::uint8_t {
+  kScene,       // foxglove.SceneUpdate: the bodies, each in its own frame; once for each world
+  kTransforms,  // foxglove.FrameTransforms: the frames of bodies and links
+  kMap,         // foxglove.Grid: the static map; once for each world
+  kEvents,      // foxglove.Log
+  kScan,        // foxglove.LaserScan, of one ray sensor
+};
+
+struct Channel {
+  std::uint32_t id = 0;
+  ChannelKind kind = ChannelKind::kScene;
+  std::string topic;
+  RobotId robot = {};      // kScan
+  std::size_t sensor = 0;  // kScan: of the robot
+  std::size_t scan = 0;    // kScan: of the sensor
+  std::string frame = {};  // kScan: of the ray sensor
+};
+
+inline constexpr std::size_t kMostScanChannels = 500;
+
+// Ids count from 1. Scans have a topic for each ray sensor with several rays: /NAME/RANGER or /NAME/RANGER.1.
+std::vector<Channel> ChannelsOf(const WorldDescription& world);
+
+// "foxglove.SceneUpdate"
+const char* SchemaName(ChannelKind kind);
+// A JSON schema, as text.
+const char* Schema(ChannelKind kind);
 
 }  // namespace troupe::foxglove

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "viewer/foxglove/json_text.h"
-
 namespace troupe::foxglove {
 namespace {
 

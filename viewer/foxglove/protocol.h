@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "troupe/result.h"
-#include "viewer/foxglove/channels.h"
 #include "viewer/foxglove/messages.h"
 
 namespace troupe::foxglove {

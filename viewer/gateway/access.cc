@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "common/base/random_id.h"
+#include "common/base/identity.h"
 
 namespace troupe {
 namespace {

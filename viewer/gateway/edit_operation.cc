@@ -9,9 +9,9 @@
 #include <string_view>
 #include <tuple>
 
-#include "common/base/json_text.h"
+#include "common/base/json.h"
 #include "troupe/polygon.h"
-#include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/base/json_text.h"
+#include "common/base/json.h"
 
 namespace troupe {
 namespace {

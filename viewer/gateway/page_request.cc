@@ -4,11 +4,10 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
-#include "common/base/json_text.h"
-#include "transport/protocol/run_state_text.h"
+#include "common/base/json.h"
+#include "transport/protocol/message_texts.h"
 
 namespace troupe {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "viewer/gateway/world_message.h"
+#include "viewer/gateway/page_messages.h"
 
 namespace troupe {
 

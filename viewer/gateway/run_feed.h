@@ -14,7 +14,7 @@
 
 #include "transport/protocol/transport.h"
 #include "viewer/gateway/past_states.h"
-#include "viewer/gateway/run_link.h"
+#include "viewer/gateway/viewer_gateway.h"
 
 namespace troupe {
 

@@ -13,9 +13,9 @@
 #include <string_view>
 #include <utility>
 
+#include "viewer/gateway/page_messages.h"
 #include "viewer/gateway/page_request.h"
 #include "viewer/gateway/run_feed.h"
-#include "viewer/gateway/state_rows.h"
 #include "viewer/gateway/web_server.h"
 
 namespace troupe {

@@ -18,9 +18,20 @@
 
 #include "troupe/result.h"
 #include "viewer/gateway/access.h"
-#include "viewer/gateway/page_files.h"
 
 namespace troupe {
+
+// The files of the page. They are a part of the program: the gateway reads no file.
+
+struct PageFile {
+  std::string_view path;  // of the URL: "/viewer.js"
+  std::string_view type;  // of the content: "text/javascript"
+  std::string_view content;
+  bool compressed = false;  // with gzip
+};
+
+// Generated at the build (viewer/web/build.mjs). Without node it is a page that says so.
+std::span<const PageFile> PageFiles();
 
 // A message to a viewer. Viewers share its bytes.
 struct WebMessage {

@@ -1,5 +1,5 @@
 // In place of the page in a program that was built without node.
-#include "viewer/gateway/page_files.h"
+#include "viewer/gateway/web_server.h"
 
 namespace troupe {
 namespace {

@@ -1,4 +1,4 @@
-// Writes the TypeScript of the rows of a state, as viewer/gateway/state_rows.cc sends them, from the fields of their
+// Writes the TypeScript of the rows of a state, as viewer/gateway/page_messages.cc sends them, from the fields of their
 // types:
 //   write_rows OUTPUT.ts
 #include <cstdlib>
@@ -8,7 +8,7 @@
 
 #include "troupe/event.h"
 #include "troupe/world_state.h"
-#include "viewer/gateway/page_values.h"
+#include "viewer/gateway/page_messages.h"
 
 namespace troupe {
 namespace {

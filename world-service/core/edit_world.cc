@@ -7,13 +7,10 @@
 #include <utility>
 
 #include "common/geometry/limits.h"
-#include "common/model/drive_limits.h"
-#include "common/spatial/overlap.h"
+#include "common/model/device_limits.h"
+#include "common/spatial/convex_piece.h"
 #include "world-service/core/find_overlap.h"
-#include "world-service/core/grip.h"
-#include "world-service/core/imu_velocities.h"
-#include "world-service/core/initial_state.h"
-#include "world-service/core/lowest_point.h"
+#include "world-service/core/step.h"
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {

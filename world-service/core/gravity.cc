@@ -1,11 +1,10 @@
-#include "world-service/core/gravity.h"
-
 #include <algorithm>
 #include <limits>
 #include <memory_resource>
 #include <vector>
 
-#include "common/spatial/overlap.h"
+#include "common/spatial/convex_piece.h"
+#include "world-service/core/step_workspace.h"
 
 namespace troupe {
 namespace {

@@ -10,6 +10,7 @@
 // and its velocity is zero.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
 #include "troupe/event.h"
+#include "troupe/result.h"
 #include "troupe/world_state.h"
 #include "world-service/core/islands.h"
 
@@ -29,8 +31,8 @@ struct StepResult {
   std::vector<Event> events;  // of robots in robot-id order, then of objects
 };
 
-// REQUIRES: `state` is InitialState (initial_state.h) of the scene, or the result of a step or an edit; it belongs to
-// the scene's world; `proposals` are in robot-id order, at most one for each robot, and valid (validate_proposal.h). A
+// REQUIRES: `state` is InitialState of the scene, or the result of a step or an edit; it belongs to
+// the scene's world; `proposals` are in robot-id order, at most one for each robot, and valid. A
 // robot without a proposal stands still.
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals);
 
@@ -58,5 +60,20 @@ class Stepper {
   std::vector<BodyIndex> indices_;          // one for each thread
   Islands islands_;
 };
+
+// The state that a run begins with.
+// Tick 0: all models at their poses in the description, objects on a support at rest on it. An object in the air
+// stays there until a contact.
+WorldState InitialState(const Scene& scene);
+
+// The version of the step: a recording can be stepped again only by programs with the same one.
+// Changes with every change of Step or of an edit that gives another result for the same input, as the golden hashes
+// do.
+inline constexpr std::uint32_t kStepVersion = 4;
+
+// Validates proposals from the network before they enter a step.
+// Success if the proposal is for an existing robot, finite, and within the declared bounds of its drive (velocity and,
+// from the velocity that it has in `state`, acceleration) of its joints and of its radios. The error is for an event.
+Status ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal);
 
 }  // namespace troupe

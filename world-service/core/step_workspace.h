@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "common/model/proposal.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "common/spatial/sweep.h"
 #include "troupe/event.h"
 #include "troupe/world_state.h"
 
@@ -75,5 +78,74 @@ struct StepWorkspace {
     if (object && next.objects[object->index()].mode == ObjectMode::kPlaced) needs_support[object->index()] = 1;
   }
 };
+
+// The devices of robots that a step switches and turns: lights and cameras; and the texts that robots say.
+
+// Executes these parts of the proposals, and adds an event for each text. `by_robot`: the proposals by robot, null
+// where there is none. REQUIRES: they are valid.
+void OperateDevices(std::span<const Proposal* const> by_robot, StepWorkspace& workspace);
+
+// The energy of a step: what models consume, and what they give to those that touch them.
+
+// True for a robot whose drive is fed by an empty store: it executes no proposal.
+bool IsOutOfEnergy(const Scene& scene, const WorldState& state, RobotId robot);
+
+// Empties and fills the stores by one tick, after the robots have acted. First each store loses what its models
+// consume. Then models with `take_watts` take from models with `give_watts` that touch them, each at its rate at the
+// most, in the order of the takers, then of the givers, as far as there is energy and room. Models touch if blocks of
+// theirs or of their children are within 1 mm of each other, in footprint and in height; they need not collide. Models
+// of one body do not touch each other, nor do static models. A store that becomes empty is an event of its robot.
+void ExchangeEnergy(StepWorkspace& workspace);
+
+// The radio messages of a step.
+// Removes the messages that have arrived before the tick of `state`, and adds those of the proposals, sent in that
+// tick. `by_robot`: the proposals by robot, null where there is none. REQUIRES: they are valid.
+void Transmit(const WorldDescription& world, std::span<const Proposal* const> by_robot, WorldState& state);
+
+// The velocities of inertial measurement units, which a state keeps for the accelerations of the next one.
+
+// Keeps the present velocities in `state.imus`: of all units, or of those of one robot.
+// REQUIRES: `bodies` is an index of `scene` at `state`.
+void KeepVelocities(const Scene& scene, const BodyIndex& bodies, WorldState& state,
+                    std::optional<RobotId> robot = std::nullopt);
+
+// The same after an edit of a robot, so that its units measure no acceleration by it.
+void KeepVelocities(const Scene& scene, RobotId robot, WorldState& state);
+
+// Gravity: objects that have lost their support fall straight to the highest support under their footprint, and rest
+// there.
+
+// Sets the placed objects that touch a support from above to rest on it. Nothing moves.
+void FindSupports(StepWorkspace& workspace);
+
+// Moves falling objects, lands them and finds their supports, from the lowest up. Call it when all robots have moved.
+void LetObjectsFall(StepWorkspace& workspace);
+
+// Motion of robots: the base along its twist, and each joint along its axis, with their payloads.
+
+// Moves a robot's base until its first contact, which is returned.
+std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId robot, const Twist& twist);
+
+// Moves one joint to its limit, or to the first contact, which is returned. Objects that rest on a part that moves down
+// follow it and do not stop it; a held object does.
+std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId joint, double velocity);
+
+// Gripping and releasing objects.
+
+// Ends a gripper's hold. Another gripper that has the object between its pads holds it from then on; otherwise the
+// object is free.
+void Release(StepWorkspace& workspace, GripperId gripper);
+
+// The motion of one finger in this tick.
+struct FingerMotion {
+  double velocity = 0.0;           // demanded, m/s
+  std::optional<Contact> contact;  // that stopped it
+};
+
+// Updates the contacts of a gripper's pads, and grips an object that touches both.
+void Grip(StepWorkspace& workspace, GripperId gripper, const FingerMotion& left, const FingerMotion& right);
+
+// Ends the contacts of grippers with objects that other grippers hold and have removed from between their pads.
+void DropLostObjects(StepWorkspace& workspace);
 
 }  // namespace troupe

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "command_line/exit_status.h"
-#include "common/run/network_settings.h"
+#include "command_line/parse_command_line.h"
+#include "common/run/run_settings.h"
 #include "transport/protocol/faulty_transport.h"
 #include "world-service/program/prepared_run.h"
 

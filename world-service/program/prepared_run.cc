@@ -1,18 +1,21 @@
 #include "world-service/program/prepared_run.h"
 
 #include <fmt/format.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <utility>
 
+#include "common/base/identity.h"
 #include "recording/journal.h"
 #include "robot-agent/controller/create_controller.h"
-#include "ros/messages/robot_in_ros.h"
+#include "ros/messages/names.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
 #include "world-service/replay/branched_run.h"
 #include "world-service/replay/journal_history.h"
-#include "world-service/replay/journal_rewind.h"
-#include "world-service/replay/restore_run.h"
 
 namespace troupe {
 namespace {
@@ -132,6 +135,18 @@ Result<PreparedRun> Prepare(const RunSource& source) {
   return IsRecordingPath(source.file) ? Branch(source) : LoadFile(source);
 }
 
+// The process that listens at the address; 0: unknown.
+pid_t Listener(const LocalAddress& address) {
+  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (probe < 0) return 0;
+  ucred peer = {};
+  socklen_t size = sizeof peer;
+  const bool found = connect(probe, address.get(), address.length) == 0 &&
+                     getsockopt(probe, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0;
+  close(probe);
+  return found ? peer.pid : 0;
+}
+
 }  // namespace
 
 Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
@@ -169,6 +184,32 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
   run.history = MakeRunHistory(run.recorders.recordings);
   run.options.history = run.history.get();
   return observers;
+}
+
+Result<SessionLock> SessionLock::Acquire(std::uint32_t domain, const std::string& session) {
+  const std::optional<LocalAddress> address =
+      MakeLocalAddress("troupe-world-service/" + std::to_string(domain) + "/" + session);
+  if (!address) return Error{{}, "the session name \"" + session + "\" is too long"};
+
+  const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return Failure(std::string("cannot make a socket: ") + std::strerror(errno));
+  SessionLock lock(descriptor);
+  if (bind(descriptor, address->get(), address->length) == 0 && listen(descriptor, 16) == 0) {
+    return lock;
+  }
+  if (errno != EADDRINUSE) {
+    return Failure("cannot lock session \"" + session + "\": " + std::strerror(errno));
+  }
+  const pid_t holder = Listener(*address);
+  return Failure("a world service runs in session \"" + session + "\" of domain " + std::to_string(domain) +
+                 " already (" + (holder > 0 ? "pid " + std::to_string(holder) : "pid unknown") +
+                 "); end it, or use another --session");
+}
+
+SessionLock::SessionLock(SessionLock&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+
+SessionLock::~SessionLock() {
+  if (socket_ >= 0) close(socket_);
 }
 
 }  // namespace troupe

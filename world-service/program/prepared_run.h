@@ -13,8 +13,8 @@
 #include "common/spatial/scene.h"
 #include "ros/messages/ros_options.h"
 #include "troupe/result.h"
-#include "world-service/observers/recorder/make_recorders.h"
-#include "world-service/service/owner_permissions.h"
+#include "world-service/observers/recorder/recorder.h"
+#include "world-service/service/requested_file.h"
 #include "world-service/service/run_history.h"
 #include "world-service/service/run_service.h"
 #include "worldfile/load_world.h"
@@ -55,5 +55,22 @@ Result<PreparedRun> PrepareRun(const RunSource& source);
 // Makes the output files, the history and the gateway; call it once nothing else can fail. The observers, in the order
 // of their calls, live as long as the run.
 Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source);
+
+// SessionLock: at most one world service for each session and domain on a host. The lock ends with the process,
+// by whatever cause. The transport detects services on other hosts.
+class SessionLock {
+ public:
+  // The error names the process that owns the lock.
+  static Result<SessionLock> Acquire(std::uint32_t domain, const std::string& session);
+
+  SessionLock(SessionLock&& other) noexcept;
+  SessionLock& operator=(SessionLock&&) = delete;
+  ~SessionLock();
+
+ private:
+  explicit SessionLock(int socket) : socket_(socket) {}
+
+  int socket_;
+};
 
 }  // namespace troupe

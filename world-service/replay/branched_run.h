@@ -9,9 +9,11 @@
 
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
+#include "recording/journal.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/run_recorder.h"
 #include "world-service/service/run_history.h"
+#include "world-service/service/run_observer.h"
 
 namespace troupe {
 
@@ -41,5 +43,16 @@ Result<ControllerChange> ParseControllerChange(const std::string& text);
 // The error is a file that is no recording of this version of the step, a tick that it does not have, or an unknown
 // robot.
 Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& options);
+
+// RestoreRun: the newest state of a run, from its journal.
+
+// Steps from the last keyframe to the newest tick, and compares every state hash. With observers it steps from the
+// start of the run, and reports each tick to them: they then have written the same as if the run had not been
+// interrupted. Their OnBegin and OnEnd are not called. The error is a journal of another version of the step, damage,
+// or the error of an observer.
+Result<ResumedRun> RestoreRun(const Journal& journal, const RunObservers& observers);
+
+// The state before a recorded one; nothing: there is none.
+std::optional<MemoryPlace> PreviousOf(const RecordedTick& tick);
 
 }  // namespace troupe

@@ -1,9 +1,10 @@
 #include "world-service/replay/journal_history.h"
 
+#include <fmt/format.h>
+
 #include <limits>
 #include <utility>
 
-#include "world-service/replay/journal_rewind.h"
 #include "world-service/service/apply_edit.h"
 
 namespace troupe {
@@ -131,6 +132,175 @@ Result<std::unique_ptr<RewindStates>> JournalHistory::StartRewind(const ControlR
   Result<std::unique_ptr<JournalRewind>> rewind = JournalRewind::Start(recordings_, request, newest);
   if (!rewind.ok()) return rewind.error();
   return std::unique_ptr<RewindStates>(std::move(rewind).value());
+}
+
+Result<std::unique_ptr<JournalRewind>> JournalRewind::Start(const std::vector<RunRecorder*>& recordings,
+                                                            const ControlRequest& request, const FrameMessage& newest) {
+  std::unique_ptr<JournalRewind> rewind(new JournalRewind(recordings));
+  if (Status failure = rewind->Open(); !failure.ok()) return failure.error();
+  const Recording& recording = *rewind->recording_;
+  const std::optional<std::uint64_t> time = recording.places().Last(request.ticks);
+  if (!time) return Error{{}, fmt::format("the recording of the run has no tick {}", request.ticks)};
+  rewind->request_ = request;
+  rewind->newest_ = newest;
+  rewind->newest_.events.clear();
+  rewind->time_ = *time;
+  rewind->shifted_ = newest.edition + 1;
+  const std::size_t chunk = recording.KeyframeBefore(*time).value_or(0);
+  if (Status failure = rewind->PlaceCursor(chunk); !failure.ok()) return failure.error();
+  return rewind;
+}
+
+Result<std::unique_ptr<JournalRewind>> JournalRewind::Finish(const std::vector<RunRecorder*>& recordings,
+                                                             const UnfinishedRewind& unfinished,
+                                                             const FrameMessage& newest, std::uint64_t next_number) {
+  std::unique_ptr<JournalRewind> rewind(new JournalRewind(recordings));
+  if (Status failure = rewind->Open(); !failure.ok()) return failure.error();
+  rewind->newest_ = newest;
+  rewind->shifted_ = newest.fresh_edition;
+  rewind->copies_ = unfinished.copies;
+  rewind->written_ = next_number - unfinished.number - 1;
+  if (Status failure = rewind->StartSeeking(unfinished.copied_from); !failure.ok()) return failure.error();
+  return rewind;
+}
+
+Error JournalRewind::Broken(const std::string& problem) const {
+  return {{recordings_.back()->path()}, "the recording of this run cannot be read: " + problem, ErrorCode::kFailure};
+}
+
+Status JournalRewind::Open() {
+  if (Status flushed = recordings_.back()->Flush(); !flushed.ok()) return flushed;
+  Result<Recording> recording = Recording::Open(recordings_.back()->path());
+  if (!recording.ok()) return Broken(recording.error().message);
+  recording_ = std::make_unique<const Recording>(std::move(recording).value());
+  return {};
+}
+
+Status JournalRewind::PlaceCursor(std::size_t chunk) {
+  Result<ReplayCursor> cursor = ReplayCursor::At(*recording_, chunk);
+  if (!cursor.ok()) return Broken(cursor.error().message);
+  cursor_.emplace(std::move(cursor).value());
+  return {};
+}
+
+Result<bool> JournalRewind::MakeSome() {
+  Status failure;
+  switch (stage_) {
+    case Stage::kFinding:
+      failure = Find();
+      break;
+    case Stage::kSeeking:
+      failure = Seek();
+      break;
+    case Stage::kMaking:
+      failure = Make();
+      break;
+    case Stage::kMade:
+      break;
+  }
+  if (!failure.ok()) return failure.error();
+  return stage_ != Stage::kMade;
+}
+
+Status JournalRewind::Find() {
+  if (cursor_->next() && cursor_->next()->log_time <= time_) {
+    if (Status problem = cursor_->Advance(); !problem.ok()) return Broken(problem.error().message);
+    if (cursor_->world().state().tick == request_.ticks) {
+      last_ = cursor_->world().number();
+      begin_edition_ = cursor_->world().fresh_edition();
+      is_found_ = true;
+    }
+    return {};
+  }
+  if (!is_found_) return Broken(fmt::format("tick {} is missing", request_.ticks));
+  return StartSeeking(begin_edition_);
+}
+
+Status JournalRewind::StartSeeking(Edition edition) {
+  stage_ = Stage::kSeeking;
+  begin_edition_ = edition;
+  if (edition > 0) begin_chunk_ = recording_->KeyframeUpTo(edition - 1, std::numeric_limits<Tick>::max());
+  return PlaceCursor(begin_chunk_);
+}
+
+Status JournalRewind::Seek() {
+  if (!cursor_->next()) return Broken("it has no state");
+  if (Status problem = cursor_->Advance(); !problem.ok()) return Broken(problem.error().message);
+  if (cursor_->world().edition() < begin_edition_) return {};
+  first_ = cursor_->world().number();
+  if (copies_) {
+    last_ = first_ + *copies_;
+  } else {
+    begin_tick_ = BeginTick();
+  }
+  stage_ = first_ == last_ ? Stage::kMade : Stage::kMaking;
+  return {};
+}
+
+Status JournalRewind::Make() {
+  if (!cursor_->next()) return Broken("a state of the rewind is missing");
+  previous_ = {Shift(cursor_->world().edition()), cursor_->world().state().tick, cursor_->next()->is_step()};
+  if (Status problem = cursor_->Advance(); !problem.ok()) return Broken(problem.error().message);
+  if (cursor_->world().number() == last_) stage_ = Stage::kMade;
+  return {};
+}
+
+Result<RewoundRun> JournalRewind::Write() {
+  for (RunRecorder* const recording : recordings_) {
+    if (Status failure = WriteTo(*recording); !failure.ok()) return failure.error();
+  }
+  return RewoundRun{cursor_->world().scene(), cursor_->world().original(), CopiedFrame(), previous_};
+}
+
+Status JournalRewind::WriteTo(RunRecorder& recording) const {
+  TickReader reader(*recording_, begin_chunk_);
+  bool has_begun = !begin_tick_;
+  std::uint64_t newest = first_ + written_;
+  return recording.Append([&](RecordedTick& tick) -> Result<bool> {
+    if (!std::exchange(has_begun, true)) {
+      tick = *begin_tick_;
+      return true;
+    }
+    if (newest == last_) return false;
+    do {
+      const Result<bool> more = reader.Next(tick);
+      if (!more.ok() || !more.value()) return Broken(more.ok() ? "a state is missing" : more.error().message);
+    } while (tick.number <= newest);
+    newest = tick.number;
+    tick.edition = Shift(tick.edition);
+    if (tick.edit) Shift(tick.edit->before);
+    if (tick.keyframe) Shift(*tick.keyframe);
+    return true;
+  });
+}
+
+void JournalRewind::Shift(FrameMessage& frame) const {
+  frame.run = newest_.run;
+  for (Edition* edition : {&frame.edition, &frame.world_edition, &frame.fresh_edition}) *edition = Shift(*edition);
+}
+
+FrameMessage JournalRewind::CopiedFrame() const {
+  FrameMessage frame = cursor_->world().Frame();
+  Shift(frame);
+  return frame;
+}
+
+RecordedTick JournalRewind::BeginTick() const {
+  const ReplayedWorld& world = cursor_->world();
+  const FrameMessage frame = CopiedFrame();
+  RecordedTick tick;
+  tick.tick = frame.state.tick;
+  tick.edition = frame.edition;
+  tick.state_hash = frame.state_hash;
+  RecordedEdit& edit = tick.edit.emplace();
+  edit.before = newest_;
+  edit.request = request_;
+  edit.world = world.world();
+  if (world.original() != world.scene()) edit.original = world.original()->world();
+  edit.restored = frame;
+  edit.copies = last_ - first_;
+  edit.copied_from = begin_edition_;
+  return tick;
 }
 
 }  // namespace troupe

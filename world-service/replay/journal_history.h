@@ -1,6 +1,8 @@
 // JournalHistory: the states of a run, stepped again from its own recording while the run continues.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -45,6 +47,65 @@ class JournalHistory final : public RunHistory {
   std::map<std::string, Edition> changed_;  // by robot: when it got another controller, and was made anew
   std::optional<MemoryPlace> sent_;         // the entry before the state; nothing: not sent
   std::shared_ptr<const Scene> sent_scene_;
+};
+
+// JournalRewind: the states of a rewind, made from the recording of the run and appended to it.
+class JournalRewind final : public RewindStates {
+ public:
+  // Of a live run. `recordings`: those that the run writes, not empty; the states are read from the file of the last.
+  // They outlive the rewind. The error is a tick that the recording does not have.
+  static Result<std::unique_ptr<JournalRewind>> Start(const std::vector<RunRecorder*>& recordings,
+                                                      const ControlRequest& request, const FrameMessage& newest);
+  // The rest of a rewind within which a service died: `newest` is the newest of its states, and `next_number` that of
+  // the next.
+  static Result<std::unique_ptr<JournalRewind>> Finish(const std::vector<RunRecorder*>& recordings,
+                                                       const UnfinishedRewind& rewind, const FrameMessage& newest,
+                                                       std::uint64_t next_number);
+
+  Result<bool> MakeSome() override;
+  Result<RewoundRun> Write() override;
+
+ private:
+  enum class Stage : std::uint8_t {
+    kFinding,  // the last state of the tick, and with it the edition at which its robots were made
+    kSeeking,  // the first state of that edition
+    kMaking,   // the states from there to the last
+    kMade,
+  };
+
+  explicit JournalRewind(const std::vector<RunRecorder*>& recordings) : recordings_(recordings) {}
+  Status Open();
+  Error Broken(const std::string& problem) const;
+  Status PlaceCursor(std::size_t chunk);
+  Status Find();
+  Status StartSeeking(Edition edition);
+  Status Seek();
+  Status Make();
+  // The edit that restores the first state.
+  RecordedTick BeginTick() const;
+  Status WriteTo(RunRecorder& recording) const;
+  // The editions of the copies follow those of the run.
+  Edition Shift(Edition edition) const { return std::max(edition, begin_edition_) - begin_edition_ + shifted_; }
+  void Shift(FrameMessage& frame) const;
+  FrameMessage CopiedFrame() const;
+
+  const std::vector<RunRecorder*> recordings_;
+  std::unique_ptr<const Recording> recording_;  // that is read
+  Stage stage_ = Stage::kFinding;
+  std::optional<ReplayCursor> cursor_;  // at the state that was made last
+  ControlRequest request_;
+  FrameMessage newest_;      // of the run
+  std::uint64_t time_ = 0;   // the log time of the state of the tick
+  std::uint64_t first_ = 0;  // the numbers of the first state, and of that of the tick
+  std::uint64_t last_ = 0;
+  bool is_found_ = false;                   // the latter
+  Edition begin_edition_ = 0;               // of the first state, when it was recorded
+  Edition shifted_ = 0;                     // of its copy
+  std::size_t begin_chunk_ = 0;             // from which the first state was found
+  std::optional<RecordedTick> begin_tick_;  // nothing: a service has written it
+  std::optional<std::uint64_t> copies_;  // that follow the first state, as a service has written; nothing: it has not
+  std::uint64_t written_ = 0;            // of these
+  std::optional<MemoryPlace> previous_;  // the state before that of the cursor
 };
 
 }  // namespace troupe

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/sensing/sensor_registry.h"
-#include "world-service/core/step_version.h"
-#include "world-service/replay/state_difference.h"
+#include "common/sensing/sensor_suite.h"
+#include "world-service/core/step.h"
 
 namespace troupe {
 namespace {

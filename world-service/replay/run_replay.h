@@ -12,7 +12,6 @@
 #include "common/base/output_file.h"
 #include "common/sensing/sensor.h"
 #include "recording/recording.h"
-#include "recording/tick_reader.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/recorder.h"
 #include "world-service/replay/replayed_world.h"

@@ -6,11 +6,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "transport/protocol/messages.h"
 #include "troupe/result.h"
 #include "troupe/world_description.h"
 #include "world-service/core/edit_world.h"
+#include "world-service/service/membership.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
@@ -37,5 +39,19 @@ struct WorldChanges {
   std::string ToText() const;
   static Result<WorldChanges> FromText(const std::string& text);
 };
+
+// The entities of a world, for tools that edit it.
+
+// All entities that were not removed, in the order of their ids, with their poses in `state`.
+std::vector<EntityReport> ListEntities(const WorldDescription& world, const WorldState& state);
+
+// Sets the agents of those that are robots.
+void SetAgents(const WorldDescription& world, const Membership& members, std::vector<EntityReport>& entities);
+
+// "base", or "base0", "base1", ...: the first that is free.
+std::string FreeName(const WorldDescription& world, const std::string& base);
+
+// Sets the box of each of `entities`, which are of the world. REQUIRES: the state belongs to the world.
+void SetBoxes(const WorldDescription& world, const WorldState& state, std::vector<EntityReport>& entities);
 
 }  // namespace troupe

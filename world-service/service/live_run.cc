@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/base/version.h"
+#include "common/base/identity.h"
 
 namespace troupe {
 namespace {

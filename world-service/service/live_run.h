@@ -12,7 +12,6 @@
 #include "common/base/thread_pool.h"
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
-#include "common/trace/phase_times.h"
 #include "common/trace/tick_trace.h"
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/base/utf8.h"
-#include "common/base/version.h"
+#include "common/base/identity.h"
+#include "common/base/text.h"
 #include "troupe/check.h"
 
 namespace troupe {

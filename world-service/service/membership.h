@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "transport/protocol/messages.h"
-#include "transport/protocol/run_progress.h"
 
 namespace troupe {
 

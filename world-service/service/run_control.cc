@@ -6,7 +6,6 @@
 
 #include "world-service/core/edit_world.h"
 #include "world-service/service/apply_edit.h"
-#include "world-service/service/entities.h"
 
 namespace troupe {
 namespace {

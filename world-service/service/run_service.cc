@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -14,9 +13,9 @@
 #include <thread>
 #include <utility>
 
-#include "common/base/host_name.h"
+#include "common/base/identity.h"
 #include "common/base/or_failure.h"
-#include "world-service/service/event_text.h"
+#include "world-service/service/event_log.h"
 #include "world-service/service/requested_file.h"
 #include "world-service/service/tick_coordinator.h"
 

@@ -5,9 +5,7 @@
 #include <utility>
 
 #include "common/base/or_failure.h"
-#include "common/model/state_hash.h"
-#include "world-service/core/initial_state.h"
-#include "world-service/core/step.h"
+#include "common/model/states.h"
 
 namespace troupe {
 namespace {

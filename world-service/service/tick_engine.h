@@ -16,7 +16,6 @@
 #include "world-service/core/step.h"
 #include "world-service/service/live_run.h"
 #include "world-service/service/tick_inputs.h"
-#include "world-service/service/tick_timing.h"
 
 namespace troupe {
 

@@ -2,7 +2,7 @@
 
 #include <iterator>
 
-#include "world-service/core/validate_proposal.h"
+#include "world-service/core/step.h"
 
 namespace troupe {
 

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <new>
-#include <optional>
 #include <set>
-#include <string>
 #include <utility>
 
 #include "world-service/service/apply_edit.h"
-#include "world-service/service/entities.h"
-#include "world-service/service/event_text.h"
+#include "world-service/service/event_log.h"
 
 namespace troupe {
 namespace {

@@ -1,9 +1,9 @@
 #include "worldfile/edit/stage_edit.h"
 
-#include <algorithm>
-#include <utility>
+#include <fmt/format.h>
 
-#include "worldfile/edit/text_change.h"
+#include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace troupe {
 namespace {
@@ -49,6 +49,36 @@ std::vector<const Statement*> BlocksOf(const Statement& holder) {
     if (statement.kind == StatementKind::kEntry && statement.name == "block") blocks.push_back(&statement);
   }
   return blocks;
+}
+
+bool IsBlankAt(char c) {
+  return c == ' ' || c == '\t';
+}
+bool EndsLine(char c) {
+  return c == '\n' || c == '\r';
+}
+
+bool HasSeveralLines(const std::string& text, const JsonNode& item) {
+  return item.span.Of(text).find('\n') != std::string_view::npos;
+}
+
+// Appends to an object or an array, in the form of the items that it has.
+std::string Appended(const std::string& text, const JsonNode& holder, const std::string& what) {
+  const std::string end_of_line = EndOfLineIn(text);
+  if (!holder.items.empty()) {
+    const std::size_t at = holder.items.back().member.end;
+    // Items that begin lines of their own.
+    const std::size_t first = holder.items.front().member.begin;
+    const bool own_lines =
+        text.find_first_not_of(" \t", LineStart(text, first)) == first && LineStart(text, first) > holder.span.begin;
+    return ApplyChanges(text, {{{at, at}, own_lines ? "," + end_of_line + IndentOf(text, first) + what : ", " + what}});
+  }
+  const std::size_t inside = holder.span.begin + 1;
+  const std::string indent = IndentOf(text, holder.span.begin);
+  const bool is_root = holder.span.begin == text.find_first_not_of(" \t\r\n");
+  const bool spread = is_root || HasSeveralLines(text, holder) || holder.is_array();
+  const std::string written = spread ? end_of_line + indent + "  " + what + end_of_line + indent : what;
+  return ApplyChanges(text, {{{inside, holder.span.end - 1}, written}});
 }
 
 }  // namespace
@@ -194,6 +224,107 @@ Status StageBodyEdit::SetBlock(std::size_t index, const WrittenModel& block) {
   }
   Replace(edit.text());
   return {};
+}
+
+std::string ApplyChanges(std::string_view text, std::vector<TextChange> changes) {
+  std::stable_sort(changes.begin(), changes.end(),
+                   [](const TextChange& a, const TextChange& b) { return a.span.begin < b.span.begin; });
+  std::string result;
+  std::size_t at = 0;
+  for (const TextChange& change : changes) {
+    result.append(text.substr(at, change.span.begin - at));
+    result.append(change.replacement);
+    at = change.span.end;
+  }
+  result.append(text.substr(at));
+  return result;
+}
+
+std::size_t LineStart(std::string_view text, std::size_t offset) {
+  while (offset > 0 && !EndsLine(text[offset - 1])) --offset;
+  return offset;
+}
+
+std::size_t LineEnd(std::string_view text, std::size_t offset) {
+  while (offset < text.size() && !EndsLine(text[offset])) ++offset;
+  return offset;
+}
+
+std::string IndentOf(std::string_view text, std::size_t offset) {
+  const std::size_t start = LineStart(text, offset);
+  std::size_t end = start;
+  while (end < text.size() && IsBlankAt(text[end])) ++end;
+  return std::string(text.substr(start, end - start));
+}
+
+std::string EndOfLineIn(std::string_view text) {
+  const std::size_t first = text.find('\n');
+  return first != std::string_view::npos && first > 0 && text[first - 1] == '\r' ? "\r\n" : "\n";
+}
+
+TextSpan WithSurroundings(std::string_view text, TextSpan span) {
+  std::size_t begin = span.begin;
+  while (begin > 0 && IsBlankAt(text[begin - 1])) --begin;
+  const bool starts_line = begin == 0 || EndsLine(text[begin - 1]);
+  std::size_t end = span.end;
+  while (end < text.size() && IsBlankAt(text[end])) ++end;
+  const bool ends_line = end == text.size() || EndsLine(text[end]);
+  if (!starts_line) return {begin, ends_line ? end : span.end};
+  if (!ends_line) return {span.begin, end};
+  if (end < text.size()) {
+    const char first = text[end++];
+    if (end < text.size() && EndsLine(text[end]) && text[end] != first) ++end;
+  }
+  return {begin, end};
+}
+
+std::string PlainNumber(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  if (text.find('.') != std::string::npos) {
+    while (text.back() == '0') text.pop_back();
+    if (text.back() == '.') text.pop_back();
+  }
+  return text == "-0" ? "0" : text;
+}
+
+std::string WithMember(const std::string& text, const JsonNode& object, const std::string& key,
+                       const std::string& value) {
+  const JsonNode* const member = object.Find(key);
+  if (member == nullptr) return Appended(text, object, nlohmann::json(key).dump() + ": " + value);
+  const Result<JsonTree> read = JsonTree::Parse(value, "");
+  if (!read.ok()) return ApplyChanges(text, {{member->span, value}});
+  const JsonNode& after = read.value().root();
+  if (ToJson(*member) == ToJson(after)) return text;
+  const bool alike = member->is_array() && after.is_array() && member->items.size() == after.items.size();
+  if (!alike) return ApplyChanges(text, {{member->span, value}});
+  std::vector<TextChange> changes;
+  for (std::size_t i = 0; i < after.items.size(); ++i) {
+    if (ToJson(member->items[i]) == ToJson(after.items[i])) continue;
+    changes.push_back({member->items[i].span, std::string(after.items[i].span.Of(value))});
+  }
+  return ApplyChanges(text, std::move(changes));
+}
+
+std::string WithElement(const std::string& text, const JsonNode& array, const std::string& value) {
+  return Appended(text, array, value);
+}
+
+std::string WithoutItem(const std::string& text, const JsonNode& holder, std::size_t index) {
+  const std::vector<JsonNode>& items = holder.items;
+  TextSpan gone = items[index].member;
+  if (index + 1 < items.size()) {
+    gone.end = items[index + 1].member.begin;
+  } else if (index > 0) {
+    gone.begin = items[index - 1].member.end;
+  } else {
+    gone = {holder.span.begin + 1, holder.span.end - 1};
+  }
+  return ApplyChanges(text, {{gone, ""}});
+}
+
+std::string WithoutMember(const std::string& text, const JsonNode& object, const std::string& key) {
+  const JsonNode* const member = object.Find(key);
+  return member != nullptr ? WithoutItem(text, object, static_cast<std::size_t>(member - object.items.data())) : text;
 }
 
 }  // namespace troupe

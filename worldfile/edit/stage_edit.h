@@ -1,19 +1,24 @@
-// Edits of a Stage file's text. Each returns the changed text; all bytes that the edit does not concern stay.
-//
-// REQUIRES, of all functions: `text` is that of the tree.
+// Edits of the texts of users' files, Stage worlds and JSON, that leave every other byte as it is.
 #pragma once
 
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "troupe/result.h"
 #include "worldfile/edit/written_model.h"
 #include "worldfile/stage/stage_tree.h"
+#include "worldfile/text/json_tree.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
+
+// Edits of a Stage file's text. Each returns the changed text; all bytes that the edit does not concern stay.
+//
+// REQUIRES, of all functions: `text` is that of the tree.
 
 // Changes the property that counts, or adds it after the others. Of a tuple of as many elements only those change that
 // have another value.
@@ -57,5 +62,43 @@ class StageBodyEdit {
   int column_;
   std::optional<StageTree> tree_;  // of the text; nothing: not parsed yet
 };
+
+// Changes of a text that leave every other byte as it is.
+
+struct TextChange {
+  TextSpan span;
+  std::string replacement;
+};
+
+// REQUIRES: the spans are within the text and do not overlap.
+std::string ApplyChanges(std::string_view text, std::vector<TextChange> changes);
+
+// The start of the line that `offset` is on, and its end, before the line's end characters.
+std::size_t LineStart(std::string_view text, std::size_t offset);
+std::size_t LineEnd(std::string_view text, std::size_t offset);
+
+// The blanks at the start of the line that `offset` is on.
+std::string IndentOf(std::string_view text, std::size_t offset);
+
+// The characters that end the text's lines.
+std::string EndOfLineIn(std::string_view text);
+
+// The span with what its removal leaves behind: the whole lines if they hold nothing else, else the blanks before it.
+TextSpan WithSurroundings(std::string_view text, TextSpan span);
+
+// A number in the form of both languages, without exponent: at most `decimals` digits after the point.
+std::string PlainNumber(double value, int decimals = 4);
+
+// Edits of JSON text. Each returns the changed text, in which all bytes that the edit does not concern stay. REQUIRES,
+// of all: the nodes are those of the text.
+
+// Changes or adds a member. Of an array of as many plain values only those change that have another value.
+std::string WithMember(const std::string& text, const JsonNode& object, const std::string& key,
+                       const std::string& value);
+std::string WithElement(const std::string& text, const JsonNode& array, const std::string& value);
+// `index`: of an item of the holder.
+std::string WithoutItem(const std::string& text, const JsonNode& holder, std::size_t index);
+// Without the member of that name, if there is one.
+std::string WithoutMember(const std::string& text, const JsonNode& object, const std::string& key);
 
 }  // namespace troupe

@@ -1,12 +1,17 @@
 // ROS maps: the YAML files of map_server, which name an image and the rule to read it by.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "common/base/allowed_paths.h"
+#include "common/base/paths.h"
 #include "common/image/image_file.h"
+#include "troupe/dense_cover.h"
 #include "troupe/pose.h"
+#include "troupe/rectangle_cover.h"
 #include "troupe/result.h"
 #include "worldfile/stage/world_tree.h"
 
@@ -29,5 +34,53 @@ Result<MapYaml> ReadMapYamlText(const std::string& text, const std::string& path
 
 // A world of one static model, "map", made from the YAML file at `path`.
 WorldTree MapYamlTree(const std::string& path);
+
+// The occupied areas of the bitmaps that a world names; each file is read once.
+
+struct BitmapRectangles {
+  int width = 0;  // pixels of the image
+  int height = 0;
+  std::vector<PixelRectangle> rectangles;
+  std::shared_ptr<const DenseCover> dense;  // instead of `rectangles` if these are many for so few pixels
+
+  bool empty() const { return rectangles.empty() && dense == nullptr; }
+  // The bounding box of the occupied pixels. REQUIRES: !empty()
+  PixelRectangle bounds() const;
+};
+
+// A rectangle in a list costs some hundred bytes in all indices of a process together, so that more than these would
+// need more memory than the pixels are worth.
+inline constexpr std::size_t kFewRectangles = 5000;
+inline constexpr std::size_t kPixelsPerRectangle = 128;
+
+// A dense bitmap of more rectangles can only be a part of a model that stays in its place.
+inline constexpr std::size_t kMaxMovingRectangles = 16'384;
+
+// Lists the rectangles if they are at most kFewRectangles, or one for kPixelsPerRectangle pixels.
+BitmapRectangles CoverOf(Bitmap bitmap);
+
+class BitmapCache {
+ public:
+  // Images are read from these files only. `source`: of images that are not read from their files.
+  explicit BitmapCache(AllowedPaths allowed = AllowedPaths::All(), ImageSource source = nullptr)
+      : allowed_(std::move(allowed)), source_(std::move(source)) {}
+
+  // The bitmap at `path` by `rule`. Errors are placed at `where`, which names it. Valid as long as the cache.
+  Result<const BitmapRectangles*> Load(const std::string& path, const PixelRule& rule, const SourceLocation& where);
+
+  // Sorted by path.
+  std::vector<std::string> Paths() const;
+  // Width and height of the largest image, pixels.
+  std::pair<int, int> LargestSize() const;
+
+ private:
+  struct Entry {
+    PixelRule rule;
+    BitmapRectangles content;
+  };
+  AllowedPaths allowed_;
+  ImageSource source_;
+  std::multimap<std::string, Entry> by_path_;
+};
 
 }  // namespace troupe

@@ -1,12 +1,44 @@
 // From a WorldTree to a world: gives every property its meaning, in SI units, with Stage's defaults.
 #pragma once
 
-#include "common/image/image_source.h"
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/paths.h"
+#include "common/image/image_file.h"
+#include "common/run/run_settings.h"
 #include "troupe/result.h"
-#include "worldfile/models/loaded_world.h"
+#include "troupe/world_description.h"
 #include "worldfile/stage/world_tree.h"
 
 namespace troupe {
+
+// LoadedWorld: the result of reading a file that names a world.
+struct LoadedWorld {
+  WorldDescription world;
+  RunSettings settings;
+  std::vector<Warning> warnings;            // in the order of the file
+  std::vector<std::string> files;           // every file that was read
+  std::map<ModelId, ModelId> placed_alone;  // models without a parent, with their parent in the file
+  int map_width = 0;                        // pixels of the largest bitmap; 0 without one
+  int map_height = 0;
+  // Of a model that a spawn rule of the scenario gives ROS domains, one each: that of the rule's first robot.
+  std::optional<std::uint32_t> ros_domains_from = {};
+};
+
+// Settings of the program that loads a world.
+struct LoadOverrides {
+  std::optional<std::uint64_t> seed;
+  std::optional<std::string> controller;  // for robots without one
+  // Checks the name and the parameters of every controller that a file names; this library has no controllers. A fault
+  // is an error of a scenario, and a warning of a Stage world. Nothing: they are not checked.
+  std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
+  AllowedPaths allowed = AllowedPaths::All();  // the files that may be read: the world, its includes, its images
+};
 
 struct BuildOptions {
   bool without_bitmaps = false;  // a bitmap is an error; for input that must not touch the disk

@@ -9,12 +9,11 @@
 #include <set>
 #include <utility>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
-#include "common/spatial/overlap.h"
 #include "common/spatial/static_index.h"
 #include "troupe/world_state.h"
-#include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

@@ -1,20 +1,15 @@
 #include "worldfile/scenario/place_spawns.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
 #include <memory_resource>
 #include <string>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
-#include "common/spatial/overlap.h"
 #include "common/spatial/static_index.h"
 #include "troupe/random.h"
 #include "troupe/world_state.h"
-#include "worldfile/map/bitmap_rectangles.h"
-#include "worldfile/scenario/cell_map.h"
-#include "worldfile/text/quote.h"
+#include "worldfile/map/map_yaml.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

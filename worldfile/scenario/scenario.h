@@ -8,10 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "common/run/host_settings.h"
+#include "common/run/run_settings.h"
 #include "troupe/result.h"
 #include "worldfile/models/build_world.h"
-#include "worldfile/models/loaded_world.h"
 #include "worldfile/scenario/place_spawns.h"
 #include "worldfile/scenario/scenario_file.h"
 #include "worldfile/scenario/scenario_schema.h"
@@ -58,5 +57,14 @@ struct ScenarioTools {
 // The same from text: `path` names it in messages; relative paths start at its folder.
 Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string& path,
                                      const LoadOverrides& overrides = {}, const ScenarioTools& tools = {});
+
+// The override rules of a scenario.
+
+// The world with the rule's properties in every node that it matches, at any depth: models by name, models and sensors
+// by their type or a define that they were made from. A rule without a match is an error that lists names and types.
+Result<WorldNode> ApplyOverride(const OverrideEntry& rule, WorldNode world);
+
+// True if `pattern` is `text`, where * stands for any text and ? for any one character.
+bool MatchesGlob(const std::string& pattern, const std::string& text);
 
 }  // namespace troupe

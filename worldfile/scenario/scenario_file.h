@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "common/run/host_settings.h"
+#include "common/run/run_settings.h"
 #include "troupe/polygon.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
-#include "worldfile/models/loaded_world.h"
+#include "worldfile/models/build_world.h"
 #include "worldfile/stage/world_tree.h"
 #include "worldfile/text/json_tree.h"
 

@@ -9,8 +9,8 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
-#include "common/base/closest_name.h"
-#include "worldfile/text/quote.h"
+#include "common/base/text.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

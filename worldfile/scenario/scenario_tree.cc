@@ -6,10 +6,9 @@
 #include <filesystem>
 
 #include "worldfile/models/types/model_types.h"
-#include "worldfile/scenario/scenario_override.h"
+#include "worldfile/scenario/scenario.h"
 #include "worldfile/stage/stage_world.h"
-#include "worldfile/stage/world_tree.h"
-#include "worldfile/text/quote.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

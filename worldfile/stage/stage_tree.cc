@@ -3,9 +3,6 @@
 #include <optional>
 #include <utility>
 
-#include "worldfile/text/number_text.h"
-#include "worldfile/text/quote.h"
-
 namespace troupe {
 namespace {
 

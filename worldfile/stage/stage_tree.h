@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "troupe/result.h"
-#include "worldfile/text/text_span.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 

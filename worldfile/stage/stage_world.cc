@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "worldfile/text/quote.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "common/base/allowed_paths.h"
+#include "common/base/paths.h"
 #include "troupe/result.h"
 #include "worldfile/stage/stage_tree.h"
 #include "worldfile/stage/world_tree.h"

@@ -5,8 +5,6 @@
 #include <optional>
 #include <set>
 
-#include "worldfile/text/quote.h"
-
 namespace troupe {
 namespace {
 

@@ -1,5 +1,5 @@
 // JsonTree: the values of a JSON text, each with the bytes that it has there. Scenarios are read from it, messages name
-// its places, and edits (worldfile/edit/json_edit.h) change the bytes of single values.
+// its places, and edits (worldfile/edit/stage_edit.h) change the bytes of single values.
 #pragma once
 
 #include <charconv>
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "troupe/result.h"
-#include "worldfile/text/text_span.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 

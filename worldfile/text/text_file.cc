@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
-#include <vector>
+#include <system_error>
 
 #include "common/base/file.h"
-#include "worldfile/text/quote.h"
 
 namespace troupe {
 namespace {
@@ -69,6 +70,47 @@ std::string FindFile(const std::string& name, const std::string& top_directory, 
     if (fs::exists(candidate, ignored)) return candidate.string();
   }
   return candidates.front().string();
+}
+
+std::string Quoted(std::string_view text, std::size_t longest) {
+  std::string quoted = "'";
+  std::size_t i = 0;
+  while (i < text.size() && i < longest) {
+    const std::size_t length = Utf8Length(text, i);
+    const unsigned char byte = static_cast<unsigned char>(text[i]);
+    if (length == 0 || byte < 0x20 || byte == 0x7f) {
+      quoted += fmt::format("\\x{:02x}", byte);
+      ++i;
+    } else {
+      quoted += text.substr(i, length);
+      i += length;
+    }
+  }
+  if (i < text.size()) quoted += "...";
+  return quoted + "'";
+}
+
+std::string CountText(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string NumberText(double value) {
+  return fmt::format("{:.10g}", value);
+}
+
+std::optional<LeadingNumber> ReadLeadingNumber(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return std::nullopt;
+  text.remove_prefix(begin);
+  if (text.front() == '+' && text.substr(1, 1) != "-") text.remove_prefix(1);
+  LeadingNumber number;
+  const char* const end = text.data() + text.size();
+  const std::from_chars_result read = std::from_chars(text.data(), end, number.value);
+  if (read.ec != std::errc() || !std::isfinite(number.value)) return std::nullopt;
+  number.is_all = std::string_view(read.ptr, static_cast<std::size_t>(end - read.ptr)).find_first_not_of(kBlanks) ==
+                  std::string_view::npos;
+  return number;
 }
 
 }  // namespace troupe

@@ -1,13 +1,22 @@
-// The files of users: reading one as a whole, and the paths of those that it names.
+// The texts of users' files: reading them, places in them, their parts in messages, and warnings.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <optional>
+#include <set>
 #include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
 
-#include "common/base/allowed_paths.h"
+#include "common/base/paths.h"
+#include "common/base/text.h"
 #include "troupe/result.h"
 
 namespace troupe {
+
+// The files of users: reading one as a whole, and the paths of those that it names.
 
 // World files and scenarios are written by hand: anything larger is a mistake.
 inline constexpr std::size_t kMaxTextFileBytes = 64'000'000;
@@ -27,5 +36,98 @@ std::string DirectoryOf(const std::string& path);
 // `top_directory`/name (Stage's rule), the naming file's folder, and the folders of the environment variable STAGEPATH
 // (separated by colons; with the whole name, then with its last part). If none exists, the first of these.
 std::string FindFile(const std::string& name, const std::string& top_directory, const std::string& naming_file);
+
+// Places in a text: spans of bytes, and their lines.
+
+// A part of a text, in bytes: [begin, end).
+struct TextSpan {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+
+  std::size_t size() const { return end - begin; }
+  bool Contains(std::size_t offset) const { return begin <= offset && offset < end; }
+  std::string_view Of(std::string_view text) const { return text.substr(begin, size()); }
+};
+
+// The lines of a text, each ended by a LF.
+class TextLines {
+ public:
+  explicit TextLines(std::string_view text);
+
+  // Lines and columns count from 1, columns in bytes.
+  SourceLocation Where(const std::string& file, std::size_t offset) const;
+  // The other way; the nearest offset, if the text has no such place.
+  std::size_t OffsetOf(int line, int column) const;
+
+ private:
+  std::vector<std::size_t> starts_{0};
+  std::size_t size_ = 0;
+};
+
+// Text of a user's file, escaped for messages.
+
+// 'text', cut to `longest` bytes, with control characters and bytes that are not UTF-8 written as \xNN.
+std::string Quoted(std::string_view text, std::size_t longest = 40);
+
+// The same for a path, which is rarely cut.
+inline std::string QuotedPath(std::string_view path) {
+  return Quoted(path, 500);
+}
+
+// "1 value", "3 values".
+std::string CountText(std::size_t count, const std::string& noun);
+
+// A number in its usual form: "5", "0.25".
+std::string NumberText(double value);
+
+// Diagnostics: the faults of a world file. The first error counts and ends the build; warnings are kept once for
+// each place and text, so that a hundred robots made from one macro do not repeat them. Statements for Stage's window,
+// of which worlds are full, share one warning.
+class Diagnostics {
+ public:
+  void Fail(const SourceLocation& where, const std::string& message) {
+    if (!error_) error_ = Error{where, message};
+  }
+  void Warn(const SourceLocation& where, const std::string& message) {
+    if (seen_.emplace(where.file, where.line, message).second) warnings_.push_back({where, message});
+  }
+
+  // `statement`: "property 'gui_grid'". The warning is at the place of the first one.
+  void WarnOfWindow(const SourceLocation& where, const std::string& statement) {
+    if (std::find(for_window_.begin(), for_window_.end(), statement) != for_window_.end()) return;
+    if (for_window_.empty()) {
+      window_warning_ = warnings_.size();
+      warnings_.push_back({where, ""});
+    }
+    for_window_.push_back(statement);
+    std::string list;
+    for (const std::string& each : for_window_) list += (list.empty() ? "" : ", ") + each;
+    const bool one = for_window_.size() == 1;
+    warnings_[window_warning_].message = one ? list + " has no effect: it only concerns Stage's window"
+                                             : "no effect, because they only concern Stage's window: " + list;
+  }
+
+  bool failed() const { return error_.has_value(); }
+  const std::optional<Error>& error() const { return error_; }
+  std::vector<Warning>& warnings() { return warnings_; }
+
+ private:
+  std::optional<Error> error_;
+  std::vector<Warning> warnings_;
+  std::vector<std::string> for_window_;  // statements, in the order of the file
+  std::size_t window_warning_ = 0;       // its index in warnings_
+  std::set<std::tuple<std::string, int, std::string>> seen_;
+};
+
+// Numbers at the beginning of texts, as Stage and map_server read them, in any locale.
+
+struct LeadingNumber {
+  double value = 0.0;
+  bool is_all = false;  // nothing but blanks follows
+};
+
+// The number that the text begins with, after blanks and perhaps a plus sign: of "1.2.3" it is 1.2, of "5 m" 5.
+// Nothing: it begins with none, or with one that is not finite.
+std::optional<LeadingNumber> ReadLeadingNumber(std::string_view text);
 
 }  // namespace troupe

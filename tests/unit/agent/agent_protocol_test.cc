@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {

@@ -8,7 +8,7 @@
 #include "robot-agent/agent/agent_host.h"
 #include "tests/support/yard.h"
 #include "transport/protocol/faulty_transport.h"
-#include "transport/protocol/memory_transport.h"
+#include "transport/protocol/transport.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {

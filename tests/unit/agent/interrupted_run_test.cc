@@ -2,14 +2,14 @@
 // and the memory that agents need. A rewind that was interrupted is finished first.
 #include <gtest/gtest.h>
 
-#include "recording/journal_tail.h"
+#include "recording/journal.h"
+#include "recording/recording.h"
 #include "recording/recording_writer.h"
-#include "recording/tick_reader.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/files.h"
 #include "tests/support/yard.h"
 #include "world-service/program/prepared_run.h"
-#include "world-service/replay/restore_run.h"
+#include "world-service/replay/branched_run.h"
 
 namespace troupe::test {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
-#include "robot-agent/robot/scan_log.h"
 #include "tests/support/files.h"
 #include "tests/support/small_world.h"
 #include "tests/support/values.h"

@@ -1,7 +1,6 @@
-#include "robot-agent/robot/scan_log.h"
-
 #include <gtest/gtest.h>
 
+#include "robot-agent/robot/robot.h"
 #include "tests/support/files.h"
 #include "tests/support/values.h"
 

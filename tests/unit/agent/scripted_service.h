@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "robot-agent/agent/agent_host.h"
 
 namespace troupe {

@@ -1,9 +1,8 @@
-#include "common/base/allowed_paths.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
+#include "common/base/paths.h"
 #include "tests/support/files.h"
 
 namespace troupe {

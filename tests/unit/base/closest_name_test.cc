@@ -1,6 +1,6 @@
-#include "common/base/closest_name.h"
-
 #include <gtest/gtest.h>
+
+#include "common/base/text.h"
 
 namespace troupe {
 namespace {

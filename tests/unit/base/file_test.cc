@@ -15,7 +15,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/base/file_replacement.h"
 #include "common/base/output_file.h"
 
 namespace troupe {

@@ -1,10 +1,10 @@
-#include "common/base/line_file.h"
-
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <cstdio>
 #include <fstream>
+
+#include "common/base/output_file.h"
 
 namespace troupe {
 namespace {

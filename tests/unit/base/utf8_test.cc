@@ -1,8 +1,8 @@
-#include "common/base/utf8.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "common/base/text.h"
 
 namespace troupe {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "common/model/drive_limits.h"
+#include "common/model/device_limits.h"
 #include "tests/support/values.h"
 #include "tests/unit/controller/controlled_robot.h"
 

@@ -5,7 +5,7 @@
 #include <queue>
 #include <vector>
 
-#include "robot-agent/navigation/evidence_grid.h"
+#include "robot-agent/navigation/mapped_route.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/random.h"
 

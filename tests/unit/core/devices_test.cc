@@ -5,14 +5,11 @@
 #include <cmath>
 #include <memory>
 
-#include "common/model/check_state.h"
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
 #include "world-service/core/edit_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
-#include "world-service/core/validate_proposal.h"
 
 namespace troupe {
 namespace {

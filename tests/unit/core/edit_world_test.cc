@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "tests/support/gripper_world.h"
-#include "world-service/core/initial_state.h"
+#include "world-service/core/step.h"
 
 namespace troupe::test {
 namespace {

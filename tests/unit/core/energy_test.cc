@@ -1,16 +1,13 @@
-#include "world-service/core/energy.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "common/model/check_state.h"
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
+#include "world-service/core/step_workspace.h"
 
 namespace troupe {
 namespace {

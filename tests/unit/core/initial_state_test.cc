@@ -1,8 +1,6 @@
-#include "world-service/core/initial_state.h"
-
 #include <gtest/gtest.h>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/support/gripper_world.h"
 #include "world-service/core/step.h"
 

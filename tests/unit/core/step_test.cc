@@ -2,9 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/support/test_world.h"
-#include "world-service/core/initial_state.h"
 
 namespace troupe {
 namespace {

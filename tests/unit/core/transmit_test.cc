@@ -1,19 +1,15 @@
 // The radio messages of steps and edits.
-#include "world-service/core/transmit.h"
-
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <string>
 
-#include "common/model/check_state.h"
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
 #include "world-service/core/edit_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
-#include "world-service/core/validate_proposal.h"
+#include "world-service/core/step_workspace.h"
 
 namespace troupe {
 namespace {

@@ -1,10 +1,9 @@
-#include "world-service/core/validate_proposal.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "tests/support/test_world.h"
+#include "world-service/core/step.h"
 
 namespace troupe {
 namespace {

@@ -8,7 +8,7 @@
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/keyed_status_type.h"
 #include "transport/dds/binding/data_writer.h"
-#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/convert/convert.h"
 
 namespace troupe::dds {
 namespace {

@@ -10,10 +10,9 @@
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
 #include "transport/dds/convert/convert.h"
-#include "transport/dds/convert/topic_types.h"
 #include "transport/dds/transport/dds_transport.h"
 #include "transport/dds/transport/qos_profiles.h"
-#include "transport/protocol/topics.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 namespace {

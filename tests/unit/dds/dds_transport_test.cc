@@ -13,12 +13,12 @@
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
 #include "transport/dds/binding/domain_participant.h"
-#include "transport/dds/binding/exception.h"
-#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/binding/entity.h"
+#include "transport/dds/convert/convert.h"
 #include "transport/dds/transport/dds_agent_endpoint.h"
 #include "transport/dds/transport/qos_profiles.h"
-#include "transport/protocol/agent_name.h"
-#include "transport/protocol/topics.h"
+#include "transport/protocol/message_texts.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 namespace {

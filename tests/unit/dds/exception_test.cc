@@ -1,6 +1,6 @@
-#include "transport/dds/binding/exception.h"
-
 #include <gtest/gtest.h>
+
+#include "transport/dds/binding/entity.h"
 
 namespace troupe::dds {
 namespace {

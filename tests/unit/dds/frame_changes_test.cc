@@ -6,8 +6,8 @@
 #include <optional>
 #include <random>
 
-#include "common/model/state_hash.h"
-#include "transport/dds/convert/convert_frame.h"
+#include "common/model/states.h"
+#include "transport/dds/convert/convert.h"
 
 namespace troupe::dds {
 namespace {

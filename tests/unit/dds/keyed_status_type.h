@@ -2,6 +2,6 @@
 #pragma once
 
 #include "tests/unit/dds/keyed_status.h"
-#include "transport/dds/binding/topic.h"
+#include "transport/dds/binding/domain_participant.h"
 
 TROUPE_DDS_TYPE(troupe_test_KeyedStatus);

@@ -1,5 +1,3 @@
-#include "transport/dds/binding/listener.h"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -9,7 +7,8 @@
 #include "tests/support/dds_domain.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
-#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/binding/entity.h"
+#include "transport/dds/convert/convert.h"
 
 namespace troupe::dds {
 namespace {

@@ -1,6 +1,6 @@
-#include "transport/dds/transport/lost_agents.h"
-
 #include <gtest/gtest.h>
+
+#include "transport/dds/transport/dds_service_endpoint.h"
 
 namespace troupe::dds {
 namespace {

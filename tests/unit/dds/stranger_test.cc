@@ -13,7 +13,7 @@
 #include "tests/contract/collecting_handlers.h"
 #include "tests/support/dds_domain.h"
 #include "transport/dds/transport/dds_transport.h"
-#include "transport/protocol/topics.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe {
 namespace {

@@ -1,12 +1,10 @@
-#include "transport/dds/binding/wait_set.h"
-
 #include <gtest/gtest.h>
 
 #include <thread>
 
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/keyed_status_type.h"
-#include "transport/dds/binding/condition.h"
+#include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
 
 namespace troupe::dds {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "common/model/drive_limits.h"
+#include "common/model/device_limits.h"
 #include "robot-agent/drive/drive.h"
 
 namespace troupe {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/image/grey_image.h"
+#include "common/image/image_file.h"
 #include "tests/support/files.h"
 #include "tests/support/values.h"
 #include "tests/unit/editor/edited_world.h"

@@ -1,6 +1,6 @@
-#include "ros/fast_dds/call_header.h"
-
 #include <gtest/gtest.h>
+
+#include "ros/fast_dds/rtps_datagram.h"
 
 namespace troupe::ros {
 namespace {

@@ -1,9 +1,8 @@
-#include "robot-agent/gripper/gripper_machine.h"
-
 #include <gtest/gtest.h>
 
 #include <optional>
 
+#include "robot-agent/gripper/manipulator.h"
 #include "tests/unit/gripper/hand.h"
 
 namespace troupe::test {

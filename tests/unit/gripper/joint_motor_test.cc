@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "robot-agent/gripper/gripper_machine.h"
+#include "robot-agent/gripper/manipulator.h"
 #include "tests/unit/gripper/hand.h"
 
 namespace troupe::test {

@@ -7,7 +7,6 @@
 
 #include <fstream>
 
-#include "common/image/grey_image.h"
 #include "tests/support/files.h"
 #include "tests/unit/image/write_png.h"
 

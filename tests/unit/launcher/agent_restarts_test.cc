@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "command_line/exit_status.h"
+#include "command_line/parse_command_line.h"
 #include "launcher/supervise/restarts.h"
 
 namespace troupe {

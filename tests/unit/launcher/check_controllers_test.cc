@@ -1,8 +1,8 @@
-#include "launcher/commands/check_controllers.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
+
+#include "launcher/commands/check_command.h"
 
 namespace troupe {
 namespace {

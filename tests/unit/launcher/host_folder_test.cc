@@ -1,5 +1,3 @@
-#include "launcher/hosts/host_folder.h"
-
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -12,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "launcher/hosts/host.h"
 #include "tests/support/files.h"
 
 namespace troupe {

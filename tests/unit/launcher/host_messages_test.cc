@@ -1,5 +1,3 @@
-#include "launcher/hosts/host_messages.h"
-
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -9,6 +7,7 @@
 #include <thread>
 
 #include "common/base/file.h"
+#include "launcher/hosts/host.h"
 
 namespace troupe {
 namespace {

@@ -1,7 +1,7 @@
-#include "launcher/hosts/place_robots.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "launcher/hosts/connect_hosts.h"
 
 namespace troupe {
 namespace {

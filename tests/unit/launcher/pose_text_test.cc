@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "launcher/commands/arguments.h"
+#include "launcher/commands/commands.h"
 #include "tests/support/values.h"
 
 namespace troupe {

@@ -14,9 +14,6 @@
 #include <system_error>
 #include <thread>
 
-#include "launcher/process/line_pipe.h"
-#include "launcher/process/signal_watch.h"
-
 namespace troupe {
 namespace {
 

@@ -6,10 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "common/sensing/sensor_registry.h"
-#include "library/scan_fans.h"
+#include "common/sensing/sensor_suite.h"
+#include "library/save_picture.h"
 #include "robot-agent/robot/robot.h"
-#include "robot-agent/robot/scan_log.h"
 #include "tests/support/files.h"
 #include "tests/support/values.h"
 #include "world-service/core/step.h"

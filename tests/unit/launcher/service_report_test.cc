@@ -1,10 +1,9 @@
-#include "launcher/supervise/service_report.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "common/base/json_fields.h"
+#include "common/base/json.h"
+#include "launcher/supervise/reports.h"
 
 namespace troupe {
 namespace {

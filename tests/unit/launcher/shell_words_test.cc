@@ -1,13 +1,11 @@
-#include "launcher/hosts/shell_words.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 
-#include "common/base/hexadecimal.h"
-#include "launcher/hosts/host_messages.h"
+#include "common/base/text.h"
+#include "launcher/hosts/host.h"
 
 namespace troupe {
 namespace {

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "launcher/supervise/in_process_run.h"
+#include "launcher/supervise/run_ways.h"
 #include "tests/support/files.h"
 #include "troupe/simulation.h"
 #include "worldfile/load_world.h"

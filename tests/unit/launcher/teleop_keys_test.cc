@@ -1,11 +1,10 @@
-#include "launcher/driving/teleop_keys.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "launcher/commands/arguments.h"
+#include "launcher/commands/commands.h"
+#include "launcher/driving/robot_remote.h"
 
 namespace troupe {
 namespace {

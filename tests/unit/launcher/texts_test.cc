@@ -5,9 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "launcher/commands/check_command.h"
-#include "launcher/commands/session_top.h"
-#include "launcher/supervise/progress.h"
-#include "launcher/supervise/summary.h"
+#include "launcher/commands/top_command.h"
+#include "launcher/supervise/reports.h"
 #include "tests/support/ray_sensors.h"
 #include "tests/support/small_world.h"
 

@@ -1,9 +1,9 @@
-#include "common/model/check_state.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
+
+#include "common/model/states.h"
 
 namespace troupe {
 namespace {

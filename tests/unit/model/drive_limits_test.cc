@@ -1,7 +1,6 @@
-#include "common/model/drive_limits.h"
-
 #include <gtest/gtest.h>
 
+#include "common/model/device_limits.h"
 #include "troupe/random.h"
 
 namespace troupe {

@@ -1,11 +1,10 @@
-#include "common/model/state_hash.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <set>
 
+#include "common/model/states.h"
 #include "tests/support/test_world.h"
 
 namespace troupe {

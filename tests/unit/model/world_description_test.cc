@@ -5,7 +5,7 @@
 #include <functional>
 #include <set>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "tests/support/ray_sensors.h"
 #include "tests/support/test_world.h"
 

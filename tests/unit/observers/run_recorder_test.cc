@@ -9,11 +9,11 @@
 #include <latch>
 #include <thread>
 
-#include "recording/journal_tail.h"
-#include "recording/tick_reader.h"
+#include "recording/journal.h"
+#include "recording/recording.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
-#include "transport/protocol/memory_transport.h"
+#include "transport/protocol/transport.h"
 #include "world-service/service/run_service.h"
 
 namespace troupe {

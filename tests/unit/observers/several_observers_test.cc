@@ -9,7 +9,7 @@
 #include "tests/support/values.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
-#include "transport/protocol/memory_transport.h"
+#include "transport/protocol/transport.h"
 #include "world-service/observers/recorder/recorder.h"
 #include "world-service/service/run_service.h"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/base/utf8.h"
+#include "common/base/text.h"
 
 namespace troupe {
 namespace {

@@ -10,8 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/picture/pixel_mask.h"
-#include "common/picture/shading.h"
+#include "common/picture/canvas.h"
 #include "common/picture/solids.h"
 #include "common/picture/viewport.h"
 #include "tests/support/values.h"

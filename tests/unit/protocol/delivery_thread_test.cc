@@ -1,11 +1,11 @@
-#include "transport/protocol/delivery_thread.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <future>
 #include <vector>
+
+#include "transport/protocol/delivery.h"
 
 namespace troupe {
 namespace {

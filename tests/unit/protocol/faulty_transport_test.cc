@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/support/values.h"
-#include "transport/protocol/memory_transport.h"
+#include "transport/protocol/transport.h"
 
 namespace troupe {
 namespace {

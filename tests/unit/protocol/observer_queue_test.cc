@@ -1,10 +1,9 @@
-#include "transport/protocol/observer_queue.h"
-
 #include <gtest/gtest.h>
 
 #include <latch>
 
 #include "tests/contract/collecting_handlers.h"
+#include "transport/protocol/delivery.h"
 
 namespace troupe {
 namespace {

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "recording/journal_tail.h"
 #include "recording/recording_writer.h"
 #include "tests/support/small_world.h"
 

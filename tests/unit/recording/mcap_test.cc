@@ -7,7 +7,7 @@
 #include <string>
 #include <system_error>
 
-#include "recording/mcap/byte_writer.h"
+#include "recording/mcap/bytes.h"
 #include "recording/mcap/reader.h"
 #include "recording/mcap/writer.h"
 #include "tests/support/values.h"

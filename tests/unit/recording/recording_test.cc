@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "recording/idl_texts.h"
+#include "recording/recorded_run.h"
 #include "recording/recording_writer.h"
-#include "recording/tick_reader.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {

@@ -1,5 +1,3 @@
-#include "ros/messages/convert_sensors.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,10 +1,8 @@
-#include "ros/messages/convert_world.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "ros/messages/convert.h"
-#include "ros/messages/robot_description.h"
+#include "ros/messages/robot_frames.h"
 #include "tests/support/small_world.h"
 
 namespace troupe::ros {

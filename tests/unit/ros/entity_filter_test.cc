@@ -1,5 +1,3 @@
-#include "world-service/observers/ros/entity_filter.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 
 #include "tests/support/values.h"
 #include "transport/dds/binding/wire.h"
+#include "world-service/observers/ros/request_values.h"
 
 namespace troupe {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/small_world.h"
-#include "world-service/service/event_text.h"
+#include "world-service/service/event_log.h"
 
 namespace troupe {
 namespace {

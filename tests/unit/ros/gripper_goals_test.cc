@@ -1,9 +1,9 @@
-#include "robot-agent/ros/gripper_goals.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+
+#include "robot-agent/ros/gripper_action.h"
 
 namespace troupe {
 namespace {

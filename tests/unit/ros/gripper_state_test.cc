@@ -1,9 +1,8 @@
-#include "ros/messages/gripper_state.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
+#include "ros/messages/text_messages.h"
 #include "tests/support/gripper_world.h"
 
 namespace troupe::ros {

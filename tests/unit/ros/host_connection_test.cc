@@ -19,20 +19,18 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_participant.h"
-#include "ros/connection/ros_service.h"
-#include "ros/connection/simulation_types.h"
+#include "ros/connection/topic_types.h"
 #include "ros/link/link.h"
-#include "ros/link/socket_name.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/ros_graph.h"
 #include "transport/dds/binding/data_writer.h"
-#include "transport/dds/binding/topic.h"
+#include "transport/dds/binding/domain_participant.h"
 #include "transport/dds/binding/wire.h"
 #include "transport/wire/cdr.h"
 

@@ -8,7 +8,7 @@
 #include "robot-agent/agent/replica.h"
 #include "robot-agent/ros/ros_gateway.h"
 #include "ros/connection/ros_endpoints.h"
-#include "ros/connection/ros_qos.h"
+#include "ros/connection/ros_network.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"

@@ -1,6 +1,6 @@
-#include "ros/messages/odometry_error.h"
-
 #include <gtest/gtest.h>
+
+#include "ros/messages/convert.h"
 
 namespace troupe::ros {
 namespace {

@@ -1,10 +1,8 @@
-#include "ros/connection/parameter_services.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ros/connection/type_description_service.h"
-#include "ros/connection/type_hash.h"
+#include "ros/connection/node_services.h"
+#include "ros/connection/type_descriptions.h"
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"

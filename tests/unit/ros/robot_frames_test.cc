@@ -7,8 +7,7 @@
 #include <map>
 #include <set>
 
-#include "ros/messages/convert_world.h"
-#include "ros/messages/robot_description.h"
+#include "ros/messages/convert.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/small_world.h"
 

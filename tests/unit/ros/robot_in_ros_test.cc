@@ -1,8 +1,7 @@
-#include "ros/messages/robot_in_ros.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ros/messages/names.h"
 #include "tests/support/small_world.h"
 
 namespace troupe::ros {

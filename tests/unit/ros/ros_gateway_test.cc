@@ -8,8 +8,8 @@
 
 #include "robot-agent/agent/replica.h"
 #include "ros/connection/ros_endpoints.h"
-#include "ros/connection/ros_log.h"
-#include "ros/connection/ros_qos.h"
+#include "ros/connection/ros_network.h"
+#include "ros/connection/world_topics.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/garbage_sender.h"
 #include "tests/support/gripper_world.h"

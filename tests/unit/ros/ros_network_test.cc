@@ -11,12 +11,11 @@
 
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_participant.h"
-#include "ros/connection/ros_qos.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/own_network.h"
 #include "tests/support/ros_domain.h"
 #include "tests/support/ros_tool.h"
-#include "transport/dds/binding/exception.h"
+#include "transport/dds/binding/entity.h"
 
 namespace troupe {
 namespace {

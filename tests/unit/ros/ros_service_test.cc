@@ -1,10 +1,9 @@
-#include "ros/connection/ros_service.h"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
 
-#include "ros/connection/simulation_types.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/topic_types.h"
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"

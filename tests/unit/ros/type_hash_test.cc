@@ -1,11 +1,8 @@
-#include "ros/connection/type_hash.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ros/connection/find_topic_type.h"
-#include "ros/connection/simulation_types.h"
 #include "ros/connection/topic_types.h"
+#include "ros/connection/type_descriptions.h"
 
 namespace troupe::ros {
 namespace {

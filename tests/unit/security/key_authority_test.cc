@@ -9,10 +9,10 @@
 
 #include <fstream>
 
-#include "common/base/enclave.h"
+#include "common/base/paths.h"
 #include "tests/support/files.h"
 #include "tests/support/values.h"
-#include "transport/protocol/agent_name.h"
+#include "transport/protocol/message_texts.h"
 
 namespace troupe::test {
 namespace {

@@ -8,16 +8,15 @@
 #include <memory>
 #include <vector>
 
-#include "common/base/enclave.h"
+#include "common/base/paths.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/files.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
-#include "transport/dds/convert/topic_types.h"
-#include "transport/protocol/topics.h"
+#include "transport/dds/convert/convert.h"
+#include "transport/protocol/messages.h"
 #include "transport/security/certificate.h"
 #include "transport/security/key_authority.h"
-#include "transport/security/security_documents.h"
 
 namespace troupe::dds {
 namespace {

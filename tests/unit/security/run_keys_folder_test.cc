@@ -1,5 +1,3 @@
-#include "transport/security/run_keys_folder.h"
-
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>

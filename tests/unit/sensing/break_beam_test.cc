@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "common/sensing/sensor_registry.h"
+#include "common/sensing/sensor_suite.h"
 #include "tests/support/gripper_world.h"
 
 namespace troupe::test {

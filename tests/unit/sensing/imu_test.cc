@@ -5,13 +5,11 @@
 #include <complex>
 #include <random>
 
-#include "common/model/check_state.h"
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/test_world.h"
 #include "tests/support/values.h"
 #include "world-service/core/edit_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe::test {

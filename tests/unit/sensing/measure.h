@@ -1,7 +1,7 @@
 // Measures one ranger of a robot in a small world, at the poses as loaded.
 #pragma once
 
-#include "common/sensing/sensor_registry.h"
+#include "common/sensing/sensor_suite.h"
 #include "tests/support/small_world.h"
 #include "troupe/world_state.h"
 

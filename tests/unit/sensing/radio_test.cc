@@ -1,5 +1,3 @@
-#include "common/sensing/radio.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/sensing/sensor_kinds.h"
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
 #include "troupe/radio_limits.h"

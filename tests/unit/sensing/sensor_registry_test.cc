@@ -1,9 +1,8 @@
-#include "common/sensing/sensor_registry.h"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
+#include "common/sensing/sensor_suite.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/small_world.h"
 

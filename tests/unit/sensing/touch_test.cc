@@ -3,7 +3,6 @@
 
 #include "tests/support/sensor_worlds.h"
 #include "tests/support/small_world.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe::test {

@@ -4,9 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/unit/service/coordinator_fixture.h"
-#include "world-service/core/initial_state.h"
 #include "world-service/core/step.h"
 
 namespace troupe {

@@ -1,6 +1,6 @@
 #include "tests/unit/service/coordinator_fixture.h"
 
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "tests/support/test_world.h"
 
 namespace troupe::test {

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "world-service/service/event_log.h"
-
 namespace troupe {
 namespace {
 

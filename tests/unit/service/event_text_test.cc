@@ -1,8 +1,7 @@
-#include "world-service/service/event_text.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/unit/service/coordinator_fixture.h"
+#include "world-service/service/event_log.h"
 
 namespace troupe {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "tests/support/fake_service_endpoint.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "world-service/service/live_run.h"

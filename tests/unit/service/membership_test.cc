@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "tests/unit/service/coordinator_fixture.h"
 
 namespace troupe {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "tests/unit/service/coordinator_fixture.h"
-#include "world-service/service/tick_timing.h"
+#include "world-service/service/tick_inputs.h"
 
 namespace troupe {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "tests/unit/service/coordinator_fixture.h"
 #include "troupe/random.h"
-#include "world-service/service/tick_timing.h"
+#include "world-service/service/tick_inputs.h"
 
 namespace troupe {
 namespace {

@@ -1,9 +1,9 @@
-#include "world-service/service/rewind.h"
-
 #include <gtest/gtest.h>
 
 #include <optional>
 #include <stdexcept>
+
+#include "world-service/service/run_history.h"
 
 namespace troupe {
 namespace {

@@ -13,7 +13,7 @@
 #include "tests/support/values.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "tests/unit/service/steady_agent.h"
-#include "transport/protocol/memory_transport.h"
+#include "transport/protocol/transport.h"
 
 namespace troupe {
 namespace {

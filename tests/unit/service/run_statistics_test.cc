@@ -1,8 +1,7 @@
-#include "world-service/service/run_statistics.h"
-
 #include <gmock/gmock.h>
 
 #include "tests/unit/service/live_run_fixture.h"
+#include "world-service/service/tick_coordinator.h"
 
 namespace troupe {
 namespace {

@@ -1,8 +1,8 @@
-#include "world-service/program/session_lock.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+
+#include "world-service/program/prepared_run.h"
 
 namespace troupe {
 namespace {

@@ -6,7 +6,7 @@
 #include <future>
 #include <memory>
 
-#include "common/base/version.h"
+#include "common/base/identity.h"
 #include "transport/protocol/transport.h"
 
 namespace troupe::test {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/unit/service/coordinator_fixture.h"
 
 namespace troupe {

@@ -1,10 +1,10 @@
-#include "transport/shared_memory/message_words.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <memory>
 #include <random>
+
+#include "transport/shared_memory/shared_layout.h"
 
 namespace troupe {
 namespace {

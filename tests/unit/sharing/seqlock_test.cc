@@ -1,10 +1,10 @@
-#include "transport/shared_memory/seqlock.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <atomic>
 #include <thread>
+
+#include "transport/shared_memory/shared_layout.h"
 
 namespace troupe {
 namespace {

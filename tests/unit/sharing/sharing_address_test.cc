@@ -1,6 +1,6 @@
-#include "transport/shared_memory/sharing_address.h"
-
 #include <gtest/gtest.h>
+
+#include "transport/shared_memory/shared_memory.h"
 
 namespace troupe {
 namespace {

@@ -1,9 +1,8 @@
-#include "common/spatial/overlap.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "common/spatial/convex_piece.h"
 #include "tests/support/test_world.h"
 
 namespace troupe {

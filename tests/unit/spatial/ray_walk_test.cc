@@ -1,5 +1,3 @@
-#include "common/spatial/ray_walk.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/spatial/grid.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/random.h"
 

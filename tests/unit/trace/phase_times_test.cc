@@ -1,6 +1,6 @@
-#include "common/trace/phase_times.h"
-
 #include <gtest/gtest.h>
+
+#include "common/trace/tick_trace.h"
 
 namespace troupe {
 namespace {

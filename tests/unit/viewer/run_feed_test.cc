@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "common/model/state_hash.h"
+#include "common/model/states.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {

@@ -1,5 +1,3 @@
-#include "viewer/gateway/state_rows.h"
-
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "tests/unit/viewer/byte_reader.h"
+#include "viewer/gateway/page_messages.h"
 
 namespace troupe {
 namespace {

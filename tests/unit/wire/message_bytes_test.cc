@@ -13,7 +13,6 @@
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
 #include "transport/dds/convert/convert.h"
-#include "transport/dds/convert/topic_types.h"
 #include "transport/dds/transport/qos_profiles.h"
 #include "transport/wire/cdr.h"
 

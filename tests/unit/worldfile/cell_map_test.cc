@@ -1,10 +1,9 @@
-#include "worldfile/scenario/cell_map.h"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "tests/support/random_world.h"
+#include "worldfile/scenario/place_spawns.h"
 
 namespace troupe {
 namespace {

@@ -1,9 +1,9 @@
 // Edits of JSON text change the bytes that they concern, and no others.
-#include "worldfile/edit/json_edit.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+
+#include "worldfile/edit/stage_edit.h"
 
 namespace troupe {
 namespace {

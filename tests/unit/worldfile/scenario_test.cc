@@ -7,12 +7,10 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "common/model/model_poses.h"
+#include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
-#include "common/spatial/overlap.h"
 #include "tests/support/ray_sensors.h"
 #include "tests/support/values.h"
-#include "worldfile/scenario/scenario_override.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {

@@ -8,7 +8,6 @@
 #include "tests/support/files.h"
 #include "tests/support/stage_worlds.h"
 #include "tests/support/values.h"
-#include "worldfile/edit/stage_edit.h"
 #include "worldfile/stage/stage_world.h"
 
 namespace troupe {

@@ -3,14 +3,9 @@
 
 #include <memory>
 
-#include "transport/dds/binding/duration.h"
+#include "transport/dds/binding/domain_participant.h"
 #include "transport/dds/binding/entity.h"
-#include "transport/dds/binding/exception.h"
-#include "transport/dds/binding/listener.h"
-#include "transport/dds/binding/publisher.h"
 #include "transport/dds/binding/qos.h"
-#include "transport/dds/binding/status.h"
-#include "transport/dds/binding/topic.h"
 
 namespace troupe::dds {
 

@@ -1,12 +1,14 @@
 #include "transport/dds/binding/domain_config.h"
 
 #include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <map>
 #include <string_view>
 
-#include "transport/dds/binding/network_profiles.h"
 #include "troupe/check.h"
 
 namespace troupe::dds {
@@ -75,6 +77,18 @@ std::string Peers(const DomainConfig& config) {
   return peers;
 }
 
+bool IsFree(std::uint16_t port) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return true;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  const bool free = bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  close(socket);
+  return free;
+}
+
 }  // namespace
 
 DomainConfig ToolConfig(std::uint32_t domain, const std::string& network_interface,
@@ -122,6 +136,11 @@ std::string ToXml(const DomainConfig& config) {
     rest.remove_prefix(end + 1);
   }
   return xml.append(rest);
+}
+
+bool PortsAreFree(std::uint32_t domain, std::uint32_t participant_index) {
+  const std::uint16_t port = DiscoveryPort(domain, participant_index);
+  return IsFree(port) && IsFree(static_cast<std::uint16_t>(port + 1));
 }
 
 }  // namespace troupe::dds

@@ -35,7 +35,7 @@ struct DomainConfig {
   // The process knows the domain by its number on the network. Needed where permissions name domains, because Cyclone
   // compares them with the number in the process. All such participants of one domain need equal configurations.
   bool numbered_as_on_network = false;
-  std::string security_enclave;  // the folder with the participant's keys (common/base/enclave.h); empty: no security
+  std::string security_enclave;  // the folder with the participant's keys (common/base/paths.h); empty: no security
 };
 
 // Of a tool that looks for world services. An empty address: those of this machine.
@@ -51,5 +51,17 @@ inline constexpr std::uint32_t kPeerPortsTried = 10;
 std::string NetworkProfile(const DomainConfig& config);
 
 std::string ToXml(const DomainConfig& config);
+
+// Cyclone's configurations (configs/cyclone, compiled in), with words between at signs for ToXml to fill in.
+
+extern const char* const kOneHostProfile;
+extern const char* const kLanProfile;
+extern const char* const kUnicastProfile;
+
+// Whether a participant could have an index on this machine: Cyclone takes its ports, and does not tell which are
+// taken.
+// The discovery port of a participant with this index, and the one after it, for data, are free now. True as well if no
+// socket can be made: DDS reports the cause.
+bool PortsAreFree(std::uint32_t domain, std::uint32_t participant_index);
 
 }  // namespace troupe::dds

@@ -1,19 +1,71 @@
 #include "transport/dds/binding/domain_participant.h"
 
+#include <dds/dds.h>
+#include <dlfcn.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 
+#include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <mutex>
+#include <system_error>
 #include <utility>
 
-#include "common/base/enclave.h"
-#include "transport/dds/binding/exception.h"
-#include "transport/dds/binding/free_ports.h"
-#include "transport/dds/binding/security_properties.h"
+#include "common/base/paths.h"
 
 namespace troupe::dds {
 namespace {
+
+// DDS Security for a participant: Cyclone's three plugins, and the participant's keys.
+
+namespace fs = std::filesystem;
+
+// Debian installs the plugins in a folder beside Cyclone's library, where the loader does not search.
+fs::path LibraryFolder() {
+  Dl_info library{};
+  if (dladdr(reinterpret_cast<const void*>(&dds_create_domain), &library) == 0) return {};
+  std::error_code failure;
+  const fs::path resolved = fs::canonical(library.dli_fname, failure);
+  return failure ? fs::path() : resolved.parent_path();
+}
+
+// A plugin that is not found is left to the loader, and Cyclone reports it.
+std::string PluginPath(const char* plugin) {
+  std::string file = std::string("libdds_security_") + plugin + ".so";
+  const fs::path folder = LibraryFolder();
+  std::error_code failure;
+  for (const fs::path& path : {folder / "libddsc0debian" / file, folder / file}) {
+    if (fs::is_regular_file(path, failure)) return path.string();
+  }
+  return file;
+}
+
+// `functions`: in the names of the functions that start and end the plugin.
+void AddPlugin(Qos& qos, const std::string& property, const char* plugin, const std::string& functions) {
+  const std::string library = "dds.sec." + property + ".library.";
+  qos << Property{library + "path", PluginPath(plugin)} << Property{library + "init", "init_" + functions}
+      << Property{library + "finalize", "finalize_" + functions};
+}
+
+void AddFile(Qos& qos, const std::string& property, const fs::path& folder, const char* file) {
+  qos << Property{"dds.sec." + property, "file://" + (folder / file).string()};
+}
+
+// `enclave`: a folder as in common/base/paths.h, whose files are not looked at.
+Qos WithSecurity(Qos participant, const std::string& enclave) {
+  const fs::path folder = fs::absolute(enclave);
+  AddPlugin(participant, "auth", "auth", "authentication");
+  AddFile(participant, "auth.identity_ca", folder, kIdentityCaFile);
+  AddFile(participant, "auth.identity_certificate", folder, kCertificateFile);
+  AddFile(participant, "auth.private_key", folder, kPrivateKeyFile);
+  AddPlugin(participant, "crypto", "crypto", "crypto");
+  AddPlugin(participant, "access", "ac", "access_control");
+  AddFile(participant, "access.permissions_ca", folder, kPermissionsCaFile);
+  AddFile(participant, "access.governance", folder, kGovernanceFile);
+  AddFile(participant, "access.permissions", folder, kPermissionsFile);
+  return participant;
+}
 
 constexpr std::uint32_t kDomains = 231;
 
@@ -103,6 +155,21 @@ SharedDomain OpenDomain(const DomainConfig& config) {
   return config.numbered_as_on_network ? OpenNumberedDomain(config) : CreateDomain(config);
 }
 
+dds_topic_descriptor_t WithoutTypeInformation(const dds_topic_descriptor_t& type) {
+  return {.m_size = type.m_size,
+          .m_align = type.m_align,
+          .m_flagset = type.m_flagset & ~DDS_TOPIC_XTYPES_METADATA,
+          .m_nkeys = type.m_nkeys,
+          .m_typename = type.m_typename,
+          .m_keys = type.m_keys,
+          .m_nops = type.m_nops,
+          .m_ops = type.m_ops,
+          .m_meta = type.m_meta,
+          .type_information = {},
+          .type_mapping = {},
+          .restrict_data_representation = type.restrict_data_representation};
+}
+
 }  // namespace
 
 DomainParticipant::DomainParticipant(const DomainConfig& config, const Qos& qos)
@@ -116,6 +183,14 @@ GuidPrefix DomainParticipant::guid_prefix() const {
   dds_guid_t guid;
   Check(dds_get_guid(participant_.handle(), &guid), "reading the identity of a participant");
   return PrefixOf(guid);
+}
+
+dds_entity_t CreateTopic(const DomainParticipant& participant, const dds_topic_descriptor_t& type,
+                         const std::string& name) {
+  const dds_topic_descriptor_t undescribed = WithoutTypeInformation(type);
+  const dds_topic_descriptor_t* const announced = participant.describes_types() ? &type : &undescribed;
+  return Check(dds_create_topic(participant.handle(), announced, name.c_str(), nullptr, nullptr),
+               "creating topic '" + name + "'");
 }
 
 }  // namespace troupe::dds

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "common/base/flood_limiter.h"
+#include "common/base/text.h"
 
 namespace troupe::dds {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "transport/dds/binding/duration.h"
+#include "transport/dds/binding/entity.h"
 
 namespace troupe::dds {
 

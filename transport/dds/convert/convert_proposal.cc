@@ -1,10 +1,9 @@
-#include "transport/dds/convert/convert_proposal.h"
-
 #include <algorithm>
 #include <string>
 #include <string_view>
 
 #include "transport/dds/convert/columns.h"
+#include "transport/dds/convert/convert.h"
 
 namespace troupe::dds {
 namespace {

@@ -1,10 +1,27 @@
-#include "transport/dds/convert/convert_session.h"
-
+#include <tuple>
 #include <utility>
 
-#include "transport/dds/convert/convert_world.h"
+#include "transport/dds/convert/convert.h"
 
 namespace troupe::dds {
+namespace {
+
+// Calls visit(leaf, member) for each leaf of StatusMessage and its member of the wire's struct, which has the same
+// order.
+template <typename Wire, typename Visit>
+void ForEachMember(Wire& wire, const Visit& visit) {
+  auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q] = wire;
+  const auto members = std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q);
+  constexpr auto& leaves = kLeaves<StatusMessage>;
+  static_assert(std::tuple_size_v<decltype(members)> == std::tuple_size_v<std::remove_cvref_t<decltype(leaves)>>);
+  [&]<std::size_t... number>(std::index_sequence<number...>) {
+    // The analyzer takes members of a tuple of references for uninitialized.
+    (visit(std::get<number>(leaves), std::get<number>(members)), ...);  // NOLINT(clang-analyzer-core.CallAndMessage)
+  }
+  (std::make_index_sequence<std::tuple_size_v<decltype(members)>>());
+}
+
+}  // namespace
 
 troupe_wire_Session ToWire(const SessionMessage& message, WireArena& arena) {
   troupe_wire_Session wire{};
@@ -34,6 +51,97 @@ Result<SessionMessage> FromWire(const troupe_wire_Session& wire) {
   Result<WorldDescription> world = FromWire(wire.world);
   if (!world.ok()) return world.error();
   message.world = std::move(world.value());
+  return message;
+}
+
+troupe_wire_Admissions ToWire(const std::vector<AdmissionMessage>& messages, WireArena& arena) {
+  troupe_wire_Admissions wire{};
+  troupe_wire_Admission* out = arena.Fill(wire.answers, messages.size());
+  for (const AdmissionMessage& message : messages) {
+    out->agent = message.agent;
+    out->run = message.run;
+    out->admitted = message.admitted;
+    out->reason = arena.Copy(message.reason);
+    out->incarnation = message.incarnation;
+    ++out;
+  }
+  return wire;
+}
+
+Result<std::vector<AdmissionMessage>> FromWire(const troupe_wire_Admissions& wire) {
+  std::vector<AdmissionMessage> messages;
+  for (std::uint32_t i = 0; i < wire.answers._length; ++i) {
+    const troupe_wire_Admission& answer = wire.answers._buffer[i];
+    messages.push_back({answer.run, answer.agent, answer.admitted, Text(answer.reason), answer.incarnation});
+  }
+  return messages;
+}
+
+troupe_wire_Join ToWire(const JoinMessage& message, WireArena& arena) {
+  troupe_wire_Join wire{};
+  wire.agent = message.agent;
+  wire.run = message.run;
+  wire.protocol_version = message.protocol_version;
+  wire.world_hash = message.world_hash;
+  wire.host = arena.Copy(message.host);
+  wire.pid = message.pid;
+  arena.FillStrings(wire.robots, message.robots);
+  arena.FillStrings(wire.accept_goals, message.accept_goals);
+  wire.world_edition = message.world_edition;
+  wire.incarnation = message.incarnation;
+  wire.remembers = message.memory.has_value();
+  if (message.memory) {
+    wire.memory_edition = message.memory->edition;
+    wire.memory_tick = message.memory->tick;
+    wire.memory_decided = message.memory->decided;
+  }
+  return wire;
+}
+
+Result<JoinMessage> FromWire(const troupe_wire_Join& wire) {
+  JoinMessage message;
+  message.agent = wire.agent;
+  message.run = wire.run;
+  message.protocol_version = wire.protocol_version;
+  message.world_hash = wire.world_hash;
+  message.host = Text(wire.host);
+  message.pid = wire.pid;
+  message.robots = Strings(wire.robots);
+  message.accept_goals = Strings(wire.accept_goals);
+  message.world_edition = wire.world_edition;
+  message.incarnation = wire.incarnation;
+  if (wire.remembers) message.memory = {wire.memory_edition, wire.memory_tick, wire.memory_decided};
+  return message;
+}
+
+troupe_wire_Status ToWire(const StatusMessage& message, WireArena& arena) {
+  troupe_wire_Status wire{};
+  ForEachMember(wire, [&]<typename Leaf, typename Member>(const Leaf& leaf, Member& member) {
+    const auto& part = leaf.Of(message);
+    if constexpr (std::is_same_v<typename Leaf::Part, std::vector<std::string>>) {
+      arena.FillStrings(member, part);
+    } else if constexpr (std::is_same_v<typename Leaf::Part, std::optional<double>>) {
+      member = part.value_or(0.0);
+    } else {
+      static_assert(std::is_same_v<Member, typename Leaf::Part>);
+      member = part;
+    }
+  });
+  return wire;
+}
+
+Result<StatusMessage> FromWire(const troupe_wire_Status& wire) {
+  StatusMessage message;
+  ForEachMember(wire, [&]<typename Leaf>(const Leaf& leaf, const auto& member) {
+    auto& part = leaf.Of(message);
+    if constexpr (std::is_same_v<typename Leaf::Part, std::vector<std::string>>) {
+      part = Strings(member);
+    } else if constexpr (std::is_same_v<typename Leaf::Part, std::optional<double>>) {
+      if (member > 0.0) part = member;
+    } else {
+      part = member;
+    }
+  });
   return message;
 }
 

@@ -1,11 +1,9 @@
-#include "transport/dds/convert/convert_world.h"
-
 #include <algorithm>
 #include <limits>
 #include <memory>
 #include <utility>
 
-#include "transport/dds/convert/convert_pose.h"
+#include "transport/dds/convert/convert.h"
 
 namespace troupe::dds {
 namespace {

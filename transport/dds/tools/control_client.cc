@@ -7,16 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/random_id.h"
-#include "transport/dds/binding/builtin_topic.h"
-#include "transport/dds/binding/condition.h"
+#include "common/base/identity.h"
+#include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/network_log.h"
-#include "transport/dds/binding/wait_set.h"
-#include "transport/dds/convert/convert_control.h"
-#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/convert/convert.h"
 #include "transport/dds/transport/dds_connection.h"
 #include "transport/dds/transport/qos_profiles.h"
-#include "transport/protocol/topics.h"
 #include "transport/security/session_keys.h"
 
 namespace troupe {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "common/run/network_settings.h"
+#include "common/run/run_settings.h"
 #include "transport/protocol/messages.h"
 #include "troupe/result.h"
 
@@ -20,7 +20,7 @@ class ControlClient {
 
   // Waits for the service, at most `seconds`, and then for its first answer, at most 2 s. The error is for people;
   // kBadInput: the keys of network.security are not those of an operator. Throws dds::Exception
-  // (transport/dds/binding/exception.h) when DDS cannot start.
+  // (transport/dds/binding/entity.h) when DDS cannot start.
   Status WaitForService(double seconds);
 
   // Sends a request and waits for the reply: at most `seconds`; 0: without limit. The error: no reply has arrived,

@@ -1,6 +1,7 @@
 #include "transport/dds/tools/session_monitor.h"
 
 #include <algorithm>
+#include <exception>
 #include <iterator>
 #include <map>
 #include <set>
@@ -8,15 +9,12 @@
 #include <tuple>
 #include <utility>
 
-#include "transport/dds/binding/builtin_topic.h"
-#include "transport/dds/binding/condition.h"
+#include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/network_log.h"
-#include "transport/dds/binding/wait_set.h"
-#include "transport/dds/convert/convert_status.h"
-#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/convert/convert.h"
 #include "transport/dds/transport/dds_connection.h"
+#include "transport/dds/transport/dds_transport.h"
 #include "transport/dds/transport/qos_profiles.h"
-#include "transport/protocol/topics.h"
 #include "transport/security/session_keys.h"
 
 namespace troupe {
@@ -127,6 +125,18 @@ class MonitoringParticipant {
   std::map<RunId, KnownRun> runs_;
 };
 
+class DdsSessionObserver : public SessionObserver {
+ public:
+  DdsSessionObserver(const DdsOptions& options, ObserverHandler& handler)
+      : transport_(MakeDdsObserverTransport(options)), endpoint_(transport_->MakeObserverEndpoint()) {
+    endpoint_->Start(handler);
+  }
+
+ private:
+  std::unique_ptr<Transport> transport_;
+  std::unique_ptr<ObserverEndpoint> endpoint_;
+};
+
 }  // namespace
 
 class SessionMonitor::Implementation {
@@ -200,6 +210,20 @@ std::vector<SessionInfo> SessionMonitor::Sessions() {
 
 void SessionMonitor::WaitForChange(double seconds) {
   implementation_->WaitForChange(seconds);
+}
+
+Result<std::unique_ptr<SessionObserver>> ObserveSession(const NetworkSettings& network, ObserverHandler& handler) {
+  Result<ParticipantKeys> keys = FindKeys(network.security, network.domain, network.session, Role::Observer());
+  if (!keys.ok()) return keys.error();
+  dds::PrintFirstNetworkMessage();
+  DdsOptions options;
+  static_cast<NetworkSettings&>(options) = network;
+  options.keys = std::move(keys).value();
+  try {
+    return std::unique_ptr<SessionObserver>(std::make_unique<DdsSessionObserver>(options, handler));
+  } catch (const std::exception& exception) {
+    return FailureOf(exception);
+  }
 }
 
 }  // namespace troupe

@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "transport/protocol/topics.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe::dds {
 

@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "transport/dds/convert/topic_types.h"
+#include "transport/dds/convert/convert.h"
 #include "transport/dds/transport/dds_connection.h"
-#include "transport/dds/transport/known_services.h"
+#include "transport/dds/transport/senders.h"
 #include "transport/protocol/transport.h"
 #include "transport/shared_memory/agent_segment.h"
 

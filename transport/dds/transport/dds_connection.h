@@ -8,22 +8,19 @@
 #include <string>
 #include <vector>
 
-#include "common/base/flood_limiter.h"
-#include "transport/dds/binding/builtin_topic.h"
+#include "common/base/text.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
 #include "transport/dds/binding/domain_participant.h"
-#include "transport/dds/binding/publisher.h"
 #include "transport/dds/convert/convert.h"
 #include "transport/dds/transport/qos_profiles.h"
-#include "transport/dds/transport/run_proof.h"
 #include "transport/dds/transport/senders.h"
 #include "troupe/result.h"
 
 namespace troupe::dds {
 
 struct DdsConnection {
-  // `agent`: the name of the agent that sends (transport/protocol/agent_name.h); empty: another participant does.
+  // `agent`: the name of the agent that sends (transport/protocol/message_texts.h); empty: another participant does.
   DdsConnection(const DomainConfig& config, const std::string& session_name, const FloodLimiter::Tell& on_problem,
                 const std::optional<RunToken>& token = {}, const std::string& agent = {})
       : session(session_name),

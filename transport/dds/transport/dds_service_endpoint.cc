@@ -1,12 +1,10 @@
 #include "transport/dds/transport/dds_service_endpoint.h"
 
-#include <algorithm>
 #include <chrono>
 #include <new>
 #include <utility>
 
-#include "transport/protocol/agent_name.h"
-#include "transport/protocol/topics.h"
+#include "transport/protocol/message_texts.h"
 
 namespace troupe::dds {
 namespace {
@@ -32,6 +30,20 @@ std::vector<std::unique_ptr<AgentGroup>> MakeGroups(const std::vector<const DdsC
     groups.push_back(std::make_unique<AgentGroup>(*connection, sharing));
   }
   return groups;
+}
+
+// Ticks between whole frames, for listeners that send no requests.
+constexpr Tick kWholePeriod = 100;
+
+// A frame is sent to the observers as a whole at most once in this time (s). An observer that has not received it
+// resends its request later than that.
+constexpr double kWholeFrameInterval = 0.02;
+
+bool HaveSameSizes(const WorldState& a, const WorldState& b) {
+  return a.robots.size() == b.robots.size() && a.joints.size() == b.joints.size() &&
+         a.grippers.size() == b.grippers.size() && a.objects.size() == b.objects.size() &&
+         a.stores.size() == b.stores.size() && a.imus.size() == b.imus.size() && a.lights.size() == b.lights.size() &&
+         a.cameras.size() == b.cameras.size();
 }
 
 }  // namespace
@@ -259,6 +271,41 @@ void DdsServiceEndpoint::Flush(double seconds) {
   const auto remaining = [&] { return std::max(0.0, std::chrono::duration<double>(deadline - Clock::now()).count()); };
   for (const auto& group : groups_) group->Flush(remaining);
   control_replies_.writer().wait_for_acknowledgments(seconds);
+}
+
+AgentGroup::AgentGroup(const DdsConnection& connection, const std::string& sharing)
+    : sessions(connection, topics::kSession, qos_profiles::Description(connection.lease_seconds), sharing),
+      admissions(connection, topics::kAdmission, qos_profiles::Admission()),
+      frames(connection, topics::kFrame, qos_profiles::Frame()),
+      histories(connection, topics::kHistory, qos_profiles::PastStates()),
+      from_agents(connection.participant, qos_profiles::AllAgents(connection.session)),
+      joins(connection, from_agents, topics::kJoin, qos_profiles::FromMany(qos_profiles::Join())),
+      proposals(connection, from_agents, topics::kProposal, qos_profiles::FromMany(qos_profiles::Proposal())) {}
+
+void AgentGroup::SendFrame(const FrameMessage& frame, const WorldState* base) {
+  const std::uint32_t readers = frames.CountReaders();
+  // A new reader has no frame that this one could be the changes of.
+  if (readers > 0) frames.Send(frame, readers > frame_readers_ ? nullptr : base);
+  frame_readers_ = readers;
+}
+
+const WorldState* FrameStream::BaseOf(const FrameMessage& frame) const {
+  // Every agent that answered the frame of the tick before has its state. To the others this frame is resent, whole.
+  const bool follows = sent_ && frame.run == sent_->run && frame.edition == sent_->edition &&
+                       frame.state.tick == sent_->state.tick + 1 && HaveSameSizes(frame.state, sent_->state);
+  const bool whole = !follows || frame.paused || frame.last || frame.state.tick % kWholePeriod == 0;
+  return whole ? nullptr : &sent_->state;
+}
+
+void FrameStream::Sent(const FrameMessage& frame) {
+  sent_ = frame;
+  sent_whole_at_.reset();
+}
+
+const FrameMessage* FrameStream::AnswerRequest(double now) {
+  if (!sent_ || (sent_whole_at_ && now < *sent_whole_at_ + kWholeFrameInterval)) return nullptr;
+  sent_whole_at_ = now;
+  return &*sent_;
 }
 
 }  // namespace troupe::dds

@@ -1,25 +1,114 @@
 // The world service's end of a DdsTransport.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "transport/dds/convert/topic_types.h"
-#include "transport/dds/transport/agent_group.h"
+#include "transport/dds/binding/entity.h"
+#include "transport/dds/convert/convert.h"
 #include "transport/dds/transport/dds_connection.h"
-#include "transport/dds/transport/frame_stream.h"
-#include "transport/dds/transport/lost_agents.h"
+#include "transport/protocol/messages.h"
 #include "transport/protocol/transport.h"
 #include "transport/shared_memory/service_segment.h"
 
 namespace troupe::dds {
+
+// AgentGroup: the world service's endpoints for a group of its agents, on a participant of their own.
+//
+// Cyclone computes the addresses of a writer anew for each reader that matches, in time that grows with the square of
+// the number of readers, and repeats discovery data and heartbeats to all of them while one is new. So the cost of a
+// joining agent grows with its group, and a run on one machine divides hundreds of agents into groups.
+struct AgentGroup {
+  // `sharing`: the address of the service's shared memory; empty: none. REQUIRES: the connection outlives it.
+  AgentGroup(const DdsConnection& connection, const std::string& sharing);
+
+  // Sends a frame to the readers of the network, if there are any: the changes since `base`, unless that is null or a
+  // reader is new.
+  void SendFrame(const FrameMessage& frame, const WorldState* base);
+  // Waits until the agents have all messages; `remaining` gives the seconds that are left.
+  template <typename Remaining>
+  void Flush(const Remaining& remaining) {
+    sessions.writer().wait_for_acknowledgments(remaining());
+    admissions.writer().wait_for_acknowledgments(remaining());
+    frames.writer().wait_for_acknowledgments(remaining());
+  }
+
+  Outbox<troupe_wire_Session> sessions;
+  Outbox<troupe_wire_Admissions> admissions;
+  Outbox<troupe_wire_Frame> frames;
+  Outbox<troupe_wire_History> histories;
+  Subscriber from_agents;
+  Inbox<troupe_wire_Join, JoinMessage> joins;
+  Inbox<troupe_wire_Proposal, ProposalMessage> proposals;
+
+ private:
+  std::uint32_t frame_readers_ = 0;  // on the network, when the newest frame was sent
+};
+
+// FrameStream: the frames of a service as they travel: most as the changes since the frame before, some whole, and
+// whole ones again for observers that have requested one. Without a clock: times are in s, of any clock that does not
+// decrease. Not thread-safe.
+class FrameStream {
+ public:
+  // The state that `frame` is to be sent as the changes of; null: it is to be sent whole. Valid until Sent.
+  const WorldState* BaseOf(const FrameMessage& frame) const;
+  void Sent(const FrameMessage& frame);
+
+  // A request has arrived: the frame that is to be sent whole to the observers. Null if there is none, or it was sent
+  // so recently that it will still arrive.
+  const FrameMessage* AnswerRequest(double now);
+
+ private:
+  std::optional<FrameMessage> sent_;     // the newest
+  std::optional<double> sent_whole_at_;  // to the observers; nothing: not yet
+};
+
+// LostAgents: the agents whose proposals are still accepted after their lease has expired, because the run asks them to
+// join again. Of too many the oldest is forgotten.
+class LostAgents {
+ public:
+  static constexpr std::size_t kMost = 1024;
+
+  // Returns the agent that is forgotten for it, if any.
+  std::optional<AgentId> Add(AgentId agent, const GuidPrefix& participant) {
+    std::optional<AgentId> forgotten;
+    if (agents_.size() == kMost && !agents_.contains(agent)) {
+      const auto oldest = std::min_element(agents_.begin(), agents_.end(), [](const auto& a, const auto& b) {
+        return a.second.number < b.second.number;
+      });
+      forgotten = oldest->first;
+      agents_.erase(oldest);
+    }
+    agents_[agent] = {participant, next_number_++};
+    return forgotten;
+  }
+  void Remove(AgentId agent) { agents_.erase(agent); }
+  // Whether it was lost, and was of this participant.
+  bool Contains(AgentId agent, const GuidPrefix& participant) const {
+    const auto lost = agents_.find(agent);
+    return lost != agents_.end() && lost->second.participant == participant;
+  }
+
+ private:
+  struct Lost {
+    GuidPrefix participant;
+    std::uint64_t number = 0;  // in the order of the losses
+  };
+
+  std::map<AgentId, Lost> agents_;
+  std::uint64_t next_number_ = 0;
+};
 
 class DdsServiceEndpoint : public ServiceEndpoint {
  public:

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "transport/dds/binding/free_ports.h"
+#include "transport/dds/binding/domain_config.h"
 #include "transport/dds/transport/dds_agent_endpoint.h"
 #include "transport/dds/transport/dds_observer_endpoint.h"
 #include "transport/dds/transport/dds_service_endpoint.h"
-#include "transport/protocol/agent_name.h"
+#include "transport/protocol/message_texts.h"
 #include "troupe/check.h"
 
 namespace troupe {

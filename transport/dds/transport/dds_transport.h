@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/run/network_settings.h"
+#include "common/run/run_settings.h"
 #include "transport/protocol/transport.h"
 #include "transport/security/session_keys.h"
 
@@ -16,7 +16,7 @@ namespace troupe {
 
 struct DdsOptions : NetworkSettings {
   ParticipantKeys keys;
-  // Of a service: groups of agents, each with a participant of its own (agent_group.h). At least 1.
+  // Of a service: groups of agents, each with a participant of its own (dds_service_endpoint.h). At least 1.
   std::size_t agent_groups = 1;
   // Of a service: UDP ports that DDS has for this domain, of the participants of its groups; those that are not given
   // are the first free ones.
@@ -29,7 +29,7 @@ struct DdsOptions : NetworkSettings {
   std::function<void(const std::string&)> on_problem;
 };
 
-// A participant of its own each. All throw dds::Exception (transport/dds/binding/exception.h) when DDS cannot start. A
+// A participant of its own each. All throw dds::Exception (transport/dds/binding/entity.h) when DDS cannot start. A
 // service transport makes service endpoints only, an agent transport agent endpoints, an observer transport observer
 // endpoints.
 struct DdsServiceTransport {

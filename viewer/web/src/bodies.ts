@@ -2,14 +2,12 @@
 // its root with everything that no joint moves, but for lights, which are links of their own. Links of equal geometry
 // are instances of one mesh, so that a thousand robots are drawn by a few calls.
 import {
-  Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, Mesh, Raycaster, Sphere,
-  Vector3,
+  Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, Mesh, Raycaster, Sphere, Vector3, type
+  Camera
 } from 'three';
-import {softened, type GeometryBuilder, type Rgb} from './geometry';
-import {compose, IDENTITY, jointMotion, toMatrix} from './pose';
 import type {Pose, World} from './protocol';
-import {poseOf, rootOf, sameEntity, type Entity, type Run} from './run';
-import type {SurfaceMaterial, Surfaces} from './surfaces';
+import {compose, IDENTITY, jointMotion, poseOf, rootOf, sameEntity, toMatrix, type Entity, type Run} from './run';
+import {softened, type GeometryBuilder, type Rgb, type SurfaceMaterial, type Surfaces} from './surfaces';
 
 interface Part {
   model: number;
@@ -286,5 +284,78 @@ export class Bodies {
     const at = (x: number, y: number): [number, number] => [middle.x + x, middle.y + y];
     builder.addFlat([at(0.96 * front, 0), at(0.35 * front, side), at(0.5 * front, 0)], z + 0.004, IDENTITY, white);
     builder.addFlat([at(0.96 * front, 0), at(0.5 * front, 0), at(0.35 * front, -side)], z + 0.004, IDENTITY, white);
+  }
+}
+
+// The names of robots, as elements over the picture.
+
+// px around a name that no other name may have: names of a crowd would only cover each other.
+const WIDTH = 62;
+const HEIGHT = 17;
+
+export class Labels {
+  visible = true;
+  most = 120;
+  private width = 1;  // px
+  private height = 1;
+  private readonly elements = new Map<number, HTMLElement>();  // by robot
+  private readonly point = new Vector3();
+
+  constructor(private readonly parent: HTMLElement) {}
+
+  // Of the picture, px.
+  setSize(width: number, height: number): void {
+    this.width = width;
+    this.height = height;
+  }
+
+  place(run: Run | null, bodies: Bodies | null, camera: Camera, selected: Entity | null): void {
+    const shown = new Set<number>();
+    const taken: Array<[number, number]> = [];
+    if (run && bodies) {
+      for (let i = 0; i < run.world.robots.length; ++i) {
+        const robot = run.world.robots[i];
+        const row = run.robots[i];
+        const entity: Entity = {kind: 'robot', index: i};
+        const isSelected = sameEntity(entity, selected);
+        if (!robot.present || !row) continue;
+        if (!isSelected && (!this.visible || shown.size >= this.most)) continue;
+        this.point.set(row.pose.x, row.pose.y, row.pose.z + bodies.topOf(entity)).project(camera);
+        const {x, y, z} = this.point;
+        if (z > 1 || Math.abs(x) > 1 || Math.abs(y) > 1) continue;
+        const left = ((x + 1) / 2) * this.width;
+        const top = ((1 - y) / 2) * this.height;
+        const isFree = !taken.some(([a, b]) => Math.abs(a - left) < WIDTH && Math.abs(b - top) < HEIGHT);
+        if (!isFree && !isSelected) continue;
+        taken.push([left, top]);
+        shown.add(i);
+        const element = this.elementOf(i, robot.name);
+        element.style.transform = `translate(${left}px, ${top}px) translate(-50%, -135%)`;
+        element.classList.toggle('stalled', row.stalled);
+        element.classList.toggle('selected', isSelected);
+      }
+    }
+    for (const [i, element] of this.elements) {
+      if (shown.has(i)) continue;
+      element.remove();
+      this.elements.delete(i);
+    }
+  }
+
+  clear(): void {
+    for (const element of this.elements.values()) element.remove();
+    this.elements.clear();
+  }
+
+  private elementOf(robot: number, name: string): HTMLElement {
+    let element = this.elements.get(robot);
+    if (!element) {
+      element = document.createElement('div');
+      element.className = 'label';
+      element.textContent = name;
+      this.parent.append(element);
+      this.elements.set(robot, element);
+    }
+    return element;
   }
 }

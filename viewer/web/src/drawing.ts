@@ -1,8 +1,9 @@
 // Drawing on the ground of the scene: walls, rooms and spawn regions, by dragging from one point to another.
-import {BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments} from 'three';
-import {byId, make} from './dom';
-import type {PictureBlock} from './file_client';
+import {BufferAttribute, BufferGeometry, Line, LineBasicMaterial, LineSegments, Vector3} from 'three';
+import {byId, fixed, make} from './dom';
+import type {FileClient, PictureBlock, SpawnRule} from './file_client';
 import type {Pose} from './protocol';
+import {degrees} from './run';
 import type {WorldScene} from './scene';
 
 export type DrawTool = 'none' | 'wall' | 'room' | 'region';
@@ -157,5 +158,141 @@ export class Drawing {
     this.lines.geometry = new BufferGeometry();
     this.lines.geometry.setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
     this.scene.invalidate();
+  }
+}
+
+// Measuring: the distance and the direction between two points of the ground or of bodies, as a line in the picture.
+
+export class Measuring {
+  private from: Vector3 | null = null;
+  private ended = false;
+  private readonly geometry = new BufferGeometry();
+  private readonly line = new Line(this.geometry, new LineBasicMaterial({color: 0xe0602c, depthTest: false}));
+
+  constructor(private readonly scene: WorldScene) {
+    this.line.renderOrder = 3;
+    this.line.visible = false;
+    this.line.frustumCulled = false;
+    scene.add(this.line);
+  }
+
+  click(clientX: number, clientY: number): void {
+    const at = this.scene.pointAt(clientX, clientY, 0);
+    if (!at) return;
+    if (this.from && !this.ended) {
+      this.show(at);
+      this.ended = true;
+      return;
+    }
+    this.from = at;
+    this.ended = false;
+    this.show(at);
+  }
+
+  move(clientX: number, clientY: number): void {
+    const at = this.from && !this.ended ? this.scene.pointAt(clientX, clientY, 0) : null;
+    if (at) this.show(at);
+  }
+
+  clear(): void {
+    this.from = null;
+    this.line.visible = false;
+    this.scene.invalidate();
+  }
+
+  private show(to: Vector3): void {
+    if (!this.from) return;
+    const lifted = [this.from, to].map(point => point.clone().setZ(0.02));
+    this.geometry.setFromPoints(lifted);
+    this.line.visible = true;
+    this.scene.invalidate();
+    const x = to.x - this.from.x;
+    const y = to.y - this.from.y;
+    byId('hint').textContent =
+      `${fixed(Math.hypot(x, y), 3)} m, x ${fixed(x, 3)} m, y ${fixed(y, 3)} m, direction ${fixed(degrees(Math.atan2(y, x)), 1)}°`;
+  }
+}
+
+// The regions of a scenario's spawn rules: drawn on the ground, and a list to change them.
+
+export interface SpawnRegionsHost {
+  models(): string[];
+  changed(): void;
+}
+
+function cornersOf(region: SpawnRule['region']): Point[] {
+  if (region.length === 4 && typeof region[0] === 'number') {
+    const [x0, y0, x1, y1] = region as number[];
+    return [{x: x0, y: y0}, {x: x1, y: y0}, {x: x1, y: y1}, {x: x0, y: y1}];
+  }
+  return (region as number[][]).map(([x, y]) => ({x, y}));
+}
+
+export class SpawnRegions {
+  private shown = '';  // signature of the list
+  private readonly lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({color: 0x2b9a5c}));
+
+  constructor(
+      private readonly scene: WorldScene, private readonly client: FileClient, private readonly host: SpawnRegionsHost) {
+    this.lines.frustumCulled = false;
+    scene.add(this.lines);
+  }
+
+  async add(from: Point, to: Point): Promise<void> {
+    const round = (value: number): number => Math.round(value * 100) / 100;
+    const model = this.host.models()[0] ?? 'position';
+    const region = [Math.min(from.x, to.x), Math.min(from.y, to.y), Math.max(from.x, to.x), Math.max(from.y, to.y)].map(round);
+    await this.client.edit('set_region', {rule: {model, count: 1, region}});
+    this.host.changed();
+  }
+
+  show(rules: SpawnRule[], locked: boolean): void {
+    const points: number[] = [];
+    for (const rule of rules) {
+      const corners = cornersOf(rule.region);
+      corners.forEach((corner, i) => {
+        const next = corners[(i + 1) % corners.length];
+        points.push(corner.x, corner.y, 0.02, next.x, next.y, 0.02);
+      });
+    }
+    this.lines.geometry.dispose();
+    this.lines.geometry = new BufferGeometry();
+    this.lines.geometry.setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
+    this.scene.invalidate();
+    // A list that is open, or a number that is being typed, must stay where it is.
+    const signature = JSON.stringify([rules, locked, this.host.models()]);
+    if (signature === this.shown) return;
+    this.shown = signature;
+    byId('region-list').replaceChildren(
+      ...(rules.length > 0 ? [make('h2', 'second', 'Spawn regions')] : []), ...rules.map((rule, i) => this.row(rule, i, locked)));
+  }
+
+  private row(rule: SpawnRule, index: number, locked: boolean): HTMLElement {
+    const row = make('div', 'block-row');
+    const change = (members: object): void => {
+      void this.client.edit('set_region', {index, rule: members}).then(() => this.host.changed());
+    };
+    const count = document.createElement('input');
+    count.type = 'number';
+    count.className = 'number';
+    count.min = '1';
+    count.value = String(rule.count);
+    count.disabled = locked;
+    count.setAttribute('aria-label', 'Number of models');
+    count.onchange = () => change({count: Number(count.value)});
+    const model = document.createElement('select');
+    model.disabled = locked;
+    model.setAttribute('aria-label', 'Model');
+    const names = this.host.models();
+    model.append(...(names.includes(rule.model) ? names : [rule.model, ...names]).map(name => new Option(name, name, false, name === rule.model)));
+    model.onchange = () => change({model: model.value});
+    row.append(count, model);
+    if (!locked) {
+      const remove = make('button', 'plain', '✕');
+      remove.title = 'Delete the spawn rule';
+      remove.onclick = () => void this.client.edit('set_region', {index, rule: null}).then(() => this.host.changed());
+      row.append(remove);
+    }
+    return row;
   }
 }

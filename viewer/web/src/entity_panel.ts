@@ -1,15 +1,11 @@
 // The panel of the selected robot or object.
-import {agentText} from './agents';
-import type {AgentInfo} from './connection';
+import type {AgentInfo, Connection} from './connection';
 import {byId, fixed, make, setText} from './dom';
-import {drawPolarPlot} from './polar_plot';
-import {degrees} from './pose';
-import {OBJECT_MODES, scansOf, type Pose} from './protocol';
-import {PowerRows} from './power_rows';
+import {OBJECT_MODES, scansOf, type Light, type Pose, type Reading} from './protocol';
 import {robotState} from './robot_list';
+import {compose, degrees, isInTree, nameOf, poseOf, type Entity, type Run} from './run';
+import {bearing, flattestPlane, raysOf} from './sensor_marks';
 import {SensorViews} from './sensor_views';
-import {SpeedPlot} from './speed_plot';
-import {nameOf, poseOf, type Entity, type Run} from './run';
 
 function normalizedDegrees(heading: number): number {
   return degrees(Math.atan2(Math.sin(heading), Math.cos(heading)));
@@ -150,4 +146,247 @@ export class EntityPanel {
       row.classList.toggle('blocked', state?.blocked ?? false);
     });
   }
+}
+
+// The agents of robots, as the run tells them when it is asked.
+
+const PERIOD = 1000;  // ms, between two questions for a robot
+
+export function agentText(agent: AgentInfo): string {
+  const answer = agent.answer_seconds > 0 ? `, answers in ${fixed(1000 * agent.answer_seconds, 1)} ms` : '';
+  return `${agent.host}, process ${agent.pid}${agent.present ? answer : ', lost'}`;
+}
+
+export class Agents {
+  private readonly known = new Map<string, AgentInfo>();  // by robot
+  private readonly asked = new Map<string, number>();  // when, by robot
+
+  // `changed`: an answer has come.
+  constructor(private readonly connection: Connection, private readonly changed: () => void) {}
+
+  // The agents as they were told last; asks for them again if the last question is long ago.
+  of(robot: string): AgentInfo | null {
+    const now = performance.now();
+    if (now - (this.asked.get(robot) ?? -Infinity) >= PERIOD) {
+      this.asked.set(robot, now);
+      void this.ask(robot);
+    }
+    return this.known.get(robot) ?? null;
+  }
+
+  private async ask(robot: string): Promise<void> {
+    const reply = await this.connection.request('entities', {name: robot});
+    const agent = reply.entities?.find(({name}) => name === robot)?.agent;
+    if (agent) this.known.set(robot, agent);
+    else this.known.delete(robot);
+    this.changed();
+  }
+}
+
+// The stores of energy and the lights of the selected robot, in its panel.
+
+// Without the robot's name; `own`: of the robot's root itself.
+function partName(run: Run, robot: number, model: number, own: string): string {
+  const {name, root} = run.world.robots[robot];
+  return model === root ? own : run.world.models[model].name.replace(`${name}.`, '');
+}
+
+export function energyText(joules: number): string {
+  return joules >= 1000 ? `${fixed(joules / 1000, 2)} kJ` : `${fixed(joules, 1)} J`;
+}
+
+function lightText(run: Run, light: Light): string {
+  if (!run.isSwitchedOn(light)) return 'switched off';
+  const blinks = light.on > 0 && light.on < light.period;
+  return `${run.isLit(light) ? 'on' : 'dark'}${blinks ? ', blinks' : ''}`;
+}
+
+export class PowerRows {
+  private key = '';
+  private stores: number[] = [];  // indices
+  private lights: Light[] = [];
+
+  constructor(private readonly parent: HTMLElement) {}
+
+  show(run: Run, robot: number): void {
+    const key = `${run.world.number} ${robot}`;
+    if (key !== this.key) this.rebuild(run, robot);
+    this.key = key;
+    this.stores.forEach((store, i) => this.showStore(run, store, this.parent.children[i]));
+    this.lights.forEach((light, i) => {
+      const row = this.parent.children[this.stores.length + i];
+      const [, dot, value] = [...row.children] as HTMLElement[];
+      const color = run.world.models[light.model].color.slice(0, 3).map(c => Math.round(255 * c)).join(' ');
+      const background = run.isLit(light) ? `rgb(${color})` : '';
+      if (dot.style.backgroundColor !== background) dot.style.backgroundColor = background;
+      setText(value, lightText(run, light));
+    });
+  }
+
+  clear(): void {
+    this.key = '';
+    this.parent.replaceChildren();
+  }
+
+  private rebuild(run: Run, robot: number): void {
+    const {root} = run.world.robots[robot];
+    const isOf = (model: number): boolean => !run.world.models[model].removed && isInTree(run.world, model, root);
+    this.stores = run.world.stores.flatMap(({model}, i) => (isOf(model) ? [i] : []));
+    this.lights = run.world.lights.filter(({model}) => isOf(model));
+    this.parent.replaceChildren();
+    for (const store of this.stores) {
+      const row = make('div', 'store');
+      const name = partName(run, robot, run.world.stores[store].model, 'energy');
+      row.append(make('span', 'joint-name', name), make('meter', 'joint-bar'), make('span', 'joint-value'));
+      row.append(make('span', 'store-charge faint'));
+      this.parent.append(row);
+    }
+    for (const {model} of this.lights) {
+      const row = make('div', 'light');
+      row.append(make('span', 'joint-name', partName(run, robot, model, 'light')), make('span', 'light-dot'), make('span', ''));
+      this.parent.append(row);
+    }
+  }
+
+  private showStore(run: Run, index: number, row: Element): void {
+    const {capacity, endless} = run.world.stores[index];
+    const {joules, chargeWatts} = run.stores[index] ?? {joules: 0, chargeWatts: 0};
+    const [, bar, value, charge] = [...row.children] as [HTMLElement, HTMLMeterElement, HTMLElement, HTMLElement];
+    const share = endless ? 1 : capacity > 0 ? joules / capacity : 0;
+    bar.low = 0.2;
+    if (Math.abs(bar.value - share) > 1e-4) bar.value = share;
+    setText(value, endless ? 'endless' : energyText(joules));
+    const charging = chargeWatts > 0 ? `charging with ${fixed(chargeWatts, 1)} W` : '';
+    const of = endless ? '' : `of ${energyText(capacity)}`;
+    setText(charge, [of, charging].filter(text => text !== '').join(', '));
+  }
+}
+
+// The speed of the selected robot over the last seconds of simulated time.
+
+const SECONDS = 20;  // of simulated time
+const MOST = 1200;  // samples
+
+export class SpeedPlot {
+  private samples: Array<[number, number]> = [];  // s, m/s
+  private key = '';
+
+  constructor(private readonly canvas: HTMLCanvasElement) {}
+
+  // At each update.
+  add(run: Run, robot: number): void {
+    const key = `${run.world.name} ${robot}`;
+    const last = this.samples[this.samples.length - 1];
+    if (key !== this.key || (last && run.seconds < last[0])) this.samples = [];
+    this.key = key;
+    const row = run.robots[robot];
+    if (!row || (last && this.samples.length > 0 && run.seconds === last[0])) return;
+    this.samples.push([run.seconds, Math.hypot(row.twist.vx, row.twist.vy)]);
+    const first = this.samples.findIndex(([time]) => time >= run.seconds - SECONDS);
+    if (first > 0 || this.samples.length > MOST) this.samples.splice(0, Math.max(first, this.samples.length - MOST));
+  }
+
+  draw(): void {
+    const width = this.canvas.clientWidth;
+    const height = this.canvas.clientHeight;
+    if (width === 0 || this.samples.length === 0) return;
+    const ratio = Math.min(window.devicePixelRatio, 2);
+    if (this.canvas.width !== Math.round(width * ratio)) {
+      this.canvas.width = Math.round(width * ratio);
+      this.canvas.height = Math.round(height * ratio);
+    }
+    const style = getComputedStyle(document.documentElement);
+    const context = this.canvas.getContext('2d')!;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, width, height);
+    const top = Math.max(0.1, ...this.samples.map(([, speed]) => speed));
+    const end = this.samples[this.samples.length - 1][0];
+    context.strokeStyle = style.getPropertyValue('--line');
+    context.strokeRect(0.5, 0.5, width - 1, height - 1);
+    context.beginPath();
+    this.samples.forEach(([time, speed], i) => {
+      const x = width * (1 - (end - time) / SECONDS);
+      const y = height - 3 - (height - 6) * (speed / top);
+      if (i === 0) context.moveTo(x, y);
+      else context.lineTo(x, y);
+    });
+    context.strokeStyle = style.getPropertyValue('--rays');
+    context.lineWidth = 1.5;
+    context.stroke();
+    context.fillStyle = style.getPropertyValue('--faint');
+    context.font = '10px system-ui, sans-serif';
+    context.fillText(`${fixed(top, 2)} m/s, last ${SECONDS} s`, 5, 12);
+  }
+}
+
+// The ranges of a robot's rangers around it, ahead upwards.
+
+function color(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): void {
+  const ratio = Math.min(window.devicePixelRatio, 2);
+  const size = canvas.clientWidth;
+  if (size === 0) return;
+  if (canvas.width !== Math.round(size * ratio)) canvas.width = canvas.height = Math.round(size * ratio);
+  const context = canvas.getContext('2d')!;
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, size, size);
+  const scans = readings.flatMap(scansOf);
+  const reach = Math.max(0.1, ...scans.map(scan => scan.max + Math.hypot(scan.pose.x, scan.pose.y)));
+  const center = size / 2;
+  const scale = (center - 12) / reach;
+  const at = (x: number, y: number): [number, number] => [center - y * scale, center - x * scale];
+
+  context.strokeStyle = color('--line');
+  context.fillStyle = color('--faint');
+  context.font = '10px system-ui, sans-serif';
+  context.lineWidth = 1;
+  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find(s => reach / s <= 5) ?? 100;
+  for (let r = step; r <= reach * 1.001; r += step) {
+    context.beginPath();
+    context.arc(center, center, r * scale, 0, 2 * Math.PI);
+    context.stroke();
+    context.fillText(`${Number(r.toFixed(2))} m`, center + 3, center - r * scale + 11);
+  }
+  context.beginPath();
+  context.moveTo(center, 4);
+  context.lineTo(center, size - 4);
+  context.moveTo(4, center);
+  context.lineTo(size - 4, center);
+  context.stroke();
+
+  const line = color('--rays');
+  for (const scan of scans) {
+    const outline: Array<[number, number]> = [at(scan.pose.x, scan.pose.y)];
+    const hits: Array<[number, number]> = [];
+    const count = raysOf(scan);
+    const plane = flattestPlane(scan);
+    const level = Math.cos(scan.elevations[plane] ?? 0);
+    scan.ranges.subarray(plane * count, (plane + 1) * count).forEach((range, i) => {
+      const spread = count > 1 ? [0] : [-0.04, 0, 0.04];
+      for (const side of spread) {
+        const p = compose(
+          {...scan.pose, heading: scan.pose.heading + bearing(scan, i) + side}, {x: range * level, y: 0, z: 0, heading: 0});
+        outline.push(at(p.x, p.y));
+        if (side === 0 && range < scan.max) hits.push(at(p.x, p.y));
+      }
+    });
+    context.beginPath();
+    outline.forEach(([x, y], i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+    context.closePath();
+    context.globalAlpha = 0.16;
+    context.fillStyle = line;
+    context.fill();
+    context.globalAlpha = 0.9;
+    for (const [x, y] of hits) context.fillRect(x - 1, y - 1, 2, 2);
+    context.globalAlpha = 1;
+  }
+  context.fillStyle = color('--text');
+  context.beginPath();
+  context.moveTo(...at(9 / scale, 0));
+  context.lineTo(...at(-6 / scale, 5 / scale));
+  context.lineTo(...at(-6 / scale, -5 / scale));
+  context.fill();
 }

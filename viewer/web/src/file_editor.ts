@@ -2,17 +2,15 @@
 // holds the file; each edit is a request, and the world that follows comes as that of a run.
 import {BitmapDrawing} from './bitmap_drawing';
 import type {Connection} from './connection';
-import {Drawing, roomBetween, wallBetween, type DrawTool, type Point} from './drawing';
 import {byId, make, setText, toast} from './dom';
+import {Drawing, roomBetween, SpawnRegions, wallBetween, type DrawTool, type Point} from './drawing';
 import type {Editing} from './editing';
 import {
-  FileClient, placeText, type EntityReport, type FileDocument, type HelpRow, type PaletteRow,
+  FileClient, placeText, type EntityReport, type FileDocument, type HelpRow, type PaletteRow
 } from './file_client';
 import {ModelEditor} from './model_editor';
-import {drawPicture} from './model_picture';
-import {showProperties} from './property_rows';
+import {drawPicture, showProperties} from './property_rows';
 import type {WorldScene} from './scene';
-import {SpawnRegions} from './spawn_regions';
 
 export interface FileEditorHost {
   selectName(name: string): void;  // an entity of the scene, if it is one

@@ -1,4 +1,4 @@
-// The messages of the gateway: viewer/gateway/world_message.cc, page_viewer.cc and robot_readings.cc write them. Numbers are
+// The messages of the gateway: viewer/gateway/page_messages.cc and page_viewer.cc write them. Numbers are
 // little-endian; metres and radians, in the world frame unless the name says otherwise. The build makes the rows of the
 // state and their readers (generated/rows.ts, by write_rows.cc).
 import {readStateRows, type EventType, type StateRows} from '../generated/rows';

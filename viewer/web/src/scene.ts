@@ -1,23 +1,17 @@
 // WorldScene: the picture of a run. It is drawn anew only when something has changed.
 import {
   Box3, Color, Mesh, MeshBasicMaterial, Object3D, OrthographicCamera, PCFSoftShadowMap, PerspectiveCamera, Plane,
-  Raycaster, RingGeometry, Scene, Vector2, Vector3, type WebGLRenderer,
+  Raycaster, RingGeometry, Scene, Vector2, Vector3, type WebGLRenderer
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
-import {Bodies} from './bodies';
-import {makeGraphics} from './graphics';
-import {Ground} from './ground';
-import {Labels} from './labels';
-import {Motion} from './motion';
-import {Quality} from './quality';
-import {Rays} from './rays';
-import {poseOf, type Entity, type Run} from './run';
-import {SensorMarks} from './sensor_marks';
-import {StaticMap} from './static_map';
-import {Surfaces} from './surfaces';
-import {Trails} from './trails';
-import {toMatrix} from './pose';
+import {Bodies, Labels} from './bodies';
+import {makeGraphics, Quality} from './graphics';
+import {Motion, Trails} from './motion';
 import type {Pose, World} from './protocol';
+import {poseOf, toMatrix, type Entity, type Run} from './run';
+import {Rays, SensorMarks} from './sensor_marks';
+import {Ground, StaticMap} from './static_map';
+import {Surfaces} from './surfaces';
 
 export type ViewName = 'orbit' | 'top';
 

@@ -1,9 +1,8 @@
 // The readings of the selected robot's sensors in its panel, a view for each: pictures, numbers and lists. Ranges have
 // the polar plot.
 import {fixed, make, setText} from './dom';
-import {degrees} from './pose';
 import type {BumperSegment, Content, ContentOf, Reading, Reception} from './protocol';
-import type {Run} from './run';
+import {degrees, type Run} from './run';
 
 const MOST_LINES = 8;  // of a list
 const MOST_MESSAGES = 5;

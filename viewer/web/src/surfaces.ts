@@ -2,10 +2,10 @@
 // shadows. Without one it is a part of the colours of the vertices instead: so drawing costs a fraction, and a body that
 // turns takes its light along.
 import {
-  AmbientLight, Color, DirectionalLight, HemisphereLight, MeshBasicMaterial, MeshLambertMaterial, Vector3,
-  type MeshLambertMaterialParameters, type Object3D,
+  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, HemisphereLight, MeshBasicMaterial,
+  MeshLambertMaterial, ShapeUtils, SRGBColorSpace, Vector2, Vector3, type MeshLambertMaterialParameters, type Object3D
 } from 'three';
-import {GeometryBuilder} from './geometry';
+import type {Block, Pose, Shape} from './protocol';
 
 export type SurfaceMaterial = MeshLambertMaterial | MeshBasicMaterial;
 
@@ -59,4 +59,156 @@ export class Surfaces {
     const sun = this.sun.intensity * Math.max(0, x * TO_SUN.x + y * TO_SUN.y + z * TO_SUN.z) / TO_SUN.length();
     return (sky + sun + this.around.intensity) / Math.PI;
   }
+}
+
+// Triangles of the world's shapes, gathered into one geometry.
+
+export type Rgb = [number, number, number];
+
+// Grows without a copy for each triangle.
+class Floats {
+  private values = new Float32Array(1024);
+  length = 0;
+
+  push(a: number, b: number, c: number): void {
+    if (this.length + 3 > this.values.length) {
+      const grown = new Float32Array(2 * this.values.length);
+      grown.set(this.values);
+      this.values = grown;
+    }
+    this.values[this.length++] = a;
+    this.values[this.length++] = b;
+    this.values[this.length++] = c;
+  }
+  done(): Float32Array {
+    return this.values.slice(0, this.length);
+  }
+}
+
+export class GeometryBuilder {
+  private readonly positions = new Floats();
+  private readonly normals = new Floats();
+  private readonly colors = new Floats();
+  private readonly edges = new Floats();
+  private readonly color = new Color();
+
+  // `lightOn`: the factor for the colours of a face, by its normal.
+  constructor(private readonly lightOn: (nx: number, ny: number, nz: number) => number) {}
+
+  get empty(): boolean {
+    return this.positions.length === 0;
+  }
+
+  addShape(shape: Shape, pose: Pose, rgb: Rgb): void {
+    this.color.setRGB(...rgb, SRGBColorSpace);
+    for (const block of shape.blocks) this.addBlock(block, pose);
+    this.addRectangles(shape, pose);
+  }
+
+  // A triangle in the plane z, seen from above.
+  addFlat(points: Array<[number, number]>, z: number, pose: Pose, rgb: Rgb): void {
+    this.color.setRGB(...rgb, SRGBColorSpace);
+    const at = transform(pose);
+    const [a, b, c] = points.map(([x, y]) => at(x, y));
+    this.triangle(a, b, c, pose.z + z, 1);
+  }
+
+  build(): BufferGeometry {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(this.positions.done(), 3));
+    geometry.setAttribute('normal', new BufferAttribute(this.normals.done(), 3));
+    geometry.setAttribute('color', new BufferAttribute(this.colors.done(), 3));
+    return geometry;
+  }
+
+  // The upper edges of all outlines, as pairs of points.
+  buildEdges(): BufferGeometry {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(this.edges.done(), 3));
+    return geometry;
+  }
+
+  private addBlock(block: Block, pose: Pose): void {
+    const at = transform(pose);
+    const points: Vector2[] = [];
+    for (let i = 0; i < block.outline.length; i += 2) points.push(at(block.outline[i], block.outline[i + 1]));
+    const bottom = pose.z + block.bottom;
+    const top = pose.z + block.top;
+    for (const [a, b, c] of ShapeUtils.triangulateShape(points, [])) {
+      this.triangle(points[a], points[b], points[c], top, 1);
+      if (bottom > 0.01) this.triangle(points[a], points[c], points[b], bottom, -1);
+    }
+    this.addSides(points, bottom, top);
+  }
+
+  // Their upper sides one by one, and the sides around their union.
+  private addRectangles(shape: Shape, pose: Pose): void {
+    const at = transform(pose);
+    const top = pose.z + shape.top;
+    const r = shape.rectangles;
+    for (let i = 0; i < r.length; i += 4) {
+      const corners = [at(r[i], r[i + 1]), at(r[i + 2], r[i + 1]), at(r[i + 2], r[i + 3]), at(r[i], r[i + 3])];
+      this.triangle(corners[0], corners[1], corners[2], top, 1);
+      this.triangle(corners[0], corners[2], corners[3], top, 1);
+    }
+    // The gateway does not say which way round the loops go; all go the same way, holes the other one.
+    const loops = shape.loops.map(loop => {
+      const points: Vector2[] = [];
+      for (let i = 0; i < loop.length; i += 2) points.push(at(loop[i], loop[i + 1]));
+      return points;
+    });
+    const area = loops.reduce((sum, points) => sum + ShapeUtils.area(points), 0);
+    for (const points of loops) this.addSides(area < 0 ? points.reverse() : points, pose.z + shape.bottom, top);
+  }
+
+  // The inside is to the left of each side.
+  private addSides(points: Vector2[], bottom: number, top: number): void {
+    points.forEach((a, i) => {
+      const b = points[(i + 1) % points.length];
+      const length = Math.hypot(b.x - a.x, b.y - a.y);
+      if (length === 0) return;
+      const nx = (b.y - a.y) / length;
+      const ny = (a.x - b.x) / length;
+      this.vertex(a.x, a.y, bottom, nx, ny, 0);
+      this.vertex(b.x, b.y, bottom, nx, ny, 0);
+      this.vertex(b.x, b.y, top, nx, ny, 0);
+      this.vertex(a.x, a.y, bottom, nx, ny, 0);
+      this.vertex(b.x, b.y, top, nx, ny, 0);
+      this.vertex(a.x, a.y, top, nx, ny, 0);
+      this.edges.push(a.x, a.y, top);
+      this.edges.push(b.x, b.y, top);
+    });
+  }
+
+  private triangle(a: Vector2, b: Vector2, c: Vector2, z: number, nz: number): void {
+    const up = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) > 0;
+    const [second, third] = up === nz > 0 ? [b, c] : [c, b];
+    this.vertex(a.x, a.y, z, 0, 0, nz);
+    this.vertex(second.x, second.y, z, 0, 0, nz);
+    this.vertex(third.x, third.y, z, 0, 0, nz);
+  }
+
+  private vertex(x: number, y: number, z: number, nx: number, ny: number, nz: number): void {
+    this.positions.push(x, y, z);
+    this.normals.push(nx, ny, nz);
+    const light = this.lightOn(nx, ny, nz);
+    this.colors.push(light * this.color.r, light * this.color.g, light * this.color.b);
+  }
+}
+
+function transform(pose: Pose): (x: number, y: number) => Vector2 {
+  const c = Math.cos(pose.heading);
+  const s = Math.sin(pose.heading);
+  return (x, y) => new Vector2(pose.x + c * x - s * y, pose.y + s * x + c * y);
+}
+
+// Pure screen colours are too loud beside each other.
+export function softened([r, g, b]: Rgb): Rgb {
+  const luma = 0.3 * r + 0.59 * g + 0.11 * b;
+  const mix = (value: number): number => 0.9 * (value + (luma - value) * 0.2) + 0.1 * 0.55;
+  return [mix(r), mix(g), mix(b)];
+}
+
+export function mixed(a: Rgb, b: Rgb, share: number): Rgb {
+  return [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share, a[2] + (b[2] - a[2]) * share];
 }

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "ros/messages/robot_in_ros.h"
+#include "ros/messages/names.h"
 #include "world-service/observers/ros/request_values.h"
 #include "world-service/observers/ros/simulation_context.h"
 

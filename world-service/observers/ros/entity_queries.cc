@@ -6,7 +6,7 @@
 
 #include "ros/messages/convert.h"
 #include "ros/messages/names.h"
-#include "world-service/observers/ros/entity_filter.h"
+#include "world-service/observers/ros/request_values.h"
 #include "world-service/observers/ros/simulation_context.h"
 
 namespace troupe {

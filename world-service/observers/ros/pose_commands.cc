@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "ros/connection/ros_endpoints.h"
-#include "ros/connection/ros_qos.h"
+#include "ros/connection/ros_network.h"
 #include "ros/connection/topic_types.h"
 #include "ros/link/host_connection.h"
-#include "ros/messages/robot_in_ros.h"
+#include "ros/messages/names.h"
 #include "world-service/observers/ros/request_values.h"
 
 namespace troupe {

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/base/flood_limiter.h"
+#include "common/base/text.h"
 #include "common/spatial/scene.h"
 #include "ros/connection/ros_connection.h"
 #include "ros/messages/messages.h"

@@ -2,34 +2,159 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+#include <condition_variable>
 #include <cstdio>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "common/base/print.h"
-#include "ros/connection/clock_output.h"
-#include "ros/connection/parameter_services.h"
+#include "ros/connection/node_services.h"
 #include "ros/connection/ros_endpoints.h"
-#include "ros/connection/ros_log.h"
-#include "ros/connection/ros_qos.h"
-#include "ros/connection/type_description_service.h"
+#include "ros/connection/ros_network.h"
+#include "ros/connection/world_topics.h"
 #include "ros/link/host_connection.h"
 #include "ros/messages/convert.h"
-#include "ros/messages/convert_world.h"
 #include "ros/messages/messages.h"
-#include "ros/messages/robot_in_ros.h"
+#include "ros/messages/names.h"
+#include "ros/messages/robot_frames.h"
 #include "transport/dds/binding/wire.h"
 #include "world-service/observers/ros/pose_commands.h"
-#include "world-service/observers/ros/simulation_services.h"
-#include "world-service/observers/ros/world_pictures.h"
-#include "world-service/service/event_text.h"
+#include "world-service/observers/ros/run_services.h"
+#include "world-service/observers/ros/simulation_context.h"
+#include "world-service/service/event_log.h"
 
 namespace troupe {
 namespace {
+
+// SimulationServices: the services and the action of package simulation_interfaces, and std_srvs/Empty /reset, all over
+// the control of one run. docs/ros2.md lists them.
+class SimulationServices {
+ public:
+  // `name`: the node's, in the service names. REQUIRES: the control outlives the services.
+  SimulationServices(const ros::RosNode& node, const std::string& name, const std::shared_ptr<const Scene>& scene,
+                     WorldControl& control);
+  // After it no call into the control runs; open requests are dropped.
+  ~SimulationServices() = default;
+
+  // An edit has replaced the world.
+  void ChangeWorld(const std::shared_ptr<const Scene>& scene);
+  // Reports a committed tick to the action.
+  void Publish(const FrameMessage& frame) { step_action_.Publish(frame); }
+
+ private:
+  std::shared_ptr<SimulationContext> context_;  // shared with requests that wait for their answer
+  ServiceSet services_;
+  StepAction step_action_;
+};
+
+SimulationServices::SimulationServices(const ros::RosNode& node, const std::string& name,
+                                       const std::shared_ptr<const Scene>& scene, WorldControl& control)
+    : context_(std::make_shared<SimulationContext>(scene, control)),
+      services_(node, name + "/", context_),
+      step_action_(node, name + "/simulate_steps", context_) {
+  AddRunServices(services_);
+  AddWorldServices(services_);
+  AddEntityQueries(services_);
+  AddEntityEdits(services_);
+}
+
+void SimulationServices::ChangeWorld(const std::shared_ptr<const Scene>& scene) {
+  context_->ChangeWorld(scene);
+}
+
+// WorldPictures: the large topics of the world, which are sent once: the map and the markers of the blocks. A thread of
+// its own makes them as soon as they have a reader, so that no tick waits for them, and a paused run sends them too.
+class WorldPictures {
+ public:
+  WorldPictures(const ros::RosNode& node, const ros::RosOptions& options, std::shared_ptr<const Scene> scene);
+  ~WorldPictures();
+
+  // An edit has replaced the world: both topics are sent again.
+  void ChangeWorld(std::shared_ptr<const Scene> scene);
+
+ private:
+  void Run();
+  void WriteBlocks(const Scene& scene, bool replaces);
+
+  const ros::RosOptions options_;
+  ros::RosWriter<ros::OccupancyGridMessage> map_;
+  ros::RosWriter<ros::MarkerArray> blocks_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stop_ = false;
+  std::shared_ptr<const Scene> scene_;
+  bool map_written_ = false;
+  bool blocks_written_ = false;
+  bool blocks_replaced_ = false;  // viewers may show markers of the world before
+  std::thread thread_;            // last, because it uses all other members
+};
+
+constexpr auto kPeriod = std::chrono::milliseconds(100);
+
+WorldPictures::WorldPictures(const ros::RosNode& node, const ros::RosOptions& options,
+                             std::shared_ptr<const Scene> scene)
+    : options_(options),
+      map_(node, "/map", ros::Latched()),
+      blocks_(node, "/blocks", ros::Latched()),
+      scene_(std::move(scene)),
+      thread_([this] { Run(); }) {}
+
+WorldPictures::~WorldPictures() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void WorldPictures::ChangeWorld(std::shared_ptr<const Scene> scene) {
+  {
+    const std::lock_guard lock(mutex_);
+    scene_ = std::move(scene);
+    blocks_replaced_ = blocks_replaced_ || blocks_written_;
+    map_written_ = blocks_written_ = false;
+  }
+  wake_.notify_one();
+}
+
+void WorldPictures::Run() {
+  std::unique_lock lock(mutex_);
+  while (!stop_) {
+    const std::shared_ptr<const Scene> scene = scene_;
+    const bool map_due = !std::exchange(map_written_, map_written_ || map_.wanted()) && map_written_;
+    const bool blocks_due = !std::exchange(blocks_written_, blocks_written_ || blocks_.wanted()) && blocks_written_;
+    const bool replaces = blocks_replaced_;
+    lock.unlock();
+    if (map_due) ros::WriteMap(map_, *scene, options_.world);
+    if (blocks_due) WriteBlocks(*scene, replaces);
+    lock.lock();
+    const auto changed = [&] { return stop_ || scene_ != scene; };
+    if (map_written_ && blocks_written_) {
+      wake_.wait(lock, changed);
+    } else {
+      wake_.wait_for(lock, kPeriod, changed);
+    }
+  }
+}
+
+void WorldPictures::WriteBlocks(const Scene& scene, bool replaces) {
+  std::vector<std::vector<std::string>> frames;
+  // Namespaced frames are in separate trees, and so are those in other domains.
+  for (std::size_t i = 0; i < scene.world().robots.size() && !options_.names.namespaced_tf; ++i) {
+    const ros::RobotInRos robot =
+        ros::FindRobotInRos(scene.world(), RobotId(i), options_.network.domain, options_.names);
+    frames.emplace_back();
+    if (!robot.alone) frames.back() = ros::RobotFramesOf(scene, RobotId(i), robot.frames).links;
+  }
+  dds::WireArena arena;
+  blocks_.Write(ros::MakeBlockMarkers(scene, frames, arena, replaces));
+}
 
 constexpr std::int32_t kEventDepth = 100;
 constexpr const char* kNodeName = "world";

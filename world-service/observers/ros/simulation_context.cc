@@ -1,11 +1,9 @@
 #include "world-service/observers/ros/simulation_context.h"
 
 #include <algorithm>
-#include <utility>
-#include <vector>
 
 #include "ros/messages/names.h"
-#include "world-service/observers/ros/entity_filter.h"
+#include "world-service/observers/ros/request_values.h"
 
 namespace troupe {
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "common/spatial/scene.h"
-#include "ros/connection/ros_service.h"
-#include "ros/connection/simulation_types.h"
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/topic_types.h"
 #include "transport/dds/binding/wire.h"
 #include "transport/protocol/messages.h"
 #include "world-service/service/run_observer.h"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "ros/messages/convert.h"
-#include "world-service/observers/ros/entity_filter.h"
 #include "world-service/observers/ros/request_values.h"
 #include "world-service/observers/ros/simulation_context.h"
 

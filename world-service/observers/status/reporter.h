@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "common/run/network_settings.h"
+#include "common/run/run_settings.h"
 #include "troupe/result.h"
 #include "world-service/service/run_observer.h"
-#include "world-service/service/run_summary.h"
+#include "world-service/service/run_service.h"
 
 namespace troupe {
 

@@ -5,10 +5,15 @@
 #include <string_view>
 
 #include "troupe/world_description.h"
+#include "worldfile/models/properties/property_reader.h"
 
 namespace troupe {
 
 // Exact spelling; nothing if there is no such colour.
 std::optional<Color> FindColor(std::string_view name);
+
+// A model's colour: the properties `color` and `color_rgba`.
+// `otherwise` is the type's colour. A random colour is a function of `seed` and the model's id.
+Color ReadColor(PropertyReader& reader, const Color& otherwise, std::uint64_t seed, ModelId model);
 
 }  // namespace troupe

@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "worldfile/models/types/built_in_types.h"
-#include "worldfile/text/quote.h"
+#include "worldfile/models/types/model_types.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

@@ -5,10 +5,46 @@
 #include <string>
 #include <vector>
 
-#include "worldfile/models/properties/build_context.h"
-#include "worldfile/models/types/gripper_settings.h"
+#include "worldfile/models/properties/model_shape.h"
+#include "worldfile/models/properties/property_reader.h"
 
 namespace troupe {
+
+// Reads the properties of a `gripper`.
+
+// A model of the gripper's tree that a property names.
+struct PartName {
+  std::string name;
+  SourceLocation where;
+};
+
+// The two paddles and the lift of a gripper without named fingers.
+struct PaddleSettings {
+  Size size;                       // of one, m
+  double travel = 0.0;             // m, of each, from open to touching the other
+  double speed = 0.0;              // m/s
+  bool closed = false;             // paddles, at load
+  std::optional<Interval> height;  // m, the lift's range: their underside above the gripper; nothing: no lift
+  double lift_speed = 0.0;         // m/s
+  bool up = false;                 // lift, at load
+};
+
+struct GripperSettings {
+  bool autosnatch = false;
+  std::optional<PaddleSettings> paddles;  // nothing: its fingers are named
+  std::optional<PartName> left_finger;
+  std::optional<PartName> right_finger;
+  std::optional<PartName> left_pad;
+  std::optional<PartName> right_pad;
+  std::optional<PartName> lift;
+};
+
+// `size` is the gripper's, m; `height` is its own above its robot's base, m.
+GripperSettings ReadGripper(PropertyReader& reader, const Size& size, double height);
+
+// The size of the part behind the paddles, m, and its pose in the gripper's frame M.
+Size BackSize(const Size& size, const PaddleSettings& paddles);
+Pose BackPose(const Pose& X_MD, const PaddleSettings& paddles);
 
 // The paddles and the lift that a gripper has by itself.
 struct OwnParts {

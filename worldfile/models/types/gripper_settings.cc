@@ -1,10 +1,9 @@
-#include "worldfile/models/types/gripper_settings.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "common/geometry/limits.h"
-#include "worldfile/text/quote.h"
+#include "worldfile/models/types/gripper_builder.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

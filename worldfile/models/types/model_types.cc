@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <vector>
 
-#include "common/base/closest_name.h"
-#include "worldfile/models/types/built_in_types.h"
-#include "worldfile/text/quote.h"
+#include "common/base/text.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
@@ -52,6 +52,29 @@ std::string ListText(const std::vector<std::string>& names) {
   return text.empty() ? "" : text + ")";
 }
 
+// `blinkenlight`: a light that is on and off by turns. `lightindicator`: a light that a controller switches.
+
+class BlinkenlightReader : public ModelReader {
+ public:
+  void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& /*context*/) override {
+    const double period_ms = reader.Number("period", 1000.0, 1e-3, 1e6);
+    const double duty_cycle = reader.Number("dutycycle", 1.0, 0.0, 1.0);
+    const bool enabled = reader.Flag("enabled", true);
+    Blinking& blinking = draft.model.blinking;
+    blinking.period_ns = std::llround(period_ms * 1e6);
+    blinking.on_ns = std::llround(period_ms * duty_cycle * 1e6);
+    blinking.is_switched_on = enabled;
+  }
+};
+
+class LightIndicatorReader : public ModelReader {
+ public:
+  void ReadProperties(PropertyReader& /*reader*/, ModelDraft& draft, BuildContext& /*context*/) override {
+    constexpr std::int64_t kAnyPeriod = 1'000'000'000;  // ns
+    draft.model.blinking = {kAnyPeriod, kAnyPeriod, false};
+  }
+};
+
 }  // namespace
 
 const ModelType* FindModelType(std::string_view name) {
@@ -75,6 +98,37 @@ std::string UnknownTypeMessage(const std::string& type, const std::map<std::stri
     names.emplace_back(known.name);
   }
   return message + DidYouMean(type, names);
+}
+
+Shape ModelReader::ReadShape(PropertyReader& reader, const ModelDraft& draft, BuildContext& context) {
+  if (draft.map) return RosMapShape(reader, *draft.map, draft.size, draft.X_MD);
+  return ReadModelShape(reader, draft.type.has_body, draft.size, draft.X_MD, context);
+}
+
+void ModelReader::ReadProperties(PropertyReader&, ModelDraft&, BuildContext&) {}
+
+void ModelReader::AddParts(const ModelDraft&, BuildContext&) {}
+
+void ModelReader::Complete(BuildContext&) {}
+
+std::string NameOnRobot(const WorldDescription& world, RobotId robot, const std::string& name) {
+  const std::string prefix = world.robot(robot).name + ".";
+  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+}
+
+ModelType PlainModelType() {
+  return {.name = "model"};
+}
+
+ModelType BlinkenlightType() {
+  return {.name = "blinkenlight",
+          .size = {0.02, 0.02, 0.02},
+          .color = {0.0, 1.0, 0.0, 1.0},
+          .make_reader = MakeReader<BlinkenlightReader>};
+}
+
+ModelType LightIndicatorType() {
+  return {.name = "lightindicator", .make_reader = MakeReader<LightIndicatorReader>};
 }
 
 }  // namespace troupe

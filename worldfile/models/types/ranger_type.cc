@@ -3,10 +3,9 @@
 #include <cmath>
 
 #include "common/geometry/limits.h"
-#include "worldfile/models/properties/unused_properties.h"
-#include "worldfile/models/types/built_in_types.h"
-#include "worldfile/models/types/sensor_properties.h"
-#include "worldfile/text/quote.h"
+#include "worldfile/models/properties/property_reader.h"
+#include "worldfile/models/types/model_types.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {

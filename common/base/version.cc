@@ -1,9 +1,0 @@
-#include "troupe/version.h"
-
-namespace troupe {
-
-const char* VersionText() {
-  return TROUPE_VERSION;
-}
-
-}  // namespace troupe

@@ -1,0 +1,101 @@
+#include <cmath>
+
+#include "common/geometry/limits.h"
+#include "troupe/event.h"
+#include "troupe/robot_command.h"
+#include "troupe/world_description.h"
+
+namespace troupe {
+namespace {
+
+bool IsPercentage(const std::optional<double>& value) {
+  return !value || (*value >= 0.0 && *value <= 100.0);
+}
+
+bool IsInWorld(double coordinate) {
+  return std::abs(coordinate) <= kMaxMagnitude;
+}
+
+Status CheckOrder(const std::vector<const GripperDescription*>& grippers, const GripperOrder& order) {
+  if (order.gripper >= grippers.size()) {
+    return Error{{},
+                 "found a command to gripper " + std::to_string(order.gripper) + ", but it has " +
+                     std::to_string(grippers.size())};
+  }
+  const GripperDescription& gripper = *grippers[order.gripper];
+  if (order.lift && !gripper.lift) {
+    return Error{{}, "found a height for gripper '" + gripper.name + "', which has no lift"};
+  }
+  if (!IsPercentage(order.opening) || !IsPercentage(order.lift)) {
+    return Error{{}, "found an opening or a height that is out of range, expected 0 to 100 percent"};
+  }
+  return {};
+}
+
+Status CheckGoal(const Goal& goal) {
+  if (goal.waypoints.empty() || goal.waypoints.size() > kMostWaypoints) {
+    return Error{{},
+                 "found a goal with " + std::to_string(goal.waypoints.size()) + " points, expected 1 to " +
+                     std::to_string(kMostWaypoints)};
+  }
+  for (const Vec2& point : goal.waypoints) {
+    if (!IsInWorld(point.x()) || !IsInWorld(point.y())) return Error{{}, "found a goal beyond 1000 km"};
+  }
+  if (goal.heading && !std::isfinite(*goal.heading)) return Error{{}, "found a heading that is not finite"};
+  return {};
+}
+
+Status CheckParts(const WorldDescription& world, const RobotCommand& command) {
+  if (command.twist && !IsFinite(*command.twist)) return Error{{}, "found a twist that is not finite"};
+  std::vector<const GripperDescription*> grippers;
+  for (const GripperDescription& gripper : world.grippers) {
+    if (gripper.robot == command.robot) grippers.push_back(&gripper);
+  }
+  for (const GripperOrder& order : command.grippers) {
+    if (Status failure = CheckOrder(grippers, order); !failure.ok()) return failure;
+  }
+  return command.goal ? CheckGoal(*command.goal) : Status();
+}
+
+}  // namespace
+
+const char* ToString(EventType type) {
+  switch (type) {
+    case EventType::kStallBegan:
+      return "stall_began";
+    case EventType::kStallEnded:
+      return "stall_ended";
+    case EventType::kJoined:
+      return "joined";
+    case EventType::kLeft:
+      return "left";
+    case EventType::kProposalRejected:
+      return "proposal_rejected";
+    case EventType::kBlocked:
+      return "blocked";
+    case EventType::kGripped:
+      return "gripped";
+    case EventType::kReleased:
+      return "released";
+    case EventType::kLanded:
+      return "landed";
+    case EventType::kUnstable:
+      return "unstable";
+    case EventType::kOutOfEnergy:
+      return "out_of_energy";
+    case EventType::kSaid:
+      return "said";
+  }
+  return "unknown";
+}
+
+Status CheckRobotCommand(const WorldDescription& world, const RobotCommand& command) {
+  if (command.robot.index() >= world.robots.size() || !IsThere(world, command.robot)) {
+    return Error{{}, "found a command to a robot that the world does not have"};
+  }
+  Status failure = CheckParts(world, command);
+  if (failure.ok()) return failure;
+  return Error{{}, "robot " + world.robot(command.robot).name + ": " + failure.error().message};
+}
+
+}  // namespace troupe

@@ -1,0 +1,227 @@
+#include "common/model/states.h"
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/base/hash.h"
+#include "troupe/check.h"
+#include "troupe/radio_limits.h"
+
+namespace troupe {
+namespace {
+
+Error StateError(std::string message) {
+  return {.where = {}, .message = std::move(message)};
+}
+
+// The rows that a state of the world has; nothing: any number.
+template <typename Row>
+std::optional<std::size_t> CountRows(const WorldDescription& world, const DeviceCounts& devices) {
+  if constexpr (std::is_same_v<Row, RobotState>) return world.robots.size();
+  if constexpr (std::is_same_v<Row, JointState>) return world.joints.size();
+  if constexpr (std::is_same_v<Row, GripperState>) return world.grippers.size();
+  if constexpr (std::is_same_v<Row, ObjectState>) return world.objects.size();
+  if constexpr (std::is_same_v<Row, StoreState>) return devices.stores;
+  if constexpr (std::is_same_v<Row, ImuState>) return devices.imus;
+  if constexpr (std::is_same_v<Row, LightState>) return devices.lights;
+  if constexpr (std::is_same_v<Row, CameraState>) return devices.cameras;
+  return std::nullopt;
+}
+
+bool IsKnown(const WorldDescription& world, ModelId model) {
+  return model.index() < world.models.size();
+}
+bool IsKnown(const WorldDescription& world, RobotId robot) {
+  return robot.index() < world.robots.size();
+}
+bool IsKnown(const WorldDescription& world, GripperId gripper) {
+  return gripper.index() < world.grippers.size();
+}
+bool IsKnown(const WorldDescription& world, ObjectId object) {
+  return object.index() < world.objects.size();
+}
+
+// Of one state: whether all of its numbers are finite, and all of its ids are those of the world.
+class ValueCheck {
+ public:
+  explicit ValueCheck(const WorldDescription& world) : world_(world) {}
+
+  void operator()(double number) { finite_ = finite_ && std::isfinite(number); }
+  template <typename Tag>
+  void operator()(Id<Tag> id) {
+    known_ = known_ && IsKnown(world_, id);
+  }
+  template <typename Tag>
+  void operator()(const std::optional<Id<Tag>>& id) {
+    known_ = known_ && (!id || IsKnown(world_, *id));
+  }
+  template <typename Number>
+  requires(std::is_integral_v<Number> || std::is_enum_v<Number>) void operator()(Number) {}  // any
+  void operator()(const std::vector<std::uint8_t>&) {}                                       // any
+
+  Status status() const {
+    if (!finite_) return StateError("found a number that is not finite in a state");
+    if (!known_) return StateError("found an id in a state that the world does not have");
+    return {};
+  }
+
+ private:
+  const WorldDescription& world_;
+  bool finite_ = true;
+  bool known_ = true;
+};
+
+void Add(Hasher& hasher, double value) {
+  hasher.Add(value);
+}
+
+template <typename Number>
+requires(std::is_integral_v<Number> || std::is_enum_v<Number>) void Add(Hasher& hasher, Number value) {
+  hasher.Add(static_cast<std::uint64_t>(value));
+}
+
+template <typename Tag>
+void Add(Hasher& hasher, Id<Tag> id) {
+  hasher.Add(std::uint64_t{id.index()});
+}
+
+template <typename Tag>
+void Add(Hasher& hasher, const std::optional<Id<Tag>>& id) {
+  hasher.Add(std::uint64_t{id ? id->index() + 1 : 0});
+}
+
+void Add(Hasher& hasher, const std::vector<std::uint8_t>& bytes) {
+  hasher.Add(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+template <HasFields Row>
+void Add(Hasher& hasher, const Row& row) {
+  ForEachLeaf<Row>([&](const auto& leaf) { Add(hasher, leaf.Of(row)); });
+}
+
+// Rows without their number: worlds without any of a kind keep their hashes when states have a new kind.
+template <HasFields Row>
+void Add(Hasher& hasher, const std::vector<Row>& rows) {
+  for (const Row& row : rows) Add(hasher, row);
+}
+
+// At tick 0 the poses determine the supports: a state has the same hash before and after they are found.
+std::vector<ObjectState> WithoutSupports(std::vector<ObjectState> objects) {
+  for (ObjectState& object : objects) {
+    if (object.mode != ObjectMode::kResting) continue;
+    object.mode = ObjectMode::kPlaced;
+    object.support.reset();
+  }
+  return objects;
+}
+
+}  // namespace
+
+DeviceCounts CountDevices(const WorldDescription& world) {
+  return {.stores = FindStores(world).size(),
+          .imus = FindImus(world).size(),
+          .lights = FindLights(world).size(),
+          .cameras = FindCameras(world).size()};
+}
+
+Status CheckState(const WorldDescription& world, const WorldState& state) {
+  return CheckState(world, CountDevices(world), state);
+}
+
+Status CheckState(const WorldDescription& world, const DeviceCounts& devices, const WorldState& state) {
+  Status problem;
+  ValueCheck check(world);
+  ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
+    const std::vector<Row>& rows = table.Of(state);
+    const std::size_t expected = CountRows<Row>(world, devices).value_or(rows.size());
+    if (problem.ok() && rows.size() != expected) {
+      problem = StateError("found a state of " + std::to_string(rows.size()) + " " + std::string(table.name) +
+                           ", expected " + std::to_string(expected));
+    }
+    for (const Row& row : rows) ForEachLeaf<Row>([&](const auto& leaf) { check(leaf.Of(row)); });
+  });
+  if (problem.ok()) problem = check.status();
+  if (!problem.ok()) return problem;
+  for (const ObjectState& object : state.objects) {
+    if ((object.mode == ObjectMode::kHeld) != object.holder.has_value()) {
+      return StateError("found an object that is held without a holder, or has a holder without being held");
+    }
+  }
+  for (const RadioTransmission& transmission : state.transmissions) {
+    if (FindRadio(world.robot(transmission.from), transmission.message.radio) == nullptr) {
+      return StateError("found a radio message of a sensor that is no radio");
+    }
+    if (transmission.due < state.tick || transmission.sent > state.tick) {
+      return StateError("found a radio message that is not on its way");
+    }
+  }
+  return {};
+}
+
+std::uint64_t StateHash(const WorldState& state) {
+  Hasher hasher;
+  ForEachField<WorldState>([&](const auto& field) {
+    const auto& part = field.Of(state);
+    if constexpr (std::is_same_v<decltype(part), const std::vector<ObjectState>&>) {
+      if (state.tick == 0) return Add(hasher, WithoutSupports(part));
+    }
+    Add(hasher, part);
+  });
+  return hasher.value();
+}
+
+WorldState PlacedState(const WorldDescription& world) {
+  WorldState state;
+  state.robots.reserve(world.robots.size());
+  for (const RobotDescription& robot : world.robots) {
+    state.robots.push_back({.X_WR = world.model(robot.root).X_PM, .twist = {}, .stalled = false});
+  }
+  for (const JointDescription& joint : world.joints) state.joints.push_back({.position = joint.start});
+  state.grippers.resize(world.grippers.size());
+  for (ModelId object : world.objects) state.objects.push_back({.X_WO = world.model(object).X_PM});
+  for (ModelId store : FindStores(world)) state.stores.push_back({.joules = world.model(store).power.joules});
+  state.imus.resize(FindImus(world).size());
+  for (const LightPlace& light : FindLights(world)) {
+    state.lights.push_back({world.model(light.model).blinking.is_switched_on});
+  }
+  state.cameras.resize(FindCameras(world).size());
+  return state;
+}
+
+std::size_t MemoryOf(const WorldState& state) {
+  std::size_t size = sizeof state;
+  ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
+    size += table.Of(state).size() * sizeof(Row);
+  });
+  for (const RadioTransmission& transmission : state.transmissions) size += transmission.message.bytes.size();
+  return size;
+}
+
+Pose JointMotion(const JointDescription& joint, double q) {
+  if (joint.type == JointType::kRevolute) return {0.0, 0.0, 0.0, q};
+  return {q * joint.axis_xy.x(), q * joint.axis_xy.y(), q * joint.axis_z, 0.0};
+}
+
+std::vector<Pose> ModelPoses(const WorldDescription& world, const WorldState& state) {
+  TROUPE_CHECK(state.robots.size() == world.robots.size() && state.joints.size() == world.joints.size() &&
+               state.objects.size() == world.objects.size());
+  std::vector<Pose> X_PM;
+  X_PM.reserve(world.models.size());
+  for (const ModelDescription& model : world.models) X_PM.push_back(model.X_PM);
+  for (std::size_t i = 0; i < world.robots.size(); ++i) X_PM[world.robots[i].root.index()] = state.robots[i].X_WR;
+  for (std::size_t i = 0; i < world.objects.size(); ++i) X_PM[world.objects[i].index()] = state.objects[i].X_WO;
+  for (std::size_t i = 0; i < world.joints.size(); ++i) {
+    Pose& X = X_PM[world.joints[i].model.index()];
+    X = X * JointMotion(world.joints[i], state.joints[i].position);
+  }
+  // Now from poses in parents to poses in W, parents first.
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    const std::optional<ModelId>& parent = world.models[i].parent;
+    if (parent) X_PM[i] = X_PM[parent->index()] * X_PM[i];
+  }
+  return X_PM;
+}
+
+}  // namespace troupe

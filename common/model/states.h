@@ -1,0 +1,42 @@
+// Functions of states: the check of one that a peer sent, the hash, and the poses of models.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "troupe/pose.h"
+#include "troupe/result.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
+
+namespace troupe {
+
+// The rows of a state whose number follows from the whole world.
+struct DeviceCounts {
+  std::size_t stores = 0;
+  std::size_t imus = 0;
+  std::size_t lights = 0;
+  std::size_t cameras = 0;
+};
+DeviceCounts CountDevices(const WorldDescription& world);
+
+// Success if the state belongs to the world: as many robots, joints, grippers, objects and devices, finite numbers,
+// known ids. REQUIRES: `devices` are those of the world
+Status CheckState(const WorldDescription& world, const DeviceCounts& devices, const WorldState& state);
+Status CheckState(const WorldDescription& world, const WorldState& state);
+
+// The state hash: 64 bits that differ when any bit of a state does (up to collisions). Two runs are the same when their
+// hashes are the same at every tick.
+std::uint64_t StateHash(const WorldState& state);
+
+// The poses of the models of a state: forward kinematics of robots, joints and objects.
+
+// The motion of the joint's model at position `q` (m or rad): X_PM(q) = X_PM * JointMotion(q).
+Pose JointMotion(const JointDescription& joint, double q);
+
+// Poses of all models in a state, frame W, in id order. REQUIRES: the state belongs to the world.
+std::vector<Pose> ModelPoses(const WorldDescription& world, const WorldState& state);
+
+}  // namespace troupe

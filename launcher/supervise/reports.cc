@@ -1,0 +1,253 @@
+#include "launcher/supervise/reports.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "common/base/json.h"
+#include "common/base/text.h"
+#include "transport/protocol/message_texts.h"
+#include "troupe/event.h"
+
+namespace troupe {
+namespace {
+
+using Json = nlohmann::json;
+
+// A hash is written as hexadecimal text: JSON numbers lose bits beyond 2^53.
+void ReadHash(const Json& object, const char* name, std::uint64_t& value) {
+  std::string text;
+  ReadMember(object, name, text);
+  std::from_chars(text.data(), text.data() + text.size(), value, 16);
+}
+
+ReadyReport ParseReady(const Json& json) {
+  ReadyReport report;
+  ReadMember(json, "robots", report.robots);
+  ReadMember(json, "libraries", report.libraries);
+  ReadMember(json, "robots_per_process", report.robots_per_process);
+  ReadMember(json, "restart_agents", report.restart_agents);
+  ReadMember(json, "aborts_on_loss", report.aborts_on_loss);
+  ReadMember(json, "rebuilds_on_loss", report.rebuilds_on_loss);
+  for (const Json& entry : json.value("participants", Json::array())) {
+    ServiceParticipant& of_group = report.participants.emplace_back();
+    ReadMember(entry, "port", of_group.port);
+    ReadMember(entry, "participant", of_group.participant);
+  }
+  if (report.participants.empty()) report.participants.emplace_back();
+  ReadMember(json, "ros", report.ros);
+  ReadMember(json, "ros_infinite_ranges", report.ros_infinite_ranges);
+  return report;
+}
+
+EventReport ParseEvent(const Json& json) {
+  EventReport report;
+  ReadMember(json, "tick", report.tick);
+  ReadMember(json, "event", report.event);
+  ReadMember(json, "text", report.text);
+  return report;
+}
+
+RunSummary ParseEnd(const Json& json) {
+  RunSummary summary;
+  ReadMember(json, "ticks", summary.ticks);
+  ReadMember(json, "sim_seconds", summary.sim_seconds);
+  ReadMember(json, "wall_seconds", summary.wall_seconds);
+  ReadMember(json, "real_time_factor", summary.real_time_factor);
+  ReadMember(json, "startup_seconds", summary.startup_seconds);
+  ReadMember(json, "robots", summary.robots);
+  ReadMember(json, "stalls", summary.stalls);
+  ReadMember(json, "rejected", summary.rejected);
+  ReadMember(json, "frames_repeated", summary.frames_repeated);
+  ReadHash(json, "state_hash", summary.state_hash);
+  for (const Json& entry : json.value("slowest", Json::array())) {
+    SlowRobot slow;
+    ReadMember(entry, "robot", slow.robot);
+    ReadMember(entry, "times_last", slow.times_last);
+    ReadMember(entry, "waited_seconds", slow.waited_seconds);
+    summary.slowest.push_back(slow);
+  }
+  ReadMember(json, "lost", summary.lost);
+  ReadMember(json, "interrupted", summary.interrupted);
+  ReadMember(json, "record_waited_seconds", summary.record_waited_seconds);
+  return summary;
+}
+
+std::optional<ServiceReport> Parse(const Json& json) {
+  std::string type = json.value("type", "");
+  if (type == "ready") return ParseReady(json);
+  if (type == "robots") {
+    NewRobotsReport report;
+    ReadMember(json, "robots", report.robots);
+    ReadMember(json, "edition", report.edition);
+    return report;
+  }
+  if (type == "started") return StartedReport{};
+  if (type == "status") {
+    StatusMessage status;
+    FieldsFromJson(json, status);
+    return status;
+  }
+  if (type == "event" || type == "notice") return ParseEvent(json);
+  if (type == "end") return ParseEnd(json);
+  return std::nullopt;
+}
+
+constexpr auto kTimeBetweenLines = std::chrono::seconds(5);
+
+// A longer line would wrap, and the next one would not cover it.
+std::size_t TerminalWidth() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+std::string HashText(std::uint64_t hash) {
+  return fmt::format("{:016x}", hash);
+}
+
+std::string ListText(const std::vector<std::string>& names) {
+  return PlainLine(fmt::format("{}", fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+std::optional<ServiceReport> ParseServiceReport(const std::string& line) {
+  try {
+    return Parse(Json::parse(line));
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::string StatusText(const StatusMessage& status) {
+  std::string text = fmt::format("tick {}", status.tick);
+  if (status.target_ticks > 0) text += fmt::format("/{}", status.target_ticks);
+  text += fmt::format(", {:.1f} s, {:.1f} x real time, {} robots", status.sim_seconds, status.real_time_factor,
+                      status.robots);
+  if (!status.waiting_for.empty()) text += ", waiting for " + WaitingText(status);
+  return text;
+}
+
+Progress::Progress()
+    : terminal_(isatty(STDERR_FILENO) == 1), next_line_(std::chrono::steady_clock::now() + kTimeBetweenLines) {}
+
+Progress::~Progress() {
+  ClearStatusLine();
+}
+
+void Progress::Update(const StatusMessage& status) {
+  if (terminal_) {
+    ClearStatusLine();
+    status_line_ = PlainLine(StatusText(status), TerminalWidth() - 1);
+    fmt::print(stderr, "{}", status_line_);
+    std::fflush(stderr);
+  } else if (std::chrono::steady_clock::now() >= next_line_) {
+    Tell(StatusText(status));
+    next_line_ = std::chrono::steady_clock::now() + kTimeBetweenLines;
+  }
+}
+
+void Progress::TellEvent(Tick tick, const std::string& event, const std::string& text) {
+  const bool stall = event == ToString(EventType::kStallBegan) || event == ToString(EventType::kStallEnded);
+  // Agents that join at tick 0 begin the run, unless one has been lost since.
+  const bool start = tick == 0 && event == ToString(EventType::kJoined) && !has_lost_agent_;
+  has_lost_agent_ = has_lost_agent_ || event == ToString(EventType::kLeft);
+  if (!stall && !start) Tell(text);
+}
+
+void Progress::Tell(const std::string& line) {
+  std::string kept = status_line_;
+  ClearStatusLine();
+  fmt::print(stderr, "{}\n{}", PlainLine(line), kept);
+  std::fflush(stderr);
+  status_line_ = kept;
+}
+
+void Progress::ClearStatusLine() {
+  if (status_line_.empty()) return;
+  fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+  status_line_.clear();
+}
+
+std::string SummaryText(const RunOutcome& outcome) {
+  const RunSummary& run = outcome.run;
+  std::string text;
+  if (run.interrupted) text += "stopped before its end\n";
+  text += fmt::format("{} ticks, {:.1f} s simulated in {:.2f} s: {:.1f} x real time\n", run.ticks, run.sim_seconds,
+                      run.wall_seconds, run.real_time_factor);
+  text += fmt::format("{} robots, {} {}, first tick after {:.2f} s\n", run.robots, outcome.processes,
+                      outcome.processes == 1 ? "process" : "processes", run.startup_seconds);
+  text += fmt::format("{} stalls, state hash {}\n", run.stalls, HashText(run.state_hash));
+  if (run.rejected > 0) text += fmt::format("{} proposals rejected\n", run.rejected);
+  // One process has no network, and its robots take turns: nothing is late.
+  const bool distributed = outcome.processes > 1;
+  if (distributed && run.frames_repeated > 0) text += fmt::format("{} frames resent\n", run.frames_repeated);
+  text += fmt::format("peak memory: {:.1f} MiB", outcome.service_peak_memory_mib);
+  if (distributed) {
+    text += fmt::format(" the world service, {:.1f} MiB the largest agent", outcome.agent_peak_memory_mib);
+  }
+  text += "\n";
+  if (distributed && !run.slowest.empty()) {
+    std::vector<std::string> slowest;
+    for (const SlowRobot& slow : run.slowest) {
+      auto host = outcome.hosts.find(slow.robot);
+      std::string name = slow.robot + (host == outcome.hosts.end() ? "" : " on " + host->second);
+      slowest.push_back(fmt::format("{} (last {} times, {:.3f} s)", name, slow.times_last, slow.waited_seconds));
+    }
+    text += "slowest robots: " + ListText(slowest) + "\n";
+  }
+  if (run.record_waited_seconds > 0.0) {
+    text += fmt::format("ticks waited {:.2f} s for the recording to be written\n", run.record_waited_seconds);
+  }
+  if (outcome.service_restarted > 0) {
+    text += fmt::format("{} {} of the world service, which died\n", outcome.service_restarted,
+                        outcome.service_restarted == 1 ? "restart" : "restarts");
+  }
+  if (outcome.agents_restarted > 0) {
+    text += fmt::format("{} {} of agents that died\n", outcome.agents_restarted,
+                        outcome.agents_restarted == 1 ? "restart" : "restarts");
+  }
+  for (const std::string& missing : outcome.missing_files) text += "missing: " + missing + "\n";
+  if (!run.lost.empty()) text += "without an agent at the end: " + ListText(run.lost) + "\n";
+  return text;
+}
+
+std::string SummaryJson(const RunOutcome& outcome) {
+  const RunSummary& run = outcome.run;
+  nlohmann::ordered_json slowest = nlohmann::ordered_json::array();
+  for (const SlowRobot& slow : run.slowest) {
+    slowest.push_back(
+        {{"robot", slow.robot}, {"times_last", slow.times_last}, {"waited_seconds", slow.waited_seconds}});
+    if (auto host = outcome.hosts.find(slow.robot); host != outcome.hosts.end()) slowest.back()["host"] = host->second;
+  }
+  nlohmann::ordered_json json = {
+      {"ticks", run.ticks},
+      {"sim_seconds", run.sim_seconds},
+      {"wall_seconds", run.wall_seconds},
+      {"real_time_factor", run.real_time_factor},
+      {"robots", run.robots},
+      {"processes", outcome.processes},
+      {"agents_restarted", outcome.agents_restarted},
+      {"service_restarted", outcome.service_restarted},
+      {"startup_seconds", run.startup_seconds},
+      {"stalls", run.stalls},
+      {"rejected", run.rejected},
+      {"frames_repeated", run.frames_repeated},
+      {"state_hash", HashText(run.state_hash)},
+      {"service_peak_memory_mib", outcome.service_peak_memory_mib},
+      {"agent_peak_memory_mib", outcome.agent_peak_memory_mib},
+      {"slowest_robots", slowest},
+      {"lost", run.lost},
+      {"missing_files", outcome.missing_files},
+      {"interrupted", run.interrupted},
+      {"record_waited_seconds", run.record_waited_seconds},
+  };
+  return JsonText(json, {.indent = 2});
+}
+
+}  // namespace troupe

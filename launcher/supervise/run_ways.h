@@ -1,0 +1,26 @@
+// The two ways of `troupe run`: a process for each agent, or all in this process.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "launcher/supervise/reports.h"
+#include "launcher/supervise/run_options.h"
+#include "transport/protocol/transport.h"
+#include "world-service/service/run_observer.h"
+
+namespace troupe {
+
+// `troupe run` over DDS: a world service and its agents, a process each.
+// Starts, supervises and terminates all processes; none is left when it returns.
+RunEnd RunDistributed(const RunOptions& options);
+
+// `troupe run --in-process`: service and agents in this process, over memory instead of DDS. It runs the same code, so
+// every state hash is the same.
+
+// Makes the viewer of a run; called once, unless the options say headless.
+using MakeViewer = std::function<std::unique_ptr<RunObserver>(Transport& transport)>;
+
+RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer);
+
+}  // namespace troupe

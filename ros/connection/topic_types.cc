@@ -1,0 +1,39 @@
+#include "ros/connection/topic_types.h"
+
+#include <initializer_list>
+#include <map>
+
+namespace troupe::ros {
+namespace {
+
+using Types = std::map<std::string, const dds_topic_descriptor_t*>;
+
+// With the layouts of a distribution in place of the usual ones.
+Types TypesWith(std::initializer_list<const dds_topic_descriptor_t*> others) {
+  Types types;
+#define TROUPE_TYPE(type) types[type##_desc.m_typename] = dds::TopicTraits<type>::descriptor();
+  TROUPE_ROS_TYPES(TROUPE_TYPE)
+  TROUPE_SIMULATION_TYPES(TROUPE_TYPE)
+#undef TROUPE_TYPE
+  for (const dds_topic_descriptor_t* type : others) types[type->m_typename] = type;
+  return types;
+}
+
+}  // namespace
+
+const dds_topic_descriptor_t* FindTopicType(const std::string& name, Distribution distribution) {
+  static const Types usual = TypesWith({});
+  static const Types humble =
+      TypesWith({dds::TopicTraits<humble_sensor_msgs_msg_dds__Range_>::descriptor(),
+                 dds::TopicTraits<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>::descriptor()});
+  static const Types rolling =
+      TypesWith({dds::TopicTraits<rolling_simulation_interfaces_srv_dds__SetEntityState_Request_>::descriptor(),
+                 dds::TopicTraits<rolling_simulation_interfaces_srv_dds__GetSpawnables_Response_>::descriptor()});
+  const Types& types = distribution == Distribution::kHumble    ? humble
+                       : HasSimulationInterfaces2(distribution) ? rolling
+                                                                : usual;
+  const auto found = types.find(name);
+  return found != types.end() ? found->second : nullptr;
+}
+
+}  // namespace troupe::ros

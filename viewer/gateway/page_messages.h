@@ -1,0 +1,152 @@
+// The messages to the page: their bytes, the fields of rows, the rows of a state that changed, and the world.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "transport/protocol/messages.h"
+#include "troupe/ids.h"
+#include "troupe/pose.h"
+#include "troupe/world_state.h"
+
+namespace troupe {
+
+static_assert(std::endian::native == std::endian::little, "messages are copies of numbers in memory");
+
+// ByteWriter: appends numbers and texts, little-endian, to the bytes of a message for the page.
+class ByteWriter {
+ public:
+  template <typename Number>
+  requires std::is_arithmetic_v<Number>
+  void Write(Number value) {
+    char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    bytes_.append(bytes, sizeof value);
+  }
+  void WriteByte(bool value) { Write<std::uint8_t>(value ? 1 : 0); }
+  void WriteCount(std::size_t count) { Write(static_cast<std::uint32_t>(count)); }
+  void WriteFloat(double value) { Write(static_cast<float>(value)); }
+  // The length in bytes, then UTF-8.
+  void WriteText(std::string_view text) {
+    WriteCount(text.size());
+    bytes_.append(text);
+  }
+  // The index of an id, -1 for none.
+  template <typename OptionalId>
+  void WriteId(const OptionalId& id) {
+    Write(id ? static_cast<std::int32_t>(id->index()) : std::int32_t{-1});
+  }
+  void WritePose(const Pose& pose) {
+    Write(pose.x);
+    Write(pose.y);
+    Write(pose.z);
+    Write(pose.heading);
+  }
+  void Append(std::string_view bytes) { bytes_.append(bytes); }
+
+  // A count whose value is known later.
+  std::size_t ReserveCount() {
+    WriteCount(0);
+    return bytes_.size() - sizeof(std::uint32_t);
+  }
+  void FillCount(std::size_t place, std::size_t count) {
+    const auto value = static_cast<std::uint32_t>(count);
+    std::memcpy(bytes_.data() + place, &value, sizeof value);
+  }
+
+  std::string TakeBytes() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+// The fields of rows (troupe/fields.h) on the page: how each type of value is written, and the types and readers of the
+// page (viewer/web/src/protocol.ts) for it. viewer/web/write_rows.cc makes the page's rows from them.
+
+// The rows that the page shows. Of the others, transmissions are no rows by id, and former velocities explain nothing.
+template <typename Row>
+inline constexpr bool kIsOnPage = !std::is_same_v<Row, ImuState> && !std::is_same_v<Row, RadioTransmission>;
+
+struct PageType {
+  const char* type;
+  const char* read;  // a call of its Reader
+};
+
+template <typename Value>
+struct PageValue {
+  static_assert(std::is_enum_v<Value>, "the page has no type for a field");
+  static constexpr PageType kType = {"number", "r.u8()"};
+  static void Write(ByteWriter& writer, Value value) { writer.Write(static_cast<std::uint8_t>(value)); }
+};
+template <>
+struct PageValue<double> {
+  static constexpr PageType kType = {"number", "r.f64()"};
+  static void Write(ByteWriter& writer, double value) { writer.Write(value); }
+};
+template <>
+struct PageValue<bool> {
+  static constexpr PageType kType = {"boolean", "r.flag()"};
+  static void Write(ByteWriter& writer, bool value) { writer.WriteByte(value); }
+};
+template <typename Tag>
+struct PageValue<std::optional<Id<Tag>>> {
+  static constexpr PageType kType = {"number", "r.i32()"};  // -1: none
+  static void Write(ByteWriter& writer, const std::optional<Id<Tag>>& id) { writer.WriteId(id); }
+};
+template <>
+struct PageValue<Pose> {
+  static constexpr PageType kType = {"Pose", "r.pose()"};
+  static void Write(ByteWriter& writer, const Pose& pose) { writer.WritePose(pose); }
+};
+template <>
+struct PageValue<Twist> {
+  static constexpr PageType kType = {"Twist", "r.twist()"};
+  static void Write(ByteWriter& writer, const Twist& twist) {
+    writer.WriteFloat(twist.vx);
+    writer.WriteFloat(twist.vy);
+    writer.WriteFloat(twist.wz);
+  }
+};
+
+// StateRows: the newest state of a world, row by row, with the number of the update that changed each row last. So the
+// difference from any earlier update is known without keeping that state, for viewers that skip updates.
+class StateRows {
+ public:
+  // `number` grows with each call. `fresh`: another world; all rows have changed.
+  void Assign(std::shared_ptr<const WorldState> state, std::uint64_t number, bool fresh);
+
+  // Writes the rows that are on the page (kIsOnPage) and have changed after update `since`; 0: all.
+  void Write(ByteWriter& writer, std::uint64_t since) const;
+
+ private:
+  std::shared_ptr<const WorldState> state_ = std::make_shared<const WorldState>();
+  // The update of the last change, by row; in the order of the fields of WorldState.
+  std::array<std::vector<std::uint64_t>, std::tuple_size_v<decltype(kFields<WorldState>)>> changed_;
+};
+
+// The world message: the description of a world for the page, once for each edition.
+
+// The first byte of each binary message to the page.
+enum class PageMessage : std::uint8_t { kWorld = 1, kUpdate = 2 };
+
+// Version of the layout of messages; the page refuses another one.
+inline constexpr std::uint32_t kPageProtocol = 5;
+
+// A dense bitmap is sent with at most this many pixels along each side; beyond that a pixel of the page stands for
+// several, and is occupied if one of them is.
+inline constexpr int kLargestArea = 2048;
+
+// The bytes of the message. `number`: of the world, counted by the gateway; the updates of the world repeat it.
+std::string EncodeWorld(const SessionMessage& session, std::uint32_t number);
+
+}  // namespace troupe
