@@ -14,9 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/contract/collecting_handlers.h"
 #include "tests/contract/transport_case.h"
-#include "tests/contract/whole_run.h"
 #include "tests/support/test_world.h"
 #include "transport/protocol/transport.h"
 

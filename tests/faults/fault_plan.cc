@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tests/faults/random_source.h"
+#include "tests/faults/network.h"
 
 namespace troupe::faults {
 namespace {

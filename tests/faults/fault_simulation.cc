@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "common/model/states.h"
-#include "tests/faults/small_worlds.h"
 #include "transport/dds/convert/convert.h"
 #include "troupe/event.h"
 

@@ -14,15 +14,56 @@
 
 #include "launcher/supervise/restarts.h"
 #include "tests/faults/fault_plan.h"
-#include "tests/faults/kept_journal.h"
 #include "tests/faults/network.h"
 #include "tests/faults/reference_run.h"
-#include "tests/faults/simulated_agent.h"
-#include "tests/faults/simulated_observer.h"
+#include "tests/faults/simulated_peers.h"
 #include "transport/dds/transport/dds_service_endpoint.h"
+#include "world-service/service/run_history.h"
+#include "world-service/service/run_observer.h"
 #include "world-service/service/tick_coordinator.h"
 
 namespace troupe::faults {
+
+// KeptJournal: the part of a run's journal that a service needs to continue it, in memory.
+class KeptJournal final : public RunObserver {
+ public:
+  explicit KeptJournal(const std::shared_ptr<const Scene>& scene) : original_(scene), scene_(scene) {}
+
+  // Called once after the next commit.
+  void SetOnCommit(std::function<void()> call) { on_commit_ = std::move(call); }
+
+  ResumedRun Resume(RunId run) const {
+    return {.run = run,
+            .incarnation = incarnation_ + 1,
+            .original = original_,
+            .scene = scene_,
+            .frame = frame_,
+            .progress = progress_};
+  }
+  // Another service continues.
+  void SetIncarnation(Incarnation incarnation) { incarnation_ = incarnation; }
+
+  Status OnCommit(const CommittedTick& tick, const RunProgress& progress) override {
+    frame_ = tick.frame;
+    progress_ = progress;
+    if (tick.edit != nullptr && tick.edit->request.command == ControlCommand::kLoadWorld) original_ = scene_;
+    if (on_commit_) std::exchange(on_commit_, nullptr)();
+    return {};
+  }
+  Status OnProgress(const RunProgress& progress) override {
+    progress_ = progress;
+    return {};
+  }
+  void OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition) override { scene_ = scene; }
+
+ private:
+  std::shared_ptr<const Scene> original_;
+  std::shared_ptr<const Scene> scene_;
+  std::optional<FrameMessage> frame_;
+  RunProgress progress_;
+  Incarnation incarnation_ = 0;
+  std::function<void()> on_commit_;
+};
 
 struct SimulationResult {
   std::string violation;   // empty: none

@@ -3,17 +3,75 @@
 // of the other, and no other message passes between two processes unless each has discovered the other.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <utility>
 #include <vector>
 
-#include "tests/faults/event_queue.h"
 #include "tests/faults/fault_plan.h"
-#include "tests/faults/random_source.h"
+#include "troupe/random.h"
 
 namespace troupe::faults {
+
+// EventQueue: calls in the order of their virtual times, s. Calls for the same time are made in the order of At.
+class EventQueue {
+ public:
+  double now() const { return now_; }
+  std::size_t size() const { return events_.size(); }
+
+  void At(double time, std::function<void()> call) {
+    events_.push_back({std::max(time, now_), next_++, std::move(call)});
+    std::push_heap(events_.begin(), events_.end(), IsLater);
+  }
+  void After(double seconds, std::function<void()> call) { At(now_ + seconds, std::move(call)); }
+
+  // Makes the next call, unless its time is after `end`: then now() is `end`, and the result false.
+  bool Advance(double end) {
+    if (events_.empty() || events_.front().time > end) {
+      now_ = std::max(now_, end);
+      return false;
+    }
+    std::pop_heap(events_.begin(), events_.end(), IsLater);
+    const Event event = std::move(events_.back());
+    events_.pop_back();
+    now_ = event.time;
+    event.call();
+    return true;
+  }
+
+ private:
+  struct Event {
+    double time = 0.0;
+    std::uint64_t number = 0;
+    std::function<void()> call;
+  };
+  static bool IsLater(const Event& a, const Event& b) {
+    return a.time != b.time ? a.time > b.time : a.number > b.number;
+  }
+
+  double now_ = 0.0;
+  std::uint64_t next_ = 0;
+  std::vector<Event> events_;  // a heap
+};
+
+// RandomSource: the random numbers of a seed.
+class RandomSource {
+ public:
+  RandomSource(std::uint64_t seed, std::uint64_t stream) : seed_(seed), stream_(stream) {}
+
+  double Uniform(double min, double max) { return min + (max - min) * RandomUniform({seed_, stream_, draws_++}); }
+  bool Chance(double probability) { return probability > 0.0 && Uniform(0.0, 1.0) < probability; }
+  // From 0 to count - 1.
+  std::size_t Index(std::size_t count) { return RandomBits({seed_, stream_, draws_++}) % count; }
+
+ private:
+  std::uint64_t seed_;
+  std::uint64_t stream_;
+  std::uint64_t draws_ = 0;
+};
 
 using ProcessId = std::uint64_t;  // also the AgentId of an agent
 inline constexpr ProcessId kService = 0;

@@ -12,7 +12,7 @@
 
 #include "common/base/identity.h"
 #include "tests/process/programs.h"
-#include "tests/support/bridged_hosts.h"
+#include "tests/support/own_network.h"
 #include "tests/support/stranger.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/tools/control_client.h"

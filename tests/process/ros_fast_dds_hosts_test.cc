@@ -10,8 +10,8 @@
 
 #include "ros/messages/ros_options.h"
 #include "tests/process/programs.h"
-#include "tests/support/bridged_hosts.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/own_network.h"
 
 namespace troupe::test {
 namespace {

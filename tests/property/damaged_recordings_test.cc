@@ -9,7 +9,7 @@
 
 #include "recording/recording.h"
 #include "tests/support/controlled_run.h"
-#include "tests/support/yard.h"
+#include "tests/support/small_world.h"
 #include "world-service/replay/run_replay.h"
 
 namespace troupe::test {

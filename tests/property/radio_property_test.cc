@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "tests/support/brute_force_prisms.h"
+#include "tests/support/exact_prisms.h"
 #include "tests/support/random_world.h"
 #include "tests/support/sensor_worlds.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "common/sensing/contact.h"
-#include "tests/support/brute_force_prisms.h"
+#include "tests/support/exact_prisms.h"
 #include "tests/support/random_world.h"
 #include "tests/support/sensor_worlds.h"
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "common/spatial/ray_cast.h"
-#include "tests/support/brute_force_rays.h"
+#include "tests/support/exact_prisms.h"
 #include "tests/support/random_world.h"
-#include "tests/support/ray_sensors.h"
+#include "tests/support/small_world.h"
 #include "tests/support/stage_worlds.h"
 #include "worldfile/load_world.h"
 

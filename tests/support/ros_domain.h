@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ros/messages/ros_options.h"
-#include "tests/support/reserved_domain.h"
+#include "tests/support/dds_domain.h"
 
 namespace troupe::test {
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "troupe/result.h"
@@ -16,3 +17,12 @@ T ValueOf(Result<T> result) {
 }
 
 }  // namespace troupe::test
+
+namespace troupe {
+
+// The message of an outcome, for comparisons: "" for success.
+inline std::string MessageOf(const Status& status) {
+  return status.ok() ? "" : status.error().message;
+}
+
+}  // namespace troupe

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/ray_sensors.h"
+#include "tests/support/small_world.h"
 #include "tests/worldfile/world_folder.h"
 
 namespace troupe {

@@ -1,6 +1,6 @@
 // The descriptions of `position` and `ranger` models: robots with drives, localization, sensors and controllers.
 #include "robot-agent/controller/create_controller.h"
-#include "tests/support/ray_sensors.h"
+#include "tests/support/small_world.h"
 #include "tests/worldfile/world_folder.h"
 #include "troupe/pose.h"
 

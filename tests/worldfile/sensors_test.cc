@@ -1,5 +1,5 @@
 // The descriptions of sensors other than rangers, and of scanners with several planes.
-#include "tests/support/ray_sensors.h"
+#include "tests/support/small_world.h"
 #include "tests/worldfile/world_folder.h"
 
 namespace troupe {

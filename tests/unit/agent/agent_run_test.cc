@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "robot-agent/agent/agent_host.h"
-#include "tests/support/yard.h"
+#include "tests/support/small_world.h"
 #include "transport/protocol/faulty_transport.h"
 #include "transport/protocol/transport.h"
 #include "world-service/service/run_service.h"

@@ -8,8 +8,8 @@
 
 #include "tests/support/controlled_run.h"
 #include "tests/support/edits.h"
+#include "tests/support/small_world.h"
 #include "tests/support/values.h"
-#include "tests/support/yard.h"
 
 namespace troupe::test {
 namespace {

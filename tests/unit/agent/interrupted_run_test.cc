@@ -7,7 +7,7 @@
 #include "recording/recording_writer.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/files.h"
-#include "tests/support/yard.h"
+#include "tests/support/small_world.h"
 #include "world-service/program/prepared_run.h"
 #include "world-service/replay/branched_run.h"
 

@@ -8,6 +8,7 @@
 
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "robot-agent/program/command_line.h"
 #include "tests/support/files.h"
 #include "tests/support/small_world.h"
 #include "tests/support/values.h"
@@ -180,6 +181,114 @@ TEST_F(RobotTest, AnErrorNamesTheRobot) {
   const auto robot = Robot::Create(scene, id_);
   ASSERT_FALSE(robot.ok());
   EXPECT_THAT(robot.error().message, ::testing::StartsWith("robot r0: unknown controller 'fly'"));
+}
+
+class ScanLogTest : public ::testing::Test {
+ protected:
+  std::string Text() const { return test::TextOf(path_); }
+
+  const test::TemporaryFolder folder_;
+  const std::string path_ = folder_.Path("scans");
+};
+
+TEST_F(ScanLogTest, AppendsToTheCompleteLinesOfAKeptFile) {
+  for (int tick = 0; tick < 2; ++tick) {  // the first time there is no file
+    auto log = test::ValueOf(ScanLog::Open(path_, true));
+    log->Write("{\"tick\":" + std::to_string(tick) + "}\n");
+    EXPECT_TRUE(log->Flush().ok());
+    std::ofstream(path_, std::ios::app) << "{\"tick\":9,\"rob";
+  }
+  test::ValueOf(ScanLog::Open(path_, true));
+  EXPECT_EQ(Text(),
+            "{\"tick\":0}\n"
+            "{\"tick\":1}\n");
+  EXPECT_TRUE(ScanLog::Open(path_).ok());
+  EXPECT_EQ(Text(), "");
+}
+
+TEST_F(ScanLogTest, MarksARestart) {
+  auto log = test::ValueOf(ScanLog::Open(path_));
+  log->Write("{\"tick\":5}\n");
+  log->Restart(3);
+  log->Write("{\"tick\":0}\n");
+  EXPECT_TRUE(log->Flush().ok());
+  EXPECT_EQ(Text(), "{\"tick\":5}\n{\"edition\":3}\n{\"tick\":0}\n");
+}
+
+TEST_F(ScanLogTest, KeepsItsFirstError) {
+  auto log = test::ValueOf(ScanLog::Open("/dev/full"));
+  log->Write("{\"tick\":0}\n");
+  const Status first = log->Flush();
+  ASSERT_FALSE(first.ok());
+  EXPECT_EQ(first.error().ToString(), "/dev/full: error: cannot write scans: No space left on device");
+  log->Write("{\"tick\":1}\n");
+  EXPECT_FALSE(log->status().ok());
+}
+
+using ::testing::ElementsAre;
+
+std::variant<AgentCommandLine, int> Parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "robot-agent");
+  return ParseAgentCommandLine(static_cast<int>(arguments.size()), arguments.data());
+}
+
+AgentCommandLine ParseGood(std::vector<const char*> arguments) {
+  const auto parsed = Parse(std::move(arguments));
+  EXPECT_TRUE(std::holds_alternative<AgentCommandLine>(parsed));
+  return std::holds_alternative<AgentCommandLine>(parsed) ? std::get<AgentCommandLine>(parsed) : AgentCommandLine{};
+}
+
+TEST(AgentCommandLineTest, ReadsEveryOption) {
+  const AgentCommandLine line = ParseGood(
+      {"--session", "lab",           "--robot",       "r0",       "--robot",           "r1",  "--domain", "7",
+       "--service", "10.0.0.1:7410", "--interface",   "10.0.0.5", "--lease",           "3.5", "--scans",  "scans.jsonl",
+       "--faults",  "loss=0.25",     "--start-delay", "0.5",      "--session-timeout", "9"});
+  EXPECT_EQ(line.network.session, "lab");
+  EXPECT_THAT(line.agent.robots, ElementsAre("r0", "r1"));
+  EXPECT_EQ(line.network.domain, 7u);
+  EXPECT_EQ(line.network.service_address, "10.0.0.1:7410");
+  EXPECT_EQ(line.network.network_interface, "10.0.0.5");
+  EXPECT_EQ(line.network.lease_seconds, 3.5);
+  EXPECT_EQ(line.agent.scan_log, "scans.jsonl");
+  EXPECT_EQ(line.faults.loss, 0.25);
+  EXPECT_EQ(line.start_delay_seconds, 0.5);
+  EXPECT_EQ(line.agent.session_timeout_seconds, 9.0);
+}
+
+TEST(AgentCommandLineTest, TheInterfaceFollowsFromWhereTheServiceIs) {
+  EXPECT_EQ(ParseGood({"--session=s", "--robot=r"}).network.network_interface, "lo");
+  EXPECT_EQ(ParseGood({"--session=s", "--robot=r", "--service=there"}).network.network_interface, "auto");
+}
+
+TEST(AgentCommandLineTest, BadUsageIsExitStatusTwo) {
+  const std::vector<std::vector<const char*>> table = {
+      {},
+      {"--robot=r"},
+      {"--session=s"},
+      {"--session=", "--robot=r"},
+      {"--session=*", "--robot=r"},
+      {"--session=s", "--robot="},
+      {"--session=s", "--robot"},
+      {"--session=s", "--robot=r", "another"},
+      {"--session=s", "--robot=r", "--domain=231"},
+      {"--session=s", "--robot=r", "--domain=-1"},
+      {"--session=s", "--robot=r", "--lease=0"},
+      {"--session=s", "--robot=r", "--lease=nan"},
+      {"--session=s", "--robot=r", "--start-delay=-1"},
+      {"--session=s", "--robot=r", "--session-timeout=soon"},
+      {"--session=s", "--robot=r", "--faults=luck"},
+      {"--session=s", "--robot=r", "--wings"},
+  };
+  for (const std::vector<const char*>& arguments : table) {
+    const auto parsed = Parse(arguments);
+    ASSERT_TRUE(std::holds_alternative<int>(parsed));
+    EXPECT_EQ(std::get<int>(parsed), kExitBadInput);
+  }
+}
+
+TEST(AgentCommandLineTest, HelpAndVersionAreNoFailure) {
+  EXPECT_EQ(std::get<int>(Parse({"--help"})), kExitDone);
+  EXPECT_EQ(std::get<int>(Parse({"--version"})), kExitDone);
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/message_of.h"
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/values.h"
 #include "tests/unit/controller/controlled_robot.h"
+#include "troupe/parameters.h"
 
 namespace troupe {
 namespace {
@@ -149,6 +153,88 @@ TEST(IdleTest, StandsStill) {
   ASSERT_TRUE(controller.ok());
   EXPECT_TRUE(controller.value()->Subscriptions().empty());
   EXPECT_TRUE(controller.value()->Update(At(0, {})).twist.IsZero());
+}
+
+using ::testing::EndsWith;
+using ::testing::StartsWith;
+
+// Where the build puts the libraries of library_variants.cc.
+std::string LibraryFolder() {
+  return std::string(TEST_LIBRARY_FOLDER);
+}
+
+std::string Library(const std::string& variant) {
+  return std::filesystem::path(LibraryFolder()) / ("libcontroller_" + variant + ".so");
+}
+
+std::string ErrorOf(const std::string& path, const std::string& parameters = "{}") {
+  const RobotDescription robot = MakeRobot(path, parameters);
+  const Result<std::unique_ptr<Controller>> controller = CreateFor(robot);
+  return controller.ok() ? "" : controller.error().message;
+}
+
+TEST(LibraryControllerTest, RunsAUsersController) {
+  const RobotDescription robot = MakeRobot(Library("good"), "{}");
+  EXPECT_EQ(test::ValueOf(CreateFor(robot))->Update(At(0, {})).twist.vx, 0.25);
+}
+
+TEST(LibraryControllerTest, ARelativePathCountsFromTheWorkingDirectory) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(LibraryFolder());
+  EXPECT_EQ(ErrorOf("libcontroller_good.so"), "");
+  EXPECT_EQ(ErrorOf("./libcontroller_good.so"), "");
+  EXPECT_THAT(ErrorOf("missing.so"), HasSubstr("no such file: " + LibraryFolder() + "/missing.so"));
+  std::filesystem::current_path(before);
+}
+
+TEST(LibraryControllerTest, EachFaultHasItsMessage) {
+  EXPECT_THAT(ErrorOf("/nowhere/my.so"), StartsWith("controller library /nowhere/my.so: no such file"));
+  EXPECT_THAT(ErrorOf(Library("not_one")), HasSubstr("is not a controller"));
+  EXPECT_THAT(ErrorOf(Library("wrong_version")),
+              HasSubstr("found interface version " + std::to_string(TROUPE_CONTROLLER_ABI + 41) + ", expected " +
+                        std::to_string(TROUPE_CONTROLLER_ABI)));
+  EXPECT_THAT(ErrorOf(Library("makes_nothing")), EndsWith("made no controller"));
+  EXPECT_THAT(ErrorOf(Library("throws_at_start"), R"({"a":1})"), EndsWith("parameters {\"a\":1} are not to my taste"));
+}
+
+TEST(LibraryControllerTest, AFileThatIsNoLibraryCannotBeOpened) {
+  const std::string path = ::testing::TempDir() + "/troupe_no_library.so";
+  std::ofstream(path) << "nonsense";
+  EXPECT_THAT(ErrorOf(path), HasSubstr("cannot be opened"));
+  std::filesystem::remove(path);
+}
+
+TEST(Parameters, AreReadByKey) {
+  Parameters parameters("p", R"({"speed": 0.4, "loud": true, "wall": "left", "turn": "right"})");
+  EXPECT_EQ(parameters.ReadNumber("speed", {0.0, 1.0}), 0.4);
+  EXPECT_EQ(parameters.ReadNumber("distance", {0.0, 1.0}), std::nullopt);
+  EXPECT_EQ(parameters.ReadBool("loud"), true);
+  EXPECT_EQ(parameters.ReadText("wall"), "left");
+  EXPECT_EQ(parameters.ReadNumberOrName("turn", {-1.0, 1.0}, {{"left", 1.0}, {"right", -1.0}}), -1.0);
+  EXPECT_EQ(MessageOf(parameters.Finish()), "");
+}
+
+TEST(Parameters, OfTheWrongKindAreErrorsAndHaveNoValue) {
+  Parameters number("p", R"({"x": 2})");
+  EXPECT_EQ(number.ReadNumber("x", {0.0, 1.0}), std::nullopt);
+  EXPECT_EQ(MessageOf(number.status()), "p: 'x' is 2, expected a number between 0 and 1");
+  Parameters flag("p", R"({"x": 1})");
+  EXPECT_EQ(flag.ReadBool("x"), std::nullopt);
+  EXPECT_EQ(MessageOf(flag.status()), "p: 'x' is 1, expected true or false");
+  Parameters text("p", R"({"x": {}})");
+  EXPECT_EQ(text.ReadText("x"), std::nullopt);
+  EXPECT_EQ(MessageOf(text.status()), "p: 'x' is an object, expected a text");
+}
+
+TEST(Parameters, KeepTheFirstErrorAndNameUnknownKeys) {
+  Parameters first("p", "[]");
+  first.Fail("another");
+  EXPECT_EQ(MessageOf(first.Finish()), "p: found a list as parameters, expected a JSON object");
+  Parameters unknown("p", R"({"sped": 1})");
+  EXPECT_EQ(unknown.ReadNumber("speed", {0.0, 1.0}), std::nullopt);
+  EXPECT_EQ(MessageOf(unknown.status()), "");
+  EXPECT_EQ(MessageOf(unknown.Finish()),
+            "p: unknown parameter \"sped\", expected one of: speed; did you mean 'speed'?");
 }
 
 }  // namespace

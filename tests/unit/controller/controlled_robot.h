@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "robot-agent/controller/create_controller.h"
-#include "tests/support/ray_sensors.h"
+#include "tests/support/small_world.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "common/model/states.h"
+#include "tests/support/gripper_world.h"
 #include "tests/support/test_world.h"
 
 namespace troupe {
@@ -161,6 +164,99 @@ TEST(Step, OrdersEventsByRobot) {
   const StepResult result = StepAll(scene, state, std::vector<Twist>(5, {.vx = 1.0}));
   ASSERT_EQ(result.events.size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(result.events[i].robot, RobotId(i));
+}
+
+TEST(InitialState, ObjectsOnASupportRestAndThoseInTheAirStayPlaced) {
+  test::GripperWorld world;
+  const ModelId table = world.AddModel(test::Square(1.0), {0.6, 0.7});
+  const ObjectId on_table = world.AddObject({0.0, 0.0, 0.7, 0.0});
+  const ObjectId on_ground = world.AddObject({5.0, 0.0, 0.0, 0.0});
+  const ObjectId in_air = world.AddObject({8.0, 0.0, 1.0, 0.0});
+  const Scene scene(world.world);
+  const WorldState state = InitialState(scene);
+  EXPECT_EQ(state.tick, 0u);
+  EXPECT_EQ(state.objects[on_table.index()].mode, ObjectMode::kResting);
+  EXPECT_EQ(state.objects[on_table.index()].support, table);
+  EXPECT_EQ(state.objects[on_ground.index()].mode, ObjectMode::kResting);
+  EXPECT_EQ(state.objects[on_ground.index()].support, std::nullopt);
+  EXPECT_EQ(state.objects[in_air.index()].mode, ObjectMode::kPlaced);
+}
+
+TEST(InitialState, HasTheHashOfTheDescriptionsPoses) {
+  test::GripperWorld world;
+  world.AddModel(test::Square(1.0), {0.6, 0.7});
+  world.AddObject({0.0, 0.0, 0.7, 0.0});
+  const Scene scene(world.world);
+  WorldState state = InitialState(scene);
+  EXPECT_NE(state, PlacedState(world.world));
+  EXPECT_EQ(StateHash(state), StateHash(PlacedState(world.world)));
+  state.tick = 1;
+  WorldState unsupported = PlacedState(world.world);
+  unsupported.tick = 1;
+  EXPECT_NE(StateHash(state), StateHash(unsupported));
+}
+
+TEST(InitialState, AStepWithoutProposalsKeepsIt) {
+  test::GripperWorld world;
+  world.AddModel(test::Square(1.0), {0.6, 0.7});
+  world.AddObject({0.0, 0.0, 0.7, 0.0});
+  world.AddObject({5.0, 0.0, 0.0, 0.0});
+  const Scene scene(world.world);
+  const WorldState state = InitialState(scene);
+  const StepResult next = Step(scene, state, {});
+  EXPECT_EQ(next.state.objects, state.objects);
+  EXPECT_TRUE(next.events.empty());
+}
+
+class ValidateProposalTest : public testing::Test {
+ protected:
+  ValidateProposalTest() {
+    test_.AddRobot(test::Square(0.4), {0.0, 0.5}, {});
+    DriveDescription& drive = test_.world.robots[0].drive;
+    drive.type = DriveType::kDifferential;
+    drive.velocity = {{-1.0, 1.0}, {0.0, 0.0}, {-2.0, 2.0}};
+    drive.acceleration = {{-1.0, 1.0}, {0.0, 0.0}, {-10.0, 10.0}};
+    state_ = PlacedState(test_.world);
+  }
+  // The message of the error, if any.
+  std::string Check(const Proposal& proposal) const {
+    const Status valid = ValidateProposal(test_.world, state_, proposal);
+    return valid.ok() ? "" : valid.error().message;
+  }
+
+  test::TestWorld test_;
+  WorldState state_;
+};
+
+TEST_F(ValidateProposalTest, AcceptsMotionsWithinTheLimits) {
+  EXPECT_EQ(Check({RobotId(0), {}}), "");
+  EXPECT_EQ(Check({RobotId(0), {.vx = 0.1, .wz = -1.0}}), "");
+  state_.robots[0].twist = {.vx = 0.95};
+  EXPECT_EQ(Check({RobotId(0), {.vx = 1.0}}), "");
+}
+
+TEST_F(ValidateProposalTest, RefusesAnUnknownRobot) {
+  EXPECT_EQ(Check({RobotId(1), {}}), "found robot 1, expected one of 1 robots");
+}
+
+TEST_F(ValidateProposalTest, RefusesNumbersThatAreNotFinite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (double bad : {nan, infinity, -infinity}) {
+    EXPECT_NE(Check({RobotId(0), {.vx = bad}}), "");
+    EXPECT_NE(Check({RobotId(0), {.vy = bad}}), "");
+    EXPECT_NE(Check({RobotId(0), {.wz = bad}}), "");
+  }
+}
+
+TEST_F(ValidateProposalTest, RefusesTooMuchSpeedOrAcceleration) {
+  EXPECT_EQ(Check({RobotId(0), {.vx = 0.2}}),
+            "found the twist (0.2 m/s, 0 m/s, 0 rad/s) after (0 m/s, 0 m/s, 0 rad/s), expected one within the drive's "
+            "bounds: (0.1 m/s, 0 m/s, 0 rad/s) is the nearest");
+  EXPECT_NE(Check({RobotId(0), {.vy = 0.1}}), "") << "a differential drive does not move sideways";
+  state_.robots[0].twist = {.vx = 1.0};
+  EXPECT_NE(Check({RobotId(0), {.vx = 1.05}}), "");
+  EXPECT_NE(Check({RobotId(0), {}}), "") << "it cannot brake that hard";
 }
 
 }  // namespace

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/contract/collecting_handlers.h"
+#include "tests/contract/transport_case.h"
 #include "tests/support/dds_domain.h"
 #include "transport/dds/binding/domain_config.h"
+#include "transport/dds/transport/dds_service_endpoint.h"
 #include "transport/dds/transport/dds_transport.h"
 
 namespace troupe {
@@ -136,4 +137,28 @@ INSTANTIATE_TEST_SUITE_P(DataSharing, AgentGroupsTest, testing::Bool(),
                          [](const auto& of_case) { return std::string(of_case.param ? "On" : "Off"); });
 
 }  // namespace
+
 }  // namespace troupe
+
+namespace troupe::dds {
+namespace {
+
+constexpr AgentId kIds = 1'000'000;
+
+TEST(LostAgents, ForgetsTheOldestOfTooMany) {
+  LostAgents lost;
+  const GuidPrefix participant{{1}};
+  for (AgentId i = 0; i < LostAgents::kMost; ++i) EXPECT_EQ(lost.Add(kIds - i, participant), std::nullopt);
+  EXPECT_EQ(lost.Add(kIds - 1, participant), std::nullopt) << "lost again, so it is the newest";
+  EXPECT_EQ(lost.Add(1, participant), kIds);
+  EXPECT_EQ(lost.Add(kIds, participant), kIds - 2);
+  EXPECT_TRUE(lost.Contains(kIds - 1, participant));
+  EXPECT_FALSE(lost.Contains(kIds - 2, participant));
+  EXPECT_FALSE(lost.Contains(1, GuidPrefix{{2}})) << "another participant";
+  lost.Remove(1);
+  EXPECT_FALSE(lost.Contains(1, participant));
+  EXPECT_EQ(lost.Add(2, participant), std::nullopt);
+}
+
+}  // namespace
+}  // namespace troupe::dds

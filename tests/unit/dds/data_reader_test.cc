@@ -4,11 +4,14 @@
 
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/keyed_status_type.h"
 #include "transport/dds/binding/data_writer.h"
+#include "transport/dds/binding/qos.h"
 #include "transport/dds/convert/convert.h"
+#include "transport/dds/transport/qos_profiles.h"
 
 namespace troupe::dds {
 namespace {
@@ -227,6 +230,120 @@ TEST_F(DataReaderTest, AReaderAndItsWriterCanBeMoved) {
 TEST_F(DataReaderTest, WaitingForAcknowledgmentsTakesAsLongAsItIsGiven) {
   DataWriter<StatusSample> writer(publisher_, topic_here_, Reliable());
   EXPECT_TRUE(writer.wait_for_acknowledgments(0.0));  // without a reader
+}
+
+using Sample = troupe_test_KeyedStatus;
+
+TEST(WaitSetTest, ReturnsNoConditionAfterTheTimeout) {
+  const DomainParticipant participant(test::TestConfig());
+  const GuardCondition guard(participant);
+  WaitSet waits(participant);
+  waits.attach(guard, 1);
+  EXPECT_TRUE(waits.wait(0.0).empty());
+}
+
+TEST(WaitSetTest, AGuardConditionWakesAnotherThread) {
+  const DomainParticipant participant(test::TestConfig());
+  GuardCondition guard(participant);
+  const GuardCondition other(participant);
+  WaitSet waits(participant);
+  waits.attach(guard, 7);
+  waits.attach(other, 8);
+  std::thread waker([&] { guard.trigger_value(true); });
+  EXPECT_EQ(std::vector<int>{7}, waits.wait(20.0));
+  waker.join();
+  EXPECT_TRUE(guard.trigger_value());
+  guard.trigger_value(false);
+  EXPECT_TRUE(waits.wait(0.0).empty());
+}
+
+TEST(WaitSetTest, DetachedConditionsDoNotCount) {
+  const DomainParticipant participant(test::TestConfig());
+  GuardCondition guard(participant);
+  WaitSet waits(participant);
+  waits.attach(guard, 1);
+  guard.trigger_value(true);
+  waits.detach(guard);
+  EXPECT_TRUE(waits.wait(0.0).empty());
+  EXPECT_THROW(waits.detach(guard), Exception);
+}
+
+TEST(WaitSetTest, AReadConditionIsTrueWhileThereIsUnreadData) {
+  const std::string session = test::TestSession("read-condition");
+  const DomainParticipant here(test::TestConfig());
+  const DomainParticipant there(test::TestConfig());
+  const Publisher publisher(here, Qos() << Partition{session});
+  const Subscriber subscriber(there, Qos() << Partition{session});
+  const Topic<Sample> topic_here(here, "test/status");
+  const Topic<Sample> topic_there(there, "test/status");
+  const Qos qos = Qos() << Reliability::Reliable(1.0);
+  DataWriter<Sample> writer(publisher, topic_here, qos);
+  DataReader<Sample> reader(subscriber, topic_there, qos);
+  const ReadCondition unread(reader);
+  WaitSet waits(there);
+  waits.attach(unread, 3);
+  EXPECT_TRUE(waits.wait(0.0).empty());
+  ASSERT_TRUE(Eventually([&] { return writer.publication_matched_status().current_count == 1; }));
+  const Sample sample{};
+  writer.write(sample);
+  EXPECT_EQ(std::vector<int>{3}, waits.wait(20.0));
+  EXPECT_EQ(1u, reader.read().length());
+  EXPECT_TRUE(waits.wait(0.0).empty());
+}
+
+TEST(QosTest, HasThePoliciesThatWereSet) {
+  Qos qos;
+  qos << Reliability::Reliable(0.25) << History::KeepLast(3) << Durability::TransientLocal();
+  dds_reliability_kind_t reliability;
+  dds_duration_t blocking = 0;
+  ASSERT_TRUE(dds_qget_reliability(qos.get(), &reliability, &blocking));
+  EXPECT_EQ(DDS_RELIABILITY_RELIABLE, reliability);
+  EXPECT_EQ(DDS_MSECS(250), blocking);
+  dds_history_kind_t history;
+  std::int32_t depth = 0;
+  ASSERT_TRUE(dds_qget_history(qos.get(), &history, &depth));
+  EXPECT_EQ(DDS_HISTORY_KEEP_LAST, history);
+  EXPECT_EQ(3, depth);
+  dds_durability_kind_t durability;
+  ASSERT_TRUE(dds_qget_durability(qos.get(), &durability));
+  EXPECT_EQ(DDS_DURABILITY_TRANSIENT_LOCAL, durability);
+}
+
+TEST(QosTest, LeavesOtherPoliciesAlone) {
+  dds_history_kind_t history;
+  std::int32_t depth = 0;
+  EXPECT_FALSE(dds_qget_history((Qos() << Durability::Volatile()).get(), &history, &depth));
+}
+
+TEST(QosTest, CopiesAreIndependent) {
+  const Qos first = Qos() << History::KeepLast(1);
+  Qos second = first;
+  EXPECT_EQ(first, second);
+  second << History::KeepLast(2);
+  EXPECT_FALSE(first == second);
+  second = first;
+  EXPECT_EQ(first, second);
+}
+
+TEST(DurationTest, AcceptsAnyNumberOfSeconds) {
+  EXPECT_EQ(DDS_MSECS(1500), ToDuration(1.5));
+  EXPECT_EQ(0, ToDuration(-1.0));
+  EXPECT_EQ(DDS_INFINITY, ToDuration(kInfinite));
+  EXPECT_EQ(DDS_INFINITY, ToDuration(1e300));
+  EXPECT_EQ(kInfinite, ToSeconds(DDS_INFINITY));
+  EXPECT_DOUBLE_EQ(1.5, ToSeconds(DDS_MSECS(1500)));
+}
+
+// Cyclone leaves defaults out of its announcements, and some peers then cannot read them.
+TEST(QosProfilesTest, NeverUseTheDefaultBlockingTime) {
+  using namespace qos_profiles;
+  for (const Qos& qos : {Description(1.0), Join(1.0), Admission(), Frame(), Proposal(), qos_profiles::Status()}) {
+    dds_reliability_kind_t kind;
+    dds_duration_t blocking = 0;
+    ASSERT_TRUE(dds_qget_reliability(qos.get(), &kind, &blocking));
+    EXPECT_EQ(DDS_RELIABILITY_RELIABLE, kind);
+    EXPECT_NE(DDS_MSECS(100), blocking);
+  }
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <functional>
 #include <mutex>
 
-#include "tests/contract/collecting_handlers.h"
+#include "tests/contract/transport_case.h"
 #include "tests/support/dds_domain.h"
 #include "tests/unit/dds/child_process.h"
 #include "transport/dds/binding/data_reader.h"

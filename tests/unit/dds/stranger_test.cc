@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/contract/collecting_handlers.h"
+#include "tests/contract/transport_case.h"
 #include "tests/support/dds_domain.h"
 #include "transport/dds/transport/dds_transport.h"
 #include "transport/protocol/messages.h"

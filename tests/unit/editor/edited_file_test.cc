@@ -5,9 +5,13 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <condition_variable>
 #include <csignal>
+#include <mutex>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/files.h"
+#include "viewer/editor/edit_link.h"
 
 namespace troupe {
 namespace {
@@ -106,6 +110,136 @@ TEST(EditedFileTest, HistoryIsBounded) {
   std::size_t undone = 0;
   for (; file.undo_label(); ++undone) file.Undo();
   EXPECT_EQ(undone, EditedFile::kMostStates - 1);
+}
+
+class Watcher : public ObserverHandler {
+ public:
+  void OnSession(const SessionMessage& session) override {
+    const std::lock_guard lock(mutex_);
+    session_ = session;
+    ++worlds_;
+  }
+  void OnFrame(const SharedFrame& frame) override {
+    {
+      const std::lock_guard lock(mutex_);
+      frame_ = *frame;
+    }
+    changed_.notify_all();
+  }
+  void OnStatus(const StatusMessage&) override {}
+  void OnServiceGone() override {}
+
+  template <typename Condition>
+  bool Await(Condition condition) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return condition(session_, frame_); });
+  }
+  SessionMessage session() {
+    const std::lock_guard lock(mutex_);
+    return session_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  SessionMessage session_;
+  FrameMessage frame_;
+  int worlds_ = 0;
+};
+
+const char* const kHall = R"(define bridge model
+(
+  size [0.5 1 0.3]
+  block( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 1] point[3] [0 1] z [0.4 0.7] )
+)
+bridge( name "b" pose [1 0 0 0] )
+position( name "r" pose [-3 0 0 0] size [0.3 0.3 0.3] )
+)";
+
+struct Edited {
+  test::TemporaryFolder folder;
+  std::unique_ptr<EditLink> link;
+  Watcher watcher;
+  std::unique_ptr<RunObservation> observation;
+
+  Edited() {
+    Result<std::unique_ptr<Editor>> editor = Editor::Open(folder.Write("hall.world", kHall));
+    EXPECT_TRUE(editor.ok());
+    link = std::make_unique<EditLink>(std::move(editor).value());
+    observation = std::move(link->Observe(watcher)).value();
+  }
+  ~Edited() { observation.reset(); }
+
+  ControlReply Ask(ControlRequest request) { return link->Ask(request).value(); }
+  Result<nlohmann::json> Edit(const nlohmann::json& request) {
+    const Result<EditOperation> operation = DecodeEditOperation(request);
+    return operation.ok() ? link->Edit(operation.value()) : operation.error();
+  }
+};
+
+TEST(EditLinkTest, StaticModelsAreShownAsObjectsAndMoveTheText) {
+  Edited edited;
+  EXPECT_EQ(edited.watcher.session().world.objects.size(), 1U);
+  EXPECT_TRUE(Validate(edited.watcher.session().world).ok());
+  ControlRequest move{.command = ControlCommand::kSetPose, .name = "b", .pose = {2.0, 0.0, 0.0, 0.0}};
+  EXPECT_TRUE(edited.Ask(move).done);
+  EXPECT_TRUE(edited.watcher.Await([](const SessionMessage& session, const FrameMessage& frame) {
+    return session.world_edition == frame.world_edition && frame.state.objects[0].X_WO.x == 2.0 && frame.paused;
+  }));
+  EXPECT_TRUE(edited.link->is_modified());
+}
+
+TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
+  for (const auto& [height, passes] : {std::pair(0.35, true), std::pair(0.45, false)}) {
+    Edited edited;
+    ASSERT_TRUE(edited.Edit({{"op", "test"}, {"model", "bridge"}, {"probe_height", height}}).ok());
+    ControlRequest step{.command = ControlCommand::kStep, .ticks = 150};
+    EXPECT_TRUE(edited.Ask(step).done);
+    EXPECT_TRUE(edited.watcher.Await([passed = passes](const SessionMessage&, const FrameMessage& frame) {
+      return frame.state.tick == 150 && (frame.state.robots[0].X_WR.x > 0.5) == passed;
+    }));
+    ControlRequest move{.command = ControlCommand::kSetPose, .name = "b"};
+    EXPECT_FALSE(edited.Ask(move).done);
+    ASSERT_TRUE(edited.Edit({{"op", "end_test"}}).ok());
+    EXPECT_TRUE(edited.watcher.Await(
+        [](const SessionMessage& session, const FrameMessage&) { return session.world.name == "hall.world"; }));
+    EXPECT_FALSE(edited.link->is_modified());
+  }
+}
+
+TEST(EditLinkTest, MoreStepsThanItTakesAtOnceAreRefused) {
+  Edited edited;
+  ControlRequest step{.command = ControlCommand::kStep, .ticks = 1001};
+  const ControlReply refused = edited.Ask(step);
+  EXPECT_FALSE(refused.done);
+  EXPECT_EQ(refused.problem, "found 1001 steps, expected at most 1000 at once");
+  EXPECT_EQ(refused.tick, 0u);
+  step.ticks = 1000;
+  EXPECT_TRUE(edited.Ask(step).done);
+}
+
+TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
+  Edited edited;
+  ControlRequest play;
+  play.command = ControlCommand::kPlay;
+  EXPECT_EQ(edited.Ask(play).state, RunState::kPlaying);
+  ControlRequest drive{.command = ControlCommand::kCommandRobot, .ticks = 5, .name = "r"};
+  drive.robot_command.twist = Twist{0.5, 0.0, 0.0};
+  EXPECT_TRUE(edited.Ask(drive).done);
+  EXPECT_TRUE(edited.watcher.Await([](const SessionMessage&, const FrameMessage& frame) {
+    return frame.state.tick > 10 && frame.state.robots[0].X_WR.x > -3.0 && frame.state.robots[0].twist.vx == 0.0;
+  }));
+  // An edit ends the test.
+  ASSERT_TRUE(edited.Edit({{"op", "delete"}, {"name", "r"}}).ok());
+  EXPECT_TRUE(edited.watcher.Await([](const SessionMessage& session, const FrameMessage& frame) {
+    return session.world.robots.empty() && frame.paused;
+  }));
+}
+
+TEST(EditLinkTest, ATestOfAnUnknownModelIsRefused) {
+  Edited edited;
+  EXPECT_FALSE(edited.Edit({{"op", "test"}, {"model", "no"}}).ok());
+  EXPECT_FALSE(edited.link->is_modified());
 }
 
 }  // namespace

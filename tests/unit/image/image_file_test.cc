@@ -5,13 +5,50 @@
 #include <png.h>
 #include <zlib.h>
 
+#include <cstdint>
+#include <cstdio>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "tests/support/files.h"
-#include "tests/unit/image/write_png.h"
+#include "troupe/check.h"
 
 namespace troupe {
 namespace {
+
+// Writes PNG files of any kind, for tests.
+
+struct PngContent {
+  int width = 0;
+  int height = 0;
+  int bit_depth = 8;
+  int color_type = 0;  // PNG_COLOR_TYPE_*
+  bool interlaced = false;
+  std::vector<std::vector<std::uint8_t>> rows;     // packed as in the file, from the top
+  std::vector<std::vector<std::uint8_t>> palette;  // {red, green, blue} each
+};
+
+void WritePng(const std::string& path, const PngContent& content) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  TROUPE_CHECK(file != nullptr);
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, file);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(content.width), static_cast<png_uint_32>(content.height),
+               content.bit_depth, content.color_type, content.interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  std::vector<png_color> palette;
+  for (const std::vector<std::uint8_t>& c : content.palette) palette.push_back({c[0], c[1], c[2]});
+  if (!palette.empty()) png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
+  png_write_info(png, info);
+  std::vector<png_bytep> rows;
+  for (const std::vector<std::uint8_t>& row : content.rows) rows.push_back(const_cast<png_bytep>(row.data()));
+  png_write_image(png, rows.data());
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  std::fclose(file);
+}
 
 using testing::HasSubstr;
 

@@ -3,12 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <span>
+#include <string>
+#include <vector>
 
+#include "common/base/text.h"
 #include "launcher/commands/check_command.h"
+#include "launcher/commands/commands.h"
 #include "launcher/commands/top_command.h"
+#include "launcher/driving/robot_remote.h"
+#include "launcher/hosts/host.h"
 #include "launcher/supervise/reports.h"
-#include "tests/support/ray_sensors.h"
 #include "tests/support/small_world.h"
+#include "tests/support/values.h"
 
 namespace troupe {
 namespace {
@@ -224,6 +232,122 @@ TEST(DescribeWorld, DescribesTheContentOfAWorld) {
                               "    gripper hand: fingers left and right, lift lift, 2 beams, autosnatch\n"
                               "objects: 1 (gravity 9.81 m/s^2)\n  box: 0.5 x 0 x 0 m\n"));
   EXPECT_THAT(text, HasSubstr("warnings: 1\n  w.world:3:1: warning: unknown property \"fancy\"\n"));
+}
+
+TEST(PoseText, HasThreeOrFourNumbersAsInScenarios) {
+  const PoseText three = test::ValueOf(ParsePoseText("1.5,-2,90"));
+  EXPECT_EQ(three.X_WE, (Pose{1.5, -2.0, 0.0, std::numbers::pi / 2.0}));
+  EXPECT_FALSE(three.has_height);
+  const PoseText four = test::ValueOf(ParsePoseText("-1,2,0.5,0"));
+  EXPECT_EQ(four.X_WE, (Pose{-1.0, 2.0, 0.5, 0.0}));
+  EXPECT_TRUE(four.has_height);
+}
+
+TEST(PoseText, AnyOtherTextIsAnError) {
+  for (const char* text :
+       {"", "1", "1,2", "1,2,3,4,5", "1,2,x", "1,,2", "1,2,3,", ",1,2,3", "1 2 3", "1,2,nan", "1,2,1e999", "1, 2, 3"}) {
+    const Result<PoseText> read = ParsePoseText(text);
+    ASSERT_FALSE(read.ok()) << text;
+    EXPECT_EQ(read.error().message,
+              "found '" + std::string(text) + "', expected X,Y,HEADING or X,Y,Z,HEADING, in metres and degrees");
+  }
+}
+
+TEST(ShellWords, AreQuotedIfAShellWouldInterpretThem) {
+  EXPECT_EQ(ShellQuoted(std::vector<std::string>{"a/b", "c d", "it's", ""}), "a/b 'c d' 'it'\\''s' ''");
+}
+
+TEST(ShellWords, FillInReplacesKnownNamesAndKeepsOtherBraces) {
+  EXPECT_EQ(FillIn("ssh {host} ${HOME} {x {host}", {{"host", "h1"}}), "ssh h1 ${HOME} {x h1");
+}
+
+TEST(HostMessages, EncodeAllBytes) {
+  std::string bytes;
+  for (int i = 0; i < 256; ++i) bytes += static_cast<char>(i);
+  EXPECT_EQ(FromHexadecimal(ToHexadecimal(std::as_bytes(std::span(bytes)))), bytes);
+  for (const char* text : {"a", "0g", "AB", "0 "}) EXPECT_EQ(FromHexadecimal(text), std::nullopt) << text;
+}
+
+TEST(HostMessages, AreObjectsOrInvalid) {
+  EXPECT_FALSE(ParseHostMessage("Welcome to Debian").is_object());
+  EXPECT_FALSE(ParseHostMessage("17").is_object());
+  EXPECT_TRUE(ParseHostMessage(R"({"output":"x"})").is_object());
+}
+
+TEST(TeleopKeysTest, KeysMoveForAWhileAfterTheirLastRepetition) {
+  TeleopKeys keys({.speed = 0.5, .turn_rate = 1.0, .hold_seconds = 0.7});
+  EXPECT_TRUE(keys.TwistAt(0.0).IsZero());
+  EXPECT_TRUE(keys.Press("w", 10.0));
+  EXPECT_EQ(keys.TwistAt(10.6), (Twist{0.5, 0.0, 0.0}));
+  EXPECT_TRUE(keys.TwistAt(10.8).IsZero());
+  EXPECT_TRUE(keys.Press("ww", 11.0));
+  EXPECT_TRUE(keys.Press("w", 11.5));
+  EXPECT_EQ(keys.TwistAt(12.1).vx, 0.5);
+  EXPECT_TRUE(keys.Press("s", 12.1));
+  EXPECT_EQ(keys.TwistAt(12.2).vx, -0.5);
+}
+
+TEST(TeleopKeysTest, DirectionsAddUp) {
+  TeleopKeys keys({.speed = 0.5, .turn_rate = 1.0, .hold_seconds = 0.7});
+  EXPECT_TRUE(keys.Press("waq", 0.0));
+  EXPECT_EQ(keys.TwistAt(0.1), (Twist{0.5, 0.5, 1.0}));
+  EXPECT_TRUE(keys.Press("de", 0.1));
+  EXPECT_EQ(keys.TwistAt(0.2), (Twist{0.5, -0.5, -1.0}));
+  EXPECT_TRUE(keys.Press(" ", 0.2));
+  EXPECT_TRUE(keys.TwistAt(0.2).IsZero());
+}
+
+TEST(TeleopKeysTest, ArrowsMayArriveInPieces) {
+  TeleopKeys keys({});
+  EXPECT_TRUE(keys.Press("\033", 0.0));
+  EXPECT_TRUE(keys.Press("[", 0.0));
+  EXPECT_TRUE(keys.TwistAt(0.1).IsZero());
+  EXPECT_TRUE(keys.Press("A\033OD", 0.0));
+  EXPECT_EQ(keys.TwistAt(0.1), (Twist{0.5, 0.0, 1.0}));
+  // Other sequences, and letters within them, are no keys.
+  EXPECT_TRUE(keys.Press(" \033[3~\033[1;5x\033[15~\033Z", 0.0));
+  EXPECT_TRUE(keys.TwistAt(0.1).IsZero());
+  EXPECT_TRUE(keys.Press("w", 0.0));
+  EXPECT_EQ(keys.TwistAt(0.1).vx, 0.5);
+}
+
+TEST(TeleopKeysTest, SpeedsAreScaledWithinBounds) {
+  TeleopKeys keys({.speed = 0.5, .turn_rate = 1.0, .hold_seconds = 1.0});
+  EXPECT_TRUE(keys.Press("w+=", 0.0));
+  EXPECT_DOUBLE_EQ(keys.TwistAt(0.1).vx, 0.5 * 1.25 * 1.25);
+  EXPECT_TRUE(keys.Press("---", 0.0));
+  EXPECT_DOUBLE_EQ(keys.TwistAt(0.1).vx, 0.4);
+  EXPECT_TRUE(keys.Press(std::string(1000, '+'), 0.0));
+  EXPECT_EQ(keys.TwistAt(0.1).vx, 100.0);
+}
+
+TEST(TeleopKeysTest, OrdersToTheGripperAreGivenOnce) {
+  TeleopKeys keys({});
+  EXPECT_FALSE(keys.DrainOrder());
+  EXPECT_TRUE(keys.Press("c", 0.0));
+  EXPECT_TRUE(keys.Press("r", 0.0));
+  EXPECT_EQ(keys.DrainOrder(), (GripperOrder{0, 0.0, 100.0}));
+  EXPECT_FALSE(keys.DrainOrder());
+  EXPECT_TRUE(keys.Press("of", 0.0));
+  EXPECT_EQ(keys.DrainOrder(), (GripperOrder{0, 100.0, 0.0}));
+}
+
+TEST(TeleopKeysTest, XAndCtrlDEnd) {
+  TeleopKeys keys({});
+  EXPECT_FALSE(keys.Press("wx", 0.0));
+  EXPECT_FALSE(keys.Press("\004", 0.0));
+  EXPECT_TRUE(keys.Press(std::string("\0\177zZ", 4), 0.0));
+}
+
+TEST(GoalTextTest, ReadsPointsAndAHeading) {
+  const Result<Goal> goal = ParseGoalText({"1,-2.5", "3e0,4,-90"});
+  ASSERT_TRUE(goal.ok());
+  EXPECT_EQ(goal.value().waypoints, (std::vector<Vec2>{{1.0, -2.5}, {3.0, 4.0}}));
+  EXPECT_NEAR(*goal.value().heading, -1.5707963267948966, 1e-15);
+  EXPECT_FALSE(ParseGoalText({"1,2"}).value().heading);
+  for (const char* text : {"", "1", "1,", ",1", "1,2,3,4", "1;2", "1,2 ", "inf,1", "1,0x2", "a,b"}) {
+    EXPECT_FALSE(ParseGoalText({text}).ok()) << text;
+  }
 }
 
 }  // namespace

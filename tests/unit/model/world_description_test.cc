@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <set>
 
 #include "common/model/states.h"
-#include "tests/support/ray_sensors.h"
+#include "tests/support/small_world.h"
 #include "tests/support/test_world.h"
+#include "troupe/sensor_description.h"
 
 namespace troupe {
 namespace {
@@ -101,6 +104,216 @@ TEST(WorldHash, ChangesWithEveryField) {
     EXPECT_TRUE(hashes.insert(Hash(world)).second) << "change " << hashes.size();
   }
   EXPECT_EQ(Hash(FullWorld()), Hash(FullWorld()));
+}
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Model 0 is static; model 1 is robot 0's root, model 2 its ranger; model 3 is robot 1's root.
+WorldDescription GoodWorld() {
+  test::TestWorld test;
+  test.AddModel(test::Square(3.0), {0.0, 0.1}, {1.0, 1.0, 0.0, 0.5});
+  test.AddRobot(test::Square(0.4), {0.0, 0.5}, {5.0, 6.0, 0.0, 1.0});
+  const ModelId laser = test.AddModel(std::vector<Block>{}, {0.1, 0.0, 0.5, 0.0}, ModelId(1));
+  test.AddRobot(test::Square(0.4), {0.0, 0.5}, {7.0, 6.0, 0.0, 1.0});
+  test.world.robots[0].sensors = {
+      {.name = "ranger:0", .model = laser, .period_ticks = 1, .parameters = RangerParameters{{{}}}}};
+  test.world.shapes[0].rectangles = {{0.0, 0.0, 1.0, 1.0}};
+  return test.world;
+}
+
+TEST(Validate, AcceptsAGoodWorld) {
+  const Status problem = Validate(GoodWorld());
+  EXPECT_TRUE(problem.ok()) << problem.error().message;
+  EXPECT_TRUE(Validate(WorldDescription{}).ok()) << "an empty description is valid, too";
+}
+
+struct Fault {
+  std::function<void(WorldDescription&)> change;
+  const char* message;
+};
+
+const Fault kFaults[] = {
+    {[](auto& w) { w.interval_ns = 0; }, "found a tick of 0 ns, expected 1 to 1000000000000"},
+    {[](auto& w) { w.interval_ns = -5; }, "found a tick of -5 ns, expected 1 to 1000000000000"},
+    {[](auto& w) { w.shapes[0].blocks[0].outline.resize(2); },
+     "shape 0: the outline of a block is not usable: found 2 vertices, expected at least 3"},
+    {[](auto& w) { std::swap(w.shapes[0].blocks[0].outline[0], w.shapes[0].blocks[0].outline[2]); },
+     "shape 0: the outline of a block is not normalized"},
+    {[](auto& w) {
+       w.shapes[0].blocks[0].z = {1.0, 0.0};
+     },
+     "shape 0: the height interval of a block is not finite or upside down"},
+    {[](auto& w) { w.shapes[0].rectangles[0].max_x = 0.0; }, "shape 0: a rectangle is not finite or has no area"},
+    {[](auto& w) { w.shapes[0].rectangles[0].max_x = kInfinity; }, "shape 0: a rectangle is not finite or has no area"},
+    {[](auto& w) { w.shapes[0].rectangles_z.max = kNan; },
+     "shape 0: the height interval of the rectangles is not finite or upside down"},
+    {[](auto& w) { w.models[0].name = ""; }, "model 0 '': it has no name"},
+    {[](auto& w) { w.models[1].name = "m0"; }, "model 1 'm0': another model has the same name"},
+    {[](auto& w) { w.models[0].parent = ModelId(0); }, "model 0 'm0': its parent does not precede it"},
+    {[](auto& w) { w.models[0].parent = ModelId(9); }, "model 0 'm0': its parent does not precede it"},
+    {[](auto& w) { w.models[0].shape = ShapeId(4); }, "model 0 'm0': it names a shape that does not exist"},
+    {[](auto& w) { w.models[0].X_PM.x = kNan; }, "model 0 'm0': its pose is not finite or too far away"},
+    {[](auto& w) { w.models[0].X_PM.x = 1e7; }, "model 0 'm0': its pose is not finite or too far away"},
+    {[](auto& w) { w.models[0].size_x = kInfinity; }, "model 0 'm0': its size is not finite or too large"},
+    {[](auto& w) { w.models[0].color.r = kNan; }, "model 0 'm0': its color is not finite"},
+    {[](auto& w) { w.models[0].ranger_return = kNan; }, "model 0 'm0': its ranger_return is not finite or too large"},
+    {[](auto& w) { w.robots[0].root = ModelId(77); }, "robot 0 'm1': its root model does not exist"},
+    {[](auto& w) { w.robots[1] = w.robots[0]; }, "robot 1 'm1': it is not in the order of the root models"},
+    {[](auto& w) { w.robots[0].root = ModelId(2); }, "robot 0 'm1': its root model has a parent"},
+    {[](auto& w) { w.robots[0].name = "x"; }, "robot 0 'x': its root model has another name: 'm1'"},
+    {[](auto& w) { w.robots[0].drive.wheelbase = 0.0; }, "robot 0 'm1': its wheelbase is not a positive number"},
+    {[](auto& w) {
+       w.robots[0].drive.velocity.x = {1.0, -1.0};
+     },
+     "robot 0 'm1': its velocity bounds are not intervals"},
+    {[](auto& w) { w.robots[0].drive.velocity.x.max = kInfinity; },
+     "robot 0 'm1': its velocity bounds are not intervals"},
+    {[](auto& w) { w.robots[0].drive.acceleration.y.min = 1.0; },
+     "robot 0 'm1': its acceleration bounds are not intervals around 0"},
+    {[](auto& w) { w.robots[0].localization.origin.y = kNan; },
+     "robot 0 'm1': its localization origin is not finite or too far away"},
+    {[](auto& w) { w.robots[0].localization.error_x = kNan; },
+     "robot 0 'm1': its odometry errors are not finite or too large"},
+    {[](auto& w) { w.robots[0].ros.domain = 231; },
+     "robot 0 'm1': found the ROS domain 231, expected at most 230: the ports of a higher one would exceed 65535"},
+    {[](auto& w) { w.robots[0].ros.domain = w.robots[1].ros.domain = 5; },
+     "found the ROS domain 5 for robot 'm3', which robot 'm1' has already, expected one for each robot"},
+    {[](auto& w) { w.robots[0].sensors[0].model = ModelId(0); },
+     "robot 0 'm1': its ranger 'ranger:0' is not one of its models"},
+    {[](auto& w) { w.robots[0].sensors[0].model = ModelId(50); },
+     "robot 0 'm1': its ranger 'ranger:0' is not one of its models"},
+    {[](auto& w) { w.robots[0].sensors[0].period_ticks = 0; },
+     "robot 0 'm1': its ranger 'ranger:0' has a period of no ticks"},
+    {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].X_MS.x = kNan; },
+     "robot 0 'm1': ranger 'ranger:0': its field 'ray_sensors' has a number that is not finite or too large"},
+    {[](auto& w) {
+       RaySensors(w.robots[0].sensors[0])[0].range = {-1.0, 1.0};
+     },
+     "robot 0 'm1': ranger 'ranger:0': the range of a sensor is not an interval from 0 up"},
+    {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].fov = -0.1; },
+     "robot 0 'm1': ranger 'ranger:0': the fov of a sensor is not finite or negative"},
+    {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 0; },
+     "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 100000 samples"},
+    {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 100'001; },
+     "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 100000 samples"},
+    {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].noise_variance = -1.0; },
+     "robot 0 'm1': ranger 'ranger:0': the noise of a sensor is not finite or its variance negative"},
+};
+
+TEST(Validate, ARemovedRobotHasNoRosDomain) {
+  WorldDescription world = GoodWorld();
+  world.robots[0].ros.domain = world.robots[1].ros.domain = 5;
+  world.models[1].removed = true;
+  const Status problem = Validate(world);
+  EXPECT_TRUE(problem.ok()) << problem.error().message;
+}
+
+TEST(Validate, NamesTheFault) {
+  for (const Fault& c : kFaults) {
+    WorldDescription world = GoodWorld();
+    c.change(world);
+    const Status problem = Validate(world);
+    ASSERT_FALSE(problem.ok()) << c.message;
+    EXPECT_EQ(problem.error().message, c.message);
+  }
+}
+
+// One of each kind, with values that are no defaults.
+std::vector<SensorParameters> AllKinds() {
+  RaySensorDescription ray{{1, 2, 3, 0.5}, {0.5, 9.0}, 2.0, 7, 0.1, 0.2, 0.3, {-0.5, 0.25}};
+  return {
+      RangerParameters{{ray, RaySensorDescription{}}},
+      BreakBeamParameters{{{{1, 2}, {3, 4}, 5}}},
+      FiducialParameters{{1, 2, 3, 0.5}, {0.5, 9.0}, 3.0, 2.0, -1'000'000'000, true},
+      BumperParameters{{{{1, 2, 3, 0.5}, 0.25}, {{}, 1.0}}, 0.1},
+      ContactParameters{},
+      BlobfinderParameters{{1, 2, 3, 0.5}, 10, 20, 3.0, 1.0, {{0.1, 0.2, 0.3, 0.4}, {}}},
+      CameraParameters{{1, 2, 3, 0.5}, 10, 20, {0.5, 9.0}, 1.0, {-0.2, 0.4}},
+      RadioParameters{{1, 2, 3, 0.5}, 4, 20.0, 5e3, 0.2, 0.1, 0.2, 15.0, 2.5, 9.0, 4.0, true, 0.1, 0.05},
+      ImuParameters{{1, 2, 3, 0.5}, 0.01, 0.02, 0.03, 0.04, 0.05},
+  };
+}
+
+TEST(SensorDescription, EveryKindSurvivesItsFields) {
+  const std::vector<SensorParameters> kinds = AllKinds();
+  ASSERT_EQ(kinds.size(), std::variant_size_v<SensorParameters>);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const SensorParameters& parameters = kinds[i];
+    ASSERT_EQ(parameters.index(), i);
+    const Result<SensorParameters> read = ParametersFrom(TypeOf(parameters), FieldsOf(parameters));
+    ASSERT_TRUE(read.ok()) << TypeOf(parameters) << ": " << read.error().message;
+    EXPECT_EQ(read.value(), parameters) << TypeOf(parameters);
+    if (TypeOf(parameters) == "break_beam") continue;  // they belong to grippers
+    EXPECT_TRUE(CheckParameters(parameters).ok()) << CheckParameters(parameters).error().message;
+  }
+}
+
+TEST(SensorDescription, DamagedFieldsAreRefused) {
+  for (const SensorParameters& parameters : AllKinds()) {
+    const std::vector<SensorField> fields = FieldsOf(parameters);
+    EXPECT_FALSE(ParametersFrom("scent", fields).ok());
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      std::vector<SensorField> damaged = fields;
+      damaged[i].name += "x";
+      EXPECT_FALSE(ParametersFrom(TypeOf(parameters), damaged).ok());
+      damaged = fields;
+      damaged[i].numbers.pop_back();
+      EXPECT_FALSE(ParametersFrom(TypeOf(parameters), damaged).ok());
+      damaged = fields;
+      damaged[i].numbers.push_back(0.0);
+      EXPECT_FALSE(ParametersFrom(TypeOf(parameters), damaged).ok());
+      damaged = fields;
+      damaged.erase(damaged.begin() + static_cast<std::ptrdiff_t>(i));
+      EXPECT_FALSE(ParametersFrom(TypeOf(parameters), damaged).ok());
+    }
+    std::vector<SensorField> more = fields;
+    more.push_back({"more", {}});
+    EXPECT_FALSE(ParametersFrom(TypeOf(parameters), more).ok());
+  }
+}
+
+TEST(SensorDescription, WholeNumbersAreWholeAndListsEnd) {
+  std::vector<SensorField> fields = FieldsOf(BlobfinderParameters{});
+  for (const double width : {1.5, -1.0, 1e12, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    fields[1].numbers = {width};
+    EXPECT_FALSE(ParametersFrom("blobfinder", fields).ok()) << width;
+  }
+  fields = FieldsOf(BumperParameters{});
+  fields[0].numbers = {4e9};  // the length of a list without elements
+  EXPECT_FALSE(ParametersFrom("bumper", fields).ok());
+}
+
+TEST(SensorDescription, ValuesThatCannotBeAreRefused) {
+  const SensorParameters cases[] = {
+      FiducialParameters{.range = {2.0, 1.0}},
+      FiducialParameters{.range = {-1.0, 1.0}},
+      FiducialParameters{.id_range = std::nan("")},
+      FiducialParameters{.fov = 7.0},
+      BumperParameters{.segments = {{{}, -1.0}}},
+      BumperParameters{.height = -0.1},
+      BlobfinderParameters{.width = 0},
+      BlobfinderParameters{.height = 5000},
+      BlobfinderParameters{.fov = 6.4},
+      CameraParameters{.fov = 0.0},
+      CameraParameters{.elevation = {0.3, 0.3}},
+      CameraParameters{.elevation = {0.0, 1.55}},
+      CameraParameters{.X_MS = {2e6, 0, 0, 0}},
+      RangerParameters{{{.X_MS = {}, .elevations = {0.2, 0.1}}}},
+      RangerParameters{{{.X_MS = {}, .elevations = {1.5}}}},
+      RangerParameters{{{.X_MS = {}, .samples = 100'000, .elevations = std::vector<double>(41, 0.0)}}},
+      BreakBeamParameters{},
+  };
+  for (const SensorParameters& parameters : cases) EXPECT_FALSE(CheckParameters(parameters).ok());
+}
+
+TEST(SensorDescription, SummariesCount) {
+  EXPECT_EQ(SummaryOf(AllKinds()[0]), "2 sensors, 15 rays");
+  EXPECT_EQ(SummaryOf(AllKinds()[2]), "up to 9 m");
+  EXPECT_EQ(SummaryOf(AllKinds()[3]), "2 segments");
+  EXPECT_EQ(SummaryOf(AllKinds()[4]), "");
+  EXPECT_EQ(SummaryOf(AllKinds()[5]), "10 x 20 pixels, 2 colors");
+  EXPECT_EQ(SummaryOf(AllKinds()[6]), "10 x 20 pixels");
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "recording/journal.h"
 #include "recording/recording.h"
 #include "tests/unit/service/coordinator_fixture.h"
-#include "tests/unit/service/steady_agent.h"
+#include "tests/unit/service/live_run_fixture.h"
 #include "transport/protocol/transport.h"
 #include "world-service/service/run_service.h"
 

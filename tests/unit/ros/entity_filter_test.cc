@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/small_world.h"
 #include "tests/support/values.h"
 #include "transport/dds/binding/wire.h"
 #include "world-service/observers/ros/request_values.h"
+#include "world-service/service/event_log.h"
 
 namespace troupe {
 namespace {
@@ -108,6 +110,18 @@ TEST(BoundsFilter, BoundsThatAreNotValidAreRefused) {
             "found bounds with 2 points, expected at least 3");
   EXPECT_EQ(MakeBounds(7, {}).error().message, "found bounds of type 7, expected 0 to 3");
   EXPECT_FALSE(MakeBounds(3, {{std::nan(""), 0.0, 0.0}, {1.0, 0.0, 0.0}}).ok());
+}
+
+TEST(EventLine, NamesTheRobotAndTheObstacle) {
+  SmallWorld world;
+  world.AddRobot("r0", {});
+  world.AddBox("wall", 5.0, 0.0, 2.0, 1.0, {0.0, 0.5});
+  Event event;
+  event.tick = 7;
+  event.robot = RobotId(0);
+  event.other = ModelId(1);
+  EXPECT_EQ(EventLine(world.world(), event),
+            R"({"detail":"","event":"stall_began","other":"wall","robot":"r0","tick":7})");
 }
 
 }  // namespace

@@ -6,13 +6,20 @@
 #include <openssl/pkcs7.h>
 #include <openssl/x509.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "common/base/paths.h"
 #include "tests/support/files.h"
 #include "tests/support/values.h"
 #include "transport/protocol/message_texts.h"
+#include "transport/security/run_token.h"
+#include "transport/security/session_keys.h"
 
 namespace troupe::test {
 namespace {
@@ -195,4 +202,132 @@ TEST(AgentNameTest, DependsOnTheNamesAndNotOnTheirOrder) {
 }
 
 }  // namespace
+
 }  // namespace troupe::test
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint32_t kDomain = 42;
+
+class RunKeysFolderTest : public testing::Test {
+ protected:
+  RunKeysFolderTest() {
+    if (const char* before = std::getenv("XDG_RUNTIME_DIR")) before_ = before;
+    setenv("XDG_RUNTIME_DIR", folder_.c_str(), 1);
+  }
+  ~RunKeysFolderTest() override {
+    before_.empty() ? unsetenv("XDG_RUNTIME_DIR") : setenv("XDG_RUNTIME_DIR", before_.c_str(), 1);
+  }
+
+  // A process makes keys, publishes them, and is killed.
+  static void KillAfterPublishing(const std::string& session) {
+    const pid_t child = fork();
+    if (child == 0) {
+      const Result<RunKeysFolder> keys = RunKeysFolder::Make();
+      const Result<PublishedKeys> published =
+          keys.ok() ? PublishedKeys::Publish(kDomain, session, keys.value().path()) : keys.error();
+      _exit(published.ok() ? 0 : 1);  // without destructors
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0);
+  }
+  std::ptrdiff_t CountFiles() const {
+    return std::distance(fs::directory_iterator(SessionsFolder().value()), fs::directory_iterator());
+  }
+
+  const test::TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
+  std::string before_;
+};
+
+TEST_F(RunKeysFolderTest, DeletesTheKeysThatKilledProcessesHaveLeft) {
+  KillAfterPublishing("first");
+  ASSERT_EQ(CountFiles(), 2);
+  ASSERT_EQ(FindSessionKeys(kDomain).size(), 1u);
+  {
+    const RunKeysFolder keys = RunKeysFolder::Make().value();
+    const PublishedKeys published = PublishedKeys::Publish(kDomain, "second", keys.path()).value();
+    EXPECT_EQ(CountFiles(), 2);
+    EXPECT_TRUE(fs::exists(keys.path()));
+    ASSERT_EQ(FindSessionKeys(kDomain).size(), 1u);
+    EXPECT_EQ(FindSessionKeys(kDomain)[0].session, "second");
+  }
+  EXPECT_EQ(CountFiles(), 0);
+}
+
+TEST_F(RunKeysFolderTest, DeletesTheNameThatAKilledServiceHasLeft) {
+  {
+    const RunKeysFolder keys = RunKeysFolder::Make().value();
+    std::filesystem::create_symlink(keys.path(), SessionsFolder().value() + "/42-killed");
+    ASSERT_EQ(FindSessionKeys(kDomain).size(), 1u);
+  }
+  EXPECT_EQ(CountFiles(), 0);
+}
+
+TEST_F(RunKeysFolderTest, NamesOfKeysThatExistStay) {
+  fs::create_directory(folder_ + "/keys");  // of a user, or of `troupe host`
+  const PublishedKeys first = PublishedKeys::Publish(kDomain, "first", folder_ + "/keys").value();
+  const PublishedKeys gone = PublishedKeys::Publish(kDomain, "gone", folder_ + "/gone").value();
+  ASSERT_EQ(CountFiles(), 2);
+  const PublishedKeys second = PublishedKeys::Publish(kDomain, "second", folder_ + "/keys").value();
+  EXPECT_EQ(CountFiles(), 2);
+  EXPECT_EQ(FindSessionKeys(kDomain).size(), 2u);
+}
+
+using testing::HasSubstr;
+
+constexpr const char* kParticipant = "0110a1b2c3d4e5f601020304";
+
+class RunTokenTest : public testing::Test {
+ protected:
+  const test::TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
+};
+
+TEST_F(RunTokenTest, AProofIsOfOneParticipantAndOneToken) {
+  const RunToken token = RunToken::Make().value();
+  const std::string proof = token.Proof(kParticipant);
+  EXPECT_EQ(proof.size(), 64u);
+  EXPECT_TRUE(token.Accepts(kParticipant, proof));
+  EXPECT_FALSE(token.Accepts("0110a1b2c3d4e5f601020305", proof));
+  EXPECT_FALSE(token.Accepts(kParticipant, proof.substr(0, 63)));
+  EXPECT_FALSE(token.Accepts(kParticipant, ""));
+  EXPECT_FALSE(RunToken::Make().value().Accepts(kParticipant, proof));
+}
+
+TEST_F(RunTokenTest, ReturnsFromItsFile) {
+  EXPECT_FALSE(RunToken::IsIn(folder_));
+  const RunToken token = RunToken::Make().value();
+  ASSERT_TRUE(token.WriteTo(folder_).ok());
+  EXPECT_TRUE(RunToken::IsIn(folder_));
+  EXPECT_EQ(RunToken::ReadFrom(folder_).value(), token);
+  const std::filesystem::path file = std::filesystem::path(folder_) / kTokenFolder / kTokenFile;
+  EXPECT_EQ(std::filesystem::status(file).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+}
+
+TEST_F(RunTokenTest, AnotherTextIsAnErrorWithItsFile) {
+  ASSERT_TRUE(RunToken::Make().value().WriteTo(folder_).ok());
+  for (const char* text : {"", "abc", "zz345678901234567890123456789012345678901234567890123456789012"}) {
+    std::ofstream(folder_ + "/token/token.hex") << text;
+    const Result<RunToken> token = RunToken::ReadFrom(folder_);
+    ASSERT_FALSE(token.ok()) << text;
+    EXPECT_THAT(token.error().ToString(), HasSubstr("token.hex: error: found another text"));
+  }
+}
+
+// The HMAC itself is OpenSSL's.
+TEST_F(RunTokenTest, TheProofIsHmacSha256) {
+  std::filesystem::create_directory(folder_ + "/token");
+  std::ofstream(folder_ + "/token/token.hex") << std::string(64, '0');
+  // printf %s 0110a1b2c3d4e5f601020304 | openssl dgst -sha256 -mac HMAC -macopt hexkey:00...00 (32 bytes)
+  EXPECT_EQ(RunToken::ReadFrom(folder_).value().Proof(kParticipant),
+            "4b7bd05c2348a0968fb17ef41f524d5992d39c378c90a77788858cd6a452ab32");
+}
+
+}  // namespace
+}  // namespace troupe

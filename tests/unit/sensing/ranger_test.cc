@@ -1,11 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/gripper_world.h"
+#include "tests/support/sensor_worlds.h"
+#include "tests/support/small_world.h"
 #include "tests/unit/sensing/measure.h"
+#include "troupe/sensor.h"
 
 namespace troupe {
 namespace {
@@ -206,5 +210,201 @@ TEST_F(RangerTest, EachSensorOfARangerHasItsScan) {
   EXPECT_NEAR(reading.scans[1].ranges[0], 0.9, 1e-12);
 }
 
+using ::testing::Each;
+
+// A robot before a wall 2 m away that is wide enough for a narrow fan of many rays.
+class RangerNoiseTest : public ::testing::Test {
+ protected:
+  RangerNoiseTest() {
+    robot_ = world_.AddRobot("r0", {});
+    world_.AddRanger(robot_, {0.0, 0.0, 0.3, 0.0}, {Fan(1e-7, 2000)});
+    world_.AddBox("wall", 2.5, 0.0, 1.0, 5.0, {0.0, 1.0});
+  }
+  RaySensorDescription& sensor() { return RaySensors(world_.robot(robot_).sensors[0])[0]; }
+  std::vector<double> Ranges(Tick tick = 0) {
+    WorldState state = PlacedState(world_.world());
+    state.tick = tick;
+    return Measure(world_.world(), state, robot_).scans[0].ranges;
+  }
+
+  SmallWorld world_;
+  RobotId robot_;
+};
+
+TEST_F(RangerNoiseTest, ConstantNoiseHasTheVarianceAsked) {
+  sensor().noise_variance = 0.01;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (double range : Ranges()) {
+    sum += range - 2.0;
+    squares += (range - 2.0) * (range - 2.0);
+  }
+  EXPECT_NEAR(sum / 2000, 0.0, 0.01);
+  EXPECT_NEAR(squares / 2000, 0.01, 0.001);
+}
+
+TEST_F(RangerNoiseTest, ProportionalNoiseIsUniformWithinItsPart) {
+  sensor().noise_proportional = 0.1;
+  const std::vector<double> ranges = Ranges();
+  const auto [least, most] = std::minmax_element(ranges.begin(), ranges.end());
+  EXPECT_GE(*least, 1.8);
+  EXPECT_LT(*least, 1.81);
+  EXPECT_LE(*most, 2.2);
+  EXPECT_GT(*most, 2.19);
+}
+
+TEST_F(RangerNoiseTest, StaysWithinTheSensorsRange) {
+  sensor().noise_variance = 4.0;
+  sensor().range = {1.5, 2.5};
+  const std::vector<double> ranges = Ranges();
+  EXPECT_EQ(*std::min_element(ranges.begin(), ranges.end()), 1.5);
+  EXPECT_EQ(*std::max_element(ranges.begin(), ranges.end()), 2.5);
+}
+
+TEST_F(RangerNoiseTest, AMissHasNoNoise) {
+  sensor().noise_variance = 0.01;
+  sensor().noise_proportional = 0.1;
+  sensor().range.max = 1.5;
+  EXPECT_THAT(Ranges(), Each(1.5));
+}
+
+TEST_F(RangerNoiseTest, AngleNoiseTurnsRaysByAtMostHalfAStep) {
+  sensor() = Fan(1.0, 11);
+  sensor().noise_angle = 1.0;
+  const std::vector<double> noisy = Ranges();
+  bool any_differs = false;
+  for (std::size_t i = 0; i < noisy.size(); ++i) {
+    const double bearing = std::acos(2.0 / noisy[i]);  // the face of the wall is at x = 2
+    const double exact = std::abs(-0.5 + 0.1 * static_cast<double>(i));
+    EXPECT_LE(std::abs(bearing - exact), 0.05 + 1e-9) << i;
+    any_differs = any_differs || std::abs(bearing - exact) > 1e-3;
+  }
+  EXPECT_TRUE(any_differs);
+}
+
+TEST_F(RangerNoiseTest, DependsOnSeedTickAndSensorOnly) {
+  sensor().noise_variance = 0.01;
+  const std::vector<double> first = Ranges(7);
+  EXPECT_EQ(Ranges(7), first);
+  EXPECT_NE(Ranges(8), first);
+  world_.world().seed = 2;
+  EXPECT_NE(Ranges(7), first);
+  world_.world().seed = 1;
+  world_.AddRobot("r1", {0.0, -2.0, 0.0, 0.0});
+  EXPECT_EQ(Ranges(7), first);  // for any number of other robots
+}
+
+TEST_F(RangerNoiseTest, SensorsOfARangerDifferFromEachOther) {
+  sensor().noise_variance = 0.01;
+  RaySensors(world_.robot(robot_).sensors[0]).push_back(sensor());
+  const RangerReading reading = Measure(world_.world(), robot_);
+  EXPECT_NE(reading.scans[0].ranges, reading.scans[1].ranges);
+}
+
+constexpr double kAngles[] = {0.0, 0.1, 1.0, 1.0 / 3.0, 3.14159265358979323846, 4.7, 6.283185307179586};
+constexpr std::size_t kCounts[] = {1, 2, 3, 5, 16, 91, 180, 181, 361, 1080, 4096};
+
+template <typename Check>
+void ForAllFans(Check check) {
+  for (const double fov : kAngles) {
+    for (const std::size_t count : kCounts) {
+      SCOPED_TRACE(std::to_string(fov) + " rad, " + std::to_string(count) + " rays");
+      check(RayFan{fov, count});
+    }
+  }
+}
+
+TEST(RayFanTest, SpansTheFieldOfViewWithBothEnds) {
+  const RayFan fan{2.0, 5};
+  const double bearings[] = {-1.0, -0.5, 0.0, 0.5, 1.0};
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(fan.Bearing(i), bearings[i]);
+}
+
+TEST(RayFanTest, TheEndsAreExact) {
+  ForAllFans([](const RayFan& fan) {
+    const double half = fan.count > 1 ? 0.5 * fan.fov : 0.0;
+    EXPECT_EQ(fan.angle_min(), -half);
+    EXPECT_EQ(fan.angle_max(), half);
+    EXPECT_EQ(fan.Bearing(0), fan.angle_min());
+    EXPECT_EQ(fan.Bearing(fan.count - 1), fan.angle_max());
+  });
+}
+
+TEST(RayFanTest, LeftAndRightAreMirrorImages) {
+  ForAllFans([](const RayFan& fan) {
+    for (std::size_t i = 0; i < fan.count; ++i) EXPECT_EQ(fan.Bearing(i), -fan.Bearing(fan.count - 1 - i));
+  });
+}
+
+TEST(RayFanTest, MinimumAndIncrementReproduceEachBearing) {
+  ForAllFans([](const RayFan& fan) {
+    for (std::size_t i = 0; i < fan.count; ++i) {
+      EXPECT_NEAR(fan.angle_min() + static_cast<double>(i) * fan.angle_increment(), fan.Bearing(i), 1e-12);
+    }
+  });
+}
+
+TEST(RayFanTest, ASingleRayPointsStraightAhead) {
+  const RayFan fan{1.0, 1};
+  EXPECT_EQ(fan.Bearing(0), 0.0);
+  EXPECT_EQ(fan.angle_min(), 0.0);
+  EXPECT_EQ(fan.angle_increment(), 0.0);
+}
+
 }  // namespace
+
 }  // namespace troupe
+
+namespace troupe::test {
+namespace {
+
+// Scanners with several planes.
+
+RangeScan Scan(SmallWorld& small, RaySensorDescription sensor) {
+  WorldDescription world = small.world();
+  AddSensor(world, RobotId(0), {0.0, 0.0, 0.5, 0.0}, RangerParameters{{std::move(sensor)}});
+  return SensedScene(world).MeasureAs<RangerReading>(RobotId(0), 0).scans[0];
+}
+
+RaySensorDescription Planes(std::vector<double> elevations) {
+  RaySensorDescription sensor = Fan(0.2, 3, 10.0);
+  sensor.elevations = std::move(elevations);
+  return sensor;
+}
+
+TEST(Planes, HitTopsUndersidesSidesAndTheGround) {
+  SmallWorld world;
+  world.AddRobot("r", {});
+  world.AddBox("table", 3.0, 0.0, 4.0, 4.0, {0.3, 0.4}).ranger_return = 0.5;
+  world.AddBox("lamp", 3.0, 0.0, 4.0, 4.0, {1.0, 1.1});
+  const double up = std::atan(0.25);
+  const double down = std::atan(0.05);
+  const double steep = std::atan(0.8);
+  const RangeScan scan = Scan(world, Planes({-steep, -down, 0.0, up}));
+  ASSERT_EQ(scan.ranges.size(), 12u);
+  ASSERT_EQ(scan.planes(), 4u);
+  EXPECT_NEAR(scan.ranges[1], 0.5 / std::sin(steep), 1e-9);  // the ground
+  EXPECT_EQ(scan.intensities[1], 1.0);
+  EXPECT_NEAR(scan.ranges[4], 2.0 / std::cos(down), 1e-9);  // the table's top, 0.1 m lower
+  EXPECT_EQ(scan.intensities[4], 0.5);
+  EXPECT_EQ(scan.ranges[7], 10.0);  // between both
+  EXPECT_EQ(scan.intensities[7], 0.0);
+  EXPECT_NEAR(scan.ranges[10], 2.0 / std::cos(up), 1e-9);  // the lamp's underside, 0.5 m higher
+  EXPECT_EQ(FlattestPlane(scan), 2u);
+}
+
+TEST(Planes, NoiseDiffersBetweenPlanesAndRepeats) {
+  SmallWorld world;
+  world.AddRobot("r", {});
+  world.AddBox("wall", 3.0, 0.0, 2.0, 8.0, {0.0, 4.0});
+  RaySensorDescription sensor = Planes({-0.001, 0.001});
+  const RangeScan exact = Scan(world, sensor);
+  sensor.noise_variance = 0.01;
+  const RangeScan noisy = Scan(world, sensor);
+  EXPECT_EQ(noisy, Scan(world, sensor));
+  EXPECT_NE(noisy.ranges[0] - exact.ranges[0], noisy.ranges[3] - exact.ranges[3]);
+  for (std::size_t i = 0; i < noisy.ranges.size(); ++i) EXPECT_NE(noisy.ranges[i], exact.ranges[i]);
+}
+
+}  // namespace
+}  // namespace troupe::test

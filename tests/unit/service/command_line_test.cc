@@ -2,11 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <string>
 #include <vector>
 
 #include "tests/support/words.h"
+#include "world-service/program/prepared_run.h"
 
 namespace troupe {
 namespace {
@@ -35,10 +37,10 @@ TEST(ServiceCommandLine, WithoutOptionsKeepsTheScenariosSettings) {
 }
 
 TEST(ServiceCommandLine, OverridesTheScenario) {
-  const auto parsed =
-      Parse(test::Words("a.world --ticks 5 --seed=9 --mode=lockstep --speed max --controller wander --session s-1 "
-                        "--domain 3 --interface 10.0.0.5 --on-agent-loss abort --hash-log h --poses p --record r --lease "
-                        "0.5 --start-timeout 0 --faults loss=0.5 --report-fd 4"));
+  const auto parsed = Parse(
+      test::Words("a.world --ticks 5 --seed=9 --mode=lockstep --speed max --controller wander --session s-1 "
+                  "--domain 3 --interface 10.0.0.5 --on-agent-loss abort --hash-log h --poses p --record r --lease "
+                  "0.5 --start-timeout 0 --faults loss=0.5 --report-fd 4"));
   ASSERT_TRUE(std::holds_alternative<ServiceCommandLine>(parsed));
   const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
   RunSettings settings{.mode = Mode::kRealtime, .speed = 3.0};
@@ -110,6 +112,34 @@ TEST(ServiceCommandLine, PrintsItsVersionAndItsOptions) {
     ASSERT_TRUE(std::holds_alternative<int>(parsed));
     EXPECT_EQ(std::get<int>(parsed), kExitDone);
   }
+}
+
+std::string OwnSession(const std::string& name) {
+  return "lock-test-" + std::to_string(getpid()) + "-" + name;
+}
+
+TEST(SessionLock, HasOneOwnerForASessionAndDomain) {
+  const std::string session = OwnSession("a");
+  const Result<SessionLock> first = SessionLock::Acquire(7, session);
+  ASSERT_TRUE(first.ok()) << first.error().ToString();
+  const Result<SessionLock> second = SessionLock::Acquire(7, session);
+  ASSERT_FALSE(second.ok());
+  EXPECT_THAT(second.error().message, HasSubstr("pid " + std::to_string(getpid())));
+  EXPECT_THAT(second.error().message, HasSubstr(session));
+  EXPECT_TRUE(SessionLock::Acquire(8, session).ok());
+  EXPECT_TRUE(SessionLock::Acquire(7, OwnSession("b")).ok());
+}
+
+TEST(SessionLock, IsFreeAgainWhenItsOwnerHasEnded) {
+  const std::string session = OwnSession("c");
+  EXPECT_TRUE(SessionLock::Acquire(7, session).ok());
+  EXPECT_TRUE(SessionLock::Acquire(7, session).ok());
+}
+
+TEST(SessionLock, RefusesANameThatIsTooLong) {
+  const Result<SessionLock> lock = SessionLock::Acquire(7, std::string(200, 'x'));
+  ASSERT_FALSE(lock.ok());
+  EXPECT_THAT(lock.error().message, HasSubstr("too long"));
 }
 
 }  // namespace

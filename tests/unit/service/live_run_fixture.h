@@ -3,11 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <functional>
+#include <future>
 #include <memory>
 
 #include "common/base/identity.h"
 #include "tests/support/fake_service_endpoint.h"
 #include "tests/unit/service/coordinator_fixture.h"
+#include "transport/protocol/transport.h"
 #include "world-service/service/live_run.h"
 #include "world-service/service/tick_engine.h"
 
@@ -70,6 +74,37 @@ class LiveRunTest : public testing::Test {
   FakeServiceEndpoint endpoint_;
   std::unique_ptr<LiveRun> run_;
   std::unique_ptr<TickEngine> engine_;
+};
+
+// SteadyAgent: an agent of one robot that is only a handler of messages.
+// Joins for one robot, and answers each frame with the same twist.
+class SteadyAgent final : public AgentHandler {
+ public:
+  SteadyAgent(Transport& transport, std::size_t robot)
+      : robot_(robot), endpoint_(transport.MakeAgentEndpoint(robot + 1)) {
+    endpoint_->Start(*this);
+  }
+  void OnSession(const SessionMessage& session) override {
+    run_ = session.run;
+    endpoint_->SendJoin(
+        {run_, robot_ + 1, kProtocolVersion, Hash(session.world), "here", 1, {session.world.robots[robot_].name}});
+  }
+  void OnAdmission(const AdmissionMessage&) override {}
+  void OnFrame(const FrameMessage& frame) override {
+    if (on_frame) on_frame(frame);
+    if (frame.last || frame.state.tick >= silent_from) return;
+    endpoint_->SendProposal({run_, robot_ + 1, frame.state.tick + 1, {{RobotId(robot_), {1.0, 0, 0}}}, {}});
+  }
+  void OnServiceGone() override { gone.set_value(); }
+
+  std::function<void(const FrameMessage&)> on_frame;
+  std::atomic<Tick> silent_from = 1000000;
+  std::promise<void> gone;
+
+ private:
+  const std::size_t robot_;
+  std::unique_ptr<AgentEndpoint> endpoint_;
+  RunId run_ = 0;
 };
 
 }  // namespace troupe::test

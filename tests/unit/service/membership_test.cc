@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/base/identity.h"
 #include "tests/unit/service/coordinator_fixture.h"
+#include "troupe/random.h"
+#include "world-service/service/tick_inputs.h"
 
 namespace troupe {
 namespace {
@@ -111,6 +115,184 @@ TEST_F(MembershipTest, AgentsThatJoinAndLeaveDoNotGrowTheMembership) {
       EXPECT_EQ(members_.Find(agent - 1), nullptr);
     }
   }
+}
+
+}  // namespace
+
+}  // namespace troupe
+
+namespace troupe::test {
+namespace {
+
+class ProposalCollectorTest : public testing::Test {
+ protected:
+  ProposalCollectorTest() : world_(PlaneWorld(2)) {
+    // r1 gets a part that turns.
+    world_.models.push_back(world_.models.back());
+    world_.models.back().name = "r1.mast";
+    world_.models.back().parent = world_.robots[1].root;
+    world_.joints.push_back(JointDescription{.name = "mast",
+                                             .robot = RobotId(1),
+                                             .model = ModelId(world_.models.size() - 1),
+                                             .type = JointType::kRevolute,
+                                             .position = {-1.0, 1.0}});
+    state_ = PlacedState(world_);
+    member_.id = 1;
+    member_.robots = {RobotId(0), RobotId(1)};
+  }
+
+  ProposalMessage Message(Tick tick) const {
+    return {1, 1, tick, {{RobotId(0), {1.0, 0.0, 0.0}, {}}, {RobotId(1), {}, {0.5}}}, {}};
+  }
+
+  WorldDescription world_;
+  WorldState state_;
+  Member member_;
+};
+
+TEST_F(ProposalCollectorTest, WholeProposalsEnterTheStep) {
+  ProposalCollector collector(world_, Mode::kLockstep);
+  EXPECT_TRUE(collector.Collect(member_, Message(1), state_).empty());
+  const auto proposals = collector.ForStep(state_);
+  ASSERT_EQ(proposals.size(), 2u);
+  EXPECT_EQ(proposals[0], (Proposal{RobotId(0), {1.0, 0.0, 0.0}, {}}));
+  EXPECT_EQ(proposals[1], (Proposal{RobotId(1), {}, {0.5}}));
+  state_.tick = 1;
+  EXPECT_TRUE(collector.ForStep(state_).empty());
+}
+
+TEST_F(ProposalCollectorTest, RealtimeModeKeepsJointVelocitiesForOneTick) {
+  ProposalCollector collector(world_, Mode::kRealtime);
+  EXPECT_TRUE(collector.Collect(member_, Message(1), state_).empty());
+  state_.tick = 1;
+  ASSERT_EQ(collector.ForStep(state_).size(), 2u);
+  EXPECT_EQ(collector.ForStep(state_)[1].joint_velocities, std::vector{0.5});
+  state_.tick = 2;
+  EXPECT_TRUE(collector.ForStep(state_).empty());
+}
+
+TEST_F(ProposalCollectorTest, RealtimeModeSendsARadioMessageOnce) {
+  world_.robots[0].sensors.push_back(
+      {.name = "radio", .model = world_.robots[0].root, .parameters = RadioParameters{}});
+  ProposalMessage message = Message(1);
+  message.proposals[0].messages.push_back({0, {}, {1, 2}});
+  ProposalCollector collector(world_, Mode::kRealtime);
+  EXPECT_TRUE(collector.Collect(member_, message, state_).empty());
+  EXPECT_EQ(collector.ForStep(state_)[0].messages.size(), 1u);
+  state_.tick = 1;
+  ASSERT_EQ(collector.ForStep(state_).size(), 2u);
+  EXPECT_TRUE(collector.ForStep(state_)[0].messages.empty());
+}
+
+}  // namespace
+
+}  // namespace troupe::test
+
+namespace troupe {
+namespace {
+
+using ::testing::Ge;
+
+constexpr double kDeadline = 10.0;
+
+// The times of the resends until the deadline, in s after the frame. `answers`: of other agents, at these times.
+std::vector<double> Resends(ResendTimer& timer, const std::vector<double>& answers = {}) {
+  std::vector<double> resends;
+  auto answer = answers.begin();
+  timer.Start(0.0);
+  while (timer.due() < kDeadline || answer != answers.end()) {
+    if (answer != answers.end() && *answer <= timer.due()) {
+      timer.Answered(*answer++);
+    } else {
+      resends.push_back(timer.due());
+      timer.Resent(timer.due());
+    }
+  }
+  return resends;
+}
+
+TEST(ResendTimerTest, IsFarMoreFrequentThanTheDeadline) {
+  ResendTimer timer(kDeadline);
+  EXPECT_THAT(Resends(timer).size(), Ge(99u));
+}
+
+TEST(ResendTimerTest, AnswersOfOthersCannotPostponeAResendForLong) {
+  std::vector<double> answers;
+  for (int i = 1; i < 1000; ++i) answers.push_back(0.01 * i);
+  ResendTimer timer(kDeadline);
+  EXPECT_THAT(Resends(timer, answers).size(), Ge(9u));
+}
+
+TEST(ResendTimerTest, WithoutADeadlineItWaitsUpToASecond) {
+  ResendTimer timer(0.0);
+  const std::vector<double> resends = Resends(timer);
+  EXPECT_NEAR(resends.back() - resends[resends.size() - 2], ResendTimer::kLongestWait, 1e-9);
+}
+
+// Over a slow link: each answer arrives `delay` after the first frame, and each resend is answered once more. Returns
+// the number of resends in the tick.
+int ResendsOfSlowTick(ResendTimer& timer, double delay, int agents) {
+  int resends = 0;
+  timer.Start(0.0);
+  for (; timer.due() < delay; ++resends) timer.Resent(timer.due());
+  for (int i = 0; i < agents; ++i) timer.Answered(delay);
+  for (int i = 0; i < resends * agents; ++i) timer.AnsweredTwice();
+  return resends;
+}
+
+TEST(ResendTimerTest, NeedlessResendsBecomeRare) {
+  ResendTimer timer(kDeadline);
+  EXPECT_THAT(ResendsOfSlowTick(timer, 0.8, 20), Ge(8));  // nothing is learned yet
+  for (int tick = 0; tick < 10; ++tick) ResendsOfSlowTick(timer, 0.8, 20);
+  for (int tick = 0; tick < 10; ++tick) EXPECT_LE(ResendsOfSlowTick(timer, 0.8, 20), 2) << tick;
+  // On a link that is fast again they are soon as frequent as before.
+  for (int tick = 0; tick < 60; ++tick) ResendsOfSlowTick(timer, 0.001, 20);
+  EXPECT_THAT(Resends(timer).size(), Ge(99u));
+}
+
+// The probability that an agent is lost in a tick, because all round trips within the deadline fail.
+double ProbabilityOfLoss(const ResendTimer& timer, double loss) {
+  ResendTimer copy = timer;
+  const double failure = 1.0 - (1.0 - loss) * (1.0 - loss);
+  return std::pow(failure, 1.0 + static_cast<double>(Resends(copy).size()));
+}
+
+TEST(ResendTimerTest, LossOfMessagesLosesNoAgent) {
+  // Of a million ticks with a hundred agents.
+  EXPECT_LT(1e8 * ProbabilityOfLoss(ResendTimer(kDeadline), 0.3), 1e-12);
+  EXPECT_LT(1e8 * ProbabilityOfLoss(ResendTimer(kDeadline), 0.45), 1e-6);
+}
+
+class LossyRunTest : public test::CoordinatorTest {
+ protected:
+  static constexpr AgentId kAgents = 8;
+
+  bool Arrives(double loss) { return RandomUniform({1, draws_++}) >= loss; }
+  // Delivers the frames that were sent since the last call, and the answers to them.
+  void Exchange(double loss) {
+    for (; delivered_ < endpoint.frames.size(); ++delivered_) {
+      const FrameMessage frame = endpoint.frames[delivered_];
+      for (AgentId agent = 1; agent <= kAgents; ++agent) {
+        if (Arrives(loss) && Arrives(loss)) {
+          coordinator->OnProposal(ProposalOf(agent, 0.1, frame.state.tick + 1), now);
+        }
+      }
+    }
+  }
+
+  std::size_t delivered_ = 0;
+  std::uint64_t draws_ = 0;
+};
+
+TEST_F(LossyRunTest, NoAgentIsLostByTheLossOfMessages) {
+  constexpr double kLoss = 0.4;
+  MakeAndStart(kAgents);
+  while (tick() < 2000) {
+    Exchange(kLoss);
+    if (delivered_ == endpoint.frames.size()) Wait(coordinator->NextPoll() - now);
+    ASSERT_THAT(Events(), IsEmpty()) << "tick " << tick();
+  }
+  EXPECT_EQ(coordinator->present_agents(), kAgents);
 }
 
 }  // namespace

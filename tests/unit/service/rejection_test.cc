@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 
 #include "tests/unit/service/coordinator_fixture.h"
+#include "world-service/service/tick_inputs.h"
 
 namespace troupe {
 namespace {
@@ -129,6 +131,158 @@ TEST_F(RejectionTest, ProposalsBeforeTheStartAreIgnored) {
   Make(2);
   coordinator->OnProposal({kRun, 1, 1, {}, {}}, now);
   EXPECT_THAT(Events(), IsEmpty());
+}
+
+using ::testing::AllOf;
+
+class RealtimeTest : public CoordinatorTest {
+ protected:
+  RealtimeTest() { options.settings.mode = Mode::kRealtime; }
+  // Waits until just after the next tick is due.
+  void NextTick() { Wait(0.1001); }
+};
+
+TEST_F(RealtimeTest, NoticesThatItIsNotDeterministic) {
+  Make(1);
+  EXPECT_THAT(coordinator->DrainNotices(), ElementsAre(HasSubstr("not the same"), HasSubstr("1 x real time")));
+}
+
+TEST_F(RealtimeTest, TicksAreNotEarlyEvenWhenAllAgentsHaveAnswered) {
+  MakeAndStart(1);
+  Propose(1);
+  EXPECT_EQ(tick(), 0u);
+  EXPECT_NEAR(coordinator->NextPoll() - now, 0.1, 1e-9);
+  NextTick();
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_NEAR(Travel(0), 0.1, 1e-12);
+}
+
+TEST_F(RealtimeTest, ALateRobotKeepsItsCommandForOneTickAndThenStops) {
+  MakeAndStart(2);
+  Propose(1, 1.0);
+  Propose(2, 2.0);
+  NextTick();
+  Propose(1, 1.0);
+  NextTick();
+  EXPECT_EQ(tick(), 2u);
+  EXPECT_NEAR(Travel(1), 0.4, 1e-12);  // kept
+  Propose(1, 1.0);
+  NextTick();
+  EXPECT_EQ(tick(), 3u);
+  EXPECT_NEAR(Travel(1), 0.4, 1e-12);  // stopped
+  EXPECT_NEAR(Travel(0), 0.3, 1e-12);
+}
+
+TEST_F(RealtimeTest, ARobotWithoutAnyProposalStandsStill) {
+  MakeAndStart(1);
+  NextTick();
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_EQ(Travel(0), 0.0);
+}
+
+TEST_F(RealtimeTest, ACommandThatArrivesOneTickLateIsTheNextTicksCommand) {
+  MakeAndStart(1);
+  NextTick();
+  coordinator->OnProposal(ProposalOf(1, 3.0, 1), now);
+  EXPECT_THAT(Events(), IsEmpty());
+  NextTick();
+  EXPECT_NEAR(Travel(0), 0.3, 1e-12);
+  NextTick();
+  EXPECT_NEAR(Travel(0), 0.3, 1e-12);
+}
+
+TEST_F(RealtimeTest, ALateCommandDoesNotReplaceANewerOne) {
+  MakeAndStart(1);
+  Propose(1, 1.0);
+  NextTick();
+  coordinator->OnProposal(ProposalOf(1, 3.0, 1), now);  // a late duplicate with another command
+  NextTick();
+  EXPECT_NEAR(Travel(0), 0.2, 1e-12);
+}
+
+TEST_F(RealtimeTest, ACommandThatIsKeptMustStillBeWithinTheLimits) {
+  Make(1);
+  WorldDescription world = scene->world();
+  world.robots[0].drive.acceleration.x = {-100.0, 20.0};  // 2 m/s in a tick
+  scene = std::make_unique<Scene>(world);
+  coordinator.emplace(scene, options, endpoint, observers, now);
+  Join(1);
+  Events();
+  Propose(1, 2.0);
+  NextTick();
+  Propose(1, 4.0);
+  NextTick();
+  EXPECT_NEAR(Travel(0), 0.6, 1e-12);
+  coordinator->OnProposal(ProposalOf(1, 4.0, 1), now);  // old: no effect
+  NextTick();
+  EXPECT_NEAR(Travel(0), 1.0, 1e-12);  // keeps 4 m/s
+  NextTick();
+  EXPECT_NEAR(Travel(0), 1.0, 1e-12);
+  coordinator->OnProposal(ProposalOf(1, 4.0, tick()), now);  // late, and beyond the acceleration of a robot at rest
+  EXPECT_THAT(Events(), ElementsAre("proposal_rejected r0"));
+  NextTick();
+  EXPECT_NEAR(Travel(0), 1.0, 1e-12);
+}
+
+TEST_F(RealtimeTest, SpeedPacesIt) {
+  options.settings.speed = 10.0;
+  MakeAndStart(1);
+  Wait(0.0101);
+  EXPECT_EQ(tick(), 1u);
+}
+
+TEST_F(RealtimeTest, APaceThatTheAgentsCannotKeepIsTold) {
+  options.settings.speed = 10.0;
+  MakeAndStart(2);
+  coordinator->DrainNotices();
+  for (int i = 0; i < 400; ++i) {
+    Propose(1);
+    if (i % 4 != 0) Propose(2);
+    Wait(0.0101);
+  }
+  EXPECT_THAT(coordinator->DrainNotices(), IsEmpty());
+  for (int i = 0; i < 400; ++i) {
+    Propose(1);
+    Wait(0.0101);
+  }
+  EXPECT_THAT(coordinator->DrainNotices(), ElementsAre(AllOf(HasSubstr("percent"), HasSubstr("pace of 10 x"))));
+}
+
+TEST(PaceWatchTest, CountsTheShareOfLateProposals) {
+  PaceWatch watch;
+  for (double now = 0.0; now < 10.0; now += 0.1) EXPECT_FALSE(watch.Committed(10, 2, now));
+  std::optional<int> told;
+  for (double now = 10.0; now < 20.0; now += 0.1) {
+    const std::optional<int> late = watch.Committed(10, 5, now);
+    if (late) {
+      EXPECT_FALSE(told) << "once in a while";
+      told = late;
+    }
+  }
+  EXPECT_EQ(told.value_or(0), 50);
+}
+
+TEST_F(RealtimeTest, ASilentAgentIsLostAtTheDeadline) {
+  options.settings.agent_deadline_seconds = 1.0;
+  MakeAndStart(2);
+  for (int i = 0; i < 9; ++i) {
+    Propose(1, 0.0);
+    NextTick();
+  }
+  EXPECT_THAT(Events(), IsEmpty());
+  for (int i = 0; i < 2; ++i) {
+    Propose(1, 0.0);
+    NextTick();
+  }
+  EXPECT_THAT(Events(), ElementsAre("left r1"));
+}
+
+TEST_F(RealtimeTest, PauseStopsItToo) {
+  options.settings.on_agent_loss = OnAgentLoss::kPause;
+  MakeAndStart(2);
+  coordinator->OnAgentGone(2, now);
+  NextTick();
+  EXPECT_EQ(tick(), 0u);
 }
 
 }  // namespace

@@ -1,10 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <random>
+#include <thread>
 
 #include "transport/shared_memory/shared_layout.h"
+#include "transport/shared_memory/shared_memory.h"
 
 namespace troupe {
 namespace {
@@ -163,6 +167,104 @@ TEST(ProposalWordsTest, CutProposalAndRobotsOutOfOrderAreRefused) {
   WordWriter again(memory.all());
   AddProposal(sent, again);
   EXPECT_FALSE(ReadProposal(WordReader(memory.all().first(again.count())), came).ok());
+}
+
+struct LockedMemory {
+  SeqlockHeader header{};
+  std::array<Word, 8> words{};
+};
+
+void Write(LockedMemory& memory, std::uint64_t value) {
+  SeqlockWriter writer(memory.header, memory.words);
+  for (std::size_t i = 0; i < memory.words.size(); ++i) writer.words().Add(value);
+  writer.Finish();
+}
+
+TEST(SeqlockTest, MessageIsReadOnce) {
+  LockedMemory memory;
+  std::uint64_t seen = 0;
+  std::uint64_t value = 0;
+  const auto read = [&](WordReader words) { EXPECT_TRUE(words.Read(value)); };
+  EXPECT_FALSE(ReadNewer(memory.header, memory.words, seen, read));
+  Write(memory, 5);
+  EXPECT_TRUE(ReadNewer(memory.header, memory.words, seen, read));
+  EXPECT_EQ(value, 5u);
+  EXPECT_FALSE(ReadNewer(memory.header, memory.words, seen, read));
+}
+
+TEST(SeqlockTest, MessageOfAKilledWriterIsNotReadAndTheNextOneIs) {
+  LockedMemory memory;
+  std::uint64_t seen = 0;
+  std::uint64_t value = 0;
+  const auto read = [&](WordReader words) { EXPECT_TRUE(words.Read(value)); };
+  Write(memory, 5);
+  [[maybe_unused]] const SeqlockWriter killed(memory.header, memory.words);
+  EXPECT_FALSE(ReadNewer(memory.header, memory.words, seen, read));
+  Write(memory, 6);
+  EXPECT_TRUE(ReadNewer(memory.header, memory.words, seen, read));
+  EXPECT_EQ(value, 6u);
+}
+
+TEST(SeqlockTest, MessageThatDoesNotFitIsNone) {
+  LockedMemory memory;
+  std::uint64_t seen = 0;
+  SeqlockWriter writer(memory.header, memory.words);
+  for (std::size_t i = 0; i <= memory.words.size(); ++i) writer.words().Add(std::uint64_t{1});
+  EXPECT_FALSE(writer.Finish());
+  EXPECT_FALSE(ReadNewer(memory.header, memory.words, seen, [](WordReader) { FAIL(); }));
+}
+
+TEST(SeqlockTest, FalseLengthIsNotRead) {
+  LockedMemory memory;
+  std::uint64_t seen = 0;
+  Write(memory, 5);
+  memory.header.count = memory.words.size() + 1;
+  EXPECT_FALSE(ReadNewer(memory.header, memory.words, seen, [](WordReader) { FAIL(); }));
+}
+
+TEST(SeqlockTest, ReaderNeverObtainsPartsOfTwoMessages) {
+  LockedMemory memory;
+  std::atomic<bool> over = false;
+  std::thread writer([&] {
+    for (std::uint64_t value = 1; value <= 200000; ++value) Write(memory, value);
+    over = true;
+  });
+  std::uint64_t seen = 0;
+  std::uint64_t newest = 0;
+  std::uint64_t complete = 0;
+  while (!over || complete == 0) {
+    std::array<std::uint64_t, 8> values{};
+    const bool is_whole = ReadNewer(memory.header, memory.words, seen, [&](WordReader words) {
+      for (std::uint64_t& value : values) EXPECT_TRUE(words.Read(value));
+    });
+    if (!is_whole) continue;
+    ++complete;
+    EXPECT_GT(values.front(), newest);
+    newest = values.front();
+    for (const std::uint64_t value : values) EXPECT_EQ(value, newest);
+  }
+  writer.join();
+}
+
+TEST(SharingAddressTest, TextIsReadBack) {
+  const SharingAddress address{ThisMachine(), 4711, 5, 6, 0xfedcba9876543210};
+  ASSERT_FALSE(address.machine.empty());
+  EXPECT_EQ(ToText(address).find(';'), std::string::npos);
+  EXPECT_EQ(ParseSharingAddress(ToText(address)), address);
+  EXPECT_TRUE(IsThisBoot(address));
+}
+
+TEST(SharingAddressTest, OtherTextsAreRefused) {
+  for (const char* text : {"", ",1,2,3,4", "m", "m,1,2,3", "m,0,2,3,4", "m,-1,2,3,4", "m,1,-2,3,4", "m,1,2,3,4,5",
+                           "m,1,2,3,x", "m,1,2,99999999999,4", "m,1,2,3,10000000000000000"}) {
+    EXPECT_FALSE(ParseSharingAddress(text)) << text;
+  }
+}
+
+TEST(SharingAddressTest, AnotherBootIsAnotherMachine) {
+  EXPECT_FALSE(IsThisBoot({"another-boot/pid:[1]/net:[2]/uid:0", 1, 2, 3, 4}));
+  const std::string boot = ThisMachine().substr(0, ThisMachine().find('/'));
+  EXPECT_TRUE(IsThisBoot({boot + "/pid:[1]/net:[2]/uid:0", 1, 2, 3, 4}));
 }
 
 }  // namespace

@@ -7,6 +7,11 @@
 #include <limits>
 #include <memory>
 
+#include "common/spatial/body_index.h"
+#include "common/spatial/grid.h"
+#include "common/spatial/occupancy_grid.h"
+#include "common/spatial/scene.h"
+#include "tests/support/small_world.h"
 #include "tests/support/test_world.h"
 
 namespace troupe {
@@ -130,6 +135,244 @@ TEST(StaticIndex, RayWalkVisitsHitPiecesInTime) {
   EXPECT_GE(first_distance, 0.0);
   EXPECT_LE(first_distance, 1.0);
   EXPECT_TRUE(saw_second);
+}
+
+std::pmr::vector<BodyId> Find(const BodyIndex& index, const Rectangle& box) {
+  std::pmr::vector<BodyId> result;
+  index.Query(box, result);
+  return result;
+}
+
+Rectangle Around(double x, double y) {
+  return {x - 0.01, y - 0.01, x + 0.01, y + 0.01};
+}
+
+TEST(BodyIndex, IsEmptyWithoutRobots) {
+  const Scene scene{WorldDescription{}};
+  BodyIndex index(scene);
+  index.Assign({});
+  EXPECT_TRUE(Find(index, {-1e6, -1e6, 1e6, 1e6}).empty());
+}
+
+// With so many others far away, that they need a grid, or without.
+class BodyIndexMoves : public testing::TestWithParam<int> {};
+
+TEST_P(BodyIndexMoves, AreFollowed) {
+  test::TestWorld test;
+  for (int i = 0; i < 3; ++i) test.AddRobot(test::Square(0.4), {0.0, 1.0}, {2.0 * i, 0.0, 0.0, 0.0});
+  for (int i = 0; i < GetParam(); ++i) test.AddRobot(test::Square(0.4), {0.0, 1.0}, {2.0 * i, 20.0, 0.0, 0.0});
+  const Scene scene(test.world);
+  BodyIndex index(scene);
+  index.Assign(PlacedState(scene.world()));
+  EXPECT_EQ(Find(index, Around(0.1, 0.1)), (std::pmr::vector<BodyId>{BodyId(0)}));
+  EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::pmr::vector<BodyId>{BodyId(0), BodyId(1), BodyId(2)}));
+  index.Move(BodyId(0), {4.0, 0.1, 0.0, 1.0});
+  EXPECT_TRUE(Find(index, Around(0.1, 0.1)).empty());
+  EXPECT_EQ(Find(index, Around(4.0, 0.1)), (std::pmr::vector<BodyId>{BodyId(0), BodyId(2)}));
+  index.Move(BodyId(1), {1e9, -1e9, 0.0, 0.0});
+  EXPECT_EQ(Find(index, Around(1e9, -1e9)), (std::pmr::vector<BodyId>{BodyId(1)})) << "far outside the grid";
+}
+
+INSTANTIATE_TEST_SUITE_P(Others, BodyIndexMoves, testing::Values(0, 300));
+
+TEST(BodyIndex, CopesWithThousandsOfRobots) {
+  test::TestWorld test;
+  for (int i = 0; i < 10'000; ++i) {
+    test.AddRobot(test::Square(0.4), {0.0, 1.0}, {1.0 * (i % 100), 1.0 * (i / 100), 0.0, 0.0});
+  }
+  const Scene scene(test.world);
+  WorldState state = PlacedState(scene.world());
+  BodyIndex index(scene);
+  for (int tick = 0; tick < 10; ++tick) {
+    for (RobotState& robot : state.robots) robot.X_WR.x += 0.01;
+    index.Assign(state);
+  }
+  EXPECT_EQ(Find(index, Around(50.1, 50.0)), (std::pmr::vector<BodyId>{BodyId(5050)}));
+}
+
+TEST(BodyIndex, CopesWithAllRobotsInOnePlace) {
+  test::TestWorld test;
+  for (int i = 0; i < 500; ++i) test.AddRobot(test::Square(0.4), {0.0, 1.0}, {1.0, 1.0, 0.0, 0.0});
+  const Scene scene(test.world);
+  BodyIndex index(scene);
+  index.Assign(PlacedState(scene.world()));
+  index.Assign(PlacedState(scene.world()));
+  EXPECT_EQ(Find(index, Around(1.0, 1.0)).size(), 500u);
+  EXPECT_TRUE(Find(index, Around(3.0, 1.0)).empty());
+}
+
+TEST(Scene, SeparatesStaticModelsFromBodies) {
+  test::TestWorld test;
+  const ModelId table = test.AddModel(test::Square(2.0), {0.0, 0.7}, {5.0, 5.0, 0.0, 0.0});
+  const ModelId lamp = test.AddModel(test::Square(0.2), {0.0, 0.3}, {0.5, 0.0, 0.7, 0.0}, table);
+  const RobotId robot = test.AddRobot(test::Square(0.4), {0.0, 0.5}, {1.0, 2.0, 0.0, 1.0});
+  const ModelId root = test.world.robot(robot).root;
+  const ModelId mast = test.AddModel(test::Square(0.1), {0.0, 1.0}, {0.3, 0.0, 0.5, 0.0}, root);
+  const Scene scene(test.world);
+
+  ASSERT_EQ(scene.static_index().kept_pieces().size(), 2u);
+  EXPECT_EQ(scene.static_index().kept_pieces()[1].model, lamp);
+  EXPECT_EQ(scene.static_index().bounds(), (Rectangle{4.0, 4.0, 6.0, 6.0}));
+  EXPECT_EQ(scene.static_index().kept_pieces()[1].z, (ZRange{0.7, 1.0}));
+
+  EXPECT_EQ(scene.robot_of(table), std::nullopt);
+  EXPECT_EQ(scene.robot_of(lamp), std::nullopt);
+  EXPECT_EQ(scene.robot_of(root), robot);
+  EXPECT_EQ(scene.robot_of(mast), robot);
+  EXPECT_EQ(scene.X_RM(root), Pose{});
+  EXPECT_EQ(scene.X_RM(mast), (Pose{0.3, 0.0, 0.5, 0.0}));
+
+  const Body& body = scene.body(scene.body_of(robot));
+  ASSERT_EQ(body.pieces.size(), 2u);
+  EXPECT_EQ(body.z, (ZRange{0.0, 1.5}));
+  EXPECT_NEAR(body.radius, std::hypot(0.35, 0.05), 1e-15);
+  EXPECT_EQ(scene.max_body_radius(), body.radius);
+}
+
+TEST(Scene, AcceptsARobotWithoutABody) {
+  test::TestWorld test;
+  test.AddRobot(test::Square(0.4), {0.0, 0.5}, {});
+  test.world.shapes[0].blocks.clear();
+  const Scene scene(test.world);
+  EXPECT_TRUE(scene.body(BodyId(0)).pieces.empty());
+  EXPECT_EQ(scene.body(BodyId(0)).radius, 0.0);
+}
+
+// '#' for an occupied cell; the first line is the row with the largest y, as on a picture.
+std::string Picture(const OccupancyGrid& grid) {
+  std::string picture;
+  for (std::uint32_t row = grid.height; row-- > 0;) {
+    for (std::uint32_t column = 0; column < grid.width; ++column) {
+      picture += grid.occupied[row * grid.width + column] ? '#' : '.';
+    }
+    picture += '\n';
+  }
+  return picture;
+}
+
+TEST(OccupancyGrid, MarksTheCellsThatSomethingCoversAPartOf) {
+  SmallWorld world;
+  world.AddBox("west", 0.5, 1.5, 1.0, 3.0, {0.0, 1.0});
+  world.AddBox("speck", 3.5, 0.5, 0.1, 0.1, {0.0, 1.0});
+  world.AddBox("corner", 3.9, 2.9, 0.2, 0.2, {0.0, 1.0});
+  const OccupancyGrid grid = MakeOccupancyGrid(Scene(world.world()), 1.0, 0.5);
+  EXPECT_EQ(grid.origin_x, 0.0);
+  EXPECT_EQ(grid.origin_y, 0.0);
+  EXPECT_EQ(Picture(grid),
+            "#..#\n"
+            "#...\n"
+            "#..#\n");
+}
+
+TEST(OccupancyGrid, ShowsOneHeight) {
+  SmallWorld world;
+  world.AddBox("low", 0.5, 0.5, 1.0, 1.0, {0.0, 0.5});
+  world.AddBox("high", 1.5, 0.5, 1.0, 1.0, {1.0, 2.0});
+  const Scene scene(world.world());
+  EXPECT_EQ(Picture(MakeOccupancyGrid(scene, 1.0, 0.25)), "#.\n");
+  EXPECT_EQ(Picture(MakeOccupancyGrid(scene, 1.0, 1.5)), ".#\n");
+  EXPECT_EQ(Picture(MakeOccupancyGrid(scene, 1.0, 0.75)), "..\n");
+}
+
+TEST(OccupancyGrid, ShowsNeitherRobotsNorInvisibleNonObstacles) {
+  SmallWorld world;
+  world.AddBox("wall", 0.5, 0.5, 1.0, 1.0, {0.0, 1.0});
+  ModelDescription& ghost = world.AddBox("ghost", 2.5, 0.5, 1.0, 1.0, {0.0, 1.0});
+  ghost.obstacle_return = false;
+  ghost.ranger_return = -1.0;
+  world.AddRobot("r", {1.5, 0.5, 0.0, 0.0});
+  const std::string picture = Picture(MakeOccupancyGrid(Scene(world.world()), 1.0, 0.2));
+  EXPECT_EQ(picture.substr(0, 2), "#.");
+  EXPECT_EQ(picture.find('#', 1), std::string::npos);
+}
+
+TEST(OccupancyGrid, CoversATurnedBoxWithoutGaps) {
+  SmallWorld world;
+  world.AddBox("box", 0.0, 0.0, 2.0, 2.0, {0.0, 1.0}).X_PM.heading = kPi / 4;
+  const OccupancyGrid grid = MakeOccupancyGrid(Scene(world.world()), 0.05, 0.5);
+  int occupied = 0;
+  for (const bool cell : grid.occupied) occupied += cell;
+  EXPECT_GT(occupied * 0.05 * 0.05, 4.0);
+  EXPECT_LT(occupied * 0.05 * 0.05, 4.5);  // the rim adds a cell here and there
+}
+
+TEST(OccupancyGrid, IsNothingInAnEmptyWorldAndNeverTooLarge) {
+  EXPECT_TRUE(MakeOccupancyGrid(Scene(SmallWorld().world()), 0.05, 0.1).empty());
+  SmallWorld world;
+  world.AddBox("a", -4000.0, 0.0, 1.0, 1.0, {0.0, 1.0});
+  world.AddBox("b", 4000.0, 8000.0, 1.0, 1.0, {0.0, 1.0});
+  const OccupancyGrid grid = MakeOccupancyGrid(Scene(world.world()), 0.05, 0.1);
+  EXPECT_LE(grid.occupied.size(), kMaxGridCells);
+  EXPECT_EQ(grid.resolution, 3.2);
+}
+
+// A model like a ROS map of 4 x 3 pixels of 0.5 m, with a box of the same size around its origin.
+ModelDescription& AddMap(SmallWorld& world, const Pose& X_WM) {
+  ModelDescription& map = world.AddBox("map", 0.0, 0.0, 0.5, 0.5, {0.0, 1.0});
+  map.X_PM = X_WM;
+  map.map = {4, 3, 0.5};
+  return map;
+}
+
+TEST(OccupancyGrid, KeepsTheExtentOfAMapAndItsResolution) {
+  SmallWorld world;
+  AddMap(world, {-1.0, 2.0, 0.0, 0.0});
+  const OccupancyGrid grid = MakeOccupancyGrid(Scene(world.world()), std::nullopt, 0.5);
+  EXPECT_EQ(grid.resolution, 0.5);
+  EXPECT_EQ(grid.width, 5u);  // half of the box is beside the map
+  EXPECT_EQ(grid.height, 4u);
+  EXPECT_EQ(grid.origin_x, -1.5);
+  EXPECT_EQ(grid.origin_y, 1.5);
+  const OccupancyGrid fine = MakeOccupancyGrid(Scene(world.world()), 0.25, 0.5);
+  EXPECT_EQ(fine.width, 9u);
+  EXPECT_EQ(fine.origin_x, -1.25);
+  EXPECT_EQ(MakeOccupancyGrid(Scene(world.world()), 0.25, 0.5, 20).resolution, 0.5);
+}
+
+TEST(OccupancyGrid, SpansATurnedMap) {
+  SmallWorld world;
+  AddMap(world, {0.0, 0.0, 0.0, kPi / 2});
+  const OccupancyGrid grid = MakeOccupancyGrid(Scene(world.world()), 0.5, 0.5);
+  EXPECT_NEAR(grid.origin_x, -1.5, 1e-9);
+  EXPECT_NEAR(grid.origin_y, -0.25, 1e-9);  // of the box
+  EXPECT_EQ(grid.width, 4u);                // 1.75 m
+  EXPECT_EQ(grid.height, 5u);               // 2.25 m
+}
+
+TEST(UsualMapHeight, IsThatOfTheLowestScanner) {
+  SmallWorld world;
+  EXPECT_EQ(UsualMapHeight(Scene(world.world())), 0.1);
+  const RobotId robot = world.AddRobot("r", {});
+  world.AddRanger(robot, {0.0, 0.0, 0.05, 0.0}, {OneRay()});
+  world.AddRanger(robot, {0.0, 0.0, 0.5, 0.0}, {Fan(1.0, 5)});
+  world.AddRanger(robot, {0.0, 0.0, 0.25, 0.0}, {Fan(1.0, 5)});
+  EXPECT_EQ(UsualMapHeight(Scene(world.world())), 0.25);
+}
+
+// Cells: 0 1 2 3 in the lowest row, up to 8 9 10 11.
+const Grid kGrid({0.0, 0.0, 4.0, 3.0}, 1.0, 100.0);
+
+TEST(Grid, NumbersCellsRowByRow) {
+  EXPECT_EQ(kGrid.cell_count(), 12u);
+  EXPECT_EQ(kGrid.CellOf({0.5, 0.5}), 0u);
+  EXPECT_EQ(kGrid.CellOf({3.5, 0.5}), 3u);
+  EXPECT_EQ(kGrid.CellOf({0.5, 2.5}), 8u);
+}
+
+TEST(Grid, PointsOutsideBelongToTheNearestCell) {
+  EXPECT_EQ(kGrid.CellOf({-1e300, -5.0}), 0u);
+  EXPECT_EQ(kGrid.CellOf({1e300, 1e300}), 11u);
+  EXPECT_EQ(kGrid.CellOf({1.5, std::numeric_limits<double>::quiet_NaN()}), 1u);
+}
+
+TEST(Grid, EnlargesCellsToKeepTheirNumber) {
+  const Grid grid({0.0, 0.0, 1e6, 1e6}, 1e-3, 1000.0);
+  EXPECT_LE(grid.cell_count(), 1000u);
+  EXPECT_GT(grid.cell_count(), 400u);
+}
+
+TEST(Grid, EnlargesCellsToKeepALongRowShort) {
+  EXPECT_LE(Grid({0.0, 0.0, 1e6, 1.0}, 1.0, 1e9).axis(0).count, 65536);
 }
 
 }  // namespace

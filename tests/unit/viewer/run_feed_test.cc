@@ -4,9 +4,14 @@
 
 #include <cmath>
 #include <memory>
+#include <random>
+#include <vector>
 
 #include "common/model/states.h"
 #include "tests/support/small_world.h"
+#include "tests/unit/viewer/byte_reader.h"
+#include "viewer/gateway/page_messages.h"
+#include "viewer/gateway/past_states.h"
 
 namespace troupe {
 namespace {
@@ -150,6 +155,133 @@ TEST(RunFeedTest, TheEndOfARunStaysInViewButALostRunDoesNot) {
   feed.OnServiceGone();
   feed.Read(content);
   EXPECT_EQ(content.state, nullptr);
+}
+
+ViewedState StateAt(Tick tick) {
+  ViewedState past;
+  WorldState state;
+  state.robots.resize(100);
+  state.tick = tick;
+  past.state = std::make_shared<const WorldState>(std::move(state));
+  past.state_hash = 1000 + tick;
+  return past;
+}
+
+TEST(KeptStatesTest, HasTheStatesInTheirOrder) {
+  KeptStates history(std::size_t{1} << 20);
+  EXPECT_FALSE(history.range());
+  EXPECT_FALSE(history.At(0).ok());
+  for (Tick tick = 5; tick < 10; ++tick) EXPECT_EQ(history.Add(StateAt(tick))->position, tick - 5);
+  EXPECT_EQ(history.range(), (PastStates::Range{0, 4}));
+  EXPECT_EQ(history.At(2).value()->state_hash, 1007u);
+  EXPECT_EQ(history.At(77).value()->position, 4u) << "the nearest one";
+  history.Add(StateAt(6));  // after a reset
+  EXPECT_EQ(history.PositionOf(6), 5u);
+  EXPECT_EQ(history.PositionOf(9), 4u);
+  EXPECT_EQ(history.PositionOf(4), std::nullopt);
+}
+
+TEST(KeptStatesTest, ItsMemoryIsBounded) {
+  const std::size_t bytes = SizeOf(StateAt(0));
+  KeptStates history(10 * bytes);
+  for (Tick tick = 0; tick < 1000; ++tick) history.Add(StateAt(tick));
+  EXPECT_EQ(history.range(), (PastStates::Range{990, 999}));
+  EXPECT_EQ(history.At(0).value()->position, 990u);
+  EXPECT_EQ(history.PositionOf(989), std::nullopt);
+  history.Clear();
+  EXPECT_FALSE(history.range());
+  EXPECT_EQ(history.Add(StateAt(0))->position, 1000u) << "positions are never used twice";
+}
+
+// A viewer's copy of the rows, as the page keeps it.
+struct Copy {
+  WorldState state;
+
+  // Returns the number of rows in the message.
+  std::size_t Apply(const std::string& bytes) {
+    test::ByteReader reader(bytes);
+    std::size_t count = 0;
+    ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
+      if constexpr (!std::is_same_v<Row, ImuState> && !std::is_same_v<Row, RadioTransmission>) {
+        count += reader.ReadRows(table.Of(state)).size();
+      }
+    });
+    EXPECT_TRUE(reader.at_end());
+    return count;
+  }
+};
+
+WorldState SomeState() {
+  WorldState state;
+  state.robots.resize(20);
+  state.joints.resize(10);
+  state.grippers.resize(4);
+  state.objects.resize(8);
+  state.stores.resize(6);
+  state.lights.resize(5);
+  state.cameras.resize(2);
+  return state;
+}
+
+std::string Difference(const StateRows& rows, std::uint64_t since) {
+  ByteWriter writer;
+  rows.Write(writer, since);
+  return writer.TakeBytes();
+}
+
+TEST(StateRowsTest, AViewerThatSkipsAnyUpdatesHasTheWholeState) {
+  std::mt19937 random(7);
+  const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
+  WorldState state = SomeState();
+  StateRows rows;
+  Copy quick;
+  Copy slow;
+  std::uint64_t slow_has = 0;
+  for (std::uint64_t update = 1; update <= 300; ++update) {
+    // Floats, as twists are sent.
+    for (int i = 0; i < 3; ++i) {
+      RobotState& robot = state.robots[below(state.robots.size())];
+      robot.X_WR.x += 0.1;
+      robot.X_WR.heading = 1.0 / static_cast<double>(update);
+      robot.twist.vx = 0.5;
+      robot.stalled = below(2) == 0;
+    }
+    state.joints[below(state.joints.size())].position += 1e-9;
+    state.grippers[below(state.grippers.size())].clamped = ObjectId(below(8));
+    state.objects[0].support = ModelId(update);
+    ObjectState& object = state.objects[below(state.objects.size())];
+    object.mode = ObjectMode::kHeld;
+    object.holder = GripperId(below(4));
+    state.stores[below(state.stores.size())].joules -= 0.5;
+    state.lights[below(state.lights.size())].is_switched_on = below(2) == 0;
+    rows.Assign(std::make_shared<const WorldState>(state), update, update == 1);
+    EXPECT_LE(quick.Apply(Difference(rows, update - 1)), update == 1 ? 55u : 9u);
+    EXPECT_EQ(quick.state, state);
+    if (below(10) == 0) {
+      slow.Apply(Difference(rows, slow_has));
+      slow_has = update;
+      EXPECT_EQ(slow.state, state);
+    }
+  }
+}
+
+TEST(StateRowsTest, NothingIsSentOfAStateThatDoesNotChange) {
+  StateRows rows;
+  rows.Assign(std::make_shared<const WorldState>(SomeState()), 1, true);
+  rows.Assign(std::make_shared<const WorldState>(SomeState()), 2, false);
+  EXPECT_EQ(Copy().Apply(Difference(rows, 1)), 0u);
+  EXPECT_EQ(Copy().Apply(Difference(rows, 0)), 55u);
+}
+
+TEST(StateRowsTest, AnotherWorldIsSentWhole) {
+  StateRows rows;
+  rows.Assign(std::make_shared<const WorldState>(SomeState()), 1, true);
+  WorldState smaller;
+  smaller.robots.resize(3);
+  rows.Assign(std::make_shared<const WorldState>(smaller), 2, true);
+  Copy copy;
+  EXPECT_EQ(copy.Apply(Difference(rows, 1)), 3u);
+  EXPECT_EQ(copy.state, smaller);
 }
 
 }  // namespace

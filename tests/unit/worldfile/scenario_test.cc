@@ -9,7 +9,7 @@
 
 #include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
-#include "tests/support/ray_sensors.h"
+#include "tests/support/small_world.h"
 #include "tests/support/values.h"
 #include "worldfile/text/text_file.h"
 
