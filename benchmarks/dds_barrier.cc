@@ -100,7 +100,7 @@ class Service : public ServiceHandler {
   int missing_ = 0;
 };
 
-// Of all observers, in memory that their processes share with this one.
+// The counts of all observers, in memory that their processes share with this one.
 struct ObserverCounts {
   std::atomic<int> joined = 0;
   std::atomic<std::uint64_t> frames = 0;

@@ -32,7 +32,7 @@ inline constexpr int kExitFailed = 3;
 inline constexpr int kExitOutputFailed = 4;  // of an agent whose output file cannot be written (a full disk)
 inline constexpr int kExitInterrupted = 130;
 
-// Of a program that ends with this error.
+// The exit status of a program that ends with this error.
 inline int ExitStatusOf(const Error& error) {
   const bool is_bad_input = error.code == ErrorCode::kBadInput || error.code == ErrorCode::kMalformed;
   return is_bad_input ? kExitBadInput : kExitFailed;

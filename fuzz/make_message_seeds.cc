@@ -39,7 +39,7 @@ blinkenlight ( name "light" pose [ 3 0 0 0 ] )
 
 constexpr std::size_t kLongestRecording = 6144;  // bytes of an input; as in scripts/fuzz
 
-// Of recordings, of which the whole has to fit into an input.
+// The world of recordings, each of which has to fit into an input as a whole.
 constexpr char kRecordedWorld[] = R"(
 model ( name "crate" pose [ 1 1 0 30 ] size [ 0.5 0.5 0.5 ] gripper_return 1 )
 position ( name "r0" size [ 0.4 0.4 0.3 ] gripper ( pose [ 0.2 0 0 0 ] ) )

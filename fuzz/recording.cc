@@ -1,4 +1,4 @@
-// Feeds any bytes to the reader of recordings, and replays what it accepts: from the begin, and from the last keyframe.
+// Feeds any bytes to the reader of recordings, and replays what it accepts: from the start, and from the last keyframe.
 #include "recording/recording.h"
 
 #include <algorithm>

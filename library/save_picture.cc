@@ -78,7 +78,7 @@ std::vector<ScanFan> MeasureFans(const Scene& scene, const BodyIndex& bodies, co
 std::vector<Mark> MeasureMarks(const Scene& scene, const BodyIndex& bodies, const WorldState& state) {
   std::vector<Mark> marks;
   for (std::size_t i = 0; i < scene.world().robots.size(); ++i) {
-    if (!IsThere(scene.world(), RobotId(i))) continue;
+    if (!RobotExists(scene.world(), RobotId(i))) continue;
     for (const std::unique_ptr<const Sensor>& sensor : MakeSensors(scene, RobotId(i))) {
       const SensedWorld world{scene, bodies, &state};
       if (std::holds_alternative<RangerParameters>(sensor->description().parameters)) continue;  // it has fans

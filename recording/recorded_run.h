@@ -17,9 +17,9 @@
 
 namespace troupe {
 
-// A recorded run: its begin, and each committed tick with all that determines it. docs/recording.md describes the file.
+// A recorded run: its start, and each committed tick with all that determines it. docs/recording.md describes the file.
 
-// The begin.
+// The start of a run.
 struct RecordedRun {
   RunId run = 0;
   std::string program_version;     // of the world service

@@ -240,7 +240,7 @@ void TickAssembler::Begin(RecordedTick& tick) {
 Result<bool> TickAssembler::Add(RecordingChannel channel, std::span<const std::byte> data, RecordedTick& tick) {
   switch (channel) {
     case RecordingChannel::kRun:
-      return Error{{}, "found a second begin of the run"};
+      return Error{{}, "found a second start of the run"};
     case RecordingChannel::kProposals: {
       if (Status broken = AddProposals(data, tick); !broken.ok()) return broken.error();
       return false;

@@ -37,7 +37,7 @@ class TickPlaces {
 
   Tick greatest() const;
   std::uint64_t end() const { return end_; }
-  // Of the ticks since the newest edit.
+  // The interval of the ticks since the newest edit.
   std::int64_t interval_ns() const { return static_cast<std::int64_t>(parts_.back().interval_ns); }
   std::size_t edits() const { return parts_.size() - 1; }
 
@@ -121,7 +121,7 @@ std::vector<TickMessage> MessagesOf(const RecordedTick& tick, RunId run);
 // Makes ticks of messages that follow each other, and checks that none is missing.
 class TickAssembler {
  public:
-  // Of the first tick; nothing: any.
+  // `first_number`: of the first tick; nothing: any.
   explicit TickAssembler(std::optional<std::uint64_t> first_number) : expected_(first_number) {}
 
   // Clears the tick, whose memory is reused, for the next messages.

@@ -16,7 +16,7 @@ namespace troupe {
 
 class RecordingWriter {
  public:
-  // Writes the begin of the run.
+  // Writes the start of the run.
   static Result<RecordingWriter> Create(std::unique_ptr<mcap::ByteSink> sink, const RecordedRun& run);
 
   // Continues a recording of the run, whose last tick has this log time and ticks last `interval_ns`: the sink appends

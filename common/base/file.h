@@ -91,7 +91,7 @@ class TemporaryFile {
  public:
   static Result<TemporaryFile> Create();
 
-  // By which this process can open it while the object exists.
+  // The path by which this process can open the file while the object exists.
   std::string path() const { return "/proc/self/fd/" + std::to_string(file_.get()); }
 
  private:

@@ -157,13 +157,13 @@ void FloodLimiter::Add(const std::string& line) {
   if (now - second_began_ >= std::chrono::seconds(1)) {
     TellSum();
     second_began_ = now;
-    told_ = 0;
+    reported_ = 0;
   }
-  if (told_ == kLinesInASecond) {
+  if (reported_ == kLinesInASecond) {
     ++left_out_;
     return;
   }
-  ++told_;
+  ++reported_;
   tell_(PlainLine(line));
 }
 

@@ -39,9 +39,9 @@ std::optional<std::string> FromHexadecimal(std::string_view text);
 
 // ClosestName: the name that a user probably meant.
 
-// Of the names that differ from `found` by few insertions, deletions, replacements or swaps of neighbouring characters
-// (a third of the length of the longer one), the one that differs least; the first of several. Nothing if none is that
-// close.
+// Among the names that differ from `found` by few insertions, deletions, replacements or swaps of neighbouring
+// characters (a third of the length of the longer one), the one that differs least; the first of several. Nothing if
+// none is that close.
 std::optional<std::string> ClosestName(std::string_view found, const std::vector<std::string>& names);
 
 // The end of a message: "; did you mean 'speed'?", or "" without a close name.
@@ -69,7 +69,7 @@ class FloodLimiter {
   const Tell tell_;
   std::mutex mutex_;  // guards the members below
   std::chrono::steady_clock::time_point second_began_;
-  int told_ = 0;  // lines since then
+  int reported_ = 0;  // lines since then
   std::uint64_t left_out_ = 0;
 };
 

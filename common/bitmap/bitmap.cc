@@ -12,8 +12,8 @@ namespace troupe {
 namespace {
 
 // Far above the rounding of a line's place, which is below 1e-9 m, and with it of a pixel's number.
-constexpr double kSmallestPixel = 1e-6;  // m
-constexpr double kHair = 0.01;           // pixels
+constexpr double kSmallestPixel = 1e-6;   // m
+constexpr double kPixelTolerance = 0.01;  // pixels
 
 struct PixelRange {
   int first;
@@ -22,8 +22,8 @@ struct PixelRange {
 
 PixelRange PixelsBetween(const PixelLines& lines, double min, double max, int count) {
   const double start = lines(0);
-  const double first = std::floor((min - start) / lines.spacing() - kHair);
-  const double end = std::floor((max - start) / lines.spacing() + kHair) + 1.0;
+  const double first = std::floor((min - start) / lines.spacing() - kPixelTolerance);
+  const double end = std::floor((max - start) / lines.spacing() + kPixelTolerance) + 1.0;
   const auto pixels = static_cast<double>(count);
   return {static_cast<int>(std::clamp(first, 0.0, pixels)), static_cast<int>(std::clamp(end, 0.0, pixels))};
 }

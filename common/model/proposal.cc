@@ -90,7 +90,7 @@ const char* ToString(EventType type) {
 }
 
 Status CheckRobotCommand(const WorldDescription& world, const RobotCommand& command) {
-  if (command.robot.index() >= world.robots.size() || !IsThere(world, command.robot)) {
+  if (command.robot.index() >= world.robots.size() || !RobotExists(world, command.robot)) {
     return Error{{}, "found a command to a robot that the world does not have"};
   }
   Status failure = CheckParts(world, command);

@@ -45,8 +45,9 @@ inline constexpr std::size_t kMostSaidBytes = 200;
 struct Proposal {
   RobotId robot;
   Twist twist;  // in R, constant during the tick
-  // By the robot's joints, in id order: m/s or rad/s, constant during the tick or until the joint's limit. Empty: none
-  // moves. A finger that closes grips the object that both pads touch; a finger that opens releases it.
+  // The velocities of the robot's joints, in id order: m/s or rad/s, constant during the tick or until the joint's
+  // limit. Empty: none moves. A finger that closes grips the object that both pads touch; a finger that opens releases
+  // it.
   std::vector<double> joint_velocities = {};
   std::vector<RadioMessage> messages = {};  // within the limits of the radios (radio_limits.h)
   std::vector<LightOrder> lights = {};      // applied in order

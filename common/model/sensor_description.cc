@@ -46,7 +46,7 @@ class NumberWriter {
     T::VisitFields(value, [this](std::string_view, const auto& part) { this->Write(part); });
   }
 
-  std::vector<double> TakeNumbers() { return std::move(numbers_); }
+  std::vector<double> ReleaseNumbers() { return std::move(numbers_); }
 
  private:
   template <typename... Numbers>
@@ -287,7 +287,7 @@ std::vector<SensorField> FieldsOf(const SensorParameters& parameters) {
         kind.VisitFields(kind, [&](std::string_view name, const auto& part) {
           NumberWriter writer;
           writer.Write(part);
-          fields.push_back({std::string(name), writer.TakeNumbers()});
+          fields.push_back({std::string(name), writer.ReleaseNumbers()});
         });
       },
       parameters);

@@ -43,7 +43,7 @@ bool IsKnown(const WorldDescription& world, ObjectId object) {
   return object.index() < world.objects.size();
 }
 
-// Of one state: whether all of its numbers are finite, and all of its ids are those of the world.
+// Checks one state: all of its numbers are finite, and all of its ids are those of the world.
 class ValueCheck {
  public:
   explicit ValueCheck(const WorldDescription& world) : world_(world) {}

@@ -243,7 +243,7 @@ Status CheckRosDomains(const WorldDescription& world) {
   std::map<std::uint32_t, std::size_t> owners;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const RobotDescription& robot = world.robots[i];
-    if (!robot.ros.domain || !IsThere(world, RobotId(i))) continue;
+    if (!robot.ros.domain || !RobotExists(world, RobotId(i))) continue;
     const auto [owner, is_first] = owners.emplace(*robot.ros.domain, i);
     if (is_first) continue;
     return Problem("found the ROS domain " + std::to_string(*robot.ros.domain) + " for robot '" + robot.name +

@@ -45,13 +45,13 @@ bool IsInTree(const WorldDescription& world, ModelId model, ModelId root) {
   return at.has_value();
 }
 
-bool IsThere(const WorldDescription& world, RobotId robot) {
+bool RobotExists(const WorldDescription& world, RobotId robot) {
   return !world.model(world.robot(robot).root).removed;
 }
 
 std::optional<RobotId> FindRobot(const WorldDescription& world, const std::string& name) {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (world.robots[i].name == name && IsThere(world, RobotId(i))) return RobotId(i);
+    if (world.robots[i].name == name && RobotExists(world, RobotId(i))) return RobotId(i);
   }
   return std::nullopt;
 }

@@ -100,7 +100,7 @@ Viewport MakeViewport(const Rectangle& contents, const PictureOptions& options) 
 double RoundDown(double value) {
   double power = std::pow(10.0, std::floor(std::log10(value)));
   if (power > value) power /= 10.0;
-  // A hair of slack, so that 4.9999999 made from 5 counts as 5.
+  // The tolerance makes 4.9999999 that was computed from 5 count as 5.
   const double digits = value / power * (1.0 + 1e-9);
   return power * (digits >= 5.0 ? 5.0 : digits >= 2.0 ? 2.0 : 1.0);
 }

@@ -100,8 +100,8 @@ struct NetworkSettings {
   std::string network_interface = kLoopbackInterface;  // a name, an IPv4 address, or "auto"
   std::string network_profile;  // transport/dds/binding/domain_config.h has the names; empty: chosen by the interface
   std::string service_address;  // of the world service, "host" or "host:port"; empty: this host
-  // Of the world service, as 24 hexadecimal digits, for an agent: no other participant is one. Empty: the participant
-  // that announces a run is the service of that run.
+  // The participant of the world service, as 24 hexadecimal digits, for an agent: no other participant is one. Empty:
+  // the participant that announces a run is the service of that run.
   std::string service_participant;
   // A folder of keys (docs/security.md), "off", or "auto": of a launcher, keys for its run alone; of any other program,
   // the keys that the user's run of this session has published, if it has any.

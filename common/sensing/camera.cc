@@ -161,7 +161,8 @@ class Column {
 
   const Optics& optics_;
   double stretch_ = 1.0;
-  // By row. Upwards, per m of depth and of horizontal distance; m, horizontally; and the surface at that distance.
+  // The values of each row: the rise per m of depth and of horizontal distance; m, horizontally; and the surface at
+  // that distance.
   std::vector<double> ups_;
   std::vector<double> slopes_;
   std::vector<double> distances_;

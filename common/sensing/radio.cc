@@ -88,7 +88,7 @@ class RadioPaths {
   std::vector<RadioObstacles> first_;  // by signal: obstacles that it has at the least; all, if it has none
   std::vector<bool> is_clear_;         // likewise: it surely has no obstacle
   std::optional<ColumnCaster> caster_;
-  // Of one line; kept for their room.
+  // The cuts of one line; a member so that their memory is used again.
   std::vector<ColumnCut> cuts_;
   std::vector<ObstacleOnLine> obstacles_;
   std::vector<LinePart> walls_;
@@ -320,7 +320,7 @@ class Radio final : public Sensor {
   const RadioParameters* SenderOf(const SensedWorld& world, const RadioTransmission& transmission) const {
     const WorldDescription& description = world.scene.world();
     const std::optional<RobotId>& to = transmission.message.to;
-    if (transmission.from == robot() || (to && *to != robot()) || !IsThere(description, transmission.from)) {
+    if (transmission.from == robot() || (to && *to != robot()) || !RobotExists(description, transmission.from)) {
       return nullptr;
     }
     const RadioParameters* const radio = FindRadio(description.robot(transmission.from), transmission.message.radio);

@@ -29,7 +29,7 @@ class SensorSuite {
 
   // Measures the subscribed sensors that are due at `tick`; the others keep their readings.
   void Update(const SensedWorld& world, Tick tick);
-  // By sensor; empty where not subscribed or never due.
+  // The reading of each sensor; empty where not subscribed or never due.
   std::span<const SensorReading> readings() const { return readings_; }
 
   // The reading of any sensor at `tick`, without effect on readings(). Valid until the next call of this or of Update.

@@ -15,7 +15,7 @@ Rectangle BoundsOf(const std::vector<Pose>& poses) {
   return bounds;
 }
 
-// Of a point at `r` from the axis of a turn.
+// The velocity of a point at `r` from the axis of a turn.
 Vec2 Across(double rate, const Vec2& r) {
   return {-rate * r.y(), rate * r.x()};
 }

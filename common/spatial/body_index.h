@@ -174,7 +174,7 @@ class BodyIndex {
   static constexpr std::uint8_t kTransformFresh = 4;
   mutable std::vector<std::uint8_t> fresh_;
   mutable std::vector<Transform2> transforms_;
-  // With many bodies. Those of a cell are a list: cell_first_, then next_ of each. kNone ends it.
+  // For many bodies: those of a cell are a list, cell_first_, then next_ of each. kNone ends it.
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   Grid grid_;
   std::vector<std::uint32_t> cell_first_;
@@ -208,7 +208,7 @@ struct PointVelocity {
   double turn = 0.0;  // rad/s, about z
 };
 
-// Of the origin of frame S, at X_MS on `model`, with the twist and the joint velocities of `state`.
+// The velocity of the origin of frame S, at X_MS on `model`, with the twist and the joint velocities of `state`.
 // REQUIRES: `bodies` is an index of `scene` at `state`, and `model` is of a robot.
 PointVelocity VelocityOf(const Scene& scene, const BodyIndex& bodies, const WorldState& state, ModelId model,
                          const Pose& X_MS);

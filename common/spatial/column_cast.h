@@ -77,7 +77,7 @@ class ColumnCaster {
   Sight sight_;
   std::vector<NearBody> near_;
   std::vector<NearPiece> pieces_;
-  // By static piece: the number of the last half plane that was tested against it.
+  // For each static piece, the number of the last half plane that was tested against it.
   std::vector<std::uint32_t> tested_;
   std::uint32_t number_ = 0;
 };

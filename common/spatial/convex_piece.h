@@ -59,7 +59,8 @@ struct NearestPoints {
   Vec2 b{0.0, 0.0};       // of the second; equal to `a` if they overlap
 };
 
-// Of two convex polygons, counter-clockwise. Two vertices are a segment, one is a point. REQUIRES: each has a vertex
+// The nearest points of two convex polygons, counter-clockwise. Two vertices are a segment, one is a point. REQUIRES:
+// each has a vertex
 NearestPoints FindNearestPoints(std::span<const Vec2> a, std::span<const Vec2> b);
 
 }  // namespace troupe

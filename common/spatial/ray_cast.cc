@@ -20,10 +20,10 @@ struct Line {
 
   // False only if the ray does not hit the box before `distance`. Cheap, and never wrong by rounding.
   bool MayHit(const Rectangle& box, double distance) const {
-    constexpr double kHair = 1e-8;  // m
+    constexpr double kRayTolerance = 1e-8;  // m
     const Vec2 slant = direction.cwiseAbs();
     const Vec2 center(0.5 * (box.min_x + box.max_x) - origin.x(), 0.5 * (box.min_y + box.max_y) - origin.y());
-    const Vec2 half(0.5 * (box.max_x - box.min_x) + kHair, 0.5 * (box.max_y - box.min_y) + kHair);
+    const Vec2 half(0.5 * (box.max_x - box.min_x) + kRayTolerance, 0.5 * (box.max_y - box.min_y) + kRayTolerance);
     if (std::abs(Cross(direction, center)) > half.x() * slant.y() + half.y() * slant.x()) return false;
     const double along = direction.dot(center);
     const double reach = half.dot(slant);
@@ -121,12 +121,12 @@ void KeepNearer(double distance, ModelId model, Nearest& nearest) {
 }
 
 void HitStaticPieces(const StaticIndex& index, const Line& ray, double z, Nearest& nearest) {
-  // The walk's own distances round too; a hair more keeps hits exactly at the start of a cell.
-  constexpr double kHair = 1e-8;  // m
+  // The walk's own distances round too; the tolerance keeps hits exactly at the start of a cell.
+  constexpr double kRayTolerance = 1e-8;  // m
   const BoxLine box_line(ray);
   index.WalkRay(ray.origin, ray.direction, box_line.inverse(), nearest.distance,
                 [&](std::span<const std::uint32_t> pieces, double walked) {
-                  if (walked > nearest.distance + kHair) return false;
+                  if (walked > nearest.distance + kRayTolerance) return false;
                   for (std::uint32_t i : pieces) {
                     const RayPiece& piece = index.ray_map().piece(i);
                     if (piece.is_box != 0) {
@@ -142,11 +142,11 @@ void HitStaticPieces(const StaticIndex& index, const Line& ray, double z, Neares
 
 // As HitStaticPieces, of one area: a piece that fills a box along the axes gives the bits of the box.
 void HitAreaPieces(const PixelPieces& area, const Line& ray, double z, Nearest& nearest) {
-  constexpr double kHair = 1e-8;  // m, as above
+  constexpr double kRayTolerance = 1e-8;  // m, as above
   if (!area.ray_z().Contains(z)) return;
   const BoxLine box_line(ray);
   area.WalkRay(ray.origin, ray.direction, nearest.distance, [&](const PixelRectangle& pixels, double walked) {
-    if (walked > nearest.distance + kHair) return false;
+    if (walked > nearest.distance + kRayTolerance) return false;
     area.ForEachIn(pixels, [&](const PixelPieces::Corners4& corners) {
       const Rectangle box = BoundingBox(corners);
       if (IsBox(corners)) {

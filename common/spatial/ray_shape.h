@@ -62,7 +62,7 @@ struct RayShape {
   std::vector<Piece> pieces;
   std::vector<Vec2> vertices;    // of each piece, counter-clockwise, then its first once more
   std::vector<Corners> corners;  // of each piece, the last four filled up
-  double radius = 0.0;           // m, a hair more than the body's, because moving it rounds
+  double radius = 0.0;           // m, more than the body's by a tolerance, because moving it rounds
   ZRange z;                      // m, the body's
 
   std::span<const Vec2> vertices_of(const Piece& piece) const {

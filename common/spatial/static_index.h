@@ -19,7 +19,7 @@
 namespace troupe {
 
 // PixelPieces: the pieces of the area of a static model's bitmap (PixelArea), each made when it is asked for, with the
-// same bits as if MakePieces had listed them. Needs less than two bytes for each pixel.
+// same bits as if MakePieces had listed them. They need less than two bytes for each pixel.
 class PixelPieces {
  public:
   using Corners4 = std::array<Vec2, 4>;  // m, frame W, counter-clockwise
@@ -30,7 +30,7 @@ class PixelPieces {
   ModelId model() const { return model_; }
   const ZRange& z() const { return z_; }  // m, of the pieces, frame W
   double ranger_return() const { return ranger_return_; }
-  // Of the pieces, m; empty if rays look through them.
+  // The heights of the pieces, m; empty if rays pass through them.
   const ZRange& ray_z() const { return ray_z_; }
   const Rectangle& bounds() const { return bounds_; }  // m, frame W
 
@@ -143,7 +143,7 @@ class StaticIndex {
   template <typename Keep>
   void Query(const Rectangle& box, NearPieces& result, Keep keep) const;
 
-  // Of the kept pieces, by their indices.
+  // The map of the kept pieces, by their indices.
   const RayMap& ray_map() const { return ray_map_; }
   void ShareRayMap(const FindEqualMemory& find) { ray_map_.Share(find); }
 

@@ -140,10 +140,10 @@ class PairSweep {
 // m/s.
 template <typename IsFree>
 double SteppedBack(double time, double max_speed, IsFree is_free) {
-  double hair = std::max(1e-12 / max_speed, time * 0x1p-50);
+  double step_back = std::max(1e-12 / max_speed, time * 0x1p-50);
   while (time > 0.0 && !is_free(time)) {
-    time = std::max(0.0, time - hair);
-    hair *= 2.0;
+    time = std::max(0.0, time - step_back);
+    step_back *= 2.0;
   }
   return time;
 }
@@ -347,7 +347,8 @@ struct StackBytes {
 }  // namespace internal
 
 // Allocates memory one piece after another, first from the stack and then from the heap. Frees nothing before its
-// destruction, so it does not suit a vector that grows and shrinks often. Must outlive its vectors. For one thread.
+// destruction, so it does not suit a vector that grows and shrinks often. It must outlive its vectors, and is for one
+// thread.
 class StackMemory : private internal::StackBytes, public std::pmr::monotonic_buffer_resource {
  public:
   StackMemory() : std::pmr::monotonic_buffer_resource(bytes.data(), bytes.size()) {}

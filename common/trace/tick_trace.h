@@ -112,7 +112,7 @@ class TickTrace {
   TickTrace(const TickTrace&) = delete;
   TickTrace& operator=(const TickTrace&) = delete;
 
-  // By id.
+  // Names the robots, in id order.
   void NameRobots(std::vector<std::string> names) { robots_ = std::move(names); }
   // Valid as long as the trace.
   TraceLane* AddLane();

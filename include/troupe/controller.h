@@ -67,8 +67,7 @@ struct GripperReading {
   std::optional<SeenModel> right_contact = {};
   std::optional<SeenModel> held = {};     // the object that it holds
   std::optional<SeenModel> clamped = {};  // the object between its pads, also while another gripper still holds it
-  // By break beam: the object that breaks it. Only where the controller subscribes to GripperInfo::beams, or with
-  // autosnatch.
+  // The object that breaks each beam. Only where the controller subscribes to GripperInfo::beams, or with autosnatch.
   std::vector<std::optional<SeenModel>> beams = {};
 };
 
@@ -156,16 +155,16 @@ struct Command {
   // gripper or joint is a failure of the controller.
   std::vector<GripperCommand> grippers = {};
   std::vector<JointCommand> joints = {};
-  // A line for the log of the run, for people. Of a long text only the begin is printed, and of many lines only some.
+  // A line for the log of the run, for people. Only the start of a long text is printed, and only some of many lines.
   std::string report = {};
-  // To be sent in this tick, in order, by the robot's radios; without a delay they arrive in the observations of the
-  // next tick. Those that do not fit into the radio's bytes of a tick (BytesPerTick) are not sent. A sensor that is no
-  // radio is a failure of the controller.
+  // The messages to send in this tick, in order, by the robot's radios; without a delay they arrive in the observations
+  // of the next tick. Those that do not fit into the radio's bytes of a tick (BytesPerTick) are not sent. A sensor that
+  // is no radio is a failure of the controller.
   std::vector<RadioMessage> messages = {};
   // Applied in order; a light stays as it was switched last. An unknown light is a failure of the controller.
   std::vector<LightCommand> lights = {};
-  // Likewise; a camera stays as it was turned last. A sensor that is no camera, and a number that is not finite, are
-  // failures of the controller.
+  // Applied in order; a camera keeps its direction until it is turned again. A sensor that is no camera, and a number
+  // that is not finite, are failures of the controller.
   std::vector<CameraCommand> cameras = {};
   // A text for people, an event of the run; beyond 200 bytes it is cut off.
   std::string say = {};

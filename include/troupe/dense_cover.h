@@ -19,7 +19,7 @@ class DenseCover {
 
   const Bitmap& bitmap() const { return bitmap_; }
   std::size_t count() const { return count_; }  // of rectangles
-  // Of the occupied pixels; all zero if there are none.
+  // The bounds of the occupied pixels; all zero if there are none.
   const PixelRectangle& bounds() const { return bounds_; }
 
   // Calls visit(rectangle) for all rectangles, in order.
@@ -54,7 +54,7 @@ class DenseCover {
   };
 
   Bitmap bitmap_;
-  // Of each rectangle's first column: the first row, and the last.
+  // The first and the last row of each rectangle's first column.
   Columns first_rows_;
   Columns last_rows_;
   std::size_t count_ = 0;

@@ -82,13 +82,13 @@ inline std::size_t FlattestPlane(const RangeScan& scan) {
   return flattest;
 }
 
-// Of a ranger: one scan for each of its ray sensors, in the order of the world file.
+// The reading of a ranger: one scan for each of its ray sensors, in the order of the world file.
 struct RangerReading {
   std::vector<RangeScan> scans = {};
   bool operator==(const RangerReading&) const = default;
 };
 
-// Of the break beams of a gripper.
+// The reading of the break beams of a gripper.
 struct BreakBeamReading {
   struct Beam {
     BreakBeam beam = {};                     // in G
@@ -192,7 +192,7 @@ struct CameraReading {
 
 // A message that a radio receives.
 struct RadioReception {
-  // Of the sender's antenna, from the receiver's.
+  // The place of the sender's antenna, seen from the receiver's.
   struct Place {
     double range = 0.0;      // m
     double bearing = 0.0;    // rad, in S
@@ -208,7 +208,7 @@ struct RadioReception {
   bool operator==(const RadioReception&) const = default;
 };
 
-// Of a radio: the messages that arrive at the tick of the reading.
+// The reading of a radio: the messages that arrive at the tick of the reading.
 struct RadioReading {
   Pose X_RS = {};
   double range = 0.0;                           // m, of the messages that it sends
@@ -216,7 +216,7 @@ struct RadioReading {
   bool operator==(const RadioReading&) const = default;
 };
 
-// Of an inertial measurement unit: an accelerometer and a gyroscope that measure the executed motion.
+// The reading of an inertial measurement unit: an accelerometer and a gyroscope that measure the executed motion.
 struct ImuReading {
   Pose X_RS = {};
   double heading = 0.0;  // rad, of S in W
@@ -234,7 +234,7 @@ struct ImuReading {
 
 struct SensorReading {
   Tick tick = 0;  // of the measurement; a sensor with a long period keeps its last reading
-  // By kind of sensor; std::monostate: never measured.
+  // The reading of each kind of sensor; std::monostate: never measured.
   std::variant<std::monostate, RangerReading, BreakBeamReading, FiducialReading, BumperReading, ContactReading,
                BlobfinderReading, CameraReading, RadioReading, ImuReading>
       content = {};

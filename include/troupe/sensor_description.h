@@ -164,7 +164,7 @@ struct BlobfinderParameters {
   std::uint32_t width = 80;  // pixels of the image; one ray for each column
   std::uint32_t height = 60;
   double range = 12.0;             // m
-  double fov = 60.0 / 180 * kPi;   // rad, of the image's width; below pi
+  double fov = 60.0 / 180 * kPi;   // rad, of the image's width; up to 2 pi
   std::vector<Color> colors = {};  // that it finds; empty: all
 
   Status Check() const;

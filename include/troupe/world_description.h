@@ -254,7 +254,7 @@ struct WorldDescription {
 bool IsInTree(const WorldDescription& world, ModelId model, ModelId root);
 
 // False for a robot that was removed.
-bool IsThere(const WorldDescription& world, RobotId robot);
+bool RobotExists(const WorldDescription& world, RobotId robot);
 
 // The robot called `name`, if there is one.
 std::optional<RobotId> FindRobot(const WorldDescription& world, const std::string& name);
@@ -285,7 +285,7 @@ struct SensorPlace {
 };
 // The inertial measurement units of all robots, removed ones included, ascending: ImuState of a state is in this order.
 std::vector<SensorPlace> FindImus(const WorldDescription& world);
-// Likewise the cameras, in the order of CameraState.
+// The cameras of all robots, in the order of CameraState.
 std::vector<SensorPlace> FindCameras(const WorldDescription& world);
 
 // A hash of everything in the description: peers that agree on it simulate the same world.

@@ -38,7 +38,7 @@ class ControllerCheck {
   static Result<ControllerCheck> Create(const Recording& recording);
 
   // Lets the robots decide on the state of `world`, and compares with `next`, which follows it. Call it with each state
-  // from the begin of the run. Returns the first difference. The error is a controller that cannot be made.
+  // from the start of the run. Returns the first difference. The error is a controller that cannot be made.
   Result<std::optional<std::string>> Check(const ReplayedWorld& world, const RecordedTick& next);
 
   std::uint64_t compared() const { return compared_; }  // proposals
@@ -100,7 +100,7 @@ std::string DifferenceOf(const WorldDescription& world, const Proposal& found, c
 std::vector<std::string> RobotsOf(const WorldDescription& world) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (IsThere(world, RobotId(i))) names.push_back(world.robots[i].name);
+    if (RobotExists(world, RobotId(i))) names.push_back(world.robots[i].name);
   }
   return names;
 }
@@ -332,7 +332,7 @@ void AddReplayCommand(CLI::App& app, int& exit_status) {
       command->add_flag("--verify", arguments->verify, "Compare the events, too, and check the CRC of the whole file");
   command
       ->add_flag("--controllers", arguments->controllers,
-                 "Run the controllers again, too, from the begin of the run, and compare their proposals: names the "
+                 "Run the controllers again, too, from the start of the run, and compare their proposals: names the "
                  "first robot, tick and number that differs")
       ->needs(verify);
   command->add_flag("--force", arguments->force, "Replay a recording of another version of the step, too");

@@ -33,7 +33,7 @@
 namespace troupe {
 namespace {
 
-// Of the world and of the first robot of each process.
+// The enclaves of the world and of the first robot of each process.
 std::vector<std::string> EnclavesOf(const RunOptions& options, const LoadedWorld& loaded) {
   std::vector<std::string> enclaves = {ros::kWorldEnclave};
   if (!options.hosts.empty() || options.in_process) return enclaves;

@@ -47,7 +47,7 @@ struct FoundCamera {
   std::size_t sensor;
 };
 
-// By "robot" (its first camera) or "robot/sensor".
+// Finds a camera by "robot" (its first camera) or "robot/sensor".
 Result<FoundCamera> FindCamera(const WorldDescription& world, const std::string& name) {
   const std::size_t slash = name.find('/');
   const std::string sensor_name = slash == std::string::npos ? "" : name.substr(slash + 1);

@@ -239,7 +239,7 @@ std::string SessionTop::Text(std::size_t rows) {
   const WorldDescription& world = shown_->world;
   std::vector<std::pair<State, std::size_t>> robots;
   for (std::size_t i = 0; i < frame_->state.robots.size() && i < world.robots.size(); ++i) {
-    if (!IsThere(world, RobotId(i))) continue;
+    if (!RobotExists(world, RobotId(i))) continue;
     const RobotState& robot = frame_->state.robots[i];
     const bool moves = std::abs(robot.twist.vx) + std::abs(robot.twist.vy) + std::abs(robot.twist.wz) > kNoticeable;
     robots.emplace_back(lost_.contains(world.robots[i].name) ? State::kLost

@@ -56,7 +56,7 @@ class RecordedStates final : public Recorded {
 
   explicit RecordedStates(const Recording& recording) : recording_(recording) {}
   std::optional<std::string> ReadPlaces();
-  // Brings the world to the last keyframe before a position, or to the begin.
+  // Brings the world to the last keyframe before a position, or to the start.
   Status Restart(std::uint64_t position);
   // Applies the next tick, and keeps its state.
   Status Advance();

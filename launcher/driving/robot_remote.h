@@ -23,7 +23,8 @@ class ControlClient;
 // RobotRemote: commands from a tool to one robot of a run, and its pose.
 class RobotRemote {
  public:
-  // Of the session `network.session`. The error: it was not found, or has no such robot. Throws as ControlClient.
+  // Connects to the session `network.session`. The error: it was not found, or has no such robot. Throws as
+  // ControlClient.
   static Result<RobotRemote> Connect(const NetworkSettings& network, const std::string& robot);
   RobotRemote(RobotRemote&& other) noexcept;
   ~RobotRemote();
@@ -47,7 +48,7 @@ class RobotRemote {
 
   std::unique_ptr<ControlClient> client_;
   std::string robot_;
-  Tick measured_tick_ = 0;  // at the begin of the present measurement
+  Tick measured_tick_ = 0;  // at the start of the present measurement
   Clock::time_point measured_at_;
   double ticks_per_second_ = 10.0;
 };

@@ -31,7 +31,7 @@ constexpr const char* kDefaultStart =
 constexpr std::size_t kMostBytesOfKeys = 1'000'000;           // of a file
 constexpr auto kDisconnectTimeout = std::chrono::seconds(3);  // for the end of the connection
 constexpr auto kFetchTimeout = std::chrono::seconds(30);      // between two messages while a file is fetched
-constexpr auto kFetchPoll = std::chrono::milliseconds(100);   // longest wait until progress is told
+constexpr auto kFetchPoll = std::chrono::milliseconds(100);   // longest wait until progress is reported
 
 std::string ConnectingCommand(const HostSettings& host) {
   std::string programs = host.programs;
@@ -60,7 +60,7 @@ class RemoteHost::RemoteChild : public Child {
       : host_(host), id_(id), state_(std::move(state)) {}
   pid_t pid() const override { return state_->pid; }
   const std::optional<ProcessEnd>& end() const override { return state_->end; }
-  bool Poll() override { return state_->end && !std::exchange(state_->told, true); }
+  bool Poll() override { return state_->end && !std::exchange(state_->reported, true); }
   void Signal(int signal) override {
     if (!state_->end) host_.Send(ToLine({{"signal", id_}, {"number", signal}}));
   }

@@ -40,7 +40,7 @@ class RemoteHost : public Host {
   struct State {  // of a process
     pid_t pid = 0;
     std::optional<ProcessEnd> end;
-    bool told = false;  // Poll has returned true
+    bool reported = false;  // Poll has returned true
   };
   struct FileFetch {
     std::string source;  // path there

@@ -183,7 +183,7 @@ SignalWatch::SignalWatch() {
   for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) sigaddset(&watched, signal);
   descriptor_ = signalfd(-1, &watched, SFD_NONBLOCK | SFD_CLOEXEC);
   if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "watching signals");
-  // A parent may have left it ignored: then the ends of children would be neither told nor kept.
+  // A parent may have left it ignored: then the ends of children would be neither reported nor kept.
   signal(SIGCHLD, SIG_DFL);
   pthread_sigmask(SIG_BLOCK, &watched, &before_);
 }

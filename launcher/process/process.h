@@ -18,7 +18,7 @@ struct ProcessEnd {
   int exit_code = 0;             // 128 + signal if a signal ended it, as shells count; 255 if it is unknown
   int signal = 0;                // 0: it ended by itself
   double peak_memory_mib = 0.0;  // largest resident size
-  int unknown = 0;               // not 0: the system has told the end, but not how; of errno
+  int unknown = 0;               // not 0: the system has reported the end, but not how; of errno
 
   bool ok() const { return exit_code == 0; }
   // "ended with exit status 3", "was killed by signal 9 (Killed)", "ended in an unknown way (No child processes)"

@@ -31,7 +31,7 @@ constexpr auto kStopTimeout = std::chrono::seconds(10);
 // The same for agents after the end of the service: they leave at once unless they hang.
 constexpr auto kLeaveTimeout = std::chrono::seconds(5);
 
-// With on_agent_loss rebuild: restarts of an agent at one tick. An agent that dies again there will always do so.
+// The restarts of an agent at one tick with on_agent_loss rebuild: an agent that dies again there will always do so.
 constexpr std::uint32_t kRestartsAtATick = 5;
 
 constexpr auto kCopyLinePeriod = std::chrono::seconds(5);
@@ -111,7 +111,7 @@ class DistributedRun {
   void WaitForEvents();
   void ProcessReports();
   void React(const ReadyReport& ready);
-  // Of a service that continues the run.
+  // Reacts to the report of a service that continues the run.
   void ReactToReturn(const ReadyReport& ready);
   void React(const NewRobotsReport& report);
   void React(const StartedReport&);
@@ -149,7 +149,7 @@ class DistributedRun {
   AgentFleet agents_;
   ViewerProcess viewer_;
   std::mutex ros_mutex_;                         // guards the lines
-  std::vector<std::string> ros_lines_;           // about the program below, to be told
+  std::vector<std::string> ros_lines_;           // about the program below, to be reported
   std::optional<ros::HostProgram> ros_program_;  // of this host
   AgentRestarts restarts_;                       // none before the world service is ready
   std::uint32_t restarted_ = 0;

@@ -122,7 +122,7 @@ Status CheckOutput(const NamedFile& output) {
   return Error{{}, std::string(output.first) + ": cannot write " + path + ": " + status.error().message};
 }
 
-// Of existing files also by another link.
+// Two links to one file are the same file, too.
 bool IsSameFile(const std::string& a, const std::string& b) {
   std::error_code failure;
   if (fs::equivalent(a, b, failure)) return true;

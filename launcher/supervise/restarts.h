@@ -12,7 +12,7 @@
 
 namespace troupe {
 
-// Of agents.
+// The restarts of agents.
 class AgentRestarts {
  public:
   using Agent = std::size_t;  // a number that the caller chooses; it stays that of the agents started again
@@ -49,7 +49,7 @@ class AgentRestarts {
   std::map<Agent, double> due_;
 };
 
-// Of the world service.
+// The restarts of the world service.
 class ServiceRestarts {
  public:
   // A service died after it had reported this state: the time of its restart, at once for the first that makes no

@@ -29,7 +29,7 @@ class RunKeys {
   // the process' host: "off" or a folder there. Copies the keys to a remote host.
   Result<std::string> ForService(Host& host) const;
   Result<std::string> ForAgent(Host& host, const std::vector<std::string>& robots) const;
-  // Likewise for a tool on the launcher's host.
+  // The folder of keys for a tool on the launcher's host.
   std::string ForTools() const { return folder_.empty() ? kSecurityOff : folder_; }
 
  private:

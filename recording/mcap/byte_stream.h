@@ -35,7 +35,7 @@ std::unique_ptr<ByteSink> MakeMemorySink(std::vector<std::byte>& bytes);
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
-  // Of the file, for error messages.
+  // The name of the file, for error messages.
   virtual const std::string& name() const = 0;
   // As it was when the source was made.
   virtual std::uint64_t size() const = 0;

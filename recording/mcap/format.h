@@ -41,7 +41,7 @@ inline constexpr std::size_t kRecordHeader = 9;  // bytes: opcode and length
 inline constexpr std::size_t kFooterLength = 20;
 inline constexpr std::size_t kDataEndLength = 4;
 
-// Of the records in a chunk. Others are not supported.
+// The compression of the records in a chunk. Others are not supported.
 inline constexpr const char* kZstd = "zstd";
 inline constexpr const char* kUncompressed = "";
 
@@ -95,7 +95,7 @@ struct Statistics {
   bool operator==(const Statistics&) const = default;
 };
 
-// The begin of a file up to a chunk with its indices, after which writing can continue.
+// The start of a file up to a chunk with its indices, after which writing can continue.
 struct WrittenPart {
   std::uint64_t size = 0;  // bytes
   std::uint32_t crc = 0;   // of these

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kFooterRecord = kRecordHeader + kFooterLength;
 constexpr std::uint64_t kDataEndRecord = kRecordHeader + kDataEndLength;
-// Of a chunk before its records: two times, two sizes, a CRC, and two lengths.
+// The bytes of a chunk before its records: two times, two sizes, a CRC, and two lengths.
 constexpr std::uint64_t kChunkFields = 4 * sizeof(std::uint64_t) + 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
 constexpr std::uint64_t kLongestCompression = 64;                // bytes of its name
 constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << 30;  // bytes, decompressed

@@ -43,7 +43,7 @@ class Reader {
   std::uint64_t size() const { return source_->size(); }
   const std::string& profile() const { return profile_; }
   const std::string& library() const { return library_; }
-  // By id.
+  // The schemas by their ids.
   const std::map<std::uint16_t, Schema>& schemas() const { return schemas_; }
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
   // In file order.

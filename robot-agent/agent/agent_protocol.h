@@ -142,8 +142,8 @@ class AgentProtocol {
   void WaitForSession(double now);
   // Prepares for a session before the admission.
   void Choose(const SessionMessage& session);
-  // Of a message of the run: false if it is of an earlier service than the newest. The first message of a later one
-  // makes the agent join again.
+  // False for a message of the run from an earlier service than the newest. The first message of a later one makes the
+  // agent join again.
   bool IsCurrent(Incarnation incarnation);
   // The run of which the agent was a member has to admit it again.
   void Rejoin();

@@ -35,7 +35,7 @@ class Gateway {
   // sent: the call delays the tick.
   virtual ExternalCommand CommandFor(RobotId robot, Tick tick) = 0;
 
-  // Publishes a tick; called after the agent's answer to it was sent. Must not wait for readers.
+  // Publishes a tick; called after the agent's answer to it was sent. The call must not wait for readers.
   virtual void Publish(Tick tick, std::span<const RobotView* const> robots) = 0;
 
   // Called a few times a second in a pause: publishes the tick again for readers that have come since, if any.

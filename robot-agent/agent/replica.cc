@@ -20,7 +20,7 @@ Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std
   std::vector<RobotId> ids;
   if (names.empty()) {
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
-      if (IsThere(world, RobotId(i))) ids.emplace_back(i);
+      if (RobotExists(world, RobotId(i))) ids.emplace_back(i);
     }
     return ids;
   }
@@ -29,7 +29,7 @@ Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std
     if (!id) {
       std::vector<std::string> known;
       for (std::size_t i = 0; i < world.robots.size(); ++i) {
-        if (IsThere(world, RobotId(i))) known.push_back(world.robots[i].name);
+        if (RobotExists(world, RobotId(i))) known.push_back(world.robots[i].name);
       }
       if (known.size() > kMostNamed) known[kMostNamed] = fmt::format("... ({} in all)", known.size());
       known.resize(std::min(known.size(), kMostNamed + 1));
@@ -138,7 +138,7 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
   for (const RobotId id : before) {
     if (fresh) {
       if (const auto found = FindRobot(world, scene_->world().robot(id).name)) ids.push_back(*found);
-    } else if (IsThere(world, id)) {
+    } else if (RobotExists(world, id)) {
       ids.push_back(id);
     }
   }
@@ -151,7 +151,7 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
     if (options_.scan_log != nullptr) options_.scan_log->Restart(edition);
     if (Status status = MakeRobots(ids); !status.ok()) return status;
   } else {
-    std::erase_if(robots_, [&](const auto& robot) { return !IsThere(scene_->world(), robot->id()); });
+    std::erase_if(robots_, [&](const auto& robot) { return !RobotExists(scene_->world(), robot->id()); });
     if (Status status = FollowWorld(*before_scene); !status.ok()) return status;
   }
   if (gateway_ == nullptr) return {};

@@ -48,7 +48,7 @@ class Replica {
   bool has_robots() const { return !robots_.empty(); }
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
-  // Of those robots, the ones whose controllers accept goals.
+  // The names of those robots whose controllers accept goals.
   std::vector<std::string> NamesThatAcceptGoals() const;
 
   // The error is that of troupe::CheckState: the state does not belong to the world.
@@ -70,7 +70,7 @@ class Replica {
   // REQUIRES: CheckState(state).ok()
   ProposalMessage Pause(const WorldState& state);
 
-  // Of the thread that calls Decide; null without a trace.
+  // The lane of the thread that calls Decide; null without a trace.
   TraceLane* lane() const { return lanes_.front(); }
 
   // Publishes the state of the last Decide or Pause through the gateway. REQUIRES: `state` is that state.

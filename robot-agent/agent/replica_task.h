@@ -19,7 +19,7 @@
 
 namespace troupe {
 
-// Of an agent, for its replica.
+// The resources of an agent, for its replica.
 struct AgentResources {
   ScanLog* scan_log = nullptr;  // null: none
   TickTrace* trace = nullptr;   // likewise

@@ -247,7 +247,7 @@ Command ClearSteering::Roam(const Observation& observation) {
   }
   const double bearing = WrapAngle(roam_course_ - heading);
   Command command = Steer(observation, 2.0 * DirectionOf(bearing), settings_.steer.speed);
-  // It goes on where it found room, and does not push back to the old course.
+  // The robot continues where it found room, and does not push back to the old course.
   if (last_course_) roam_course_ = *last_course_;
   return command;
 }

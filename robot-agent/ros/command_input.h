@@ -51,7 +51,8 @@ class CommandInput {
   std::optional<std::string> DrainReport();
 
  private:
-  // Of one type: a reliable reader, by which a command that is sent once arrives, and one for best-effort writers.
+  // The readers of one type: a reliable one, by which a command that is sent once arrives, and one for best-effort
+  // writers.
   template <typename T>
   class Readers {
    public:

@@ -24,7 +24,7 @@ class SensorOutput {
   SensorOutput(const ros::RosNode& node, const Scene& scene, RobotId robot, const ros::FrameNames& frames);
 
   void Publish(const ros::Time& stamp, Tick tick, const RobotView& robot);
-  // Of the frames of images on those of their cameras.
+  // Adds the transforms of the frames of images on those of their cameras.
   void AddOpticalTransforms(const ros::Time& stamp, std::vector<ros::TransformStamped>& transforms,
                             dds::WireArena& arena) const;
 
@@ -84,10 +84,10 @@ class RobotOutput {
   // Publishes all topics except for the transforms.
   void Publish(Tick tick, const RobotView& robot);
 
-  // Of the robot in its odometry frame, and of the links that its joints move.
+  // The transforms of the robot in its odometry frame, and of the links that its joints move.
   std::vector<ros::TransformStamped> MovingTransforms(Tick tick, const RobotView& robot, dds::WireArena& arena) const;
-  // Of the sensors on their links; with plain names, of base_footprint; if the settings ask for it, of the odometry
-  // frame in the map. `robot`: at the first tick.
+  // The transforms of the sensors on their links; with plain names, of base_footprint; if the settings ask for it, of
+  // the odometry frame in the map. `robot`: at the first tick.
   std::vector<ros::TransformStamped> StaticTransforms(const RobotView& robot, dds::WireArena& arena) const;
 
  private:

@@ -140,7 +140,7 @@ dds::UserData TypeUserData(Distribution distribution) {
   return TypeUserData(distribution, *dds::TopicTraits<T>::descriptor());
 }
 
-// By `id` a client recognizes the two endpoints of one service.
+// A client recognizes the two endpoints of one service by their `id`.
 inline dds::UserData ServiceUserData(Distribution distribution, const std::string& id,
                                      const dds_topic_descriptor_t& type) {
   return {"serviceid=" + id + ";" + TypeUserData(distribution, type).bytes};

@@ -45,11 +45,11 @@ TopicQos Latched(std::int32_t depth = 1);
 // before the reader has discovered the writer; these can wait for its acknowledgment. A best-effort one matches every
 // writer.
 TopicQos Commands(bool reliable, std::int32_t depth = 1);
-// Of services and their clients. All clients of a service get all responses, those to others too. So with few samples
-// a response that is lost on the way could not be sent again, and one that a client has not read yet would be replaced,
-// as soon as others call.
+// The QoS of services and their clients. All clients of a service get all responses, those to others too. So with few
+// samples a response that is lost on the way could not be sent again, and one that a client has not read yet would be
+// replaced, as soon as others call.
 TopicQos Service(std::int32_t depth = 1000);
-// Of /rosout: the lines of the last 10 s, for late readers, too.
+// The QoS of /rosout: the lines of the last 10 s, for late readers, too.
 TopicQos LogLines();
 
 }  // namespace troupe::ros

@@ -200,7 +200,7 @@ void RosParticipant::WatchWriters() {
 
 void RosParticipant::WatchKnownWriters() {
   const std::lock_guard lock(announcer_->mutex);
-  if (watch_) watch_->LookAgain(participant_);
+  if (watch_) watch_->Rediscover(participant_);
 }
 
 void RosParticipant::WatchDistributions() {
@@ -278,11 +278,11 @@ std::vector<Mismatch> RosParticipant::DrainMismatchesOfTopics() {
 
 WriterWatch::WriterWatch(const dds::DomainParticipant& participant) {
   dds::Check(dds_get_guid(participant.handle(), &self_), "reading a participant's GUID");
-  LookAgain(participant);
+  Rediscover(participant);
 }
 
-// A new reader has them all.
-void WriterWatch::LookAgain(const dds::DomainParticipant& participant) {
+// A new reader delivers all of them.
+void WriterWatch::Rediscover(const dds::DomainParticipant& participant) {
   publications_ = dds::Entity(
       dds::Check(dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
                  "creating a reader of discovered writers"));

@@ -32,8 +32,8 @@ class WriterWatch {
   // Watches the topic of a reader. Several readers of a topic may have different types.
   void Expect(dds_entity_t reader, bool accepts_best_effort);
 
-  // Of its constructor. The next Drain considers all writers that are there.
-  void LookAgain(const dds::DomainParticipant& participant);
+  // Replaces the reader of discovered writers: the next Drain considers all writers that exist.
+  void Rediscover(const dds::DomainParticipant& participant);
 
   // Reports participants whose list of nodes has another layout than that of the distribution, and other writers of
   // /clock than those of this participant if it has one, too.
@@ -75,7 +75,7 @@ class RosParticipant final : public RosConnection {
   const dds::DomainParticipant& participant() const { return participant_; }
   const dds::Publisher& publisher() const { return publisher_; }
   const dds::Subscriber& subscriber() const { return subscriber_; }
-  // Of services. Those that Fast DDS serves too are in a partition that its clients do not match.
+  // The publisher of services. Those that Fast DDS serves too are in a partition that its clients do not match.
   const dds::Publisher& service_publisher() const { return service_publisher_; }
   const dds::Subscriber& service_subscriber() const { return service_subscriber_; }
 

@@ -1,6 +1,6 @@
 // ClockOutput: the topic /clock. A thread of its own writes the time of each tick, repeats it while no tick follows, as
-// in a pause, and, with a rate, writes the times between two ticks. It takes the speed of the run from
-// the instants at which ticks arrive, because an agent is not told it.
+// in a pause, and, with a rate, writes the times between two ticks. It takes the speed of the run from the instants at
+// which ticks arrive, because an agent does not know it.
 #pragma once
 
 #include <chrono>

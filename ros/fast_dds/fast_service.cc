@@ -374,7 +374,7 @@ void FastService::Respond(std::span<const std::uint8_t> response) {
   std::optional<PendingCalls<Endpoint>::Caller> caller;
   {
     const std::lock_guard lock(mutex_);
-    caller = calls_.TakeCaller(split->header.sequence_number);
+    caller = calls_.RemoveCaller(split->header.sequence_number);
   }
   if (!caller) return;
   rtps::WriteParams parameters;

@@ -58,7 +58,7 @@ class PendingCalls {
   }
 
   // The caller whose response this is; nothing if it has it, or is forgotten.
-  std::optional<Caller> TakeCaller(std::int64_t number) {
+  std::optional<Caller> RemoveCaller(std::int64_t number) {
     const auto found = calls_.find(number);
     if (found == calls_.end()) return std::nullopt;
     const Caller caller = found->second.caller;

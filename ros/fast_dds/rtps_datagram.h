@@ -27,7 +27,7 @@ struct HeadedSample {
   CallHeader header;
   Bytes sample;  // without the header
 };
-// Likewise, and nothing for a sample that is too short.
+// Splits a sample likewise; nothing for one that is too short.
 std::optional<HeadedSample> SplitHeader(std::span<const std::uint8_t> sample);
 
 // Whether a participant of Cyclone DDS has sent it.

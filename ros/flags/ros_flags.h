@@ -16,8 +16,8 @@ namespace troupe {
 // The variables must outlive the parsing, as those of the functions below.
 void AddRosNetworkFlags(CLI::App& app, ros::RosNetwork& network, ros::EnvironmentFaults& faults,
                         const std::string& group);
-// Of a process with nodes in ROS: --ros, --no-ros, and the options of the network and of names. Without --ros and
-// --no-ros `on` keeps its value.
+// Adds the options of a process with nodes in ROS: --ros, --no-ros, and those of the network and of names. Without
+// --ros and --no-ros `on` keeps its value.
 void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& options, const std::string& group);
 void AddRobotTopicFlags(CLI::App& app, ros::RobotTopics& robots, const std::string& group);
 void AddWorldTopicFlags(CLI::App& app, ros::WorldTopics& world, const std::string& group);

@@ -20,8 +20,7 @@
 
 namespace troupe::ros {
 
-// The name of the socket of a run's program, for processes that are not told another one. With security each enclave
-// has one.
+// The name of the socket of a run's program, for processes that get no other one. With security each enclave has one.
 std::string SocketOfSession(std::uint32_t simulation_domain, const std::string& session, const RosSecurity& security);
 // One that no other run has.
 std::string NewSocketName();
@@ -70,7 +69,7 @@ class HostProgram {
   std::thread thread_;
 };
 
-// Starts the program for a process that was told no socket, and sets the options' socket. `own_enclave`: of the
+// Starts the program for a process without a socket in its options, and sets the options' socket. `own_enclave`: of the
 // process, where the options name none.
 Status StartForSession(std::uint32_t simulation_domain, const std::string& session, const std::string& own_enclave,
                        RosOptions& options, std::optional<HostProgram>& program,

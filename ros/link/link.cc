@@ -78,7 +78,7 @@ bool Link::Flush() {
   return true;
 }
 
-// Of a link that is never empty, too. Not at each call, because all that is left moves.
+// Drops what was sent, also of a link that is never empty; but not at each call, because the rest moves in memory.
 void Link::DropSent() {
   if (sent_ < kDroppedAtATime) return;
   output_.erase(output_.begin(), output_.begin() + static_cast<std::ptrdiff_t>(sent_));

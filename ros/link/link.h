@@ -47,7 +47,7 @@ struct LinkMessage {
   std::span<const std::byte> content;  // valid during the call
 };
 
-// Of kWanted.
+// The content of kWanted.
 struct WantedContent {
   bool wanted = false;  // the writer has a reader
   bool is_new = false;  // one has come
@@ -125,7 +125,7 @@ struct NodeText {
   std::string name;
 };
 
-// Of a writer, a reader or a service.
+// The text of a writer, a reader or a service.
 struct EndpointText {
   std::uint32_t node = 0;
   std::string name;           // of the topic on DDS, or of the service
@@ -135,7 +135,7 @@ struct EndpointText {
   Part part = Part::kOnlyReader;  // of a reader
 };
 
-// Of a service that Fast DDS serves.
+// The text of a service that Fast DDS serves.
 struct ServiceText {
   std::uint32_t domain = 0;
   std::string name;  // "/anna/robot/get_parameters"
@@ -159,7 +159,7 @@ Result<ServiceText> ParseService(std::string_view text);
 // for people.
 Result<int> Bind(const std::string& name);  // no connection succeeds before listen()
 Result<int> Connect(const std::string& name);
-// Of a listening socket; -1: none is waiting, or it belongs to another user.
+// Accepts a connection of a listening socket; -1: none is waiting, or it belongs to another user.
 int Accept(int listening);
 
 }  // namespace troupe::ros

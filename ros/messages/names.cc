@@ -49,7 +49,7 @@ std::string BaseName(const std::string& name, const RangerParameters& ranger) {
 
 std::optional<RobotId> FirstOfRun(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (!world.robots[i].ros.domain && IsThere(world, RobotId(i))) return RobotId(i);
+    if (!world.robots[i].ros.domain && RobotExists(world, RobotId(i))) return RobotId(i);
   }
   return std::nullopt;
 }
@@ -96,7 +96,7 @@ std::vector<std::string> RobotNames(const WorldDescription& world) {
       const std::string& name = world.robots[i].name;
       if ((RosName(name) == name) != is_valid) continue;
       // A removed robot keeps its name, so that the names of others stay, until another robot has the same one.
-      const bool is_replaced = !IsThere(world, RobotId(i)) && FindRobot(world, name);
+      const bool is_replaced = !RobotExists(world, RobotId(i)) && FindRobot(world, name);
       if (!is_replaced) names[i] = unique.Reserve(RosName(name));
     }
   }
@@ -229,7 +229,7 @@ Status CheckDomains(const WorldDescription& world, std::uint32_t run_domain, con
   std::size_t of_run = 0;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const RobotDescription& robot = world.robots[i];
-    if (!IsThere(world, RobotId(i))) continue;
+    if (!RobotExists(world, RobotId(i))) continue;
     if (!robot.ros.domain) ++of_run;
     if (robot.ros.domain && robot.ros.domain == simulation_domain) {
       return Error{{},
@@ -257,7 +257,7 @@ std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescripti
   std::vector<std::pair<RobotId, RobotInRos>> found;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const RobotId robot(i);
-    if (!IsThere(world, robot)) continue;
+    if (!RobotExists(world, robot)) continue;
     found.emplace_back(robot, Find(world, robot, robot_names[i], first == robot, run_domain, names));
   }
   return found;

@@ -17,8 +17,8 @@ namespace troupe::ros {
 // `text` as a valid part of a topic name: letters, digits and single underscores, the first not a digit.
 std::string RosName(const std::string& text);
 
-// By robot: its name as RosName, with a number appended where two would be equal; a name that is valid as it is stays.
-// "" for a removed robot whose name another robot has now.
+// The name of each robot as RosName, with a number appended where two would be equal; a name that is valid as it is
+// stays. "" for a removed robot whose name another robot has now.
 std::vector<std::string> RobotNames(const WorldDescription& world);
 
 // The frames of one robot, as tf calls them.

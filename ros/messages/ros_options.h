@@ -62,7 +62,7 @@ struct EnvironmentFaults {
   std::string rmw;        // its programs do not find the run
 };
 
-// Of the program that has participants in ROS, and equal for all processes of a run on a host.
+// The settings of the program that has participants in ROS, equal for all processes of a run on a host.
 struct RosNetwork {
   std::uint32_t domain = 0;  // of the run
   std::string network_interface = "auto";

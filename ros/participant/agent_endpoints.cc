@@ -75,8 +75,8 @@ bool AgentEndpoints::Process() {
   return link_.Flush() && open && problem_.empty();
 }
 
-bool AgentEndpoints::TakeAnnouncement() {
-  return std::exchange(announces_, false);
+bool AgentEndpoints::ConsumeAnnouncement() {
+  return std::exchange(must_announce_, false);
 }
 
 bool AgentEndpoints::Reads(const std::string& topic) const {
@@ -129,7 +129,7 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
       RetireOne(services_, message.id, domain_->pools.services);
       return;
     case LinkKind::kAnnounce:
-      announces_ = true;
+      must_announce_ = true;
       return;
     case LinkKind::kWatchDistributions:
       watches_distributions_ = true;
@@ -162,7 +162,7 @@ void AgentEndpoints::MakeWriter(std::uint32_t id, std::size_t node, const Endpoi
   const dds_topic_descriptor_t* const type = TypeOf(endpoint.type);
   if (type == nullptr) return;
   std::string text = TextForAll(endpoint);
-  std::unique_ptr<ReusableWriter> writer = domain_->pools.writers.Take(text);
+  std::unique_ptr<ReusableWriter> writer = domain_->pools.writers.Acquire(text);
   if (!writer)
     writer = std::make_unique<ReusableWriter>(domain_->participant, TopicSpec{endpoint.name, type, endpoint.qos});
   writer->Attach(node, [this, id](bool wanted, bool is_new) {
@@ -176,7 +176,7 @@ void AgentEndpoints::MakeReader(std::uint32_t id, std::size_t node, const Endpoi
   const dds_topic_descriptor_t* const type = TypeOf(endpoint.type);
   if (type == nullptr) return;
   std::string text = TextForAll(endpoint);
-  std::unique_ptr<ReusableReader> reader = domain_->pools.readers.Take(text);
+  std::unique_ptr<ReusableReader> reader = domain_->pools.readers.Acquire(text);
   if (!reader) {
     reader = std::make_unique<ReusableReader>(domain_->participant, TopicSpec{endpoint.name, type, endpoint.qos},
                                               endpoint.part);
@@ -192,7 +192,7 @@ void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const Endpo
   const dds_topic_descriptor_t* const response = TypeOf(endpoint.response_type);
   if (request == nullptr || response == nullptr) return;
   std::string text = TextForAll(endpoint);
-  std::unique_ptr<ReusableService> service = domain_->pools.services.Take(text);
+  std::unique_ptr<ReusableService> service = domain_->pools.services.Acquire(text);
   if (!service) {
     service = std::make_unique<ReusableService>(domain_->participant,
                                                 ServiceSpec{endpoint.name, request, response, endpoint.qos},

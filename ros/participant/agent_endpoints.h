@@ -28,8 +28,8 @@ class EndpointPool {
   void Keep(std::string text, std::unique_ptr<Endpoint> endpoint, Time until) {
     kept_.emplace(std::move(text), Kept{std::move(endpoint), until});
   }
-  // One that was kept with this text; null: there is none.
-  std::unique_ptr<Endpoint> Take(const std::string& text) {
+  // An endpoint that was kept with this text; null: none exists.
+  std::unique_ptr<Endpoint> Acquire(const std::string& text) {
     const auto found = kept_.find(text);
     if (found == kept_.end()) return nullptr;
     std::unique_ptr<Endpoint> endpoint = std::move(found->second.endpoint);
@@ -103,8 +103,8 @@ class AgentEndpoints {
   bool has_output() const { return link_.pending() > 0; }
   // Null before the agent has named it.
   HostDomain* domain() const { return domain_; }
-  // Whether its nodes are to be announced since the last call.
-  bool TakeAnnouncement();
+  // Whether the agent's nodes have to be announced since the last call.
+  bool ConsumeAnnouncement();
   // Whether it has a node.
   bool has_nodes() const { return !nodes_.empty(); }
 
@@ -142,7 +142,7 @@ class AgentEndpoints {
   Link link_;
   const std::function<void()> wake_;
   std::string problem_;
-  bool announces_ = false;
+  bool must_announce_ = false;
   bool watches_distributions_ = false;
   std::map<std::uint32_t, std::size_t> nodes_;  // of the participant
   ById<ReusableWriter> writers_;

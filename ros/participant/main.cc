@@ -96,8 +96,8 @@ int Main(int argc, const char* const* argv) {
   const Result<int> listening = ros::Bind(line.socket);
   if (!listening.ok()) {
     if (!line.while_used) return fail(listening.error());
-    // Of several that are started at the same time, all but one come too late. The process tries that one's socket
-    // next, which needs a moment to listen.
+    // If several are started at the same time, all but one come too late. The process tries that one's socket next,
+    // which needs a moment to listen.
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return kExitDone;
   }

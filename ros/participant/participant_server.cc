@@ -134,10 +134,10 @@ void ParticipantServer::Process(int connection) {
   const auto found = agents_.find(connection);
   if (found == agents_.end()) return;
   AgentEndpoints& agent = *found->second;
-  const bool goes_on = agent.Process();
+  const bool open = agent.Process();
   HostDomain* const domain = agent.domain();
-  bool changed = agent.TakeAnnouncement();
-  if (goes_on) {
+  bool changed = agent.ConsumeAnnouncement();
+  if (open) {
     WatchOutput(connection, agent);
   } else {
     if (!agent.problem().empty()) report_("a connection was closed: " + agent.problem());

@@ -128,7 +128,7 @@ async function showsTheRunAsItIs() {
     await page.mouse.move(60, 130 + 4 * Math.random());
     return /, process \d+/.test(await page.getAttribute('.robot', 'title') ?? '');
   });
-  // Of ticks of 100 ms the service waits for most.
+  // The service waits for most of a tick of 100 ms.
   await stateOf(page, 'the phases of ticks arrive', ({phases}) => phases?.step > 0 && phases.wait > phases.step);
   await until('the phases are shown', async () => /wait \d+.* · step .* ms/.test(await page.textContent('#phases')));
   await page.keyboard.press(' ');
@@ -147,7 +147,7 @@ async function showsTheRunAsItIs() {
   await readingsArrive(page);
   await sample(page);
 
-  // Without its gateway the run goes on, and the page connects to the next one.
+  // Without its gateway the run continues, and the page connects to the next one.
   const [gateway] = viewed.children('view');
   pages.mayComplain = true;
   process.kill(gateway, 'SIGKILL');
@@ -293,7 +293,7 @@ async function showsThePast() {
     await stateOf(page, `tick ${tick} is shown`, state => state.past && state.tick === tick);
     samples.push(await look(page, 'anna'));
   };
-  // By the slider, as a user drags it.
+  // Seeks by the slider, as a user drags it.
   const drag = (page, position) => page.$eval('#timeline', (slider, value) => {
     slider.value = String(value);
     slider.dispatchEvent(new Event('input'));

@@ -94,7 +94,7 @@ async function movesATableOfAWorld() {
   const different = tokens[0].filter((token, i) => token !== tokens[1][i]);
   assert.equal(different.length, 1, `one token has changed: ${changed[0].join(' -> ')}`);
 
-  // By the panel: a property with its help, and one that is refused with its place.
+  // Edits by the panel: a property with its help, and one that is refused with its place.
   await page.click('.entity:has-text("table0")');
   const color = page.locator('#file-properties input[data-property=color]');
   await color.waitFor();
@@ -234,7 +234,7 @@ const OBJECTS = `define crate model( size [0.1 0.2 0.3] color "tan" gripper_retu
 crate( name "crate1" pose [0.55 0 0 0] )
 `;
 
-// By mouse alone: a gripper is put down, its fingers are drawn, chosen and limited; it grips in a run.
+// All by mouse: a gripper is put down, its fingers are drawn, chosen and limited; it grips in a run.
 async function buildsAGripper() {
   writeFileSync(path('gripper.world'), OBJECTS);
   const editor = await edit('gripper.world');

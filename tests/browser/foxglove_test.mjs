@@ -142,7 +142,7 @@ async function readsALiveRun() {
   for (const message of shown) checkTransforms(message, poses);
 }
 
-// By hand, because the client of npm knows no playback.
+// The messages are made by hand, because the client of npm knows no playback.
 async function playsARecording() {
   const path = name => `${files}/${name}`;
   const run = new Program(troupe, [
@@ -181,7 +181,7 @@ async function playsARecording() {
   };
   const poses = readPoses(path('recorded.csv'));
   const shows = (what, wanted) => until(what, () => transforms && wanted(tickOf(transforms.timestamp)) ? transforms : null);
-  checkTransforms(await shows('the begin is shown', tick => tick === 0), poses);
+  checkTransforms(await shows('the start is shown', tick => tick === 0), poses);
   control(false, 1, 12_300_000_000n, 'there');
   const answer = await until('the seek is answered', () => states.find(state => state.request === 'there'));
   assert.deepEqual(answer, {status: 1, time: 12_300_000_000n, seek: 1, request: 'there'});

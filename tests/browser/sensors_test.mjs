@@ -35,7 +35,7 @@ async function step(page, robot, ticks) {
   return {tick, contents};
 }
 
-// By tick, robot and sensor.
+// The readings by tick, robot and sensor.
 function readLog(name) {
   const lines = new Map();
   for (const text of readFileSync(path(name), 'utf8').trim().split('\n')) {

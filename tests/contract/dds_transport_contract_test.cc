@@ -37,7 +37,7 @@ class DdsRig final : public TransportRig {
   }
 
  private:
-  // Of one test process; further observers share them.
+  // The participants of one test process; further observers share them.
   static constexpr std::size_t kMostObserverParticipants = 10;
 
   Transport& Keep(std::unique_ptr<Transport> transport) {

@@ -154,7 +154,7 @@ std::string FaultSimulation::DescribeInconsistency() const {
   }
   const WorldDescription& world = coordinator_->scene()->world();
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (IsThere(world, RobotId(i)) && !robots.contains(world.robots[i].name)) {
+    if (RobotExists(world, RobotId(i)) && !robots.contains(world.robots[i].name)) {
       return "no agent runs for " + world.robots[i].name;
     }
   }
@@ -231,7 +231,7 @@ void FaultSimulation::ActAsService() {
   if (reports.size() > kMostReports || notices.size() > kMostReports) return Violate("too many reports");
   const std::vector<std::string> robots = coordinator_->DrainNewRobots();
   const Edition edition = coordinator_->frame().edition;
-  if (!robots.empty() && edition > launched_edition_) {  // not told before, by a service that died
+  if (!robots.empty() && edition > launched_edition_) {  // not reported before, by a service that died
     launched_edition_ = edition;
     Launch(robots, 0.3);
   }
@@ -498,7 +498,7 @@ void FaultSimulation::StartMissingAgents() {
   const WorldDescription& world = coordinator_->scene()->world();
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const std::string& name = world.robots[i].name;
-    if (IsThere(world, RobotId(i)) && !robots.contains(name)) Launch({name}, 0.0);
+    if (RobotExists(world, RobotId(i)) && !robots.contains(name)) Launch({name}, 0.0);
   }
 }
 

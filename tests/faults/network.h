@@ -102,7 +102,7 @@ class Network {
   // Another process takes the place of the service, which has ended: the agents discover it, some of them after the
   // lease of the one before has expired.
   void ReplaceService();
-  // Of the messages to or from an agent. Partitions of one direction are counted.
+  // Blocks the messages to or from an agent. Partitions of one direction are counted.
   void BlockToAgent(ProcessId agent, bool blocked);
   void BlockFromAgent(ProcessId agent, bool blocked);
 
@@ -143,7 +143,7 @@ class Network {
   // A process or a partition changed the path.
   void Update(ProcessId from, ProcessId to);
   void UpdateAll(ProcessId process);
-  // Of the other ends, for a process that was stopped.
+  // Expires the leases of the other ends, for a process that was stopped.
   void ExpireLeasesOf(ProcessId process);
   void Discover(ProcessId agent);
   std::function<void()> IfConnected(ProcessId from, ProcessId to, const std::function<void()>& receive);

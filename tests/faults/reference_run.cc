@@ -62,7 +62,7 @@ void ReferenceRun::AddReplicas() {
   const WorldDescription& world = scene_->world();
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const std::string& name = world.robots[i].name;
-    if (!IsThere(world, RobotId(i)) || replicas_.contains(name)) continue;
+    if (!RobotExists(world, RobotId(i)) || replicas_.contains(name)) continue;
     Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {name}, options_);
     if (!replica.ok()) throw std::runtime_error(replica.error().message);
     replicas_[name] = std::move(replica).value();

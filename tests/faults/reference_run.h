@@ -27,7 +27,7 @@ class ReferenceRun final : public RunObserver {
   const std::string& difference() const { return difference_; }
   Tick ticks() const { return ticks_; }  // that were compared
   std::uint64_t hash() const { return hash_; }
-  // Of a committed tick; nothing if there is none.
+  // The hash of a committed tick; nothing if it does not exist.
   std::optional<std::uint64_t> HashOf(Edition edition, Tick tick) const;
   Edition edition() const { return edition_; }
   Tick tick() const { return state_.tick; }

@@ -204,7 +204,7 @@ class BridgedAttack : public testing::Test {
   void SetUp() override {
     if (hosts_ == nullptr) GTEST_SKIP() << "no network namespaces here: they need root and the program ip";
   }
-  // Of the run, which must have started, on the first host.
+  // The ports of the run, which must have started, on the first host.
   static std::vector<std::string> PortsOfRun() { return AllPorts(BridgedHosts::AddressOf(1)); }
 
   const std::uint64_t peace_ = HashWithoutAttack();

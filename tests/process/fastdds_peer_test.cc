@@ -231,7 +231,7 @@ std::map<Tick, Frames> MovingFrames(const std::vector<json>& messages) {
   return moving;
 }
 
-// By tick.
+// The heights of the lift by tick.
 std::map<Tick, double> LiftHeights(const std::vector<json>& messages) {
   std::map<Tick, double> lifts;
   for (const json& message : messages) {
@@ -261,7 +261,7 @@ void FastDdsPeerTest::CheckPosesOfBen(Tick tick, const Frames& frames) const {
 // The peer speaks through the radios of two robots, and hears what they receive: also from the robots' own controllers.
 TEST_F(FastDdsPeerTest, ExchangesMessagesByRadio) {
   Run("../../../worlds/scenarios/radio.json", {"cleo=0.02,0.05", "dora=-0.05,0.1"});
-  // By tick and sender, as the scan log of cleo has them.
+  // The receptions by tick and sender, as the scan log of cleo has them.
   std::map<std::pair<Tick, std::string>, std::vector<json>> logged;
   for (const std::string& line : LinesOf(folder_.Read("scans"))) {
     const json reading = json::parse(line);

@@ -64,7 +64,7 @@ class RosEditRun {
       EXPECT_TRUE(Eventually([&] { return graph_.Topics("/" + robot + "/").contains("/" + robot + "/odom"); }));
     }
   }
-  // Of other programs in the ROS domain.
+  // The participants of other programs in the ROS domain.
   std::size_t participants() { return graph_.Participants(); }
   void ExpectNoTopicsOf(const std::string& robot) {
     EXPECT_TRUE(Eventually([&] { return graph_.Topics("/" + robot + "/").empty(); }))

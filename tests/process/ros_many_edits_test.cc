@@ -37,7 +37,7 @@ std::string WriteWorld(const TemporaryFolder& folder, const std::string& name, c
   return folder.Path(name);
 }
 
-// Of the resident memory of a process, MiB.
+// The resident memory of a process, MiB.
 double MemoryOf(pid_t process) {
   std::ifstream status("/proc/" + std::to_string(process) + "/status");
   for (std::string line; std::getline(status, line);) {

@@ -113,7 +113,7 @@ class RosStepsTest : public testing::Test {
     });
     return feedback_of_goals_[id];
   }
-  // By id of the goal.
+  // The statuses by the id of the goal.
   std::map<int, GoalStatus> Statuses() {
     status_.Drain([&](const auto& message) {
       statuses_.clear();

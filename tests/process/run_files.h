@@ -19,7 +19,7 @@ struct LoggedPose {
   bool stalled = false;
 };
 
-// By tick and the name of a robot, an object or a joint.
+// The poses by tick and the name of a robot, an object or a joint.
 inline std::map<std::pair<Tick, std::string>, LoggedPose> ReadPoses(const std::string& csv) {
   std::map<std::pair<Tick, std::string>, LoggedPose> poses;
   std::istringstream lines(csv);

@@ -60,7 +60,7 @@ class ServiceRestartTest : public testing::Test {
     ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
     for (int i = 0; i < times; ++i) run.WaitForLineAfter("the world service has been started again");
   }
-  // Of a client of its own: the service may be another than before.
+  // Calls with a client of its own: the service may be another than before.
   ControlReply Call(const ControlRequest& request) const {
     ControlClient client(NetworkOf(session_));
     EXPECT_TRUE(client.WaitForService(kSeconds).ok());
@@ -181,7 +181,7 @@ TEST_F(ServiceRestartTest, AnotherServiceContinuesTheJournalOfAProcess) {
   first.WaitForLine("all robots have agents");
   service.emplace_back("--resume");
 
-  // Of a journal whose service lives, nothing can be continued.
+  // A journal whose service lives cannot be continued.
   std::vector<std::string> rival = service;
   rival[2] = session_ + "-rival";
   EXPECT_THAT(OutputOf(Program(rival), 3), HasSubstr("another process writes this file"));

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 using Bytes = std::vector<std::byte>;
 
-// Of a run with steps, edits and a rewind, in many chunks.
+// The recording of a run with steps, edits and a rewind, in many chunks.
 Bytes RecordRun() {
   const fs::path file = fs::path(testing::TempDir()) / ("damaged-" + std::to_string(getpid()) + ".mcap");
   {

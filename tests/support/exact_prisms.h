@@ -41,7 +41,7 @@ struct ExactPrism {
 
 class ExactPrisms {
  public:
-  // Of the models for which `sees(model)` is true.
+  // The prisms of the models for which `sees(model)` is true.
   template <typename Sees>
   ExactPrisms(const WorldDescription& world, const WorldState& state, Sees sees) : world_(world), state_(state) {
     for (std::size_t m = 0; m < world.models.size(); ++m) {
@@ -49,7 +49,7 @@ class ExactPrisms {
     }
   }
 
-  std::vector<ExactPrism> Take() { return std::move(prisms_); }
+  std::vector<ExactPrism> Release() { return std::move(prisms_); }
 
  private:
   struct Frame {
@@ -128,7 +128,7 @@ class BruteForcePrisms {
   // Bodies for which `sees(model)` is false are left out.
   template <typename Sees>
   BruteForcePrisms(const WorldDescription& world, const WorldState& state, Sees sees)
-      : prisms_(ExactPrisms(world, state, sees).Take()) {}
+      : prisms_(ExactPrisms(world, state, sees).Release()) {}
 
   // The nearest hit within `most`.
   std::optional<PrismHit> Cast(const SpaceRay& ray, long double most) const {
@@ -209,11 +209,12 @@ class BruteForcePrisms {
     return stretches;
   }
 
-  // True if a ray that is turned or raised by a hair has another hit: which one counts is a matter of rounding.
+  // True if a ray that is turned or raised by the tolerance has another hit: which one counts is a matter of rounding.
   bool IsOnEdge(const SpaceRay& ray, long double most) const {
-    constexpr double kHair = 1e-7;
+    constexpr double kTurnTolerance = 1e-7;
     const std::optional<PrismHit> straight = Cast(ray, most);
-    for (const auto& [turn, raise] : {std::pair(kHair, 0.0), {-kHair, 0.0}, {0.0, kHair}, {0.0, -kHair}}) {
+    for (const auto& [turn, raise] :
+         {std::pair(kTurnTolerance, 0.0), {-kTurnTolerance, 0.0}, {0.0, kTurnTolerance}, {0.0, -kTurnTolerance}}) {
       SpaceRay other = ray;
       other.direction += turn * Vec2(-ray.direction.y(), ray.direction.x());
       other.climb += raise;
@@ -238,7 +239,7 @@ class BruteForceRays {
  public:
   // REQUIRES: the world outlives it.
   BruteForceRays(const WorldDescription& world, const WorldState& state)
-      : world_(world), bodies_(ExactPrisms(world, state, [&](ModelId id) { return IsSeen(id); }).Take()) {}
+      : world_(world), bodies_(ExactPrisms(world, state, [&](ModelId id) { return IsSeen(id); }).Release()) {}
 
   // The hits of a ray of all outlines within `max_distance`, unsorted. REQUIRES: |direction| = 1
   std::vector<BruteForceHit> Cast(const Vec2& origin, const Vec2& direction, double z, double max_distance,

@@ -26,7 +26,7 @@ class HostParticipant {
   HostParticipant& operator=(const HostParticipant&) = delete;
 
   const std::string& socket() const { return socket_; }
-  // Of a process with nodes.
+  // Connects a process with nodes.
   std::unique_ptr<ros::HostConnection> Connect() const {
     return std::make_unique<ros::HostConnection>(network_.distribution, socket_, network_.domain,
                                                  ros::HostConnection::Sending::kByFlush);

@@ -21,7 +21,7 @@ inline constexpr std::uint8_t kOk = 1;
 inline constexpr std::uint8_t kNotFound = 2;
 inline constexpr std::uint8_t kFailed = 4;
 
-// Of pen.world, with ten ticks in a second.
+// The tick of pen.world, with ten ticks in a second.
 inline Tick TickOf(const ros::Time& stamp) {
   return static_cast<Tick>(stamp.sec) * 10 + stamp.nanosec / 100'000'000;
 }

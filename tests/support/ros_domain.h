@@ -10,7 +10,7 @@
 
 namespace troupe::test {
 
-// Of tests in a network of their own.
+// The domains of tests in a network of their own.
 inline constexpr std::uint32_t kFirstDomain = 1;  // of robots that each have a domain
 inline constexpr std::uint32_t kRunDomain = 90;
 inline constexpr std::uint32_t kSimulationDomain = 95;

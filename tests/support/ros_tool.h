@@ -13,16 +13,16 @@
 
 namespace troupe::test {
 
-// Of Humble with ROS_LOCALHOST_ONLY=1.
+// The settings of Humble with ROS_LOCALHOST_ONLY=1.
 inline constexpr const char* kHumbleLocalhost =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address=\"127.0.0.1\"/>"
     "</Interfaces></General></Domain></CycloneDDS>,";
-// Of Jazzy with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST.
+// The settings of Jazzy with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST.
 inline constexpr const char* kJazzyLocalhost =
     "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General>"
     "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
     "<Peers><Peer address=\"localhost\"/></Peers></Discovery></Domain></CycloneDDS>,";
-// Of Jazzy with ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET, on a network without multicast.
+// The settings of Jazzy with ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET, on a network without multicast.
 inline constexpr const char* kJazzySubnetWithoutMulticast =
     "<CycloneDDS><Domain><Discovery><ParticipantIndex>auto</ParticipantIndex>"
     "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex></Discovery></Domain></CycloneDDS>,"

@@ -65,7 +65,7 @@ struct JoinMessage {
   std::vector<std::string> robots;
   Edition world_edition = 0;    // of the agent's description
   Incarnation incarnation = 0;  // of the newest service that the agent knows
-  // Of those robots, the ones whose controllers accept goals, by name.
+  // The names of those robots whose controllers accept goals.
   std::vector<std::string> accept_goals = {};
   std::optional<MemoryPlace> memory = {};  // nothing: the robots are new
   bool operator==(const JoinMessage&) const = default;
@@ -76,8 +76,8 @@ struct AdmissionMessage {
   RunId run = 0;
   AgentId agent = 0;
   bool admitted = false;
-  // Of a refusal. Empty when admitted, and when the agent is not admitted because it has to join again: its proposal
-  // has arrived, but it is unknown (any more).
+  // The reason of a refusal. Empty when admitted, and when the agent is not admitted because it has to join again: its
+  // proposal has arrived, but it is unknown (any more).
   std::string reason = {};
   Incarnation incarnation = 0;
   bool operator==(const AdmissionMessage&) const = default;
@@ -129,7 +129,8 @@ struct FrameMessage {
 struct HistoryEntry {
   FrameMessage frame;         // without events
   bool step_follows = false;  // false: an edit
-  // Of the frame, where it differs from that of the entry before, and of the first entry where the agents may lack it.
+  // The world of the frame, where it differs from that of the entry before, and of the first entry where the agents may
+  // lack it.
   std::optional<WorldDescription> world = {};
   bool operator==(const HistoryEntry&) const = default;
 };

@@ -17,7 +17,8 @@ namespace {
 constexpr const char* kAuthorityCertificate = "ca.cert.pem";
 constexpr const char* kAuthorityKey = "ca.key.pem";
 
-// Of a certificate; unique in an authority, because no two identities have the same role and name by intent.
+// The common name of a certificate; unique in an authority, because no two identities have the same role and name by
+// intent.
 std::string CommonName(const Role& role) {
   switch (role.kind) {
     case Role::Kind::kService:

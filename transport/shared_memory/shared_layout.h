@@ -98,7 +98,7 @@ struct FramesHeader {
   Word map_bytes;
   // Counts the frames that were published; the newest is in buffer `published` modulo kBuffers. Agents wait for it.
   alignas(64) FutexWord published;
-  // By slot: its agent; 0: none; kClaimed: none, and none can have it.
+  // The agent of each slot; 0: none; kClaimed: none, and none can have it.
   alignas(64) std::array<Word, kSlots> agents;
 };
 

@@ -86,8 +86,8 @@ struct SharedMemory::OwnedMemory {
 // SharingAddress: where the processes of this machine find the shared memory of a world service. The service announces
 // it to its agents.
 struct SharingAddress {
-  // Of processes that can share memory: the boot of the machine, the namespaces of processes and networks (a container,
-  // or a host that is emulated, counts as a machine of its own), and the user.
+  // The same for processes that can share memory: the boot of the machine, the namespaces of processes and networks (a
+  // container, or a host that is emulated, counts as a machine of its own), and the user.
   std::string machine;
   std::int32_t process = 0;
   std::int32_t frames = 0;  // descriptors of that process
@@ -96,7 +96,7 @@ struct SharingAddress {
   bool operator==(const SharingAddress&) const = default;
 };
 
-// Of this process; empty: the system does not tell.
+// The machine of this process; empty: the system does not report it.
 std::string ThisMachine();
 
 // Whether the service is on this machine, since the same boot; its memory may belong to another user or container.

@@ -98,7 +98,7 @@ class WordWriter {
   template <typename Value>
   void Add(const Value& value);
 
-  // Of the words that were added, also of those that did not fit.
+  // The number of words that were added, including those that did not fit.
   std::size_t count() const { return count_; }
   bool fits() const { return count_ <= words_.size(); }
 

@@ -74,7 +74,7 @@ Pose PoseInWorld(const WorldDescription& world, ModelId model);
 // The bodies of models for a picture in the page:
 // [{"outline": [[x, y], ...], "z": [min, max], "color": [r, g, b]}], in m and the world's frame; at most some hundred.
 nlohmann::json PictureOf(const WorldDescription& world);
-// Of these models alone, without their children.
+// The picture of these models alone, without their children.
 nlohmann::json PictureOf(const WorldDescription& world, const std::vector<ModelId>& models);
 
 // A small world to try a model in: a room with the model, and with a plain robot that drives towards it if the model is

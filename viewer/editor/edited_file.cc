@@ -20,7 +20,7 @@ std::uint64_t HashOf(const std::string& bytes) {
   return hasher.value();
 }
 
-// Of the file's bytes; nothing: there is no file, or none that can be read.
+// The hash of the file's bytes; nothing: no file exists, or it cannot be read.
 std::optional<std::uint64_t> HashOfFile(const std::string& path) {
   const Result<std::string> bytes = ReadTextFile(path, {path});
   return bytes.ok() ? std::optional(HashOf(bytes.value())) : std::nullopt;

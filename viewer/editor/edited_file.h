@@ -20,7 +20,7 @@
 namespace troupe {
 
 using PicturePointer = std::shared_ptr<const GreyPicture>;
-// By path, without links.
+// The version of each picture, by its path without links.
 using PictureVersions = std::map<std::string, PicturePointer>;
 
 // The image files that the edits of a file change, as they are on disk. Their contents of before and after each edit

@@ -205,7 +205,7 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
     const bool is_raised = (old != nullptr && old->items.size() == 4) || !keeps_z;
     return Commit(WithMember(text(), *place.value().entry, "pose", is_raised ? raised : flat), label);
   }
-  // Of the world file: the scenario moves it.
+  // A model of the world file: the scenario moves it.
   if (entity.parent != nullptr) {
     return Error{{}, fmt::format("{} is a part of a model at {}", Quoted(entity.name), PlaceText(entity.where))};
   }
@@ -314,7 +314,7 @@ Status Editor::Rename(const std::string& before, const std::string& after) {
   if (place.entry != nullptr) {
     return Commit(WithMember(text(), *place.entry, "name", nlohmann::json(after).dump()), label);
   }
-  // Of a child the name counts below its parent, unless it begins with a slash.
+  // The name of a child counts below its parent, unless it begins with a slash.
   const std::string written = entity.value()->parent != nullptr ? "/" + after : after;
   return Commit(WithProperty(text(), BodyOf(*place.statement), "name", Text(written)), label);
 }

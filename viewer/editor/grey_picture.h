@@ -41,7 +41,7 @@ class GreyPicture {
   Bitmap Occupied(const PixelRule& rule) const;
   // Around the pixels that Stage's rule makes occupied; nothing: there are none.
   std::optional<PixelBox> OccupiedBox() const;
-  // Of the tiles that `other` does not share; null: of all.
+  // The bytes of the tiles that `other` does not share; null: of all.
   std::size_t BytesBeyond(const GreyPicture* other) const;
 
   bool operator==(const GreyPicture& other) const;

@@ -99,7 +99,7 @@ template <typename Visit>
 void VisitBodies(const Scene& scene, const WorldState& state, const Visit& visit) {
   const WorldDescription& world = scene.world();
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (IsThere(world, RobotId(i))) visit(scene.body_of(RobotId(i)), world.robots[i].root, state.robots[i].X_WR);
+    if (RobotExists(world, RobotId(i))) visit(scene.body_of(RobotId(i)), world.robots[i].root, state.robots[i].X_WR);
   }
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     if (world.model(world.objects[i]).removed) continue;
@@ -199,7 +199,7 @@ std::string SceneText(const Scene& scene, Time time) {
   Json entities = Json::array();
   AddStaticMap(scene, time, entities);
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (IsThere(world, RobotId(i))) AddBody(scene, scene.body_of(RobotId(i)), world.robots[i].root, time, entities);
+    if (RobotExists(world, RobotId(i))) AddBody(scene, scene.body_of(RobotId(i)), world.robots[i].root, time, entities);
   }
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     if (world.model(world.objects[i]).removed) continue;
@@ -269,7 +269,7 @@ std::vector<Channel> ChannelsOf(const WorldDescription& world) {
                                    {.id = 3, .kind = ChannelKind::kMap, .topic = "/map"},
                                    {.id = 4, .kind = ChannelKind::kEvents, .topic = "/events"}};
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (IsThere(world, RobotId(i))) AddScans(world, RobotId(i), channels);
+    if (RobotExists(world, RobotId(i))) AddScans(world, RobotId(i), channels);
   }
   return channels;
 }

@@ -19,7 +19,7 @@ struct Service {
 };
 
 constexpr const char* kNothing = R"({"type":"object","properties":{}})";
-// By id, from 1.
+// The services by their ids, from 1.
 constexpr std::array<Service, 7> kServices = {
     {{"/pause", "pause", kNothing},
      {"/play", "play", kNothing},

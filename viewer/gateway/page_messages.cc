@@ -92,7 +92,7 @@ void Write(ByteWriter& writer, const WorldDescription& world, RobotId id) {
   const RobotDescription& robot = world.robot(id);
   writer.WriteText(robot.name);
   writer.WriteCount(robot.root.index());
-  writer.WriteByte(IsThere(world, id));
+  writer.WriteByte(RobotExists(world, id));
   writer.WriteText(robot.controller.name);
   writer.WriteCount(robot.sensors.size());
   for (const SensorDescription& sensor : robot.sensors) Write(writer, sensor);
@@ -214,7 +214,7 @@ std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   for (const ModelId object : world.objects) writer.WriteCount(object.index());
   WriteStores(writer, world);
   WriteLights(writer, world);
-  return writer.TakeBytes();
+  return writer.ReleaseBytes();
 }
 
 }  // namespace troupe

@@ -64,7 +64,7 @@ class ByteWriter {
     std::memcpy(bytes_.data() + place, &value, sizeof value);
   }
 
-  std::string TakeBytes() { return std::move(bytes_); }
+  std::string ReleaseBytes() { return std::move(bytes_); }
 
  private:
   std::string bytes_;

@@ -11,7 +11,7 @@
 namespace troupe {
 namespace {
 
-// Of all robots' readings, the part of the time that the gateway may spend on measuring.
+// The share of the time that the gateway may spend on measuring, for the readings of all robots.
 constexpr int kMeasuringShare = 4;  // 1 / (1 + 4)
 // Between two camera images to a viewer, whatever they cost.
 constexpr std::chrono::milliseconds kPicturePeriod{100};
@@ -218,7 +218,7 @@ bool PageViewer::NeedsMessage() const {
   return session_ != run_.session || !waiting_.empty() || NeedsStatus() || NeedsUpdate();
 }
 
-// Of the live run, once its world is known.
+// The status of the live run is needed once its world is known.
 bool PageViewer::NeedsStatus() const {
   return !in_past_ && run_.status != nullptr && status_ != run_.status && shown() != nullptr &&
          world_ == shown()->world->number;
@@ -227,7 +227,7 @@ bool PageViewer::NeedsStatus() const {
 bool PageViewer::NeedsUpdate() const {
   if (shown() == nullptr) return false;
   const bool is_shown = in_past_ ? !past_is_new_ : world_ == shown()->world->number && update_ == run_.update;
-  // Of a run that is paused, the readings that its last update left out follow by themselves.
+  // In a run that is paused, the readings that its last update left out follow by themselves.
   const bool may_follow = readings_.measures_all || !selected_.all;
   return !is_shown || selection_is_new_ || (readings_missing_ && may_follow && Clock::now() >= next_pictures_);
 }
@@ -273,7 +273,7 @@ std::string PageViewer::MakeUpdate() {
   if (has_readings) WriteReadings(writer);
   if (!in_past_) update_ = run_.update;
   past_is_new_ = selection_is_new_ = false;
-  return writer.TakeBytes();
+  return writer.ReleaseBytes();
 }
 
 void PageViewer::WriteRows(ByteWriter& writer) const {
@@ -300,7 +300,7 @@ std::vector<RobotId> PageViewer::SelectedRobots() const {
   std::vector<RobotId> robots;
   if (selected_.all) {
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
-      if (IsThere(world, RobotId(i))) robots.emplace_back(i);
+      if (RobotExists(world, RobotId(i))) robots.emplace_back(i);
     }
     return robots;
   }
@@ -352,7 +352,7 @@ const std::string& RobotReadings::Encoded(Robot& robot, std::size_t sensor) {
   ByteWriter writer;
   const Scene& scene = *state_->world->scene;
   std::visit(ContentWriter{writer}, robot.suite.Measure(sensor, {scene, *bodies_, &state}, state.tick).content);
-  return encoded = writer.TakeBytes();
+  return encoded = writer.ReleaseBytes();
 }
 
 bool RobotReadings::Write(ByteWriter& writer, RobotId id, Pictures pictures) {

@@ -75,8 +75,8 @@ class PastStates {
   virtual std::optional<Range> range() const = 0;
   virtual std::optional<std::uint64_t> PositionOf(Tick tick) const = 0;  // the newest one
 
-  // The state at a position, or at the nearest that there is. May take some time. Called on one thread. The error is a
-  // state that cannot be read.
+  // The state at a position, or at the nearest that there is. The call may take some time. Called on one thread. The
+  // error is a state that cannot be read.
   virtual Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) = 0;
 };
 

@@ -53,7 +53,7 @@ class RunFeed : public ObserverHandler {
   mutable std::mutex mutex_;  // guards content_ and service_gone_
   FeedContent content_;
   bool service_gone_ = false;
-  // Of the newest session: the world of the frames that follow.
+  // The world of the frames that follow, of the newest session.
   std::shared_ptr<const ViewedWorld> announced_;
   std::uint32_t worlds_ = 0;
   std::uint64_t events_ = 0;

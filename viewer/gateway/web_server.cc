@@ -17,7 +17,7 @@
 namespace troupe {
 namespace {
 
-// Of responses: the page loads nothing from elsewhere, and no other page embeds it.
+// The policy of responses: the page loads nothing from elsewhere, and no other page embeds it.
 constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -33,7 +33,7 @@ struct ViewerConnection {
   lws* socket = nullptr;
   std::optional<WebMessage> message;  // on its way
   std::size_t sent = 0;               // bytes of it
-  std::string message_begin;          // of one from the viewer
+  std::string message_start;          // of one from the viewer
 };
 
 std::string Header(lws* socket, lws_token_indexes token) {
@@ -333,7 +333,7 @@ int WebServer::Implementation::OnViewer(lws* socket, lws_callback_reasons reason
 }
 
 int WebServer::Implementation::Receive(lws* socket, Connection& connection, std::string_view part) {
-  std::string& message = viewers_[connection.viewer].message_begin;
+  std::string& message = viewers_[connection.viewer].message_start;
   const auto close = [&](lws_close_status status) {
     lws_close_reason(socket, status, nullptr, 0);
     return -1;

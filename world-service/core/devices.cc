@@ -68,7 +68,7 @@ class SupplyFinder {
     return bodies;
   }
 
-  // Of two bodies, that of the taker finds the other.
+  // The body of the taker finds that of the giver.
   void FindNear(const ConvexPiece& piece, BodyId body) {
     const bool takes = IsPartOf(piece.model, &PowerDescription::take_watts);
     const bool gives = IsPartOf(piece.model, &PowerDescription::give_watts);

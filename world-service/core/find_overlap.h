@@ -8,12 +8,13 @@
 
 namespace troupe {
 
-// The obstacle at a pose for which an entity is intended.
-// Of the obstacles that the tree of `root` overlaps by more than rounding, the one with the lowest id; parts of the
-// tree itself do not count. REQUIRES: `root` has no parent; the state belongs to the scene's world.
+// The obstacle at a pose for which an entity is intended. The obstacle with the lowest id that the tree of `root`
+// overlaps by more than rounding; parts of the tree itself do not count. REQUIRES: `root` has no parent; the state
+// belongs to the scene's world.
 std::optional<ModelId> FindOverlap(const Scene& scene, const WorldState& state, ModelId root);
 
-// Of all blocks of the tree of `root`, in m above the ground; the height of its origin without any block.
+// The lowest point of all blocks of the tree of `root`, in m above the ground; the height of its origin without any
+// block.
 // REQUIRES: `root` has no parent; the state belongs to the scene's world.
 double LowestPoint(const Scene& scene, const WorldState& state, ModelId root);
 

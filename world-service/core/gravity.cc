@@ -163,13 +163,13 @@ class ObjectFall {
     if (gap <= kRestReach || gap <= workspace_.lowered[id.index()] + kRestReach) {
       Rest(id, support, gap, object.mode == ObjectMode::kFalling);
     } else if (workspace_.world().gravity == 0.0 || support.height == -std::numeric_limits<double>::infinity()) {
-      Hang(id);
+      StayAloft(id);
     } else {
       Fall(id, support, gap);
     }
   }
 
-  void Hang(ObjectId id) {
+  void StayAloft(ObjectId id) {
     ObjectState& object = workspace_.next.objects[id.index()];
     object.mode = ObjectMode::kPlaced;
     object.support = std::nullopt;

@@ -31,7 +31,7 @@ class Islands {
   template <typename Id>
   class Lists {
    public:
-    // Of `count` ids; island_of(i) is the island of the id that id_of(i) gives, or kNone.
+    // Groups `count` ids; island_of(i) is the island of the id that id_of(i) gives, or kNone.
     template <typename IdOf, typename IslandOf>
     void Fill(std::size_t islands, std::size_t count, IdOf id_of, IslandOf island_of);
     std::span<const Id> Of(std::uint32_t island) const {

@@ -32,7 +32,8 @@ struct StepMemory {
 
   WorldState next;
   BodyIndex bodies;  // always at `next`
-  // By object: its support has to be found again, because it was released or touched, or its support moved down.
+  // Not 0 for an object whose support has to be found again, because it was released or touched, or its support moved
+  // down.
   std::vector<std::uint8_t> needs_support;
   std::vector<double> lowered;    // m that its support moved down, so that it follows without falling
   std::vector<ObjectId> objects;  // all, in id order, like the next

@@ -24,7 +24,7 @@ void AddJournalFlags(CLI::App& app, ServiceCommandLine& line) {
       "Wait in each tick until the journal is on the disk, so that it survives a loss of power");
   app.add_flag("--resume", line.resume, "Continue the run of the journal, whose world service has died")
       ->needs("--journal");
-  // Of a launcher, whose journals have no names.
+  // The option of a launcher, whose journals have no names.
   app.add_option_function<std::vector<std::string>>(
          "--journal-tail",
          [&outputs](const std::vector<std::string>& files) {

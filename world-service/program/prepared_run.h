@@ -40,7 +40,7 @@ struct PreparedRun {
   std::vector<std::string> files;      // that were loaded
   ServiceOptions options;
   std::shared_ptr<const WorldDescription> first_world;  // of which the recorders have the names
-  std::shared_ptr<const RecordedBegin> begin;           // of the recordings; null: they begin with the run
+  std::shared_ptr<const RecordedStart> begin;           // of the recordings; null: they begin with the run
   Recorders recorders;
   std::unique_ptr<RunHistory> history;   // null: none
   std::unique_ptr<RunObserver> gateway;  // to ROS 2; null: none

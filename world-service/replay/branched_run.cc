@@ -76,7 +76,7 @@ Result<WorldChanges> ChangesOf(const BranchOptions& options, const WorldDescript
     }
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
       const RobotDescription& robot = world.robots[i];
-      if (!IsThere(world, RobotId(i))) continue;
+      if (!RobotExists(world, RobotId(i))) continue;
       const bool is_meant = name.empty() ? robot.controller == ControllerDescription() : robot.name == name;
       if (is_meant) changes.controllers[robot.name] = change.value().controller;
     }
@@ -258,7 +258,7 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
 
   FrameMessage frame = start.world.Frame();
   BranchedRun branch;
-  auto begin = std::make_shared<RecordedBegin>();
+  auto begin = std::make_shared<RecordedStart>();
   begin->source = recording;
   begin->last_number = start.tick.number;
   branch.resumed.next_number = start.tick.number + 1;

@@ -30,7 +30,7 @@ struct BranchedRun {
   RunSettings settings;
   ResumedRun resumed;
   std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const RecordedBegin> begin;  // of its own recording
+  std::shared_ptr<const RecordedStart> begin;  // of its own recording
 };
 
 // One of BranchOptions::controllers.

@@ -10,7 +10,7 @@
 namespace troupe {
 namespace {
 
-// Of one batch: a message of a size that no receiver has trouble with, for which an agent works some ms.
+// The entries of one batch: a message that any receiver can process, for which an agent works some ms.
 constexpr std::size_t kMostEntries = 500;
 constexpr std::size_t kMostBytes = std::size_t{256} << 10;  // estimated
 
@@ -207,31 +207,31 @@ Status JournalRewind::Find() {
     if (Status problem = cursor_->Advance(); !problem.ok()) return Broken(problem.error().message);
     if (cursor_->world().state().tick == request_.ticks) {
       last_ = cursor_->world().number();
-      begin_edition_ = cursor_->world().fresh_edition();
+      first_edition_ = cursor_->world().fresh_edition();
       is_found_ = true;
     }
     return {};
   }
   if (!is_found_) return Broken(fmt::format("tick {} is missing", request_.ticks));
-  return StartSeeking(begin_edition_);
+  return StartSeeking(first_edition_);
 }
 
 Status JournalRewind::StartSeeking(Edition edition) {
   stage_ = Stage::kSeeking;
-  begin_edition_ = edition;
-  if (edition > 0) begin_chunk_ = recording_->KeyframeUpTo(edition - 1, std::numeric_limits<Tick>::max());
-  return PlaceCursor(begin_chunk_);
+  first_edition_ = edition;
+  if (edition > 0) first_chunk_ = recording_->KeyframeUpTo(edition - 1, std::numeric_limits<Tick>::max());
+  return PlaceCursor(first_chunk_);
 }
 
 Status JournalRewind::Seek() {
   if (!cursor_->next()) return Broken("it has no state");
   if (Status problem = cursor_->Advance(); !problem.ok()) return Broken(problem.error().message);
-  if (cursor_->world().edition() < begin_edition_) return {};
+  if (cursor_->world().edition() < first_edition_) return {};
   first_ = cursor_->world().number();
   if (copies_) {
     last_ = first_ + *copies_;
   } else {
-    begin_tick_ = BeginTick();
+    first_tick_ = FirstTick();
   }
   stage_ = first_ == last_ ? Stage::kMade : Stage::kMaking;
   return {};
@@ -253,12 +253,12 @@ Result<RewoundRun> JournalRewind::Write() {
 }
 
 Status JournalRewind::WriteTo(RunRecorder& recording) const {
-  TickReader reader(*recording_, begin_chunk_);
-  bool has_begun = !begin_tick_;
+  TickReader reader(*recording_, first_chunk_);
+  bool has_begun = !first_tick_;
   std::uint64_t newest = first_ + written_;
   return recording.Append([&](RecordedTick& tick) -> Result<bool> {
     if (!std::exchange(has_begun, true)) {
-      tick = *begin_tick_;
+      tick = *first_tick_;
       return true;
     }
     if (newest == last_) return false;
@@ -285,7 +285,7 @@ FrameMessage JournalRewind::CopiedFrame() const {
   return frame;
 }
 
-RecordedTick JournalRewind::BeginTick() const {
+RecordedTick JournalRewind::FirstTick() const {
   const ReplayedWorld& world = cursor_->world();
   const FrameMessage frame = CopiedFrame();
   RecordedTick tick;
@@ -299,7 +299,7 @@ RecordedTick JournalRewind::BeginTick() const {
   if (world.original() != world.scene()) edit.original = world.original()->world();
   edit.restored = frame;
   edit.copies = last_ - first_;
-  edit.copied_from = begin_edition_;
+  edit.copied_from = first_edition_;
   return tick;
 }
 

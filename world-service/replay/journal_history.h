@@ -52,8 +52,8 @@ class JournalHistory final : public RunHistory {
 // JournalRewind: the states of a rewind, made from the recording of the run and appended to it.
 class JournalRewind final : public RewindStates {
  public:
-  // Of a live run. `recordings`: those that the run writes, not empty; the states are read from the file of the last.
-  // They outlive the rewind. The error is a tick that the recording does not have.
+  // Starts the rewind of a live run. `recordings`: those that the run writes, not empty; the states are read from the
+  // file of the last. They outlive the rewind. The error is a tick that the recording does not have.
   static Result<std::unique_ptr<JournalRewind>> Start(const std::vector<RunRecorder*>& recordings,
                                                       const ControlRequest& request, const FrameMessage& newest);
   // The rest of a rewind within which a service died: `newest` is the newest of its states, and `next_number` that of
@@ -82,10 +82,10 @@ class JournalRewind final : public RewindStates {
   Status Seek();
   Status Make();
   // The edit that restores the first state.
-  RecordedTick BeginTick() const;
+  RecordedTick FirstTick() const;
   Status WriteTo(RunRecorder& recording) const;
   // The editions of the copies follow those of the run.
-  Edition Shift(Edition edition) const { return std::max(edition, begin_edition_) - begin_edition_ + shifted_; }
+  Edition Shift(Edition edition) const { return std::max(edition, first_edition_) - first_edition_ + shifted_; }
   void Shift(FrameMessage& frame) const;
   FrameMessage CopiedFrame() const;
 
@@ -99,10 +99,10 @@ class JournalRewind final : public RewindStates {
   std::uint64_t first_ = 0;  // the numbers of the first state, and of that of the tick
   std::uint64_t last_ = 0;
   bool is_found_ = false;                   // the latter
-  Edition begin_edition_ = 0;               // of the first state, when it was recorded
+  Edition first_edition_ = 0;               // of the first state, when it was recorded
   Edition shifted_ = 0;                     // of its copy
-  std::size_t begin_chunk_ = 0;             // from which the first state was found
-  std::optional<RecordedTick> begin_tick_;  // nothing: a service has written it
+  std::size_t first_chunk_ = 0;             // from which the first state was found
+  std::optional<RecordedTick> first_tick_;  // nothing: a service has written it
   std::optional<std::uint64_t> copies_;  // that follow the first state, as a service has written; nothing: it has not
   std::uint64_t written_ = 0;            // of these
   std::optional<MemoryPlace> previous_;  // the state before that of the cursor

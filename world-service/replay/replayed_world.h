@@ -41,7 +41,7 @@ class ReplayedWorld {
   std::uint64_t number() const { return number_; }  // of the state in the recording
   // The state is one of a rewind before its last, a copy of an earlier one: the run has not published it.
   bool in_rewind() const { return number_ < rewound_until_; }
-  // Of the newest step or edit, in order.
+  // The events of the newest step or edit, in order.
   const std::vector<Event>& events() const { return events_; }
 
   // Sets the state to that of a tick with a keyframe. The error is a tick without one, or a state from which no step

@@ -37,7 +37,7 @@ Status ScanWriter::Write(const ReplayedWorld& world) {
     scene_ = world.scene();
     sensors_.clear();
     for (std::size_t i = 0; i < description.robots.size(); ++i) {
-      if (!IsThere(description, RobotId(i))) continue;
+      if (!RobotExists(description, RobotId(i))) continue;
       for (auto& sensor : MakeSensors(*scene_, RobotId(i))) sensors_.push_back(std::move(sensor));
     }
   }

@@ -197,7 +197,7 @@ std::vector<EntityReport> ListEntities(const WorldDescription& world, const Worl
 void SetAgents(const WorldDescription& world, const Membership& members, std::vector<EntityReport>& entities) {
   std::map<std::string, RobotId> robots;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (IsThere(world, RobotId(i))) robots.emplace(world.robots[i].name, RobotId(i));
+    if (RobotExists(world, RobotId(i))) robots.emplace(world.robots[i].name, RobotId(i));
   }
   const std::vector<Membership::Waits> waits = members.WaitsOfRobots();
   for (EntityReport& entity : entities) {

@@ -35,7 +35,7 @@ class EventLog {
   // An edit has changed the meaning of ids: no event from before enters a frame.
   void DiscardPending() { between_frames_.clear(); }
 
-  // Of a run that is continued: the counts so far.
+  // Restores the counts so far of a run that is continued.
   void RestoreCounts(std::uint64_t stalls, std::uint64_t rejected) {
     stalls_ = stalls;
     rejected_ = rejected;

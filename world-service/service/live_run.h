@@ -88,7 +88,7 @@ struct LiveRun {
   bool is_branch() const { return options.resumed && options.resumed->is_branch; }
   // It begins with a state that another run or service has committed.
   bool continues() const { return options.resumed && options.resumed->frame; }
-  // Of a service that has died: its agents will join again.
+  // Whether the run is that of a service that has died: its agents will join again.
   bool takes_over() const { return continues() && !is_branch(); }
   // Agents that join are sent the states that their robots do not remember.
   bool restores_memory() const {

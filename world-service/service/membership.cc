@@ -31,7 +31,7 @@ void Membership::ResetForWorld(const WorldDescription& world) {
   world_hash_ = Hash(world);
   robot_by_name_.clear();
   for (std::size_t i = 0; i < count; ++i) {
-    if (IsThere(world, RobotId(i))) robot_by_name_.emplace(world.robots[i].name, RobotId(i));
+    if (RobotExists(world, RobotId(i))) robot_by_name_.emplace(world.robots[i].name, RobotId(i));
   }
   owners_.assign(count, std::nullopt);
   contests_.assign(count, {});
@@ -47,7 +47,7 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
   world_edition_ = edition;
   // The id of an earlier robot now.
   const auto successor = [&](RobotId robot) -> std::optional<RobotId> {
-    if (!fresh) return IsThere(world, robot) ? std::optional(robot) : std::nullopt;
+    if (!fresh) return RobotExists(world, robot) ? std::optional(robot) : std::nullopt;
     const auto found = robot_by_name_.find(names[robot.index()]);
     return found == robot_by_name_.end() ? std::nullopt : std::optional(found->second);
   };

@@ -63,7 +63,7 @@ Result<RequestedFile> ListWorlds(const ServiceOptions& options, const ControlReq
   return file;
 }
 
-// Of the robot in `spawned`.
+// Sets the ROS identity of the robot in `spawned`.
 Status SetRosIdentity(const ControlRequest& request, WorldDescription& spawned) {
   if (request.ros_domain && spawned.robots.empty()) {
     return Error{{}, "found a ROS domain for a model that is no robot, expected one for robots only"};

@@ -43,7 +43,7 @@ class RewindStates {
   virtual Result<RewoundRun> Write() = 0;
 };
 
-// Reads the states. May be slow. Called on one thread at a time.
+// Reads the states, which may be slow. Called on one thread at a time.
 class RunHistory {
  public:
   virtual ~RunHistory() = default;

@@ -18,7 +18,7 @@
 
 namespace troupe {
 
-// Receives the reply to a request, once: from inside the request or later, on any thread. Must be quick; it may make
+// Receives the reply to a request, once: from inside the request or later, on any thread. It must be quick; it may make
 // another request.
 using ControlReplyTo = std::function<void(const ControlReply&)>;
 
@@ -70,8 +70,8 @@ class RunObserver {
   virtual Status OnCommit(const CommittedTick& /*tick*/, const RunProgress& /*progress*/) { return {}; }
   // Before the run continues after a pause, or when a pause that was to end remains. As OnCommit.
   virtual Status OnProgress(const RunProgress& /*progress*/) { return {}; }
-  // After the agents were sent the frame; resent frames are not reported. Must be quick: the next tick waits for it. An
-  // error ends the run, and makes it fail.
+  // After the agents were sent the frame; resent frames are not reported. The call must be quick: the next tick waits
+  // for it. An error ends the run, and makes it fail.
   virtual Status OnTick(const CommittedTick& /*tick*/) { return {}; }
   // False while the observer cannot accept a tick: the run then waits before the next one, and asks again soon. Must be
   // quick.
@@ -84,8 +84,8 @@ class RunObserver {
   virtual void OnStarted(double /*startup_seconds*/) {}      // all robots have agents; the first tick follows
   virtual void OnStatus(const StatusMessage& /*status*/) {}  // twice a second; before the first tick, at each join, too
   virtual void OnEvent(const Event& /*event*/, const std::string& /*text*/) {}  // text: one line for people
-  // Of an edit, which made this edition; agents have to be started for them. A service that continues a run repeats the
-  // report of the newest edit.
+  // The robots of an edit, which made this edition; agents have to be started for them. A service that continues a run
+  // repeats the report of the newest edit.
   virtual void OnNewRobots(const std::vector<std::string>& /*robots*/, Edition /*edition*/) {}
   virtual void OnNotice(const std::string& /*text*/) {}  // any other line for people, for instance of a controller
 };

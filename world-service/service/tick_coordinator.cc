@@ -144,7 +144,7 @@ void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
   run_.notices.Add("another world service has entered this session (" + process + "); this one continues");
 }
 
-// Of two services of one run, the later one continues it.
+// If a run has two services, the later one continues it.
 void TickCoordinator::OnOtherService(const SessionMessage& other, double now) {
   if (other.incarnation < run_.options.incarnation) return Announce();
   if (other.incarnation == run_.options.incarnation) return;

@@ -291,11 +291,11 @@ void TickEngine::Continue(double now) {
   if (run_.members.present_members() == 0) halted_since_ = now;
   run_.endpoint.SendFrame(frame);
   Opened(now);
-  if (run_.is_branch()) ReportBegin(now);
+  if (run_.is_branch()) ReportBranch(now);
   if (frame.last) End(now);
 }
 
-void TickEngine::ReportBegin(double now) {
+void TickEngine::ReportBranch(double now) {
   CommittedTick begin{.frame = run_.frame, .proposals = {}};
   begin.is_recorded = true;
   const RunProgress progress = Progress();

@@ -45,7 +45,7 @@ class TickEngine {
 
   // Ticks until the run pauses, 0 in a pause; nothing: no pause is planned.
   const std::optional<std::uint64_t>& ticks_to_pause() const { return ticks_to_pause_; }
-  // By default a planned pause does not wait for the time of a tick: a slow run pauses as soon as a fast one.
+  // A planned pause does not wait by default for the time of a tick: a slow run pauses as soon as a fast one.
   void SetTicksToPause(std::optional<std::uint64_t> ticks, Pace pace = Pace::kAtOnce) {
     ticks_to_pause_ = ticks;
     pace_ = ticks ? pace : Pace::kRun;
@@ -101,7 +101,7 @@ class TickEngine {
   // Publishes the newest frame of a run that is continued.
   void Continue(double now);
   // Reports the first state of a branch to the observers.
-  void ReportBegin(double now);
+  void ReportBranch(double now);
   RunProgress Progress() const;
   // The barrier for the next tick.
   void Opened(double now);

@@ -64,7 +64,7 @@ void RobotCommands::Add(const RobotCommand& command, std::uint64_t ticks) {
   if (command.twist) robot.twist = Timed<Twist>{*command.twist, ticks};
   for (const GripperOrder& order : command.grippers) {
     Timed<GripperOrder>& timed = robot.grippers[order.gripper];
-    GripperOrder merged = order;  // fingers and lift are told apart
+    GripperOrder merged = order;  // fingers and lift are distinct
     if (!merged.opening) merged.opening = timed.value.opening;
     if (!merged.lift) merged.lift = timed.value.lift;
     timed = Timed<GripperOrder>{merged, ticks};
@@ -81,7 +81,7 @@ void RobotCommands::Add(const RobotCommand& command, std::uint64_t ticks) {
 
 std::vector<RobotCommand> RobotCommands::ForNextTick(const WorldDescription& world) {
   std::erase_if(robots_, [&](const auto& entry) {
-    return entry.first.index() >= world.robots.size() || !IsThere(world, entry.first);
+    return entry.first.index() >= world.robots.size() || !RobotExists(world, entry.first);
   });
   for (auto& [robot, of_robot] : robots_) {
     if (of_robot.twist) of_robot.twist->sent = true;

@@ -261,8 +261,8 @@ class ResendTimer {
   double wait_ = 0.0;
   double due_ = 0.0;
   double latest_ = 0.0;  // that due_ may be postponed to
-  // Of the tick that is open.
-  double last_ = 0.0;     // time of the newest answer, or the begin
+  // Times of the tick that is open.
+  double last_ = 0.0;     // time of the newest answer, or the start
   double longest_ = 0.0;  // silence
   std::size_t answers_ = 0;
   std::size_t twice_ = 0;   // answers to a resent frame that had been answered before

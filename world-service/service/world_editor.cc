@@ -102,7 +102,7 @@ Result<WorldDescription> WorldEditor::WithRosDomain(std::uint32_t first, const W
   std::set<std::uint32_t> used;
   for (std::size_t i = 0; i < run_.world().robots.size(); ++i) {
     const std::optional<std::uint32_t> domain = run_.world().robots[i].ros.domain;
-    if (domain && IsThere(run_.world(), RobotId(i))) used.insert(*domain);
+    if (domain && RobotExists(run_.world(), RobotId(i))) used.insert(*domain);
   }
   WorldDescription with = spawned;
   for (std::uint32_t domain = first; domain <= kLastRosDomain; ++domain) {

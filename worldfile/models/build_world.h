@@ -26,7 +26,7 @@ struct LoadedWorld {
   std::map<ModelId, ModelId> placed_alone;  // models without a parent, with their parent in the file
   int map_width = 0;                        // pixels of the largest bitmap; 0 without one
   int map_height = 0;
-  // Of a model that a spawn rule of the scenario gives ROS domains, one each: that of the rule's first robot.
+  // The first ROS domain of a model whose spawn rule gives each robot one: that of the rule's first robot.
   std::optional<std::uint32_t> ros_domains_from = {};
 };
 

@@ -45,7 +45,7 @@ class Pieces {
     index_ = StaticIndex(std::move(pieces), std::move(areas));
   }
 
-  // By root, each body that starts inside another model, with that model; of several the one with the lowest id.
+  // The body that starts inside another model, by its root, with that model; the one with the lowest id if several.
   std::map<ModelId, ModelId> FindOverlaps() const {
     std::map<ModelId, ModelId> found;
     NearPieces near;

@@ -89,7 +89,7 @@ struct ScenarioFile {
   std::vector<Warning> warnings;
 };
 
-// Of all rules together: a typing error must not fill the memory.
+// The most robots of all rules together: a typing error must not fill the memory.
 inline constexpr std::uint32_t kMaxSpawned = 20'000;
 
 // REQUIRES: the tree is valid by the schema. `directory` is where relative paths of bitmaps and controller

@@ -71,7 +71,7 @@ class Adder {
   }
 
  private:
-  // Of the robots for which neither world nor scenario names one.
+  // Sets the controller of the robots for which neither world nor scenario names one.
   void AddDefaultController(const ControllerDescription& controller) {
     for (const auto& [name, index] : top_level_) {
       const WorldNode& node = tree_.world.children[index];
@@ -179,7 +179,7 @@ class Adder {
     return SetRosDomain(name, entry.ros_domain->first, entry.ros_domain->where);
   }
 
-  // Of a robot's own, which no other robot has.
+  // Sets a robot's own domain, which no other robot has.
   Status SetRosDomain(const std::string& robot, std::uint32_t domain, const SourceLocation& where) {
     if (domain > kLastRosDomain) {
       return Error{where,
@@ -209,7 +209,7 @@ class Adder {
                                                        kFirstShared, kLastShared)});
   }
 
-  // Of the robots of a rule.
+  // Sets the domains of the robots of a rule.
   Status SetRosDomains(const SpawnEntry& rule, const WorldNode& prototype, const std::vector<std::string>& names) {
     if (!rule.ros_domain) return Status();
     const RosDomainEntry& entry = *rule.ros_domain;

@@ -56,7 +56,7 @@ struct WorldNode {
   void Set(Property property);
 };
 
-// Of properties with one name the last one, at the place of the first.
+// The last of the properties with one name, at the place of the first.
 std::vector<Property> LastOfEachName(std::vector<Property> properties);
 
 // `define NAME BASE ( body )`, not yet applied.

@@ -51,7 +51,7 @@ void AppendUtf8(unsigned code, std::string& text) {
   }
 }
 
-// Of a number that is no double: true if it is too small for one, and not too large.
+// True for a number that is too small for a double, not too large.
 bool IsTiny(std::string_view number) {
   const std::size_t e = number.find_first_of("eE");
   const std::string_view digits = number.substr(0, e);
@@ -83,7 +83,7 @@ class Parser {
     return at_ == text_.size() || Unexpected("value", "end of input");
   }
 
-  // Of the fault.
+  // The offset of the fault.
   std::size_t offset() const { return offset_; }
   const std::string& message() const { return message_; }
 

@@ -94,7 +94,7 @@ for (const [topic, count] of decoder.counts) {
 const run = decoder.last.get("/run");
 const tick = decoder.last.get("/ticks");
 const proposals = decoder.last.get("/proposals");
-expect(decoder.counts.get("/run") === 1, "found no begin of the run, or several");
+expect(decoder.counts.get("/run") === 1, "found no start of the run, or several");
 expect(Number(tick.number) === decoder.counts.get("/ticks") - 1, "the states are not counted");
 expect(proposals.tick === tick.tick, "the last proposals are of another tick");
 expect(proposals.vx.length === run.world.robots.length, "found another number of robots");

@@ -131,7 +131,7 @@ class ScriptedGripperTest : public testing::Test {
   static std::string CommandsAt(Controller& controller, Tick tick) {
     const Command command = controller.Update(At(tick, {}));
     std::string text;
-    const auto add = [&](const std::string& told) { text += (text.empty() ? "" : ", ") + told; };
+    const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
     for (const GripperCommand& gripper : command.grippers) {
       const std::string number = std::to_string(gripper.gripper);
       if (gripper.fingers) add((*gripper.fingers == FingerCommand::kClose ? "close " : "open ") + number);

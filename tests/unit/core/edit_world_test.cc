@@ -171,7 +171,7 @@ TEST_F(HoldingTest, ARobotThatIsMovedReleases) {
 
 TEST_F(HoldingTest, ARobotThatIsDeletedReleases) {
   EXPECT_EQ(Delete(NameOf(hand.root)), "");
-  EXPECT_FALSE(IsThere(scene->world(), hand.robot));
+  EXPECT_FALSE(RobotExists(scene->world(), hand.robot));
   Step({{}}, 20);
   EXPECT_EQ(object().X_WO.z, 0.0);
 }

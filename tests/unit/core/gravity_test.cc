@@ -215,7 +215,7 @@ struct HeightCase {
   bool meets;
 };
 
-constexpr double kHair = 1e-6;  // m: overlaps far beyond rounding
+constexpr double kBeyondRounding = 1e-6;  // m: overlaps far beyond rounding
 
 const HeightCase kCases[] = {
     {"below",
@@ -250,12 +250,12 @@ const HeightCase kCases[] = {
      true},
     {"just_overlapping_from_below",
      [](const ZRange& p) {
-       return ZRange{p.min - 0.02, p.min + kHair};
+       return ZRange{p.min - 0.02, p.min + kBeyondRounding};
      },
      true},
     {"just_overlapping_from_above",
      [](const ZRange& p) {
-       return ZRange{p.max - kHair, p.max + 0.02};
+       return ZRange{p.max - kBeyondRounding, p.max + 0.02};
      },
      true},
     {"containing",
@@ -337,7 +337,7 @@ TEST_P(HeightTable, DecidesTheContact) {
   ASSERT_EQ(run.object(ObjectId(0)).mode, ObjectMode::kHeld);
   ASSERT_EQ(run.object(ObjectId(1)).support, scene.world.world.objects[0]);
   ASSERT_NEAR(run.object(ObjectId(0)).X_WO.z, 1.5, 1e-9);
-  // Of all parts at this height, the one farthest ahead hits the obstacle.
+  // The part farthest ahead of those at this height hits the obstacle.
   double front = 0.0;
   for (const PartCase& other : kParts) {
     if (other.z.Overlaps(z)) front = std::max(front, other.front);

@@ -79,7 +79,7 @@ ModelDescription RandomMessages::RandomModel(std::size_t index, std::size_t shap
   return model;
 }
 
-// Of any kind but break beams, which belong to grippers.
+// A sensor of any kind but break beams, which belong to grippers.
 SensorParameters RandomMessages::RandomSensor() {
   const auto pixels = [this] { return 1 + static_cast<std::uint32_t>(Below(kMaxImageSide)); };
   switch (Below(7)) {

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Of 40 x 20 pixels, with a frame of one pixel that leaves two columns free at the right.
+// A plan of 40 x 20 pixels, with a frame of one pixel that leaves two columns free at the right.
 std::string FloorPlan() {
   GreyImage image{40, 20, std::vector<std::uint8_t>(40U * 20U, 255)};
   for (std::size_t y = 0; y < 20; ++y) {

@@ -68,13 +68,13 @@ TEST_F(PendingCallsTest, EachCallerGetsOneResponse) {
   calls_.Add(2, {2, 20}, kRequest, start_);
   EXPECT_EQ(Send(), (std::vector<std::int64_t>{1, 2}));
   EXPECT_TRUE(Send().empty());
-  const auto second = calls_.TakeCaller(2);
+  const auto second = calls_.RemoveCaller(2);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->endpoint, 2);
   EXPECT_EQ(second->number, 20);
-  EXPECT_FALSE(calls_.TakeCaller(2));
-  EXPECT_TRUE(calls_.TakeCaller(1));
-  EXPECT_FALSE(calls_.TakeCaller(3));
+  EXPECT_FALSE(calls_.RemoveCaller(2));
+  EXPECT_TRUE(calls_.RemoveCaller(1));
+  EXPECT_FALSE(calls_.RemoveCaller(3));
 }
 
 TEST_F(PendingCallsTest, ACallWaitsForTheReaderOfItsClient) {
@@ -85,7 +85,7 @@ TEST_F(PendingCallsTest, ACallWaitsForTheReaderOfItsClient) {
   EXPECT_EQ(Send(), std::vector<std::int64_t>{1});
   can_respond_ = false;
   calls_.Add(2, {1, 2}, kRequest, start_);
-  calls_.TakeCaller(1);
+  calls_.RemoveCaller(1);
   calls_.Add(3, {2, 3}, kRequest, start_ + Calls::kWaitForReader);
   can_respond_ = true;
   EXPECT_EQ(Send(), std::vector<std::int64_t>{3}) << "the other client has no reader";
@@ -96,8 +96,8 @@ TEST_F(PendingCallsTest, IsBounded) {
     calls_.Add(static_cast<std::int64_t>(i), {1, 1}, kRequest, start_);
   }
   EXPECT_EQ(calls_.size(), Calls::kMost);
-  EXPECT_FALSE(calls_.TakeCaller(1));
-  EXPECT_TRUE(calls_.TakeCaller(Calls::kMost + 1));
+  EXPECT_FALSE(calls_.RemoveCaller(1));
+  EXPECT_TRUE(calls_.RemoveCaller(Calls::kMost + 1));
   const Bytes large(Calls::kMostBytes / 2, 1);
   for (int i = 1; i <= 10; ++i) calls_.Add(10'000 + i, {1, 1}, large, start_);
   EXPECT_LE(calls_.size(), 2u);
@@ -117,7 +117,7 @@ Bytes operator+(Bytes left, const Bytes& right) {
 }
 
 const Bytes kTimestamp = {0x09, 1, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-// The begin of the data of an announcement, in little endian, without its length.
+// The start of the data of an announcement, in little endian, without its length.
 const Bytes kToAnnouncement = {0, 0, 16, 0, 0, 1, 0, 0xc7, 0, 1, 0, 0xc2, 0, 0, 0, 0, 1, 0, 0, 0};
 const Bytes kParameters = {0, 3, 0, 0, 0x15, 0, 4, 0, 2, 3, 0, 0, 1, 0, 0, 0};
 const Bytes kTag = {0x14, 0x40, 8, 0, 3, 0, 0, 0, 'm', 'e', 0, 0};

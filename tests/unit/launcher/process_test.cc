@@ -207,7 +207,7 @@ TEST(SignalWatch, NeedsADescriptorAndLeavesTheSignalsWithoutOne) {
   EXPECT_EQ(sigismember(&blocked, SIGTERM), 0);
 }
 
-TEST(SignalWatch, IsToldOfChildrenWhateverItsParentHasIgnored) {
+TEST(SignalWatch, ReportsChildrenWhateverItsParentHasIgnored) {
   const auto before = signal(SIGCHLD, SIG_IGN);
   {
     SignalWatch signals;

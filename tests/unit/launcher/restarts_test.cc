@@ -124,13 +124,13 @@ class FakeChild final : public Child {
  public:
   pid_t pid() const override { return 1; }
   const std::optional<ProcessEnd>& end() const override { return end_; }
-  bool Poll() override { return end_ && !std::exchange(told_, true); }
+  bool Poll() override { return end_ && !std::exchange(reported_, true); }
   void Signal(int) override {}
   void Kill() override { end_ = ProcessEnd{137, 9, 20.0}; }
 
  private:
   std::optional<ProcessEnd> end_;
-  bool told_ = false;
+  bool reported_ = false;
 };
 
 // Records the requested processes.

@@ -31,7 +31,7 @@ class Notebook final : public RunObserver {
     calls.push_back("begin");
     settings = start.settings;
     world = start.scene->world();
-    return begin_outcome;
+    return start_outcome;
   }
   Status OnEnd() override {
     calls.push_back("end");
@@ -43,7 +43,7 @@ class Notebook final : public RunObserver {
     return tick.frame.state.tick == failing_tick ? Status(Failure("the notebook is full")) : Status();
   }
 
-  Status begin_outcome;
+  Status start_outcome;
   Status end_outcome;
   std::optional<Tick> failing_tick;
   std::vector<std::string> calls;
@@ -129,7 +129,7 @@ TEST_F(SeveralObserversTest, OneThatCannotBeginEndsTheRunBeforeItsFirstTick) {
   Notebook good;
   Notebook bad;
   Notebook behind;
-  bad.begin_outcome = Failure("no paper");
+  bad.start_outcome = Failure("no paper");
   const Result<RunSummary> summary = Run({&good, &bad, &behind});
   ASSERT_FALSE(summary.ok());
   EXPECT_EQ(summary.error().message, "no paper");
@@ -218,10 +218,10 @@ TEST_F(LauncherReporterTest, ReportsTheProgressAndTheEndOfTheRun) {
   reporter_->OnStarted(0.5);
   EXPECT_EQ(Next()["type"], "started");
   reporter_->OnStatus(StatusMessage{.tick = 7, .waiting_for = {"r1"}});
-  const json told = Next();
-  EXPECT_EQ(told["type"], "status");
-  EXPECT_EQ(told["tick"], 7);
-  EXPECT_EQ(told["waiting_for"], json({"r1"}));
+  const json reported = Next();
+  EXPECT_EQ(reported["type"], "status");
+  EXPECT_EQ(reported["tick"], 7);
+  EXPECT_EQ(reported["waiting_for"], json({"r1"}));
   reporter_->OnEvent({7, EventType::kLeft, RobotId(0), std::nullopt, ""}, "a text");
   EXPECT_EQ(Next(), json::parse(R"({"type":"event","tick":7,"event":"left","text":"a text"})"));
   reporter_->OnNotice("a notice");

@@ -282,7 +282,7 @@ TEST_F(RosGatewayTest, SendsTheRangeOfHumbleToHumble) {
   TickUntilReceived(ranges, [](const ros::HumbleRangeMessage& range) { EXPECT_FLOAT_EQ(range.range, 2.8F); });
 }
 
-// By frame: its parent.
+// The parent of each frame.
 std::map<std::string, std::string> ParentsOf(const ros::TfMessage& message) {
   std::map<std::string, std::string> parents;
   for (const ros::TransformStamped& transform : dds::Elements(message.transforms)) {

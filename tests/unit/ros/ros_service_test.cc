@@ -34,7 +34,7 @@ void ExpectAnswer(const Response& response) {
   EXPECT_EQ(response.result.result, 1);
 }
 
-// Of a client that shares the service with others: they go on calling meanwhile.
+// The client shares the service with others, which continue to call it.
 TEST_F(RosServiceTest, AResponseThatIsLostIsSentAgain) {
   const RosParticipant unlucky(test::TestRosNetwork());
   const RosParticipant lucky(test::TestRosNetwork());

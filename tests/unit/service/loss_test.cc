@@ -260,7 +260,7 @@ TEST_F(LossTest, OfManyUnknownAgentsAFewAreAskedToJoinAgain) {
   EXPECT_EQ(endpoint.admissions.size(), 10u);
 }
 
-TEST_F(LossTest, TheSilenceOfAnAgentCountsFromTheBeginOfTheRunNotFromItsJoin) {
+TEST_F(LossTest, TheSilenceOfAnAgentCountsFromTheStartOfTheRunNotFromItsJoin) {
   Make(2);
   Join(1);
   now += 30.0;

@@ -258,7 +258,7 @@ double ProbabilityOfLoss(const ResendTimer& timer, double loss) {
 }
 
 TEST(ResendTimerTest, LossOfMessagesLosesNoAgent) {
-  // Of a million ticks with a hundred agents.
+  // The expected losses of a million ticks with a hundred agents.
   EXPECT_LT(1e8 * ProbabilityOfLoss(ResendTimer(kDeadline), 0.3), 1e-12);
   EXPECT_LT(1e8 * ProbabilityOfLoss(ResendTimer(kDeadline), 0.45), 1e-6);
 }

@@ -32,20 +32,20 @@ class RunServiceTest : public testing::Test, protected RunObserver {
     return RunService(scene_, options_, transport_->MakeServiceEndpoint(), observers_, stop_);
   }
 
-  void OnStarted(double) override { told_.push_back("started"); }
+  void OnStarted(double) override { reports_.push_back("started"); }
   void OnStatus(const StatusMessage& status) override {
     last_status_ = status;
     if (on_status_) on_status_();
   }
-  void OnEvent(const Event&, const std::string& text) override { told_.push_back(text); }
-  void OnNotice(const std::string& text) override { told_.push_back(text); }
+  void OnEvent(const Event&, const std::string& text) override { reports_.push_back(text); }
+  void OnNotice(const std::string& text) override { reports_.push_back(text); }
 
   const std::shared_ptr<const Scene> scene_;
   RunObservers observers_ = {this};
   ServiceOptions options_;
   std::atomic<bool> stop_ = false;
   std::unique_ptr<Transport> transport_ = MakeMemoryTransport();
-  std::vector<std::string> told_;
+  std::vector<std::string> reports_;
   StatusMessage last_status_;
   std::function<void()> on_status_;
 };
@@ -58,8 +58,8 @@ TEST_F(RunServiceTest, RunsToTheEnd) {
   EXPECT_EQ(summary.robots, 2u);
   EXPECT_FALSE(summary.interrupted);
   EXPECT_EQ(last_status_.tick, 20u);
-  EXPECT_THAT(told_, Contains("started"));
-  EXPECT_THAT(told_, Contains("tick 0: r1 has an agent (here, pid 1)"));
+  EXPECT_THAT(reports_, Contains("started"));
+  EXPECT_THAT(reports_, Contains("tick 0: r1 has an agent (here, pid 1)"));
   first.gone.get_future().wait();
 }
 
@@ -448,7 +448,7 @@ TEST_F(ResumedRunTest, OfTwoServicesOfARunTheEarlierOneStops) {
   other.incarnation = 0;
   coordinator->OnRivalService(other, now);
   EXPECT_TRUE(coordinator->error().ok());
-  EXPECT_EQ(endpoint.sessions.size(), sessions + 1) << "the other one is told";
+  EXPECT_EQ(endpoint.sessions.size(), sessions + 1) << "the other one is informed";
 }
 
 }  // namespace

@@ -140,7 +140,7 @@ TEST_F(WorldEditorTest, AResetRestoresTheNewestLoadedWorld) {
   EXPECT_EQ(run_->frame.fresh_edition, 3u);
 }
 
-// The inputs that observers are told determine a run: a log of them, applied again, gives the same hashes.
+// The inputs that observers receive determine a run: a log of them, applied again, gives the same hashes.
 
 // A log of the inputs of a run, as a recording keeps them.
 class InputLog final : public RunObserver {

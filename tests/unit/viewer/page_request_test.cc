@@ -183,7 +183,7 @@ TEST(PageRequestTest, EditsAreLongerThanOtherRequests) {
   }
 }
 
-// Of a request of the editor; its error.
+// The error of a request of the editor.
 std::string EditError(const std::string& members) {
   const Result<PageRequest> request = ParsePageRequest(R"({"type": "edit", "id": 7, "op": )" + members + "}");
   if (!request.ok()) return "no request";

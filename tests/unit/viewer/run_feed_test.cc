@@ -226,7 +226,7 @@ WorldState SomeState() {
 std::string Difference(const StateRows& rows, std::uint64_t since) {
   ByteWriter writer;
   rows.Write(writer, since);
-  return writer.TakeBytes();
+  return writer.ReleaseBytes();
 }
 
 TEST(StateRowsTest, AViewerThatSkipsAnyUpdatesHasTheWholeState) {

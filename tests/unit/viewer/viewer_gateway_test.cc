@@ -434,7 +434,7 @@ class ScriptedRecording : public Recorded {
   std::shared_ptr<const ViewedWorld> world = MakeViewedWorld(session, 1);
 };
 
-TEST_F(ViewerGatewayTest, ShowsARecordingFromItsBeginAndRefusesToChangeIt) {
+TEST_F(ViewerGatewayTest, ShowsARecordingFromItsStartAndRefusesToChangeIt) {
   ScriptedRecording recording;
   ViewerGatewayOptions options;
   options.port = 0;

@@ -29,7 +29,7 @@ struct DomainConfig {
   // Announces its types' structure (XTypes). Without, endpoints match by the names of types, and a participant starts
   // sooner and needs less memory; its own types cannot be found by tools that ask it for their structure.
   bool describes_types = true;
-  // Of the profile one-host: from one announcement of unacknowledged samples to the next.
+  // The time from one announcement of unacknowledged samples to the next, in the profile one-host.
   double heartbeat_seconds = 1.0;
   std::string tag;  // only participants with the same one discover each other
   // The process knows the domain by its number on the network. Needed where permissions name domains, because Cyclone
@@ -38,7 +38,7 @@ struct DomainConfig {
   std::string security_enclave;  // the folder with the participant's keys (common/base/paths.h); empty: no security
 };
 
-// Of a tool that looks for world services. An empty address: those of this machine.
+// The configuration of a tool that looks for world services. An empty address: those of this machine.
 DomainConfig ToolConfig(std::uint32_t domain, const std::string& network_interface, const std::string& service_address);
 
 // The UDP port at which a participant with this index listens for discovery (RTPS 2.2, section 9.6.1).

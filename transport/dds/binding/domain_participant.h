@@ -58,7 +58,8 @@ class Subscriber {
 class SampleFilter {
  public:
   virtual ~SampleFilter() = default;
-  // Of a sample by the writer with this handle. Called on threads of Cyclone, while it has locked a reader.
+  // Whether a sample by the writer with this handle is accepted. Called on threads of Cyclone, while it has locked a
+  // reader.
   virtual bool Accepts(dds_instance_handle_t publication) const = 0;
 };
 

@@ -86,7 +86,7 @@ struct GuidPrefix {
   auto operator<=>(const GuidPrefix&) const = default;
 };
 
-// Of any entity of that participant.
+// The prefix of any entity of a participant.
 GuidPrefix PrefixOf(const dds_guid_t& guid);
 
 // 24 lower-case hexadecimal digits.

@@ -88,7 +88,7 @@ class LoanedSamples {
   std::size_t count_;
 };
 
-// Of a reader's next samples, at most kMaxSamples. `function`: dds_take, which removes them, or dds_read. Throws
+// Loans a reader's next samples, at most kMaxSamples. `function`: dds_take, which removes them, or dds_read. Throws
 // Exception.
 template <typename T, typename Function>
 LoanedSamples<T> Loan(dds_entity_t reader, Function function, const char* doing) {

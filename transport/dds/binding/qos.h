@@ -50,7 +50,7 @@ struct Liveliness {
   static Liveliness Automatic(double lease_duration = kInfinite) { return {DDS_LIVELINESS_AUTOMATIC, lease_duration}; }
 };
 
-// Of publishers and subscribers. "*" in a name matches any text.
+// The partition of publishers and subscribers. "*" in a name matches any text.
 struct Partition {
   std::string name;
 };

@@ -13,8 +13,8 @@ namespace troupe {
 
 class ControlClient {
  public:
-  // Of the service of `network.session`. Reaches services on the same network that multicast reaches, and the one at
-  // network.service_address.
+  // A client of the service of `network.session`. It reaches services on the same network that multicast reaches, and
+  // the one at network.service_address.
   explicit ControlClient(const NetworkSettings& network);
   ~ControlClient();
 

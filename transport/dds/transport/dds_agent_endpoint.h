@@ -77,7 +77,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
     std::thread thread;
   };
 
-  // Calls a member below; the handler is told of a message for which there was no memory.
+  // Calls a member below; the handler gets a report of a message for which there was no memory.
   void Deliver(const std::function<void()>& drain);
   void DrainSessions();
   void DrainAdmissions();

@@ -181,7 +181,7 @@ class WireInbox {
   SampleBuffer<Wire> buffer_;
 };
 
-// Of topics that any participant may write.
+// The admission of topics that any participant may write.
 struct AdmitAll {
   template <typename Wire>
   bool operator()(const Wire&, const Sender&) const {

@@ -131,7 +131,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void Flush(double seconds) override;
 
  private:
-  // Calls a member below; the handler is told of a message for which there was no memory.
+  // Calls a member below; the handler gets a report of a message for which there was no memory.
   void Deliver(const std::function<void()>& drain);
   void DrainJoins(AgentGroup& group);
   // Binds the agent to its first writer; false for any other one.

@@ -19,7 +19,7 @@ using dds::DomainConfig;
 // Bounds the memory that a stranger's messages need. The longest that a service needs is the join or the proposal of an
 // agent with a hundred thousand robots.
 constexpr std::uint32_t kLargestSampleForService = 16'000'000;  // bytes
-// Of agents and observers: the longest is a world.
+// The largest sample for agents and observers is a world.
 constexpr std::uint32_t kLargestSampleForPeers = 1'000'000'000;
 
 constexpr double kHeartbeatWithSharing = 0.1;  // s
@@ -51,7 +51,7 @@ class DdsTransport : public Transport {
     connections_.back()->on_foreign_run = options.on_foreign_run;
   }
 
-  // Of the participant that was added last.
+  // The GUID of the participant that was added last.
   std::string participant() const { return dds::ToText(connections_.back()->participant.guid_prefix()); }
 
   std::unique_ptr<ServiceEndpoint> MakeServiceEndpoint() override {
@@ -104,8 +104,8 @@ DomainConfig ConfigOf(const DdsOptions& options) {
   return config;
 }
 
-// Of an agent or an observer. They discover the service and not each other: one that announced itself by multicast
-// would be discovered by every agent of the host, and discover all of them.
+// The configuration of an agent or an observer. They discover the service and not each other: one that announced itself
+// by multicast would be discovered by every agent of the host, and discover all of them.
 DomainConfig PeerConfig(const DdsOptions& options) {
   DomainConfig config = ConfigOf(options);
   config.discovery_multicast = false;

@@ -16,10 +16,10 @@ namespace troupe {
 
 struct DdsOptions : NetworkSettings {
   ParticipantKeys keys;
-  // Of a service: groups of agents, each with a participant of its own (dds_service_endpoint.h). At least 1.
+  // The groups of agents of a service, each with a participant of its own (dds_service_endpoint.h). At least 1.
   std::size_t agent_groups = 1;
-  // Of a service: UDP ports that DDS has for this domain, of the participants of its groups; those that are not given
-  // are the first free ones.
+  // The UDP ports of a service that DDS has for this domain, of the participants of its groups; those that are not
+  // given are the first free ones.
   std::vector<std::uint16_t> discovery_ports;
   std::vector<std::string> robots;  // of an agent: it may join for these only
   // Called, on any thread, when a run of this session has a token that `keys` lacks.
@@ -34,7 +34,8 @@ struct DdsOptions : NetworkSettings {
 // endpoints.
 struct DdsServiceTransport {
   std::unique_ptr<Transport> transport;
-  // By group of agents; the first is for observers, too, and for agents that are not assigned to a group.
+  // The participant of each group of agents; the first is for observers, too, and for agents that are not assigned to a
+  // group.
   std::vector<ServiceParticipant> participants;
 };
 DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options);

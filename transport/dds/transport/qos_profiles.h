@@ -16,11 +16,11 @@ inline constexpr double kMaxBlockingTime = 0.5;  // s
 // known by its writers, so a stranger cannot create or dispose of instances.
 Qos FromMany(Qos profile);
 
-// Of all publishers and subscribers: only those of the same session match.
+// The QoS of all publishers and subscribers: only those of the same session match.
 Qos Session(const std::string& session);
-// Of the publisher of an agent with this name: a partition of its own, so that permissions tell agents apart.
+// The QoS of the publisher of an agent with this name: a partition of its own, so that permissions tell agents apart.
 Qos Agent(const std::string& session, const std::string& name);
-// Of the subscriber of all agents' messages.
+// The QoS of the subscriber of all agents' messages.
 Qos AllAgents(const std::string& session);
 // The name of the agent that publishes in this partition; empty: it is not an agent's.
 std::string AgentOfPartition(const std::string& partition);

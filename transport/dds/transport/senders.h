@@ -31,7 +31,7 @@ enum class ProofCheck : std::uint8_t {
 
 class RunProof {
  public:
-  // Of a participant with this identity. Without a token it proves nothing, and asks for no proof.
+  // The proof of a participant with this identity. Without a token it proves nothing, and asks for no proof.
   RunProof(const std::optional<RunToken>& token, const GuidPrefix& participant);
 
   // `qos` of a writer, with the proof, and with the address of the memory that it shares (transport/shared_memory) if

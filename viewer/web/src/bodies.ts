@@ -303,7 +303,7 @@ export class Labels {
 
   constructor(private readonly parent: HTMLElement) {}
 
-  // Of the picture, px.
+  // Sets the size of the picture, px.
   setSize(width: number, height: number): void {
     this.width = width;
     this.height = height;

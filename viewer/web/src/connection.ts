@@ -10,7 +10,7 @@ export interface SessionInfo {
   problem: string;
 }
 
-// Of a robot.
+// The agent of a robot.
 export interface AgentInfo {
   host: string;
   pid: number;
@@ -27,7 +27,7 @@ export interface Reply {
   entities?: Array<{name: string; type: string; agent?: AgentInfo}>;
 }
 
-// Of an edit; with the members that viewer/editor gives it.
+// The reply to an edit, with the members that viewer/editor gives it.
 export interface EditReply {
   done: boolean;
   problem: string;

@@ -164,7 +164,7 @@ export class Agents {
   // `changed`: an answer has come.
   constructor(private readonly connection: Connection, private readonly changed: () => void) {}
 
-  // The agents as they were told last; asks for them again if the last question is long ago.
+  // The agents of the newest answer; requests them again if the last request is long ago.
   of(robot: string): AgentInfo | null {
     const now = performance.now();
     if (now - (this.asked.get(robot) ?? -Infinity) >= PERIOD) {

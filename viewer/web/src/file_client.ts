@@ -88,7 +88,7 @@ export interface ModelPart {
   line: number;
   properties: Record<string, string>;
   parts?: ModelPart[];
-  // Of a part that is a model, in m and rad and in the frame of the whole model:
+  // The members of a part that is a model, in m and rad and in the frame of the whole model:
   model?: string;  // base type
   name?: string;
   pose?: [number, number, number, number];  // x, y, z, heading

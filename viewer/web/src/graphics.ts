@@ -41,7 +41,7 @@ export class Quality {
   // `level`: 0: everything; 1: no shadows; 2: fewer pixels, names and texts as well. `fixed`: it remains at that.
   constructor(public level: number, readonly fixed: boolean) {}
 
-  // Of the picture, for each of the page.
+  // The pixels of the picture for each pixel of the page.
   get pixelRatio(): number {
     return this.level < 2 ? Math.min(window.devicePixelRatio, 2) : 0.75;
   }

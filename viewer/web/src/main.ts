@@ -237,7 +237,7 @@ class Viewer {
     setText(byId('world-name'), this.run.world.name);
   }
 
-  // Of the live run; a recording has none.
+  // The agent of a robot of the live run; a recording has none.
   private agentOf(robot: number): AgentInfo | null {
     if (!this.run || robot < 0 || !this.online || this.file || this.info?.recording || this.run.past || this.run.over) return null;
     return this.agents.of(this.run.world.robots[robot].name);

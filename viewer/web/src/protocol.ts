@@ -221,7 +221,7 @@ export interface Reception {
   place: {range: number; bearing: number; elevation: number} | null;  // of the sender's antenna, if it is measured
 }
 
-// By kind of sensor. `none`: the page does not show it; `kept`: the reading before still counts.
+// The content of each kind of sensor. `none`: the page does not show it; `kept`: the reading before still counts.
 export type Content =
   | {kind: 'none'}
   | {kind: 'kept'}
@@ -382,7 +382,7 @@ function readWorld(r: Reader): World {
   };
 }
 
-// By the number of the kind in a message.
+// The readers of contents by the number of the kind in a message.
 const CONTENT_READERS: Record<number, (r: Reader) => Content> = {
   0: () => ({kind: 'none'}),
   1: r => ({

@@ -183,7 +183,7 @@ export function planesOf(scan: Scan): number {
   return Math.max(1, scan.elevations.length);
 }
 
-// Of each plane.
+// The rays of each plane.
 export function raysOf(scan: Scan): number {
   return scan.ranges.length / planesOf(scan);
 }
@@ -255,7 +255,7 @@ export class Rays {
     }
   }
 
-  // Of several planes all hits, and the field of the flattest one: fields above each other would hide everything.
+  // Shows all hits of several planes, and the field of the flattest one: fields above each other would hide everything.
   private addScan(scan: Scan, sensor: Pose): void {
     const flattest = flattestPlane(scan);
     for (let plane = 0; plane < planesOf(scan); ++plane) {

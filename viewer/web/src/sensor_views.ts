@@ -38,7 +38,7 @@ function setLines(list: HTMLElement, lines: string[][], none: string): void {
   });
 }
 
-// Of one kind of sensor: its elements, and what they show.
+// The view of one kind of sensor: its elements, and what they show.
 interface View<Kind extends Content['kind']> {
   elements: HTMLElement[];
   update(content: ContentOf<Kind>, run: Run): void;

@@ -19,7 +19,7 @@ export class Surfaces {
   // `shaded`: the graphics compute the light.
   constructor(private readonly shaded: boolean) {}
 
-  // To be added to the scene.
+  // The lights, which have to be added to the scene.
   lights(): Object3D[] {
     return this.shaded ? [this.sky, this.sun, this.sun.target, this.around] : [];
   }
@@ -36,7 +36,7 @@ export class Surfaces {
     this.sun.shadow.camera.updateProjectionMatrix();
   }
 
-  // Of geometry from a builder of builder().
+  // The material of geometry from a builder of builder().
   material(parameters: MeshLambertMaterialParameters): SurfaceMaterial {
     return this.shaded ? new MeshLambertMaterial(parameters) : new MeshBasicMaterial(parameters);
   }

@@ -19,17 +19,17 @@ export interface TestInterface {
   connected(): boolean;
   state(): {tick: number; hash: string; paused: boolean; over: boolean; edition: number; past: boolean; first: number; last: number; speed: number; phases: RunStatus['phases'] | null} | null;
   robots(): ShownRobot[];
-  // Of the robot: by sensor, the ranges of each scan, at the tick of the measurement.
+  // The ranges of each scan of the robot, by sensor, at the tick of the measurement.
   readings(robot: string): {tick: number; sensors: Record<string, number[][]>} | null;
-  // Of the robot: by sensor, the tick of the measurement and the decoded content as JSON; bytes in hexadecimal digits.
+  // The tick of the measurement and the decoded content as JSON, by sensor of the robot; bytes in hexadecimal digits.
   contents(robot: string): Record<string, {tick: number; content: unknown}> | null;
-  // By index.
+  // The names by index.
   names(): {models: string[]; robots: string[]};
-  // Of all lights: whether they are lit, by the names of their models.
+  // Whether each light is lit, by the name of its model.
   lights(): Record<string, boolean>;
   select(name: string): void;
   request(command: string, more?: object): Promise<Reply>;
-  // Of an editor: its file as last heard of, a request, and the places of points on the window.
+  // The members of an editor: its file as reported last, a request, and the places of points on the window.
   file(): FileDocument | null;
   edit(op: string, more?: object): Promise<EditReply>;
   modelPoint(view: 'top' | 'side', a: number, b: number): {x: number; y: number} | null;

@@ -144,7 +144,7 @@ Status Recorder::WriteHash(const FrameMessage& frame) {
 Status Recorder::WritePoses(const FrameMessage& frame) {
   Status error;
   for (std::size_t i = 0; i < frame.state.robots.size() && error.ok(); ++i) {
-    if (!IsThere(*world_, RobotId(i))) continue;
+    if (!RobotExists(*world_, RobotId(i))) continue;
     const RobotState& robot = frame.state.robots[i];
     AppendPose(frame.state.tick, world_->robots[i].root, robot.X_WR, robot.stalled);
     if (wide_poses_) poses_->Append(",robot,,,");

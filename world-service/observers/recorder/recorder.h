@@ -19,14 +19,14 @@
 namespace troupe {
 
 // Files to write while running; empty: none. docs/running.md has their formats.
-struct RecordedBegin;
+struct RecordedStart;
 
 struct OutputFiles {
   std::string hash_log = {};  // "tick hash" a line
   std::string poses = {};     // CSV: tick,robot,x,y,z,heading,stalled; with more columns for joints and objects
   std::string record = {};    // a recording if it ends in .mcap; else JSON lines: header, then a line for each tick
   std::uint64_t keyframe_interval = kDefaultKeyframeInterval;  // of a recording
-  std::shared_ptr<const RecordedBegin> begin = {};  // of the recording and the journal; null: they begin with the run
+  std::shared_ptr<const RecordedStart> begin = {};  // of the recording and the journal; null: they begin with the run
   // A journal, from which another service can continue the run; nothing: none.
   std::optional<JournalFiles> journal = {};
   JournalSync journal_sync = JournalSync::kNo;

@@ -115,7 +115,7 @@ Status RunRecorder::OnBegin(const RunStart& start) {
       committed_.tail = std::move(tail).value();
     }
     if (options_.begin) {
-      if (Status failure = WriteBegin(*options_.begin, writer.value()); !failure.ok()) return failure;
+      if (Status failure = WriteStart(*options_.begin, writer.value()); !failure.ok()) return failure;
     }
     MakeThread(std::move(writer).value());
   }
@@ -123,7 +123,7 @@ Status RunRecorder::OnBegin(const RunStart& start) {
   return {};
 }
 
-Status RunRecorder::WriteBegin(const RecordedBegin& begin, RecordingWriter& writer) {
+Status RunRecorder::WriteStart(const RecordedStart& begin, RecordingWriter& writer) {
   TickReader reader(*begin.source);
   RecordedTick tick;
   std::uint64_t& next_number = committed_.next_number;

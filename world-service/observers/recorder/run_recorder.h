@@ -81,7 +81,7 @@ class RecordingThread {
   void Finish(Work work);
 
   const Options options_;
-  // Of the thread alone.
+  // Members of the thread alone.
   RecordingWriter writer_;
   std::uint64_t first_unwritten_ = 0;                  // that was reported
   std::chrono::steady_clock::time_point chunk_ended_;  // the newest that was ended for a flush or its age
@@ -102,7 +102,7 @@ class RecordingThread {
 };
 
 // The first part of a recording: that of another one.
-struct RecordedBegin {
+struct RecordedStart {
   std::shared_ptr<const Recording> source;
   std::uint64_t last_number = 0;            // of its states
   std::optional<RecordedTick> change = {};  // the edit that follows them
@@ -115,7 +115,7 @@ struct RecordingOptions {
   // The recording is a journal (recording/journal.h): each tick is in its tail before the agents see it.
   std::optional<JournalFiles> journal = {};
   JournalSync sync = JournalSync::kNo;
-  std::shared_ptr<const RecordedBegin> begin = {};  // null: the recording begins with the run
+  std::shared_ptr<const RecordedStart> begin = {};  // null: the recording begins with the run
   bool journal_is_optional = false;                 // a run whose journal cannot be written continues without it
 };
 
@@ -161,7 +161,7 @@ class RunRecorder final : public RunObserver {
 
   void MakeThread(RecordingWriter writer);
   // Writes the first part of the options.
-  Status WriteBegin(const RecordedBegin& begin, RecordingWriter& writer);
+  Status WriteStart(const RecordedStart& begin, RecordingWriter& writer);
   // All of these: REQUIRES: mutex_ is locked.
   RecordedTick Convert(const CommittedTick& tick);
   Status Write(RecordedTick tick);

@@ -21,7 +21,7 @@ using NewSetEntityStateRequest = rolling_simulation_interfaces_srv_dds__SetEntit
 constexpr auto kOk = static_cast<std::uint8_t>(ResultCode::kOk);
 constexpr auto kFailed = static_cast<std::uint8_t>(ResultCode::kOperationFailed);
 constexpr std::uint8_t kInvalidStatePose = 101;  // of SetEntityState
-// Of SpawnEntity.
+// Results of SpawnEntity.
 constexpr std::uint8_t kNameNotUnique = 101;
 constexpr std::uint8_t kInvalidName = 102;
 constexpr std::uint8_t kUnsupportedFormat = 103;
@@ -29,7 +29,7 @@ constexpr std::uint8_t kNoResource = 104;
 constexpr std::uint8_t kInvalidNamespace = 105;
 constexpr std::uint8_t kMalformedResource = 106;
 constexpr std::uint8_t kInvalidSpawnPose = 109;
-// Of SpawnEntities.
+// Results of SpawnEntities.
 constexpr std::uint8_t kEntitiesSpawnFailed = 150;
 
 bool IsZero(const geometry_msgs_msg_dds__Twist_& twist) {
@@ -37,7 +37,7 @@ bool IsZero(const geometry_msgs_msg_dds__Twist_& twist) {
          twist.angular.y == 0.0 && twist.angular.z == 0.0;
 }
 
-// Of a state, that a request sets.
+// The parts of a state that a request sets.
 struct Parts {
   bool pose = false;
   bool twist = false;
@@ -124,7 +124,7 @@ Result<std::string> NamespaceOf(const WorldDescription& world, const std::string
                      "slash between them"};
   }
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (!IsThere(world, RobotId(i))) continue;
+    if (!RobotExists(world, RobotId(i))) continue;
     if (ros::FindRobotInRos(world, RobotId(i), 0, {}).node_namespace == name_space) {
       return Error{{}, "the namespace '" + asked + "' is that of '" + world.robots[i].name + "'"};
     }

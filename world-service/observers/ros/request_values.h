@@ -57,8 +57,8 @@ inline bool HasOtherFormat(const std::string& path, std::initializer_list<std::s
 
 // The filters of requests that list entities.
 
-// By bounds in the world: a box along its axes, a sphere, or the convex hull of points, as a prism over the hull of
-// their positions on the ground.
+// Filters by bounds in the world: a box along its axes, a sphere, or the convex hull of points, as a prism over the
+// hull of their positions on the ground.
 class BoundsFilter {
  public:
   // The error is an unknown type, another number of points than the type has, or one that is not finite.
@@ -100,7 +100,7 @@ class TagsFilter {
 // As in simulation_interfaces/msg/EntityCategory.
 std::uint8_t CategoryOf(EntityKind kind);
 
-// By all properties of an entity.
+// Filters by all properties of an entity.
 class EntityFilter {
  public:
   // Fails on bounds that are not valid, and on an expression that is not.

@@ -20,7 +20,7 @@ TROUPE_SIMULATION_SERVICE(GetSimulationState);
 TROUPE_SIMULATION_SERVICE(SetSimulationState);
 TROUPE_SIMULATION_SERVICE(StepSimulation);
 
-// Of SetSimulationState.
+// Results of SetSimulationState.
 constexpr std::uint8_t kAlreadyInTargetState = 101;
 constexpr std::uint8_t kIncorrectTransition = 103;
 

@@ -23,7 +23,7 @@ void SimulationContext::ChangeWorld(const std::shared_ptr<const Scene>& scene) {
   });
   ros_names_.clear();
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (IsThere(world, RobotId(i))) ros_names_[world.robots[i].name] = names[i];
+    if (RobotExists(world, RobotId(i))) ros_names_[world.robots[i].name] = names[i];
   }
 }
 

@@ -31,7 +31,7 @@ enum class ResultCode : std::uint8_t {
   kOperationFailed = 4,
 };
 
-// Of the services about the loaded world.
+// A result of the services about the loaded world.
 inline constexpr std::uint8_t kNoWorldLoaded = 101;
 
 // The problem of a request that would wait for the end of steps that another request has asked for.

@@ -21,7 +21,7 @@ TROUPE_SIMULATION_SERVICE(GetNamedPoses);
 using PlainResetRequest = std_srvs_srv_dds__Empty_Request_;
 using PlainResetResponse = std_srvs_srv_dds__Empty_Response_;
 
-// Of LoadWorld.
+// Results of LoadWorld.
 constexpr std::uint8_t kUnsupportedWorldFormat = 101;
 constexpr std::uint8_t kNoWorldResource = 102;
 constexpr std::uint8_t kMalformedWorld = 103;

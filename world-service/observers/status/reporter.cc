@@ -72,7 +72,7 @@ class LauncherReporter final : public Reporter {
   void Ready(const WorldDescription& world, const RunSettings& settings, const ServiceContact& contact) override {
     Json robots = Json::array();
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
-      if (IsThere(world, RobotId(i))) robots.push_back(world.robots[i].name);
+      if (RobotExists(world, RobotId(i))) robots.push_back(world.robots[i].name);
     }
     Json participants = Json::array();
     for (const ServiceParticipant& of_group : contact.participants) {

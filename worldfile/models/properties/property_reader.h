@@ -130,7 +130,7 @@ struct BuildContext {
   const AllowedPaths& allowed;                    // files that maps and bitmaps may open
   bool without_bitmaps = false;                   // a bitmap is an error
   std::optional<std::string> default_controller;  // of robots for which the file names none
-  // Of the controllers that the file names; nothing: they are not checked.
+  // Checks the controllers that the file names; nothing: they are not checked.
   std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
   std::map<std::string, std::optional<StageController>> controllers;  // by the text of `ctrl`
   Units units;
