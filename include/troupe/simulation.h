@@ -113,7 +113,7 @@ class Simulation {
   Status Restore(const Snapshot& snapshot);
 
   // Draws the present state; the ending of `file`, .png or .svg, sets the format in place of options.format. The
-  // error's code is kBadInput for options out of bounds and kFailure for a file that cannot be written.
+  // error's code is kBadInput for options out of bounds and kOutputFailed for a file that cannot be written.
   Status SavePicture(const std::string& file, const PictureOptions& options = {},
                      PictureRays rays = PictureRays::kHidden) const;
   // Writes the image of a camera in the present state, a pixel for each of its own, as a .png. The error's code is

@@ -50,7 +50,8 @@ class ExpandController final : public Controller {
     const SensorReading& reading = observation.sensors[ranger_];
     if (reading.empty()) return {};
     // It rests in front of a narrow obstacle with the free space behind it, and where all its attempts are blocked.
-    if (const std::optional<Command> recovery = recovery_.Update(observation, kEscapePatience)) return *recovery;
+    if (const std::optional<Command> recovery = recovery_.Update(observation, kEscapePatience, Recovery::kNever))
+      return *recovery;
     Vec2 free_space = Vec2::Zero();
     bool clear = true;
     for (const auto& [ray, direction] : rays_) {

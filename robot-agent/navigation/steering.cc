@@ -30,6 +30,8 @@ Command SteerCar(const DriveDescription& drive, const SteerSettings& settings, c
 // A robot that has moved by less rests.
 constexpr double kRestDistance = 0.01;  // m
 constexpr double kRestAngle = 0.02;     // rad
+constexpr double kPlaceRadius = 0.05;   // m: within it all stalls are at one place
+constexpr double kCalmTime = 5.0;       // s without a stall, after which the next one is another one
 // Of a motion without a contact: as random as its direction, so that no two robots block each other for ever.
 constexpr double kShortestMotion = 0.5;  // s
 constexpr double kLongestMotion = 2.0;   // s
@@ -75,6 +77,17 @@ void Recovery::ObserveMotion(const Observation& observation) {
   const Pose& X_ER = observation.pose_estimate;
   const bool was_away = observation.time - called_at_ > 1.5 * observation.interval;
   called_at_ = observation.time;
+  if (place_ && ((X_ER.translation() - *place_).squaredNorm() > kPlaceRadius * kPlaceRadius || was_away ||
+                 observation.time - stalled_at_ > kCalmTime)) {
+    place_.reset();
+  }
+  if (observation.stalled) {
+    stalled_at_ = observation.time;
+    if (!place_) {
+      place_ = X_ER.translation();
+      place_since_ = observation.time;
+    }
+  }
   if (rest_ && !was_away &&
       (X_ER.translation() - rest_->translation()).squaredNorm() <= kRestDistance * kRestDistance &&
       std::abs(WrapAngle(X_ER.heading - rest_->heading)) <= kRestAngle) {
@@ -103,15 +116,16 @@ Command Recovery::RandomMotion(const Observation& observation) const {
   return command;
 }
 
-std::optional<Command> Recovery::Update(const Observation& observation, double patience) {
+std::optional<Command> Recovery::Update(const Observation& observation, double patience, double place_patience) {
   ObserveMotion(observation);
   const double now = observation.time;
   if (motion_ && now >= motion_until_ && !observation.stalled) {
     motion_.reset();
     rest_since_ = now;
   }
-  const bool begins = !motion_ && now - rest_since_ >= patience;
-  if (begins || (motion_ && observation.stalled)) {
+  const bool rests = now - rest_since_ >= patience;
+  const bool turns = patience < kNever && place_ && now - place_since_ >= place_patience;
+  if ((!motion_ && (rests || turns)) || (motion_ && observation.stalled)) {
     motion_ = RandomMotion(observation);
     motion_until_ = now + kShortestMotion + (kLongestMotion - kShortestMotion) * observation.Random(19);
   }

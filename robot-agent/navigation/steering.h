@@ -34,9 +34,13 @@ class Recovery {
   static constexpr double kPatience = 1.0;  // s: for robots whose own manoeuvres are blocked
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
-  // The command of a recovery, while there is one; it begins once the robot has not moved for `patience` s. Call it in
-  // each tick: the time of ticks without a call does not count.
-  std::optional<Command> Update(const Observation& observation, double patience);
+  static constexpr double kPlacePatience = 10.0;
+
+  // The command of a recovery, while there is one. It begins once the robot has not moved for `patience` s, or has only
+  // turned to and fro between contacts for `place_patience` s; never if `patience` is kNever. Call it in each tick: the
+  // time of ticks without a call does not count.
+  std::optional<Command> Update(const Observation& observation, double patience,
+                                double place_patience = kPlacePatience);
 
  private:
   void ObserveMotion(const Observation& observation);
@@ -44,8 +48,11 @@ class Recovery {
 
   DriveDescription drive_;
   SteerSettings settings_;
-  std::optional<Pose> rest_;  // the last pose from which the robot has not moved noticeably
-  double rest_since_ = 0.0;   // s, simulated, as all times
+  std::optional<Pose> rest_;   // the last pose from which the robot has not moved noticeably
+  double rest_since_ = 0.0;    // s, simulated, as all times
+  std::optional<Vec2> place_;  // m: of the first of several stalls at nearly one place
+  double place_since_ = 0.0;
+  double stalled_at_ = 0.0;  // the last time
   double called_at_ = 0.0;
   std::optional<Command> motion_;  // of a recovery
   double motion_until_ = 0.0;

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -215,6 +216,25 @@ TEST_F(WanderTest, TriesOtherMotionsWhereItsWayBackAndItsTurnAreBlocked) {
     }
     EXPECT_EQ(tried.size(), drive == DriveType::kOmni ? 5u : 4u);
   }
+}
+
+// As with its back at a wall: its turns to both sides move it, and end at contacts.
+TEST_F(WanderTest, DrivesAheadWhereItCanOnlyTurnToAndFro) {
+  Make({MakeScanner()});
+  const std::vector<SensorReading> readings = {Read(robot_.sensors[0], WallAhead(0.8, -0.5, 0.5))};
+  double heading = 0.0;
+  bool stalled = true;
+  bool ahead = false;
+  for (Tick tick = 1; tick < 400 && !ahead; ++tick) {
+    Observation observation = At(tick, readings, stalled);
+    observation.pose_estimate.heading = heading;
+    const Command command = controller_->Update(observation);
+    ahead = command.twist.vx > 0.0;
+    const double turned = std::clamp(heading + 0.1 * command.twist.wz, -0.3, 0.3);
+    stalled = command.twist.vx < 0.0 || (command.twist.wz != 0.0 && turned == heading);
+    heading = turned;
+  }
+  EXPECT_TRUE(ahead);
 }
 
 TEST_F(WanderTest, DrivesIntoANarrowPlaceAfterAWholeCircle) {

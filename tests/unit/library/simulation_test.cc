@@ -187,7 +187,7 @@ TEST_F(SimulationTest, SavesPicturesByTheFilesEnding) {
   EXPECT_NE(test::TextOf(stem + ".svg"), plain);
 
   EXPECT_EQ(simulation.SavePicture(stem + ".gif").error().code, ErrorCode::kBadInput);
-  EXPECT_EQ(simulation.SavePicture("/no/such/folder/x.png").error().code, ErrorCode::kFailure);
+  EXPECT_EQ(simulation.SavePicture("/no/such/folder/x.png").error().code, ErrorCode::kOutputFailed);
   PictureOptions narrow;
   narrow.width = 3;
   EXPECT_EQ(simulation.SavePicture(stem + ".png", narrow).error().code, ErrorCode::kBadInput);
