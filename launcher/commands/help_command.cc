@@ -69,6 +69,7 @@ CLI::App* Subcommand(CLI::App& command, const std::string& name) {
 // Prints the help text of the command with this path.
 int HelpCommand(CLI::App& app, const std::vector<std::string>& path) {
   CLI::App* command = &app;
+  std::string around;
   for (const std::string& name : path) {
     CLI::App* const child = Subcommand(*command, name);
     if (child == nullptr) {
@@ -78,9 +79,10 @@ int HelpCommand(CLI::App& app, const std::vector<std::string>& path) {
       }
       return Fail(Error{{}, "found no command '" + name + "'" + DidYouMean(name, names)});
     }
+    around += (around.empty() ? "" : " ") + command->get_name();
     command = child;
   }
-  std::fputs(command->help().c_str(), stdout);
+  std::fputs(command->help(around).c_str(), stdout);
   return kExitDone;
 }
 

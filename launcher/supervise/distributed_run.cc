@@ -394,8 +394,7 @@ void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::st
   // The keys of an agent are gone with the connection to its host.
   const Result<std::string> command = agents_.RestartCommand(agent.number);
   if (!agent.host->connected() || !command.ok()) return progress_.Tell(reason + "; it is not started again");
-  progress_.Tell(reason + "; to start it again" + (agent.host->name().empty() ? "" : " there") + ":\n  " +
-                 command.value());
+  progress_.Tell(reason + "; to start it again" + (agent.host->name().empty() ? "" : " there") + ":", command.value());
 }
 
 void DistributedRun::RestartAgent(std::size_t number) {

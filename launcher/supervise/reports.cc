@@ -159,10 +159,11 @@ void Progress::TellEvent(Tick tick, const std::string& event, const std::string&
   if (!stall && !start) Tell(text);
 }
 
-void Progress::Tell(const std::string& line) {
+void Progress::Tell(const std::string& line, const std::string& command) {
   std::string kept = status_line_;
   ClearStatusLine();
-  fmt::print(stderr, "{}\n{}", PlainLine(line), kept);
+  const std::string below = command.empty() ? "" : "  " + PlainLine(command) + "\n";
+  fmt::print(stderr, "{}\n{}{}", PlainLine(line), below, kept);
   std::fflush(stderr);
   status_line_ = kept;
 }

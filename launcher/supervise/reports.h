@@ -72,8 +72,8 @@ class Progress {
   // Prints an event, by its name (troupe/event.h). Omits stalls and the joins before the first tick, which are
   // too many.
   void TellEvent(Tick tick, const std::string& event, const std::string& text);
-  // Prints a permanent line.
-  void Tell(const std::string& line);
+  // Prints a permanent line, and below it another one that can be copied.
+  void Tell(const std::string& line, const std::string& command = "");
 
  private:
   void ClearStatusLine();

@@ -247,10 +247,6 @@ const BadScenario kOfTheWorld[] = {
      "radio; did you mean 'scout'?"},
     {"SensorByItself", InOffice("'models': [{'model': 'sensor'}]"),
      ":2:22: found 'sensor' by itself, expected it in the 'children' of a model"},
-    {"PointBeforeTheFirst",
-     InOffice("'models': [{'model': 'table', 'children': [\n {'model': 'block', 'properties': {'points': 3, "
-              "'point[0]': [0, 0], 'point[-2]': [1, 1], 'point[2]': [1, 0]}}]}]"),
-     ":3:12: found a block of 3 points without 'point[1]', expected all of them"},
     {"SpawnOfBlocks", InOffice("'spawn': [{'model': 'block', 'count': 1, 'region': [0, 0, 1, 1]}]"),
      ":2:21: found 'block', expected a model"},
     {"RobotIsATable", InOffice("'robots': [{'model': 'table', 'name': 't'}]"),

@@ -110,7 +110,7 @@ TEST(Models, WithoutHeightABodyIsFlat) {
   const std::string text =
       "model( name \"plan\" bitmap \"walls.pgm\" size [6 5 0] )\n"
       "model( name \"plate\" size [9 9 0] pose [0 0 0.1 0] )\n"
-      "position( name \"r\" size [0.4 0.4 0] )";
+      "position( name \"r\" size [0.4 0.4 0] pose [5 0 0 0] )";
   const LoadedWorld loaded = folder.LoadText(text);
   EXPECT_TRUE(Validate(loaded.world).ok());
   EXPECT_EQ(ShapeOf(loaded, 0).rectangles_z, (ZRange{0.0, 1e-6}));
@@ -122,11 +122,11 @@ TEST(Models, WithoutHeightABodyIsFlat) {
   EXPECT_THAT(
       folder.WarningsOf(text),
       ElementsAre(
-          "w.world:1:43: warning: 'plan' has no height: it is drawn flat, hit by bodies at its height, and seen "
+          "w.world:1:44: warning: 'plan' has no height: it is drawn flat, hit by bodies at its height, and seen "
           "only by rays at its height",
-          "w.world:2:22: warning: 'plate' has no height: it is drawn flat, hit by no body, and seen only by rays "
+          "w.world:2:26: warning: 'plate' has no height: it is drawn flat, hit by no body, and seen only by rays "
           "at its height",
-          "w.world:3:21: warning: 'r' has no height: it is drawn flat, hit by bodies at its height, and seen "
+          "w.world:3:25: warning: 'r' has no height: it is drawn flat, hit by bodies at its height, and seen "
           "only by rays at its height"));
 }
 

@@ -348,7 +348,7 @@ TEST(AgentHostTest, AScanLogThatCannotBeOpenedIsAnError) {
   ScriptedService service(TwoRobots());
   service.StartAgent({}, "/nowhere/scans");
   EXPECT_EQ(service.AwaitError(), "/nowhere/scans: error: cannot write scans here: No such file or directory");
-  EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kBadInput);
+  EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kOutputFailed);
 }
 
 TEST(AgentHostTest, AFullDiskEndsItWithAnError) {

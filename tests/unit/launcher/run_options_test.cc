@@ -66,7 +66,7 @@ TEST(RunOptions, StatesTheExpectedValueOfAnOption) {
       {{"--session", ""}, "expected 1 to 64 letters"},
       {{"--domain", "231"}, "expected a whole number from 0 to 230"},
       {{"--on-agent-loss", "cry"}, "expected one of freeze, pause, abort"},
-      {{"--lease", "0"}, "expected a number above 0"},
+      {{"--lease", "0"}, "expected seconds from 0.01 to 3600"},
       {{"--start-timeout", "-1"}, "expected a number from 0"},
       {{"--faults", "loss=2"}, "--faults: "},
       {{"--controller", ""}, "--controller: found '', expected a name"},

@@ -87,7 +87,7 @@ TEST(ServiceCommandLine, NamesTheFaultInOneLine) {
       {{"a", "--session", "a b"}, "found 'a b', expected 1 to 64 letters"},
       {{"a", "--session", "*"}, "expected 1 to 64 letters"},
       {{"a", "--domain", "231"}, "found '231', expected a whole number from 0 to 230"},
-      {{"a", "--lease", "0"}, "found '0', expected a number above 0"},
+      {{"a", "--lease", "0"}, "found '0', expected seconds from 0.01 to 3600"},
       {{"a", "--start-timeout", "-1"}, "expected a number from 0"},
       {{"a", "--faults", "loss=2"}, "found \"loss=2\", expected a probability"},
       {{"a", "--report-fd", "x"}, "found 'x', expected a whole number"},
