@@ -115,9 +115,9 @@ bool IsJournal(const NamedFile& output) {
 
 Status CheckOutput(const NamedFile& output) {
   const std::string& path = *output.second;
-  const Status status = IsJournal(output) && IsDevice(path) && !fs::is_directory(path)
-                            ? Failure("it is not a file, expected a regular file")
-                            : CheckWritable(path);
+  Status status = IsJournal(output) && IsDevice(path) && !fs::is_directory(path)
+                      ? Failure("it is not a file, expected a regular file")
+                      : CheckWritable(path);
   if (status.ok()) return status;
   return Error{{}, std::string(output.first) + ": cannot write " + path + ": " + status.error().message};
 }

@@ -155,7 +155,7 @@ std::optional<Command> ClearSteering::Escape(const Observation& observation) {
   const bool is_stuck = observation.stalled && now >= turn_until_;
   // A manoeuvre that was blocked from its start to its end is not repeated.
   const double patience = is_stuck ? std::max(now - stalled_at_, Recovery::kPatience) : Recovery::kNever;
-  if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) {
+  if (std::optional<Command> recovery = recovery_.Update(observation, patience)) {
     turn_until_ = now;
     last_course_.reset();
     return recovery;

@@ -328,7 +328,7 @@ std::string PropertyReader::Text(const std::string& name, const std::string& oth
 }
 
 std::string PropertyReader::Word(const std::string& name, std::span<const std::string_view> words) {
-  const std::string text = Text(name, std::string(words.front()));
+  std::string text = Text(name, std::string(words.front()));
   const auto same = [&text](std::string_view word) { return EqualInAnyCase(word, text); };
   const auto found = std::find_if(words.begin(), words.end(), same);
   if (found != words.end() && *found == text) return text;
@@ -363,7 +363,7 @@ std::string ModelNames::Add(const WorldNode& node, const std::string& name, Diag
     diagnostics.Fail(where, "found a name of " + std::to_string(name.size()) + " bytes, expected at most " +
                                 std::to_string(kMaxNameLength));
   }
-  const std::string free = free_.Add(name);
+  std::string free = free_.Add(name);
   const auto first = places_.emplace(free, where).first;
   if (property == nullptr) return free;
   const std::optional<std::string> given = GivenName(node);
