@@ -144,7 +144,7 @@ Status WebServer::Implementation::Listen() {
   info.user = this;
   info.protocols = protocols_.data();
   info.max_http_header_data2 = kLongestHeaders;
-  info.fd_limit_per_thread = kMostConnections + kMostClosing + 20;
+  info.fd_limit_per_thread = kMostConnections + 20;
   info.server_string = "troupe";
   info.iface = options_.address == "0.0.0.0" ? nullptr : options_.address.c_str();
   info.vhost_name = "troupe";
@@ -227,10 +227,13 @@ int WebServer::Implementation::OnHttp(lws* socket, lws_callback_reasons reason, 
 // oldest one that has not is closed for it.
 bool WebServer::Implementation::MakeRoom() {
   if (connections_ < kMostConnections) return true;
-  if (strangers_.empty() || connections_ >= kMostConnections + kMostClosing) return false;
-  lws_set_timeout(strangers_.front(), PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_ASYNC);
-  strangers_.erase(strangers_.begin());
-  return true;
+  if (strangers_.empty()) return false;
+  // The first call may only shut it down, and lws would then wait for its peer; the second one closes it.
+  lws* const oldest = strangers_.front();
+  for (int call = 0; call < 2 && !strangers_.empty() && strangers_.front() == oldest; ++call) {
+    lws_set_timeout(oldest, PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_SYNC);
+  }
+  return connections_ < kMostConnections;
 }
 
 int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol) {

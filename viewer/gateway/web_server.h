@@ -75,7 +75,6 @@ class WebServer {
   static constexpr const char* kProtocols[] = {"troupe", "foxglove.sdk.v1", "foxglove.websocket.v1"};
   static constexpr int kMostConnections = 100;
   static constexpr int kMostViewers = 40;
-  static constexpr int kMostClosing = 50;                        // connections that are replaced, and not closed yet
   static constexpr int kLongestHeaders = 4096;                   // bytes
   static constexpr std::size_t kPiece = std::size_t{32} * 1024;  // bytes
   static constexpr int kRequestSeconds = 5;
