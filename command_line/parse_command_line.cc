@@ -29,14 +29,6 @@ const CLI::App& InnermostCommand(const CLI::App& app) {
   return *innermost;
 }
 
-std::vector<std::string> CommandNames(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    names.push_back(command->get_name());
-  }
-  return names;
-}
-
 // "--name" of all options of the command, and of the commands around it.
 std::vector<std::string> OptionNames(const CLI::App& command) {
   std::vector<std::string> names;
@@ -111,6 +103,14 @@ bool IsNameCharacter(char c) {
 }
 
 }  // namespace
+
+std::vector<std::string> CommandNames(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
 
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
   try {

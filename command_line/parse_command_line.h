@@ -10,14 +10,14 @@
 #include "troupe/result.h"
 
 namespace CLI {
-
-// ParseCommandLine: the same for all programs.
-
 class App;
-
+class Validator;
 }  // namespace CLI
 
 namespace troupe {
+
+// The names of the (sub)commands of a program or command.
+std::vector<std::string> CommandNames(const CLI::App& app);
 
 // Parses into the variables with which the options were declared. Nothing: the program continues. An exit status: the
 // program ends with it; its help, its version, or an error of one line has been printed.
@@ -38,17 +38,7 @@ inline int ExitStatusOf(const Error& error) {
   return is_bad_input ? kExitBadInput : kExitFailed;
 }
 
-}  // namespace troupe
-
-namespace CLI {
-
 // Checks of values on the command line. The message of each states the text found and the text expected.
-
-class Validator;
-
-}  // namespace CLI
-
-namespace troupe {
 
 CLI::Validator WholeNumber(std::uint64_t min, std::uint64_t max = std::numeric_limits<std::uint64_t>::max());
 

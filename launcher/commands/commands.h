@@ -65,15 +65,7 @@ class SessionChoice {
 // An empty session becomes the only one in the domain. The error: none was found in kDiscoverySeconds, or several.
 Status SelectSession(NetworkSettings& network);
 
-}  // namespace troupe
-
-namespace CLI {
-
 // Values on the command lines of several commands: poses, goals, and the address of a web server.
-
-}  // namespace CLI
-
-namespace troupe {
 
 // A pose with the rule of scenarios: the height may be left out.
 struct PoseText {

@@ -20,7 +20,7 @@ struct Example {
   const char* purpose;
 };
 
-// Each is run by the test usage_test, in a folder with the files that they name.
+// Each is run by tests/docs/command_line.py, in a folder with the files that they name.
 constexpr Example kExamples[] = {
     {"run", "troupe run office.world", "watch it in the browser until Ctrl-C"},
     {"run", "troupe run office.world --ticks 600 --headless --poses poses.csv", "a minute, as fast as possible"},
@@ -73,11 +73,7 @@ int HelpCommand(CLI::App& app, const std::vector<std::string>& path) {
   for (const std::string& name : path) {
     CLI::App* const child = Subcommand(*command, name);
     if (child == nullptr) {
-      std::vector<std::string> names;
-      for (const CLI::App* other : command->get_subcommands([](const CLI::App*) { return true; })) {
-        names.push_back(other->get_name());
-      }
-      return Fail(Error{{}, "found no command '" + name + "'" + DidYouMean(name, names)});
+      return Fail(Error{{}, "found no command '" + name + "'" + DidYouMean(name, CommandNames(*command))});
     }
     around += (around.empty() ? "" : " ") + command->get_name();
     command = child;

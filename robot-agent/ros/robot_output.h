@@ -36,27 +36,16 @@ class SensorOutput {
     std::unique_ptr<ros::RosWriter<ros::ImageMessage>> depths;
     std::unique_ptr<ros::RosWriter<ros::CameraInfo>> depth_info;
   };
-  struct Cloud {
-    ros::CloudTopic topic;
-    std::unique_ptr<ros::RosWriter<ros::PointCloud2>> writer;
+  template <typename Message, typename Topic = ros::KindTopic>
+  struct Output {
+    Topic topic;
+    std::unique_ptr<ros::RosWriter<Message>> writer;
   };
-  struct Finder {
-    ros::KindTopic topic;
-    std::unique_ptr<ros::RosWriter<ros::Detection3dArray>> writer;
-  };
-  struct BlobOutput {
-    ros::KindTopic topic;
-    std::unique_ptr<ros::RosWriter<ros::Detection2dArray>> writer;
-  };
-  struct TouchOutput {
-    ros::KindTopic topic;
-    std::unique_ptr<ros::RosWriter<ros::Bool>> writer;
-  };
-
-  struct ImuOutput {
-    ros::KindTopic topic;
-    std::unique_ptr<ros::RosWriter<ros::ImuMessage>> writer;
-  };
+  using Cloud = Output<ros::PointCloud2, ros::CloudTopic>;
+  using Finder = Output<ros::Detection3dArray>;
+  using BlobOutput = Output<ros::Detection2dArray>;
+  using TouchOutput = Output<ros::Bool>;
+  using ImuOutput = Output<ros::ImuMessage>;
 
   bool Due(Tick tick, std::size_t sensor) const;
   std::string OpticalFrame(const Camera& camera) const { return prefix_ + camera.topic.frame + "_optical"; }

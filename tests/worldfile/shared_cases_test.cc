@@ -24,14 +24,7 @@ class SharedCases : public testing::Test {
   LoadedWorld Load(const std::string& name) const {
     LoadOverrides overrides;
     overrides.check_controller = CheckController;
-    Result<LoadedWorld> world = LoadWorld(folder_ + "/" + name, overrides);
-    if (!world.ok()) {
-      ADD_FAILURE() << world.error().ToString();
-      return {};
-    }
-    const Status fault = Validate(world.value().world);
-    if (!fault.ok()) ADD_FAILURE() << fault.error().ToString();
-    return std::move(world).value();
+    return LoadValid(folder_ + "/" + name, overrides);
   }
 
   static std::vector<std::string> Messages(const LoadedWorld& loaded) {

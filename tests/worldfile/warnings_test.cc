@@ -205,16 +205,7 @@ class StageWorlds : public testing::Test {
     }
   }
 
-  LoadedWorld Load(const std::string& name) const {
-    Result<LoadedWorld> world = LoadWorld(folder_ + "/" + name);
-    if (!world.ok()) {
-      ADD_FAILURE() << world.error().ToString();
-      return {};
-    }
-    const Status fault = Validate(world.value().world);
-    if (!fault.ok()) ADD_FAILURE() << fault.error().ToString();
-    return std::move(world).value();
-  }
+  LoadedWorld Load(const std::string& name) const { return LoadValid(folder_ + "/" + name); }
 
   // The height of a ray above the ground.
   static double RayHeight(const LoadedWorld& loaded, std::size_t robot, std::size_t ranger) {

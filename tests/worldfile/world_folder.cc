@@ -2,6 +2,17 @@
 
 namespace troupe {
 
+LoadedWorld LoadValid(const std::string& path, const LoadOverrides& overrides) {
+  Result<LoadedWorld> world = LoadWorld(path, overrides);
+  if (!world.ok()) {
+    ADD_FAILURE() << world.error().ToString();
+    return {};
+  }
+  const Status fault = Validate(world.value().world);
+  if (!fault.ok()) ADD_FAILURE() << fault.error().ToString();
+  return std::move(world).value();
+}
+
 WorldFolder::WorldFolder() {
   std::filesystem::create_directory(Path("folder"));
   Write("bad.inc", "model( )\n\nmodel( color )\n");
@@ -28,14 +39,7 @@ std::string WorldFolder::ErrorOf(const std::string& name) const {
 }
 
 LoadedWorld WorldFolder::Load(const std::string& name, const LoadOverrides& overrides) const {
-  Result<LoadedWorld> world = LoadWorld(Path(name), overrides);
-  if (!world.ok()) {
-    ADD_FAILURE() << world.error().ToString();
-    return {};
-  }
-  const Status fault = Validate(world.value().world);
-  if (!fault.ok()) ADD_FAILURE() << fault.error().ToString();
-  return std::move(world).value();
+  return LoadValid(Path(name), overrides);
 }
 
 LoadedWorld WorldFolder::LoadText(const std::string& text, const LoadOverrides& overrides) const {

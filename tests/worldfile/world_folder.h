@@ -12,6 +12,9 @@
 
 namespace troupe {
 
+// Loads a world that has to be valid.
+LoadedWorld LoadValid(const std::string& path, const LoadOverrides& overrides = {});
+
 class WorldFolder : public test::TemporaryFolder {
  public:
   // Has the files that the tables of bad worlds name: bad.inc, open.inc, loop.inc, back.inc, text.png, cut.pgm,
@@ -20,7 +23,7 @@ class WorldFolder : public test::TemporaryFolder {
 
   // The whole message of the error, with paths from the folder on; "" without an error.
   std::string ErrorOf(const std::string& name) const;
-  // Loads a world that has to be valid. Warnings are checked with WarningsOf.
+  // LoadValid of a file in it. Warnings are checked with WarningsOf.
   LoadedWorld Load(const std::string& name, const LoadOverrides& overrides = {}) const;
   // Writes the text as "w.world" and loads it.
   LoadedWorld LoadText(const std::string& text, const LoadOverrides& overrides = {}) const;

@@ -1,4 +1,5 @@
-// The requests of the page that concern the file as a whole, and the properties of its entities.
+// The requests of the page that concern the file as a whole, the properties of its entities, and whole models: walls
+// and rooms, and the defines of the model editor.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -28,8 +29,6 @@ const char* KindText(EditedKind kind) {
 Json WhereJson(const SourceLocation& where) {
   return {{"file", where.file}, {"line", where.line}, {"column", where.column}};
 }
-
-// The requests of the page that concern whole models: walls and rooms, and the defines of the model editor.
 
 }  // namespace
 

@@ -167,10 +167,9 @@ class Restoration {
     }
     if (number <= last_copy_) return;
     if (edit.request.command == ControlCommand::kLoadWorld) {
-      // Of a world from a text, models are spawned from the first file again if the journal lacks the text.
+      // The journal lacks the text of a world that was no file: its models are spawned from the first file again.
       const bool is_from_lost_text = edit.request.source.empty() && edit.world && !edit.world->models.empty();
       world_file_ = is_from_lost_text ? std::nullopt : std::optional(edit.request.source);
-      world_text_ = edit.request.text;
     }
     if (edit.request.command == ControlCommand::kDelete && edit.world) {
       deleted_.push_back({edit.request.name, std::make_shared<const WorldDescription>(*edit.world)});
@@ -202,7 +201,6 @@ class Restoration {
     run.progress = journal_.progress;
     run.rewind = std::move(rewind_);
     run.world_file = std::move(world_file_);
-    run.world_text = std::move(world_text_);
     run.deleted = std::move(deleted_);
     return run;
   }
@@ -218,7 +216,6 @@ class Restoration {
   std::optional<UnfinishedRewind> rewind_;
   std::uint64_t last_copy_ = 0;            // number of the last state of the newest rewind; 0: there was none
   std::optional<std::string> world_file_;  // as ResumedRun
-  std::string world_text_;
   std::deque<DeletedEntity> deleted_;
   std::optional<FrameMessage> frame_;
 };

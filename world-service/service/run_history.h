@@ -115,8 +115,7 @@ struct ResumedRun {
   std::uint64_t next_number = 0;          // of the state after it, counted from the start of the run
   RunProgress progress;
   std::optional<UnfinishedRewind> rewind = {};  // must be finished before the run continues
-  std::optional<std::string> world_file = {};   // that was loaded during the run, empty for a text or no world
-  std::string world_text = {};                  // likewise
+  std::optional<std::string> world_file = {};   // that was loaded during the run, empty for no world
   std::deque<DeletedEntity> deleted = {};       // the newest last, at most kMostDeleted
 };
 

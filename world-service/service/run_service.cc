@@ -54,11 +54,7 @@ class Driver final : public WorldControl, private ServiceHandler {
         observers_(observers),
         trace_(trace),
         coordinator_(scene, options, *endpoint, observers, Now()),
-        endpoint_(std::move(endpoint)) {
-    if (!service_.resumed || service_.resumed->world_text.empty()) return;
-    Result<std::shared_ptr<const RequestedText>> text = RequestedText::Write(service_.resumed->world_text);
-    if (text.ok()) SetWorldText(std::move(text).value());  // else its models cannot be spawned, and the run continues
-  }
+        endpoint_(std::move(endpoint)) {}
 
   void Start() {
     endpoint_->Start(*this);
@@ -215,20 +211,13 @@ class Driver final : public WorldControl, private ServiceHandler {
     }
     const bool loads = open.request.command == ControlCommand::kLoadWorld;
     if (loads && coordinator_.phase() == Phase::kRunning) {
-      text_.reset();
-      service_.world_file = open.request.source;
-      if (file.value().text) SetWorldText(file.value().text);
+      text_ = file.value().text;
+      service_.world_file = text_ ? text_->path() : open.request.source;
+      if (text_) service_.overrides.allowed.Add(text_->path());
     }
     ControlRequest request = open.request;
     request.ros_domains_from = file.value().ros_domains_from;
     coordinator_.Control(request, open.reply, Now(), file.value().world);
-  }
-
-  // Models are spawned from the text from now on.
-  void SetWorldText(std::shared_ptr<const RequestedText> text) {
-    text_ = std::move(text);
-    service_.world_file = text_->path();
-    service_.overrides.allowed.Add(text_->path());
   }
 
   void OnJoin(const JoinMessage& join) override {

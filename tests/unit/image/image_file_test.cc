@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/files.h"
+#include "tests/unit/image/picture_text.h"
 #include "troupe/check.h"
 
 namespace troupe {
@@ -59,18 +60,6 @@ class ImageFile : public testing::Test, public test::TemporaryFolder {
     WritePng(Path("image.png"), content);
     return Path("image.png");
   }
-
-  // Rows from the top, '#' is occupied; or the error's message.
-  static std::string Picture(const std::string& path, const PixelRule& rule = StagePixelRule()) {
-    const Result<Bitmap> bitmap = ReadBitmap(path, rule);
-    if (!bitmap.ok()) return bitmap.error().message;
-    std::string text;
-    for (int y = bitmap.value().height() - 1; y >= 0; --y) {
-      for (int x = 0; x < bitmap.value().width(); ++x) text += bitmap.value().occupied(x, y) ? '#' : '.';
-      text += '\n';
-    }
-    return text;
-  }
 };
 
 TEST_F(ImageFile, GreyValuesAreThoseThatStageCompares) {
@@ -103,34 +92,34 @@ TEST_F(ImageFile, GreyValuesAreThoseThatStageCompares) {
 }
 
 TEST_F(ImageFile, GreyPixelsUpTo127AreOccupied) {
-  EXPECT_EQ(Picture(WriteImage({3, 2, 8, PNG_COLOR_TYPE_GRAY, false, {{0, 127, 128}, {255, 1, 254}}, {}})),
+  EXPECT_EQ(PictureText(WriteImage({3, 2, 8, PNG_COLOR_TYPE_GRAY, false, {{0, 127, 128}, {255, 1, 254}}, {}})),
             "##.\n.#.\n");
 }
 
 TEST_F(ImageFile, OfColoursOnlyRedCounts) {
   const std::vector<std::uint8_t> row = {255, 0, 0, 0, 255, 0, 0, 0, 255};
-  EXPECT_EQ(Picture(WriteImage({3, 1, 8, PNG_COLOR_TYPE_RGB, false, {row}, {}})), ".##\n");
+  EXPECT_EQ(PictureText(WriteImage({3, 1, 8, PNG_COLOR_TYPE_RGB, false, {row}, {}})), ".##\n");
 }
 
 TEST_F(ImageFile, MeanOfColoursCountsWhereTheRuleSaysSo) {
   PixelRule rule = StagePixelRule();
   rule.mean_of_channels = true;
   const std::vector<std::uint8_t> row = {255, 0, 0, 255, 255, 0, 0, 0, 0};
-  EXPECT_EQ(Picture(WriteImage({3, 1, 8, PNG_COLOR_TYPE_RGB, false, {row}, {}}), rule), "#.#\n");
+  EXPECT_EQ(PictureText(WriteImage({3, 1, 8, PNG_COLOR_TYPE_RGB, false, {row}, {}}), rule), "#.#\n");
 }
 
 TEST_F(ImageFile, TransparentBlackIsOccupiedByStageRuleAndFreeWhereTheRuleSaysSo) {
   PixelRule rule = StagePixelRule();
   const std::string path = WriteImage({2, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, false, {{0, 0, 0, 255}}, {}});
-  EXPECT_EQ(Picture(path, rule), "##\n");
+  EXPECT_EQ(PictureText(path, rule), "##\n");
   rule.transparent_is_free = true;
-  EXPECT_EQ(Picture(path, rule), ".#\n");
+  EXPECT_EQ(PictureText(path, rule), ".#\n");
 }
 
 TEST_F(ImageFile, PalettesAreLookedUp) {
   const std::string path = WriteImage(
       {4, 1, 2, PNG_COLOR_TYPE_PALETTE, false, {{0b00011011}}, {{0, 0, 0}, {255, 255, 255}, {100, 0, 0}, {200, 0, 0}}});
-  EXPECT_EQ(Picture(path), "#.#.\n");
+  EXPECT_EQ(PictureText(path), "#.#.\n");
 }
 
 TEST_F(ImageFile, BlackAndWhiteRowsOfAnyLengthAreReadBitByBit) {
@@ -155,9 +144,9 @@ TEST_F(ImageFile, BlackAndWhiteRowsOfAnyLengthAreReadBitByBit) {
 }
 
 TEST_F(ImageFile, SmallAndLargeBitDepthsAreBroughtTo8) {
-  EXPECT_EQ(Picture(WriteImage({8, 1, 1, PNG_COLOR_TYPE_GRAY, false, {{0b01010011}}, {}})), "#.#.##..\n");
-  EXPECT_EQ(Picture(WriteImage({2, 1, 4, PNG_COLOR_TYPE_GRAY, false, {{0x78}}, {}})), "#.\n");
-  EXPECT_EQ(Picture(WriteImage({2, 1, 16, PNG_COLOR_TYPE_GRAY, false, {{0x7f, 0xff, 0x80, 0x00}}, {}})), "#.\n");
+  EXPECT_EQ(PictureText(WriteImage({8, 1, 1, PNG_COLOR_TYPE_GRAY, false, {{0b01010011}}, {}})), "#.#.##..\n");
+  EXPECT_EQ(PictureText(WriteImage({2, 1, 4, PNG_COLOR_TYPE_GRAY, false, {{0x78}}, {}})), "#.\n");
+  EXPECT_EQ(PictureText(WriteImage({2, 1, 16, PNG_COLOR_TYPE_GRAY, false, {{0x7f, 0xff, 0x80, 0x00}}, {}})), "#.\n");
 }
 
 TEST_F(ImageFile, InterlacedImagesReadTheSame) {
@@ -167,9 +156,9 @@ TEST_F(ImageFile, InterlacedImagesReadTheSame) {
     for (int x = 0; x < 100; ++x) row.push_back(static_cast<std::uint8_t>((x * 37 + y * 91) % 256));
     content.rows.push_back(row);
   }
-  const std::string plain = Picture(WriteImage(content));
+  const std::string plain = PictureText(WriteImage(content));
   content.interlaced = true;
-  EXPECT_EQ(Picture(WriteImage(content)), plain);
+  EXPECT_EQ(PictureText(WriteImage(content)), plain);
 }
 
 TEST_F(ImageFile, CutOffPngIsAnErrorWhereverItIsCut) {
@@ -209,47 +198,48 @@ TEST_F(ImageFile, PngBombIsRefused) {
     for (int i = 0; i < 4; ++i) bomb[static_cast<std::size_t>(29 + i)] = static_cast<char>(sum >> (24 - 8 * i));
   };
   set_size(60'000, 60'000);
-  EXPECT_THAT(Picture(Write(bomb)), HasSubstr("which cannot hold an image of 60000 x 60000 pixels"));
+  EXPECT_THAT(PictureText(Write(bomb)), HasSubstr("which cannot hold an image of 60000 x 60000 pixels"));
   set_size(2'000'000'000, 2'000'000'000);
-  EXPECT_THAT(Picture(Write(bomb)), HasSubstr("expected at most 4000000000 pixels"));
+  EXPECT_THAT(PictureText(Write(bomb)), HasSubstr("expected at most 4000000000 pixels"));
   set_size(0, 5);
-  EXPECT_THAT(Picture(Write(bomb)), HasSubstr("damaged PNG"));
+  EXPECT_THAT(PictureText(Write(bomb)), HasSubstr("damaged PNG"));
 }
 
 TEST_F(ImageFile, PgmTextWithCommentsIsRead) {
-  EXPECT_EQ(Picture(Write("P2 # plain\n# a comment\n3 #width\n2\n255\n0 127 128\n255 # more\n1 200\n")), "##.\n.#.\n");
+  EXPECT_EQ(PictureText(Write("P2 # plain\n# a comment\n3 #width\n2\n255\n0 127 128\n255 # more\n1 200\n")),
+            "##.\n.#.\n");
 }
 
 TEST_F(ImageFile, PgmBinaryIsRead) {
-  EXPECT_EQ(Picture(Write("P5\n3 1\n255\n\x7f\x80\x01")), "#.#\n");
+  EXPECT_EQ(PictureText(Write("P5\n3 1\n255\n\x7f\x80\x01")), "#.#\n");
 }
 
 TEST_F(ImageFile, Pgm16BitIsReadByItsHighByteFirst) {
-  EXPECT_EQ(Picture(Write(std::string("P5 2 1 65535\n\x7f\xff\x80\x00", 17))), "#.\n");
+  EXPECT_EQ(PictureText(Write(std::string("P5 2 1 65535\n\x7f\xff\x80\x00", 17))), "#.\n");
 }
 
 TEST_F(ImageFile, PgmMaximumScalesTheSamples) {
-  EXPECT_EQ(Picture(Write("P2 4 1 3 0 1 2 3")), "##..\n");
+  EXPECT_EQ(PictureText(Write("P2 4 1 3 0 1 2 3")), "##..\n");
 }
 
 TEST_F(ImageFile, DamagedPgmIsAnError) {
-  EXPECT_THAT(Picture(Write("P5 ")), HasSubstr("damaged PGM header"));
-  EXPECT_THAT(Picture(Write("P5 3")), HasSubstr("damaged PGM header"));
-  EXPECT_THAT(Picture(Write("P5 0 3 255\n")), HasSubstr("damaged PGM header"));
-  EXPECT_THAT(Picture(Write("P5 -3 3 255\n")), HasSubstr("damaged PGM header"));
-  EXPECT_THAT(Picture(Write("P5 3 3 70000\n")), HasSubstr("damaged PGM header"));
-  EXPECT_THAT(Picture(Write("P5 3 3 255\nabc")), HasSubstr("damaged PGM image, expected 3 x 3 pixels"));
-  EXPECT_THAT(Picture(Write("P5 60000 60000 255\nabc")), HasSubstr("which cannot hold an image of 60000 x 60000"));
-  EXPECT_THAT(Picture(Write("P5 999999999 999999999 255\nabc")), HasSubstr("expected at most 4000000000 pixels"));
-  EXPECT_THAT(Picture(Write("P2 2 1 255\n12 x4 ")), HasSubstr("damaged PGM image"));
-  EXPECT_THAT(Picture(Write("P2 2 1 255\n12 99999999999999999999 ")), HasSubstr("damaged PGM image"));
+  EXPECT_THAT(PictureText(Write("P5 ")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(PictureText(Write("P5 3")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(PictureText(Write("P5 0 3 255\n")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(PictureText(Write("P5 -3 3 255\n")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(PictureText(Write("P5 3 3 70000\n")), HasSubstr("damaged PGM header"));
+  EXPECT_THAT(PictureText(Write("P5 3 3 255\nabc")), HasSubstr("damaged PGM image, expected 3 x 3 pixels"));
+  EXPECT_THAT(PictureText(Write("P5 60000 60000 255\nabc")), HasSubstr("which cannot hold an image of 60000 x 60000"));
+  EXPECT_THAT(PictureText(Write("P5 999999999 999999999 255\nabc")), HasSubstr("expected at most 4000000000 pixels"));
+  EXPECT_THAT(PictureText(Write("P2 2 1 255\n12 x4 ")), HasSubstr("damaged PGM image"));
+  EXPECT_THAT(PictureText(Write("P2 2 1 255\n12 99999999999999999999 ")), HasSubstr("damaged PGM image"));
 }
 
 TEST_F(ImageFile, OtherFilesAreErrors) {
-  EXPECT_THAT(Picture(Path("missing.png")), HasSubstr("No such file"));
-  EXPECT_THAT(Picture(path()), HasSubstr("not a regular file"));
-  EXPECT_THAT(Picture("/dev/zero"), HasSubstr("not a regular file"));
-  EXPECT_THAT(Picture(Write("\x89PNG\r\n\x1a\n")), HasSubstr("damaged PNG"));
+  EXPECT_THAT(PictureText(Path("missing.png")), HasSubstr("No such file"));
+  EXPECT_THAT(PictureText(path()), HasSubstr("not a regular file"));
+  EXPECT_THAT(PictureText("/dev/zero"), HasSubstr("not a regular file"));
+  EXPECT_THAT(PictureText(Write("\x89PNG\r\n\x1a\n")), HasSubstr("damaged PNG"));
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "common/image/image_file.h"
+#include "tests/support/files.h"
+#include "tests/unit/image/picture_text.h"
 
 namespace troupe {
 namespace {
@@ -55,29 +55,11 @@ struct Bmp {
   }
 };
 
-class OtherFormats : public testing::Test {
+class OtherFormats : public testing::Test, public test::TemporaryFolder {
  protected:
-  void SetUp() override {
-    folder_ = testing::TempDir() + "troupe_formats_" + testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  // Rows from the top, '#' is occupied; or the error's message.
   std::string Picture(const std::string& bytes, const PixelRule& rule = StagePixelRule()) const {
-    const std::string path = folder_ + "/image";
-    std::ofstream(path, std::ios::binary) << bytes;
-    const Result<Bitmap> bitmap = ReadBitmap(path, rule);
-    if (!bitmap.ok()) return bitmap.error().message;
-    std::string text;
-    for (int y = bitmap.value().height() - 1; y >= 0; --y) {
-      for (int x = 0; x < bitmap.value().width(); ++x) text += bitmap.value().occupied(x, y) ? '#' : '.';
-      text += '\n';
-    }
-    return text;
+    return PictureText(Write("image", bytes), rule);
   }
-
-  std::string folder_;
 };
 
 TEST_F(OtherFormats, BmpIsReadFromTheBottomUpWithPaddedRows) {

@@ -17,9 +17,9 @@
 namespace troupe::dds {
 namespace {
 
-// DDS Security for a participant: Cyclone's three plugins, and the participant's keys.
-
 namespace fs = std::filesystem;
+
+// DDS Security for a participant: Cyclone's three plugins, and the participant's keys.
 
 // Debian installs the plugins in a folder beside Cyclone's library, where the loader does not search.
 fs::path LibraryFolder() {
