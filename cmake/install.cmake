@@ -6,6 +6,11 @@ include(CMakePackageConfigHelpers)
 install(TARGETS troupe world-service robot-agent ros-participant RUNTIME)
 install(TARGETS libtroupe troupe_controller_support EXPORT TroupeTargets)
 
+if(TARGET python_package)
+  install(DIRECTORY ${CMAKE_BINARY_DIR}/python/troupe DESTINATION lib/python3/dist-packages COMPONENT python
+    PATTERN __pycache__ EXCLUDE)
+endif()
+
 # The test public_headers_test compiles each of them without the tree.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/troupe DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 
@@ -76,3 +81,6 @@ add_custom_target(programs DEPENDS troupe world-service robot-agent ros-particip
 # All that is installed, and no tests: for scripts/package.
 add_custom_target(installed DEPENDS libtroupe troupe_controller_support manual_pages completions)
 add_dependencies(installed programs)
+if(TARGET python_package)
+  add_dependencies(installed python_package)
+endif()

@@ -26,19 +26,26 @@ std::vector<std::uint8_t> DepthPixels(const CameraReading& reading) {
 
 }  // namespace
 
+Result<std::string> DrawPicture(const Scene& scene, const BodyIndex& bodies, const WorldState& state,
+                                const PictureOptions& options, PictureRays rays) {
+  if (const Status problem = CheckPictureOptions(options); !problem.ok()) return problem.error();
+  const std::vector<ScanFan> fans =
+      rays == PictureRays::kDrawn ? MeasureFans(scene, bodies, state) : std::vector<ScanFan>();
+  const std::vector<Mark> marks =
+      rays == PictureRays::kDrawn ? MeasureMarks(scene, bodies, state) : std::vector<Mark>();
+  Result<std::string> bytes = DrawPicture(scene.world(), state, fans, options, marks);
+  if (!bytes.ok()) return Failure(bytes.error().message);
+  return bytes;
+}
+
 Status SavePicture(const Scene& scene, const BodyIndex& bodies, const WorldState& state, const std::string& file,
                    const PictureOptions& options, PictureRays rays) {
   const Result<PictureFormat> format = PictureFormatOf(file);
   if (!format.ok()) return format.error();
   PictureOptions with_format = options;
   with_format.format = format.value();
-  if (Status problem = CheckPictureOptions(with_format); !problem.ok()) return problem;
-  const std::vector<ScanFan> fans =
-      rays == PictureRays::kDrawn ? MeasureFans(scene, bodies, state) : std::vector<ScanFan>();
-  const std::vector<Mark> marks =
-      rays == PictureRays::kDrawn ? MeasureMarks(scene, bodies, state) : std::vector<Mark>();
-  const Result<std::string> bytes = DrawPicture(scene.world(), state, fans, with_format, marks);
-  if (!bytes.ok()) return Failure(bytes.error().message);
+  const Result<std::string> bytes = DrawPicture(scene, bodies, state, with_format, rays);
+  if (!bytes.ok()) return bytes.error();
   return WriteWholeFile(file, bytes.value());
 }
 

@@ -14,6 +14,10 @@
 
 namespace troupe {
 
+// DrawPicture: as Simulation::DrawPicture. REQUIRES: `bodies` is at `state`.
+Result<std::string> DrawPicture(const Scene& scene, const BodyIndex& bodies, const WorldState& state,
+                                const PictureOptions& options, PictureRays rays);
+
 // SavePicture: a picture of a state of a world, as a file.
 // As Simulation::SavePicture. REQUIRES: `bodies` is at `state`.
 Status SavePicture(const Scene& scene, const BodyIndex& bodies, const WorldState& state, const std::string& file,

@@ -1,8 +1,11 @@
 #include "troupe/simulation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +16,7 @@
 #include "common/spatial/scene.h"
 #include "library/save_picture.h"
 #include "robot-agent/controller/create_controller.h"
+#include "robot-agent/drive/drive.h"
 #include "robot-agent/robot/robot.h"
 #include "troupe/event.h"
 #include "troupe/world_state.h"
@@ -38,8 +42,8 @@ Result<std::vector<std::unique_ptr<Robot>>> CreateRobots(const Scene& scene) {
 
 // Never changes once it is in a snapshot.
 struct Snapshot::Content {
-  std::shared_ptr<const Scene> scene;  // shared by a simulation and its snapshots; robots point into it
-  WorldState state;
+  std::shared_ptr<const Scene> scene;          // shared by a simulation and its snapshots; robots point into it
+  std::shared_ptr<const WorldState> state;     // never null
   std::vector<Event> events;                   // of the last tick
   std::vector<std::unique_ptr<Robot>> robots;  // by id
   std::vector<ExternalCommand> commands;       // by id
@@ -63,14 +67,14 @@ struct Simulation::Impl {
 };
 
 Simulation::Impl::Impl(Snapshot::Content start) : now(std::move(start)), bodies(*now.scene) {
-  bodies.Assign(now.state);
+  bodies.Assign(*now.state);
 }
 
 void Simulation::Impl::Assign(Snapshot::Content content) {
   const bool same_scene = content.scene == now.scene;
   now = std::move(content);
   if (!same_scene) bodies = BodyIndex(*now.scene);
-  bodies.Assign(now.state);
+  bodies.Assign(*now.state);
 }
 
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -99,10 +103,19 @@ Result<Simulation> Simulation::Make(WorldDescription world, const SimulationOpti
   if (!options.run_controllers) {
     for (RobotDescription& robot : world.robots) robot.controller = {};
   }
-  auto scene = std::make_shared<const Scene>(std::move(world));
+  auto scene = std::make_shared<Scene>(std::move(world));
+  if (options.share_with != nullptr) {
+    const std::shared_ptr<const Scene>& other = options.share_with->impl_->now.scene;
+    scene->ShareMap([&](std::span<const std::byte> bytes) -> std::shared_ptr<const std::byte> {
+      const std::span<const std::byte> shared = other->static_index().ray_map().bytes();
+      if (!std::ranges::equal(bytes, shared)) return nullptr;
+      return {other, shared.data()};
+    });
+  }
   Result<std::vector<std::unique_ptr<Robot>>> robots = CreateRobots(*scene);
   if (!robots.ok()) return robots.error();
-  Snapshot::Content start{scene, InitialState(*scene), {}, std::move(robots).value(), {}, {}};
+  Snapshot::Content start{
+      scene, std::make_shared<const WorldState>(InitialState(*scene)), {}, std::move(robots).value(), {}, {}};
   start.commands.resize(start.robots.size());
   return Simulation(std::make_unique<Impl>(std::move(start)));
 }
@@ -126,33 +139,34 @@ void Simulation::Step(Tick ticks) {
 
 void Simulation::StepOnce() {
   Snapshot::Content& now = impl_->now;
+  const WorldState& state = *now.state;
   std::vector<Event> events;
   impl_->proposals.clear();
   for (std::size_t i = 0; i < now.robots.size(); ++i) {
     Robot& robot = *now.robots[i];
     const bool worked = robot.failure().empty();
-    Proposal proposal = robot.Decide(now.state, impl_->bodies, now.commands[i]);
+    Proposal proposal = robot.Decide(state, impl_->bodies, now.commands[i]);
     now.commands[i].command.grippers.clear();
     now.commands[i].command.joints.clear();
     now.commands[i].command.messages.clear();
     if (worked && !robot.failure().empty()) now.failures.push_back(robot.failure());
     if (!robot.report().empty()) impl_->reports.push_back(robot.report());
-    const Status status = ValidateProposal(world(), now.state, proposal);
+    const Status status = ValidateProposal(world(), state, proposal);
     if (status.ok()) {
       impl_->proposals.push_back(std::move(proposal));
     } else {
-      events.push_back({.tick = now.state.tick + 1,
+      events.push_back({.tick = state.tick + 1,
                         .type = EventType::kProposalRejected,
                         .robot = robot.id(),
                         .detail = status.error().message});
     }
   }
-  StepResult next = troupe::Step(*now.scene, now.state, impl_->proposals, impl_->bodies);
-  now.state = std::move(next.state);
+  StepResult next = troupe::Step(*now.scene, state, impl_->proposals, impl_->bodies);
+  now.state = std::make_shared<const WorldState>(std::move(next.state));
   now.events = std::move(events);
   now.events.insert(now.events.end(), std::make_move_iterator(next.events.begin()),
                     std::make_move_iterator(next.events.end()));
-  impl_->bodies.Assign(now.state);
+  impl_->bodies.Assign(*now.state);
 }
 
 double Simulation::time() const {
@@ -160,6 +174,10 @@ double Simulation::time() const {
 }
 
 const WorldState& Simulation::state() const {
+  return *impl_->now.state;
+}
+
+std::shared_ptr<const WorldState> Simulation::shared_state() const {
   return impl_->now.state;
 }
 
@@ -179,6 +197,10 @@ const std::vector<std::string>& Simulation::reports() const {
   return impl_->reports;
 }
 
+RobotInfo Simulation::Info(RobotId robot) const {
+  return impl_->now.robots[robot.index()]->Info();
+}
+
 const Pose& Simulation::pose(RobotId robot) const {
   return state().robots[robot.index()].X_WR;
 }
@@ -194,6 +216,10 @@ std::vector<std::optional<ModelId>> Simulation::HeldObjects(RobotId robot) const
 }
 
 SensorReading Simulation::Measure(RobotId robot, std::size_t sensor) const {
+  return Read(robot, sensor);
+}
+
+const SensorReading& Simulation::Read(RobotId robot, std::size_t sensor) const {
   return impl_->now.robots[robot.index()]->Measure(sensor, state(), impl_->bodies);
 }
 
@@ -206,8 +232,25 @@ Status Simulation::Drive(RobotId robot, Command command) {
   return {};
 }
 
+Status Simulation::DriveBy(RobotId robot, const Twist& twist) {
+  if (!IsFinite(twist)) {
+    return Error{{}, "robot " + world().robot(robot).name + ": found a motion with a number that is not finite"};
+  }
+  ExternalCommand& external = impl_->now.commands[robot.index()];
+  const Command motion = CommandFromTwist(twist, world().robot(robot).drive);
+  external.command.twist = motion.twist;
+  external.command.speed = motion.speed;
+  external.command.steering = motion.steering;
+  external.drives = true;
+  return {};
+}
+
 void Simulation::Release(RobotId robot) {
   impl_->now.commands[robot.index()] = {};
+}
+
+Result<std::string> Simulation::DrawPicture(const PictureOptions& options, PictureRays rays) const {
+  return troupe::DrawPicture(*impl_->now.scene, impl_->bodies, state(), options, rays);
 }
 
 Status Simulation::SavePicture(const std::string& file, const PictureOptions& options, PictureRays rays) const {
@@ -224,7 +267,7 @@ Status Simulation::SaveView(const std::string& file, RobotId robot, std::size_t 
 }
 
 Tick Snapshot::tick() const {
-  return content_->state.tick;
+  return content_->state->tick;
 }
 
 Result<Snapshot::Content> Snapshot::Content::Copy() const {
@@ -242,6 +285,12 @@ Result<Snapshot> Simulation::Save() const {
   Result<Snapshot::Content> copy = impl_->now.Copy();
   if (!copy.ok()) return copy.error();
   return Snapshot(std::make_shared<const Snapshot::Content>(std::move(copy).value()));
+}
+
+Result<Simulation> Simulation::Continue(const Snapshot& snapshot) {
+  Result<Snapshot::Content> copy = snapshot.content_->Copy();
+  if (!copy.ok()) return copy.error();
+  return Simulation(std::make_unique<Impl>(std::move(copy).value()));
 }
 
 Status Simulation::Restore(const Snapshot& snapshot) {

@@ -131,7 +131,11 @@ set(may_include_include/troupe/simulation.h
 # The library: the step and the robots in one process, without protocol or DDS.
 set(may_include_library
   common/base common/geometry common/model common/picture common/sensing common/spatial worldfile
-  include/troupe/simulation.h robot-agent/controller robot-agent/robot world-service/core)
+  include/troupe/simulation.h robot-agent/controller robot-agent/drive robot-agent/robot world-service/core)
+
+# The package for Python, on the library and, for controllers, on what those may include.
+set(may_include_python/native common/base common/model include/troupe/controller.h include/troupe/sensor.h
+  include/troupe/simulation.h include/troupe/version.h)
 
 # The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.
 set(may_include_viewer/foxglove
@@ -181,7 +185,7 @@ set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers
 
 set(failures)
 set(patterns)
-foreach(top command_line common include launcher library recording robot-agent ros transport viewer/editor viewer/foxglove
+foreach(top command_line common include launcher library python recording robot-agent ros transport viewer/editor viewer/foxglove
     viewer/gateway world-service worldfile)
   list(APPEND patterns ${ROOT}/${top}/*.h ${ROOT}/${top}/*.cc)
 endforeach()

@@ -36,7 +36,13 @@ Color ColorAt(const ModelDescription& model, std::int64_t time_ns, bool is_switc
 }
 
 bool NamesLibrary(const std::string& controller) {
-  return controller.find('/') != std::string::npos || controller.ends_with(".so");
+  return controller.find('/') != std::string::npos || controller.ends_with(".so") || controller.ends_with(".py") ||
+         ControllerFile(controller) != controller;
+}
+
+std::string ControllerFile(const std::string& controller) {
+  const std::size_t colon = controller.rfind(".py:");
+  return colon == std::string::npos ? controller : controller.substr(0, colon + 3);
 }
 
 bool IsInTree(const WorldDescription& world, ModelId model, ModelId root) {

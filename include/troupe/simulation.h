@@ -27,11 +27,15 @@
 
 namespace troupe {
 
+class Simulation;
+
 struct SimulationOptions {
   std::optional<std::uint64_t> seed;      // of all random numbers; nothing: the file's
   std::optional<std::string> controller;  // for robots to which the file gives none; nothing: "idle"
   // False: no robot has its controller; each stands still until it is driven.
   bool run_controllers = true;
+  // A simulation whose memory for the static map the new one shares, if the maps are equal; null: none.
+  const Simulation* share_with = nullptr;
 };
 
 enum class PictureRays : std::uint8_t {
@@ -83,6 +87,8 @@ class Simulation {
   Tick tick() const { return state().tick; }
   double time() const;              // s, simulated
   const WorldState& state() const;  // valid until the next Step or Restore
+  // The same state to keep: it never changes.
+  std::shared_ptr<const WorldState> shared_state() const;
   std::uint64_t state_hash() const;
   // The events of the last tick: rejected proposals, then those of the step. Empty at tick 0.
   const std::vector<Event>& events() const;
@@ -91,18 +97,25 @@ class Simulation {
   // What controllers have reported (Command::report) since the last call of Step began; each line names its robot.
   const std::vector<std::string>& reports() const;
 
-  // The robot's pose in the world. REQUIRES: the id is of this world, here and below.
+  // The robot's sensors, joints and grippers, in the order in which the functions below count them; valid until a
+  // snapshot is restored. REQUIRES: the id is of this world, here and below.
+  RobotInfo Info(RobotId robot) const;
+  // The robot's pose in the world.
   const Pose& pose(RobotId robot) const;
   // The model that each gripper of the robot holds, in the order of RobotInfo::grippers.
   std::vector<std::optional<ModelId>> HeldObjects(RobotId robot) const;
   // The reading of one of the robot's sensors, by its place in RobotInfo::sensors, in the present state. Whether it is
   // read changes nothing. REQUIRES: the sensor exists.
   SensorReading Measure(RobotId robot, std::size_t sensor) const;
+  // The same without a copy: valid until the next call of this, Measure, Step or Restore.
+  const SensorReading& Read(RobotId robot, std::size_t sensor) const;
 
   // Drives a robot from outside, from the next tick on. The motion of `command` replaces that of the robot's controller
   // until the next Drive or Release; the commands to grippers and joints are executed once, after the controller's. The
   // error is a number that is not finite, or a command to a gripper or joint that the robot cannot execute.
   Status Drive(RobotId robot, Command command);
+  // The same with a motion alone, in R; a car turns its wheels so that it follows the twist as far as it can.
+  Status DriveBy(RobotId robot, const Twist& twist);
   // Returns the robot to its controller.
   void Release(RobotId robot);
 
@@ -112,6 +125,13 @@ class Simulation {
   // steps from it give the same hashes. On an error, a controller that cannot be copied, nothing has changed.
   Status Restore(const Snapshot& snapshot);
 
+  // A further simulation that continues from `snapshot`, with the constant parts of its world in the same memory.
+  // The error is a controller that cannot be copied.
+  static Result<Simulation> Continue(const Snapshot& snapshot);
+
+  // Draws the present state: the bytes of a file in options.format. The error's code is kBadInput for options out of
+  // bounds.
+  Result<std::string> DrawPicture(const PictureOptions& options = {}, PictureRays rays = PictureRays::kHidden) const;
   // Draws the present state; the ending of `file`, .png or .svg, sets the format in place of options.format. The
   // error's code is kBadInput for options out of bounds and kOutputFailed for a file that cannot be written.
   Status SavePicture(const std::string& file, const PictureOptions& options = {},

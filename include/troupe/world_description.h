@@ -192,13 +192,16 @@ struct GripperDescription {
 };
 
 struct ControllerDescription {
-  std::string name = "idle";      // a built-in controller, or the path of a shared library
+  std::string name = "idle";      // a built-in controller, or a file (NamesLibrary)
   std::string parameters = "{}";  // a JSON object
   bool operator==(const ControllerDescription&) const = default;
 };
 
-// True if a controller of this name is a shared library: the name contains a slash or ends in ".so".
+// True if a controller of this name is a file: a shared library, whose name contains a slash or ends in ".so", or a
+// class in Python, "FILE.py:CLASS".
 bool NamesLibrary(const std::string& controller);
+// The path of that file: the name without the class.
+std::string ControllerFile(const std::string& controller);
 
 // How a robot appears in ROS 2. It changes no result.
 struct RosIdentity {

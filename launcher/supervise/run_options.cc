@@ -198,7 +198,7 @@ std::vector<std::string> AgentArguments(const RunOptions& options, const std::st
   for (const std::string& library : libraries) Append(arguments, "--allow-controllers", library);
   // A robot that is spawned later may be the first with the controller of the command line.
   const std::string controller = options.load.controller.value_or("");
-  if (NamesLibrary(controller)) Append(arguments, "--allow-controllers", controller);
+  if (NamesLibrary(controller)) Append(arguments, "--allow-controllers", ControllerFile(controller));
   for (const std::string& path : options.permissions.controllers) Append(arguments, "--allow-controllers", path);
   if (!ros) return arguments;
   arguments.emplace_back("--ros");

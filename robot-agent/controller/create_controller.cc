@@ -9,8 +9,10 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
+#include "common/base/paths.h"
 #include "common/base/text.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/steering.h"
@@ -30,15 +32,83 @@ Error UnknownName(const std::string& name) {
                       fmt::join(BuiltInControllers(), ", "), DidYouMean(name, BuiltInControllers()))};
 }
 
+// The library of the package troupe for Python that runs its controllers: in the package itself (pip), in a folder of
+// the build, or where python3-troupe is installed. Empty if there is none.
+std::string FindPythonHost() {
+  Dl_info code{};
+  std::error_code failure;
+  std::filesystem::path folder;
+  if (dladdr(reinterpret_cast<const void*>(&FindPythonHost), &code) != 0 &&
+      std::string_view(code.dli_fname).find(".so") != std::string_view::npos) {
+    folder = std::filesystem::canonical(code.dli_fname, failure).parent_path();
+  } else if (const Result<std::string> programs = ProgramFolder(); programs.ok()) {
+    folder = programs.value();
+  }
+  for (const char* place : {".", "../python/troupe", "../lib/python3/dist-packages/troupe",
+                            "../python3/dist-packages/troupe", "python3/dist-packages/troupe"}) {
+    const std::filesystem::path host = (folder / place / "python_controllers.so").lexically_normal();
+    if (std::filesystem::exists(host, failure)) return host.string();
+  }
+  return {};
+}
+
 Error LibraryError(const std::string& path, const std::string& message) {
   return {{}, fmt::format("controller library {}: {}", path, message)};
 }
 
-// Opens the library (a relative path starts at the working directory), if `allowed` allows it, and calls its factory of
-// a controller. The library stays open until the program ends, because exceptions and objects of its types may live as
-// long.
-Result<std::unique_ptr<Controller>> CreateLibraryController(const std::string& path, const RobotInfo& info,
+// Opens a library and returns its function `factory`, of another type. The library stays open until the program ends,
+// because exceptions and objects of its types may live as long. `path` is for messages.
+Result<void*> OpenLibrary(const std::string& file, const char* factory, const std::string& path) {
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (library == nullptr) return LibraryError(path, fmt::format("cannot be opened: {}", dlerror()));
+  using AbiFunction = int();
+  auto* abi = reinterpret_cast<AbiFunction*>(dlsym(library, "troupe_controller_abi"));
+  void* create = dlsym(library, factory);
+  if (abi == nullptr || create == nullptr) {
+    return LibraryError(path,
+                        "is not a controller: it lacks troupe_controller_abi or troupe_create_controller, expected "
+                        "TROUPE_CONTROLLER(Type) in its source");
+  }
+  if (const int found = abi(); found != TROUPE_CONTROLLER_ABI) {
+    return LibraryError(path, fmt::format("found interface version {}, expected {}: build it against this version of "
+                                          "Troupe",
+                                          found, TROUPE_CONTROLLER_ABI));
+  }
+  return create;
+}
+
+// The controller that `create`, a function of a library, makes.
+template <typename Create>
+Result<std::unique_ptr<Controller>> CallFactory(const std::string& path, const Create& create) {
+  try {
+    std::unique_ptr<Controller> controller(create());
+    if (controller == nullptr) return LibraryError(path, "made no controller");
+    return controller;
+  } catch (const std::exception& exception) {
+    return LibraryError(path, exception.what());
+  } catch (...) {
+    return LibraryError(path, "threw something that is not a std::exception");
+  }
+}
+
+// Of a file that exists: a class in Python, in the library of the package for Python.
+Result<std::unique_ptr<Controller>> CreatePythonController(const std::string& name, const std::string& file,
+                                                           const RobotInfo& info) {
+  const std::string host = FindPythonHost();
+  if (host.empty()) {
+    return LibraryError(name, "needs the package for Python, expected python3-troupe to be installed");
+  }
+  const Result<void*> factory = OpenLibrary(host, "troupe_create_python_controller", host);
+  if (!factory.ok()) return factory.error();
+  using CreateFunction = Controller*(const RobotInfo&, const char*);
+  auto* create = reinterpret_cast<CreateFunction*>(factory.value());
+  return CallFactory(name, [&] { return create(info, file.c_str()); });
+}
+
+// Uses the file of the controller (a relative path starts at the working directory), if `allowed` allows it.
+Result<std::unique_ptr<Controller>> CreateLibraryController(const std::string& name, const RobotInfo& info,
                                                             const AllowedPaths& allowed) {
+  const std::string path = ControllerFile(name);
   // The path comes with the description of the world, which another process may have sent.
   const std::optional<std::string> resolved = allowed.Resolve(path);
   if (!resolved) {
@@ -50,32 +120,12 @@ Result<std::unique_ptr<Controller>> CreateLibraryController(const std::string& p
   std::error_code ignored;
   const std::string absolute = std::filesystem::absolute(*resolved, ignored).string();
   if (!std::filesystem::exists(absolute, ignored)) return LibraryError(path, "no such file: " + absolute);
-  void* library = dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (library == nullptr) return LibraryError(path, fmt::format("cannot be opened: {}", dlerror()));
-
-  using AbiFunction = int();
+  if (path != name) return CreatePythonController(name, absolute, info);
+  const Result<void*> factory = OpenLibrary(absolute, "troupe_create_controller", path);
+  if (!factory.ok()) return factory.error();
   using CreateFunction = Controller*(const RobotInfo&);
-  auto* abi = reinterpret_cast<AbiFunction*>(dlsym(library, "troupe_controller_abi"));
-  auto* create = reinterpret_cast<CreateFunction*>(dlsym(library, "troupe_create_controller"));
-  if (abi == nullptr || create == nullptr) {
-    return LibraryError(path,
-                        "is not a controller: it lacks troupe_controller_abi or troupe_create_controller, expected "
-                        "TROUPE_CONTROLLER(Type) in its source");
-  }
-  if (const int found = abi(); found != TROUPE_CONTROLLER_ABI) {
-    return LibraryError(path, fmt::format("found interface version {}, expected {}: build it against this version of "
-                                          "Troupe",
-                                          found, TROUPE_CONTROLLER_ABI));
-  }
-  try {
-    std::unique_ptr<Controller> controller(create(info));
-    if (controller == nullptr) return LibraryError(path, "made no controller");
-    return controller;
-  } catch (const std::exception& exception) {
-    return LibraryError(path, exception.what());
-  } catch (...) {
-    return LibraryError(path, "threw something that is not a std::exception");
-  }
+  auto* create = reinterpret_cast<CreateFunction*>(factory.value());
+  return CallFactory(path, [&] { return create(info); });
 }
 
 // dynamic: a body that moves to and fro, for worlds whose obstacles change.
@@ -191,6 +241,9 @@ Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info, cons
 
 Status CheckController(const std::string& name, const std::string& parameters) {
   if (NamesLibrary(name)) {
+    if (name.ends_with(".py") || name.ends_with(".py:")) {
+      return LibraryError(name, "names no class, expected FILE.py:CLASS");
+    }
     // The library alone knows its keys.
     return Parameters(fmt::format("controller library {}", name), parameters).status();
   }

@@ -157,7 +157,7 @@ const RobotDescription& Robot::description() const {
   return scene_->world().robot(id_);
 }
 
-Status Robot::StartController(const AllowedPaths& libraries) {
+RobotInfo Robot::Info() const {
   RobotInfo info{.id = id_,
                  .robot = &description(),
                  .parameters = description().controller.parameters,
@@ -172,7 +172,11 @@ Status Robot::StartController(const AllowedPaths& libraries) {
     const SensorDescription& sensor = sensors_.sensor(i).description();
     info.sensors.push_back({&sensor, scene_->X_RM(sensor.model)});
   }
-  Result<std::unique_ptr<Controller>> controller = CreateController(info, libraries);
+  return info;
+}
+
+Status Robot::StartController(const AllowedPaths& libraries) {
+  Result<std::unique_ptr<Controller>> controller = CreateController(Info(), libraries);
   if (!controller.ok()) return controller.error();
   controller_ = std::move(controller).value();
   return Subscribe();

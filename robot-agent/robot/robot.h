@@ -57,6 +57,9 @@ class Robot {
 
   RobotId id() const { return id_; }
 
+  // What its controller knows about it before the first tick.
+  RobotInfo Info() const;
+
   // Measures state n, calls the controller, and returns the proposal for tick n + 1. Called once for each
   // tick, in order; ticks may be missing after an absence of the agent. `trace` may be null.
   Proposal Decide(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external = {},

@@ -152,7 +152,7 @@ void RestrictRequests(const OwnerPermissions& permissions, const WorldDescriptio
   AllowedPaths libraries;
   for (const std::string& library : LibrariesOf(world)) libraries.Add(library);
   if (options.overrides.controller && NamesLibrary(*options.overrides.controller)) {
-    libraries.Add(*options.overrides.controller);
+    libraries.Add(ControllerFile(*options.overrides.controller));
   }
   for (const std::string& path : permissions.controllers) libraries.Add(path);
   options.libraries = libraries;
@@ -161,9 +161,9 @@ void RestrictRequests(const OwnerPermissions& permissions, const WorldDescriptio
 std::vector<std::string> LibrariesOf(const WorldDescription& world) {
   std::vector<std::string> libraries;
   for (const RobotDescription& robot : world.robots) {
-    const std::string& name = robot.controller.name;
-    if (NamesLibrary(name) && std::find(libraries.begin(), libraries.end(), name) == libraries.end()) {
-      libraries.push_back(name);
+    const std::string file = ControllerFile(robot.controller.name);
+    if (NamesLibrary(file) && std::find(libraries.begin(), libraries.end(), file) == libraries.end()) {
+      libraries.push_back(file);
     }
   }
   return libraries;
@@ -172,7 +172,7 @@ std::vector<std::string> LibrariesOf(const WorldDescription& world) {
 Status CheckLibraries(const WorldDescription& world, const AllowedPaths& libraries) {
   for (const RobotDescription& robot : world.robots) {
     const std::string& name = robot.controller.name;
-    if (!NamesLibrary(name) || libraries.Resolve(name)) continue;
+    if (!NamesLibrary(name) || libraries.Resolve(ControllerFile(name))) continue;
     return Error{{},
                  fmt::format("robot {}: controller library {} is not allowed, expected a library that the owner of the "
                              "run has allowed (--allow-controllers)",

@@ -77,7 +77,7 @@ std::optional<ControllerEntry> Reader::ReadController(const JsonNode& object) co
     }
   }
   const std::string& name = entry.controller.name;
-  if (name.find('/') != std::string::npos || name.ends_with(".so")) entry.controller.name = FromScenarioFolder(name);
+  if (NamesLibrary(name)) entry.controller.name = FromScenarioFolder(name);
   return entry;
 }
 

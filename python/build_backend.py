@@ -1,0 +1,85 @@
+"""Builds a wheel of the package troupe by CMake, with libtroupe in it: the backend of pyproject.toml (PEP 517).
+
+It needs no package of Python but those that are there, so that `pip install .` works without a network.
+"""
+
+import base64
+import hashlib
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import zipfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def _version():
+    return re.search(r"project\(troupe VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text())[1]
+
+
+def _metadata():
+    return (f"Metadata-Version: 2.1\nName: troupe\nVersion: {_version()}\n"
+            "Summary: A deterministic 2.5D simulator of many mobile robots\nLicense: Apache-2.0\n"
+            "Requires-Python: >=3.9\nRequires-Dist: numpy\nDescription-Content-Type: text/markdown\n\n"
+            + (ROOT / "docs/python.md").read_text())
+
+
+def _build(folder):
+    """Compiles the package into `folder`/python/troupe."""
+    configure = ["cmake", "-S", str(ROOT), "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON",
+                 "-DTROUPE_TESTS=OFF", "-DTROUPE_WEB_PAGE=OFF", f"-DPython_EXECUTABLE={sys.executable}"]
+    subprocess.run(configure + (["-G", "Ninja"] if _has("ninja") else []), check=True)
+    subprocess.run(["cmake", "--build", folder, "--parallel", str(os.cpu_count() or 1), "--target", "python_package"],
+                   check=True)
+
+
+def _has(program):
+    return any(os.access(os.path.join(place, program), os.X_OK) for place in os.environ["PATH"].split(":"))
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    tag = f"cp{sys.version_info[0]}{sys.version_info[1]}"
+    platform = re.sub(r"[-.]", "_", sysconfig.get_platform())
+    info = f"troupe-{_version()}.dist-info"
+    name = f"troupe-{_version()}-{tag}-{tag}-{platform}.whl"
+    with tempfile.TemporaryDirectory() as folder:
+        _build(folder)
+        package = pathlib.Path(folder) / "python/troupe"
+        if not list(package.glob("_troupe*.so")):
+            raise RuntimeError("the package was not built: see CMake's message above, and run scripts/setup")
+        # The wheel has no links: the library has the name by which the extension knows it.
+        library = next(path for path in (pathlib.Path(folder) / "lib").glob("libtroupe.so.*.*") if path.is_symlink())
+        content = {f"troupe/{path.relative_to(package)}": path.read_bytes()
+                   for path in sorted(package.rglob("*")) if path.is_file() and "__pycache__" not in path.parts}
+        content[f"troupe/{library.name}"] = library.read_bytes()
+    for part in ("office.world", "robotics_lab.world", "include", "bitmaps", "scenarios"):
+        place = ROOT / "worlds" / part
+        for path in sorted(place.rglob("*")) if place.is_dir() else [place]:
+            if path.is_file():
+                content[f"troupe/worlds/{path.relative_to(ROOT / 'worlds')}"] = path.read_bytes()
+    content[f"{info}/METADATA"] = _metadata().encode()
+    content[f"{info}/WHEEL"] = (f"Wheel-Version: 1.0\nGenerator: troupe\nRoot-Is-Purelib: false\n"
+                                f"Tag: {tag}-{tag}-{platform}\n").encode()
+    content[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    record = "".join(f"{path},sha256={_digest(data)},{len(data)}\n" for path, data in content.items())
+    content[f"{info}/RECORD"] = (record + f"{info}/RECORD,,\n").encode()
+    with zipfile.ZipFile(os.path.join(wheel_directory, name), "w", zipfile.ZIP_DEFLATED) as wheel:
+        for path, data in content.items():
+            wheel.writestr(path, data)
+    return name
+
+
+def _digest(data):
+    return base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+
+
+def build_sdist(sdist_directory, config_settings=None):
+    name = f"troupe-{_version()}"
+    archive = os.path.join(sdist_directory, name + ".tar.gz")
+    subprocess.run(["git", "-C", str(ROOT), "archive", "--format=tar.gz", f"--prefix={name}/", "-o", archive, "HEAD"],
+                   check=True)
+    return os.path.basename(archive)

@@ -1,0 +1,381 @@
+#include "python/native/convert.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+namespace troupe::python {
+namespace {
+
+using namespace py::literals;
+
+std::string TypeName(py::handle value) {
+  return Py_TYPE(value.ptr())->tp_name;
+}
+
+template <typename... Values>
+py::object Make(const char* record, Values&&... values) {
+  return Record(record)(std::forward<Values>(values)...);
+}
+
+template <typename Rows, typename Convert>
+py::tuple ToTuple(const Rows& rows, Convert&& convert) {
+  py::tuple tuple(rows.size());
+  std::size_t i = 0;
+  for (const auto& row : rows) tuple[i++] = convert(row);
+  return tuple;
+}
+
+template <typename Tag>
+py::object Number(const std::optional<Id<Tag>>& id) {
+  return id ? py::object(py::int_(id->index())) : py::none();
+}
+
+py::object Name(const std::optional<SeenModel>& model) {
+  return model ? py::object(py::str(model->name.data(), model->name.size())) : py::none();
+}
+
+py::str Text(std::string_view text) {
+  return py::str(text.data(), text.size());
+}
+
+py::ssize_t Size(std::size_t size) {
+  return static_cast<py::ssize_t>(size);
+}
+
+// Of each kind of reading: its record.
+struct ReadingConverter {
+  const std::shared_ptr<const SensorReading>& owner;
+  Tick tick;
+
+  py::object operator()(const std::monostate&) const { return py::none(); }
+
+  py::object operator()(const RangerReading& reading) const {
+    return Make("RangerReading", tick, ToTuple(reading.scans, [&](const RangeScan& scan) {
+                  std::vector<py::ssize_t> shape = {Size(scan.ranges.size())};
+                  if (!scan.elevations.empty()) shape = {Size(scan.planes()), Size(scan.fan.count)};
+                  static constexpr double kLevel = 0.0;
+                  const double* const elevations = scan.elevations.empty() ? &kLevel : scan.elevations.data();
+                  return Make("RangeScan", View(owner, scan.ranges.data(), shape),
+                              View(owner, scan.intensities.data(), shape), scan.fan.fov,
+                              View(owner, elevations, {Size(scan.planes())}), ToRecord(scan.X_RS), scan.limits.min,
+                              scan.limits.max);
+                }));
+  }
+
+  py::object operator()(const BreakBeamReading& reading) const {
+    return Make("BreakBeamReading", tick, ToTuple(reading.beams, [](const BreakBeamReading::Beam& beam) {
+                  return Make("Beam", Number(beam.broken_by));
+                }));
+  }
+
+  py::object operator()(const FiducialReading& reading) const {
+    py::tuple fiducials = ToTuple(reading.fiducials, [](const Fiducial& seen) {
+      return Make("Fiducial", seen.id, seen.range, seen.bearing, ToRecord(seen.X_SF),
+                  py::make_tuple(seen.size_x, seen.size_y, seen.size_z));
+    });
+    return Make("FiducialReading", tick, std::move(fiducials), reading.fov, reading.limits.min, reading.limits.max,
+                ToRecord(reading.X_RS));
+  }
+
+  py::object operator()(const BumperReading& reading) const {
+    return Make("BumperReading", tick, ToTuple(reading.segments, [](const BumperReading::Segment& segment) {
+                  return Make("BumperSegment", segment.pressed_by.has_value(), ToRecord(segment.X_RB), segment.length);
+                }));
+  }
+
+  py::object operator()(const ContactReading& reading) const {
+    return Make("ContactReading", tick, ToTuple(reading.contacts, [](const BodyContact& contact) {
+                  return Make("Contact", contact.part.index(), contact.other.index(), contact.point.x(),
+                              contact.point.y(), contact.z_min, contact.z_max);
+                }));
+  }
+
+  py::object operator()(const BlobfinderReading& reading) const {
+    py::tuple blobs = ToTuple(reading.blobs, [](const Blob& blob) {
+      return Make("Blob", py::make_tuple(blob.color.r, blob.color.g, blob.color.b, blob.color.a), blob.left, blob.top,
+                  blob.right, blob.bottom, blob.range);
+    });
+    return Make("BlobfinderReading", tick, reading.width, reading.height, reading.fov, std::move(blobs));
+  }
+
+  py::object operator()(const CameraReading& reading) const {
+    const std::vector<py::ssize_t> shape = {Size(reading.height), Size(reading.width)};
+    return Make("CameraReading", tick, View(owner, reading.colors.data(), {shape[0], shape[1], 3}),
+                View(owner, reading.depths.data(), shape), View(owner, reading.models.data(), shape),
+                py::make_tuple(reading.focal_length_x, reading.focal_length_y),
+                py::make_tuple(reading.center_x, reading.center_y), reading.limits.min, reading.limits.max,
+                ToRecord(reading.X_RS));
+  }
+
+  py::object operator()(const RadioReading& reading) const {
+    py::tuple receptions = ToTuple(reading.receptions, [](const RadioReception& message) {
+      py::object place = py::none();
+      if (message.place) place = Make("Place", message.place->range, message.place->bearing, message.place->elevation);
+      const py::bytes data(reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size());
+      return Make("Reception", message.from.index(), message.to_all, data, message.rssi, message.tick,
+                  std::move(place));
+    });
+    return Make("RadioReading", tick, std::move(receptions), reading.range);
+  }
+
+  py::object operator()(const ImuReading& reading) const {
+    return Make("ImuReading", tick, reading.heading, reading.turn,
+                py::make_tuple(reading.force_xy.x(), reading.force_xy.y(), reading.force_z), ToRecord(reading.X_RS));
+  }
+};
+
+const char* NameOf(FingerState fingers) {
+  switch (fingers) {
+    case FingerState::kOpen:
+      return "open";
+    case FingerState::kClosing:
+      return "closing";
+    case FingerState::kClosed:
+      return "closed";
+    case FingerState::kOpening:
+      return "opening";
+  }
+  return "";
+}
+
+const char* NameOf(DriveType drive) {
+  switch (drive) {
+    case DriveType::kDifferential:
+      return "differential";
+    case DriveType::kOmni:
+      return "omni";
+    case DriveType::kCar:
+      return "car";
+  }
+  return "";
+}
+
+py::object Limits(const Interval& interval) {
+  return py::make_tuple(interval.min, interval.max);
+}
+
+// The members of a record, which Python's own tuples of the same length stand for, too.
+
+py::tuple Members(py::handle value, const char* record) {
+  if (!py::isinstance(value, Record(record))) {
+    throw py::type_error(fmt::format("found {} in a command, expected {}", TypeName(value), record));
+  }
+  return py::reinterpret_borrow<py::tuple>(value);
+}
+
+std::optional<double> OptionalNumber(py::handle value, const char* what) {
+  if (value.is_none()) return std::nullopt;
+  return ToNumber(value, what);
+}
+
+std::string ToText(py::handle value, const char* what) {
+  if (!py::isinstance<py::str>(value)) {
+    throw py::type_error(fmt::format("{}: found {}, expected a str", what, TypeName(value)));
+  }
+  return value.cast<std::string>();
+}
+
+bool ToBool(py::handle value, const char* what) {
+  const int truth = PyObject_IsTrue(value.ptr());
+  if (truth < 0) throw py::error_already_set();
+  if (!PyBool_Check(value.ptr()) && !PyLong_Check(value.ptr())) {
+    throw py::type_error(fmt::format("{}: found {}, expected a bool", what, TypeName(value)));
+  }
+  return truth == 1;
+}
+
+std::optional<FingerCommand> ToFingers(py::handle value) {
+  if (value.is_none()) return std::nullopt;
+  const std::string name = ToText(value, "fingers");
+  if (name == "open") return FingerCommand::kOpen;
+  if (name == "close") return FingerCommand::kClose;
+  if (name == "stay") return FingerCommand::kStay;
+  throw py::value_error(fmt::format("fingers: found '{}', expected 'open', 'close' or 'stay'", name));
+}
+
+// Calls add(row) for each element of a sequence.
+template <typename Add>
+void ForEach(py::handle rows, const char* what, Add&& add) {
+  const auto list = py::reinterpret_steal<py::list>(PySequence_List(rows.ptr()));
+  if (!list) {
+    PyErr_Clear();
+    throw py::type_error(fmt::format("{}: found {}, expected a list", what, TypeName(rows)));
+  }
+  for (const py::handle row : list) add(row);
+}
+
+Command FromRecord(const py::tuple& record) {
+  Command command;
+  command.twist = {ToNumber(record[0], "vx"), ToNumber(record[1], "vy"), ToNumber(record[2], "wz")};
+  command.speed = ToNumber(record[3], "speed");
+  command.steering = ToNumber(record[4], "steering");
+  ForEach(record[5], "grippers", [&](py::handle row) {
+    const py::tuple m = Members(row, "GripperCommand");
+    command.grippers.push_back(
+        {ToIndex(m[0], "gripper"), ToFingers(m[1]), OptionalNumber(m[2], "lift"), OptionalNumber(m[3], "opening")});
+  });
+  ForEach(record[6], "joints", [&](py::handle row) {
+    const py::tuple m = Members(row, "JointCommand");
+    command.joints.push_back(
+        {ToIndex(m[0], "joint"), OptionalNumber(m[1], "position"), OptionalNumber(m[2], "velocity")});
+  });
+  ForEach(record[7], "messages", [&](py::handle row) {
+    const py::tuple m = Members(row, "RadioMessage");
+    const py::object data = m[1];
+    if (!PyBytes_Check(data.ptr())) {
+      throw py::type_error(fmt::format("data: found {}, expected bytes", TypeName(data)));
+    }
+    const auto bytes = data.cast<std::string_view>();
+    RadioMessage message{.radio = ToIndex(m[0], "radio"), .to = {}, .bytes = {bytes.begin(), bytes.end()}};
+    if (const py::object to = m[2]; !to.is_none()) message.to = RobotId(ToIndex(to, "to"));
+    command.messages.push_back(std::move(message));
+  });
+  ForEach(record[8], "lights", [&](py::handle row) {
+    const py::tuple m = Members(row, "LightCommand");
+    command.lights.push_back({ToIndex(m[0], "light"), ToBool(m[1], "on")});
+  });
+  ForEach(record[9], "cameras", [&](py::handle row) {
+    const py::tuple m = Members(row, "CameraCommand");
+    command.cameras.push_back({ToIndex(m[0], "sensor"), ToNumber(m[1], "pan"), ToNumber(m[2], "tilt")});
+  });
+  command.report = ToText(record[10], "report");
+  command.say = ToText(record[11], "say");
+  return command;
+}
+
+}  // namespace
+
+const py::object& Record(const char* name) {
+  // Never freed: the interpreter may end before them.
+  static auto* const types = new std::map<std::string_view, py::object>();
+  const auto found = types->find(name);
+  if (found != types->end()) return found->second;
+  return types->emplace(name, py::module_::import("troupe.records").attr(name)).first->second;
+}
+
+py::object ToRecord(const Pose& pose) {
+  return Make("Pose", pose.x, pose.y, pose.z, pose.heading);
+}
+
+py::object ToRecord(const Twist& twist) {
+  return Make("Twist", twist.vx, twist.vy, twist.wz);
+}
+
+py::object ToRecord(const std::shared_ptr<const SensorReading>& reading) {
+  return std::visit(ReadingConverter{reading, reading->tick}, reading->content);
+}
+
+py::object ToRecord(const RobotInfo& info) {
+  const DriveDescription& drive = info.robot->drive;
+  py::tuple sensors = ToTuple(info.sensors, [](const SensorInfo& sensor) {
+    return Make("SensorInfo", sensor.description->name, Text(TypeOf(sensor.description->parameters)),
+                ToRecord(sensor.X_RM));
+  });
+  py::tuple joints = ToTuple(info.joints, [](const JointDescription* joint) {
+    return Make("JointInfo", joint->name, joint->type == JointType::kPrismatic ? "prismatic" : "revolute",
+                joint->position.min, joint->position.max, joint->max_speed);
+  });
+  py::tuple grippers = ToTuple(info.grippers, [](const GripperInfo& gripper) {
+    return Make("GripperInfo", gripper.description->name, gripper.left, gripper.right, py::cast(gripper.lift),
+                py::cast(gripper.beams));
+  });
+  py::tuple lights = ToTuple(info.lights, [](const LightInfo& light) { return Text(light.name); });
+  return Make("RobotInfo", info.robot->name, info.id.index(),
+              py::module_::import("json").attr("loads")(info.parameters),
+              Make("DriveInfo", NameOf(drive.type), drive.wheelbase,
+                   py::make_tuple(Limits(drive.velocity.x), Limits(drive.velocity.y), Limits(drive.velocity.heading))),
+              std::move(sensors), std::move(joints), std::move(grippers), std::move(lights));
+}
+
+py::object ToRecord(const Observation& seen) {
+  py::tuple sensors = ToTuple(seen.sensors, [](const SensorReading& reading) -> py::object {
+    if (reading.empty()) return py::none();
+    return ToRecord(std::make_shared<const SensorReading>(reading));  // the robot's own changes in the next tick
+  });
+  py::tuple joints = ToTuple(seen.joints, [](const JointReading& joint) {
+    return Make("JointReading", joint.position, joint.velocity, joint.blocked, joint.moving);
+  });
+  py::tuple grippers = ToTuple(seen.grippers, [](const GripperReading& gripper) {
+    py::tuple beams = ToTuple(gripper.beams, [](const std::optional<SeenModel>& object) { return Name(object); });
+    return Make("GripperReading", NameOf(gripper.fingers), gripper.lift_moving, gripper.lift_position,
+                gripper.lift_percent, Name(gripper.left_contact), Name(gripper.right_contact), Name(gripper.held),
+                Name(gripper.clamped), std::move(beams));
+  });
+  py::tuple lights = ToTuple(seen.lights, [](bool on) { return py::bool_(on); });
+  py::object energy = py::none();
+  if (seen.energy) {
+    energy = Make("EnergyReading", seen.energy->joules, seen.energy->capacity, seen.energy->charge_watts);
+  }
+  py::object goal = py::none();
+  if (seen.goal != nullptr) {
+    py::tuple points =
+        ToTuple(seen.goal->waypoints, [](const Vec2& point) { return py::make_tuple(point.x(), point.y()); });
+    goal = Make("Goal", seen.goal->number, std::move(points), py::cast(seen.goal->heading));
+  }
+  return Make("Observation", seen.tick, seen.time, seen.interval, ToRecord(seen.pose_estimate), ToRecord(seen.twist),
+              seen.stalled, std::move(sensors), std::move(joints), std::move(grippers), std::move(lights),
+              std::move(energy), std::move(goal), seen.random_key);
+}
+
+Command ToCommand(py::handle value) {
+  if (value.is_none()) return {};
+  if (py::isinstance(value, Record("Command"))) return FromRecord(py::reinterpret_borrow<py::tuple>(value));
+  std::vector<double> numbers;
+  if (PySequence_Check(value.ptr()) != 0 && !PyUnicode_Check(value.ptr())) {
+    ForEach(value, "command", [&](py::handle number) { numbers.push_back(ToNumber(number, "command")); });
+  }
+  Command command;
+  if (numbers.size() == 2) {
+    command.twist = {numbers[0], 0.0, numbers[1]};
+  } else if (numbers.size() == 3) {
+    command.twist = {numbers[0], numbers[1], numbers[2]};
+  } else {
+    throw py::type_error(fmt::format("found {}, expected a Command, (vx, wz), (vx, vy, wz) or None",
+                                     py::str(py::repr(value)).cast<std::string>()));
+  }
+  return command;
+}
+
+py::array OutputArray(const py::object& out, const std::vector<py::ssize_t>& shape, const char* what) {
+  std::string expected;
+  for (const py::ssize_t side : shape) expected += fmt::format("{}{}", expected.empty() ? "" : ", ", side);
+  if (!py::isinstance<py::array>(out)) {
+    throw py::type_error(fmt::format("{}: expected a numpy array ({}) of float32 or float64", what, expected));
+  }
+  py::array array = py::reinterpret_borrow<py::array>(out);
+  const bool number = py::isinstance<py::array_t<float>>(array) || py::isinstance<py::array_t<double>>(array);
+  bool fits = number && array.writeable() && (array.flags() & py::array::c_style) != 0 &&
+              static_cast<std::size_t>(array.ndim()) == shape.size();
+  for (std::size_t i = 0; fits && i < shape.size(); ++i) fits = array.shape(static_cast<py::ssize_t>(i)) == shape[i];
+  if (!fits) {
+    throw py::value_error(
+        fmt::format("{}: expected a writable array ({}) of float32 or float64, in one piece", what, expected));
+  }
+  return array;
+}
+
+double ToNumber(py::handle value, const char* what) {
+  const double number = PyFloat_AsDouble(value.ptr());
+  if (number == -1.0 && PyErr_Occurred() != nullptr) {
+    PyErr_Clear();
+    throw py::type_error(fmt::format("{}: found {}, expected a number", what, TypeName(value)));
+  }
+  return number;
+}
+
+std::size_t ToIndex(py::handle value, const char* what) {
+  const Py_ssize_t index = PyNumber_AsSsize_t(value.ptr(), PyExc_OverflowError);
+  if (index == -1 && PyErr_Occurred() != nullptr) {
+    PyErr_Clear();
+    throw py::type_error(fmt::format("{}: found {}, expected a number from 0", what, TypeName(value)));
+  }
+  if (index < 0) throw py::value_error(fmt::format("{}: found {}, expected a number from 0", what, index));
+  return static_cast<std::size_t>(index);
+}
+
+}  // namespace troupe::python

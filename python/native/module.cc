@@ -1,0 +1,10 @@
+// The extension troupe._troupe, on libtroupe.
+#include "python/native/world.h"
+#include "troupe/version.h"
+
+PYBIND11_MODULE(_troupe, module) {
+  module.doc() = "The native part of troupe: its names are those of the package.";
+  module.attr("__version__") = troupe::VersionText();
+  troupe::python::DefineSimulation(module);
+  troupe::python::DefineVectorSimulation(module);
+}

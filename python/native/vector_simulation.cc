@@ -1,0 +1,361 @@
+// The class troupe.VectorSimulation: many copies of a world, stepped by all cores.
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/base/thread_pool.h"
+#include "python/native/convert.h"
+#include "python/native/world.h"
+
+namespace troupe::python {
+namespace {
+
+using namespace py::literals;
+constexpr std::size_t kMostWorlds = 1'000'000;
+
+// Uses of all worlds, for one call.
+class Uses {
+ public:
+  explicit Uses(const std::vector<std::shared_ptr<World>>& worlds) {
+    uses_.reserve(worlds.size());
+    for (const std::shared_ptr<World>& world : worlds) uses_.push_back(std::make_unique<World::Use>(*world));
+  }
+
+ private:
+  std::vector<std::unique_ptr<World::Use>> uses_;
+};
+
+class Worlds {
+ public:
+  Worlds(std::vector<std::shared_ptr<World>> worlds, std::size_t threads)
+      : worlds_(std::move(worlds)),
+        robots_(worlds_[0]->simulation().world().robots.size()),
+        pool_(std::min(threads, worlds_.size())) {
+    for (const std::shared_ptr<World>& world : worlds_) {
+      starts_.push_back(ValueOf(world->simulation().Save()));
+      calls_python_ |= world->calls_python();
+    }
+  }
+
+  std::size_t size() const { return worlds_.size(); }
+  std::size_t robots() const { return robots_; }
+  const std::vector<std::shared_ptr<World>>& worlds() const { return worlds_; }
+  std::size_t threads() const { return pool_.size(); }
+
+  void Step(Tick ticks) {
+    const Uses uses(worlds_);
+    for (const std::shared_ptr<World>& world : worlds_) {
+      world->events.clear();
+      world->reports.clear();
+    }
+    ForEachWorld([ticks](World& world, const std::atomic<bool>& stopped) {
+      for (Tick i = 0; i < ticks && !stopped; ++i) world.StepOnce();
+    });
+  }
+
+  // (worlds, robots, 2 or 3)
+  void Drive(const py::object& motion) {
+    const Uses uses(worlds_);
+    const auto twists = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(motion);
+    if (!twists) PyErr_Clear();
+    if (!twists || twists.ndim() != 3 || twists.shape(0) != static_cast<py::ssize_t>(size()) ||
+        twists.shape(1) != static_cast<py::ssize_t>(robots()) || (twists.shape(2) != 2 && twists.shape(2) != 3)) {
+      throw py::value_error(fmt::format(
+          "motion: expected an array ({0}, {1}, 3) of vx, vy, wz or ({0}, {1}, 2) of vx, wz", size(), robots()));
+    }
+    const double* row = twists.data();
+    const py::ssize_t columns = twists.shape(2);
+    for (const std::shared_ptr<World>& world : worlds_) world->CheckRobots(robots());
+    for (const std::shared_ptr<World>& world : worlds_) {
+      for (std::size_t i = 0; i < robots(); ++i, row += columns) {
+        RaiseIfBad(world->simulation().DriveBy(RobotId(i), {row[0], columns == 3 ? row[1] : 0.0, row[columns - 1]}));
+      }
+    }
+  }
+
+  // Restores the starts of the chosen worlds, or the snapshots given for them.
+  void Reset(const py::object& which, const py::object& snapshots) {
+    std::vector<std::size_t> chosen = Choose(which);
+    std::vector<Snapshot> from;
+    if (snapshots.is_none()) {
+      for (const std::size_t i : chosen) from.push_back(starts_[i]);
+    } else if (py::isinstance<Snapshot>(snapshots)) {
+      from.assign(chosen.size(), snapshots.cast<Snapshot>());
+    } else {
+      from = snapshots.cast<std::vector<Snapshot>>();
+    }
+    if (from.size() != chosen.size()) {
+      throw py::value_error(fmt::format("snapshots: found {}, expected {}", from.size(), chosen.size()));
+    }
+    for (std::size_t i = 0; i < chosen.size(); ++i) worlds_[chosen[i]]->Restore(from[i]);
+  }
+
+  std::vector<Snapshot> Save() {
+    const Uses uses(worlds_);
+    std::vector<Snapshot> snapshots;
+    for (const std::shared_ptr<World>& world : worlds_) snapshots.push_back(ValueOf(world->simulation().Save()));
+    return snapshots;
+  }
+
+  // Calls write(world, row) with the place of each world in an array (worlds, ...) of `Number`.
+  template <typename Number, typename Write>
+  void Fill(Number* data, std::size_t per_world, const Write& write) {
+    ForEachWorldByIndex([&](std::size_t i, const std::atomic<bool>&) {
+      worlds_[i]->CheckRobots(robots());
+      write(*worlds_[i], data + i * per_world);
+    });
+  }
+
+  template <typename Write>
+  py::array FillRows(const py::object& out, std::size_t columns, const char* what, const Write& write) {
+    const Uses uses(worlds_);
+    std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(size()), static_cast<py::ssize_t>(robots())};
+    if (columns > 0) shape.push_back(static_cast<py::ssize_t>(columns));
+    py::array array = out.is_none() ? py::array(py::array_t<double>(shape)) : OutputArray(out, shape, what);
+    const std::size_t per_world = robots() * std::max<std::size_t>(columns, 1);
+    if (array.dtype().itemsize() == sizeof(float)) {
+      Fill(static_cast<float*>(array.mutable_data()), per_world, write);
+    } else {
+      Fill(static_cast<double*>(array.mutable_data()), per_world, write);
+    }
+    return array;
+  }
+
+  py::array Ranges(const py::object& sensor, const py::object& out) {
+    std::vector<std::size_t> sensors;
+    std::size_t rays = 0;
+    {
+      const Uses uses(worlds_);
+      sensors = worlds_[0]->FindSensors(sensor);
+      rays = worlds_[0]->CountRays(sensors);
+    }
+    if (rays == 0) throw py::value_error("the worlds have no robots with rays");
+    return FillRows(out, rays, "out", [&](World& world, auto* row) { world.CopyRanges(sensors, rays, row); });
+  }
+
+  std::shared_ptr<World> At(py::ssize_t index) const {
+    if (index < 0) index += static_cast<py::ssize_t>(size());
+    if (index < 0 || index >= static_cast<py::ssize_t>(size())) {
+      throw py::index_error(fmt::format("found world {}, expected one of {}", index, size()));
+    }
+    return worlds_[static_cast<std::size_t>(index)];
+  }
+
+ private:
+  std::vector<std::size_t> Choose(const py::object& which) const {
+    std::vector<std::size_t> chosen;
+    if (which.is_none()) {
+      for (std::size_t i = 0; i < size(); ++i) chosen.push_back(i);
+      return chosen;
+    }
+    const auto array = py::array::ensure(which);
+    if (!array) PyErr_Clear();
+    if (array && array.dtype().kind() == 'b') {
+      const auto mask = py::array_t<bool, py::array::c_style | py::array::forcecast>::ensure(array);
+      if (mask.ndim() != 1 || mask.shape(0) != static_cast<py::ssize_t>(size())) {
+        throw py::value_error(fmt::format("which: expected a mask ({},)", size()));
+      }
+      for (std::size_t i = 0; i < size(); ++i) {
+        if (mask.data()[i]) chosen.push_back(i);
+      }
+      return chosen;
+    }
+    for (const py::handle row : py::iter(which)) {
+      chosen.push_back(ToIndex(row, "which"));
+      if (chosen.back() >= size()) {
+        throw py::index_error(fmt::format("found world {}, expected one of {}", chosen.back(), size()));
+      }
+    }
+    return chosen;
+  }
+
+  template <typename Work>
+  void ForEachWorld(const Work& work) {
+    ForEachWorldByIndex([&](std::size_t i, const std::atomic<bool>& stopped) { work(*worlds_[i], stopped); });
+  }
+
+  // Calls work(i, stopped) on all threads, without the interpreter's lock.
+  template <typename Work>
+  void ForEachWorldByIndex(const Work& work) {
+    RunInterruptibly(calls_python_, [&](const std::atomic<bool>& stopped) {
+      std::atomic<std::size_t> next = 0;
+      std::atomic<bool> interrupted = false;
+      pool_.Run(pool_.size(), [&](std::size_t number) {
+        auto last = std::chrono::steady_clock::now();
+        for (std::size_t i = next++; i < size() && !stopped && !interrupted; i = next++) {
+          work(i, calls_python_ ? stopped : interrupted);
+          const auto now = std::chrono::steady_clock::now();
+          if (calls_python_ || number != 0 || now - last < kSignalPeriod) continue;
+          last = now;
+          const py::gil_scoped_acquire acquire;
+          if (PyErr_CheckSignals() == 0) continue;
+          interrupted = true;
+          throw py::error_already_set();
+        }
+      });
+    });
+  }
+
+  std::vector<std::shared_ptr<World>> worlds_;  // of the same file; at least one
+  std::vector<Snapshot> starts_;                // by world
+  std::size_t robots_;                          // of each world
+  bool calls_python_ = false;
+  ThreadPool pool_;
+};
+
+std::vector<std::uint64_t> SeedsOf(const py::object& seeds, std::size_t count, std::uint64_t first) {
+  std::vector<std::uint64_t> list;
+  if (seeds.is_none()) {
+    for (std::size_t i = 0; i < count; ++i) list.push_back(first + i);
+    return list;
+  }
+  list = seeds.cast<std::vector<std::uint64_t>>();
+  if (list.size() != count) throw py::value_error(fmt::format("seeds: found {}, expected {}", list.size(), count));
+  return list;
+}
+
+std::unique_ptr<Worlds> Load(const py::object& file, std::int64_t count, const py::object& seeds, std::int64_t threads,
+                             std::optional<std::string> controller, bool run_controllers) {
+  if (count < 1 || count > static_cast<std::int64_t>(kMostWorlds)) {
+    throw py::value_error(fmt::format("num_envs: found {}, expected 1 to {}", count, kMostWorlds));
+  }
+  if (threads < 0 || threads > 1024) {
+    throw py::value_error(fmt::format("threads: found {}, expected 0 to 1024", threads));
+  }
+  const auto path = py::module_::import("os").attr("fsdecode")(file).cast<std::string>();
+  SimulationOptions options;
+  options.controller = std::move(controller);
+  options.run_controllers = run_controllers;
+  std::vector<std::shared_ptr<World>> worlds;
+  const auto size = static_cast<std::size_t>(count);
+  std::uint64_t first = 0;
+  if (seeds.is_none()) {
+    worlds.push_back(World::Load(path, options));
+    first = worlds[0]->simulation().world().seed;
+  }
+  for (const std::uint64_t seed : SeedsOf(seeds, size, first)) {
+    if (seeds.is_none() && seed == first) continue;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    // A world that an earlier one has with this seed is continued from it.
+    const auto same = std::find_if(worlds.begin(), worlds.end(),
+                                   [&](const auto& world) { return world->simulation().world().seed == seed; });
+    if (same != worlds.end()) {
+      const Snapshot start = ValueOf((*same)->simulation().Save());
+      worlds.push_back(std::make_shared<World>(ValueOf(Simulation::Continue(start))));
+      continue;
+    }
+    options.seed = seed;
+    if (!worlds.empty()) options.share_with = &worlds[0]->simulation();
+    worlds.push_back(World::Load(path, options));
+    if (worlds.back()->simulation().world().robots.size() != worlds[0]->simulation().world().robots.size()) {
+      throw py::value_error("the numbers of robots differ between the seeds");
+    }
+  }
+  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
+  return std::make_unique<Worlds>(std::move(worlds), threads == 0 ? cores : static_cast<std::size_t>(threads));
+}
+
+}  // namespace
+
+void DefineVectorSimulation(py::module_& module) {
+  py::class_<Worlds>(module, "VectorSimulation", R"(Many copies of one world, stepped together by all cores.
+
+Each has a seed of its own, and the state hashes of a Simulation with that seed. Copies with equal seeds share all
+constant parts of the world, the others the map. `vector[i]` is copy i as a Simulation. Arrays have the shape
+(worlds, robots, ...); they are written into `out`, if it is given: a writable array of float32 or float64 in one piece.
+Every array supports DLPack, as numpy's do. As of a Simulation, one thread at a time may use it.)")
+      .def(py::init(&Load), "file"_a, "num_envs"_a, py::kw_only(), "seeds"_a = py::none(), "threads"_a = 0,
+           "controller"_a = py::none(), "run_controllers"_a = true,
+           R"(Loads a file `num_envs` times; the arguments are as those of Simulation.
+
+seeds: one for each; by default the file's, and the numbers after it. threads: 0 is one for each core.)")
+      .def("__len__", &Worlds::size)
+      .def("__getitem__", &Worlds::At, "index"_a)
+      .def_property_readonly("num_envs", &Worlds::size)
+      .def_property_readonly("num_robots", &Worlds::robots)
+      .def_property_readonly("threads", &Worlds::threads)
+      .def(
+          "step",
+          [](Worlds& worlds, std::int64_t ticks) {
+            if (ticks < 0) throw py::value_error(fmt::format("ticks: found {}, expected 0 or more", ticks));
+            worlds.Step(static_cast<Tick>(ticks));
+          },
+          "ticks"_a = 1, "Advances all worlds. After a KeyboardInterrupt they may be at different ticks.")
+      .def("drive", &Worlds::Drive, "motion"_a,
+           "Drives all robots: an array (worlds, robots, 3) of vx, vy (m/s), wz (rad/s), or (worlds, robots, 2) of vx, "
+           "wz.")
+      .def("reset", &Worlds::Reset, "which"_a = py::none(), "snapshots"_a = py::none(),
+           R"(Sets worlds back to their start, or to a snapshot.
+
+which: a mask (worlds,) or numbers of worlds; None: all. snapshots: one for all, or one for each world of `which`.)")
+      .def("save", &Worlds::Save, "A list of a Snapshot of each world.")
+      .def(
+          "poses",
+          [](Worlds& worlds, const py::object& out) {
+            return worlds.FillRows(out, 4, "out", [](World& world, auto* row) {
+              using Number = std::remove_pointer_t<decltype(row)>;
+              for (const RobotState& robot : world.simulation().state().robots) {
+                for (const double part : {robot.X_WR.x, robot.X_WR.y, robot.X_WR.z, robot.X_WR.heading}) {
+                  *row++ = static_cast<Number>(part);
+                }
+              }
+            });
+          },
+          "out"_a = py::none(), "(worlds, robots, 4): x, y, z (m), heading (rad).")
+      .def(
+          "twists",
+          [](Worlds& worlds, const py::object& out) {
+            return worlds.FillRows(out, 3, "out", [](World& world, auto* row) {
+              using Number = std::remove_pointer_t<decltype(row)>;
+              for (const RobotState& robot : world.simulation().state().robots) {
+                for (const double part : {robot.twist.vx, robot.twist.vy, robot.twist.wz}) {
+                  *row++ = static_cast<Number>(part);
+                }
+              }
+            });
+          },
+          "out"_a = py::none(), "(worlds, robots, 3): vx, vy (m/s), wz (rad/s), executed in the last tick.")
+      .def(
+          "stalls",
+          [](Worlds& worlds, const py::object& out) {
+            return worlds.FillRows(out, 0, "out", [](World& world, auto* row) {
+              using Number = std::remove_pointer_t<decltype(row)>;
+              for (const RobotState& robot : world.simulation().state().robots) {
+                *row++ = static_cast<Number>(robot.stalled ? 1 : 0);
+              }
+            });
+          },
+          "out"_a = py::none(), "(worlds, robots): 1 where a contact ended the last motion, else 0.")
+      .def("ranges", &Worlds::Ranges, "sensor"_a = "ranger", "out"_a = py::none(),
+           "(worlds, robots, rays): the ranges of a ranger of each robot, m; see Simulation.ranges.")
+      .def_property_readonly(
+          "state_hashes",
+          [](Worlds& worlds) {
+            py::array_t<std::uint64_t> hashes(static_cast<py::ssize_t>(worlds.size()));
+            std::uint64_t* next = hashes.mutable_data();
+            for (const auto& world : worlds.worlds()) *next++ = World::Use(*world)->state_hash();
+            return hashes;
+          },
+          "uint64 (worlds,).")
+      .def_property_readonly(
+          "ticks",
+          [](Worlds& worlds) {
+            py::array_t<std::int64_t> ticks(static_cast<py::ssize_t>(worlds.size()));
+            std::int64_t* next = ticks.mutable_data();
+            for (const auto& world : worlds.worlds()) *next++ = static_cast<std::int64_t>(World::Use(*world)->tick());
+            return ticks;
+          },
+          "int64 (worlds,).");
+}
+
+}  // namespace troupe::python

@@ -1,0 +1,203 @@
+#include "python/native/world.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <exception>
+#include <future>
+#include <utility>
+
+#include "python/native/convert.h"
+
+namespace troupe::python {
+namespace {
+
+std::string NamesOf(const WorldDescription& world) {
+  std::vector<std::string> names;
+  for (const RobotDescription& robot : world.robots) {
+    if (names.size() == 8) {
+      names.emplace_back("...");
+      break;
+    }
+    names.push_back(robot.name);
+  }
+  return names.empty() ? "a world with robots" : fmt::format("one of: {}", fmt::join(names, ", "));
+}
+
+std::size_t CountRaysOf(const RangerReading& ranger) {
+  std::size_t rays = 0;
+  for (const RangeScan& scan : ranger.scans) rays += scan.ranges.size();
+  return rays;
+}
+
+}  // namespace
+
+void Raise(const Error& error) {
+  const bool bad_input = error.code == ErrorCode::kBadInput || error.code == ErrorCode::kMalformed;
+  const py::object type = py::module_::import("troupe.errors").attr(bad_input ? "InputError" : "RunError");
+  const auto known = [](int number) { return number > 0 ? py::object(py::int_(number)) : py::none(); };
+  const py::object file = error.where.file.empty() ? py::none() : py::object(py::str(error.where.file));
+  const py::object exception =
+      type(error.message, file, known(error.where.line), known(error.where.column), error.ToString());
+  PyErr_SetObject(type.ptr(), exception.ptr());
+  throw py::error_already_set();
+}
+
+void RaiseIfBad(const Status& status) {
+  if (!status.ok()) Raise(status.error());
+}
+
+void RunInterruptibly(bool calls_python, const std::function<void(const std::atomic<bool>& stopped)>& work) {
+  std::atomic<bool> stopped = false;
+  if (!calls_python) {
+    const py::gil_scoped_release release;
+    work(stopped);
+    return;
+  }
+  std::exception_ptr interrupt;
+  {
+    const py::gil_scoped_release release;
+    std::future<void> done = std::async(std::launch::async, [&] { work(stopped); });
+    while (done.wait_for(kSignalPeriod) != std::future_status::ready) {
+      const py::gil_scoped_acquire acquire;
+      if (!stopped && PyErr_CheckSignals() != 0) {
+        interrupt = std::make_exception_ptr(py::error_already_set());
+        stopped = true;
+      }
+    }
+    done.get();
+  }
+  if (interrupt) std::rethrow_exception(interrupt);
+}
+
+std::shared_ptr<World> World::Load(const std::string& file, const SimulationOptions& options) {
+  std::optional<Result<Simulation>> loaded;
+  {
+    const py::gil_scoped_release release;
+    loaded.emplace(Simulation::Load(file, options));
+  }
+  return std::make_shared<World>(ValueOf(*std::move(loaded)));
+}
+
+World::World(Simulation simulation) : simulation_(std::move(simulation)) {
+  Prepare();
+}
+
+void World::Prepare() {
+  if (prepared_ == &simulation_.world()) return;
+  prepared_ = &simulation_.world();
+  sensor_counts_.clear();
+  calls_python_ = false;
+  for (std::size_t i = 0; i < prepared_->robots.size(); ++i) {
+    sensor_counts_.push_back(simulation_.Info(RobotId(i)).sensors.size());
+    calls_python_ |= prepared_->robots[i].controller.name.find(".py:") != std::string::npos;
+  }
+}
+
+World::Use::Use(World& world) : world_(world) {
+  if (world_.used_.exchange(true, std::memory_order_acquire)) {
+    throw std::runtime_error("the simulation is in use: another thread, or one of its own controllers, calls it");
+  }
+}
+
+RobotId World::FindRobot(py::handle robot) {
+  const WorldDescription& world = simulation_.world();
+  if (py::isinstance<py::str>(robot)) {
+    const auto name = robot.cast<std::string>();
+    if (const std::optional<RobotId> id = simulation_.FindRobot(name)) return *id;
+    throw py::value_error(fmt::format("found robot '{}', expected {}", name, NamesOf(world)));
+  }
+  const std::size_t index = ToIndex(robot, "robot");
+  if (index >= world.robots.size()) {
+    throw py::index_error(fmt::format("found robot {}, expected one of {}", index, world.robots.size()));
+  }
+  return RobotId(index);
+}
+
+std::size_t World::FindSensor(RobotId robot, py::handle sensor) {
+  if (!py::isinstance<py::str>(sensor)) {
+    const std::size_t index = ToIndex(sensor, "sensor");
+    if (index < sensor_count(robot)) return index;
+    throw py::index_error(fmt::format("found sensor {} of robot {}, expected one of {}", index,
+                                      simulation_.world().robot(robot).name, sensor_count(robot)));
+  }
+  const auto name = sensor.cast<std::string>();
+  const RobotInfo info = simulation_.Info(robot);
+  for (std::size_t i = 0; i < info.sensors.size(); ++i) {
+    if (info.sensors[i].description->name == name) return i;
+  }
+  for (std::size_t i = 0; i < info.sensors.size(); ++i) {
+    if (TypeOf(info.sensors[i].description->parameters) == name) return i;
+  }
+  std::vector<std::string> names;
+  for (const SensorInfo& each : info.sensors) names.push_back(each.description->name);
+  throw py::value_error(fmt::format("found sensor '{}' of robot {}, expected one of: {}", name, info.robot->name,
+                                    fmt::join(names, ", ")));
+}
+
+std::vector<std::size_t> World::FindSensors(py::handle sensor) {
+  std::vector<std::size_t> sensors;
+  for (std::size_t i = 0; i < simulation_.world().robots.size(); ++i) {
+    sensors.push_back(FindSensor(RobotId(i), sensor));
+  }
+  return sensors;
+}
+
+std::size_t World::CountRays(const std::vector<std::size_t>& sensors) {
+  if (sensors.empty()) return 0;
+  const RangerReading* const ranger = simulation_.Read(RobotId(0), sensors[0]).ranger();
+  if (ranger == nullptr) throw py::value_error(fmt::format("sensor {} of the first robot is no ranger", sensors[0]));
+  return CountRaysOf(*ranger);
+}
+
+const std::vector<RangeScan>& World::Scans(RobotId robot, std::size_t sensor, std::size_t rays) const {
+  const std::string& name = simulation_.world().robot(robot).name;
+  const RangerReading* const ranger = sensor < sensor_count(robot) ? simulation_.Read(robot, sensor).ranger() : nullptr;
+  if (ranger == nullptr) throw py::value_error(fmt::format("sensor {} of robot {} is no ranger", sensor, name));
+  if (const std::size_t found = CountRaysOf(*ranger); found != rays) {
+    throw py::value_error(
+        fmt::format("the ranger of robot {} has {} rays, expected {} as the first robot's", name, found, rays));
+  }
+  return ranger->scans;
+}
+
+void World::CheckRobots(std::size_t count) const {
+  if (const std::size_t found = simulation_.world().robots.size(); found != count) {
+    throw py::value_error(fmt::format("a world has {} robots, expected {}", found, count));
+  }
+}
+
+void World::StepOnce() {
+  simulation_.Step();
+  events.insert(events.end(), simulation_.events().begin(), simulation_.events().end());
+  reports.insert(reports.end(), simulation_.reports().begin(), simulation_.reports().end());
+}
+
+void World::Step(Tick ticks) {
+  const Use use(*this);
+  events.clear();
+  reports.clear();
+  RunInterruptibly(calls_python_, [&](const std::atomic<bool>& stopped) {
+    auto last = std::chrono::steady_clock::now();
+    for (Tick i = 0; i < ticks && !stopped; ++i) {
+      StepOnce();
+      if (calls_python_ || ticks == 1) continue;
+      const auto now = std::chrono::steady_clock::now();
+      if (now - last < kSignalPeriod) continue;
+      last = now;
+      const py::gil_scoped_acquire acquire;
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+  });
+}
+
+void World::Restore(const Snapshot& snapshot) {
+  const Use use(*this);
+  RaiseIfBad(simulation_.Restore(snapshot));
+  events = simulation_.events();
+  reports.clear();
+  Prepare();
+}
+
+}  // namespace troupe::python

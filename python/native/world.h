@@ -1,0 +1,106 @@
+// World: a simulation as Python sees it, the class troupe.Simulation. It refuses calls while another thread uses it, so
+// that no caller can break it.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "troupe/simulation.h"
+
+namespace troupe::python {
+
+namespace py = pybind11;
+
+inline constexpr std::chrono::milliseconds kSignalPeriod(20);  // between two looks for Ctrl-C
+
+// Throws the exception troupe.InputError or troupe.RunError, with the error's place as attributes.
+[[noreturn]] void Raise(const Error& error);
+void RaiseIfBad(const Status& status);
+template <typename Value>
+Value ValueOf(Result<Value> result) {
+  if (!result.ok()) Raise(result.error());
+  return std::move(result).value();
+}
+
+// Calls work(stopped) without the interpreter's lock, and throws KeyboardInterrupt as soon as `work` has seen that
+// `stopped` has become true, because of Ctrl-C. With `calls_python` it works on another thread: a signal's exception
+// must not arise in a controller, which the main thread would run.
+void RunInterruptibly(bool calls_python, const std::function<void(const std::atomic<bool>& stopped)>& work);
+
+class World {
+ public:
+  static std::shared_ptr<World> Load(const std::string& file, const SimulationOptions& options);
+  explicit World(Simulation simulation);
+
+  // The simulation, for one call: another thread that uses it is an error.
+  class Use {
+   public:
+    explicit Use(World& world);
+    ~Use() { world_.used_.store(false, std::memory_order_release); }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+    Simulation* operator->() const { return &world_.simulation_; }
+    Simulation& operator*() const { return world_.simulation_; }
+
+   private:
+    World& world_;
+  };
+
+  // A robot by its name or number. The error names the robots.
+  RobotId FindRobot(py::handle robot);
+  // A sensor of the robot by its name, type or number. REQUIRES: a Use exists, here and below.
+  std::size_t FindSensor(RobotId robot, py::handle sensor);
+  std::size_t sensor_count(RobotId robot) const { return sensor_counts_[robot.index()]; }
+
+  void Step(Tick ticks);
+  // Steps once, and collects events and reports. Without the interpreter's lock.
+  void StepOnce();
+  void Restore(const Snapshot& snapshot);
+  // Of the last call of Step.
+  std::vector<Event> events;
+  std::vector<std::string> reports;
+
+  // The rays of the first robot's sensor. The error is a sensor that is no ranger.
+  std::size_t CountRays(const std::vector<std::size_t>& sensors);
+  // Writes the ranges of the sensor of each robot, one after another. The error is a robot whose sensor has not that
+  // number of rays. Needs no lock of the interpreter.
+  template <typename Number>
+  void CopyRanges(const std::vector<std::size_t>& sensors, std::size_t rays, Number* out) const {
+    CheckRobots(sensors.size());
+    for (std::size_t i = 0; i < sensors.size(); ++i) {
+      for (const RangeScan& scan : Scans(RobotId(i), sensors[i], rays)) {
+        for (const double range : scan.ranges) *out++ = static_cast<Number>(range);
+      }
+    }
+  }
+  // The error is another number of robots, as after the restoration of a snapshot of another world.
+  void CheckRobots(std::size_t count) const;
+  // For all robots, by name, type or number.
+  std::vector<std::size_t> FindSensors(py::handle sensor);
+
+  Simulation& simulation() { return simulation_; }
+  bool calls_python() const { return calls_python_; }
+
+ private:
+  void Prepare();  // for another world
+  const std::vector<RangeScan>& Scans(RobotId robot, std::size_t sensor, std::size_t rays) const;
+
+  Simulation simulation_;
+  std::atomic<bool> used_ = false;
+  const WorldDescription* prepared_ = nullptr;
+  std::vector<std::size_t> sensor_counts_;  // by robot
+  bool calls_python_ = false;               // a robot's controller does
+};
+
+void DefineSimulation(py::module_& module);
+void DefineVectorSimulation(py::module_& module);
+
+}  // namespace troupe::python

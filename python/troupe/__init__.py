@@ -1,0 +1,44 @@
+"""Troupe: a deterministic 2.5D simulator of many mobile robots.
+
+    import troupe
+    sim = troupe.Simulation("office.world")
+    sim.step(100)
+    sim.poses          # (robots, 4): x, y, z (m), heading (rad)
+
+`Simulation` runs a world in this process, with the state hashes of `troupe run`; `VectorSimulation` runs many copies of
+one on all cores; `Controller` decides for one robot, wherever a controller is named. Units are metres, seconds and
+radians; x points forward, y to the left, z up. docs/python.md is a tour.
+"""
+
+from typing import TYPE_CHECKING
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from ._troupe import Simulation, Snapshot, VectorSimulation
+    from .controller import Controller
+    from .errors import Error, InputError, RunError
+    from .picture import Picture
+    from .records import *  # noqa: F403
+
+_MODULES = {"Simulation": "_troupe", "VectorSimulation": "_troupe", "Snapshot": "_troupe", "Controller": "controller",
+            "Error": "errors", "InputError": "errors", "RunError": "errors", "Picture": "picture"}
+
+
+def __getattr__(name: str):
+    # On demand: an agent that runs controllers needs the records alone.
+    import importlib
+    if name.startswith("__"):
+        raise AttributeError(name)
+    if name in ("records", "controller", "errors", "picture", "rl", "_troupe"):
+        return importlib.import_module(f"{__name__}.{name}")
+    value = getattr(importlib.import_module(f"{__name__}.{_MODULES.get(name, 'records')}"), name, None)
+    if value is None:
+        raise AttributeError(f"module 'troupe' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    from . import records
+    return sorted({*globals(), *_MODULES, *records.__all__})

@@ -1,0 +1,144 @@
+"""The native part of troupe. Units: m, rad, s. Frames: W world, R robot."""
+
+import os
+from typing import List, Optional, Sequence, Tuple, Union
+
+import numpy
+from numpy.typing import ArrayLike, NDArray
+
+from .picture import Picture
+from .records import Command, Event, Reading, RobotInfo
+
+_File = Union[str, bytes, "os.PathLike[str]"]
+_Robot = Union[int, str]
+_Array = NDArray[numpy.float64]
+
+__version__: str
+
+class Snapshot:
+    """The whole of a simulation at one tick. Never changes."""
+
+    @property
+    def tick(self) -> int: ...
+
+class Simulation:
+    """A world in this process. One thread at a time may use it; another one gets a RuntimeError.
+
+    Arrays of the state are views of the state at the tick at which they were taken: they can only be read, and stay as
+    they are when the simulation steps on or ends.
+    """
+
+    def __init__(self, file: _File, *, seed: Optional[int] = None, controller: Optional[str] = None,
+                 run_controllers: bool = True) -> None:
+        """Loads a .world, a scenario (.json) or a ROS map (.yaml). Raises InputError with file, line and column."""
+
+    def step(self, ticks: int = 1) -> None:
+        """Advances. Other threads run meanwhile; Ctrl-C ends it between two ticks."""
+
+    @property
+    def tick(self) -> int: ...
+    @property
+    def time(self) -> float:
+        """s, simulated."""
+    @property
+    def interval(self) -> float:
+        """s, the length of a tick."""
+    @property
+    def seed(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def state_hash(self) -> int:
+        """Equal states have equal hashes, on every machine."""
+    @property
+    def warnings(self) -> Tuple[str, ...]: ...
+    @property
+    def robots(self) -> Tuple[str, ...]: ...
+    @property
+    def joints(self) -> Tuple[str, ...]: ...
+    @property
+    def objects(self) -> Tuple[str, ...]: ...
+    def robot(self, robot: _Robot) -> RobotInfo: ...
+    @property
+    def poses(self) -> _Array:
+        """(robots, 4): x, y, z (m), heading (rad) in W. A view."""
+    @property
+    def twists(self) -> _Array:
+        """(robots, 3): vx, vy (m/s), wz (rad/s) in R, executed in the last tick. A view."""
+    @property
+    def stalls(self) -> NDArray[numpy.bool_]:
+        """(robots,): a contact ended the last motion. A view."""
+    @property
+    def joint_positions(self) -> _Array:
+        """(joints,): m or rad. A view."""
+    @property
+    def object_poses(self) -> _Array:
+        """(objects, 4), as poses. A view."""
+    @property
+    def energy(self) -> _Array:
+        """(stores,): J. A view."""
+    def read(self, robot: _Robot, sensor: _Robot) -> Reading:
+        """The reading of a sensor, by name, type or number. Whether it is read changes nothing."""
+    def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """(robots, rays), m. ValueError if the numbers of rays differ."""
+    def held(self, robot: _Robot) -> List[Optional[str]]:
+        """The object that each gripper holds."""
+    def drive(self, motion: Union[ArrayLike, Command], robot: Optional[_Robot] = None) -> None:
+        """One robot by (vx, wz), (vx, vy, wz) or a Command; all by an array (robots, 2 or 3). Until `release`."""
+    def release(self, robot: Optional[_Robot] = None) -> None:
+        """Returns a robot, or all, to its controller."""
+    def save(self) -> Snapshot:
+        """RunError if a controller cannot be copied."""
+    def restore(self, snapshot: Snapshot) -> None:
+        """The same steps from it give the same hashes."""
+    def copy(self) -> "Simulation":
+        """A further simulation from here; constant parts are shared."""
+    @property
+    def events(self) -> List[Event]:
+        """Of the last call of step."""
+    @property
+    def reports(self) -> List[str]:
+        """Of the last call of step."""
+    @property
+    def failures(self) -> List[str]:
+        """A line for each controller that has failed."""
+    def picture(self, *, view: str = "top", rays: bool = False, width: Optional[int] = None,
+                center: Optional[Tuple[float, float]] = None, meters: Optional[float] = None,
+                format: str = "png") -> Picture:
+        """InputError for options out of bounds."""
+    def _repr_png_(self) -> bytes: ...
+
+class VectorSimulation:
+    """Many copies of one world, each with a seed of its own, stepped together by all cores."""
+
+    def __init__(self, file: _File, num_envs: int, *, seeds: Optional[Sequence[int]] = None, threads: int = 0,
+                 controller: Optional[str] = None, run_controllers: bool = True) -> None:
+        """seeds: by default the file's and the numbers after it. threads: 0 is one for each core."""
+
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int) -> Simulation: ...
+    @property
+    def num_envs(self) -> int: ...
+    @property
+    def num_robots(self) -> int: ...
+    @property
+    def threads(self) -> int: ...
+    def step(self, ticks: int = 1) -> None: ...
+    def drive(self, motion: ArrayLike) -> None:
+        """(worlds, robots, 3) of vx, vy (m/s), wz (rad/s), or (worlds, robots, 2) of vx, wz."""
+    def reset(self, which: Optional[ArrayLike] = None,
+              snapshots: Union[None, Snapshot, Sequence[Snapshot]] = None) -> None:
+        """which: a mask (worlds,) or numbers; None: all. To their start, or to the snapshots."""
+    def save(self) -> List[Snapshot]: ...
+    def poses(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """(worlds, robots, 4): x, y, z (m), heading (rad)."""
+    def twists(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """(worlds, robots, 3): vx, vy (m/s), wz (rad/s)."""
+    def stalls(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """(worlds, robots): 1 where a contact ended the last motion."""
+    def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """(worlds, robots, rays), m."""
+    @property
+    def state_hashes(self) -> NDArray[numpy.uint64]: ...
+    @property
+    def ticks(self) -> NDArray[numpy.int64]: ...

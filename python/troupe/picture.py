@@ -1,0 +1,26 @@
+"""Picture: the bytes of a picture, which a notebook shows."""
+
+from __future__ import annotations
+
+import os
+from typing import Optional, Union
+
+
+class Picture(bytes):
+    """The bytes of a PNG or SVG file."""
+
+    @property
+    def format(self) -> str:
+        """ "png" or "svg"."""
+        return "png" if self.startswith(b"\x89PNG") else "svg"
+
+    def save(self, file: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes the file. OSError if it cannot be written."""
+        with open(file, "wb") as out:
+            out.write(self)
+
+    def _repr_png_(self) -> Optional[bytes]:
+        return bytes(self) if self.format == "png" else None
+
+    def _repr_svg_(self) -> Optional[str]:
+        return self.decode() if self.format == "svg" else None

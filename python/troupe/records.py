@@ -1,0 +1,403 @@
+"""Records: the values that simulations and controllers exchange. Plain tuples with names, so that they can be compared,
+copied and pickled.
+
+Units are metres, seconds, radians and their quotients; x points forward, y to the left, z up. Frames: W world, R robot,
+S sensor. `pose` of a reading is that of S in R. Arrays are numpy's, and can only be read.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, Optional, Sequence, Tuple, Union
+
+if TYPE_CHECKING:
+    import numpy
+
+__all__ = ["Pose", "Twist", "Event", "SensorInfo", "DriveInfo", "JointInfo", "GripperInfo", "RobotInfo",
+           "RangeScan", "RangerReading", "Beam", "BreakBeamReading", "Fiducial", "FiducialReading", "BumperSegment",
+           "BumperReading", "Contact", "ContactReading", "Blob", "BlobfinderReading", "CameraReading", "Place",
+           "Reception", "RadioReading", "ImuReading", "JointReading", "GripperReading", "EnergyReading", "Goal",
+           "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightCommand", "CameraCommand", "Command"]
+
+
+class Pose(NamedTuple):
+    """A pose in 2.5D: of one frame in another."""
+
+    x: float = 0.0  # m
+    y: float = 0.0  # m
+    z: float = 0.0  # m
+    heading: float = 0.0  # rad, counter-clockwise, in (-pi, pi]
+
+
+class Twist(NamedTuple):
+    """The velocity of a robot in its own frame R."""
+
+    vx: float = 0.0  # m/s, forward
+    vy: float = 0.0  # m/s, to the left
+    wz: float = 0.0  # rad/s, counter-clockwise
+
+
+class Event(NamedTuple):
+    """A change during a tick. Models are named by their full names."""
+
+    tick: int
+    type: str  # "stall_began", "stall_ended", "gripped", "released", "blocked", "landed", "said", ...
+    robot: Optional[str]
+    other: Optional[str]  # the obstacle or support; None for the ground
+    object: Optional[str]  # the object of a gripper, or the one that has landed
+    detail: str  # the joint or gripper, the reason, or the text
+
+
+class SensorInfo(NamedTuple):
+    """A sensor of a robot. Its place in `RobotInfo.sensors` is its number."""
+
+    name: str
+    type: str  # "ranger", "camera", "fiducial", "bumper", "contact", "blobfinder", "radio", "imu", "break_beam"
+    pose: Pose  # of the sensor's model in R, with all joints at their starts
+
+
+class DriveInfo(NamedTuple):
+    """A robot's drive. Bounds are (min, max) for x, y (m/s) and heading (rad/s)."""
+
+    type: str  # "differential", "omni" or "car"
+    wheelbase: float  # m, of a car
+    velocity: Tuple[Tuple[float, float], Tuple[float, float], Tuple[float, float]]
+
+
+class JointInfo(NamedTuple):
+    name: str
+    type: str  # "prismatic" (m) or "revolute" (rad)
+    min: float
+    max: float
+    max_speed: float
+
+
+class GripperInfo(NamedTuple):
+    name: str
+    left: int  # the finger's number in RobotInfo.joints
+    right: int
+    lift: Optional[int]
+    beams: Optional[int]  # its break beams, in RobotInfo.sensors
+
+
+class RobotInfo(NamedTuple):
+    """What a controller knows about its robot before the first tick."""
+
+    name: str
+    id: int  # as other robots see it, for instance in Reception.sender
+    parameters: dict
+    drive: DriveInfo
+    sensors: Tuple[SensorInfo, ...]
+    joints: Tuple[JointInfo, ...]
+    grippers: Tuple[GripperInfo, ...]
+    lights: Tuple[str, ...]  # their names
+
+    def sensor(self, name: str) -> int:
+        """The number of the first sensor of that name, else of that type. ValueError if the robot has none."""
+        for key in ("name", "type"):
+            for number, sensor in enumerate(self.sensors):
+                if getattr(sensor, key) == name:
+                    return number
+        names = ", ".join(f"{sensor.name} ({sensor.type})" for sensor in self.sensors) or "none"
+        raise ValueError(f"robot {self.name} has no sensor {name!r}, found: {names}")
+
+    def __deepcopy__(self, memo: dict) -> "RobotInfo":
+        return self  # constant
+
+
+class RangeScan(NamedTuple):
+    """The ranges of one ray sensor. Shapes: (rays,), or (planes, rays) with several planes."""
+
+    ranges: "numpy.ndarray"  # float64, m along the ray; `max` without a hit
+    intensities: "numpy.ndarray"  # float64, of the hit; 0 without one
+    fov: float  # rad, from the first ray to the last
+    elevations: "numpy.ndarray"  # float64 (planes,), rad above the horizontal
+    pose: Pose
+    min: float  # m
+    max: float
+
+    @property
+    def bearings(self) -> "numpy.ndarray":
+        """float64 (rays,), rad in S, ascending."""
+        import numpy
+        rays = self.ranges.shape[-1]
+        if rays < 2:
+            return numpy.zeros(rays)
+        return self.fov * ((2.0 * numpy.arange(rays) - (rays - 1)) / (2.0 * (rays - 1)))
+
+
+class RangerReading(NamedTuple):
+    tick: int
+    scans: Tuple[RangeScan, ...]  # one for each ray sensor, in the order of the world file
+
+    @property
+    def ranges(self) -> "numpy.ndarray":
+        """All ranges in one array (n,), m: those of a ring of sonars in one piece."""
+        if len(self.scans) == 1:
+            return self.scans[0].ranges.reshape(-1)
+        import numpy
+        return numpy.concatenate([scan.ranges.reshape(-1) for scan in self.scans] or [numpy.empty(0)])
+
+    @property
+    def points(self) -> "numpy.ndarray":
+        """The hits as points (n, 3), m in R; rays without a hit are left out."""
+        import numpy
+        parts = []
+        for scan in self.scans:
+            ranges = scan.ranges.reshape(len(scan.elevations), -1)
+            flat = ranges * numpy.cos(scan.elevations)[:, None]
+            angles = scan.bearings + scan.pose.heading
+            points = numpy.stack([scan.pose.x + flat * numpy.cos(angles), scan.pose.y + flat * numpy.sin(angles),
+                                  scan.pose.z + ranges * numpy.sin(scan.elevations)[:, None]], axis=-1)
+            parts.append(points[ranges < scan.max])
+        return numpy.concatenate(parts or [numpy.empty((0, 3))])
+
+
+class Beam(NamedTuple):
+    broken_by: Optional[int]  # the number of the object that is nearest to the beam's first end
+
+
+class BreakBeamReading(NamedTuple):
+    tick: int
+    beams: Tuple[Beam, ...]
+
+
+class Fiducial(NamedTuple):
+    """A model that a fiducial finder recognizes."""
+
+    id: int  # its fiducial_return; 0 if it is too far to be identified
+    range: float  # m, between the origins, in the plane
+    bearing: float  # rad, in S
+    pose: Pose  # of the model in S
+    size: Tuple[float, float, float]  # m
+
+
+class FiducialReading(NamedTuple):
+    tick: int
+    fiducials: Tuple[Fiducial, ...]
+    fov: float  # rad
+    min: float  # m
+    max: float
+    pose: Pose
+
+
+class BumperSegment(NamedTuple):
+    pressed: bool
+    pose: Pose  # of its middle in R, x pointing away from the robot
+    length: float  # m
+
+
+class BumperReading(NamedTuple):
+    tick: int
+    segments: Tuple[BumperSegment, ...]
+
+
+class Contact(NamedTuple):
+    part: int  # the model of the robot
+    other: int  # the model that it touches
+    x: float  # m, in W
+    y: float
+    z_min: float
+    z_max: float
+
+
+class ContactReading(NamedTuple):
+    tick: int
+    contacts: Tuple[Contact, ...]
+
+
+class Blob(NamedTuple):
+    """A patch of one colour in the image; right and bottom are beyond its last pixels."""
+
+    color: Tuple[float, float, float, float]  # red, green, blue, alpha, 0 to 1
+    left: int
+    top: int
+    right: int
+    bottom: int
+    range: float  # m
+
+
+class BlobfinderReading(NamedTuple):
+    tick: int
+    width: int  # pixels
+    height: int
+    fov: float  # rad, of the width
+    blobs: Tuple[Blob, ...]
+
+
+class CameraReading(NamedTuple):
+    tick: int
+    colors: "numpy.ndarray"  # uint8 (height, width, 3): red, green, blue
+    depths: "numpy.ndarray"  # float32 (height, width), m ahead; -inf: too near, inf: beyond the limits, or no hit
+    models: "numpy.ndarray"  # int32 (height, width): the model seen; -1: ground, -2: nothing
+    focal_length: Tuple[float, float]  # pixels: of the columns, of the rows
+    center: Tuple[float, float]  # pixels from the left and upper edge
+    min: float  # m
+    max: float
+    pose: Pose
+
+    @property
+    def points(self) -> "numpy.ndarray":
+        """What is seen as points (n, 3), m in S; pixels without a hit are left out."""
+        import numpy
+        rows, columns = numpy.nonzero(numpy.isfinite(self.depths))
+        depths = self.depths[rows, columns].astype(float)
+        return numpy.stack([depths, depths * (self.center[0] - columns - 0.5) / self.focal_length[0],
+                            depths * (self.center[1] - rows - 0.5) / self.focal_length[1]], axis=-1)
+
+
+class Place(NamedTuple):
+    """Of the sender's antenna, seen from the receiver's."""
+
+    range: float  # m
+    bearing: float  # rad, in S
+    elevation: float  # rad, above the horizontal
+
+
+class Reception(NamedTuple):
+    """A message that a radio receives."""
+
+    sender: int  # a robot's number
+    to_all: bool
+    data: bytes
+    rssi: float  # dBm
+    tick: int  # in which it was sent
+    place: Optional[Place]
+
+
+class RadioReading(NamedTuple):
+    tick: int
+    receptions: Tuple[Reception, ...]
+    range: float  # m, of the messages that it sends
+
+
+class ImuReading(NamedTuple):
+    tick: int
+    heading: float  # rad, of S in W
+    turn: float  # rad/s, about z
+    force: Tuple[float, float, float]  # m/s^2, in S; upwards with gravity
+    pose: Pose
+
+
+Reading = Union[RangerReading, BreakBeamReading, FiducialReading, BumperReading, ContactReading, BlobfinderReading,
+                CameraReading, RadioReading, ImuReading, None]
+
+
+class JointReading(NamedTuple):
+    position: float  # m or rad
+    velocity: float
+    blocked: bool  # a contact ended the last tick's motion
+    moving: bool  # on its way to its target
+
+
+class GripperReading(NamedTuple):
+    """Models are named; None: nothing."""
+
+    fingers: str  # "open", "closing", "closed" or "opening"
+    lift_moving: bool
+    lift_position: float  # m
+    lift_percent: float
+    left_contact: Optional[str]
+    right_contact: Optional[str]
+    held: Optional[str]
+    clamped: Optional[str]  # between the pads, also while another gripper holds it
+    beams: Tuple[Optional[str], ...]  # the object in each beam, where the controller subscribes to them
+
+
+class EnergyReading(NamedTuple):
+    joules: float
+    capacity: float  # J; 0: endless
+    charge_watts: float
+
+
+class Goal(NamedTuple):
+    number: int  # another number is another goal
+    waypoints: Tuple[Tuple[float, float], ...]  # m, in the frame of the pose estimate
+    heading: Optional[float]  # rad, at the last one
+
+
+_MASK = (1 << 64) - 1
+
+
+def _uniform(*key: int) -> float:
+    state = 0x6A09E667F3BCC908  # as troupe/random.h
+    for word in key:
+        state = ((state ^ word) * 0x9E3779B97F4A7C15) & _MASK
+        state ^= state >> 30
+        state = (state * 0xBF58476D1CE4E5B9) & _MASK
+        state ^= state >> 27
+        state = (state * 0x94D049BB133111EB) & _MASK
+        state ^= state >> 31
+    return (state >> 11) * 2.0**-53
+
+
+class Observation(NamedTuple):
+    """What a controller knows in one tick."""
+
+    tick: int
+    time: float  # s, simulated
+    interval: float  # s, the length of a tick
+    pose: Pose  # of R, estimated: in W (gps), or from where the robot started (odometry)
+    twist: Twist  # executed during the last tick
+    stalled: bool  # a contact ended the last motion
+    sensors: Tuple[Reading, ...]  # as in RobotInfo.sensors; None where not subscribed, or not measured yet
+    joints: Tuple[JointReading, ...]
+    grippers: Tuple[GripperReading, ...]
+    lights: Tuple[bool, ...]
+    energy: Optional[EnergyReading]
+    goal: Optional[Goal]  # that a user has sent the robot to
+    random_key: int  # of this robot and tick
+
+    def random(self, i: int = 0) -> float:
+        """The i-th of this tick's uniform numbers in [0, 1): the same in every run with the same seed."""
+        return _uniform(self.random_key, i)
+
+
+class GripperCommand(NamedTuple):
+    """A part that is None keeps its last command."""
+
+    gripper: int = 0
+    fingers: Optional[str] = None  # "open", "close" or "stay"
+    lift: Optional[float] = None  # percent, 0 to 100
+    opening: Optional[float] = None  # percent, in place of `fingers`
+
+
+class JointCommand(NamedTuple):
+    """One of the two; valid until the next command to the joint."""
+
+    joint: int
+    position: Optional[float] = None  # m or rad
+    velocity: Optional[float] = None  # m/s or rad/s
+
+
+class RadioMessage(NamedTuple):
+    radio: int  # in RobotInfo.sensors
+    data: bytes
+    to: Optional[int] = None  # a robot's number; None: all in range
+
+
+class LightCommand(NamedTuple):
+    light: int
+    on: bool
+
+
+class CameraCommand(NamedTuple):
+    sensor: int
+    pan: float = 0.0  # rad, to the left
+    tilt: float = 0.0  # rad, upwards
+
+
+class Command(NamedTuple):
+    """The command for one tick. A motion ends with the tick; the other commands are valid until the next ones."""
+
+    vx: float = 0.0  # m/s; of differential and omni drives, in R
+    vy: float = 0.0
+    wz: float = 0.0  # rad/s
+    speed: float = 0.0  # m/s, of the steered wheel of a car
+    steering: float = 0.0  # rad, of a car
+    grippers: Sequence[GripperCommand] = ()
+    joints: Sequence[JointCommand] = ()
+    messages: Sequence[RadioMessage] = ()
+    lights: Sequence[LightCommand] = ()
+    cameras: Sequence[CameraCommand] = ()
+    report: str = ""  # a line for the log
+    say: str = ""  # a text for people, an event of the run

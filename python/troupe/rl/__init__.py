@@ -1,0 +1,16 @@
+"""Reinforcement learning on worlds of troupe: environments by the conventions of PettingZoo (`ParallelEnv`) and of
+Gymnasium (`VectorEnv`), neither of which has to be installed, and tasks with reference scores.
+
+    env = troupe.rl.ParallelEnv(troupe.rl.Navigation(robots=4))
+    observations, infos = env.reset(seed=1)
+    vector = troupe.rl.VectorEnv(troupe.rl.Coverage(robots=8), num_envs=16, autoreset="same_step")
+
+A task is a small class of functions on arrays over all worlds and robots: `Task` says which.
+"""
+
+from .envs import Episodes, ParallelEnv, VectorEnv, evaluate
+from .spaces import Box
+from .tasks import Coverage, Flocking, Navigation, Situation, Task
+
+__all__ = ["Box", "Coverage", "Episodes", "Flocking", "Navigation", "ParallelEnv", "Situation", "Task", "VectorEnv",
+           "evaluate"]

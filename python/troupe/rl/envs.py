@@ -1,0 +1,280 @@
+"""Environments: a task as PettingZoo's ParallelEnv and as Gymnasium's VectorEnv, by their conventions alone."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import numpy
+
+from .._troupe import Simulation, VectorSimulation
+from .spaces import Box
+from .tasks import Situation, Task
+
+
+class Episodes:
+    """Copies of a task's world, and the episodes in them. Both environments are made of it.
+
+    A world begins each episode at one of `starts` places of its robots, which the seeds 1, 2, ... of the scenario give, by
+    the generator of its own: the same seed and actions give the same episodes and state hashes.
+    """
+
+    def __init__(self, task: Task, count: int, *, threads: int = 0, starts: int = 16) -> None:
+        self.task = task
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+            json.dump(task.scenario(), file)
+            file.flush()
+            self._starts = []
+            self._start_poses: List[numpy.ndarray] = []
+            for seed in range(1, starts + 1):
+                sim = Simulation(file.name, seed=seed)
+                self._starts.append(sim.save())
+                self._start_poses.append(sim.poses)
+            self.worlds = VectorSimulation(file.name, count, seeds=[1] * count, threads=threads)
+        self.robots = sim.robots
+        self._interval = sim.interval
+        shape = (count, len(self.robots))
+        self._poses = numpy.zeros((*shape, 4))
+        self._twists = numpy.zeros((*shape, 3))
+        self._stalls = numpy.zeros(shape)
+        self._ranges = numpy.zeros((*shape, sim.ranges(task.sensor).shape[1]))
+        self._steps = numpy.zeros(count, int)
+        self.seed(None)
+
+    def __len__(self) -> int:
+        return len(self.worlds)
+
+    @property
+    def observation_size(self) -> int:
+        return self._ranges.shape[2] + 3 + self.task.extra
+
+    def seed(self, seed: Optional[int]) -> None:
+        """Of the generators of all worlds; None: of the operating system's chance."""
+        self.generators = [numpy.random.default_rng(None if seed is None else [seed, i]) for i in range(len(self))]
+
+    def begin(self, which: numpy.ndarray) -> None:
+        """New episodes in the worlds of a mask."""
+        numbers = numpy.nonzero(which)[0]
+        self.worlds.reset(numbers, [self._starts[self.generators[i].integers(len(self._starts))] for i in numbers])
+        self._steps[which] = 0
+        self.task.begin(which, self._start_poses, self.generators, self._look())
+
+    def observe(self) -> numpy.ndarray:
+        """(worlds, robots, numbers), float32."""
+        return self.task.observe(self._look())
+
+    def step(self, actions: numpy.ndarray, frozen: Optional[numpy.ndarray] = None
+             ) -> Tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+        """One step of all worlds by actions (worlds, robots, 2) in [-1, 1]; robots of the mask `frozen` stand.
+
+        Returns rewards (worlds, robots), ended (worlds, robots) and truncated (worlds,).
+        """
+        actions = numpy.clip(numpy.nan_to_num(numpy.asarray(actions, float)), -1.0, 1.0)
+        if frozen is not None:
+            actions = numpy.where(frozen[..., None], 0.0, actions)
+        self.worlds.drive(actions * [self.task.speed, self.task.turn_rate])
+        self.worlds.step(self.task.ticks_per_step)
+        self._steps += 1
+        seen = self._look()
+        return self.task.reward(seen), self.task.ended(seen), self._steps >= self.task.max_steps
+
+    def _look(self) -> Situation:
+        self.worlds.poses(out=self._poses)
+        self.worlds.twists(out=self._twists)
+        self.worlds.stalls(out=self._stalls)
+        self.worlds.ranges(self.task.sensor, out=self._ranges)
+        return Situation(self._poses, self._twists, self._stalls, self._ranges, self._steps,
+                         self._interval * self.task.ticks_per_step)
+
+
+class ParallelEnv:
+    """One world as PettingZoo's ParallelEnv: dictionaries by robot. A robot whose task is done leaves `agents`."""
+
+    def __init__(self, task: Task, *, render_mode: Optional[str] = None) -> None:
+        self.metadata = {"name": f"troupe_{task.name}_v0", "render_modes": ["rgb_array", "png"], "is_parallelizable": True}
+        self.render_mode = render_mode
+        self.task = task
+        self._episodes = Episodes(task, 1, threads=1)
+        self.possible_agents = list(self._episodes.robots)
+        self.agents: List[str] = []
+        size = self._episodes.observation_size
+        self.observation_spaces = {name: Box(-numpy.inf, numpy.inf, (size,)) for name in self.possible_agents}
+        self.action_spaces = {name: Box(-1.0, 1.0, (2,)) for name in self.possible_agents}
+        self._seeded = False
+
+    @property
+    def unwrapped(self) -> "ParallelEnv":
+        return self
+
+    @property
+    def num_agents(self) -> int:
+        return len(self.agents)
+
+    @property
+    def max_num_agents(self) -> int:
+        return len(self.possible_agents)
+
+    def observation_space(self, agent: str) -> Any:
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Any:
+        return self.action_spaces[agent]
+
+    def reset(self, seed: Optional[int] = None, options: Optional[dict] = None) -> Tuple[dict, dict]:
+        if seed is not None:
+            self._episodes.seed(seed)
+        self._episodes.begin(numpy.array([True]))
+        self.agents = list(self.possible_agents)
+        return self._by_name(self._episodes.observe()[0]), {name: {} for name in self.agents}
+
+    def step(self, actions: Dict[str, Any]) -> Tuple[dict, dict, dict, dict, dict]:
+        motion = numpy.zeros((1, len(self.possible_agents), 2))
+        for i, name in enumerate(self.possible_agents):
+            if name in self.agents and name in actions:
+                motion[0, i] = actions[name]
+        rewards, ended, truncated = self._episodes.step(motion)
+        observations = self._by_name(self._episodes.observe()[0])
+        result = (observations, self._by_name(rewards[0], float), self._by_name(ended[0], bool),
+                  {name: bool(truncated[0]) for name in self.agents}, {name: {} for name in self.agents})
+        self.agents = [name for name in self.agents if not result[2][name] and not result[3][name]]
+        return result
+
+    def _by_name(self, rows: numpy.ndarray, kind: Callable = lambda row: row) -> dict:
+        return {name: kind(row) for name, row in zip(self.possible_agents, rows) if name in self.agents}
+
+    def state(self) -> numpy.ndarray:
+        """The poses of all robots, (robots * 4,), float32."""
+        return self._episodes.worlds[0].poses.astype(numpy.float32).reshape(-1)
+
+    @property
+    def state_hash(self) -> int:
+        return self._episodes.worlds[0].state_hash
+
+    @property
+    def simulation(self) -> Simulation:
+        return self._episodes.worlds[0]
+
+    def render(self) -> Any:
+        """The picture of the world as PNG bytes, or with render_mode "rgb_array" as an array, by matplotlib."""
+        picture = self._episodes.worlds[0].picture(rays=True)
+        if self.render_mode != "rgb_array":
+            return picture
+        import io
+
+        from matplotlib.image import imread
+        return (imread(io.BytesIO(picture))[..., :3] * 255).astype(numpy.uint8)
+
+    def close(self) -> None:
+        self.agents = []
+
+
+AUTORESET = ("next_step", "same_step", "disabled")
+
+
+def _autoreset_value(mode: str) -> Any:
+    try:
+        from gymnasium.vector import AutoresetMode
+    except ImportError:
+        return mode
+    return AutoresetMode[mode.upper()]
+
+
+class VectorEnv:
+    """Many worlds as Gymnasium's VectorEnv: one environment is one world, with the robots in the rows of its arrays.
+
+    The reward of a world is the mean of its robots' rewards; it has terminated when the tasks of all robots are done.
+    autoreset: "next_step", "same_step" or "disabled", as Gymnasium defines them; then `reset` with
+    options={"reset_mask": mask} begins single worlds.
+    """
+
+    def __init__(self, task: Task, num_envs: int, *, autoreset: str = "next_step", threads: int = 0) -> None:
+        if autoreset not in AUTORESET:
+            raise ValueError(f"autoreset: found {autoreset!r}, expected one of {', '.join(AUTORESET)}")
+        self.task = task
+        self.num_envs = num_envs
+        self.render_mode = None
+        self.spec = None
+        self.closed = False
+        self.autoreset = autoreset
+        self.metadata = {"autoreset_mode": _autoreset_value(autoreset), "render_modes": []}
+        self._episodes = Episodes(task, num_envs, threads=threads)
+        robots, size = len(self._episodes.robots), self._episodes.observation_size
+        self.single_observation_space = Box(-numpy.inf, numpy.inf, (robots, size))
+        self.single_action_space = Box(-1.0, 1.0, (robots, 2))
+        self.observation_space = Box(-numpy.inf, numpy.inf, (num_envs, robots, size))
+        self.action_space = Box(-1.0, 1.0, (num_envs, robots, 2))
+        self._over = numpy.zeros(num_envs, bool)  # worlds whose episodes have ended
+        self._done = numpy.zeros((num_envs, robots), bool)
+
+    @property
+    def unwrapped(self) -> "VectorEnv":
+        return self
+
+    def _begin(self, which: numpy.ndarray) -> None:
+        if which.any():
+            self._episodes.begin(which)
+            self._done[which] = False
+            self._over[which] = False
+
+    def reset(self, *, seed: Optional[int] = None, options: Optional[dict] = None) -> Tuple[numpy.ndarray, dict]:
+        which = numpy.ones(self.num_envs, bool)
+        if options and "reset_mask" in options:
+            which = numpy.asarray(options["reset_mask"], bool)
+            if which.shape != (self.num_envs,):
+                raise ValueError(f"reset_mask: found the shape {which.shape}, expected ({self.num_envs},)")
+        if seed is not None:
+            self._episodes.seed(seed)
+        self._begin(which)
+        return self._episodes.observe(), {}
+
+    def step(self, actions: Any) -> Tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, Dict[str, Any]]:
+        infos: Dict[str, Any] = {}
+        again = self._over.copy() if self.autoreset == "next_step" else numpy.zeros(self.num_envs, bool)
+        rewards, ended, truncated = self._episodes.step(actions, self._done)
+        self._done |= ended
+        terminations = self._done.all(axis=1)
+        truncations = truncated & ~terminations
+        totals = rewards.mean(axis=1)
+        if again.any():  # the action of a world that was over does not count: it begins anew
+            self._begin(again)
+            totals[again], terminations[again], truncations[again] = 0.0, False, False
+        self._over = terminations | truncations
+        observations = self._episodes.observe()
+        if self.autoreset == "same_step" and self._over.any():
+            final = numpy.full(self.num_envs, None, object)
+            for i in numpy.nonzero(self._over)[0]:
+                final[i] = observations[i]
+            infos = {"final_obs": final, "_final_obs": self._over.copy()}
+            self._begin(self._over.copy())
+            observations = self._episodes.observe()
+        return observations, totals, terminations, truncations, infos
+
+    @property
+    def state_hashes(self) -> numpy.ndarray:
+        """uint64 (num_envs,)."""
+        return self._episodes.worlds.state_hashes
+
+    @property
+    def simulations(self) -> VectorSimulation:
+        return self._episodes.worlds
+
+    def close(self, **kwargs: Any) -> None:
+        self.closed = True
+
+
+def evaluate(task: Task, policy: Callable[[numpy.ndarray], numpy.ndarray], *, episodes: int = 16, seed: int = 0
+             ) -> numpy.ndarray:
+    """The score of a policy, the sum of each episode's rewards, mean over the robots: (episodes,).
+
+    policy: from observations (worlds, robots, numbers) to actions (worlds, robots, 2); `task.scripted` is the reference.
+    """
+    env = VectorEnv(task, episodes, autoreset="disabled")
+    observations, _ = env.reset(seed=seed)
+    scores = numpy.zeros(episodes)
+    running = numpy.ones(episodes, bool)
+    while running.any():
+        observations, rewards, terminations, truncations, _ = env.step(policy(observations))
+        scores += numpy.where(running, rewards, 0.0)
+        running &= ~(terminations | truncations)
+    return scores

@@ -1,0 +1,267 @@
+"""Tasks: what robots are to do, as functions on arrays over all worlds and robots.
+
+Shapes begin with (worlds, robots). Units are m, rad, s. Actions are (forward, turn) in [-1, 1], of `Task.speed` and
+`Task.turn_rate`.
+"""
+
+from __future__ import annotations
+
+import pathlib
+from typing import Any, Dict, List, NamedTuple
+
+import numpy
+
+
+def worlds_folder() -> pathlib.Path:
+    """The folder of troupe's own worlds: of the package (pip), of the Debian package, or of the sources."""
+    package = pathlib.Path(__file__).resolve().parent.parent
+    places = [package / "worlds", *(parent / "share/troupe/worlds" for parent in package.parents),
+              *(parent / "worlds" for parent in package.parents)]
+    for place in places:
+        if (place / "office.world").exists():
+            return place
+    raise FileNotFoundError("found no worlds of troupe, expected /usr/share/troupe/worlds")
+
+
+class Situation(NamedTuple):
+    """What tasks see of all worlds after a step."""
+
+    poses: numpy.ndarray  # (worlds, robots, 4): x, y, z, heading
+    twists: numpy.ndarray  # (worlds, robots, 3): vx, vy, wz
+    stalls: numpy.ndarray  # (worlds, robots): 1 after a contact
+    ranges: numpy.ndarray  # (worlds, robots, rays): m
+    steps: numpy.ndarray  # (worlds,): steps of the episode
+    interval: float  # s, of a step
+
+
+class Task:
+    """The base of tasks: robots in the office, which see the ranges of their sonars and their own motion.
+
+    A task of your own overrides the functions that differ. It may keep arrays over all worlds from `begin` on.
+    """
+
+    name = "task"
+    speed = 0.8  # m/s, of the action 1
+    turn_rate = 1.5  # rad/s
+    reach = 5.0  # m: ranges are divided by it
+    ticks_per_step = 2
+    max_steps = 400  # then the episode is truncated
+    extra = 0  # numbers of an observation after ranges and motion
+
+    def __init__(self, robots: int = 4) -> None:
+        self.robots = robots
+
+    def scenario(self) -> Dict[str, Any]:
+        """A scenario as JSON; robots in `spawn` are placed by the seed."""
+        return {"name": self.name, "world": str(worlds_folder() / "office.world"), "seed": 1,
+                "spawn": [{"model": "scout", "count": self.robots, "region": [-11, -7, 11, 7], "spacing": 0.8,
+                           "heading": "random", "name_prefix": "robot"}]}
+
+    sensor = "ranger"
+
+    def begin(self, which: numpy.ndarray, starts: List[numpy.ndarray], generators: List[numpy.random.Generator],
+              seen: Situation) -> None:
+        """A new episode in the worlds of the mask `which`. starts: the robots' poses in all starts, (robots, 4) each."""
+
+    def features(self, seen: Situation) -> numpy.ndarray:
+        """(worlds, robots, extra): what robots know beside their ranges and motion."""
+        return numpy.zeros((*seen.stalls.shape, 0))
+
+    def observe(self, seen: Situation) -> numpy.ndarray:
+        """(worlds, robots, numbers), float32, about -1 to 1."""
+        motion = numpy.stack([seen.twists[..., 0] / self.speed, seen.twists[..., 2] / self.turn_rate, seen.stalls], axis=-1)
+        near = numpy.minimum(seen.ranges / self.reach, 1.0)
+        return numpy.concatenate([near, motion, self.features(seen)], axis=-1).astype(numpy.float32)
+
+    def reward(self, seen: Situation) -> numpy.ndarray:
+        """(worlds, robots), of the last step. Called once for each step."""
+        raise NotImplementedError
+
+    def ended(self, seen: Situation) -> numpy.ndarray:
+        """(worlds, robots): the robot's task is done."""
+        return numpy.zeros(seen.stalls.shape, bool)
+
+    def scripted(self, observations: numpy.ndarray) -> numpy.ndarray:
+        """The reference: actions (worlds, robots, 2) by the observations alone. Here: away from obstacles."""
+        return avoid(observations, numpy.zeros(observations.shape[:2]))
+
+
+SONARS = 8  # of a scout, evenly around, the first one ahead, counter-clockwise
+
+
+def avoid(observations: numpy.ndarray, bearing: numpy.ndarray, clear: float = 0.14) -> numpy.ndarray:
+    """Actions towards a bearing (rad, in R), and around what is nearer than `clear` (in parts of the reach).
+
+    Of the directions with room the one nearest to the bearing is chosen.
+    """
+    near = observations[..., :SONARS]
+    angles = sonar_bearings()
+    turn_to = numpy.abs(wrap(angles - bearing[..., None]))
+    cost = turn_to + numpy.where(near < clear, 4.0, 0.0) + 0.3 * (1.0 - near)
+    chosen = angles[cost.argmin(axis=-1)]
+    exact = numpy.where(numpy.abs(wrap(chosen - bearing)) < numpy.pi / SONARS + 1e-6, bearing, chosen)
+    ahead = near[..., 0]
+    turn = numpy.clip(1.5 * exact, -1.0, 1.0)
+    forward = numpy.clip(numpy.cos(exact), 0.0, 1.0) ** 2 * numpy.clip((ahead - 0.05) * 6.0, 0.0, 1.0)
+    stalled = observations[..., SONARS + 2] > 0.5
+    forward = numpy.where(stalled & (ahead < 0.1), -0.4, forward)
+    return numpy.stack([forward, turn], axis=-1).astype(numpy.float32)
+
+
+def sonar_bearings() -> numpy.ndarray:
+    return wrap(numpy.arange(SONARS) * (2 * numpy.pi / SONARS))
+
+
+def wrap(angle: numpy.ndarray) -> numpy.ndarray:
+    return (angle + numpy.pi) % (2 * numpy.pi) - numpy.pi
+
+
+class Navigation(Task):
+    """Each robot drives to a goal of its own, somewhere in the office.
+
+    Reward: metres of progress, 5 at the goal, -0.1 for each step at a contact. Extra observations: distance / 10 m, and
+    cosine and sine of the goal's bearing.
+    """
+
+    name = "navigation"
+    extra = 3
+    tolerance = 0.4  # m
+
+    def begin(self, which, starts, generators, seen):
+        if not hasattr(self, "goals") or self.goals.shape[:2] != seen.stalls.shape:
+            self.goals = numpy.zeros((*seen.stalls.shape, 2))
+            self.left = numpy.zeros(seen.stalls.shape)
+            self.arrived = numpy.zeros(seen.stalls.shape, bool)
+        free = numpy.concatenate(starts)[:, :2]  # where robots start elsewhere there is room
+        for world in numpy.nonzero(which)[0]:
+            self.goals[world] = free[generators[world].choice(len(free), self.robots, replace=False)]
+        self.left[which] = self._distance(seen)[which]
+        self.arrived[which] = False
+
+    def _distance(self, seen: Situation) -> numpy.ndarray:
+        return numpy.hypot(*numpy.moveaxis(self.goals - seen.poses[..., :2], -1, 0))
+
+    def features(self, seen):
+        to_goal = self.goals - seen.poses[..., :2]
+        bearing = numpy.arctan2(to_goal[..., 1], to_goal[..., 0]) - seen.poses[..., 3]
+        distance = numpy.minimum(self._distance(seen) / 10.0, 1.0)
+        return numpy.stack([distance, numpy.cos(bearing), numpy.sin(bearing)], axis=-1)
+
+    def reward(self, seen):
+        distance = self._distance(seen)
+        now = (distance < self.tolerance) & ~self.arrived
+        reward = numpy.where(self.arrived, 0.0, self.left - distance - 0.1 * seen.stalls) + 5.0 * now
+        self.left = distance
+        self.arrived = self.arrived | now
+        return reward
+
+    def ended(self, seen):
+        return self.arrived.copy()
+
+    def scripted(self, observations):
+        bearing = numpy.arctan2(observations[..., -1], observations[..., -2])
+        return avoid(observations, bearing)
+
+
+class Coverage(Task):
+    """The robots together visit as much of the office as they can, in cells of a metre.
+
+    Reward: 1 for each cell that a robot is the first to visit. Extra observations: for each of eight directions whether the
+    cell 1.5 m ahead has been visited, and cosine and sine of the heading.
+    """
+
+    name = "coverage"
+    extra = 10
+    size = (24, 16)  # m, of the office
+
+    def begin(self, which, starts, generators, seen):
+        if not hasattr(self, "visited") or len(self.visited) != len(which):
+            self.visited = numpy.zeros((len(which), *self.size), bool)
+        self.visited[which] = False
+        self._visit(seen)
+
+    def _cells(self, points: numpy.ndarray):
+        half = numpy.array(self.size) / 2
+        cells = numpy.floor(points + half).astype(int)
+        return tuple(numpy.moveaxis(numpy.clip(cells, 0, numpy.array(self.size) - 1), -1, 0))
+
+    def _visit(self, seen: Situation) -> numpy.ndarray:
+        columns, rows = self._cells(seen.poses[..., :2])
+        fresh = numpy.zeros(seen.stalls.shape)
+        worlds = numpy.arange(len(fresh))
+        for robot in range(fresh.shape[1]):  # in order: the first of several in a cell counts
+            fresh[:, robot] = ~self.visited[worlds, columns[:, robot], rows[:, robot]]
+            self.visited[worlds, columns[:, robot], rows[:, robot]] = True
+        return fresh
+
+    def features(self, seen):
+        directions = numpy.arange(8) * (numpy.pi / 4)
+        angles = seen.poses[..., 3, None] + directions
+        points = seen.poses[..., None, :2] + 1.5 * numpy.stack([numpy.cos(angles), numpy.sin(angles)], axis=-1)
+        columns, rows = self._cells(points)
+        worlds = numpy.arange(len(self.visited))[:, None, None]
+        heading = seen.poses[..., 3, None]
+        return numpy.concatenate([self.visited[worlds, columns, rows], numpy.cos(heading), numpy.sin(heading)], axis=-1)
+
+    def reward(self, seen):
+        return self._visit(seen) - 0.1 * seen.stalls
+
+    def scripted(self, observations):
+        visited = observations[..., SONARS + 3:SONARS + 11]
+        room = observations[..., :SONARS]  # in the same directions
+        directions = wrap(numpy.arange(8) * (numpy.pi / 4))
+        value = 1.0 * (visited < 0.5) + 1.5 * room - 0.15 * numpy.abs(directions) - 4.0 * (room < 0.15)
+        return avoid(observations, directions[value.argmax(axis=-1)])
+
+
+class Flocking(Task):
+    """The robots stay together, 1 m apart, and move.
+
+    Reward for each step, per robot: its speed along the mean heading of its neighbours within 4 m, less 0.2 for a distance
+    below 0.6 m to the nearest and 0.2 without a neighbour, and 0.1 at a contact. Extra observations: the middle of its
+    neighbours in R / 4 m, cosine and sine of their mean heading in R, the nearest one's distance / 4 m, and whether there
+    is one.
+    """
+
+    name = "flocking"
+    extra = 6
+    radius = 4.0  # m
+
+    def scenario(self):
+        scenario = super().scenario()
+        scenario["spawn"][0].update(region=[-4, -3, 4, 3])
+        return scenario
+
+    def __init__(self, robots: int = 6) -> None:
+        super().__init__(robots)
+
+    def features(self, seen):
+        offsets = seen.poses[:, None, :, :2] - seen.poses[:, :, None, :2]  # from robot i to robot j
+        distances = numpy.hypot(offsets[..., 0], offsets[..., 1])
+        others = ~numpy.eye(self.robots, dtype=bool)
+        near = (distances < self.radius) & others
+        count = numpy.maximum(near.sum(axis=-1), 1)
+        middle = (offsets * near[..., None]).sum(axis=2) / count[..., None]
+        cos, sin = numpy.cos(seen.poses[..., 3]), numpy.sin(seen.poses[..., 3])
+        mean_cos = (near * cos[:, None, :]).sum(axis=-1) / count
+        mean_sin = (near * sin[:, None, :]).sum(axis=-1) / count
+
+        def turned(x, y):
+            return cos * x + sin * y, cos * y - sin * x
+
+        nearest = numpy.where(others, distances, numpy.inf).min(axis=-1)
+        return numpy.stack([*(part / self.radius for part in turned(middle[..., 0], middle[..., 1])),
+                            *turned(mean_cos, mean_sin), numpy.minimum(nearest / self.radius, 1.0), near.any(axis=-1)],
+                           axis=-1)
+
+    def reward(self, seen):
+        features = self.features(seen)
+        along = seen.twists[..., 0] * features[..., 2]
+        alone = features[..., 5] < 0.5
+        return along - 0.2 * (features[..., 4] * self.radius < 0.6) - 0.2 * alone - 0.1 * seen.stalls
+
+    def scripted(self, observations):
+        x, y, cos, sin, nearest, some = numpy.moveaxis(observations[..., -6:], -1, 0)
+        pull = numpy.where(nearest * self.radius < 1.0, -1.5, 0.8)
+        bearing = numpy.arctan2(sin + pull * y, cos + 0.2 + pull * x)
+        return avoid(observations, numpy.where(some > 0.5, bearing, 0.0))

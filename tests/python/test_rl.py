@@ -1,0 +1,154 @@
+"""The environments by the rules of PettingZoo's parallel_api_test and of Gymnasium's vector environments, whose own tests
+run where the packages are installed."""
+import importlib.util
+import unittest
+
+import numpy
+
+from troupe import rl
+
+TASKS = (rl.Navigation, rl.Coverage, rl.Flocking)
+# Means of rl.evaluate(task(), task.scripted, episodes=8, seed=0), rounded down; and of standing still.
+REFERENCE = {rl.Navigation: (1.0, 0.0), rl.Coverage: (1.0, 0.0), rl.Flocking: (1.0, 0.0)}
+
+
+class Short(rl.Navigation):
+    max_steps = 5
+
+
+class Parallel(unittest.TestCase):
+    def test_the_conventions(self):
+        for kind in TASKS:
+            env = rl.ParallelEnv(kind())
+            self.assertEqual(env.unwrapped, env)
+            observations, infos = env.reset(seed=3)
+            self.assertEqual(env.agents, env.possible_agents)
+            self.assertEqual(env.num_agents, env.max_num_agents)
+            self.assertEqual(set(observations), set(env.agents))
+            self.assertEqual(set(infos), set(env.agents))
+            self.assertIsNot(observations[env.agents[0]], observations[env.agents[1]])
+            for agent in env.agents:
+                self.assertIs(env.observation_space(agent), env.observation_space(agent))
+                self.assertIs(env.action_space(agent), env.action_space(agent))
+            ended = set()
+            for _ in range(60):
+                actions = {agent: env.action_space(agent).sample() for agent in env.agents}
+                before = set(env.agents)
+                results = env.step(actions)
+                for part in results:
+                    self.assertEqual(set(part), before)
+                observations, rewards, terminations, truncations, _ = results
+                for agent in before:
+                    self.assertTrue(env.observation_space(agent).contains(observations[agent]), kind)
+                    self.assertIsInstance(rewards[agent], float)
+                    if terminations[agent] or truncations[agent]:
+                        ended.add(agent)
+                self.assertEqual(set(env.agents), before - ended)
+                self.assertFalse(ended & set(env.agents))
+            self.assertEqual(env.state().dtype, numpy.float32)
+            env.close()
+
+    def test_truncation_empties_the_agents(self):
+        env = rl.ParallelEnv(Short())
+        env.reset(seed=0)
+        for _ in range(5):
+            self.assertTrue(env.agents)
+            _, _, terminations, truncations, _ = env.step({})
+        self.assertEqual(env.agents, [])
+        self.assertTrue(all(truncations.values()))
+        env.reset()
+        self.assertEqual(len(env.agents), 4)
+
+    def test_the_same_seed_gives_the_same_episodes(self):
+        hashes = []
+        for _ in range(2):
+            env = rl.ParallelEnv(rl.Navigation())
+            generator = numpy.random.default_rng(5)
+            found = []
+            for episode in range(2):
+                env.reset(seed=8 if episode == 0 else None)
+                for _ in range(20):
+                    result = env.step({agent: generator.uniform(-1, 1, 2) for agent in env.agents})
+                    found.append((env.state_hash, tuple(result[1].items())))
+            hashes.append(found)
+        self.assertEqual(*hashes)
+        env.reset(seed=9)
+        self.assertNotEqual(env.state_hash, hashes[0][0][0])
+
+    def test_render(self):
+        env = rl.ParallelEnv(rl.Navigation())
+        env.reset(seed=0)
+        self.assertTrue(env.render().startswith(b"\x89PNG"))
+
+    @unittest.skipUnless(importlib.util.find_spec("pettingzoo"), "pettingzoo is not installed")
+    def test_pettingzoo(self):
+        from pettingzoo.test import parallel_api_test, parallel_seed_test
+        for kind in TASKS:
+            parallel_api_test(rl.ParallelEnv(kind()), num_cycles=200)
+        parallel_seed_test(lambda: rl.ParallelEnv(rl.Navigation()))
+
+
+class Vector(unittest.TestCase):
+    def test_shapes(self):
+        for kind in TASKS:
+            env = rl.VectorEnv(kind(), 3, threads=2)
+            observations, infos = env.reset(seed=1)
+            self.assertEqual(observations.shape, env.observation_space.shape)
+            self.assertEqual(observations.dtype, numpy.float32)
+            self.assertEqual(env.observation_space.shape[1:], env.single_observation_space.shape)
+            self.assertEqual(infos, {})
+            observations, rewards, terminations, truncations, infos = env.step(env.action_space.sample())
+            self.assertTrue(env.observation_space.contains(observations))
+            self.assertEqual((rewards.shape, terminations.shape, truncations.shape), ((3,), (3,), (3,)))
+            self.assertEqual((rewards.dtype, terminations.dtype, truncations.dtype), (float, bool, bool))
+
+    def test_autoreset(self):
+        still = numpy.zeros((2, 4, 2))
+        seen = {}
+        for mode in ("next_step", "same_step", "disabled"):
+            env = rl.VectorEnv(Short(), 2, autoreset=mode)
+            env.reset(seed=4)
+            seen[mode] = [env.step(still) + (env.simulations.ticks.tolist(),) for _ in range(7)]
+            self.assertEqual([step[3].all() for step in seen[mode][:5]], [False] * 4 + [True])
+        last, after = seen["next_step"][4], seen["next_step"][5]
+        self.assertEqual(last[5], [10, 10])  # the final observation itself
+        self.assertEqual((after[1].tolist(), after[2].any(), after[3].any(), after[5]), ([0, 0], False, False, [0, 0]))
+        last = seen["same_step"][4]
+        self.assertEqual(last[5], [0, 0])
+        self.assertEqual(last[4]["_final_obs"].tolist(), [True, True])
+        self.assertTrue((last[4]["final_obs"][0] == seen["next_step"][4][0][0]).all())
+        self.assertTrue((last[0] == seen["next_step"][5][0]).all())
+        self.assertEqual(seen["same_step"][5][5], [2, 2])
+        self.assertEqual(seen["disabled"][6][5], [14, 14])
+        env.reset(options={"reset_mask": numpy.array([False, True])})
+        self.assertEqual(env.simulations.ticks.tolist(), [14, 0])
+        with self.assertRaises(ValueError):
+            env.reset(options={"reset_mask": [True]})
+        with self.assertRaises(ValueError):
+            rl.VectorEnv(Short(), 1, autoreset="never")
+
+    def test_hashes_do_not_depend_on_the_threads(self):
+        found = []
+        for threads in (1, 2):
+            env = rl.VectorEnv(rl.Flocking(), 3, autoreset="same_step", threads=threads)
+            env.reset(seed=2)
+            generator = numpy.random.default_rng(0)
+            for _ in range(20):
+                env.step(generator.uniform(-1, 1, env.action_space.shape))
+            found.append(env.state_hashes.tolist())
+        self.assertEqual(*found)
+
+    def test_scripted_policies_reach_their_scores(self):
+        for kind, (expected, still) in REFERENCE.items():
+            task = kind()
+            scores = rl.evaluate(task, task.scripted, episodes=8)
+            print(kind.__name__, scores.mean(), scores.min())
+            self.assertGreater(scores.mean(), expected, kind)
+            task = kind()
+            task.max_steps = 50
+            idle = rl.evaluate(task, lambda seen: numpy.zeros((*seen.shape[:2], 2)), episodes=4)
+            self.assertLessEqual(idle.mean(), still + 1e-9, kind)
+
+
+if __name__ == "__main__":
+    unittest.main()

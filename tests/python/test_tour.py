@@ -1,0 +1,63 @@
+"""Runs the code of docs/python.md, and the examples."""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from support import PROGRAMS, ROOT
+
+
+def blocks(text):
+    """(language, file or "", code, line) of each block of code."""
+    for match in re.finditer(r"^```(python|json)(?: file=(\S+))?\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        yield match[1], match[2] or "", match[3], text.count("\n", 0, match.start()) + 1
+
+
+class Tour(unittest.TestCase):
+    def test_the_page_runs(self):
+        page = ROOT / "docs/python.md"
+        found = list(blocks(page.read_text()))
+        self.assertGreater(len(found), 10)
+        code = ""
+        with tempfile.TemporaryDirectory() as folder:
+            os.symlink(ROOT / "worlds", os.path.join(folder, "worlds"))
+            for language, file, text, line in found:
+                if file:
+                    (pathlib.Path(folder) / file).write_text(text)
+                elif language == "python":
+                    code += "\n" * (line - code.count("\n")) + text
+            script = os.path.join(folder, "tour.py")
+            pathlib.Path(script).write_text(code)
+            done = subprocess.run([sys.executable, script], cwd=folder, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, f"lines are those of {page}\n{done.stdout}{done.stderr}")
+            self.assertIn("<troupe.Simulation 'swarm': 100 robots, tick 100", done.stdout)
+            self.assertIn("worlds/none.world", done.stdout)
+            for picture in ("swarm.png", "swarm.svg"):
+                self.assertGreater(os.path.getsize(os.path.join(folder, picture)), 1000)
+
+    def test_the_page_shows_the_example(self):
+        shown = {file: text for _, file, text, _ in blocks((ROOT / "docs/python.md").read_text()) if file}
+        scenario = json.loads((ROOT / "examples/python/patrol.json").read_text())
+        self.assertEqual(json.loads(shown["patrol.json"])["spawn"][0]["controller"], scenario["spawn"][0]["controller"])
+
+    def test_the_examples_run(self):
+        examples = ROOT / "examples/python"
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([sys.executable, examples / "drive.py", ROOT / "worlds/scenarios/swarm.json", "x.png"],
+                                  cwd=folder, capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertRegex(done.stdout, r"100 robots are [1-9]\.\d\d m from their starts")
+            summary = os.path.join(folder, "summary")
+            done = subprocess.run([PROGRAMS / "troupe", "run", examples / "patrol.json", "--headless", "--ticks", "100",
+                                   "--in-process", "--summary", summary], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertNotIn("failed", done.stdout + done.stderr)
+            self.assertEqual(json.loads(pathlib.Path(summary).read_text())["ticks"], 100)
+
+
+if __name__ == "__main__":
+    unittest.main()
