@@ -88,6 +88,7 @@ void World::Prepare() {
   if (prepared_ == &simulation_.world()) return;
   prepared_ = &simulation_.world();
   sensor_counts_.clear();
+  named_sensors_.clear();
   calls_python_ = false;
   for (std::size_t i = 0; i < prepared_->robots.size(); ++i) {
     sensor_counts_.push_back(simulation_.Info(RobotId(i)).sensors.size());
@@ -137,10 +138,13 @@ std::size_t World::FindSensor(RobotId robot, py::handle sensor) {
 }
 
 std::vector<std::size_t> World::FindSensors(py::handle sensor) {
+  const std::string name = py::isinstance<py::str>(sensor) ? sensor.cast<std::string>() : std::string();
+  if (const auto found = named_sensors_.find(name); found != named_sensors_.end()) return found->second;
   std::vector<std::size_t> sensors;
   for (std::size_t i = 0; i < simulation_.world().robots.size(); ++i) {
     sensors.push_back(FindSensor(RobotId(i), sensor));
   }
+  if (!name.empty()) named_sensors_[name] = sensors;
   return sensors;
 }
 

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -96,8 +97,9 @@ class World {
   Simulation simulation_;
   std::atomic<bool> used_ = false;
   const WorldDescription* prepared_ = nullptr;
-  std::vector<std::size_t> sensor_counts_;  // by robot
-  bool calls_python_ = false;               // a robot's controller does
+  std::vector<std::size_t> sensor_counts_;                         // by robot
+  std::map<std::string, std::vector<std::size_t>> named_sensors_;  // of FindSensors, by name: it is slow
+  bool calls_python_ = false;                                      // a robot's controller does
 };
 
 void DefineSimulation(py::module_& module);
