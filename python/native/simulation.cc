@@ -170,12 +170,14 @@ py::tuple NamesOf(const Rows& rows, const NameOf& name_of) {
 }  // namespace
 
 void DefineSimulation(py::module_& module) {
-  py::class_<Snapshot>(module, "Snapshot", "The whole of a simulation at one tick. Never changes.")
-      .def_property_readonly("tick", &Snapshot::tick)
-      .def("__copy__", [](const Snapshot& snapshot) { return snapshot; })
-      .def("__deepcopy__", [](const Snapshot& snapshot, const py::object&) { return snapshot; })
-      .def("__repr__",
-           [](const Snapshot& snapshot) { return fmt::format("<troupe.Snapshot at tick {}>", snapshot.tick()); });
+  py::class_<Snapshot, SnapshotPointer>(module, "Snapshot", "The whole of a simulation at one tick. Never changes.")
+      .def_property_readonly(
+          "tick", [](const SnapshotPointer& snapshot) { return snapshot->tick(); }, "The tick at which it was saved.")
+      .def("__copy__", [](const SnapshotPointer& snapshot) { return snapshot; })
+      .def("__deepcopy__", [](const SnapshotPointer& snapshot, const py::object&) { return snapshot; })
+      .def("__repr__", [](const SnapshotPointer& snapshot) {
+        return fmt::format("<troupe.Snapshot at tick {}>", snapshot->tick());
+      });
 
   py::class_<World, WorldPointer> simulation(module, "Simulation", R"(A world in this process.
 
@@ -210,8 +212,11 @@ Raises InputError with file, line and column.)")
       .def_property_readonly(
           "interval", [](const WorldPointer& world) { return World::Use(*world)->world().interval_seconds(); },
           "The length of a tick, s.")
-      .def_property_readonly("seed", [](const WorldPointer& world) { return World::Use(*world)->world().seed; })
-      .def_property_readonly("name", [](const WorldPointer& world) { return World::Use(*world)->world().name; })
+      .def_property_readonly(
+          "seed", [](const WorldPointer& world) { return World::Use(*world)->world().seed; }, "Of all random numbers.")
+      .def_property_readonly(
+          "name", [](const WorldPointer& world) { return World::Use(*world)->world().name; },
+          "The name of the scenario or world.")
       .def_property_readonly(
           "state_hash", [](const WorldPointer& world) { return World::Use(*world)->state_hash(); },
           "The hash of the whole state: equal states have equal hashes, on every machine.")
@@ -294,8 +299,10 @@ or (robots, 2) of vx, wz. The drive bounds it. A car follows the twist as far as
       .def(
           "save", [](const WorldPointer& world) { return ValueOf(World::Use(*world)->Save()); },
           "A Snapshot of the whole simulation. Raises RunError if a controller cannot be copied.")
-      .def("restore", &World::Restore, "snapshot"_a,
-           "Continues from a snapshot, of this or of another simulation: the same steps give the same hashes.")
+      .def(
+          "restore", [](const WorldPointer& world, const SnapshotPointer& snapshot) { world->Restore(*snapshot); },
+          py::arg("snapshot").none(false),
+          "Continues from a snapshot, of this or of another simulation: the same steps give the same hashes.")
       .def(
           "copy",
           [](const WorldPointer& world) {

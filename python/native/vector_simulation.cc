@@ -37,14 +37,12 @@ class Uses {
 
 class Worlds {
  public:
-  Worlds(std::vector<std::shared_ptr<World>> worlds, std::size_t threads)
+  Worlds(std::vector<std::shared_ptr<World>> worlds, std::vector<Snapshot> starts, std::size_t threads)
       : worlds_(std::move(worlds)),
+        starts_(std::move(starts)),
         robots_(worlds_[0]->simulation().world().robots.size()),
         pool_(std::min(threads, worlds_.size())) {
-    for (const std::shared_ptr<World>& world : worlds_) {
-      starts_.push_back(ValueOf(world->simulation().Save()));
-      calls_python_ |= world->calls_python();
-    }
+    for (const std::shared_ptr<World>& world : worlds_) calls_python_ |= world->calls_python();
   }
 
   std::size_t size() const { return worlds_.size(); }
@@ -90,9 +88,12 @@ class Worlds {
     if (snapshots.is_none()) {
       for (const std::size_t i : chosen) from.push_back(starts_[i]);
     } else if (py::isinstance<Snapshot>(snapshots)) {
-      from.assign(chosen.size(), snapshots.cast<Snapshot>());
+      from.assign(chosen.size(), *snapshots.cast<SnapshotPointer>());
     } else {
-      from = snapshots.cast<std::vector<Snapshot>>();
+      for (const SnapshotPointer& each : snapshots.cast<std::vector<SnapshotPointer>>()) {
+        if (each == nullptr) throw py::type_error("snapshots: found None, expected a Snapshot");
+        from.push_back(*each);
+      }
     }
     if (from.size() != chosen.size()) {
       throw py::value_error(fmt::format("snapshots: found {}, expected {}", from.size(), chosen.size()));
@@ -213,6 +214,21 @@ class Worlds {
   ThreadPool pool_;
 };
 
+using WorldsPointer = std::shared_ptr<Worlds>;
+
+// A method for pybind11, which passes an instance without content (VectorSimulation.__new__) as an error to a function
+// of a pointer like this, but not to a method.
+template <typename Value, typename... Arguments>
+auto Held(Value (Worlds::*method)(Arguments...)) {
+  return
+      [method](const WorldsPointer& worlds, Arguments... arguments) { return (worlds.get()->*method)(arguments...); };
+}
+template <typename Value, typename... Arguments>
+auto Held(Value (Worlds::*method)(Arguments...) const) {
+  return
+      [method](const WorldsPointer& worlds, Arguments... arguments) { return (worlds.get()->*method)(arguments...); };
+}
+
 std::vector<std::uint64_t> SeedsOf(const py::object& seeds, std::size_t count, std::uint64_t first) {
   std::vector<std::uint64_t> list;
   if (seeds.is_none()) {
@@ -224,8 +240,8 @@ std::vector<std::uint64_t> SeedsOf(const py::object& seeds, std::size_t count, s
   return list;
 }
 
-std::unique_ptr<Worlds> Load(const py::object& file, std::int64_t count, const py::object& seeds, std::int64_t threads,
-                             std::optional<std::string> controller, bool run_controllers) {
+WorldsPointer Load(const py::object& file, std::int64_t count, const py::object& seeds, std::int64_t threads,
+                   std::optional<std::string> controller, bool run_controllers) {
   if (count < 1 || count > static_cast<std::int64_t>(kMostWorlds)) {
     throw py::value_error(fmt::format("num_envs: found {}, expected 1 to {}", count, kMostWorlds));
   }
@@ -238,37 +254,45 @@ std::unique_ptr<Worlds> Load(const py::object& file, std::int64_t count, const p
   options.run_controllers = run_controllers;
   std::vector<std::shared_ptr<World>> worlds;
   const auto size = static_cast<std::size_t>(count);
+  std::vector<Snapshot> starts;
+  const auto add = [&](std::shared_ptr<World> world) {
+    starts.push_back(ValueOf(world->simulation().Save()));
+    worlds.push_back(std::move(world));
+  };
   std::uint64_t first = 0;
   if (seeds.is_none()) {
-    worlds.push_back(World::Load(path, options));
+    add(World::Load(path, options));
     first = worlds[0]->simulation().world().seed;
   }
   for (const std::uint64_t seed : SeedsOf(seeds, size, first)) {
     if (seeds.is_none() && seed == first) continue;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    // A world that an earlier one has with this seed is continued from it.
+    // A world that an earlier one has with this seed is continued from it, with the same start.
     const auto same = std::find_if(worlds.begin(), worlds.end(),
                                    [&](const auto& world) { return world->simulation().world().seed == seed; });
     if (same != worlds.end()) {
-      const Snapshot start = ValueOf((*same)->simulation().Save());
+      const Snapshot start = starts[static_cast<std::size_t>(same - worlds.begin())];
+      starts.push_back(start);
       worlds.push_back(std::make_shared<World>(ValueOf(Simulation::Continue(start))));
       continue;
     }
     options.seed = seed;
     if (!worlds.empty()) options.share_with = &worlds[0]->simulation();
-    worlds.push_back(World::Load(path, options));
+    add(World::Load(path, options));
     if (worlds.back()->simulation().world().robots.size() != worlds[0]->simulation().world().robots.size()) {
       throw py::value_error("the numbers of robots differ between the seeds");
     }
   }
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
-  return std::make_unique<Worlds>(std::move(worlds), threads == 0 ? cores : static_cast<std::size_t>(threads));
+  return std::make_shared<Worlds>(std::move(worlds), std::move(starts),
+                                  threads == 0 ? cores : static_cast<std::size_t>(threads));
 }
 
 }  // namespace
 
 void DefineVectorSimulation(py::module_& module) {
-  py::class_<Worlds>(module, "VectorSimulation", R"(Many copies of one world, stepped together by all cores.
+  py::class_<Worlds, WorldsPointer>(module, "VectorSimulation",
+                                    R"(Many copies of one world, stepped together by all cores.
 
 Each has a seed of its own, and the state hashes of a Simulation with that seed. Copies with equal seeds share all
 constant parts of the world, the others the map. `vector[i]` is copy i as a Simulation. Arrays have the shape
@@ -279,30 +303,30 @@ Every array supports DLPack, as numpy's do. As of a Simulation, one thread at a 
            R"(Loads a file `num_envs` times; the arguments are as those of Simulation.
 
 seeds: one for each; by default the file's, and the numbers after it. threads: 0 is one for each core.)")
-      .def("__len__", &Worlds::size)
-      .def("__getitem__", &Worlds::At, "index"_a)
-      .def_property_readonly("num_envs", &Worlds::size)
-      .def_property_readonly("num_robots", &Worlds::robots)
-      .def_property_readonly("threads", &Worlds::threads)
+      .def("__len__", Held(&Worlds::size))
+      .def("__getitem__", Held(&Worlds::At), "index"_a)
+      .def_property_readonly("num_envs", Held(&Worlds::size), "The number of worlds.")
+      .def_property_readonly("num_robots", Held(&Worlds::robots), "Of each world.")
+      .def_property_readonly("threads", Held(&Worlds::threads), "That step the worlds.")
       .def(
           "step",
-          [](Worlds& worlds, std::int64_t ticks) {
+          [](const WorldsPointer& worlds, std::int64_t ticks) {
             if (ticks < 0) throw py::value_error(fmt::format("ticks: found {}, expected 0 or more", ticks));
-            worlds.Step(static_cast<Tick>(ticks));
+            worlds->Step(static_cast<Tick>(ticks));
           },
           "ticks"_a = 1, "Advances all worlds. After a KeyboardInterrupt they may be at different ticks.")
-      .def("drive", &Worlds::Drive, "motion"_a,
+      .def("drive", Held(&Worlds::Drive), "motion"_a,
            "Drives all robots: an array (worlds, robots, 3) of vx, vy (m/s), wz (rad/s), or (worlds, robots, 2) of vx, "
            "wz.")
-      .def("reset", &Worlds::Reset, "which"_a = py::none(), "snapshots"_a = py::none(),
+      .def("reset", Held(&Worlds::Reset), "which"_a = py::none(), "snapshots"_a = py::none(),
            R"(Sets worlds back to their start, or to a snapshot.
 
 which: a mask (worlds,) or numbers of worlds; None: all. snapshots: one for all, or one for each world of `which`.)")
-      .def("save", &Worlds::Save, "A list of a Snapshot of each world.")
+      .def("save", Held(&Worlds::Save), "A list of a Snapshot of each world.")
       .def(
           "poses",
-          [](Worlds& worlds, const py::object& out) {
-            return worlds.FillRows(out, 4, "out", [](World& world, auto* row) {
+          [](const WorldsPointer& worlds, const py::object& out) {
+            return worlds->FillRows(out, 4, "out", [](World& world, auto* row) {
               using Number = std::remove_pointer_t<decltype(row)>;
               for (const RobotState& robot : world.simulation().state().robots) {
                 for (const double part : {robot.X_WR.x, robot.X_WR.y, robot.X_WR.z, robot.X_WR.heading}) {
@@ -314,8 +338,8 @@ which: a mask (worlds,) or numbers of worlds; None: all. snapshots: one for all,
           "out"_a = py::none(), "(worlds, robots, 4): x, y, z (m), heading (rad).")
       .def(
           "twists",
-          [](Worlds& worlds, const py::object& out) {
-            return worlds.FillRows(out, 3, "out", [](World& world, auto* row) {
+          [](const WorldsPointer& worlds, const py::object& out) {
+            return worlds->FillRows(out, 3, "out", [](World& world, auto* row) {
               using Number = std::remove_pointer_t<decltype(row)>;
               for (const RobotState& robot : world.simulation().state().robots) {
                 for (const double part : {robot.twist.vx, robot.twist.vy, robot.twist.wz}) {
@@ -327,8 +351,8 @@ which: a mask (worlds,) or numbers of worlds; None: all. snapshots: one for all,
           "out"_a = py::none(), "(worlds, robots, 3): vx, vy (m/s), wz (rad/s), executed in the last tick.")
       .def(
           "stalls",
-          [](Worlds& worlds, const py::object& out) {
-            return worlds.FillRows(out, 0, "out", [](World& world, auto* row) {
+          [](const WorldsPointer& worlds, const py::object& out) {
+            return worlds->FillRows(out, 0, "out", [](World& world, auto* row) {
               using Number = std::remove_pointer_t<decltype(row)>;
               for (const RobotState& robot : world.simulation().state().robots) {
                 *row++ = static_cast<Number>(robot.stalled ? 1 : 0);
@@ -336,23 +360,23 @@ which: a mask (worlds,) or numbers of worlds; None: all. snapshots: one for all,
             });
           },
           "out"_a = py::none(), "(worlds, robots): 1 where a contact ended the last motion, else 0.")
-      .def("ranges", &Worlds::Ranges, "sensor"_a = "ranger", "out"_a = py::none(),
+      .def("ranges", Held(&Worlds::Ranges), "sensor"_a = "ranger", "out"_a = py::none(),
            "(worlds, robots, rays): the ranges of a ranger of each robot, m; see Simulation.ranges.")
       .def_property_readonly(
           "state_hashes",
-          [](Worlds& worlds) {
-            py::array_t<std::uint64_t> hashes(static_cast<py::ssize_t>(worlds.size()));
+          [](const WorldsPointer& worlds) {
+            py::array_t<std::uint64_t> hashes(static_cast<py::ssize_t>(worlds->size()));
             std::uint64_t* next = hashes.mutable_data();
-            for (const auto& world : worlds.worlds()) *next++ = World::Use(*world)->state_hash();
+            for (const auto& world : worlds->worlds()) *next++ = World::Use(*world)->state_hash();
             return hashes;
           },
           "uint64 (worlds,).")
       .def_property_readonly(
           "ticks",
-          [](Worlds& worlds) {
-            py::array_t<std::int64_t> ticks(static_cast<py::ssize_t>(worlds.size()));
+          [](const WorldsPointer& worlds) {
+            py::array_t<std::int64_t> ticks(static_cast<py::ssize_t>(worlds->size()));
             std::int64_t* next = ticks.mutable_data();
-            for (const auto& world : worlds.worlds()) *next++ = static_cast<std::int64_t>(World::Use(*world)->tick());
+            for (const auto& world : worlds->worlds()) *next++ = static_cast<std::int64_t>(World::Use(*world)->tick());
             return ticks;
           },
           "int64 (worlds,).");

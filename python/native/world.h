@@ -36,6 +36,8 @@ Value ValueOf(Result<Value> result) {
 // must not arise in a controller, which the main thread would run.
 void RunInterruptibly(bool calls_python, const std::function<void(const std::atomic<bool>& stopped)>& work);
 
+using SnapshotPointer = std::shared_ptr<Snapshot>;
+
 class World {
  public:
   static std::shared_ptr<World> Load(const std::string& file, const SimulationOptions& options);

@@ -21,7 +21,8 @@ def run(*arguments, check=True, **options):
 
 def hashes(file):
     """By tick, from a hash log."""
-    return {int(tick): int(digest, 16) for tick, digest in (line.split() for line in open(file))}
+    with open(file) as lines:
+        return {int(tick): int(digest, 16) for tick, digest in map(str.split, lines)}
 
 
 def logged(scenario, folder, *arguments):

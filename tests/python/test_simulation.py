@@ -209,7 +209,12 @@ class Robustness(unittest.TestCase):
                  lambda: sim.picture(view="x"), lambda: sim.picture(width="x"), lambda: sim.picture(meters=-1.0),
                  lambda: troupe.Simulation(None), lambda: troupe.Simulation(5), lambda: troupe.Simulation(b"\0"),
                  lambda: troupe.Simulation(SWARM, seed=-1), lambda: troupe.Simulation(SWARM, seed="x"),
-                 lambda: troupe.Simulation(SWARM, controller="nonesuch"), lambda: troupe.Snapshot(),
+                 lambda: troupe.Snapshot(),
+                 lambda: troupe.Snapshot.__new__(troupe.Snapshot).tick,
+                 lambda: sim.restore(troupe.Snapshot.__new__(troupe.Snapshot)),
+                 lambda: troupe.VectorSimulation.__new__(troupe.VectorSimulation).step(),
+                 lambda: troupe.VectorSimulation.__new__(troupe.VectorSimulation).poses(),
+                 lambda: troupe.Simulation.__new__(troupe.Simulation).restore(sim.save()),
                  lambda: troupe.Simulation.__new__(troupe.Simulation).tick]
         before = sim.state_hash
         for i, call in enumerate(wrong):

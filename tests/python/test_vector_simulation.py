@@ -93,7 +93,7 @@ class VectorSimulation(unittest.TestCase):
                  lambda: vector.drive(numpy.zeros((2, 99, 3))), lambda: vector.drive(None),
                  lambda: vector.drive(numpy.full((2, 100, 3), numpy.inf)), lambda: vector.reset([2]),
                  lambda: vector.reset([-1]), lambda: vector.reset(numpy.array([True])), lambda: vector.reset(5),
-                 lambda: vector.reset([0], [1]), lambda: vector.reset([0], []), lambda: vector[2], lambda: vector["x"],
+                 lambda: vector.reset([0], [1]), lambda: vector.reset([0], []), lambda: vector.reset([0], [None]), lambda: vector[2], lambda: vector["x"],
                  lambda: vector.poses(out=numpy.zeros((2, 100, 3))), lambda: vector.poses(out=numpy.zeros((2, 100, 4), int)),
                  lambda: vector.ranges("none"), lambda: vector.ranges(3, out=None),
                  lambda: vector.poses(out=numpy.zeros((2, 100, 8))[:, :, ::2])]
