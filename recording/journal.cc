@@ -81,8 +81,8 @@ bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands) {
 
 void AddProgress(ByteWriter& out, const RunProgress& progress) {
   // All members: a new one does not compile without a place here, and one in ReadProgress.
-  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands] =
-      progress;
+  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands,
+               first_number] = progress;
   out.Add(incarnation);
   out.Add(ticks_to_pause.value_or(kNoPause));
   out.Add(stalls);
@@ -92,6 +92,7 @@ void AddProgress(ByteWriter& out, const RunProgress& progress) {
   out.Add(static_cast<std::uint8_t>(speed_is_set));
   out.Add(std::bit_cast<std::uint64_t>(speed.value_or(kNoSpeed)));
   AddCommands(out, commands);
+  out.Add(first_number);
 }
 
 // False: it is damaged.
@@ -106,7 +107,9 @@ bool ReadProgress(ByteReader& in, RunProgress& progress) {
   progress.speed_is_set = in.Read<std::uint8_t>() != 0;
   const auto speed = std::bit_cast<double>(in.Read<std::uint64_t>());
   if (speed > kNoSpeed) progress.speed = speed;
-  return ReadCommands(in, progress.commands) && in.ok();
+  if (!ReadCommands(in, progress.commands)) return false;
+  progress.first_number = in.Read<std::uint64_t>();
+  return in.ok();
 }
 
 struct TailRecord {

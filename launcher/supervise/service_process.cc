@@ -85,8 +85,10 @@ Status ServiceProcess::StartProcess(const RunKeys& keys, const std::vector<std::
   if (!security.ok()) return security.error();
   RunOptions options = OptionsThere();
   options.network.security = std::move(security).value();
-  // A run that has begun is in the journal alone.
-  if (has_begun_) options.file.clear();
+  if (has_begun_) {  // in the journal alone, with the changes of a branch
+    options.file.clear();
+    options.branch = {};
+  }
   if (can_restart() && options.record.ends_with(".mcap")) options.record.clear();
   std::vector<std::string> arguments = ServiceArguments(options);
   arguments.insert(arguments.end(), journal_.begin(), journal_.end());

@@ -324,6 +324,7 @@ RunProgress TickEngine::Progress() const {
   progress.speed_is_set = speed_is_set_;
   if (speed_is_set_) progress.speed = speed();
   progress.commands = commands_.InForce();
+  if (run_.continues()) progress.first_number = run_.options.resumed->progress.first_number;
   return progress;
 }
 

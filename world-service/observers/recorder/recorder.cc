@@ -290,10 +290,15 @@ Status Recorder::OnEnd() {
   return first;
 }
 
+bool WritesTexts(const OutputFiles& files) {
+  const bool records_text = !files.record.empty() && !IsRecordingPath(files.record);
+  return !files.hash_log.empty() || !files.poses.empty() || records_text;
+}
+
 Result<std::unique_ptr<Recorder>> MakeTextRecorder(const WorldDescription& world, const OutputFiles& files) {
   OutputFiles texts = files;
   if (IsRecordingPath(files.record)) texts.record.clear();
-  if (texts.hash_log.empty() && texts.poses.empty() && texts.record.empty()) return std::unique_ptr<Recorder>();
+  if (!WritesTexts(files)) return std::unique_ptr<Recorder>();
   return Recorder::Create(world, texts);
 }
 

@@ -77,6 +77,9 @@ class Recorder final : public RunObserver {
 
 // The observers that write the output files of a run.
 
+// Whether there are text files among them.
+bool WritesTexts(const OutputFiles& files);
+
 // The text files of `files`; null: none. As MakeRecorders.
 Result<std::unique_ptr<Recorder>> MakeTextRecorder(const WorldDescription& world, const OutputFiles& files);
 RecordingOptions RecordingOptionsOf(const OutputFiles& files, const std::string& world_file);
