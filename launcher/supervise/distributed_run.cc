@@ -124,6 +124,7 @@ class DistributedRun {
   void ReactToEnd(const AgentProcess& agent);
   void ReactToLoss(Host& host, const Error& loss);
   void ReconnectHosts();
+  void NoteIncompleteFiles(const AgentProcess& agent);
   void TellRestartCommand(const AgentProcess& agent, const std::string& reason);
   void RestartAgents();
   void RestartAgent(std::size_t number);
@@ -358,6 +359,7 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
   if (end.exit_code == kExitOutputFailed) {
     return Fail(FailedRun(output_failure_.value_or(Failure("an agent cannot write its output files"))));
   }
+  if (!end.ok() && summary_ && !failed()) return NoteIncompleteFiles(agent);
   if (end.ok() || kill_at_ || summary_ || !goes_on()) return;
   const std::string& host = agent.host->name();
   if (hosts_.is_lost(*agent.host)) {
@@ -388,6 +390,21 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
   } else {
     Fail({end.exit_code, std::nullopt, std::nullopt});
   }
+}
+
+// All of a run that ended in order is written, but not the last scans of an agent that died then. An agent that the run
+// has lost before is in its summary.
+void DistributedRun::NoteIncompleteFiles(const AgentProcess& agent) {
+  const auto is_lost = [&](const std::string& robot) {
+    return std::find(summary_->lost.begin(), summary_->lost.end(), robot) != summary_->lost.end();
+  };
+  if (options_.scans.empty() || std::all_of(agent.robots.begin(), agent.robots.end(), is_lost)) return;
+  if (hosts_.is_lost(*agent.host) || output_failure_) return;
+  output_failure_ =
+      Error{{options_.scans},
+            fmt::format("the last scans of {} are missing: the agent (process {}) {}", fmt::join(agent.robots, ", "),
+                        agent.process->pid(), agent.process->end()->ToString()),
+            ErrorCode::kFailure};
 }
 
 void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::string& reason) {

@@ -118,6 +118,8 @@ std::string ListText(const std::vector<std::string>& names) {
 std::optional<ServiceReport> ParseServiceReport(const std::string& line) {
   try {
     return Parse(Json::parse(line));
+  } catch (const std::bad_alloc&) {  // a lost report would let the run wait for ever
+    throw;
   } catch (const std::exception&) {
     return std::nullopt;
   }
