@@ -2,7 +2,7 @@
 // the robot stands still unless it is driven; each command is valid for a short time only, so that a robot stops when
 // the page is gone, and its controller continues.
 import type {Connection} from './connection';
-import {byId, make, toast} from './dom';
+import {byId, make, setOn, toast} from './dom';
 import {nameOf, type Run} from './run';
 
 const PERIOD = 100;  // ms from one command to the next
@@ -57,14 +57,13 @@ export class Driving {
 
   setViewOnly(viewOnly: boolean): void {
     this.viewOnly = viewOnly;
-    byId('drive').hidden = viewOnly;
     if (viewOnly) this.set(false);
   }
 
   set(on: boolean): void {
     const now = on && !this.viewOnly && this.host.robot() >= 0;
     if (on && this.host.robot() < 0) toast('Select a robot to drive');
-    byId('drive').classList.toggle('on', now);
+    setOn('drive', now);
     byId('drive-box').hidden = !now;
     if (now === this.on) return;
     this.on = now;

@@ -1,7 +1,8 @@
 // Editing by mouse: drags entities to other poses, adds models of the world file, deletes and renames the selected
 // entity, and sends robots to points. The run decides; it refuses a pose in a wall, and says why.
 import type {Connection} from './connection';
-import {byId, make, toast} from './dom';
+import {byId, make, setOn, toast} from './dom';
+import {Popup} from './toolbar';
 import {Measuring} from './drawing';
 import type {Pose} from './protocol';
 import {nameOf, poseOf, type Entity, type Run} from './run';
@@ -51,6 +52,7 @@ export class Editing {
   private pressed: {x: number; y: number} | null = null;
   private pointer: {x: number; y: number} | null = null;
   private readonly menu = byId('add-menu');
+  private readonly popup = new Popup(byId('add'), this.menu);
   private readonly hint = byId('hint');
   private readonly history: EditHistory;
   private readonly measuring: Measuring;
@@ -78,7 +80,6 @@ export class Editing {
   }
 
   setViewOnly(viewOnly: boolean): void {
-    for (const id of ['move', 'add', 'delete', 'send', 'undo', 'redo']) byId(id).hidden = viewOnly;
     if (viewOnly && this.tool !== 'measure') this.cancel();
   }
 
@@ -90,7 +91,7 @@ export class Editing {
       return;
     }
     this.tool = next;
-    for (const id of ['move', 'measure', 'send'] as const) byId(id).classList.toggle('on', next === id);
+    for (const id of ['move', 'measure', 'send'] as const) setOn(id, next === id);
     this.hint.hidden = next === 'none';
     this.hint.textContent = HINTS[next];
     this.scene.canvas.classList.toggle('aiming', next !== 'none' && next !== 'move');
@@ -99,13 +100,13 @@ export class Editing {
   cancel(): void {
     this.tool = 'none';
     this.drag = null;
-    this.menu.hidden = true;
+    this.popup.set(false);
     this.hint.hidden = true;
     this.measuring.clear();
     this.scene.showGhost(null, 0);
     this.scene.setControlsEnabled(true);
     this.scene.canvas.classList.remove('aiming');
-    for (const id of ['move', 'measure', 'send']) byId(id).classList.remove('on');
+    for (const id of ['move', 'measure', 'send']) setOn(id, false);
   }
 
   // True if the key belongs to the editing.
@@ -162,7 +163,7 @@ export class Editing {
   async renameSelected(): Promise<void> {
     const run = this.host.run();
     const entity = this.host.selected();
-    if (!run || !entity || byId('delete').hidden) return;
+    if (!run || !entity) return;
     const before = nameOf(run.world, entity);
     const note = this.file ? '' : " A robot's controller starts anew.";
     const after = window.prompt(`New name of ${before}.${note}`, before)?.trim();
@@ -277,10 +278,7 @@ export class Editing {
   }
 
   private async toggleMenu(): Promise<void> {
-    if (!this.menu.hidden) {
-      this.menu.hidden = true;
-      return;
-    }
+    if (this.popup.isOpen) return this.popup.set(false);
     const reply = await this.connection.request('spawnables');
     if (!reply.done) {
       toast(reply.problem, true);
@@ -297,7 +295,8 @@ export class Editing {
       return row;
     }));
     if (models.length === 0) this.menu.append(make('div', 'more', 'the world file defines no models'));
-    this.menu.hidden = false;
+    this.popup.set(true);
+    this.menu.querySelector('button')?.focus();
   }
 
   // The place of the model that the next click adds: its body, if one of its type is in the world.

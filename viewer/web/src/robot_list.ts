@@ -1,5 +1,6 @@
 // The list of robots with their states.
 import {EventType} from '../generated/rows';
+import {color} from './colors';
 import {byId, fixed, make, setText} from './dom';
 import type {RunEvent} from './protocol';
 import type {Run} from './run';
@@ -51,6 +52,7 @@ export class RobotList {
       const state = robotState(run, i, holders.has(i));
       const speed = run.robots[i] ? Math.hypot(run.robots[i].twist.vx, run.robots[i].twist.vy) : 0;
       if (row.dot.className !== `dot ${state}`) row.dot.className = `dot ${state}`;
+      if (row.state.className !== `robot-state ${state}`) row.state.className = `robot-state ${state}`;
       setText(row.state, state === 'moving' ? `${fixed(speed, 2)} m/s` : state);
       row.element.classList.toggle('selected', i === selected);
     }
@@ -101,7 +103,7 @@ const WARNINGS = [
 export function eventColor(event: RunEvent): string {
   const name = event.type === EventType.Left || event.type === EventType.ProposalRejected ? '--red'
     : WARNINGS.includes(event.type) ? '--amber' : '--green';
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  return color(name);
 }
 
 export class EventList {
