@@ -112,6 +112,11 @@ class Viewer {
       run: () => this.run,
       selected: () => this.selected,
       select: entity => this.select(entity),
+      selectNamed: name => {
+        this.wantedName = name;
+        this.selectWanted();
+      },
+      driveTo: point => this.driving.driveTo(point),
     });
     this.driving = new Driving(this.connection, {run: () => this.run, robot: () => this.selectedRobot});
     this.grippers = new GripperButtons(this.connection);
@@ -179,7 +184,7 @@ class Viewer {
       const name = this.selected && before ? nameOf(before.world, this.selected) : '';
       this.run = new Run(message.world, before);
       this.selected = null;
-      if (name) this.wantedName = name;
+      if (name && !this.wantedName) this.wantedName = name;
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
       this.file?.worldChanged();
       return;
@@ -321,6 +326,7 @@ class Viewer {
     setOn('names', this.scene.labels.visible);
     setOn('follow', this.scene.following);
     setOn('trails', this.scene.trails.visible);
+    document.body.classList.toggle('trails', this.scene.trails.visible);
   }
 
   private changed(): void {
