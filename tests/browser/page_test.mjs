@@ -132,6 +132,7 @@ async function doesTenTasksByKeys() {
   const press = async (...all) => { for (const key of all) await keys.press(key); };
 
   // 1. Select a robot in the list.
+  await page.locator('.robot').nth(1).waitFor();
   await press('1', 'ArrowDown', 'Enter');
   await selected(page, 'bela');
   // 2. Pause, step, and play.
