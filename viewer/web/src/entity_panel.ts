@@ -1,4 +1,5 @@
 // The panel of the selected robot or object.
+import {color} from './colors';
 import type {AgentInfo, Connection} from './connection';
 import {byId, fixed, make, setText} from './dom';
 import {OBJECT_MODES, scansOf, type Light, type Pose, type Reading} from './protocol';
@@ -13,6 +14,8 @@ function normalizedDegrees(heading: number): number {
 
 export class EntityPanel {
   private readonly panel = byId('panel');
+  private readonly head = byId('panel-head');
+  private readonly empty = document.querySelectorAll<HTMLElement>('#dock .empty');
   private readonly facts = byId('panel-facts');
   private readonly joints = byId('panel-joints');
   private readonly plot = byId<HTMLCanvasElement>('panel-plot');
@@ -25,7 +28,8 @@ export class EntityPanel {
   // `agent`: of the robot, if it is known.
   show(run: Run, entity: Entity | null, agent: AgentInfo | null): void {
     const pose = entity ? poseOf(run, entity) : null;
-    this.panel.hidden = !pose;
+    this.panel.hidden = this.head.hidden = !pose;
+    for (const note of this.empty) note.hidden = pose !== null;
     if (!entity || !pose) return;
     setText(byId('panel-name'), nameOf(run.world, entity));
     if (entity.kind === 'robot') this.showRobot(run, entity.index, pose, agent);
@@ -295,13 +299,12 @@ export class SpeedPlot {
       this.canvas.width = Math.round(width * ratio);
       this.canvas.height = Math.round(height * ratio);
     }
-    const style = getComputedStyle(document.documentElement);
     const context = this.canvas.getContext('2d')!;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
     const top = Math.max(0.1, ...this.samples.map(([, speed]) => speed));
     const end = this.samples[this.samples.length - 1][0];
-    context.strokeStyle = style.getPropertyValue('--line');
+    context.strokeStyle = color('--line');
     context.strokeRect(0.5, 0.5, width - 1, height - 1);
     context.beginPath();
     this.samples.forEach(([time, speed], i) => {
@@ -310,20 +313,16 @@ export class SpeedPlot {
       if (i === 0) context.moveTo(x, y);
       else context.lineTo(x, y);
     });
-    context.strokeStyle = style.getPropertyValue('--rays');
+    context.strokeStyle = color('--rays');
     context.lineWidth = 1.5;
     context.stroke();
-    context.fillStyle = style.getPropertyValue('--faint');
-    context.font = '10px system-ui, sans-serif';
+    context.fillStyle = color('--faint');
+    context.font = '12px system-ui, sans-serif';
     context.fillText(`${fixed(top, 2)} m/s, last ${SECONDS} s`, 5, 12);
   }
 }
 
 // The ranges of a robot's rangers around it, ahead upwards.
-
-function color(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
 
 export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): void {
   const ratio = Math.min(window.devicePixelRatio, 2);
@@ -341,7 +340,7 @@ export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): v
 
   context.strokeStyle = color('--line');
   context.fillStyle = color('--faint');
-  context.font = '10px system-ui, sans-serif';
+  context.font = '12px system-ui, sans-serif';
   context.lineWidth = 1;
   const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find(s => reach / s <= 5) ?? 100;
   for (let r = step; r <= reach * 1.001; r += step) {

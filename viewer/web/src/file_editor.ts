@@ -2,7 +2,7 @@
 // holds the file; each edit is a request, and the world that follows comes as that of a run.
 import {BitmapDrawing} from './bitmap_drawing';
 import type {Connection} from './connection';
-import {byId, make, setText, toast} from './dom';
+import {byId, labelOf, make, setText, toast} from './dom';
 import {Drawing, roomBetween, SpawnRegions, wallBetween, type DrawTool, type Point} from './drawing';
 import type {Editing} from './editing';
 import {
@@ -173,7 +173,7 @@ export class FileEditor {
     state.hidden = false;
     setText(state, shown.testing ? `test${shown.tested ? ` of ${shown.tested}` : ''}` : shown.error ? 'error' : shown.modified ? 'not saved' : 'saved');
     state.className = `badge ${shown.error ? 'lost' : shown.testing ? 'holding' : shown.modified ? 'stalled' : 'moving'}`;
-    setText(byId('file-test'), shown.testing ? 'End test' : 'Test');
+    setText(labelOf('file-test'), shown.testing ? 'End test' : 'Test');
     byId('file-region').hidden = shown.kind !== 'scenario' || this.viewOnly;
     byId('file-bitmap').hidden = shown.kind === 'scenario' || this.viewOnly;
     byId('file-model').hidden = shown.kind === 'scenario' || this.viewOnly;

@@ -56,11 +56,10 @@ export class TimeBar {
     const usable = run !== null && run.hasState && (past || (!run.over && !this.viewOnly));
     const stands = past ? !this.timeline.isPlaying : run?.paused ?? false;
     this.play.disabled = this.speed.disabled = !usable;
-    this.reset.hidden = past;
-    this.reset.disabled = !usable;
+    this.reset.disabled = !usable || past;
     this.stepOne.disabled = this.stepTen.disabled = !usable || !stands;
     this.play.classList.toggle('paused', stands);
-    this.play.title = stands ? 'Play (space)' : 'Pause (space)';
+    this.play.title = this.play.ariaLabel = stands ? 'Play (space)' : 'Pause (space)';
     if (!run?.hasState) return;
     this.timeline.show(run);
     const status = run.status;
@@ -209,10 +208,10 @@ export class Timeline {
       this.slider.max = String(Math.max(run.last, run.first + 1));
       this.slider.value = String(this.past ? Math.round(this.position) : run.last);
     }
-    byId('live').hidden = this.recording;
-    byId('continue').hidden = this.recording || !run.past;
+    byId<HTMLButtonElement>('live').disabled = this.recording;
+    byId<HTMLButtonElement>('continue').disabled = this.recording || !run.past;
     byId('live').classList.toggle('on', !this.past);
-    byId('back').hidden = byId('step-back').hidden = !this.past;
+    byId<HTMLButtonElement>('back').disabled = byId<HTMLButtonElement>('step-back').disabled = !this.past;
     byId('back').classList.toggle('on', this.playing < 0);
     this.drawMarks(run);
   }
