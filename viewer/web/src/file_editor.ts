@@ -84,10 +84,6 @@ export class FileEditor {
     });
     new PlaceGrid(scene, () => this.bitmaps.open);
     this.bind();
-    const narrow = matchMedia('(max-width: 760px)');
-    const place = (): void => byId(narrow.matches ? 'dock' : 'left').prepend(byId('file-entities'));
-    narrow.addEventListener('change', place);
-    place();
     void this.load();
   }
 
