@@ -1,7 +1,7 @@
 // Takes the pictures of the viewer and the editor in docs/pictures, in a headless Chromium with full quality. Not a test:
 // it fails only when it cannot take one. scripts/pictures runs it.
 //   node pictures.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES FOLDER_OF_STAGE_WORLDS [PICTURE ...]
-import {existsSync, mkdirSync} from 'node:fs';
+import {existsSync, mkdirSync, writeFileSync} from 'node:fs';
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
@@ -73,6 +73,33 @@ const pictures = {
     await page.click('.palette-line:has-text("stacker") .plain');
     await page.locator('#model-editor').waitFor();
     await page.click('.part-name:has-text("gripper")');
+  }),
+  editor_robot: () => {
+    const file = `${files}/yard.world`;
+    writeFileSync(file, `include "robots.inc"
+include "furniture.inc"
+
+model( name "wall1" pose [0 3 0 0] size [6 0.1 1] color "gray60" )
+table( name "table1" pose [-1.5 1 0 0] )
+chair( name "chair1" pose [-1.5 0.2 0 90] )
+shelf( name "shelf1" pose [1.5 2.7 0 0] )
+
+# Keeps away from the table.
+scout( name "scout1" pose [1 0.5 0 90] ctrl "wander speed=0.6" )
+`);
+    return ofEditor('editor_robot', file, async page => {
+      await page.click('.entity:has-text("scout1")');
+      await page.locator('select[data-property=controller]').waitFor();
+      await page.click('#file-text');
+      await page.locator('#text-area .cm-content').waitFor();
+    });
+  },
+  editor_plan: () => ofEditor('editor_plan', `${source}/worlds/office.world`, async page => {
+    await page.setInputFiles('#plan-file', `${source}/worlds/bitmaps/office.png`);
+    await page.locator('#plan-import').waitFor();
+    const box = await page.locator('#plan-canvas').boundingBox();
+    for (const x of [0.005, 0.25]) await page.mouse.click(box.x + x * box.width, box.y + 0.2 * box.height);
+    await page.fill('#plan-distance', '6');
   }),
   viewer_cave: () => ofRun('viewer_cave', {world: `${stage}/benchmark/cave.world`, tick: 600, hash: '&view=top'}),
 };

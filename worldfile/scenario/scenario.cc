@@ -13,10 +13,9 @@
 namespace troupe {
 namespace {
 
-// Reads a file that the scenario names. If it cannot be opened at all, the error names the scenario's line.
-Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory, const AllowedPaths& allowed,
+// Reads a file that the scenario names by `name`. If it cannot be opened at all, the error names the scenario's line.
+Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& path, const AllowedPaths& allowed,
                             const ScenarioTools& tools) {
-  const std::string path = (std::filesystem::path(directory) / name.text).lexically_normal().string();
   Result<WorldTree> tree = tools.read_world(path, allowed);
   if (!tree.ok() && tree.error().where.line == 0) return Error{name.where, tree.error().message};
   return tree;
@@ -25,11 +24,15 @@ Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory
 Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const AllowedPaths& allowed,
                            const ScenarioTools& tools) {
   const std::string directory = DirectoryOf(path);
-  Result<WorldTree> tree = file.world ? ReadNamed(*file.world, directory, allowed, tools) : ParseStageText("", path);
+  const auto beside = [&](const std::string& name) {
+    return (std::filesystem::path(directory) / name).lexically_normal().string();
+  };
+  Result<WorldTree> tree =
+      file.world ? ReadNamed(*file.world, beside(file.world->text), allowed, tools) : ParseStageText("", path);
   if (!tree.ok()) return tree;
   if (file.world) tree.value().files.insert(tree.value().files.begin(), path);
   for (const PlacedText& include : file.includes) {
-    Result<WorldTree> included = ReadNamed(include, directory, allowed, tools);
+    Result<WorldTree> included = ReadNamed(include, FindFile(include.text, directory, path), allowed, tools);
     if (!included.ok()) return included;
     tree = Merged(std::move(tree).value(), std::move(included).value(), include.where);
   }

@@ -32,6 +32,11 @@ export interface TestInterface {
   // The members of an editor: its file as reported last, a request, and the places of points on the window.
   file(): FileDocument | null;
   edit(op: string, more?: object): Promise<EditReply>;
+  // How far the ground reaches from the origin, m: to -x, -y, x, y.
+  ground(): number[];
+  // The text in the text pane; null: it is closed.
+  text(): string | null;
+  setText(text: string): void;
   modelPoint(view: 'top' | 'side', a: number, b: number): {x: number; y: number} | null;
   groundPoint(x: number, y: number): {x: number; y: number};
   // Where an entity is on the window.
@@ -101,6 +106,9 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
     request: (command, more = {}) => connection.request(command, more),
     file: () => host.file()?.document ?? null,
     edit: (op, more = {}) => connection.edit(op, more),
+    ground: () => scene.reach(),
+    text: () => host.file()?.text.text ?? null,
+    setText: text => host.file()?.text.set(text),
     modelPoint: (view, a, b) => host.file()?.modelPoint(view, a, b) ?? null,
     groundPoint: (x, y) => scene.project(new Vector3(x, y, 0)),
     placeOf: name => {
