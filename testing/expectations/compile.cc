@@ -351,17 +351,17 @@ class Compiler {
   template <typename Result, typename Compile, typename Empty>
   Result WithVariables(const Syntax& bound, const Compile& compile, const Empty& empty) {
     const std::vector<std::uint32_t> domain = Checked(names_.Domain(bound));
-    for (const std::string& name : bound.variables) {
-      if (!error_ && !Mentions(bound.children[0], name)) {
-        Fail(bound, "found the variable '" + name + "' that is not used, expected it in the formula behind ':'");
-      }
-    }
     if (error_) return {};
     std::vector<std::size_t> variables;
     for (const std::string& name : bound.variables) variables.push_back(Bind(name, domain, bound.domain));
     at_offset_ = bound.offset;
     Result result = compile(variables);
     scoped_.resize(scoped_.size() - variables.size());
+    for (const std::string& name : bound.variables) {
+      if (!error_ && !Mentions(bound.children[0], name)) {
+        Fail(bound, "found the variable '" + name + "' that is not used, expected it in the formula behind ':'");
+      }
+    }
     if (!error_ && domain.size() < variables.size()) return empty(result);
     return result;
   }

@@ -175,8 +175,7 @@ class Parser {
   Result<Syntax> Whole() {
     Syntax syntax = Formula();
     if (!error_ && Now().kind != TokenKind::kEnd) {
-      Fail(IsComparison(Now()) ? "a second comparison, expected 'and' between two"
-                               : "an operator or the end of the expectation");
+      Fail(IsComparison(Now()) ? "'and' between two comparisons" : "an operator or the end of the expectation");
     }
     if (error_) return *error_;
     return syntax;

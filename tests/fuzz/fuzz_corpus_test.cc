@@ -22,6 +22,7 @@ struct Target {
 constexpr Target kTargets[] = {
     {"admissions", Admissions}, {"changes", Changes},
     {"control", Control},       {"control_reply", ControlReply},
+    {"expectation", Expectation},
     {"frame", Frame},           {"frame_request", FrameRequest},
     {"history", History},       {"host_message", HostMessage},
     {"image", Image},           {"join", Join},
