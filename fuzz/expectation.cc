@@ -1,11 +1,12 @@
 // Feeds any bytes to the language of expectations: as an expectation and as a metric of a small world.
+#include "troupe/expectation.h"
+
 #include <span>
 #include <string>
 
 #include "fuzz/targets.h"
 #include "testing/expectations/syntax.h"
 #include "testing/expectations/tick_view.h"
-#include "troupe/expectation.h"
 
 namespace troupe::fuzz {
 namespace {

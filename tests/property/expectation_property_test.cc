@@ -164,17 +164,28 @@ class RandomFormula {
     if (variables.empty() || (depth > 1 && variables.size() < 3 && Below(4) == 0)) return Quantified(depth, variables);
     if (depth <= 0) return Atom(variables);
     switch (Below(11)) {
-      case 0: return "not (" + Truth(depth - 1, variables) + ")";
-      case 1: return Joined(depth, variables, "and");
-      case 2: return Joined(depth, variables, "or");
-      case 3: return Joined(depth, variables, "->");
-      case 4: return "always" + Interval(true) + " (" + Truth(depth - 1, variables) + ")";
-      case 5: return "eventually" + Interval(true) + " (" + Truth(depth - 1, variables) + ")";
-      case 6: return Joined(depth, variables, "until" + Interval(true));
-      case 7: return Joined(depth, variables, "since");
-      case 8: return "historically" + Interval(true) + " (" + Truth(depth - 1, variables) + ")";
-      case 9: return "once" + Interval(true) + " (" + Truth(depth - 1, variables) + ")";
-      default: return Below(3) == 0 ? "finally (" + Truth(depth - 1, variables) + ")" : Atom(variables);
+      case 0:
+        return "not (" + Truth(depth - 1, variables) + ")";
+      case 1:
+        return Joined(depth, variables, "and");
+      case 2:
+        return Joined(depth, variables, "or");
+      case 3:
+        return Joined(depth, variables, "->");
+      case 4:
+        return "always" + Interval(true) + " (" + Truth(depth - 1, variables) + ")";
+      case 5:
+        return "eventually" + Interval(true) + " (" + Truth(depth - 1, variables) + ")";
+      case 6:
+        return Joined(depth, variables, "until" + Interval(true));
+      case 7:
+        return Joined(depth, variables, "since");
+      case 8:
+        return "historically" + Interval(true) + " (" + Truth(depth - 1, variables) + ")";
+      case 9:
+        return "once" + Interval(true) + " (" + Truth(depth - 1, variables) + ")";
+      default:
+        return Below(3) == 0 ? "finally (" + Truth(depth - 1, variables) + ")" : Atom(variables);
     }
   }
 
@@ -205,11 +216,16 @@ class RandomFormula {
   std::string Number(const std::vector<std::string>& variables) {
     const std::string& variable = variables[static_cast<std::size_t>(Below(static_cast<int>(variables.size())))];
     switch (Below(6)) {
-      case 0: return "x(" + variable + ") - y(" + variable + ")";
-      case 1: return "abs(y(" + variable + "))";
-      case 2: return "(min q: x(q) + y(" + variable + "))";
-      case 3: return "2 * x(" + variable + ")";
-      default: return (Below(2) == 0 ? "x(" : "y(") + variable + ")";
+      case 0:
+        return "x(" + variable + ") - y(" + variable + ")";
+      case 1:
+        return "abs(y(" + variable + "))";
+      case 2:
+        return "(min q: x(q) + y(" + variable + "))";
+      case 3:
+        return "2 * x(" + variable + ")";
+      default:
+        return (Below(2) == 0 ? "x(" : "y(") + variable + ")";
     }
   }
 

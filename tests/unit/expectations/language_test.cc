@@ -179,8 +179,9 @@ TEST(ExpectationLanguageTest, EachMistakeIsOneClearErrorAtItsPlace) {
 TEST(ExpectationLanguageTest, MetricsHaveUnitsAndErrors) {
   Fleet fleet;
   const std::vector<std::pair<std::string, std::string>> units{
-      {"time of first at(anna, dock)", "s"}, {"time of last at(r, dock)", "s"}, {"min of distance(a, b)", "m"},
-      {"max of speed(r)", "m/s"},            {"mean of x(r) * x(r)", "m^2"},     {"final of (count r: stalled(r))", ""},
+      {"time of first at(anna, dock)", "s"}, {"time of last at(r, dock)", "s"},
+      {"min of distance(a, b)", "m"},        {"max of speed(r)", "m/s"},
+      {"mean of x(r) * x(r)", "m^2"},        {"final of (count r: stalled(r))", ""},
       {"sum r: speed(r) / time", "m/s^2"},   {"max of abs(turn_rate(anna))", "rad/s"}};
   for (const auto& [text, unit] : units) {
     const Result<Metric> metric = Metric::Parse(text, fleet.scope());

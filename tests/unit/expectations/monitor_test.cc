@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
@@ -89,20 +89,34 @@ TEST_F(MonitorTest, VerdictsAreKnownAsSoonAsNothingCanChangeThem) {
   EXPECT_EQ(Run("not stalled(anna) until x(anna) > 0.99 m", 40).decided_at(), 20u);
   EXPECT_EQ(Run("forall r: eventually at(r, dock)", 40).verdict(), Verdict::kFalse);
   EXPECT_THAT(Run("forall r: eventually at(r, dock)", 40).cause().names, ElementsAre("bob"));
-  EXPECT_EQ(Run("exists r: eventually at(r, dock)", 40).decided_at(), 16u);  // 0.8 m
+  EXPECT_EQ(Run("exists r: eventually at(r, dock, 22 cm)", 40).decided_at(), 16u);  // at 0.8 m
 }
 
 TEST_F(MonitorTest, SignalsAreThoseOfTheWorld) {
-  for (const char* const text :
-       {"distance(anna, bob) >= 0.599 m and distance(anna, bob) <= 0.601 m", "distance(anna, wall) > 2.299 m",
-        "distance(anna, dock) < 0.801 m and distance(bob, dock) > 1.799 m", "range(anna) < 2.501 m and range(anna) > 2.499 m",
-        "eventually speed(anna) > 0.499 m/s", "always speed(bob) == 0", "always abs(heading(anna)) < 1 deg",
-        "eventually event(stall_began, anna)", "always not event(stall_began, bob)",
-        "finally count(event(stall_began)) == 1", "finally tick == 60", "finally abs(time - 6 s) < 1 ms",
-        "within(yard) or true", "always all_alive", "always z(anna) == 0 m", "eventually (stalled(anna) and in(bob, yard))",
-        "finally (count r: stalled(r)) == 1", "finally (max r: x(r)) > 2.29 m", "finally (mean r: x(r)) < 0.7 m",
-        "finally distance(anna, wall) < 2 mm", "no_contact(59 cm)", "always exists r: at(r, dock, 3 m)",
-        "eventually historically[0, 1 s] x(anna) > 1 m", "always (stalled(anna) -> once[0, 6 s] speed(anna) > 0.4 m/s)"}) {
+  for (const char* const text : {"distance(anna, bob) >= 0.599 m and distance(anna, bob) <= 0.601 m",
+                                 "distance(anna, wall) > 2.299 m",
+                                 "distance(anna, dock) < 0.801 m and distance(bob, dock) > 1.799 m",
+                                 "range(anna) < 2.501 m and range(anna) > 2.499 m",
+                                 "eventually speed(anna) > 0.499 m/s",
+                                 "always speed(bob) == 0",
+                                 "always abs(heading(anna)) < 1 deg",
+                                 "eventually event(stall_began, anna)",
+                                 "always not event(stall_began, bob)",
+                                 "finally count(event(stall_began)) == 1",
+                                 "finally tick == 60",
+                                 "finally abs(time - 6 s) < 1 ms",
+                                 "within(yard) or true",
+                                 "always all_alive",
+                                 "always z(anna) == 0 m",
+                                 "eventually (stalled(anna) and in(bob, yard))",
+                                 "finally (count r: stalled(r)) == 1",
+                                 "finally (max r: x(r)) > 2.29 m",
+                                 "finally (mean r: x(r)) < 0.7 m",
+                                 "finally distance(anna, wall) < 2 mm",
+                                 "no_contact(59 cm)",
+                                 "always exists r: at(r, dock, 3 m)",
+                                 "eventually historically[0, 1 s] x(anna) > 1 m",
+                                 "always (stalled(anna) -> once[0, 6 s] speed(anna) > 0.4 m/s)"}) {
     EXPECT_THAT(Run(text, 60), Satisfied()) << text;
   }
   Simulation simulation = Start();
@@ -114,8 +128,8 @@ TEST_F(MonitorTest, SignalsAreThoseOfTheWorld) {
 }
 
 TEST_F(MonitorTest, MetricsAreNumbersOfTheRun) {
-  EXPECT_NEAR(Measure("time of first at(anna, dock)", 60).value(), 1.6, 1e-9);
-  EXPECT_NEAR(Measure("time of last at(r, dock)", 60).value(), 1.6, 1e-9);
+  EXPECT_NEAR(Measure("time of first at(anna, dock, 22 cm)", 60).value(), 1.6, 1e-9);
+  EXPECT_NEAR(Measure("time of last at(r, dock, 22 cm)", 60).value(), 1.6, 1e-9);
   EXPECT_EQ(Measure("time of first at(bob, dock)", 60), std::nullopt);
   EXPECT_NEAR(Measure("min of distance(a, b)", 20).value(), 0.6, 1e-9);
   EXPECT_NEAR(Measure("max of x(r)", 20).value(), 1.0, 1e-9);
@@ -127,7 +141,8 @@ TEST_F(MonitorTest, MetricsAreNumbersOfTheRun) {
 TEST_F(MonitorTest, ABranchContinuesWithACopy) {
   Simulation simulation = Start();
   const ExpectationScope scope{simulation.world()};
-  Monitor monitor(Expectation::Parse("always (stalled(anna) -> eventually[0, 5 ticks] not stalled(anna))", scope).value());
+  Monitor monitor(
+      Expectation::Parse("always (stalled(anna) -> eventually[0, 5 ticks] not stalled(anna))", scope).value());
   for (int i = 0; i <= 30; ++i) {
     if (i > 0) simulation.Step();
     ASSERT_TRUE(monitor.Push(simulation).ok());
@@ -140,7 +155,7 @@ TEST_F(MonitorTest, ABranchContinuesWithACopy) {
   }
   EXPECT_EQ(monitor.verdict(), Verdict::kFalse);
   ASSERT_TRUE(simulation.Restore(snapshot).ok());
-  EXPECT_FALSE(monitor.Push(simulation).ok());  // the tick is not the next one
+  EXPECT_FALSE(monitor.Push(simulation).ok());                // the tick is not the next one
   ASSERT_TRUE(simulation.Drive(RobotId(0), Command{}).ok());  // in this branch anna stops
   for (int i = 0; i < 30; ++i) {
     simulation.Step();
