@@ -9,7 +9,8 @@ set(public_headers_of_common/bitmap bitmap dense_cover pixel_area rectangle_cove
 set(public_headers_of_common/model
   color event interval radio_limits radio_message robot_command sensor_description world_description world_state)
 set(public_headers_of_common/picture picture_options)
-foreach(folder common/base common/geometry common/bitmap common/model common/picture)
+set(public_headers_of_testing/expectations expectation)
+foreach(folder common/base common/geometry common/bitmap common/model common/picture testing/expectations)
   foreach(name IN LISTS public_headers_of_${folder})
     set(folder_of_include/troupe/${name}.h ${folder})
   endforeach()
@@ -128,10 +129,14 @@ set(may_include_include/troupe/controller.h
 set(may_include_include/troupe/simulation.h
   common/base common/geometry common/model common/picture include/troupe/controller.h include/troupe/sensor.h)
 
+# Expectations know a run by its ticks, wherever they come from.
+set(may_include_testing/expectations common/base common/geometry common/model common/sensing common/spatial)
+set(may_include_include/troupe/testing.h common/base testing/expectations include/troupe/simulation.h)
+
 # The library: the step and the robots in one process, without protocol or DDS.
 set(may_include_library
   common/base common/geometry common/model common/picture common/sensing common/spatial worldfile
-  include/troupe/simulation.h robot-agent/controller robot-agent/robot world-service/core)
+  include/troupe/simulation.h robot-agent/controller robot-agent/robot testing/expectations world-service/core)
 
 # The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.
 set(may_include_viewer/foxglove
@@ -181,7 +186,7 @@ set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers
 
 set(failures)
 set(patterns)
-foreach(top command_line common include launcher library recording robot-agent ros transport viewer/editor viewer/foxglove
+foreach(top command_line common include launcher library recording robot-agent ros testing transport viewer/editor viewer/foxglove
     viewer/gateway world-service worldfile)
   list(APPEND patterns ${ROOT}/${top}/*.h ${ROOT}/${top}/*.cc)
 endforeach()
