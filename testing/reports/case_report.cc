@@ -43,7 +43,7 @@ TestCase DrawsFromJson(const json& value) {
   return draws;
 }
 
-std::string Field(const std::string& text) {
+std::string CsvField(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
@@ -221,19 +221,19 @@ Status CaseReport::AddLines(const std::string& file) {
 
 std::string CaseReport::Csv(const Entry& entry) const {
   std::string csv = "case";
-  for (const std::string& path : entry.test.vary) csv += "," + Field(path);
+  for (const std::string& path : entry.test.vary) csv += "," + CsvField(path);
   csv += ",verdict,ticks,state_hash";
-  for (const std::string& name : entry.test.expect) csv += "," + Field("robustness of " + name);
-  for (const std::string& name : entry.test.cover) csv += "," + Field("covered: " + name);
+  for (const std::string& name : entry.test.expect) csv += "," + CsvField("robustness of " + name);
+  for (const std::string& name : entry.test.cover) csv += "," + CsvField("covered: " + name);
   for (std::size_t i = 0; i < entry.test.metrics.size(); ++i) {
     const std::string& unit = entry.test.units[i];
-    csv += "," + Field(entry.test.metrics[i] + (unit.empty() ? "" : " (" + unit + ")"));
+    csv += "," + CsvField(entry.test.metrics[i] + (unit.empty() ? "" : " (" + unit + ")"));
   }
   csv += "\n";
   for (const auto& [number, row] : entry.rows) {
     csv += std::to_string(number);
     for (std::size_t i = 0; i < entry.test.vary.size(); ++i)
-      csv += "," + (i < row.draws.size() ? Field(row.draws[i].value) : "");
+      csv += "," + (i < row.draws.size() ? CsvField(row.draws[i].value) : "");
     csv += fmt::format(",{},{},{:016x}", ToString(row.verdict), row.ticks, row.state_hash);
     for (std::size_t i = 0; i < entry.test.expect.size(); ++i) {
       csv += "," + (i < row.robustness.size() ? fmt::format("{}", row.robustness[i]) : "");
