@@ -1,5 +1,5 @@
-// Expectation: a sentence about a run, in signal temporal logic, and its monitors. docs/testing.md has the language with
-// a table of all signals and operators.
+// Expectation: a sentence about a run, in signal temporal logic, and its monitors. docs/testing.md has the language
+// with a table of all signals and operators.
 //
 //   forall r: always (stalled(r) -> eventually[0, 10 s] not stalled(r))
 //
@@ -123,8 +123,8 @@ class Monitor {
   // After Finish.
   double robustness() const { return robustness_bounds().min; }
 
-  // The robustness of what is below the outermost `always`, `eventually` or `until`, at one tick: where a run comes near
-  // to failing. An expectation without such an operator has one entry.
+  // The robustness of what is below the outermost `always`, `eventually` or `until`, at one tick: where a run comes
+  // near to failing. An expectation without such an operator has one entry.
   struct Moment {
     Tick tick = 0;
     double robustness = 0.0;

@@ -101,7 +101,8 @@ class Simulation {
   // read changes nothing. REQUIRES: the sensor exists.
   SensorReading Measure(RobotId robot, std::size_t sensor) const;
 
-  // The present tick for monitors (expectation.h), which read it by Monitor::Push. Valid until the next Step or Restore.
+  // The present tick for monitors (expectation.h), which read it by Monitor::Push. Valid until the next Step or
+  // Restore.
   TickView View() const;
 
   // Drives a robot from outside, from the next tick on. The motion of `command` replaces that of the robot's controller

@@ -50,7 +50,9 @@ std::string NameOf(const Value& value) {
 }
 
 Dimension Product(const Dimension& a, const Dimension& b, int sign) {
-  const auto add = [&](int one, int other) { return static_cast<std::int8_t>(std::clamp(one + sign * other, -100, 100)); };
+  const auto add = [&](int one, int other) {
+    return static_cast<std::int8_t>(std::clamp(one + sign * other, -100, 100));
+  };
   return {add(a.metre, b.metre), add(a.second, b.second), add(a.radian, b.radian), add(a.joule, b.joule)};
 }
 
@@ -126,8 +128,9 @@ class Compiler {
       Fail(metric.of, "found " + NameOf(value) + ", expected a number");
     }
     if (!error_ && variables.size() > 0 && metric.kind == MetricKind::kFinal) {
-      Fail(metric.of, "found variables without a quantifier, expected 'min r: ...', 'mean r: ...' or the like: a final "
-                      "value is one number");
+      Fail(metric.of,
+           "found variables without a quantifier, expected 'min r: ...', 'mean r: ...' or the like: a final "
+           "value is one number");
     }
     if (error_) return *error_;
     program_.value = value.node;
@@ -228,7 +231,8 @@ class Compiler {
     for (const std::size_t input : inputs) {
       Input connection{input, {}};
       const std::vector<std::size_t>& its = sources[input].variables;
-      if (its != node.variables && sources[input].lanes != 1) connection.lane_of = LaneMap(node.variables, its, node.lanes);
+      if (its != node.variables && sources[input].lanes != 1)
+        connection.lane_of = LaneMap(node.variables, its, node.lanes);
       node.inputs.push_back(std::move(connection));
     }
   }
@@ -351,17 +355,17 @@ class Compiler {
   template <typename Result, typename Compile, typename Empty>
   Result WithVariables(const Syntax& bound, const Compile& compile, const Empty& empty) {
     const std::vector<std::uint32_t> domain = Checked(names_.Domain(bound));
-    for (const std::string& name : bound.variables) {
-      if (!error_ && !Mentions(bound.children[0], name)) {
-        Fail(bound, "found the variable '" + name + "' that is not used, expected it in the formula behind ':'");
-      }
-    }
     if (error_) return {};
     std::vector<std::size_t> variables;
     for (const std::string& name : bound.variables) variables.push_back(Bind(name, domain, bound.domain));
     at_offset_ = bound.offset;
     Result result = compile(variables);
     scoped_.resize(scoped_.size() - variables.size());
+    for (const std::string& name : bound.variables) {
+      if (!error_ && !Mentions(bound.children[0], name)) {
+        Fail(bound, "found the variable '" + name + "' that is not used, expected it in the formula behind ':'");
+      }
+    }
     if (!error_ && domain.size() < variables.size()) return empty(result);
     return result;
   }
@@ -379,7 +383,8 @@ class Compiler {
                                           {"sum", Op::kSum, 0.0},
                                           {"mean", Op::kMean, std::numeric_limits<double>::quiet_NaN()},
                                           {"count", Op::kCount, 0.0}}};
-    const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return syntax.name == k.name; });
+    const Kind& kind =
+        *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return syntax.name == k.name; });
     if (IsClosestPair(syntax)) return ClosestPair(syntax);
     const bool of_truth = kind.op == Op::kForall || kind.op == Op::kExists || kind.op == Op::kCount;
     return WithVariables<Value>(
@@ -549,7 +554,8 @@ class Compiler {
       return Fail(syntax, "found " + NameOf(left) + " compared with " + NameOf(right) + ", expected two numbers");
     }
     if (left.type == ValueType::kTruth) {
-      return Fail(syntax, "found conditions compared by '" + name + "', expected numbers; 'a -> b' and 'not' join conditions");
+      return Fail(syntax,
+                  "found conditions compared by '" + name + "', expected numbers; 'a -> b' and 'not' join conditions");
     }
     if (left.type == ValueType::kText) {
       const bool hash_left = left.text.empty();
@@ -594,7 +600,8 @@ class Compiler {
     const Value left = Expression(syntax.children[0]);
     if (error_) return {};
     if (syntax.children.size() == 1) {  // minus
-      if (left.type != ValueType::kNumber) return Fail(syntax, "found '-' before " + NameOf(left) + ", expected a number");
+      if (left.type != ValueType::kNumber)
+        return Fail(syntax, "found '-' before " + NameOf(left) + ", expected a number");
       return {Make(Op::kNegate, {left.node}), ValueType::kNumber, left.dimension, left.is_plain, {}};
     }
     const Value right = Expression(syntax.children[1]);
@@ -608,14 +615,20 @@ class Compiler {
     const bool is_plain = left.is_plain && right.is_plain;
     if (is_product) {
       const Op op = name == "*" ? Op::kMultiply : Op::kDivide;
-      return {Make(op, {left.node, right.node}), ValueType::kNumber,
-              Product(left.dimension, right.dimension, name == "*" ? 1 : -1), is_plain, {}};
+      return {Make(op, {left.node, right.node}),
+              ValueType::kNumber,
+              Product(left.dimension, right.dimension, name == "*" ? 1 : -1),
+              is_plain,
+              {}};
     }
     RequireSameUnit(syntax, left, right, name == "+" ? "added to" : "in a difference with");
     if (error_) return {};
     const Dimension dimension = left.is_plain ? right.dimension : left.dimension;
-    return {Make(name == "+" ? Op::kAdd : Op::kSubtract, {left.node, right.node}), ValueType::kNumber, dimension,
-            is_plain, {}};
+    return {Make(name == "+" ? Op::kAdd : Op::kSubtract, {left.node, right.node}),
+            ValueType::kNumber,
+            dimension,
+            is_plain,
+            {}};
   }
 
   Value Expression(const Syntax& syntax) {
@@ -626,8 +639,11 @@ class Compiler {
         const Unit* const unit = syntax.number.unit.empty() ? nullptr : FindUnit(syntax.number.unit);
         double factor = unit == nullptr ? 1.0 : unit->factor;
         if (syntax.number.unit == "ticks") factor = Seconds();
-        return {Constant(syntax.number.value * factor), ValueType::kNumber, unit == nullptr ? Dimension{} : unit->dimension,
-                unit == nullptr, {}};
+        return {Constant(syntax.number.value * factor),
+                ValueType::kNumber,
+                unit == nullptr ? Dimension{} : unit->dimension,
+                unit == nullptr,
+                {}};
       }
       case SyntaxKind::kText: {
         if (syntax.name.empty()) return Fail(syntax, "found an empty text, expected characters between the quotes");
@@ -641,10 +657,14 @@ class Compiler {
           return TruthOf(Constant(syntax.name == "true" ? kInfinity : -kInfinity));
         }
         return Call(syntax);
-      case SyntaxKind::kCall: return Call(syntax);
-      case SyntaxKind::kOperator: return Operator(syntax);
-      case SyntaxKind::kTemporal: return Temporal(syntax);
-      case SyntaxKind::kBound: return Quantifier(syntax);
+      case SyntaxKind::kCall:
+        return Call(syntax);
+      case SyntaxKind::kOperator:
+        return Operator(syntax);
+      case SyntaxKind::kTemporal:
+        return Temporal(syntax);
+      case SyntaxKind::kBound:
+        return Quantifier(syntax);
     }
     return {};
   }
@@ -669,8 +689,9 @@ class Compiler {
       return Fail(syntax, "found the variable '" + syntax.name + "' alone, expected a signal of it, such as x(" +
                               syntax.name + ")");
     }
-    return Fail(syntax, "found '" + PlainLine(syntax.name, 40) + "', expected a signal or a function (docs/testing.md " +
-                            "lists them)" + DidYouMean(syntax.name, names));
+    return Fail(syntax, "found '" + PlainLine(syntax.name, 40) +
+                            "', expected a signal or a function (docs/testing.md " + "lists them)" +
+                            DidYouMean(syntax.name, names));
   }
 
   Value Function(const Syntax& syntax) {
@@ -683,7 +704,8 @@ class Compiler {
     }
     if (name == "count") {
       if (!arguments[0].Is(SyntaxKind::kCall, "event")) {
-        return Fail(arguments[0], "found no event in 'count(...)', expected count(event(TYPE)); 'count r: ...' counts robots");
+        return Fail(arguments[0],
+                    "found no event in 'count(...)', expected count(event(TYPE)); 'count r: ...' counts robots");
       }
       const Value value = Call(arguments[0]);
       if (error_) return {};
@@ -730,8 +752,8 @@ class Compiler {
     const std::string expected = wants_robot ? "a robot" : wants_object ? "an object" : "a robot or object";
     const auto check = [&](bool is_robot) {
       if ((wants_robot && !is_robot) || (wants_object && is_robot)) {
-        Fail(argument, "found '" + argument.name + "', which is " + (is_robot ? "a robot" : "an object") + ", expected " +
-                           expected);
+        Fail(argument, "found '" + argument.name + "', which is " + (is_robot ? "a robot" : "an object") +
+                           ", expected " + expected);
       }
     };
     if (argument.kind == SyntaxKind::kName) {
@@ -770,8 +792,8 @@ class Compiler {
     const bool is_named = argument.kind == SyntaxKind::kName || argument.kind == SyntaxKind::kText;
     if (parameter == 'l') {
       const Unit* const unit = argument.number.unit.empty() ? nullptr : FindUnit(argument.number.unit);
-      const bool is_length = argument.kind == SyntaxKind::kNumber &&
-                             (unit == nullptr || unit->dimension == Dimension{1, 0, 0, 0});
+      const bool is_length =
+          argument.kind == SyntaxKind::kNumber && (unit == nullptr || unit->dimension == Dimension{1, 0, 0, 0});
       if (!is_length) Fail(argument, "found something else, expected a length such as 0.2 m");
       signal.number = argument.number.value * (unit == nullptr ? 1.0 : unit->factor);
       return;
@@ -829,8 +851,8 @@ class Compiler {
           }
         }
         for (std::uint32_t body = 0; body < names_.bodies().size(); ++body) {
-          const ModelId root = names_.is_robot(body) ? world.robots[body].root
-                                                     : world.objects[body - world.robots.size()];
+          const ModelId root =
+              names_.is_robot(body) ? world.robots[body].root : world.objects[body - world.robots.size()];
           if (IsInTree(world, *model, root)) {
             Fail(argument, "found a part of '" + names_.bodies()[body] + "', expected the robot or object as a whole");
           }
@@ -855,8 +877,8 @@ class Compiler {
     const std::size_t least = std::min(optional, most);
     const std::vector<Syntax>& arguments = syntax.children;
     if (arguments.size() < least || arguments.size() > most) {
-      return Fail(syntax, "found " + std::to_string(arguments.size()) + " arguments of '" + syntax.name + "', expected " +
-                              info.usage);
+      return Fail(syntax, "found " + std::to_string(arguments.size()) + " arguments of '" + syntax.name +
+                              "', expected " + info.usage);
     }
     if (info.kind == SignalKind::kHash) {
       Value value;
@@ -925,17 +947,22 @@ class Compiler {
           is_first = false;
           break;
         }
-        case SignalKind::kAlive: signal.parts.push_back(names_.FindFiniteStore(robot)); break;
+        case SignalKind::kAlive:
+          signal.parts.push_back(names_.FindFiniteStore(robot));
+          break;
         case SignalKind::kEnergy:
         case SignalKind::kCapacity:
-        case SignalKind::kCharging: signal.parts.push_back(Checked(names_.FindStore(robot, syntax))); break;
+        case SignalKind::kCharging:
+          signal.parts.push_back(Checked(names_.FindStore(robot, syntax)));
+          break;
         case SignalKind::kRange:
         case SignalKind::kMeanRange:
         case SignalKind::kPressed:
         case SignalKind::kHeard:
           signal.parts.push_back(Checked(names_.FindSensor(robot, info.kind, part, syntax)));
           break;
-        default: return;
+        default:
+          return;
       }
     }
     if (turns && info.kind != SignalKind::kBlocked) {
@@ -1011,11 +1038,14 @@ class Compiler {
   std::optional<std::size_t> History(std::size_t number) {
     const RootNode root = program_.roots[number];
     switch (root.op) {
-      case RootOp::kValue: return std::nullopt;
+      case RootOp::kValue:
+        return std::nullopt;
       case RootOp::kAlways:
       case RootOp::kEventually:
-      case RootOp::kFinally: return root.inputs[0].node;
-      case RootOp::kUntil: return Make(Op::kOr, {root.inputs[0].node, root.inputs[1].node});
+      case RootOp::kFinally:
+        return root.inputs[0].node;
+      case RootOp::kUntil:
+        return Make(Op::kOr, {root.inputs[0].node, root.inputs[1].node});
       case RootOp::kNot:
       case RootOp::kAnd:
       case RootOp::kOr: {
@@ -1024,7 +1054,10 @@ class Compiler {
           if (const std::optional<std::size_t> node = History(input.node)) inputs.push_back(*node);
         }
         if (inputs.empty()) return std::nullopt;
-        return Make(root.op == RootOp::kNot ? Op::kNot : root.op == RootOp::kAnd ? Op::kAnd : Op::kOr, std::move(inputs));
+        return Make(root.op == RootOp::kNot   ? Op::kNot
+                    : root.op == RootOp::kAnd ? Op::kAnd
+                                              : Op::kOr,
+                    std::move(inputs));
       }
       case RootOp::kForall:
       case RootOp::kExists: {

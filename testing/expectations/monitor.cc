@@ -19,8 +19,8 @@ Status CheckTick(const MonitorProgram& program, const TickView& tick, std::optio
                  bool finished) {
   if (finished) return Error{{}, "found a tick after the end of the run, expected none"};
   if (first && tick.state.tick != *first + ticks) {
-    return Error{{}, "found tick " + std::to_string(tick.state.tick) + ", expected tick " +
-                         std::to_string(*first + ticks)};
+    return Error{{},
+                 "found tick " + std::to_string(tick.state.tick) + ", expected tick " + std::to_string(*first + ticks)};
   }
   const WorldDescription& world = tick.scene.world();
   const bool fits = tick.state.robots.size() == program.robots && world.interval_ns == program.interval_ns &&
@@ -41,8 +41,8 @@ struct Metric::Program {
 Result<Expectation> Expectation::Parse(std::string_view text, const ExpectationScope& scope) {
   Result<MonitorProgram> program = CompileExpectation(text, scope);
   if (!program.ok()) return program.error();
-  return Expectation(std::make_shared<const Program>(
-      Program{std::make_shared<const MonitorProgram>(std::move(program).value())}));
+  return Expectation(
+      std::make_shared<const Program>(Program{std::make_shared<const MonitorProgram>(std::move(program).value())}));
 }
 
 const std::string& Expectation::text() const {
@@ -56,8 +56,8 @@ std::string Expectation::formula() const {
 Result<Metric> Metric::Parse(std::string_view text, const ExpectationScope& scope) {
   Result<MonitorProgram> program = CompileMetric(text, scope);
   if (!program.ok()) return program.error();
-  return Metric(std::make_shared<const Program>(
-      Program{std::make_shared<const MonitorProgram>(std::move(program).value())}));
+  return Metric(
+      std::make_shared<const Program>(Program{std::make_shared<const MonitorProgram>(std::move(program).value())}));
 }
 
 const std::string& Metric::text() const {
@@ -74,9 +74,12 @@ std::string Metric::unit() const {
 
 const char* ToString(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kUndecided: return "undecided";
-    case Verdict::kTrue: return "true";
-    case Verdict::kFalse: return "false";
+    case Verdict::kUndecided:
+      return "undecided";
+    case Verdict::kTrue:
+      return "true";
+    case Verdict::kFalse:
+      return "false";
   }
   return "undecided";
 }
@@ -202,10 +205,18 @@ struct MetricMonitor::State {
           }
           held[lane] = holds;
           break;
-        case MetricKind::kMin: result = count == 0.0 || value < result ? value : result; break;
-        case MetricKind::kMax: result = count == 0.0 || value > result ? value : result; break;
-        case MetricKind::kMean: result += value; break;
-        case MetricKind::kFinal: result = value; break;
+        case MetricKind::kMin:
+          result = count == 0.0 || value < result ? value : result;
+          break;
+        case MetricKind::kMax:
+          result = count == 0.0 || value > result ? value : result;
+          break;
+        case MetricKind::kMean:
+          result += value;
+          break;
+        case MetricKind::kFinal:
+          result = value;
+          break;
       }
       if (program.metric != MetricKind::kFirst && program.metric != MetricKind::kLast) count += 1.0;
     };
@@ -285,16 +296,20 @@ std::vector<LanguageEntry> ListOperators() {
   return {
       {"always[A, B] P", "condition", "P holds at each tick from A to B after this one, always P: at all to the end."},
       {"eventually[A, B] P", "condition", "P holds at one of these ticks."},
-      {"P until[A, B] Q", "condition", "Q holds at one of these ticks, and P at each tick from this one to the one before."},
+      {"P until[A, B] Q", "condition",
+       "Q holds at one of these ticks, and P at each tick from this one to the one before."},
       {"finally P", "condition", "P holds at the last tick of the run."},
-      {"historically[A, B] P", "condition", "P has held at each tick from B to A before this one, or to the first one."},
+      {"historically[A, B] P", "condition",
+       "P has held at each tick from B to A before this one, or to the first one."},
       {"once[A, B] P", "condition", "P has held at one of these ticks."},
       {"P since Q", "condition", "Q has held at this tick or before, and P at each tick after it up to this one."},
-      {"not P, P and Q, P or Q, P -> Q", "condition", "As usual; P -> Q is not P or Q. From strong to weak: not and the "
+      {"not P, P and Q, P or Q, P -> Q", "condition",
+       "As usual; P -> Q is not P or Q. From strong to weak: not and the "
        "temporal operators, until and since, and, or, ->."},
       {"X < Y, <=, >, >=, ==, !=", "condition", "Comparison of two numbers of one unit. Robustness: their difference."},
       {"X + Y, X - Y, X * Y, X / Y, -X", "number", "Arithmetic with units."},
-      {"forall r: P, exists r: P", "condition", "P holds for all robots, or for one. The formula behind ':' is as long as "
+      {"forall r: P, exists r: P", "condition",
+       "P holds for all robots, or for one. The formula behind ':' is as long as "
        "possible."},
       {"forall a, b: P", "condition", "For all pairs of different robots; up to four variables."},
       {"forall r in \"scout*\": P", "condition", "For robots with names like that: * any characters, ? one."},

@@ -17,9 +17,12 @@ std::string Listing(const std::vector<std::string>& names) {
 
 bool Measures(const SensorParameters& parameters, SignalKind kind) {
   switch (kind) {
-    case SignalKind::kPressed: return std::holds_alternative<BumperParameters>(parameters);
-    case SignalKind::kHeard: return std::holds_alternative<RadioParameters>(parameters);
-    default: return std::holds_alternative<RangerParameters>(parameters);
+    case SignalKind::kPressed:
+      return std::holds_alternative<BumperParameters>(parameters);
+    case SignalKind::kHeard:
+      return std::holds_alternative<RadioParameters>(parameters);
+    default:
+      return std::holds_alternative<RangerParameters>(parameters);
   }
 }
 
@@ -47,9 +50,9 @@ Result<std::vector<std::uint32_t>> WorldNames::Domain(const Syntax& bound) const
   }
   if (bodies.empty() && bound.pattern) {
     const std::string kind = robots ? "robot" : "object";
-    return TextError(bound.pattern_offset, "found the pattern '" + PlainLine(*bound.pattern, 40) + "' that matches no " +
-                                               kind + ", expected one of the " + kind + "s (" + Listing(names) + ")" +
-                                               DidYouMean(*bound.pattern, names));
+    return TextError(bound.pattern_offset, "found the pattern '" + PlainLine(*bound.pattern, 40) +
+                                               "' that matches no " + kind + ", expected one of the " + kind + "s (" +
+                                               Listing(names) + ")" + DidYouMean(*bound.pattern, names));
   }
   return bodies;
 }
@@ -121,8 +124,8 @@ Result<std::uint32_t> WorldNames::FindJoint(std::uint32_t robot, const Syntax& a
     if (joint.name == at.name) return static_cast<std::uint32_t>(i);
     names.push_back(joint.name);
   }
-  return Unknown(at, (names.empty() ? "no joint, because there is none on robot " : "a joint of robot ") + bodies_[robot],
-                 names);
+  return Unknown(
+      at, (names.empty() ? "no joint, because there is none on robot " : "a joint of robot ") + bodies_[robot], names);
 }
 
 std::optional<std::uint32_t> WorldNames::StoreOf(std::uint32_t robot) const {

@@ -51,8 +51,8 @@ class WorldNames {
 
   ExpectationScope scope_;
   std::vector<std::string> bodies_;
-  std::vector<bool> exists_;      // by body
-  std::vector<ModelId> stores_;   // FindStores
+  std::vector<bool> exists_;     // by body
+  std::vector<ModelId> stores_;  // FindStores
 };
 
 }  // namespace troupe

@@ -175,15 +175,22 @@ void Network::Advance(std::size_t level, Tick now, const TickView* tick) {
     const Node& node = program_->nodes[i];
     State& state = states_[i];
     switch (node.op) {
-      case Op::kConstant: break;
+      case Op::kConstant:
+        break;
       case Op::kDelay:
-      case Op::kPastShift: Shift(node, state, now); break;
+      case Op::kPastShift:
+        Shift(node, state, now);
+        break;
       case Op::kWindowMin:
       case Op::kWindowMax:
-      case Op::kUntil: Slide(node, state, now); break;
+      case Op::kUntil:
+        Slide(node, state, now);
+        break;
       case Op::kPastMin:
       case Op::kPastMax:
-      case Op::kSince: Look(node, state, now); break;
+      case Op::kSince:
+        Look(node, state, now);
+        break;
       case Op::kPlayback:
       case Op::kSuffixMin:
       case Op::kSuffixMax:
@@ -218,21 +225,33 @@ void Network::Compute(const Node& node, State& state, const TickView* tick) {
                 [&](std::size_t i, double left, double right) { out[i] = compute(left, right); });
   };
   switch (node.op) {
-    case Op::kAdd: return binary([](double x, double y) { return x + y; });
-    case Op::kSubtract: return binary([](double x, double y) { return x - y; });
-    case Op::kMultiply: return binary([](double x, double y) { return x * y; });
-    case Op::kDivide: return binary([](double x, double y) { return x / y; });
-    case Op::kSmaller: return binary([](double x, double y) { return x < y ? x : y; });
-    case Op::kLarger: return binary([](double x, double y) { return x > y ? x : y; });
+    case Op::kAdd:
+      return binary([](double x, double y) { return x + y; });
+    case Op::kSubtract:
+      return binary([](double x, double y) { return x - y; });
+    case Op::kMultiply:
+      return binary([](double x, double y) { return x * y; });
+    case Op::kDivide:
+      return binary([](double x, double y) { return x / y; });
+    case Op::kSmaller:
+      return binary([](double x, double y) { return x < y ? x : y; });
+    case Op::kLarger:
+      return binary([](double x, double y) { return x > y ? x : y; });
     case Op::kNegate:
-    case Op::kNot: return unary([](double x) { return -x; });
-    case Op::kAbsolute: return unary([](double x) { return std::abs(x); });
-    case Op::kSquareRoot: return unary([](double x) { return std::sqrt(x); });
-    case Op::kGreater: return binary([](double x, double y) { return Difference(x, y, -0.0); });
-    case Op::kAtLeast: return binary([](double x, double y) { return Difference(x, y, 0.0); });
+    case Op::kNot:
+      return unary([](double x) { return -x; });
+    case Op::kAbsolute:
+      return unary([](double x) { return std::abs(x); });
+    case Op::kSquareRoot:
+      return unary([](double x) { return std::sqrt(x); });
+    case Op::kGreater:
+      return binary([](double x, double y) { return Difference(x, y, -0.0); });
+    case Op::kAtLeast:
+      return binary([](double x, double y) { return Difference(x, y, 0.0); });
     case Op::kEqual:
       return binary([](double x, double y) { return x == y ? 0.0 : -std::abs(Difference(x, y, 0.0)); });
-    case Op::kUnequal: return binary([](double x, double y) { return x == y ? -0.0 : std::abs(Difference(x, y, 0.0)); });
+    case Op::kUnequal:
+      return binary([](double x, double y) { return x == y ? -0.0 : std::abs(Difference(x, y, 0.0)); });
     case Op::kAnd:
     case Op::kOr: {
       Spread(node.inputs[0], a, out);
@@ -249,7 +268,8 @@ void Network::Compute(const Node& node, State& state, const TickView* tick) {
       }
       return;
     }
-    default: return Reduce(node, state);
+    default:
+      return Reduce(node, state);
   }
 }
 
@@ -268,11 +288,21 @@ void Network::Reduce(const Node& node, State& state) const {
     };
     double& out = state.values[lane];
     switch (node.op) {
-      case Op::kForall: out = fold(kInfinity, Least); break;
-      case Op::kExists: out = fold(-kInfinity, Greatest); break;
-      case Op::kMinimum: out = fold(kInfinity, [](double x, double y) { return y < x ? y : x; }); break;
-      case Op::kMaximum: out = fold(-kInfinity, [](double x, double y) { return y > x ? y : x; }); break;
-      case Op::kCount: out = fold(0.0, [](double x, double y) { return x + (std::signbit(y) ? 0.0 : 1.0); }); break;
+      case Op::kForall:
+        out = fold(kInfinity, Least);
+        break;
+      case Op::kExists:
+        out = fold(-kInfinity, Greatest);
+        break;
+      case Op::kMinimum:
+        out = fold(kInfinity, [](double x, double y) { return y < x ? y : x; });
+        break;
+      case Op::kMaximum:
+        out = fold(-kInfinity, [](double x, double y) { return y > x ? y : x; });
+        break;
+      case Op::kCount:
+        out = fold(0.0, [](double x, double y) { return x + (std::signbit(y) ? 0.0 : 1.0); });
+        break;
       default:
         out = fold(0.0, [](double x, double y) { return x + y; });
         if (node.op == Op::kMean) out /= static_cast<double>(count);
@@ -437,8 +467,7 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<std::u
     case Op::kExists:
     case Op::kMinimum:
     case Op::kMaximum: {
-      const std::span<const double> block =
-          values(node.inputs[0].node).subspan(lane * node.reduced, node.reduced);
+      const std::span<const double> block = values(node.inputs[0].node).subspan(lane * node.reduced, node.reduced);
       const bool is_least = node.op == Op::kForall || node.op == Op::kMinimum;
       std::optional<std::size_t> best;
       const std::size_t count = node.counted.empty() ? node.reduced : node.counted.size();
@@ -477,7 +506,8 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<std::u
     case Op::kSuffixMin:
     case Op::kSuffixMax:
     case Op::kSuffixUntil:
-    case Op::kLastValue: return;  // of several robots, or of other ticks
+    case Op::kLastValue:
+      return;  // of several robots, or of other ticks
     default:
       for (const Input& input : node.inputs) FindCause(input.node, lane_of(input), bodies);
   }

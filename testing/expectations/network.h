@@ -26,7 +26,8 @@ inline double Least(double a, double b) {
 }
 inline double Greatest(double a, double b) {
   const std::uint64_t unequal = a == b ? 0 : ~std::uint64_t{0};
-  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(a > b ? a : b) & (unequal | std::bit_cast<std::uint64_t>(a)));
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(a > b ? a : b) &
+                               (unequal | std::bit_cast<std::uint64_t>(a)));
 }
 
 enum class FoldKind : std::uint8_t { kLeast, kGreatest, kUntil };
@@ -48,7 +49,7 @@ class SlidingFold {
   std::span<double> Slot(Tick number, Tick width, std::size_t stride);
 
   Tick begin_ = 0;
-  Tick middle_ = 0;            // from here on `newer_` has the values
+  Tick middle_ = 0;  // from here on `newer_` has the values
   Tick end_ = 0;
   std::vector<double> slots_;  // value number i at i % width; before middle_, folded with those behind it up to there
   std::vector<double> newer_;
@@ -78,11 +79,11 @@ class Network {
 
  private:
   struct State {
-    std::vector<double> values;   // by lane
+    std::vector<double> values;  // by lane
     SignalMemory memory;
     SlidingFold fold;
-    std::vector<double> ring;     // the last values of the input
-    std::vector<double> series;   // all values, if they are recorded or played back
+    std::vector<double> ring;    // the last values of the input
+    std::vector<double> series;  // all values, if they are recorded or played back
     std::vector<double> scratch;
   };
 
@@ -97,7 +98,7 @@ class Network {
   Tick InputDelay(const Node& node) const;
 
   std::shared_ptr<const MonitorProgram> program_;
-  std::vector<State> states_;                    // by node
+  std::vector<State> states_;                     // by node
   std::vector<std::vector<std::size_t>> levels_;  // nodes
   Tick ticks_ = 0;
   bool ended_ = false;

@@ -36,9 +36,9 @@ constexpr std::array kUnits{
 };
 
 // Words that are no names.
-constexpr std::array<std::string_view, 13> kWords{"and",        "or",   "not",          "always", "eventually",
-                                                  "finally",    "once", "historically", "until",  "since",
-                                                  "forall",     "exists", "in"};
+constexpr std::array<std::string_view, 13> kWords{"and",  "or",           "not",   "always", "eventually", "finally",
+                                                  "once", "historically", "until", "since",  "forall",     "exists",
+                                                  "in"};
 constexpr std::array<std::string_view, 5> kNumberBinders{"min", "max", "sum", "mean", "count"};
 
 enum class TokenKind : std::uint8_t { kEnd, kNumber, kText, kWord, kSign };
@@ -109,8 +109,8 @@ class Lexer {
     if (c == '|') hint = "; did you mean 'or'?";
     if (c == '!') hint = "; did you mean 'not'?";
     const std::size_t length = std::max<std::size_t>(Utf8Length(text_, at_), 1);
-    return TextError(at_, "found '" + PlainLine(text_.substr(at_, length)) +
-                              "', expected a name, a number or an operator" + hint);
+    return TextError(
+        at_, "found '" + PlainLine(text_.substr(at_, length)) + "', expected a name, a number or an operator" + hint);
   }
 
   std::string ReadWord() {
@@ -142,7 +142,8 @@ class Lexer {
     const std::string_view rest = text_.substr(next);
     for (const Unit& unit : kUnits) {  // longer names first, where one begins another
       const std::string_view name = unit.name;
-      const bool ends = rest.size() == name.size() || (rest.size() > name.size() && !IsWordCharacter(rest[name.size()]));
+      const bool ends =
+          rest.size() == name.size() || (rest.size() > name.size() && !IsWordCharacter(rest[name.size()]));
       if (rest.starts_with(name) && (ends || name == "%")) {
         token.text = name == "tick" ? "ticks" : name;
         at_ = next + name.size();
@@ -175,8 +176,7 @@ class Parser {
   Result<Syntax> Whole() {
     Syntax syntax = Formula();
     if (!error_ && Now().kind != TokenKind::kEnd) {
-      Fail(IsComparison(Now()) ? "a second comparison, expected 'and' between two"
-                               : "an operator or the end of the expectation");
+      Fail(IsComparison(Now()) ? "'and' between two comparisons" : "an operator or the end of the expectation");
     }
     if (error_) return *error_;
     return syntax;
@@ -196,9 +196,10 @@ class Parser {
       }
       ++at_;
     } else {
-      constexpr std::array<std::pair<std::string_view, MetricKind>, 4> kKinds{
-          {{"min", MetricKind::kMin}, {"max", MetricKind::kMax}, {"mean", MetricKind::kMean},
-           {"final", MetricKind::kFinal}}};
+      constexpr std::array<std::pair<std::string_view, MetricKind>, 4> kKinds{{{"min", MetricKind::kMin},
+                                                                               {"max", MetricKind::kMax},
+                                                                               {"mean", MetricKind::kMean},
+                                                                               {"final", MetricKind::kFinal}}};
       for (const auto& [word, kind] : kKinds) {
         if (!IsWord(word) || !IsWordAt(1, "of")) continue;
         metric.kind = kind;
@@ -390,8 +391,7 @@ class Parser {
       Fail("a signal, a number or '('");
       return {};
     }
-    const bool binds_number =
-        IsNumberBinder(token.text) && Ahead(1).kind == TokenKind::kWord && !IsWordAt(1, "in");
+    const bool binds_number = IsNumberBinder(token.text) && Ahead(1).kind == TokenKind::kWord && !IsWordAt(1, "in");
     if (token.text == "forall" || token.text == "exists" || binds_number) return Bound();
     const bool is_region_test = token.text == "in" && Ahead(1).kind == TokenKind::kSign && Ahead(1).text == "(";
     if (!is_region_test && std::find(kWords.begin(), kWords.end(), token.text) != kWords.end()) {
@@ -420,8 +420,8 @@ class Parser {
     Syntax bound = Combine(SyntaxKind::kBound, tokens_[at_++], {});
     do {
       if (!bound.variables.empty()) ++at_;  // the comma
-      const bool is_name = Now().kind == TokenKind::kWord &&
-                           std::find(kWords.begin(), kWords.end(), Now().text) == kWords.end();
+      const bool is_name =
+          Now().kind == TokenKind::kWord && std::find(kWords.begin(), kWords.end(), Now().text) == kWords.end();
       if (!is_name) {
         Fail("the name of a variable");
         return {};
@@ -490,8 +490,8 @@ class Parser {
 
 Result<std::vector<Token>> Tokens(std::string_view text) {
   if (text.size() > kLongestExpectation) {
-    return TextError(0, "found " + std::to_string(text.size()) + " bytes, expected at most " +
-                            std::to_string(kLongestExpectation));
+    return TextError(
+        0, "found " + std::to_string(text.size()) + " bytes, expected at most " + std::to_string(kLongestExpectation));
   }
   return Lexer(text).ReadAll();
 }
@@ -584,9 +584,12 @@ Result<MetricSyntax> ParseMetric(std::string_view text) {
 std::string ToString(const Syntax& syntax) {
   const std::vector<Syntax>& children = syntax.children;
   switch (syntax.kind) {
-    case SyntaxKind::kNumber: return TextOf(syntax.number);
-    case SyntaxKind::kText: return Quoted(syntax.name);
-    case SyntaxKind::kName: return syntax.name;
+    case SyntaxKind::kNumber:
+      return TextOf(syntax.number);
+    case SyntaxKind::kText:
+      return Quoted(syntax.name);
+    case SyntaxKind::kName:
+      return syntax.name;
     case SyntaxKind::kCall: {
       std::string text = syntax.name + "(";
       for (std::size_t i = 0; i < children.size(); ++i) text += (i > 0 ? ", " : "") + ToString(children[i]);

@@ -4,9 +4,9 @@
 // Lanes: a node has a value for each combination of the robots or objects of the variables that it depends on, its
 // lanes. The lanes of the variables that are bound first change slowest. Truth is a robustness (expectation.h).
 //
-// Delays: what a node says about tick t it can say at tick t + delay at the earliest. All inputs of a node have the same
-// delay and level: the compiler adds kDelay nodes. An operator whose window has no end speaks only after the run: it
-// plays back the series of its input, as a source of the next level, whose time begins at the first tick again.
+// Delays: what a node says about tick t it can say at tick t + delay at the earliest. All inputs of a node have the
+// same delay and level: the compiler adds kDelay nodes. An operator whose window has no end speaks only after the run:
+// it plays back the series of its input, as a source of the next level, whose time begins at the first tick again.
 #pragma once
 
 #include <cstddef>
@@ -37,23 +37,48 @@ enum class Op : std::uint8_t {
   kConstant,  // number
   kSignal,    // signal
   // Numbers.
-  kAdd, kSubtract, kMultiply, kDivide, kNegate, kAbsolute, kSquareRoot, kSmaller, kLarger,
+  kAdd,
+  kSubtract,
+  kMultiply,
+  kDivide,
+  kNegate,
+  kAbsolute,
+  kSquareRoot,
+  kSmaller,
+  kLarger,
   // Numbers to truth.
-  kGreater, kAtLeast, kEqual, kUnequal,
+  kGreater,
+  kAtLeast,
+  kEqual,
+  kUnequal,
   // Truth. kAnd and kOr have any number of inputs.
-  kNot, kAnd, kOr,
+  kNot,
+  kAnd,
+  kOr,
   // Over the last `reduced` variables of the input.
-  kForall, kExists, kMinimum, kMaximum, kSum, kMean, kCount,
+  kForall,
+  kExists,
+  kMinimum,
+  kMaximum,
+  kSum,
+  kMean,
+  kCount,
   // Of the same value at other ticks.
   kDelay,      // ticks: only the time at which the value is known
   kPastShift,  // ticks: the value so many ticks ago; `number` before the first tick
-  kWindowMin, kWindowMax,    // future; window
-  kUntil,                    // inputs: left, right; window
-  kPastMin, kPastMax,        // the last `ticks` + 1 values; kForever: all
-  kSince,                    // inputs: left, right
+  kWindowMin,
+  kWindowMax,  // future; window
+  kUntil,      // inputs: left, right; window
+  kPastMin,
+  kPastMax,  // the last `ticks` + 1 values; kForever: all
+  kSince,    // inputs: left, right
   // From a lower level: the whole series of the input, as it is; the least or largest from window.from on; likewise for
   // "until"; the last value, at all ticks.
-  kPlayback, kSuffixMin, kSuffixMax, kSuffixUntil, kLastValue,
+  kPlayback,
+  kSuffixMin,
+  kSuffixMax,
+  kSuffixUntil,
+  kLastValue,
 };
 
 // The lane of an input for each lane of a node. Most often it is the same one.
@@ -107,13 +132,13 @@ struct MonitorProgram {
   std::string formula;
   std::vector<Variable> variables;
   std::vector<Node> nodes;
-  std::vector<RootNode> roots;          // the last one is the formula; of a metric: none
-  std::optional<std::size_t> history;   // a node of one lane
+  std::vector<RootNode> roots;         // the last one is the formula; of a metric: none
+  std::optional<std::size_t> history;  // a node of one lane
   std::size_t levels = 1;
   // Of a metric: a number of one or more lanes, or truth.
   MetricKind metric = MetricKind::kFinal;
-  std::size_t value = 0;                // node
-  std::vector<std::uint32_t> counted;   // lanes of `value`; empty: all
+  std::size_t value = 0;               // node
+  std::vector<std::uint32_t> counted;  // lanes of `value`; empty: all
   Dimension dimension;
   // Of the world.
   std::vector<std::string> body_names;  // robots by id, then objects by id

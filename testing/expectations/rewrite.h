@@ -1,5 +1,5 @@
-// Changes of a formula before it is compiled: shorthands become the formulas that they stand for, and the formula gets a
-// form of the same robustness that is decided as early as possible.
+// Changes of a formula before it is compiled: shorthands become the formulas that they stand for, and the formula gets
+// a form of the same robustness that is decided as early as possible.
 #pragma once
 
 #include <span>

@@ -8,7 +8,8 @@ namespace troupe {
 namespace {
 
 bool IsCombination(RootOp op) {
-  return op == RootOp::kNot || op == RootOp::kAnd || op == RootOp::kOr || op == RootOp::kForall || op == RootOp::kExists;
+  return op == RootOp::kNot || op == RootOp::kAnd || op == RootOp::kOr || op == RootOp::kForall ||
+         op == RootOp::kExists;
 }
 
 bool IsSame(double a, double b) {
@@ -56,19 +57,17 @@ void Roots::Update(const Network& network, std::size_t level, Tick now) {
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const RootNode& root = program.roots[i];
     if (IsCombination(root.op) || root.level != level || states_[i].complete) continue;
-    Tick delay = 0;
-    bool is_valid = true;
+    // All inputs have one delay, but constants, which have a value at any time.
+    std::size_t timed = root.inputs[0].node;
     for (const Input& input : root.inputs) {
-      delay = std::max(delay, program.nodes[input.node].delay);
-      if (program.nodes[input.node].op != Op::kConstant) is_valid = is_valid && network.IsValid(input.node, now);
+      if (program.nodes[input.node].op != Op::kConstant) timed = input.node;
     }
-    if (is_valid && now >= delay) UpdateRoot(network, root, states_[i], now - delay, now);
+    if (network.IsValid(timed, now)) UpdateRoot(network, root, states_[i], network.TimeOf(timed, now));
   }
   if (changed_) Combine(program);
 }
 
-void Roots::UpdateRoot(const Network& network, const RootNode& root, State& state, Tick time, Tick now) {
-  static_cast<void>(now);
+void Roots::UpdateRoot(const Network& network, const RootNode& root, State& state, Tick time) {
   if (root.op == RootOp::kValue || root.op == RootOp::kFinally) {
     if (root.op == RootOp::kValue && time > 0) return;
   } else if (time > root.window.to || (root.op != RootOp::kUntil && time < root.window.from)) {
@@ -101,7 +100,8 @@ void Roots::UpdateRoot(const Network& network, const RootNode& root, State& stat
         const std::size_t lane = LaneOf(root.inputs[0], i, values.size());
         const double value = values[lane];
         const double best = state.best[i];
-        if (is_first || !IsSame(is_always ? Least(value, best) : Greatest(value, best), best)) decide(i, node, lane, value);
+        if (is_first || !IsSame(is_always ? Least(value, best) : Greatest(value, best), best))
+          decide(i, node, lane, value);
       }
       break;
     }

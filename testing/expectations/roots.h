@@ -31,7 +31,7 @@ class Roots {
 
  private:
   struct State {
-    std::vector<double> low;   // by lane
+    std::vector<double> low;  // by lane
     std::vector<double> high;
     std::vector<double> best;  // of a window: the least or greatest value so far
     std::vector<double> way;   // of "until": the least value on the left so far
@@ -41,7 +41,7 @@ class Roots {
     bool complete = false;
   };
 
-  void UpdateRoot(const Network& network, const RootNode& root, State& state, Tick time, Tick now);
+  void UpdateRoot(const Network& network, const RootNode& root, State& state, Tick time);
   void SetBounds(const RootNode& root, State& state) const;
   void Combine(const MonitorProgram& program);
   void AddCause(const MonitorProgram& program, std::size_t root, std::size_t lane, Cause& cause) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "common/model/states.h"
@@ -33,11 +34,13 @@ constexpr std::array kSignals{
                "Its yaw rate, positive to the left."},
     SignalInfo{SignalKind::kStalled, "stalled", "r", ValueType::kTruth, kRatio, "stalled(r)",
                "A contact has cut its last commanded motion short."},
-    SignalInfo{SignalKind::kDistance, "distance", "bd", ValueType::kNumber, kMetre, "distance(r, WHAT)",
-               "Exact shortest distance in the plane between the solid parts of two robots, objects or static models that "
-               "share a height, infinite if none do; to a place from the parts at any height."},
-    SignalInfo{SignalKind::kAt, "at", "bp?l", ValueType::kTruth, kRatio, "at(r, PLACE[, RADIUS])",
-               "The origin of the robot or object is within RADIUS of the place, 0.2 m if none is given. Robustness: m."},
+    SignalInfo{
+        SignalKind::kDistance, "distance", "bd", ValueType::kNumber, kMetre, "distance(r, WHAT)",
+        "Exact shortest distance in the plane between the solid parts of two robots, objects or static models that "
+        "share a height, infinite if none do; to a place from the parts at any height."},
+    SignalInfo{
+        SignalKind::kAt, "at", "bp?l", ValueType::kTruth, kRatio, "at(r, PLACE[, RADIUS])",
+        "The origin of the robot or object is within RADIUS of the place, 0.2 m if none is given. Robustness: m."},
     SignalInfo{SignalKind::kIn, "in", "bg", ValueType::kTruth, kRatio, "in(r, REGION)",
                "Its origin is in the region or on its edge. Robustness: distance from the edge, m."},
     SignalInfo{SignalKind::kHolds, "holds", "r?o", ValueType::kTruth, kRatio, "holds(r[, o])",
@@ -71,9 +74,10 @@ constexpr std::array kSignals{
     SignalInfo{SignalKind::kTime, "time", "", ValueType::kNumber, kSecond, "time", "Simulated time, 0 at tick 0."},
     SignalInfo{SignalKind::kHash, "hash", "", ValueType::kText, kRatio, "hash",
                "State hash, for == and != with a text of 16 hexadecimal digits."},
-    SignalInfo{SignalKind::kEvent, "event", "e?bx", ValueType::kTruth, kRatio, "event(TYPE[, r[, \"DETAIL\"]])",
-               "An event of this type has happened at this tick, with this robot or object, with a detail that matches the "
-               "pattern."},
+    SignalInfo{
+        SignalKind::kEvent, "event", "e?bx", ValueType::kTruth, kRatio, "event(TYPE[, r[, \"DETAIL\"]])",
+        "An event of this type has happened at this tick, with this robot or object, with a detail that matches the "
+        "pattern."},
 };
 
 double Truth(bool value) {
@@ -163,8 +167,7 @@ double ReadClosestPair(const SignalUse& signal, const TickView& tick, SignalMemo
     const double dx = X_WA.x - X_WB.x;
     const double dy = X_WA.y - X_WB.y;
     if (dx * dx + dy * dy > reach * reach * (1.0 + 1e-9) + 1e-9) return;
-    const double distance =
-        DistanceOf(tick.bodies.pieces_in_world(BodyId(a)), tick.bodies.pieces_in_world(BodyId(b)));
+    const double distance = DistanceOf(tick.bodies.pieces_in_world(BodyId(a)), tick.bodies.pieces_in_world(BodyId(b)));
     const std::pair pair{a, b};
     if (distance < least || (distance == least && distance < kInfinity && pair < memory.pair)) {
       least = distance;
@@ -300,18 +303,25 @@ void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& mem
     return state.objects[body - state.robots.size()];
   };
   switch (signal.kind) {
-    case SignalKind::kX: return for_each([&](std::uint32_t body) { return PoseOf(state, body).x; });
-    case SignalKind::kY: return for_each([&](std::uint32_t body) { return PoseOf(state, body).y; });
-    case SignalKind::kZ: return for_each([&](std::uint32_t body) { return PoseOf(state, body).z; });
-    case SignalKind::kHeading: return for_each([&](std::uint32_t body) { return PoseOf(state, body).heading; });
+    case SignalKind::kX:
+      return for_each([&](std::uint32_t body) { return PoseOf(state, body).x; });
+    case SignalKind::kY:
+      return for_each([&](std::uint32_t body) { return PoseOf(state, body).y; });
+    case SignalKind::kZ:
+      return for_each([&](std::uint32_t body) { return PoseOf(state, body).z; });
+    case SignalKind::kHeading:
+      return for_each([&](std::uint32_t body) { return PoseOf(state, body).heading; });
     case SignalKind::kSpeed:
       return for_each([&](std::uint32_t body) {
         const Twist& twist = state.robots[body].twist;
         return Norm(twist.vx, twist.vy);
       });
-    case SignalKind::kTurnRate: return for_each([&](std::uint32_t body) { return state.robots[body].twist.wz; });
-    case SignalKind::kStalled: return for_each([&](std::uint32_t body) { return Truth(state.robots[body].stalled); });
-    case SignalKind::kDistance: return ReadDistances(signal, tick, memory, values);
+    case SignalKind::kTurnRate:
+      return for_each([&](std::uint32_t body) { return state.robots[body].twist.wz; });
+    case SignalKind::kStalled:
+      return for_each([&](std::uint32_t body) { return Truth(state.robots[body].stalled); });
+    case SignalKind::kDistance:
+      return ReadDistances(signal, tick, memory, values);
     case SignalKind::kClosestPair:
       values[0] = ReadClosestPair(signal, tick, memory);
       return;
@@ -333,8 +343,10 @@ void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& mem
       return for_each([&](std::uint32_t body) { return Truth(object(body).mode == ObjectMode::kFalling); });
     case SignalKind::kResting:
       return for_each([&](std::uint32_t body) { return Truth(object(body).mode == ObjectMode::kResting); });
-    case SignalKind::kAlive: return ReadAlive(signal, tick, memory, values);
-    case SignalKind::kEnergy: return for_each_part([&](std::uint32_t store) { return state.stores[store].joules; });
+    case SignalKind::kAlive:
+      return ReadAlive(signal, tick, memory, values);
+    case SignalKind::kEnergy:
+      return for_each_part([&](std::uint32_t store) { return state.stores[store].joules; });
     case SignalKind::kCapacity:
       return for_each_part([&](std::uint32_t store) {
         const WorldDescription& world = tick.scene.world();
@@ -342,7 +354,8 @@ void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& mem
       });
     case SignalKind::kCharging:
       return for_each_part([&](std::uint32_t store) { return state.stores[store].charge_watts; });
-    case SignalKind::kJoint: return for_each_part([&](std::uint32_t joint) { return state.joints[joint].position; });
+    case SignalKind::kJoint:
+      return for_each_part([&](std::uint32_t joint) { return state.joints[joint].position; });
     case SignalKind::kJointSpeed:
       return for_each_part([&](std::uint32_t joint) { return state.joints[joint].velocity; });
     case SignalKind::kBlocked:
@@ -350,8 +363,11 @@ void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& mem
     case SignalKind::kRange:
     case SignalKind::kMeanRange:
     case SignalKind::kPressed:
-    case SignalKind::kHeard: return ReadSensors(signal, tick, memory, values);
-    case SignalKind::kTick: values[0] = static_cast<double>(state.tick); return;
+    case SignalKind::kHeard:
+      return ReadSensors(signal, tick, memory, values);
+    case SignalKind::kTick:
+      values[0] = static_cast<double>(state.tick);
+      return;
     case SignalKind::kTime:
       values[0] = static_cast<double>(state.tick) * static_cast<double>(tick.scene.world().interval_ns) / 1e9;
       return;
@@ -362,7 +378,8 @@ void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& mem
       return;
     }
     case SignalKind::kEvent:
-    case SignalKind::kEventCount: return ReadEvents(signal, tick, memory, values);
+    case SignalKind::kEventCount:
+      return ReadEvents(signal, tick, memory, values);
   }
 }
 

@@ -25,9 +25,36 @@ namespace troupe {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class SignalKind : std::uint8_t {
-  kX, kY, kZ, kHeading, kSpeed, kTurnRate, kStalled, kDistance, kClosestPair, kAt, kIn, kHolds, kFalling, kResting,
-  kAlive, kEnergy, kCapacity, kCharging, kJoint, kJointSpeed, kBlocked, kRange, kMeanRange, kPressed, kHeard, kTick,
-  kTime, kHash, kEvent, kEventCount,
+  kX,
+  kY,
+  kZ,
+  kHeading,
+  kSpeed,
+  kTurnRate,
+  kStalled,
+  kDistance,
+  kClosestPair,
+  kAt,
+  kIn,
+  kHolds,
+  kFalling,
+  kResting,
+  kAlive,
+  kEnergy,
+  kCapacity,
+  kCharging,
+  kJoint,
+  kJointSpeed,
+  kBlocked,
+  kRange,
+  kMeanRange,
+  kPressed,
+  kHeard,
+  kTick,
+  kTime,
+  kHash,
+  kEvent,
+  kEventCount,
 };
 
 enum class ValueType : std::uint8_t { kNumber, kTruth, kText };
@@ -64,8 +91,8 @@ struct SignalUse {
 
 // What a monitor remembers of a signal.
 struct SignalMemory {
-  std::vector<double> numbers = {};                                  // counts of events; 1.0 of robots that have left
-  std::vector<ConvexPiece> pieces = {};                              // of a static tree
+  std::vector<double> numbers = {};      // counts of events; 1.0 of robots that have left
+  std::vector<ConvexPiece> pieces = {};  // of a static tree
   std::shared_ptr<const std::vector<std::unique_ptr<const Sensor>>> sensors = {};  // by lane
   SensorReading reading = {};
   std::pair<std::uint32_t, std::uint32_t> pair = {0, 0};  // the bodies of kClosestPair

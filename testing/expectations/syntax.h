@@ -3,12 +3,11 @@
 //   formula    = or ["->" formula]
 //   or         = and {"or" and}          and = until {"and" until}
 //   until      = unary [("until" [interval] | "since") until]
-//   unary      = ("not" | ("always" | "eventually" | "historically" | "once") [interval] | "finally") unary | comparison
-//   comparison = sum [("<" | "<=" | ">" | ">=" | "==" | "!=") sum]
-//   sum        = product {("+" | "-") product}          product = factor {("*" | "/") factor}
-//   factor     = "-" factor | number [unit] | text | name ["(" [formula {"," formula}] ")"] | "(" formula ")" | bound
-//   bound      = ("forall" | "exists" | "min" | "max" | "sum" | "mean" | "count") name {"," name} [domain] ":" formula
-//   domain     = "in" (text | ("robots" | "objects") [text])
+//   unary      = ("not" | ("always" | "eventually" | "historically" | "once") [interval] | "finally") unary |
+//   comparison comparison = sum [("<" | "<=" | ">" | ">=" | "==" | "!=") sum] sum        = product {("+" | "-")
+//   product}          product = factor {("*" | "/") factor} factor     = "-" factor | number [unit] | text | name ["("
+//   [formula {"," formula}] ")"] | "(" formula ")" | bound bound      = ("forall" | "exists" | "min" | "max" | "sum" |
+//   "mean" | "count") name {"," name} [domain] ":" formula domain     = "in" (text | ("robots" | "objects") [text])
 //   interval   = "[" number [unit] "," (number [unit] | "end") "]"
 #pragma once
 
@@ -83,7 +82,7 @@ struct Syntax {
 };
 
 inline constexpr std::size_t kLongestExpectation = 8192;  // bytes
-inline constexpr std::size_t kDeepestExpectation = 60;     // nested operators
+inline constexpr std::size_t kDeepestExpectation = 60;    // nested operators
 
 Result<Syntax> ParseFormula(std::string_view text);
 

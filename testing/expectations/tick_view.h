@@ -1,5 +1,5 @@
-// TickView: what monitors see of a tick. A live simulation, the step of a recording and a branch supply the same values,
-// so that they have the same verdicts.
+// TickView: what monitors see of a tick. A live simulation, the step of a recording and a branch supply the same
+// values, so that they have the same verdicts.
 #pragma once
 
 #include <span>
