@@ -31,18 +31,6 @@ constexpr std::size_t kMostKept = 100;     // cases in a file of failing ones
 constexpr std::size_t kMostFailingBytes = 10'000'000;
 constexpr double kSecondsAfter = 2.0;  // simulated, of a recording after the tick that decides
 
-json CaseToJson(const TestCase& draws) {
-  json list = json::array();
-  for (const Draw& draw : draws) list.push_back({draw.path, draw.value});
-  return list;
-}
-
-TestCase CaseFromJson(const json& value) {
-  TestCase draws;
-  for (const json& draw : value) draws.push_back({draw.at(0).get<std::string>(), draw.at(1).get<std::string>()});
-  return draws;
-}
-
 // For a POSIX shell.
 std::string ShellQuoted(const std::string& text) {
   constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";

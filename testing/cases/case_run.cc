@@ -16,20 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-// JSON has no infinite numbers.
-json NumberToJson(double number) {
-  if (std::isfinite(number)) return number;
-  return std::isnan(number) ? "nan" : number > 0.0 ? "inf" : "-inf";
-}
-
-double NumberFromJson(const json& value) {
-  if (value.is_number()) return value.get<double>();
-  const auto text = value.get<std::string>();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
-  return text == "inf" ? kInfinity : -kInfinity;
-}
-
 template <typename T>
 json OptionalToJson(const std::optional<T>& value) {
   return value ? json(*value) : json(nullptr);
@@ -79,6 +65,31 @@ const char* ToString(CaseVerdict verdict) {
   return kWords[static_cast<std::size_t>(verdict)];
 }
 
+json NumberToJson(double number) {
+  if (std::isfinite(number)) return number;
+  return std::isnan(number) ? "nan" : number > 0.0 ? "inf" : "-inf";
+}
+
+double NumberFromJson(const json& value) {
+  if (value.is_number()) return value.get<double>();
+  const auto text = value.get<std::string>();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
+  return text == "inf" ? kInfinity : -kInfinity;
+}
+
+json CaseToJson(const TestCase& draws) {
+  json list = json::array();
+  for (const Draw& draw : draws) list.push_back({draw.path, draw.value});
+  return list;
+}
+
+TestCase CaseFromJson(const json& value) {
+  TestCase draws;
+  for (const json& draw : value) draws.push_back({draw.at(0).get<std::string>(), draw.at(1).get<std::string>()});
+  return draws;
+}
+
 json ToJson(const CaseOutcome& outcome) {
   json expectations = json::array();
   for (const ExpectationOutcome& each : outcome.expectations) {
@@ -97,6 +108,7 @@ json ToJson(const CaseOutcome& outcome) {
     metrics.push_back(metric ? NumberToJson(*metric) : json(nullptr));
   return {{"verdict", ToString(outcome.verdict)},
           {"error", outcome.error},
+          {"decided", outcome.decided},
           {"ticks", outcome.ticks},
           {"state_hash", fmt::format("{:016x}", outcome.state_hash)},
           {"tick_seconds", outcome.tick_seconds},
@@ -112,6 +124,7 @@ CaseOutcome OutcomeFromJson(const json& value) {
     if (verdict == ToString(each)) outcome.verdict = each;
   }
   outcome.error = value.at("error").get<std::string>();
+  outcome.decided = value.at("decided");
   outcome.ticks = value.at("ticks");
   outcome.state_hash = std::stoull(value.at("state_hash").get<std::string>(), nullptr, 16);
   outcome.tick_seconds = value.at("tick_seconds");
@@ -204,6 +217,7 @@ bool CaseMonitors::decided() const {
 
 void CaseMonitors::Finish(CaseOutcome& outcome) {
   outcome.verdict = CaseVerdict::kPassed;
+  outcome.decided = decided();
   for (Monitor& monitor : expectations_) {
     monitor.Finish();
     outcome.expectations.push_back(OutcomeOf(monitor));

@@ -39,8 +39,9 @@ inline constexpr std::size_t kMostMoments = 200;
 
 struct CaseOutcome {
   CaseVerdict verdict = CaseVerdict::kNotRun;
-  std::string error;  // why the case could not be run
-  Tick ticks = 0;     // of the last state
+  std::string error;     // why the case could not be run
+  bool decided = false;  // the verdicts of all expectations were known before the run ended
+  Tick ticks = 0;        // of the last state
   std::uint64_t state_hash = 0;
   double tick_seconds = 0.0;                     // s, simulated, of each tick
   std::vector<ExpectationOutcome> expectations;  // in the order of the test
@@ -50,7 +51,12 @@ struct CaseOutcome {
   bool operator==(const CaseOutcome&) const = default;
 };
 
-// On one line of JSON, and back. The second throws nlohmann::json::exception for other JSON.
+// As JSON, and back. Those that read throw nlohmann::json::exception for other JSON. JSON has no infinite numbers: they
+// are the texts "inf" and "-inf".
+nlohmann::json NumberToJson(double number);
+double NumberFromJson(const nlohmann::json& json);
+nlohmann::json CaseToJson(const TestCase& draws);
+TestCase CaseFromJson(const nlohmann::json& json);
 nlohmann::json ToJson(const CaseOutcome& outcome);
 CaseOutcome OutcomeFromJson(const nlohmann::json& json);
 

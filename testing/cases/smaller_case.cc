@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "troupe/random.h"
@@ -33,12 +34,13 @@ class Shrinker {
     ReadStart();
     if (Try(draws_, removed_)) {  // sets the ticks
       for (bool changed = true; changed && HasTime();) {
-        changed = RemoveEntities();
-        changed = SimplifyDraws() || changed;
+        // Draws first: a smaller number of robots leaves none whose name could be removed already.
+        changed = SimplifyDraws();
+        changed = RemoveEntities() || changed;
       }
     }
     ShrunkCase shrunk;
-    shrunk.draws = CaseOf(draws_, removed_, ticks_);
+    shrunk.draws = CaseOf(draws_, removed_);
     shrunk.outcome = RunCase(worlds_, shrunk.draws);
     shrunk.runs = runs_;
     if (const Result<LoadedWorld> world = worlds_.Load(shrunk.draws); world.ok())
@@ -67,17 +69,17 @@ class Shrinker {
       for (const JsonNode& name : listed->items) removed_.push_back(name.text);
     }
     if (may_remove_) std::erase_if(draws_, [](const Draw& draw) { return draw.path == "without"; });
-    if (may_end_) std::erase_if(draws_, [](const Draw& draw) { return draw.path == "ticks"; });
-    const auto ticks = std::find_if(all.begin(), all.end(), [](const Draw& draw) { return draw.path == "ticks"; });
-    if (may_end_ && ticks != all.end()) ticks_ = static_cast<Tick>(NumberIn(ticks->value));
-    if (const Result<LoadedWorld> world = worlds_.Load(CaseOf(draws_, removed_, ticks_)); world.ok()) {
+    const bool ended = may_end_ && std::erase_if(draws_, [](const Draw& draw) { return draw.path == "ticks"; }) > 0;
+    if (const Result<LoadedWorld> world = worlds_.Load(all); world.ok()) {
       entities_ = EntitiesOf(world.value().world);
+      ticks_ = world.value().settings.ticks.value_or(0);
+      scenario_ticks_ = ended ? std::numeric_limits<Tick>::max() : ticks_;
     }
   }
 
-  TestCase CaseOf(const TestCase& draws, const Names& removed, const std::optional<Tick>& ticks) const {
+  TestCase CaseOf(const TestCase& draws, const Names& removed) const {
     TestCase whole = draws;
-    if (may_end_ && ticks) whole.push_back({"ticks", std::to_string(*ticks)});
+    if (may_end_ && ticks_ < scenario_ticks_) whole.push_back({"ticks", std::to_string(ticks_)});
     if (may_remove_ && !removed.empty()) whole.push_back({"without", nlohmann::json(removed).dump()});
     return whole;
   }
@@ -93,17 +95,16 @@ class Shrinker {
     ++runs_;
     CaseRunOptions options;
     options.only = expectation_;
-    const CaseOutcome outcome = RunCase(worlds_, CaseOf(draws, removed, ticks_), options);
-    if (outcome.verdict != CaseVerdict::kFailed) return false;
+    const CaseOutcome outcome = RunCase(worlds_, CaseOf(draws, removed), options);
+    if (outcome.verdict != CaseVerdict::kFailed || (known_early_ && !outcome.decided)) return false;
+    known_early_ = outcome.decided;
     draws_ = draws;
     removed_ = removed;
     const ExpectationOutcome& expectation = outcome.expectations.front();
     causes_ = expectation.causes;
-    // A verdict that was known before the end needs no tick more.
-    if (may_end_ && expectation.decided_at && (!ticks_ || *expectation.decided_at < *ticks_) &&
-        *expectation.decided_at > 0) {
-      ticks_ = expectation.decided_at;
-    }
+    // A verdict that was known before the end needs no tick more; another one depends on the end.
+    if (may_end_ && outcome.decided && *expectation.decided_at < ticks_)
+      ticks_ = std::max<Tick>(*expectation.decided_at, 1);
     return true;
   }
 
@@ -172,8 +173,10 @@ class Shrinker {
   // The smallest case so far.
   TestCase draws_;
   Names removed_;
-  std::optional<Tick> ticks_;  // nothing: the scenario's
-  Names entities_;             // that are left
+  Tick ticks_ = 0;
+  Tick scenario_ticks_ = 0;   // that a case without a draw of them has
+  bool known_early_ = false;  // the verdict does not depend on the end of the run
+  Names entities_;            // that are left
   Names causes_;
 };
 

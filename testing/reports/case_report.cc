@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -19,29 +18,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMostLineBytes = 2'000'000'000;
-
-json NumberToJson(double number) {
-  if (std::isfinite(number)) return number;
-  return number > 0.0 ? "inf" : "-inf";
-}
-
-double NumberFromJson(const json& value) {
-  if (value.is_number()) return value.get<double>();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  return value.get<std::string>() == "inf" ? kInfinity : -kInfinity;
-}
-
-json DrawsToJson(const TestCase& draws) {
-  json list = json::array();
-  for (const Draw& draw : draws) list.push_back({draw.path, draw.value});
-  return list;
-}
-
-TestCase DrawsFromJson(const json& value) {
-  TestCase draws;
-  for (const json& draw : value) draws.push_back({draw.at(0).get<std::string>(), draw.at(1).get<std::string>()});
-  return draws;
-}
 
 std::string CsvField(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
@@ -132,7 +108,7 @@ std::string CaseReport::Lines() const {
       }
       json line = {{"test", entry.test.path},
                    {"number", number},
-                   {"case", DrawsToJson(row.draws)},
+                   {"case", CaseToJson(row.draws)},
                    {"verdict", ToString(row.verdict)},
                    {"ticks", row.ticks},
                    {"state_hash", fmt::format("{:016x}", row.state_hash)},
@@ -180,7 +156,7 @@ Status CaseReport::AddLines(const std::string& file) {
       if (entry == entries_.end()) return Error{where, "found a case of an unknown test, expected its test before it"};
       ReportedCase reported;
       reported.number = value.at("number");
-      reported.draws = DrawsFromJson(value.at("case"));
+      reported.draws = CaseFromJson(value.at("case"));
       const std::string verdict = value.at("verdict");
       if (value.contains("fault")) {
         const json& fault = value.at("fault");
