@@ -333,8 +333,11 @@ TEST(ExpectationPropertyTest, ClosestPairsAreThoseOfAllPairs) {
   for (Tick t = 0; t < 200; ++t) {
     WorldState state = PlacedState(world);
     state.tick = t;
-    for (RobotState& robot : state.robots) {
-      robot.X_WR = {0.01 * random.Below(600), 0.01 * random.Below(600), 0.0, 0.1 * random.Below(31)};
+    for (std::size_t i = 0; i < state.robots.size(); ++i) {  // each in a field of its own: no two distances are equal
+      const double column = static_cast<double>(i % 3);
+      const double row = static_cast<double>(i / 3);
+      state.robots[i].X_WR = {2.0 * column + 0.01 * random.Below(120), 2.0 * row + 0.01 * random.Below(120), 0.0,
+                              0.1 * random.Below(31)};
     }
     bodies.Assign(state);
     ASSERT_TRUE(quick.Push(TickView{scene, bodies, state, {}}).ok());

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "testing/expectations/tick_view.h"
 #include "tests/support/small_world.h"
 #include "troupe/expectation.h"
 #include "troupe/simulation.h"
@@ -165,6 +166,36 @@ TEST_F(MonitorTest, ABranchContinuesWithACopy) {
   branch.Finish();
   EXPECT_EQ(branch.verdict(), Verdict::kTrue);
   EXPECT_FALSE(branch.Push(simulation).ok());
+}
+
+TEST_F(MonitorTest, TheStatesOfARunGiveTheBitsOfTheRun) {
+  Simulation simulation = Start();
+  const std::string text =
+      "always (range(anna) + distance(anna, wall) > 1 m or eventually[0, 1 s] event(stall_began, anna) or "
+      "stalled(anna))";
+  Monitor live(Expectation::Parse(text, {simulation.world()}).value());
+  std::vector<WorldState> states;
+  std::vector<std::vector<Event>> events;
+  for (int i = 0; i <= 60; ++i) {
+    if (i > 0) simulation.Step();
+    ASSERT_TRUE(live.Push(simulation).ok());
+    states.push_back(simulation.state());
+    events.push_back(simulation.events());
+  }
+  live.Finish();
+
+  const Scene scene(world_.world());
+  BodyIndex bodies(scene);
+  Monitor replayed(live.expectation());
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    bodies.Assign(states[i]);
+    ASSERT_TRUE(replayed.Push(TickView{scene, bodies, states[i], events[i]}).ok());
+  }
+  replayed.Finish();
+  EXPECT_EQ(replayed.robustness(), live.robustness());
+  EXPECT_EQ(replayed.decided_at(), live.decided_at());
+  EXPECT_EQ(replayed.cause(), live.cause());
+  EXPECT_THAT(replayed.history(), ::testing::ElementsAreArray(live.history()));
 }
 
 TEST_F(MonitorTest, MatchersNameTheFormulaTheTickAndTheRobots) {
