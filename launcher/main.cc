@@ -30,6 +30,8 @@ int Main(int argc, const char* const* argv) {
   int exit_status = kExitDone;
   AddRunCommand(app, exit_status);
   AddReplayCommand(app, exit_status);
+  AddTestCommand(app, exit_status);
+  AddSweepCommand(app, exit_status);
   AddCheckCommand(app, exit_status);
   AddTopCommand(app, exit_status);
   AddCtlCommand(app, exit_status);

@@ -133,6 +133,12 @@ set(may_include_include/troupe/simulation.h
 set(may_include_testing/expectations common/base common/geometry common/model common/sensing common/spatial)
 set(may_include_include/troupe/testing.h common/base testing/expectations include/troupe/simulation.h)
 
+# Cases of tests run on simulations.
+set(may_include_testing/cases
+  common/base common/geometry common/model robot-agent/controller include/troupe/simulation.h testing/expectations worldfile/models
+  worldfile/scenario worldfile/stage worldfile/text)
+set(may_include_testing/reports common/base common/model include/troupe/simulation.h testing/cases testing/expectations)
+
 # The library: the step and the robots in one process, without protocol or DDS.
 set(may_include_library
   common/base common/geometry common/model common/picture common/sensing common/spatial worldfile
@@ -167,7 +173,7 @@ set(may_include_launcher/commands
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/models worldfile/scenario
   worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/hosts launcher/process launcher/supervise library
-  robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
+  testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base command_line launcher/commands)
 
 # Outside transport/dds these files alone may include something of it, and of that nothing that shows DDS itself.

@@ -23,6 +23,8 @@ namespace troupe {
 // Each adds a command; running it sets `exit_status`.
 void AddRunCommand(CLI::App& app, int& exit_status);
 void AddReplayCommand(CLI::App& app, int& exit_status);
+void AddTestCommand(CLI::App& app, int& exit_status);
+void AddSweepCommand(CLI::App& app, int& exit_status);
 void AddCheckCommand(CLI::App& app, int& exit_status);
 void AddTopCommand(CLI::App& app, int& exit_status);
 void AddCtlCommand(CLI::App& app, int& exit_status);

@@ -28,6 +28,9 @@ constexpr Example kExamples[] = {
     {"run", "troupe run run.mcap --from-tick 300 --controller wander --headless --ticks 400", "branch off from it"},
     {"replay", "troupe replay run.mcap", "step it again, and compare every state"},
     {"replay", "troupe replay run.mcap --from 200 --to 300 --poses part.csv", "the poses of some ticks"},
+    {"test", "troupe test office.test.json", "the cases of a test, and what fails"},
+    {"test", "troupe test office.test.json --junit results.xml --report report", "files for a build server, and a page"},
+    {"sweep", "troupe sweep office.test.json -o sweep", "its metrics as tables and plots"},
     {"check", "troupe check office.world", "its map, models and robots, and warnings"},
     {"top", "troupe top --once", "one table of all running sessions"},
     {"ctl", "troupe ctl pause", "hold the only running session"},
@@ -54,6 +57,7 @@ constexpr const char* kEnvironmentAndStatus = R"(Environment:
 
 Exit status:
   0                           Done
+  1                           Of 'test': an expectation failed
   2                           Bad input or usage; one line states the text found and the text expected
   3                           The run failed; one line states the reason
   130                         Stopped in order by Ctrl-C, SIGTERM or SIGHUP

@@ -122,6 +122,9 @@ def main():
                           TROUPE_SESSION=f"examples-{os.getpid()}")
         pathlib.Path("office.world").write_text(
             f'include "{root}/worlds/office.world"\nscout ( name "r0" pose [ -8 0 0 0 ] ctrl "go_to" )\n')
+        pathlib.Path("office.test.json").write_text(
+            '{"scenario": "office.world", "ticks": 20, "vary": {"seed": {"range": [1, 3]}}, '
+            '"expect": ["forall r: always speed(r) < 10 m/s"], "metrics": {"top speed": "max of speed(r)"}}')
         pathlib.Path("a b.world").touch()
         for line in lines:
             if not line.startswith(LIVE):

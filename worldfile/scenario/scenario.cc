@@ -130,6 +130,55 @@ class Overrider {
   std::set<std::string> types_;
 };
 
+// Sets what the scenario says of the world and its run beside the tree.
+void Complete(LoadedWorld& loaded, const ScenarioFile& file, const ScenarioPlan& plan) {
+  const std::optional<std::uint64_t> ticks_of_world = loaded.settings.ticks;  // its quit_time
+  loaded.settings = file.settings;
+  if (!loaded.settings.ticks) loaded.settings.ticks = ticks_of_world;
+  if (file.name) loaded.world.name = *file.name;
+  loaded.world.places = file.places;
+  loaded.regions = file.regions;
+  for (RobotDescription& robot : loaded.world.robots) {
+    const auto controller = plan.controllers.find(robot.name);
+    if (controller != plan.controllers.end()) robot.controller = controller->second;
+    const auto domain = plan.ros_domains.find(robot.name);
+    if (domain != plan.ros_domains.end()) robot.ros.domain = domain->second;
+  }
+  loaded.warnings.insert(loaded.warnings.begin(), file.warnings.begin(), file.warnings.end());
+}
+
+Status RemoveEntities(WorldTree& tree, const std::vector<PlacedText>& names) {
+  std::vector<std::string> known = ChildNames(tree.world);
+  for (std::string& name : known) name = name.empty() ? "" : FullName("", name);
+  std::set<std::string> removed;
+  for (const PlacedText& name : names) {
+    if (std::find(known.begin(), known.end(), name.text) == known.end()) {
+      return Error{name.where, "found no robot or model " + Quoted(name.text) +
+                                   " to leave out, expected the name of one" + DidYouMean(name.text, known)};
+    }
+    removed.insert(name.text);
+  }
+  std::vector<WorldNode> kept;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (!removed.contains(known[i])) kept.push_back(std::move(tree.world.children[i]));
+  }
+  tree.world.children = std::move(kept);
+  return Status();
+}
+
+// The models of `to` are at the places that those of the same names have in `from`.
+void CopyPlaces(const WorldDescription& from, WorldDescription& to) {
+  std::map<std::string, const ModelDescription*> models;
+  for (const ModelDescription& model : from.models) models.emplace(model.name, &model);
+  for (ModelDescription& model : to.models) {
+    if (const auto found = models.find(model.name); !model.parent && found != models.end())
+      model.X_PM = found->second->X_PM;
+  }
+  for (RobotDescription& robot : to.robots) {
+    if (const auto found = FindRobot(from, robot.name)) robot.localization = from.robot(*found).localization;
+  }
+}
+
 }  // namespace
 
 Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
@@ -201,29 +250,23 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
 
   Result<WorldTree> tree = ReadTree(file, path, overrides.allowed, tools);
   if (!tree.ok()) return tree.error();
-  const Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), std::move(tree).value());
+  Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), std::move(tree).value());
   if (!plan.ok()) return plan.error();
   LoadOverrides build;
   build.allowed = overrides.allowed;
   build.seed = overrides.seed ? overrides.seed : file.seed;
   Result<LoadedWorld> built = BuildWorld(plan.value().tree, build, tools.build);
   if (!built.ok()) return built;
-
-  LoadedWorld loaded = std::move(built).value();
-  const std::optional<std::uint64_t> ticks_of_world = loaded.settings.ticks;  // its quit_time
-  loaded.settings = file.settings;
-  if (!loaded.settings.ticks) loaded.settings.ticks = ticks_of_world;
-  if (file.name) loaded.world.name = *file.name;
-  loaded.world.places = file.places;
-  for (RobotDescription& robot : loaded.world.robots) {
-    const auto controller = plan.value().controllers.find(robot.name);
-    if (controller != plan.value().controllers.end()) robot.controller = controller->second;
-    const auto domain = plan.value().ros_domains.find(robot.name);
-    if (domain != plan.value().ros_domains.end()) robot.ros.domain = domain->second;
-  }
-  loaded.warnings.insert(loaded.warnings.begin(), file.warnings.begin(), file.warnings.end());
-  const std::uint64_t seed = loaded.world.seed;
-  return PlaceSpawns(std::move(loaded), plan.value().spawns, seed, tools.max_spawn_draws);
+  Complete(built.value(), file, plan.value());
+  const std::uint64_t seed = built.value().world.seed;
+  built = PlaceSpawns(std::move(built).value(), plan.value().spawns, seed, tools.max_spawn_draws);
+  if (!built.ok() || file.without.empty()) return built;
+  if (Status error = RemoveEntities(plan.value().tree, file.without); !error.ok()) return error.error();
+  Result<LoadedWorld> reduced = BuildWorld(plan.value().tree, build, tools.build);
+  if (!reduced.ok()) return reduced;
+  Complete(reduced.value(), file, plan.value());
+  CopyPlaces(built.value().world, reduced.value().world);
+  return reduced;
 }
 
 bool MatchesGlob(const std::string& pattern, const std::string& text) {
