@@ -80,7 +80,7 @@ double NumberFromJson(const json& value) {
 
 json CaseToJson(const TestCase& draws) {
   json list = json::array();
-  for (const Draw& draw : draws) list.push_back({draw.path, draw.value});
+  for (const DrawnValue& draw : draws) list.push_back({draw.path, draw.value});
   return list;
 }
 

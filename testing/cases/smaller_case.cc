@@ -61,15 +61,17 @@ class Shrinker {
     may_remove_ = !varied("without");
     may_end_ = !varied("ticks");
     const TestCase all = worlds_.test().WithCommon(draws_);
-    const auto drawn = std::find_if(all.begin(), all.end(), [](const Draw& draw) { return draw.path == "without"; });
+    const auto drawn =
+        std::find_if(all.begin(), all.end(), [](const DrawnValue& draw) { return draw.path == "without"; });
     const JsonNode* const listed = worlds_.test().scenario().tree().root().Find("without");
     if (drawn != all.end()) {
       removed_ = nlohmann::json::parse(drawn->value).get<Names>();
     } else if (listed != nullptr) {
       for (const JsonNode& name : listed->items) removed_.push_back(name.text);
     }
-    if (may_remove_) std::erase_if(draws_, [](const Draw& draw) { return draw.path == "without"; });
-    const bool ended = may_end_ && std::erase_if(draws_, [](const Draw& draw) { return draw.path == "ticks"; }) > 0;
+    if (may_remove_) std::erase_if(draws_, [](const DrawnValue& draw) { return draw.path == "without"; });
+    const bool ended =
+        may_end_ && std::erase_if(draws_, [](const DrawnValue& draw) { return draw.path == "ticks"; }) > 0;
     if (const Result<LoadedWorld> world = worlds_.Load(all); world.ok()) {
       entities_ = EntitiesOf(world.value().world);
       ticks_ = world.value().settings.ticks.value_or(0);

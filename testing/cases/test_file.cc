@@ -146,7 +146,7 @@ Status TestFile::ReadDesign(const JsonTree& tree, const TestCase& fixed) {
     }
   }
   // --case
-  for (const Draw& draw : fixed) {
+  for (const DrawnValue& draw : fixed) {
     const auto varied = std::find_if(variations.begin(), variations.end(),
                                      [&](const Variation& variation) { return variation.path() == draw.path; });
     if (varied != variations.end()) {
@@ -171,8 +171,8 @@ Status TestFile::ReadDesign(const JsonTree& tree, const TestCase& fixed) {
     names.push_back(draw.path);
     variations.push_back(Variation::Of(path, draw.value));
   }
-  std::erase_if(common_,
-                [&](const Draw& draw) { return std::find(names.begin(), names.end(), draw.path) != names.end(); });
+  std::erase_if(
+      common_, [&](const DrawnValue& draw) { return std::find(names.begin(), names.end(), draw.path) != names.end(); });
 
   std::vector<Constraint> constraints;
   if (const JsonNode* const where = root.Find("where")) {
@@ -206,8 +206,8 @@ Status TestFile::ReadDesign(const JsonTree& tree, const TestCase& fixed) {
 
 TestCase TestFile::WithCommon(const TestCase& draws) const {
   TestCase all;
-  for (const Draw& draw : common_) {
-    const auto same = [&](const Draw& other) { return other.path == draw.path; };
+  for (const DrawnValue& draw : common_) {
+    const auto same = [&](const DrawnValue& other) { return other.path == draw.path; };
     if (std::none_of(draws.begin(), draws.end(), same)) all.push_back(draw);
   }
   all.insert(all.end(), draws.begin(), draws.end());

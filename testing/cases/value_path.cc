@@ -143,10 +143,10 @@ Result<const JsonNode*> ScenarioText::Find(const ValuePath& path) const {
   return place.value().value;
 }
 
-Result<std::string> ScenarioText::With(const std::vector<Draw>& draws) const {
+Result<std::string> ScenarioText::With(const std::vector<DrawnValue>& draws) const {
   TextEdits edits;
   std::map<const JsonNode*, std::string> added;  // members of objects, each with a comma behind it
-  for (const Draw& draw : draws) {
+  for (const DrawnValue& draw : draws) {
     const Result<ValuePath> path = ValuePath::Parse(draw.path);
     if (!path.ok()) return path.error();
     const Result<Place> place = Locate(path.value());

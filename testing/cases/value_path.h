@@ -39,11 +39,11 @@ class ValuePath {
 };
 
 // A value at a place of a scenario. One draw of a case.
-struct Draw {
+struct DrawnValue {
   std::string path;   // as ValuePath
   std::string value;  // JSON, on one line
 
-  bool operator==(const Draw&) const = default;
+  bool operator==(const DrawnValue&) const = default;
 };
 
 // A scenario's text in which values are replaced.
@@ -58,7 +58,7 @@ class ScenarioText {
   Result<const JsonNode*> Find(const ValuePath& path) const;
   // The text with all these values; the lines of all others stay. A key that an object lacks is added to it. REQUIRES:
   // the paths do not overlap. The error says which part of a path is not in the scenario, without a place.
-  Result<std::string> With(const std::vector<Draw>& draws) const;
+  Result<std::string> With(const std::vector<DrawnValue>& draws) const;
   // The text with absolute paths of all files that it names, for a scenario in another folder than `directory`.
   std::string WithAbsolutePaths(const std::string& directory) const;
 

@@ -26,7 +26,7 @@ std::string ShortNumber(double number) {
 
 std::string CaseText(const TestCase& draws) {
   std::string text;
-  for (const Draw& draw : draws) text += (text.empty() ? "" : ",") + draw.path + "=" + draw.value;
+  for (const DrawnValue& draw : draws) text += (text.empty() ? "" : ",") + draw.path + "=" + draw.value;
   return text;
 }
 
@@ -73,7 +73,7 @@ Result<TestCase> ParseCase(std::string_view text) {
     } else {
       return fail(equals + 1, fmt::format("found {}, expected a JSON value or a word", Quoted(value)));
     }
-    const auto same = [&](const Draw& draw) { return draw.path == name; };
+    const auto same = [&](const DrawnValue& draw) { return draw.path == name; };
     if (std::count_if(draws.begin(), draws.end(), same) > 1) {
       return fail(i, fmt::format("found {} again, expected one value of it", Quoted(name)));
     }

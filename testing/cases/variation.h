@@ -14,7 +14,7 @@
 namespace troupe {
 
 // The draws of one case, in the order of the test's `vary`; the draws of shrinking follow.
-using TestCase = std::vector<Draw>;
+using TestCase = std::vector<DrawnValue>;
 
 // "seed=17,spawn[0].count=5": the text of --case.
 std::string CaseText(const TestCase& draws);

@@ -82,7 +82,7 @@ struct Syntax {
 };
 
 inline constexpr std::size_t kLongestExpectation = 8192;  // bytes
-inline constexpr std::size_t kDeepestExpectation = 200;    // nested operators
+inline constexpr std::size_t kDeepestExpectation = 200;   // nested operators
 
 Result<Syntax> ParseFormula(std::string_view text);
 

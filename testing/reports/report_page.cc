@@ -41,7 +41,7 @@ std::string WithUnit(const std::string& name, const std::string& unit) {
 std::string GroupOf(const TestCase& draws) {
   TestCase others;
   std::copy_if(draws.begin(), draws.end(), std::back_inserter(others),
-               [](const Draw& draw) { return draw.path != "seed"; });
+               [](const DrawnValue& draw) { return draw.path != "seed"; });
   return CaseText(others);
 }
 

@@ -21,7 +21,7 @@ constexpr const char* kScenario = R"({
   ]
 })";
 
-std::string With(const std::vector<Draw>& draws) {
+std::string With(const std::vector<DrawnValue>& draws) {
   const Result<std::string> text = ScenarioText::Parse(kScenario, "s.json").value().With(draws);
   return text.ok() ? text.value() : text.error().message;
 }
@@ -78,7 +78,7 @@ TEST(CaseText, IsReadAsItWasWritten) {
   const Result<TestCase> read = ParseCase(CaseText(draws));
   ASSERT_TRUE(read.ok()) << read.error().message;
   EXPECT_EQ(read.value(), draws);
-  EXPECT_THAT(ParseCase("controller=wander").value(), ElementsAre(Draw{"controller", "\"wander\""}));
+  EXPECT_THAT(ParseCase("controller=wander").value(), ElementsAre(DrawnValue{"controller", "\"wander\""}));
 }
 
 TEST(CaseText, RefusesTextsThatAreNone) {
