@@ -23,7 +23,7 @@ const LAST_UNIT = ['heading', 'amin', 'amax', 'angle', 'proportional'];  // elem
 
 function inFile(unit: string, {metres, radians}: FileUnits): string {
   const length = metres === 0.01 ? 'cm' : metres === 0.001 ? 'mm' : 'm';
-  return unit.replace(/^m(?=$|\/)/, length).replace(/^deg(?=$|\/)/, radians === 1 ? 'rad' : '°').replace(/([ms])2/g, '$1²').replace('proportion', '');
+  return unit.replace(/^m(?=$|\/)/, length).replace(/^deg(?=$|\/)/, radians === 1 ? 'rad' : '°').replace(/([ms])2/g, '$1²').replace(/^(proportion|0 to 1)$/, '');
 }
 
 export function helpText(row: HelpRow | undefined): string {
