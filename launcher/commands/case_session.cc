@@ -16,6 +16,7 @@
 
 #include "common/base/file.h"
 #include "common/base/print.h"
+#include "launcher/hosts/host.h"
 #include "launcher/process/process.h"
 #include "testing/cases/worker_pool.h"
 
@@ -30,15 +31,6 @@ constexpr std::size_t kMostPrinted = 20;   // faults of a test that are printed
 constexpr std::size_t kMostKept = 100;     // cases in a file of failing ones
 constexpr std::size_t kMostFailingBytes = 10'000'000;
 constexpr double kSecondsAfter = 2.0;  // simulated, of a recording after the tick that decides
-
-// For a POSIX shell.
-std::string ShellQuoted(const std::string& text) {
-  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
 
 std::string FailingPath(const std::string& path) {
   return std::filesystem::path(path).replace_extension(".failing").string();

@@ -177,7 +177,7 @@ TEST(PlanTest, ThePixelsOfAPictureAreWalls) {
   Applied(*editor, request);
   const WorldDescription& world = editor->world()->loaded.world;
   ASSERT_EQ(world.models.size(), 1U);
-  const Shape& shape = world.shape(world.models[0].shape);
+  const troupe::Shape& shape = world.shape(world.models[0].shape);
   const auto is_wall = [&](double x, double y) {
     for (const Rectangle& r : shape.rectangles) {
       if (x > r.min_x && x < r.max_x && y > r.min_y && y < r.max_y) return true;
