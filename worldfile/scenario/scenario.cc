@@ -207,9 +207,11 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   if (!built.ok()) return built;
 
   LoadedWorld loaded = std::move(built).value();
-  const std::optional<std::uint64_t> ticks_of_world = loaded.settings.ticks;  // its quit_time
+  const RunSettings of_world = loaded.settings;  // its quit_time and its speedup
   loaded.settings = file.settings;
-  if (!loaded.settings.ticks) loaded.settings.ticks = ticks_of_world;
+  if (!loaded.settings.ticks) loaded.settings.ticks = of_world.ticks;
+  const bool has_speed = loaded.settings.speed || !loaded.settings.watched_speed;
+  if (!has_speed) loaded.settings.watched_speed = of_world.watched_speed;
   if (file.name) loaded.world.name = *file.name;
   loaded.world.places = file.places;
   for (RobotDescription& robot : loaded.world.robots) {
