@@ -86,10 +86,9 @@ async function moving(name, {world, first, last, step, width, height, hash = ''}
   }
   await page.close();
   const studio = await pages.browser.newPage();
-  await studio.addScriptTag({type: 'module', content: `${readFileSync(encoder, 'utf8')};window.gifenc = {GIFEncoder, quantize, applyPalette};`});
-  await until('the encoder is loaded', () => studio.evaluate(() => Boolean(window.gifenc)));
-  const bytes = await studio.evaluate(async ({frames, width, height, delay}) => {
-    const {GIFEncoder, quantize, applyPalette} = window.gifenc;
+  const module = `data:text/javascript;base64,${readFileSync(encoder).toString('base64')}`;
+  const bytes = await studio.evaluate(async ({module, frames, width, height, delay}) => {
+    const {GIFEncoder, quantize, applyPalette} = await import(module);
     const gif = GIFEncoder();
     const canvas = new OffscreenCanvas(width, height);
     const context = canvas.getContext('2d', {willReadFrequently: true});
@@ -113,7 +112,7 @@ async function moving(name, {world, first, last, step, width, height, hash = ''}
     }
     gif.finish();
     return Array.from(gif.bytes());
-  }, {frames, width, height, delay: 125});
+  }, {module, frames, width, height, delay: 125});
   await studio.close();
   await viewer.stop();
   const path = `${source}/docs/pictures/${name}.gif`;
