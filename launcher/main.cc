@@ -40,6 +40,7 @@ int Main(int argc, const char* const* argv) {
   AddViewCommand(app, exit_status);
   AddEditCommand(app, exit_status);
   AddSnapshotCommand(app, exit_status);
+  AddExportCommand(app, exit_status);
   AddExportMapCommand(app, exit_status);
   AddKeysCommand(app, exit_status);
   AddHostCommand(app, exit_status);

@@ -166,14 +166,22 @@ set(may_include_launcher/supervise
   common/trace
   worldfile worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
   robot-agent/ros world-service/observers/recorder world-service/program world-service/service)
+set(may_include_launcher/export
+  common/base common/sensing common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove
+  world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)
 set(may_include_launcher/commands
   common/base command_line transport/dds/tools common/geometry common/model common/picture transport/protocol
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/models worldfile/scenario
+<<<<<<< HEAD
   worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/hosts launcher/process launcher/supervise library
   testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
+=======
+  worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library
+  robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
+>>>>>>> fb38869f2bd63a1d3372adcd6b701b53c067ee8a
 set(may_include_launcher common/base command_line launcher/commands)
 
 # Outside transport/dds these files alone may include something of it, and of that nothing that shows DDS itself.
@@ -187,7 +195,7 @@ set(dds_headers_for_others
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders
   transport/dds/binding transport/dds/convert transport/dds/transport transport/dds/tools recording transport/wire
-  ros/messages ros/connection ros/link robot-agent/ros ros/participant ros/fast_dds world-service/observers/ros)
+  ros/messages ros/connection ros/link launcher/export robot-agent/ros ros/participant ros/fast_dds world-service/observers/ros)
 set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers/ros/ros_world_gateway.h)
 
 set(failures)

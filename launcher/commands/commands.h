@@ -33,6 +33,7 @@ void AddTeleopCommand(CLI::App& app, int& exit_status);
 void AddViewCommand(CLI::App& app, int& exit_status);
 void AddEditCommand(CLI::App& app, int& exit_status);
 void AddSnapshotCommand(CLI::App& app, int& exit_status);
+void AddExportCommand(CLI::App& app, int& exit_status);
 void AddExportMapCommand(CLI::App& app, int& exit_status);
 void AddKeysCommand(CLI::App& app, int& exit_status);
 void AddHostCommand(CLI::App& app, int& exit_status);

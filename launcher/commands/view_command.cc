@@ -16,6 +16,7 @@
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
+#include "command_line/terminal.h"
 #include "common/base/print.h"
 #include "launcher/commands/commands.h"
 #include "launcher/process/process.h"
@@ -278,7 +279,7 @@ ViewerGatewayOptions OptionsOfGateway(const ViewOptions& options) {
 
 int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, SignalWatch& signals) {
   if (!gateway.ok()) return Fail(gateway.error());
-  fmt::print("viewer: {}\n", gateway.value()->Address());
+  fmt::print("{}\n", StyledLine("viewer: " + gateway.value()->Address(), HasStyles(stdout)));
   std::fflush(stdout);
   pollfd waited = {signals.descriptor(), POLLIN, 0};
   while (!signals.ReadStopRequest()) poll(&waited, 1, -1);

@@ -97,15 +97,17 @@ class DistributedRun {
   explicit DistributedRun(const RunOptions& options)
       : options_(options), hosts_(options_), service_(options_, hosts_), agents_(options_, keys_) {}
 
-  RunEnd Run();
+  int Run(const ReportEnd& report);
 
  private:
+  RunEnd Supervise();
   // Changes to the network profile `unicast` on a network that does not pass multicast on.
   void ChooseNetworkProfile();
   void SuperviseUntilServiceEnds();
   void StartViewer();
   Status StartRosProgram(const ReadyReport& ready);
   void AwaitProcesses();
+  void StopViewer();
   // Waits for events, at most until kill_at_, and reacts to them.
   void ProcessEvents();
   void WaitForEvents();
@@ -190,6 +192,7 @@ void DistributedRun::ProcessEvents() {
   WaitForEvents();
   const bool second_request = signals_.stop_requested();
   if (signals_.ReadStopRequest()) {
+    progress_.OnStopRequest();
     if (second_request) kill_at_ = Clock::now();
     Stop();
   }
@@ -516,9 +519,8 @@ void DistributedRun::SuperviseUntilServiceEnds() {
 void DistributedRun::AwaitProcesses() {
   // After an orderly end of the service the agents leave by themselves, once they have written their files.
   if (!summary_) agents_.Signal(SIGTERM);
-  viewer_.Stop();
   kill_at_ = Clock::now() + kLeaveTimeout;
-  while (!agents_.all_ended() || viewer_.running()) ProcessEvents();
+  while (!agents_.all_ended()) ProcessEvents();
   ros_program_.reset();  // after the agents, whose last samples it passes on
   PrintOutput();
 }
@@ -582,7 +584,26 @@ RunEnd DistributedRun::End() {
   return {end_.exit_status, std::move(outcome), std::nullopt};
 }
 
-RunEnd DistributedRun::Run() {
+void DistributedRun::StopViewer() {
+  viewer_.Stop();
+  kill_at_ = Clock::now() + kLeaveTimeout;
+  while (viewer_.running()) ProcessEvents();
+  PrintOutput();
+}
+
+int DistributedRun::Run(const ReportEnd& report) {
+  const RunEnd end = Supervise();
+  const bool stays_open = viewer_.running() && StaysOpen(options_, end);
+  if (!stays_open) StopViewer();
+  progress_.End();
+  const int exit_status = report(end);
+  if (!stays_open) return exit_status;
+  AwaitStopOfViewer(signals_, progress_);
+  StopViewer();
+  return exit_status;
+}
+
+RunEnd DistributedRun::Supervise() {
   if (const Status status = hosts_.Connect(signals_); !status.ok()) {
     RunEnd end = FailedRun(status.error());
     if (signals_.stop_requested()) end.exit_status = kExitInterrupted;
@@ -601,9 +622,20 @@ RunEnd DistributedRun::Run() {
 
 }  // namespace
 
-RunEnd RunDistributed(const RunOptions& options) {
+int RunDistributed(const RunOptions& options, const ReportEnd& report) {
   signal(SIGPIPE, SIG_IGN);  // a connection to a host may be lost during a write
-  return DistributedRun(options).Run();
+  return DistributedRun(options).Run(report);
+}
+
+bool StaysOpen(const RunOptions& options, const RunEnd& end) {
+  return !options.headless && end.exit_status == kExitDone && Progress::IsInteractive();
+}
+
+void AwaitStopOfViewer(SignalWatch& signals, Progress& progress) {
+  progress.Tell("the run has ended; its page stays open until Ctrl-C");
+  pollfd waited = {signals.descriptor(), POLLIN, 0};
+  while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
+  progress.OnStopRequest();
 }
 
 }  // namespace troupe

@@ -1,7 +1,11 @@
 // Takes the pictures of the viewer and the editor in docs/pictures, in a headless Chromium with full quality. Not a test:
 // it fails only when it cannot take one. scripts/pictures runs it.
 //   node pictures.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES FOLDER_OF_STAGE_WORLDS [PICTURE ...]
+<<<<<<< HEAD
 import {existsSync, mkdirSync, writeFileSync} from 'node:fs';
+=======
+import {existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+>>>>>>> fb38869f2bd63a1d3372adcd6b701b53c067ee8a
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
@@ -55,8 +59,75 @@ async function ofEditor(name, file, prepare) {
   await editor.stop();
 }
 
+// A moving picture of a recorded run, from one tick to another, `step` ticks a frame; of the picture alone, without the panels.
+// The encoder is gifenc from npm, in build/pictures (scripts/pictures); the page of it turns the pictures into colours.
+async function moving(name, {world, first, last, step, width, height, hash = ''}) {
+  const encoder = `${source}/build/pictures/node_modules/gifenc/dist/gifenc.esm.js`;
+  if (!existsSync(encoder)) {
+    console.log(`${name}.gif stays as it is: gifenc is not installed`);
+    return;
+  }
+  const recording = `${files}/${name}.mcap`;
+  const run = new Program(troupe, [
+    'run', world, '--in-process', '--headless', '--ticks', String(last), '--session', `pictures-${process.pid}`, '--record', recording,
+  ]);
+  if (await run.end !== 0) throw new Error(run.lines.join('\n'));
+  const viewer = new Program(troupe, ['view', recording, '--listen', '127.0.0.1:0']);
+  const page = await pages.open(`${await viewer.line('viewer: ')}#quality=full&smooth=0&tick=${first}${hash}`, 1280, 720);
+  const canvas = page.locator('canvas').first();
+  const frames = [];
+  const isShown = tick => until(`tick ${tick} is shown`, () => page.evaluate(wanted => window.troupe?.state()?.tick === wanted, tick));
+  await isShown(first);
+  for (let tick = first; tick <= last; tick += step) {
+    await page.evaluate(wanted => {
+      const slider = document.getElementById('timeline');
+      slider.value = String(wanted);
+      slider.dispatchEvent(new Event('input'));
+    }, tick);
+    await isShown(tick);
+    await page.evaluate(() => new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+    frames.push((await canvas.screenshot({type: 'jpeg', quality: 95})).toString('base64'));
+  }
+  await page.close();
+  const studio = await pages.browser.newPage();
+  const module = `data:text/javascript;base64,${readFileSync(encoder).toString('base64')}`;
+  const bytes = await studio.evaluate(async ({module, frames, width, height, delay}) => {
+    const {GIFEncoder, quantize, applyPalette} = await import(module);
+    const gif = GIFEncoder();
+    const canvas = new OffscreenCanvas(width, height);
+    const context = canvas.getContext('2d', {willReadFrequently: true});
+    let palette = null;  // of the first frame, for all
+    let before = null;
+    for (const frame of frames) {
+      const image = await createImageBitmap(await (await fetch(`data:image/jpeg;base64,${frame}`)).blob());
+      // The middle of the picture, in the proportions that are wanted.
+      const scale = Math.max(width / image.width, height / image.height);
+      context.drawImage(image, (width - image.width * scale) / 2, (height - image.height * scale) / 2, image.width * scale, image.height * scale);
+      const {data} = context.getImageData(0, 0, width, height);
+      palette ??= quantize(data, 64).slice(0, 63);
+      const index = applyPalette(data, palette);
+      // What has not changed is transparent, which compresses well.
+      const shown = index.slice();
+      if (before) for (let i = 0; i < index.length; ++i) if (index[i] === before[i]) shown[i] = palette.length;
+      gif.writeFrame(shown, width, height, {
+        palette: before ? undefined : [...palette, [0, 0, 0]], delay, transparent: Boolean(before), transparentIndex: palette.length, dispose: 1,
+      });
+      before = index;
+    }
+    gif.finish();
+    return Array.from(gif.bytes());
+  }, {module, frames, width, height, delay: 125});
+  await studio.close();
+  await viewer.stop();
+  const path = `${source}/docs/pictures/${name}.gif`;
+  writeFileSync(path, Buffer.from(bytes));
+  console.log(`${path} ${bytes.length} bytes, ${frames.length} frames`);
+  if (bytes.length > 2_000_000) throw new Error(`${path} is larger than 2 MB`);
+}
+
 const scenarios = `${source}/worlds/scenarios`;
 const pictures = {
+  demo: () => moving('demo', {world: `${scenarios}/demo.json`, first: 60, last: 250, step: 5, width: 720, height: 405}),
   viewer: () => ofRun('viewer', {world: `${scenarios}/demo.json`, tick: 160, hash: '&robot=anna'}),
   viewer_top: () => ofRun('viewer_top', {world: `${scenarios}/demo.json`, tick: 160, hash: '&view=top&rays=all', dark: true}),
   viewer_sensors: () => ofRun('viewer_sensors', {world: `${scenarios}/sensors.json`, tick: 60, hash: '&robot=scout&tab=sensors', height: 800}),

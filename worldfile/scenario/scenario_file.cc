@@ -273,6 +273,7 @@ RunSettings Reader::ReadSettings(const JsonNode& root) {
     } else if (speed->text != "max") {
       Fail(*speed, "found " + Describe(*speed) + ", expected a multiple of real time above 0, or 'max'");
     }
+    settings.watched_speed = settings.speed;
   }
   if (const JsonNode* const loss = root.Find("on_agent_loss")) {
     settings.on_agent_loss = ParseOnAgentLoss(loss->text).value_or(settings.on_agent_loss);
