@@ -28,16 +28,13 @@ constexpr Example kExamples[] = {
     {"run", "troupe run run.mcap --from-tick 300 --controller wander --headless --ticks 400", "branch off from it"},
     {"replay", "troupe replay run.mcap", "step it again, and compare every state"},
     {"replay", "troupe replay run.mcap --from 200 --to 300 --poses part.csv", "the poses of some ticks"},
-<<<<<<< HEAD
     {"test", "troupe test office.test.json", "the cases of a test, and what fails"},
     {"test", "troupe test office.test.json --junit results.xml --report report",
      "files for a build server, and a page"},
     {"sweep", "troupe sweep office.test.json -o sweep", "its metrics as tables and plots"},
-=======
     {"export", "troupe export run.mcap --format foxglove -o foxglove.mcap", "for Foxglove, Lichtblick and Rerun"},
     {"export", "troupe export run.mcap --format ros2 -o bag", "for 'ros2 bag play bag'"},
     {"export", "troupe export run.mcap --format csv -o tables", "for pandas and spreadsheets"},
->>>>>>> fb38869f2bd63a1d3372adcd6b701b53c067ee8a
     {"check", "troupe check office.world", "its map, models and robots, and warnings"},
     {"top", "troupe top --once", "one table of all running sessions"},
     {"ctl", "troupe ctl pause", "hold the only running session"},

@@ -1,11 +1,7 @@
 // Takes the pictures of the viewer and the editor in docs/pictures, in a headless Chromium with full quality. Not a test:
 // it fails only when it cannot take one. scripts/pictures runs it.
 //   node pictures.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES FOLDER_OF_STAGE_WORLDS [PICTURE ...]
-<<<<<<< HEAD
-import {existsSync, mkdirSync, writeFileSync} from 'node:fs';
-=======
 import {existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
->>>>>>> fb38869f2bd63a1d3372adcd6b701b53c067ee8a
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 

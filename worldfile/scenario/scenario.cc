@@ -132,9 +132,11 @@ class Overrider {
 
 // Sets what the scenario says of the world and its run beside the tree.
 void Complete(LoadedWorld& loaded, const ScenarioFile& file, const ScenarioPlan& plan) {
-  const std::optional<std::uint64_t> ticks_of_world = loaded.settings.ticks;  // its quit_time
+  const RunSettings of_world = loaded.settings;  // its quit_time and its speedup
   loaded.settings = file.settings;
-  if (!loaded.settings.ticks) loaded.settings.ticks = ticks_of_world;
+  if (!loaded.settings.ticks) loaded.settings.ticks = of_world.ticks;
+  const bool has_speed = loaded.settings.speed || !loaded.settings.watched_speed;
+  if (!has_speed) loaded.settings.watched_speed = of_world.watched_speed;
   if (file.name) loaded.world.name = *file.name;
   loaded.world.places = file.places;
   loaded.regions = file.regions;
@@ -257,7 +259,6 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   build.seed = overrides.seed ? overrides.seed : file.seed;
   Result<LoadedWorld> built = BuildWorld(plan.value().tree, build, tools.build);
   if (!built.ok()) return built;
-<<<<<<< HEAD
   Complete(built.value(), file, plan.value());
   const std::uint64_t seed = built.value().world.seed;
   built = PlaceSpawns(std::move(built).value(), plan.value().spawns, seed, tools.max_spawn_draws);
@@ -268,26 +269,6 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   Complete(reduced.value(), file, plan.value());
   CopyPlaces(built.value().world, reduced.value().world);
   return reduced;
-=======
-
-  LoadedWorld loaded = std::move(built).value();
-  const RunSettings of_world = loaded.settings;  // its quit_time and its speedup
-  loaded.settings = file.settings;
-  if (!loaded.settings.ticks) loaded.settings.ticks = of_world.ticks;
-  const bool has_speed = loaded.settings.speed || !loaded.settings.watched_speed;
-  if (!has_speed) loaded.settings.watched_speed = of_world.watched_speed;
-  if (file.name) loaded.world.name = *file.name;
-  loaded.world.places = file.places;
-  for (RobotDescription& robot : loaded.world.robots) {
-    const auto controller = plan.value().controllers.find(robot.name);
-    if (controller != plan.value().controllers.end()) robot.controller = controller->second;
-    const auto domain = plan.value().ros_domains.find(robot.name);
-    if (domain != plan.value().ros_domains.end()) robot.ros.domain = domain->second;
-  }
-  loaded.warnings.insert(loaded.warnings.begin(), file.warnings.begin(), file.warnings.end());
-  const std::uint64_t seed = loaded.world.seed;
-  return PlaceSpawns(std::move(loaded), plan.value().spawns, seed, tools.max_spawn_draws);
->>>>>>> fb38869f2bd63a1d3372adcd6b701b53c067ee8a
 }
 
 bool MatchesGlob(const std::string& pattern, const std::string& text) {
