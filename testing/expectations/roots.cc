@@ -100,6 +100,9 @@ void Roots::UpdateRoot(const Network& network, const RootNode& root, State& stat
         const std::size_t lane = LaneOf(root.inputs[0], i, values.size());
         const double value = values[lane];
         const double best = state.best[i];
+        // Most values decide nothing; zeros of two signs are compared below.
+        const bool is_better = is_always ? value < best : value > best;
+        if (!is_better && !is_first && (value != 0.0 || best != 0.0)) continue;
         if (is_first || !IsSame(is_always ? Least(value, best) : Greatest(value, best), best))
           decide(i, node, lane, value);
       }
