@@ -439,8 +439,9 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, const std::function<bool()>&
       CaseOutcome outcome = OutcomeFromJson(answer.at("outcome"));
       if (outcome.verdict != CaseVerdict::kFailed || draws == faults_[i].second.draws) return;
       faults_[i].second.shrunk =
-          fmt::format("{} ({} robots, {} ticks, after {} runs)", CommandOf(tests_[faults_[i].first], draws),
-                      answer.at("robots").get<std::size_t>(), outcome.ticks, answer.at("runs").get<std::size_t>());
+          fmt::format("{} ({}, {}, after {})", CommandOf(tests_[faults_[i].first], draws),
+                      CountText(answer.at("robots").get<std::size_t>(), "robot"), CountText(outcome.ticks, "tick"),
+                      CountText(answer.at("runs").get<std::size_t>(), "run"));
       smallest[i] = {draws, std::move(outcome)};
     };
     const Result<bool> shrunk = pool.Run(next, done, stop_descriptor, stop);

@@ -83,7 +83,7 @@ TEST_F(FleetTests, PrintWhatFailsWithItsSmallestCaseAndWhatShowsIt) {
   EXPECT_THAT(tested.output, HasSubstr("FAILED row: seed=1,robots[r2].controller.parameters.commands[0].vx=0.9"));
   EXPECT_THAT(tested.output, HasSubstr("  slow: fails at tick "));
   EXPECT_THAT(tested.output, HasSubstr(" of r2, robustness -"));
-  EXPECT_THAT(tested.output, HasSubstr("(1 robots, "));
+  EXPECT_THAT(tested.output, HasSubstr("(1 robot, "));
 
   // The commands that it prints repeat the case and the smallest one.
   const std::vector<std::string> repeat = CommandBehind("repeat", tested.output);
