@@ -15,7 +15,7 @@ mkdirSync(files, {recursive: true});
 const path = name => `${files}/${name}`;
 
 async function open(url) {
-  const page = await pages.open(url, 800, 500);
+  const page = await pages.open(url, 1200, 640);
   await stateOf(page, 'the page has a state', state => state !== null);
   return page;
 }
@@ -125,7 +125,8 @@ async function showsTheRunAsItIs() {
   await until('the agent is shown', async () => /agent.*, process \d+, answers in [\d.]+ ms/.test(await page.textContent('#panel-facts')));
   await page.hover('.robot');
   await until('the agent of the row is shown', async () => {
-    await page.mouse.move(60, 130 + 4 * Math.random());
+    const {x, y, height} = await page.locator('.robot').first().boundingBox();
+    await page.mouse.move(x + 60, y + height * (0.3 + 0.4 * Math.random()));
     return /, process \d+/.test(await page.getAttribute('.robot', 'title') ?? '');
   });
   // The service waits for most of a tick of 100 ms.

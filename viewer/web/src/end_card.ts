@@ -63,11 +63,11 @@ export class EndCard {
     return !this.card.hidden;
   }
 
-  // Opens at the end of a run, once; a past state hides it.
+  // Opens at the end of a run, and when the page returns to it; a past state hides it.
   show(run: Run): void {
     this.run = run;
     if (!run.over || run.past) {
-      if (!run.over) this.shownFor = '';
+      this.shownFor = '';
       this.card.hidden = true;
       return;
     }

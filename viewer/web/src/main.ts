@@ -132,6 +132,11 @@ class Viewer {
       run: () => this.run,
       selected: () => this.selected,
       select: entity => this.select(entity),
+      selectNamed: name => {
+        this.wantedName = name;
+        this.selectWanted();
+      },
+      driveTo: point => this.driving.driveTo(point),
     });
     this.driving = new Driving(this.connection, {run: () => this.run, robot: () => this.selectedRobot});
     this.grippers = new GripperButtons(this.connection);
@@ -201,7 +206,7 @@ class Viewer {
       this.run = new Run(message.world, before);
       this.run.spans = this.spans;
       this.selected = null;
-      if (name) this.wantedName = name;
+      if (name && !this.wantedName) this.wantedName = name;
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
       this.file?.worldChanged();
       return;
@@ -346,6 +351,7 @@ class Viewer {
     setOn('names', this.scene.labels.visible);
     setOn('follow', this.scene.following);
     setOn('trails', this.scene.trails.visible);
+    document.body.classList.toggle('trails', this.scene.trails.visible);
   }
 
   private changed(): void {

@@ -177,7 +177,7 @@ export class Plots {
     const signals = this.gatewaySignals();
     const [from, to] = this.window(run);
     const every = 2 ** Math.max(0, Math.ceil(Math.log2((to - from + 1) / MOST_SAMPLES)));
-    const key = `${run.world.run} ${run.edition} ${every} ${JSON.stringify(signals)}`;
+    const key = `${run.world.run} ${every} ${JSON.stringify(signals)}`;
     const first = Math.floor(from / every) * every;
     const known = this.samples;
     if (!known || known.key !== key || first < known.from || first > known.next) {

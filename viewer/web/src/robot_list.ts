@@ -1,4 +1,5 @@
 // The list of robots with their states.
+import {isDark, robotColor} from './colors';
 import {byId, fixed, make, setText} from './dom';
 import type {Run} from './run';
 
@@ -29,7 +30,15 @@ export class RobotList {
   private key = '';
 
   // `hint`: of a robot, for its row, when the pointer comes to it.
-  constructor(private readonly onSelect: (robot: number) => void, private readonly hint: (robot: string) => string) {}
+  constructor(private readonly onSelect: (robot: number) => void, private readonly hint: (robot: string) => string) {
+    this.list.onkeydown = event => {
+      const row = (event.target as Element).closest('.robot');
+      const next = event.key === 'ArrowDown' ? row?.nextElementSibling : event.key === 'ArrowUp' ? row?.previousElementSibling : null;
+      if (!(next instanceof HTMLButtonElement)) return;
+      event.preventDefault();
+      next.focus();
+    };
+  }
 
   show(run: Run, selected: number): void {
     const wanted = this.search.value.trim().toLowerCase();
@@ -41,7 +50,7 @@ export class RobotList {
       if (robot.name.toLowerCase().includes(wanted)) robots.push(i);
     });
     setText(byId('robot-count'), String(count));
-    const key = `${run.world.number} ${wanted}`;
+    const key = `${run.world.number} ${wanted} ${isDark()}`;
     if (key !== this.key) this.rebuild(run, robots);
     this.key = key;
     const holders = new Set(run.objects.filter(o => o.holder >= 0).map(o => run.world.grippers[o.holder].robot));
@@ -60,7 +69,9 @@ export class RobotList {
     this.list.replaceChildren();
     for (const i of robots.slice(0, MOST_SHOWN)) {
       const row: Row = {element: make('button', 'robot'), dot: make('span', 'dot'), state: make('span', 'robot-state')};
-      row.element.append(row.dot, make('span', 'robot-name', run.world.robots[i].name), row.state);
+      const swatch = make('span', 'swatch');
+      swatch.style.background = robotColor(i);
+      row.element.append(row.dot, swatch, make('span', 'robot-name', run.world.robots[i].name), row.state);
       row.element.onpointermove = () => {
         row.element.title = this.hint(run.world.robots[i].name);
       };

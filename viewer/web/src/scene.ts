@@ -23,8 +23,10 @@ interface Setting {
   ground: Ground;
 }
 
-const MARGIN = 0.06;  // of the picture, around the whole world
+const MARGIN = 0.04;  // of the picture, around the whole world
 const LOW_VIEW = 0.92;  // rad from above, of the whole world in the orbit view
+const HIGH_VIEW = 0.5;  // the same in a picture that would be empty above and below the world
+const FILLED = 0.72;  // of the picture's height, with which it is not
 const TURN = 0.09;  // rad of the camera for a key
 const SHIFT = 0.06;  // of the picture's height, the same
 const MOST_SHADOWS = 400;  // bodies; beyond that shadows cost more than they show
@@ -264,7 +266,7 @@ export class WorldScene {
     this.ring.material.color = colorOf('--accent');
     this.ghost.material.color = colorOf('--accent');
     this.rays.setColor(colorOf('--rays'));
-    this.trails.setColor(colorOf('--accent'));
+    this.setting?.bodies.setStalledColor(colorOf('--stalled'));
     this.setting?.ground.setColors(colorOf('--ground'), colorOf('--grid'));
     this.setting?.map.setEdgeColor(colorOf('--edges'));
     this.invalidate();
@@ -382,7 +384,7 @@ export class WorldScene {
 
   private frame(box: Box3): void {
     // The box has the places of robots and objects, not their extents.
-    const all = box.clone().expandByVector(new Vector3(1, 1, 0));
+    const all = box.clone().expandByVector(new Vector3(0.4, 0.4, 0));
     const size = all.getSize(new Vector3());
     const width = Math.max(size.x, 4);
     const depth = Math.max(size.y, 4);
@@ -399,18 +401,34 @@ export class WorldScene {
     this.invalidate();
   }
 
-  // So near that all corners are in the picture. In a high picture the longer side of the world goes away from the viewer.
+  // In a high picture the longer side of the world goes away from the viewer, and the camera looks from higher.
   private frameOrbit(center: Vector3, width: number, depth: number, height: number): void {
     const azimuth = width > depth && this.perspective.aspect < 0.8 ? Math.PI / 2 : 0;
-    const toCamera = new Vector3(
-      -Math.sin(azimuth) * Math.sin(LOW_VIEW), -Math.cos(azimuth) * Math.sin(LOW_VIEW), Math.cos(LOW_VIEW));
-    const right = new Vector3(Math.cos(azimuth), -Math.sin(azimuth), 0);
-    const up = new Vector3().crossVectors(toCamera, right);
     const corners = [-1, 1].flatMap(x => [-1, 1].flatMap(y => [0, height].map(
       z => new Vector3(0.5 * x * width, 0.5 * y * depth, z))));
+    let polar = LOW_VIEW;
+    let fit = this.fitOrbit(corners, azimuth, polar);
+    while (fit.filled < FILLED && polar > HIGH_VIEW) {
+      polar -= 0.06;
+      fit = this.fitOrbit(corners, azimuth, polar);
+    }
+    this.orbit.target.copy(center).add(fit.shift);
+    this.perspective.position.copy(this.orbit.target).addScaledVector(fit.toCamera, fit.distance);
+    this.orbit.update();
+  }
+
+  // So near that all corners, which are relative to the middle of the world, are in the picture. `filled`: of its height;
+  // `shift`: of the target, on the ground.
+  private fitOrbit(corners: Vector3[], azimuth: number, polar: number):
+      {toCamera: Vector3; shift: Vector3; distance: number; filled: number} {
+    const toCamera = new Vector3(
+      -Math.sin(azimuth) * Math.sin(polar), -Math.cos(azimuth) * Math.sin(polar), Math.cos(polar));
+    const right = new Vector3(Math.cos(azimuth), -Math.sin(azimuth), 0);
+    const up = new Vector3().crossVectors(toCamera, right);
     const tangent = (1 - 2 * MARGIN) * Math.tan((this.perspective.fov * Math.PI) / 360);
     let low = 0;
     let distance = 1;
+    let filled = 0;
     // The middle of the picture is below the middle of the world, because what is near is larger: found in a few rounds.
     for (let round = 0; round < 8; ++round) {
       const place = corners.map(corner => ({
@@ -419,14 +437,11 @@ export class WorldScene {
       distance = Math.max(...place.map(({x, y, back}) =>
         back + Math.max(Math.abs(x) / (tangent * this.perspective.aspect), Math.abs(y) / tangent)));
       const heights = place.map(({y, back}) => y / (distance - back));
+      filled = (Math.max(...heights) - Math.min(...heights)) / (2 * tangent);
       low += 0.5 * distance * (Math.max(...heights) + Math.min(...heights));
     }
-    // On the ground, to which the camera turns.
-    const shift = new Vector3(Math.sin(azimuth), Math.cos(azimuth), 0).multiplyScalar(low / Math.cos(LOW_VIEW));
-    this.orbit.target.copy(center).add(shift);
-    this.perspective.position.copy(this.orbit.target).addScaledVector(
-      toCamera, distance - shift.dot(toCamera));
-    this.orbit.update();
+    const shift = new Vector3(Math.sin(azimuth), Math.cos(azimuth), 0).multiplyScalar(low / Math.cos(polar));
+    return {toCamera, shift, distance: distance - shift.dot(toCamera), filled};
   }
 
   private resize(): void {

@@ -40,8 +40,9 @@ export class Popup {
 }
 
 const TITLE = 190;  // px that the names of the session and the world have at least
-const SHORT_TITLE = 100;  // px, in a narrow window
+const SHORT_TITLE = 84;  // px, in a narrow window
 const NARROW = 760;  // px
+const SPACE = 24;  // px, beside and between them
 
 export class Toolbar {
   private readonly top = byId('top');
@@ -66,7 +67,7 @@ export class Toolbar {
     for (const group of this.groups) this.bar.insertBefore(group, this.button);
     this.button.hidden = true;
     const title = this.top.clientWidth < NARROW ? SHORT_TITLE : TITLE;
-    const place = this.top.clientWidth - title - 40;
+    const place = this.top.clientWidth - title - SPACE;
     const fits = (): boolean => this.bar.scrollWidth <= place;
     if (fits()) return;
     this.button.hidden = false;
