@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "recording/mcap/bytes.h"
+#include "recording/run_so_far.h"
 
 namespace troupe {
 namespace {
@@ -200,6 +201,14 @@ Result<RunSoFar> RunSoFar::Read(const JournalFiles& files) {
 }
 
 Result<bool> JournalReader::Next(RecordedTick& tick) {
+  Result<bool> more = reader_.Next(tick);
+  if (!more.ok() || more.value()) return more;
+  if (next_in_tail_ == journal_.tail.size()) return false;
+  tick = journal_.tail[next_in_tail_++];
+  return true;
+}
+
+Result<bool> RunReader::Next(RecordedTick& tick) {
   Result<bool> more = reader_.Next(tick);
   if (!more.ok() || more.value()) return more;
   if (next_in_tail_ == tail_.size()) return false;

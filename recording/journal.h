@@ -103,32 +103,18 @@ struct Journal {
   static Result<std::optional<Journal>> OpenToContinue(const JournalFiles& files);
 };
 
-// A run in a file, as far as it has come: a recording, or a journal that another process may be writing.
-struct RunSoFar {
-  Recording recording;             // its whole chunks; a journal may have none yet
-  std::vector<RecordedTick> tail;  // the ticks after these; empty for a recording
-  bool is_whole = true;            // the run has ended, and its file was finished
-
-  // Of a journal. The error is also one that has no run yet.
-  static Result<RunSoFar> Read(const JournalFiles& files);
-};
-
-// The ticks of a recording and of the tail behind it, one after another.
+// The ticks of a journal, one after another.
 class JournalReader {
  public:
-  // Begins at a chunk of the recording. What is read outlives the reader.
+  // Begins at a chunk of the recording. The journal outlives the reader.
   explicit JournalReader(const Journal& journal, std::size_t chunk = 0)
-      : JournalReader(journal.recording, journal.tail, chunk) {}
-  explicit JournalReader(const RunSoFar& run, std::size_t chunk = 0) : JournalReader(run.recording, run.tail, chunk) {}
+      : journal_(journal), reader_(journal.recording, chunk) {}
 
   // As TickReader::Next; ticks of the tail have the log time 0.
   Result<bool> Next(RecordedTick& tick);
 
  private:
-  JournalReader(const Recording& recording, const std::vector<RecordedTick>& tail, std::size_t chunk)
-      : tail_(tail), reader_(recording, chunk) {}
-
-  const std::vector<RecordedTick>& tail_;
+  const Journal& journal_;
   TickReader reader_;
   std::size_t next_in_tail_ = 0;
 };

@@ -30,7 +30,7 @@ Result<std::unique_ptr<RecordedStates>> RecordedStates::Create(RunSoFar run, Wor
 }
 
 std::optional<std::string> RecordedStates::ReadPlaces() {
-  JournalReader reader(run_);
+  RunReader reader(run_);
   RecordedTick tick;
   std::optional<ReplayedWorld> edited;
   std::uint64_t events = 0;

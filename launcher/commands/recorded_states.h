@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "recording/journal.h"
+#include "recording/run_so_far.h"
 #include "troupe/result.h"
 #include "viewer/gateway/past_states.h"
 #include "world-service/replay/replayed_world.h"
@@ -63,7 +63,7 @@ class RecordedStates final : public Recorded {
   bool has_edits_ = false;  // then the world is not the same in all states
 
   std::optional<ReplayedWorld> world_;
-  std::optional<JournalReader> reader_;
+  std::optional<RunReader> reader_;
   std::optional<std::uint64_t> position_;  // of world_; nothing: it has no state yet
   RecordedTick tick_;
   std::vector<std::shared_ptr<const ViewedWorld>> worlds_;  // all that were shown

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "recording/recording_writer.h"
+#include "recording/run_so_far.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {
@@ -200,7 +201,7 @@ TEST_F(JournalTest, ARunThatGoesOnIsReadAsFarAsItHasCome) {
     Result<RunSoFar> run = RunSoFar::Read(files_);
     if (!run.ok()) throw std::runtime_error(run.error().ToString());
     std::vector<RecordedTick> found;
-    JournalReader reader(run.value());
+    RunReader reader(run.value());
     RecordedTick tick;
     while (reader.Next(tick).value()) found.push_back(tick);
     return std::pair(found, run.value().is_whole);
