@@ -47,6 +47,11 @@ function kindOf(event: RunEvent): Kind {
 const WARNINGS = [EventType.Blocked, EventType.StallBegan, EventType.Unstable, EventType.OutOfEnergy];
 const FAULTS = [EventType.Left, EventType.ProposalRejected];
 
+// 2: a fault, 1: a warning, 0: neither.
+export function eventGravity({type}: RunEvent): number {
+  return FAULTS.includes(type) ? 2 : WARNINGS.includes(type) ? 1 : 0;
+}
+
 // Of its mark on the timeline.
 export function eventColor(event: RunEvent): string {
   if (FAULTS.includes(event.type)) return color('--lost');

@@ -1,11 +1,10 @@
 // The timeline: its axis, and past states of a live run and the states of a recording: by dragging, and playing forwards
 // and backwards at any speed. A state is asked for by its position; the gateway answers with an update of the past.
-import {EventType} from '../generated/rows';
 import {color} from './colors';
 import type {Connection} from './connection';
 import {byId, toast} from './dom';
-import {eventColor} from './events';
-import type {TimeSpan} from './protocol';
+import {eventColor, eventGravity} from './events';
+import type {RunEvent, TimeSpan} from './protocol';
 import type {Run} from './run';
 import {clockText, labelStep, secondsAt, spansOf, stepDigits} from './times';
 
@@ -116,11 +115,12 @@ export class Timeline {
   }
 
   show(run: Run): void {
+    // The axis does not move under a thumb that is dragged.
     if (document.activeElement !== this.slider || this.playing !== 0 || !this.past) {
       this.slider.min = String(run.first);
       this.slider.max = String(Math.max(run.last, run.first + 1));
-      this.slider.value = String(this.past ? Math.round(this.position) : run.last);
     }
+    this.slider.value = String(this.past ? Math.round(this.position) : run.last);
     byId<HTMLButtonElement>('live').disabled = this.recording;
     byId<HTMLButtonElement>('continue').disabled = this.recording || !run.past;
     byId('live').classList.toggle('on', !this.past);
@@ -166,7 +166,8 @@ export class Timeline {
     const {clientWidth: width, clientHeight: height} = this.axis;
     const theme = document.documentElement.dataset.theme;
     const newest = run.events[run.events.length - 1];
-    const key = [run.first, run.last, run.events.length, newest?.position, run.spans.length, width, theme].join(' ');
+    const [begin, end] = [Number(this.slider.min), Number(this.slider.max)];
+    const key = [begin, end, run.last, run.events.length, newest?.position, run.spans.length, width, theme].join(' ');
     if (key === this.drawn || width === 0) return;
     this.drawn = key;
     const ratio = Math.min(window.devicePixelRatio, 2);
@@ -176,18 +177,24 @@ export class Timeline {
     context.scale(ratio, ratio);
     // As the thumb of the slider moves.
     const x = (position: number): number =>
-      THUMB / 2 + ((width - THUMB) * (position - run.first)) / Math.max(1, run.last - run.first);
-    const spans = spansOf(run);
+      THUMB / 2 + ((width - THUMB) * (position - begin)) / (end - begin);
+    const spans = spansOf(run).flatMap(([first, last, tick]): TimeSpan[] => {
+      const from = Math.max(first, begin);
+      return from <= Math.min(last, end) ? [[from, Math.min(last, end), tick + from - first]] : [];
+    });
     const middle = height / 2;
     context.fillStyle = color('--field');
     for (const [first, last] of spans) context.fillRect(x(first), middle - 2, Math.max(1, x(last) - x(first)), 4);
     this.drawLabels(context, run, spans, x, width, height);
-    let before = -1;
+    // One mark in a place, of the gravest event.
+    const marks = new Map<number, RunEvent>();
     for (const event of run.events) {
-      if (event.position < run.first || event.position > run.last) continue;
-      const at = Math.round(x(event.position)) + 0.5;
-      if (at === before && event.type === EventType.StallEnded) continue;
-      before = at;
+      if (event.position < begin || event.position > end) continue;
+      const at = Math.round(x(event.position));
+      const known = marks.get(at);
+      if (!known || eventGravity(event) > eventGravity(known)) marks.set(at, event);
+    }
+    for (const [at, event] of marks) {
       context.fillStyle = eventColor(event);
       context.fillRect(at - 1, middle - 11, 2, 7);
     }
@@ -198,7 +205,8 @@ export class Timeline {
       context: CanvasRenderingContext2D, run: Run, spans: TimeSpan[], x: (position: number) => number, width: number,
       height: number): void {
     const {interval} = run.world;
-    const step = labelStep((run.last - run.first) * interval, Math.max(1, Math.floor(width / 64)));
+    const [begin, end] = [Number(this.slider.min), Number(this.slider.max)];
+    const step = labelStep((end - begin) * interval, Math.max(1, Math.floor(width / 64)));
     context.font = '12px system-ui, sans-serif';
     context.textBaseline = 'bottom';
     let free = 0;
