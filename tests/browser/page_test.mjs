@@ -132,6 +132,7 @@ async function doesTenTasksByKeys() {
   const press = async (...all) => { for (const key of all) await keys.press(key); };
 
   // 1. Select a robot in the list.
+  await page.locator('.robot').nth(1).waitFor();
   await press('1', 'ArrowDown', 'Enter');
   await selected(page, 'bela');
   // 2. Pause, step, and play.
@@ -140,6 +141,7 @@ async function doesTenTasksByKeys() {
     const state = await stateOf(page);
     return state.paused && state;
   });
+  await page.locator('#step:enabled').waitFor();
   await press('.');
   await until('the run has made a step', async () => (await stateOf(page)).tick === paused.tick + 1);
   // 3. Turn and move the camera, and look from above.
@@ -169,8 +171,9 @@ async function doesTenTasksByKeys() {
   // 7. Add a robot.
   await press('a');
   await page.locator('#add-menu .menu-row').first().waitFor();
-  await page.locator('#add-menu .menu-row:has-text("scout")').focus();
-  await press('Enter', 'ArrowRight', 'ArrowUp', 'Enter');
+  await page.locator('#add-menu .menu-row:has-text("scout")').first().focus();
+  const toAnEmptyRoom = [...Array(4).fill('ArrowLeft'), ...Array(3).fill('ArrowUp')];
+  await press('Enter', ...toAnEmptyRoom, 'Enter');
   await until('the robot is selected', async () => /^scout/.test(await page.textContent('#panel-name')));
   const added = await page.textContent('#panel-name');
   // 8. Send it to a point, though its controller accepts no goals: the page drives it there, until it is released.

@@ -25,7 +25,7 @@ async function take(page, name) {
 }
 
 // A state of a recorded run. `select`: of an entity; `dark`: the theme.
-async function ofRun(name, {world, tick, hash = '', at, steps = 0, dark = false, width = 1280, height = 720, prepare}) {
+async function ofRun(name, {world, tick, hash = '', at, steps = 0, dark = false, width = 1280, height = 720, more = {}, prepare}) {
   const recording = `${files}/${name}.mcap`;
   const run = new Program(troupe, [
     'run', world, '--in-process', '--headless', '--ticks', String(tick + 20), '--speed', 'max', '--session', `pictures-${process.pid}`,
@@ -33,7 +33,7 @@ async function ofRun(name, {world, tick, hash = '', at, steps = 0, dark = false,
   ]);
   if (await run.end !== 0) throw new Error(run.lines.join('\n'));
   const viewer = new Program(troupe, ['view', recording, '--listen', '127.0.0.1:0']);
-  const page = await pages.open(`${await viewer.line('viewer: ')}#quality=full&smooth=0&tick=${tick}${hash}`, width, height);
+  const page = await pages.open(`${await viewer.line('viewer: ')}#quality=full&smooth=0&tick=${tick}${hash}`, width, height, more);
   await until('the state is shown', () => page.evaluate(wanted => window.troupe?.state()?.tick === wanted, tick));
   if (dark) await page.click('#theme');
   if (steps !== 0) await zoom(page, at, steps);
@@ -71,8 +71,11 @@ const scenarios = `${source}/worlds/scenarios`;
 const pictures = {
   viewer: () => ofRun('viewer', {world: `${scenarios}/demo.json`, tick: 160, hash: '&robot=anna'}),
   viewer_top: () => ofRun('viewer_top', {world: `${scenarios}/demo.json`, tick: 160, hash: '&view=top&rays=all', dark: true}),
-  viewer_sensors: () => ofRun('viewer_sensors', {world: `${scenarios}/sensors.json`, tick: 60, hash: '&robot=scout', height: 800}),
+  viewer_sensors: () => ofRun('viewer_sensors', {world: `${scenarios}/sensors.json`, tick: 60, hash: '&robot=scout&tab=sensors', height: 800}),
   viewer_stack: () => ofRun('viewer_stack', {world: `${scenarios}/stacking.json`, tick: 400, hash: '&robot=builder&follow=1', at: [640, 330], steps: 5}),
+  viewer_phone: () => ofRun('viewer_phone', {
+    world: `${scenarios}/demo.json`, tick: 160, hash: '&robot=anna', width: 390, height: 844, more: {isMobile: true, hasTouch: true},
+  }),
   viewer_lab: () => ofRun('viewer_lab', {world: `${scenarios}/lab.json`, tick: 84, hash: '&rays=all', at: [640, 360], steps: 1}),
   editor_world: () => ofEditor('editor_world', `${source}/worlds/office.world`, async page => {
     await page.click('.entity:has-text("table2")');

@@ -115,7 +115,7 @@ export class Editing {
 
   cancel(): void {
     this.tool = 'none';
-    this.drag = null;
+    this.drag = this.aim = null;
     this.popup.set(false);
     this.hint.hidden = true;
     this.measuring.clear();
@@ -150,8 +150,9 @@ export class Editing {
       return true;
     }
     const box = this.scene.canvas.getBoundingClientRect();
-    const {clientWidth: width, clientHeight: height} = this.scene.canvas;
-    const at = this.aim ?? {x: box.left + width / 2, y: box.top + height / 2};
+    const selected = this.host.selected();
+    const at = this.aim ?? (selected && this.tool === 'send' ? this.scene.placeOf(selected) : null)
+      ?? {x: box.left + box.width / 2, y: box.top + box.height / 2};
     this.aim = {
       x: Math.max(box.left, Math.min(box.right - 1, at.x + fine * AIM * x)),
       y: Math.max(box.top, Math.min(box.bottom - 1, at.y - fine * AIM * y)),

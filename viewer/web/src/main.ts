@@ -284,6 +284,7 @@ class Viewer {
 
   // What is not possible now, and why.
   private showRefusals(): void {
+    if (this.file) return;
     const info = this.info;
     const refusal = info?.view_only ? 'This page only shows the run: it was started with --view-only.'
       : info?.recording ? 'A recording cannot be changed. "troupe run FILE --from-tick T" continues it as a run.'
@@ -448,6 +449,7 @@ class Viewer {
       'Escape': () => {
         if (Popup.closeAny()) return;
         if (this.endCard.isOpen) return this.endCard.set(false);
+        if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
         this.driving.set(false);
         this.editing.cancel();
       },
@@ -473,8 +475,12 @@ class Viewer {
 
   private showTab(tab: Tab): void {
     const button = byId(`tab-${tab}`);
-    if (button.offsetParent === null) byId('robot-list').querySelector('button')?.focus();
-    else button.click();
+    if (button.offsetParent === null) {
+      byId('robot-list').querySelector<HTMLElement>('.selected, button')?.focus();
+      return;
+    }
+    button.focus();
+    button.click();
   }
 }
 
@@ -489,8 +495,9 @@ function isForControl({target, key}: KeyboardEvent): boolean {
   if (!(target instanceof HTMLElement) || target === document.body || target.id === 'scene') return false;
   const isMove = /^(Arrow|Page|Home|End)/.test(key);
   if (target instanceof HTMLInputElement && target.type === 'range') return isMove;
-  if (target instanceof HTMLSelectElement) return isMove || key === ' ' || key === 'Enter';
-  return target.matches(':focus-visible') && (isMove || key === ' ' || key === 'Enter');
+  if (!target.matches(':focus-visible')) return false;
+  if (target instanceof HTMLSelectElement) return key !== 'Escape';  // letters choose
+  return isMove || key === ' ' || key === 'Enter';
 }
 
 new Viewer();
