@@ -132,6 +132,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
   }
 
  private:
+  bool follows_always() const override { return true; }
   Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override {
     return std::unique_ptr<RunObservation>(std::make_unique<MemoryObservation>(transport_, handler));
   }

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
@@ -44,11 +46,21 @@ double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
+// The words of the command line of this process, as JSON.
+std::string OwnCommandLine() {
+  std::ifstream file("/proc/self/cmdline");
+  nlohmann::json words = nlohmann::json::array();
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  return words.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
 // `troupe view` as a process of its own, on the launcher's host.
 class ViewerProcess {
  public:
-  // `service_address` is "host:port". The error is for people; without a viewer the run is the same.
-  Status Start(Host& host, const RunOptions& options, const std::string& service_address, const RunKeys& keys);
+  // `service_address` is "host:port", `journal` its options for that. The error is for people; without a viewer the run
+  // is the same.
+  Status Start(Host& host, const RunOptions& options, const std::string& service_address, const RunKeys& keys,
+               const std::vector<std::string>& journal);
 
   // Checks for its end. The error, once, is an end that was not asked for.
   Status Poll();
@@ -63,14 +75,16 @@ class ViewerProcess {
 };
 
 Status ViewerProcess::Start(Host& host, const RunOptions& options, const std::string& service_address,
-                            const RunKeys& keys) {
+                            const RunKeys& keys, const std::vector<std::string>& journal) {
   const NetworkSettings& network = options.network;
-  const std::vector<std::string> arguments = {"view",
-                                              network.session,
-                                              "--domain=" + std::to_string(network.domain),
-                                              "--interface=" + network.network_interface,
-                                              "--service=" + service_address,
-                                              "--security=" + keys.ForTools()};
+  std::vector<std::string> arguments = {"view",
+                                        network.session,
+                                        "--domain=" + std::to_string(network.domain),
+                                        "--interface=" + network.network_interface,
+                                        "--service=" + service_address,
+                                        "--security=" + keys.ForTools(),
+                                        "--run-command=" + OwnCommandLine()};
+  arguments.insert(arguments.end(), journal.begin(), journal.end());
   Result<std::unique_ptr<Child>> process = host.Start("troupe", arguments, false);
   if (!process.ok()) return process.error();
   process_ = std::move(process).value();
@@ -310,8 +324,8 @@ void DistributedRun::ReactToReturn(const ReadyReport& ready) {
 // Without a viewer the run is the same.
 void DistributedRun::StartViewer() {
   if (options_.headless) return;
-  const Status started =
-      viewer_.Start(*hosts_.all().front(), options_, hosts_.ServiceAddress(service_ports_.front()), keys_);
+  const Status started = viewer_.Start(*hosts_.all().front(), options_, hosts_.ServiceAddress(service_ports_.front()),
+                                       keys_, service_.JournalOptions());
   if (!started.ok()) progress_.Tell("cannot start the viewer: " + started.error().message);
 }
 

@@ -63,6 +63,12 @@ Status ServiceProcess::MakeJournal() {
   return {};
 }
 
+std::vector<std::string> ServiceProcess::JournalOptions() const {
+  std::vector<std::string> options = hosts_.service_settings() == nullptr ? journal_ : std::vector<std::string>();
+  std::erase_if(options, [](const std::string& o) { return o == "--journal-optional" || o == "--journal-sync"; });
+  return options;
+}
+
 Status ServiceProcess::Start(const RunKeys& keys) {
   if (!options_.trace.file.empty()) {
     Result<std::string> part = trace_parts_.Add();

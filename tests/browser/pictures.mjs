@@ -25,7 +25,7 @@ async function take(page, name) {
 }
 
 // A state of a recorded run. `select`: of an entity; `dark`: the theme.
-async function ofRun(name, {world, tick, hash = '', at, steps = 0, dark = false, width = 1280, height = 720, more = {}}) {
+async function ofRun(name, {world, tick, hash = '', at, steps = 0, dark = false, width = 1280, height = 720, more = {}, prepare}) {
   const recording = `${files}/${name}.mcap`;
   const run = new Program(troupe, [
     'run', world, '--in-process', '--headless', '--ticks', String(tick + 20), '--speed', 'max', '--session', `pictures-${process.pid}`,
@@ -37,10 +37,22 @@ async function ofRun(name, {world, tick, hash = '', at, steps = 0, dark = false,
   await until('the state is shown', () => page.evaluate(wanted => window.troupe?.state()?.tick === wanted, tick));
   if (dark) await page.click('#theme');
   if (steps !== 0) await zoom(page, at, steps);
+  if (prepare) await prepare(page);
   await page.waitForTimeout(500);  // the wheel of the picture slows down
   await take(page, name);
   await page.close();
   await viewer.stop();
+}
+
+// The card at the end of a run that was watched.
+async function ofEnd(name, world, ticks) {
+  const run = new Program(troupe, ['run', world, '--ticks', String(ticks), '--speed', '10', '--session', `pictures-${process.pid}`]);
+  const page = await pages.open(`${await run.line('viewer: ')}#quality=full&smooth=0`, 1280, 720);
+  await page.locator('.end-robot').first().waitFor();
+  pages.mayComplain = true;
+  await take(page, name);
+  await page.close();
+  await run.stop();
 }
 
 // A file in the editor, which does not save it.
@@ -168,6 +180,17 @@ scout( name "scout1" pose [1 0.5 0 90] ctrl "wander speed=0.6" )
     for (const x of [0.005, 0.25]) await page.mouse.click(box.x + x * box.width, box.y + 0.2 * box.height);
     await page.fill('#plan-distance', '6');
   }),
+  viewer_plots: () => ofRun('viewer_plots', {
+    world: `${scenarios}/demo.json`, tick: 300, hash: '&robot=anna',
+    prepare: async page => {
+      await page.evaluate(() => {
+        window.troupe.select('anna');
+        window.troupe.plot(['x', 'y', 'range/ranger:0']);
+      });
+      await page.locator('.plot-canvas').nth(1).scrollIntoViewIfNeeded();
+    },
+  }),
+  viewer_end: () => ofEnd('viewer_end', `${scenarios}/demo.json`, 300),
   viewer_cave: () => ofRun('viewer_cave', {world: `${stage}/benchmark/cave.world`, tick: 600, hash: '&view=top'}),
 };
 
