@@ -22,6 +22,8 @@
 namespace troupe {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 struct ExportArguments {
   std::string file;
   std::string format;
@@ -48,7 +50,6 @@ Status AddStates(const Recording& recording, const ExportArguments& arguments, R
                  ExportReport& report) {
   Result<ReplayCursor> cursor = ReplayCursor::At(recording, 0);
   if (!cursor.ok()) return cursor.error();
-  using Clock = std::chrono::steady_clock;
   const bool has_terminal = isatty(STDERR_FILENO) == 1;
   Clock::time_point shown_at = Clock::now();
   while (cursor.value().next()) {
