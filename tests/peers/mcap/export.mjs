@@ -54,7 +54,7 @@ const ajv = new Ajv({ strict: false, allErrors: true });
 const foxglove = await read(foxglovePath, "", (schema, channel) => {
   expect(schema.encoding === "jsonschema" && channel.messageEncoding === "json", `${channel.topic} is not in JSON`);
   const name = schema.name.replace(/^foxglove\./, "");
-  const validate = ajv.compile(require(`@foxglove/schemas/jsonschema/${name}.json`));
+  const validate = ajv.compile(require("@foxglove/schemas/jsonschema")[name]);
   return data => {
     const message = JSON.parse(new TextDecoder().decode(data));
     expect(validate(message), `${channel.topic}: ${ajv.errorsText(validate.errors)}`);
