@@ -397,7 +397,7 @@ Result<bool> CaseSession::Run() {
     };
     return place(a) < place(b);
   });
-  const Result<bool> examined = ran.value() && options_.keep_failing ? Examine(pool, stop, signals.descriptor()) : ran;
+  Result<bool> examined = ran.value() && options_.keep_failing ? Examine(pool, stop, signals.descriptor()) : ran;
   for (const auto& [test, fault] : faults_) Print(fault, tests_[test]);
   for (const LoadedTest& test : tests_) {
     if (test.faults > kMostPrinted)
@@ -444,7 +444,7 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, const std::function<bool()>&
                       CountText(answer.at("runs").get<std::size_t>(), "run"));
       smallest[i] = {draws, std::move(outcome)};
     };
-    const Result<bool> shrunk = pool.Run(next, done, stop_descriptor, stop);
+    Result<bool> shrunk = pool.Run(next, done, stop_descriptor, stop);
     if (!shrunk.ok() || !shrunk.value()) return shrunk;
   }
   if (options_.fixed.empty()) {

@@ -84,9 +84,10 @@ TestCase CaseDesign::MakeProduct(std::uint64_t number) const {
   std::vector<std::uint64_t> indices(variations_.size());
   std::uint64_t rest = number;
   for (std::size_t i = variations_.size(); i-- > 0;) {
-    if (variations_[i].size() == 0) continue;
-    indices[i] = rest % variations_[i].size();
-    rest /= variations_[i].size();
+    const std::uint64_t size = variations_[i].size();
+    if (size == 0) continue;
+    indices[i] = rest % size;
+    rest /= size;
   }
   TestCase draws;
   for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
@@ -154,8 +155,10 @@ void CaseDesign::MakePairs() {
     std::uint64_t valid = 0;
     for (std::uint64_t draw = 0; draw < kMostDraws && valid < kPairCandidates; ++draw) {
       std::vector<std::uint64_t> indices(variations_.size());
-      for (const std::size_t i : listed)
-        indices[i] = RandomBits({kDesignStream, settings_.seed, ++counter}) % variations_[i].size();
+      for (const std::size_t i : listed) {
+        const std::uint64_t size = std::max<std::uint64_t>(variations_[i].size(), 1);
+        indices[i] = RandomBits({kDesignStream, settings_.seed, ++counter}) % size;
+      }
       indices[a] = x;
       indices[b] = y;
       if (!MeetsConstraints(FromIndices(indices, RandomBits({kDesignStream, settings_.seed, pairs_.size(), 0}))))

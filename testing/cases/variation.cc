@@ -240,7 +240,7 @@ std::string Variation::Near(const std::string& value, double amount, std::uint64
   if (kind_ != Kind::kRange) return NumberText(std::clamp(number, from_, to_));
   const double last = static_cast<double>(size() - 1);
   double index = std::clamp(std::round((number - from_) / step_), 0.0, last);
-  const std::string near = At(static_cast<std::uint64_t>(index));
+  std::string near = At(static_cast<std::uint64_t>(index));
   if (near != value) return near;
   index += RandomUniform({kDrawStream, key, counter, 3}) < 0.5 ? -1.0 : 1.0;
   return At(static_cast<std::uint64_t>(std::clamp(index, 0.0, last)));

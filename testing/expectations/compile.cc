@@ -127,7 +127,7 @@ class Compiler {
     } else if (!error_ && value.type != ValueType::kNumber) {
       Fail(metric.of, "found " + NameOf(value) + ", expected a number");
     }
-    if (!error_ && variables.size() > 0 && metric.kind == MetricKind::kFinal) {
+    if (!error_ && !variables.empty() && metric.kind == MetricKind::kFinal) {
       Fail(metric.of,
            "found variables without a quantifier, expected 'min r: ...', 'mean r: ...' or the like: a final "
            "value is one number");

@@ -131,7 +131,7 @@ const Expectation& Monitor::expectation() const {
 
 Status Monitor::Push(const TickView& tick) {
   State& state = *state_;
-  const Status status = CheckTick(state.network.program(), tick, state.first, state.network.ticks(), state.finished);
+  Status status = CheckTick(state.network.program(), tick, state.first, state.network.ticks(), state.finished);
   if (!status.ok()) return status;
   if (!state.first) state.first = tick.state.tick;
   state.network.Push(tick, [&](std::size_t level, Tick now) { state.OnTick(level, now); });
@@ -252,7 +252,7 @@ const Metric& MetricMonitor::metric() const {
 
 Status MetricMonitor::Push(const TickView& tick) {
   State& state = *state_;
-  const Status status = CheckTick(state.network.program(), tick, state.first, state.network.ticks(), state.finished);
+  Status status = CheckTick(state.network.program(), tick, state.first, state.network.ticks(), state.finished);
   if (!status.ok()) return status;
   if (!state.first) state.first = tick.state.tick;
   state.network.Push(tick, [&](std::size_t level, Tick now) { state.OnTick(level, now); });

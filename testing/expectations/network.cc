@@ -497,11 +497,11 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<std::u
     }
     case Op::kAnd:
     case Op::kOr: {
-      const Input* best = nullptr;
+      const Input* best = node.inputs.data();
       for (const Input& input : node.inputs) {
         const double value = values(input.node)[lane_of(input)];
-        const double least = best == nullptr ? 0.0 : values(best->node)[lane_of(*best)];
-        if (best == nullptr || (node.op == Op::kAnd ? value < least : value > least)) best = &input;
+        const double least = values(best->node)[lane_of(*best)];
+        if (node.op == Op::kAnd ? value < least : value > least) best = &input;
       }
       FindCause(best->node, lane_of(*best), bodies);
       return;

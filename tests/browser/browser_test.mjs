@@ -402,7 +402,7 @@ async function knowsWhatHappenedBefore() {
     const [a, b] = [poses.get(tick - 1).get('anna'), poses.get(tick).get('anna')];
     distance += Math.hypot(b.x - a.x, b.y - a.y);
   }
-  const row = page.locator('.end-robot', {hasText: 'anna'});
+  const row = page.locator('.end-robot', {hasText: /^anna/});
   await row.waitFor();
   await until('the way of anna is summed up', async () => (await row.locator('.end-distance').textContent()) === `${distance.toFixed(1)} m`);
   assert.equal(await page.locator('.end-robot').count(), poses.get(ticks).size);
@@ -467,6 +467,7 @@ async function plotsAndSeeks() {
     return text === `${poses.get(tick).get('anna').x.toFixed(2)} m`;
   });
   // A click into a plot goes to its moment.
+  await page.locator('.plot-canvas').first().scrollIntoViewIfNeeded();
   const canvas = await page.locator('.plot-canvas').first().boundingBox();
   await page.mouse.click(canvas.x + canvas.width - 9, canvas.y + 40);
   await stateOf(page, 'the page is at the end', state => state.tick >= ticks - 2);

@@ -152,7 +152,7 @@ Result<Json> Editor::Execute(const edit::SetMember& operation) {
     // The objects that are missing, around the member.
     std::string value = "{" + Json(operation.key).dump() + ": " + *operation.value + "}";
     for (std::size_t i = operation.inside.size() - 1; i > depth; --i) {
-      value = "{" + Json(operation.inside[i]).dump() + ": " + value + "}";
+      value.insert(0, "{" + Json(operation.inside[i]).dump() + ": ").push_back('}');
     }
     return Done(Commit(WithMember(text(), *object, operation.inside[depth], value), "the change of " + operation.key));
   }

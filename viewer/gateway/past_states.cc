@@ -164,7 +164,7 @@ Result<std::shared_ptr<const ViewedState>> RunPast::At(std::uint64_t position) {
 
 std::vector<TimeSpan> RunPast::Spans() const {
   const std::shared_ptr<Recorded> recorded = this->recorded();
-  const std::vector<TimeSpan> kept = kept_.Spans();
+  std::vector<TimeSpan> kept = kept_.Spans();
   if (recorded == nullptr) return kept;
   std::vector<TimeSpan> spans = recorded->Spans();
   for (TimeSpan span : kept) {

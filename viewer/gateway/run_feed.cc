@@ -31,7 +31,7 @@ void RunFeed::Read(FeedContent& content) const {
   const std::uint64_t known = content.events.empty() ? 0 : content.events.back().number;
   content.events.insert(content.events.end(), EventsAfter(content_.events, known), content_.events.end());
   while (content.events.size() > kEventsKept) content.events.pop_front();
-  static_cast<FeedHead&>(content) = content_;
+  static_cast<FeedHead&>(content) = static_cast<const FeedHead&>(content_);
 }
 
 bool RunFeed::ConsumeServiceGone() {
@@ -59,6 +59,7 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   content_.paused = frame.paused;
   content_.last = frame.last;
   if (before != nullptr && at == std::pair(before->edition, before->state->tick)) return;
+  std::optional<std::uint64_t> listed_to;  // of states whose events are in the list, from the recording
   if (before == nullptr) {
     content_.events.clear();
     ++content_.event_list;
@@ -67,7 +68,7 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
     if (const std::shared_ptr<Recorded> recorded = history_.recorded()) {
       if (recorded->run() == frame.run) {
         history_.kept().SetNext(recorded->PositionOf(StatePlace{frame.edition, frame.state.tick}));
-        CompleteEvents(*recorded);
+        listed_to = CompleteEvents(*recorded);
       } else {
         history_.SetRecorded(nullptr);
       }
@@ -77,6 +78,7 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   content_.state = history_.kept().Add({0, announced_, {shared, &frame.state}, frame.state_hash, frame.edition});
   const bool is_behind_gap = content_.state->position > expected;
   lacks_states_ = lacks_states_ || (is_behind_gap && history_.recorded() != nullptr);
+  if (listed_to && content_.state->position <= *listed_to) return;
   for (const Event& event : frame.events) {
     const EventNames names = NamesIn(announced_->description(), event);
     content_.events.push_back({++events_, content_.state->position, event, names});
@@ -90,7 +92,7 @@ std::uint64_t RunFeed::NextPosition() const {
   return range ? range->last + 1 : 0;
 }
 
-void RunFeed::CompleteEvents(const Recorded& recorded) {
+std::uint64_t RunFeed::CompleteEvents(const Recorded& recorded) {
   const std::uint64_t last = recorded.range()->last;
   std::deque<NumberedEvent> events = recorded.Events();
   for (NumberedEvent& event : content_.events) {
@@ -102,6 +104,7 @@ void RunFeed::CompleteEvents(const Recorded& recorded) {
   for (NumberedEvent& event : content_.events) event.number = ++events_;
   ++content_.event_list;
   ++content_.version;
+  return last;
 }
 
 void RunFeed::SetRecorded(const std::shared_ptr<Recorded>& recorded) {
@@ -113,7 +116,10 @@ void RunFeed::SetRecorded(const std::shared_ptr<Recorded>& recorded) {
   if (content_.state && content_.state->world->run != recorded->run()) return;
   history_.SetRecorded(recorded);
   lacks_states_ = false;
-  if (content_.state) return CompleteEvents(*recorded);
+  if (content_.state) {
+    CompleteEvents(*recorded);
+    return;
+  }
   if (!end.ok()) return;
   content_.events.clear();
   content_.state = end.value();

@@ -65,7 +65,9 @@ class RunFeed : public ObserverHandler {
 
  private:
   std::uint64_t NextPosition() const;
-  void CompleteEvents(const Recorded& recorded);  // REQUIRES: mutex_ is locked
+  // The list of events begins with those of the recording; returns the position of its last state. REQUIRES: mutex_ is
+  // locked.
+  std::uint64_t CompleteEvents(const Recorded& recorded);
 
   WorldShelf shelf_;
   RunPast history_;
