@@ -111,7 +111,9 @@ std::string MakePlot(const std::vector<PlotPoint>& all, const PlotSettings& sett
       settings.width, settings.height);
   svg += fmt::format("<text x=\"{}\" y=\"18\" text-anchor=\"middle\" font-size=\"13\">{}</text>\n", settings.width / 2,
                      Escaped(settings.title));
-  for (double value = y.min; value <= y.max + y.step / 2; value += y.step) {
+  const auto steps = [](const auto& axis) { return std::lround((axis.max - axis.min) / axis.step); };
+  for (long i = 0; i <= steps(y); ++i) {
+    const double value = y.min + static_cast<double>(i) * y.step;
     svg += fmt::format(
         "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#ddd\"/>"
         "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n",
@@ -123,7 +125,8 @@ std::string MakePlot(const std::vector<PlotPoint>& all, const PlotSettings& sett
                          px(static_cast<double>(i)), kTop + height + 15, Escaped(settings.x_words[i]));
     }
   } else {
-    for (double value = x.min; value <= x.max + x.step / 2; value += x.step) {
+    for (long i = 0; i <= steps(x); ++i) {
+      const double value = x.min + static_cast<double>(i) * x.step;
       svg += fmt::format(
           "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\" stroke=\"#999\"/>"
           "<text x=\"{0:.1f}\" y=\"{3:.1f}\" text-anchor=\"middle\">{4}</text>\n",
