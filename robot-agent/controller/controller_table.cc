@@ -74,7 +74,8 @@ constexpr ParameterHelp kFetchParameters[] = {
     {"approach", "number", "m", "0.5", 0.0, kAnything, "The straight path into a place and out of it"},
     {"raise", "number", "%", "5", 0.0, 100.0,
      "The lift above that of the place, after gripping and before setting down"},
-    {"travel", "number", "%", "5", 0.0, 100.0, "The lift between places"}};
+    {"travel", "number", "%", "5", 0.0, 100.0, "The lift between places"},
+    {"repeat", "flag", "", "false", 0.0, 0.0, "Begins again at the end"}};
 constexpr ParameterHelp kFlockParameters[] = {
     kDistanceHelp,
     {"radius", "number", "m", "5", 0.05, 100000.0, "Robots farther away are no neighbours"},

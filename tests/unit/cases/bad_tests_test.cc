@@ -64,7 +64,7 @@ const BadTest kBadTests[] = {
     {"NoClauses", Quoted("{'ticks': 5}"), ":1:1: error: found none of 'expect', 'cover' and 'metrics'"},
     {"NoTicks", Quoted("{'expect': ['tick < 9']}"), ": error: found no 'ticks'"},
     {"UnknownKey", With("'varry': {}"), ":2:1: error: found the key 'varry'"},
-    {"VaryIsAList", With("'vary': []"), ":2:9: error: found an array of 0"},
+    {"VaryIsAList", With("'vary': []"), ":2:9: error: found an empty array"},
     {"VaryANumber", With("'vary': {'seed': 3}"), ":2:18: error: found the number 3"},
     {"VaryWithoutKind", With("'vary': {'seed': {}}"), ":2:18: error: found none of 'values'"},
     {"VaryTwoKinds", With("'vary': {'seed': {'values': [1], 'range': [1, 2]}}"), ":2:18: error: found several of"},

@@ -56,7 +56,9 @@ TEST(ControllerTable, HasTheLimitsAndDefaultsThatControllersAccept) {
     const auto accepts = [&](const ParameterHelp& row, const Json& value) {
       Json parameters = NeededOf(controller);
       parameters[std::string(row.name)] = value;
-      if (row.name == "period") parameters["repeat"] = true;  // has no effect without it
+      if (row.name == "period") parameters["repeat"] = true;        // has no effect without it
+      if (row.name == "charge_below") parameters["charge_to"] = 1;  // is not below it
+      if (row.name == "charge_to") parameters["charge_below"] = 0;
       return Check(controller, parameters).ok();
     };
     for (const ParameterHelp& row : controller.parameters) {
