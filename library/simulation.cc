@@ -18,6 +18,7 @@
 #include "robot-agent/controller/create_controller.h"
 #include "robot-agent/drive/drive.h"
 #include "robot-agent/robot/robot.h"
+#include "testing/expectations/tick_view.h"
 #include "troupe/event.h"
 #include "troupe/world_state.h"
 #include "world-service/core/step.h"
@@ -221,6 +222,18 @@ SensorReading Simulation::Measure(RobotId robot, std::size_t sensor) const {
 
 const SensorReading& Simulation::Read(RobotId robot, std::size_t sensor) const {
   return impl_->now.robots[robot.index()]->Measure(sensor, state(), impl_->bodies);
+}
+
+TickView Simulation::View() const {
+  return {*impl_->now.scene, impl_->bodies, state(), events()};
+}
+
+Status Monitor::Push(const Simulation& simulation) {
+  return Push(simulation.View());
+}
+
+Status MetricMonitor::Push(const Simulation& simulation) {
+  return Push(simulation.View());
 }
 
 Status Simulation::Drive(RobotId robot, Command command) {

@@ -28,6 +28,7 @@
 namespace troupe {
 
 class Simulation;
+struct TickView;  // testing/expectations/tick_view.h
 
 struct SimulationOptions {
   std::optional<std::uint64_t> seed;      // of all random numbers; nothing: the file's
@@ -109,6 +110,10 @@ class Simulation {
   SensorReading Measure(RobotId robot, std::size_t sensor) const;
   // The same without a copy: valid until the next call of this, Measure, Step or Restore.
   const SensorReading& Read(RobotId robot, std::size_t sensor) const;
+
+  // The present tick for monitors (expectation.h), which read it by Monitor::Push. Valid until the next Step or
+  // Restore.
+  TickView View() const;
 
   // Drives a robot from outside, from the next tick on. The motion of `command` replaces that of the robot's controller
   // until the next Drive or Release; the commands to grippers and joints are executed once, after the controller's. The
