@@ -11,8 +11,10 @@ if (!output) {
   process.exit(2);
 }
 
+// The text pane is a bundle of its own: only the editor loads it.
 const bundle = await build({
-  entryPoints: ['src/main.ts'],
+  entryPoints: ['src/main.ts', 'src/text_view.ts'],
+  outdir: '.',
   bundle: true,
   minify: true,
   write: false,
@@ -36,7 +38,10 @@ function styles() {
 const files = [
   {path: '/', type: 'text/html; charset=utf-8', content: page()},
   {path: '/viewer.css', type: 'text/css; charset=utf-8', content: styles()},
-  {path: '/viewer.js', type: 'text/javascript; charset=utf-8', content: Buffer.from(bundle.outputFiles[0].contents)},
+  ...[['viewer', 'main'], ['text_view', 'text_view']].map(([name, entry]) => ({
+    path: `/${name}.js`, type: 'text/javascript; charset=utf-8',
+    content: Buffer.from(bundle.outputFiles.find(({path}) => path.endsWith(`/${entry}.js`)).contents),
+  })),
 ];
 
 // A C++ literal. An octal escape has at most three digits, so that the next character is never read as one of it.

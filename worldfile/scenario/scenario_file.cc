@@ -30,6 +30,7 @@ class Reader {
   std::vector<Property> ReadProperties(const JsonNode& object, const Refused& refused);
   std::optional<RosDomainEntry> ReadRosDomain(const JsonNode& object) const;
   std::vector<NamedPlace> ReadPlaces(const JsonNode& root);
+  std::vector<RegionOfScenario> ReadRegions(const JsonNode& root);
   PoseEntry ReadPose(const JsonNode& numbers) const;
   ModelEntry ReadModel(const JsonNode& object);
   std::vector<ModelEntry> ReadModels(const JsonNode& object, const char* key);
@@ -135,6 +136,21 @@ std::vector<NamedPlace> Reader::ReadPlaces(const JsonNode& root) {
     places.push_back(std::move(place));
   }
   return places;
+}
+
+std::vector<RegionOfScenario> Reader::ReadRegions(const JsonNode& root) {
+  std::vector<RegionOfScenario> regions;
+  const JsonNode* const found = root.Find("regions");
+  if (found == nullptr) return regions;
+  for (const JsonNode& entry : found->items) {
+    RegionOfScenario region{entry.Member("name").text, ReadRegion(entry.Member("region"))};
+    const auto same = [&](const RegionOfScenario& other) { return other.name == region.name; };
+    if (std::any_of(regions.begin(), regions.end(), same)) {
+      Fail(entry.Member("name"), "found the region '" + region.name + "' again, expected another name");
+    }
+    regions.push_back(std::move(region));
+  }
+  return regions;
 }
 
 PoseEntry Reader::ReadPose(const JsonNode& numbers) const {
@@ -257,6 +273,7 @@ RunSettings Reader::ReadSettings(const JsonNode& root) {
     } else if (speed->text != "max") {
       Fail(*speed, "found " + Describe(*speed) + ", expected a multiple of real time above 0, or 'max'");
     }
+    settings.watched_speed = settings.speed;
   }
   if (const JsonNode* const loss = root.Find("on_agent_loss")) {
     settings.on_agent_loss = ParseOnAgentLoss(loss->text).value_or(settings.on_agent_loss);
@@ -320,6 +337,9 @@ HostsOfScenario Reader::ReadHosts(const JsonNode& root) {
 Result<ScenarioFile> Reader::Read() {
   const JsonNode& root = tree_.root();
   ScenarioFile file;
+  if (const JsonNode* const found = root.Find("scenario")) {
+    Fail(*found, "found a test of another scenario, expected a scenario: 'troupe test' runs tests");
+  }
   if (const JsonNode* const found = root.Find("world")) file.world = Text(*found);
   if (const JsonNode* const includes = root.Find("include")) {
     for (const JsonNode& include : includes->items) file.includes.push_back(Text(include));
@@ -337,6 +357,10 @@ Result<ScenarioFile> Reader::Read() {
     for (const JsonNode& entry : overrides->items) file.overrides.push_back(ReadOverride(entry));
   }
   file.places = ReadPlaces(root);
+  file.regions = ReadRegions(root);
+  if (const JsonNode* const without = root.Find("without")) {
+    for (const JsonNode& name : without->items) file.without.push_back(Text(name));
+  }
   if (error_) return *error_;
   return file;
 }

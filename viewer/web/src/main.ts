@@ -7,8 +7,11 @@ import {Editing} from './editing';
 import {Agents, agentText, EntityPanel} from './entity_panel';
 import {FileEditor} from './file_editor';
 import {save, Video} from './graphics';
-import type {Message, RunEvent} from './protocol';
-import {EventList, RobotList} from './robot_list';
+import type {Message, RunEvent, TimeSpan} from './protocol';
+import {EndCard} from './end_card';
+import {EventList} from './events';
+import {Plots} from './plots';
+import {RobotList} from './robot_list';
 import {findEntity, nameOf, Run, sameEntity, type Entity} from './run';
 import {WorldScene, type ViewName} from './scene';
 import {installTestInterface} from './test_interface';
@@ -75,9 +78,15 @@ class Viewer {
       if (this.run) this.run.status = status;
       this.refresh();
     },
+    onTimeline: spans => {
+      this.spans = spans;
+      if (this.run) this.run.spans = spans;
+      this.refresh();
+    },
     onMessage: message => this.onMessage(message),
   });
   private run: Run | null = null;
+  private spans: TimeSpan[] = [];
   private selected: Entity | null = null;
   private wantedName: string;  // selected as soon as the world has it
   private wantedTick: number | undefined;  // shown as soon as there is a state
@@ -103,6 +112,17 @@ class Viewer {
   private readonly robots = new RobotList(
     robot => this.selectAndCenter({kind: 'robot', index: robot}), robot => this.agentHint(robot));
   private readonly events = new EventList(event => this.showEvent(event));
+  private readonly plots = new Plots(
+    byId('plots'), this.connection, position => this.timeBar.timeline.seek(position),
+    robot => this.agents.of(robot)?.answer_seconds ?? null, () => this.fileName());
+  private readonly endCard = new EndCard(this.connection, {
+    info: () => this.info,
+    select: name => {
+      this.wantedName = name;
+      this.selectWanted();
+    },
+    replay: () => this.timeBar.timeline.replay(),
+  });
   private readonly refresh = throttled(() => this.scene.quality.panelPeriod, () => this.refreshPanels());
 
   constructor() {
@@ -143,6 +163,7 @@ class Viewer {
         this.wantedName = name;
         this.selectWanted();
       },
+      plots: () => this.plots,
       file: () => this.file,
     }, this.scene, this.connection);
   }
@@ -183,6 +204,7 @@ class Viewer {
       const before = this.run;
       const name = this.selected && before ? nameOf(before.world, this.selected) : '';
       this.run = new Run(message.world, before);
+      this.run.spans = this.spans;
       this.selected = null;
       if (name && !this.wantedName) this.wantedName = name;
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
@@ -238,7 +260,7 @@ class Viewer {
   private showEvent(event: RunEvent): void {
     const entity = this.run && event.robot ? findEntity(this.run.world, event.robot) : null;
     if (entity) this.selectAndCenter(entity);
-    if (this.timeBar.timeline.inPast) this.timeBar.timeline.seek(event.position);
+    this.timeBar.timeline.seek(event.position);
   }
 
   private sendSelection(): void {
@@ -253,8 +275,11 @@ class Viewer {
     this.panel.show(this.run, this.selected, this.agentOf(this.selectedRobot));
     this.grippers.show(this.run, this.selectedRobot);
     this.showRefusals();
-    this.events.show(this.run);
+    this.events.show(this.run, this.selected ? nameOf(this.run.world, this.selected) : '');
     setText(byId('world-name'), this.run.world.name);
+    if (this.file) return;
+    this.plots.show(this.run, this.selectedRobot);
+    this.endCard.show(this.run);
   }
 
   // What is not possible now, and why.
@@ -423,6 +448,7 @@ class Viewer {
       'Delete': () => byId('delete').click(),
       'Escape': () => {
         if (Popup.closeAny()) return;
+        if (this.endCard.isOpen) return this.endCard.set(false);
         if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
         this.driving.set(false);
         this.editing.cancel();

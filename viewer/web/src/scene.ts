@@ -64,6 +64,11 @@ export class WorldScene {
   private preview: Object3D | null = null;
   private framed = false;  // the whole world is in the picture, until the camera is moved
   private moved = false;  // the bodies are drawn between two states
+  // Of a world in editing: how far the ground reaches from the origin at least, m; the place that a pointer chooses instead
+  // of the one below it; and where what is dragged would be.
+  leastReach = 0;
+  chosenPlace: (point: Vector3) => Vector3 = point => point;
+  ghostMoved: (pose: Pose | null) => void = () => {};
   readonly quality: Quality;
 
   // `full`: everything is drawn, however slow that is.
@@ -213,6 +218,13 @@ export class WorldScene {
     if (this.setting) this.frame(this.contentBox(this.setting.world, this.setting.map));
   }
 
+  // How far what is in the world reaches from the origin, m: to -x, -y, x, y.
+  reach(): number[] {
+    if (!this.setting) return [];
+    const {min, max} = this.contentBox(this.setting.world, this.setting.map);
+    return [-min.x, -min.y, max.x, max.y];
+  }
+
   // The camera by keys: x and y are -1, 0 or 1. It turns around its target; `shift`, and from above: it moves.
   moveByKeys(x: number, y: number, shift: boolean): void {
     const {target} = this.view === 'orbit' ? this.orbit : this.top;
@@ -282,7 +294,8 @@ export class WorldScene {
   // The point of the plane z at a place of the window; null: none.
   pointAt(clientX: number, clientY: number, z: number): Vector3 | null {
     this.aim(clientX, clientY);
-    return this.raycaster.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -z), new Vector3());
+    const point = this.raycaster.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -z), new Vector3());
+    return point && this.chosenPlace(point);
   }
 
   // Where an entity is on the window.
@@ -306,6 +319,7 @@ export class WorldScene {
 
   // The place where an entity would be put. `type`: of the model, whose body is shown if the world has one.
   showGhost(pose: Pose | null, radius: number, type = ''): void {
+    this.ghostMoved(pose);
     this.ghost.visible = pose !== null;
     const body = pose && type ? this.bodies?.previewOf(type) ?? null : null;
     if (this.preview && this.preview !== body) this.scene.remove(this.preview);
@@ -378,6 +392,8 @@ export class WorldScene {
       const {x, y, z} = world.models[root].pose;
       box.expandByPoint(new Vector3(x, y, z));
     }
+    const reach = this.leastReach;
+    if (reach > 0) box.expandByPoint(new Vector3(-reach, -reach, 0)).expandByPoint(new Vector3(reach, reach, 0));
     if (box.isEmpty()) box.set(new Vector3(-5, -5, 0), new Vector3(5, 5, 1));
     return box;
   }

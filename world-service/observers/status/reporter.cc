@@ -108,6 +108,8 @@ class LauncherReporter final : public Reporter {
       slowest.push_back(
           {{"robot", slow.robot}, {"times_last", slow.times_last}, {"waited_seconds", slow.waited_seconds}});
     }
+    Json totals = Json::array();
+    for (const RobotTotal& total : summary.totals) totals.push_back(FieldsToJson<Json>(total));
     Send({{"type", "end"},
           {"ticks", summary.ticks},
           {"sim_seconds", summary.sim_seconds},
@@ -122,7 +124,9 @@ class LauncherReporter final : public Reporter {
           {"slowest", std::move(slowest)},
           {"lost", summary.lost},
           {"interrupted", summary.interrupted},
-          {"record_waited_seconds", summary.record_waited_seconds}});
+          {"record_waited_seconds", summary.record_waited_seconds},
+          {"totals", std::move(totals)},
+          {"totals_since", summary.totals_since}});
   }
   void Failed(const Error& error) override {
     Send({{"type", "error"}, {"message", error.ToString()}});
