@@ -207,6 +207,10 @@ void AddEditActions(CLI::App* command, const SharedOptions& options) {
           "Its own ROS domain, with plain names (default: as its spawn rule or file says, else that of the run)")
       ->check(DdsDomain())
       ->type_name("D");
+  spawn
+      ->add_option("--controller", options->request.controller,
+                   "Controller of the robot, with its default parameters (default: as the model says)")
+      ->type_name("NAME");
   AddPose(spawn, options, "Pose in the world frame, in metres and degrees; without Z on the ground (default: 0,0,0)");
   AddName(AddAction(command, options, "delete", "Delete a robot, an object or a model", ControlCommand::kDelete),
           options);

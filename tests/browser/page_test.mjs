@@ -168,13 +168,16 @@ async function doesTenTasksByKeys() {
   // 6. Undo that.
   await press('Escape', 'Control+z');
   await until('bela is back', async () => (await robotOf(page, 'bela')).pose.y === before.pose.y);
-  // 7. Add a robot.
+  // 7. Add a robot with a controller.
   await press('a');
   await page.locator('#add-menu .menu-row').first().waitFor();
+  await page.locator('#add-menu select').focus();
+  await keys.type('idle');
   await page.locator('#add-menu .menu-row:has-text("scout")').first().focus();
   const toAnEmptyRoom = [...Array(4).fill('ArrowLeft'), ...Array(3).fill('ArrowUp')];
   await press('Enter', ...toAnEmptyRoom, 'Enter');
   await until('the robot is selected', async () => /^scout/.test(await page.textContent('#panel-name')));
+  await until('it has the controller', async () => /controlleridle/.test(await page.textContent('#panel-facts')));
   const added = await page.textContent('#panel-name');
   // 8. Send it to a point, though its controller accepts no goals: the page drives it there, until it is released.
   await press(' ');

@@ -131,6 +131,22 @@ TEST_F(CtlTest, EditsTheWorld) {
   EXPECT_THAT(scans, HasSubstr(R"({"tick":2,"robot":"rover0")"));
 }
 
+TEST_F(CtlTest, SpawnsARobotWithAController) {
+  run_.WaitForLine("ready");
+  Done({"spawn", "rover", "--name", "idler", "--pose=0,-2,0,0"});
+  Done({"spawn", "rover", "--name", "walker", "--controller", "wander", "--pose=0,2,0,0"});
+  Done({"step", "20"});
+  EXPECT_THAT(Done({"get", "idler"}), HasSubstr("0.000,-2.000,0.000,0.00"));
+  EXPECT_THAT(Done({"get", "walker"}), Not(HasSubstr("0.000,2.000,0.000,0.00")));
+  EXPECT_THAT(Problem({"spawn", "rover", "--controller", "wonder", "--pose=0,0,0,0"}),
+              HasSubstr("unknown controller 'wonder'"));
+  EXPECT_THAT(Problem({"spawn", "wall", "--controller", "wander", "--pose=0,0,1,0"}),
+              HasSubstr("a controller for a model that is no robot"));
+  EXPECT_THAT(Problem({"spawn", "rover", "--controller", "/nowhere/own.so", "--pose=0,0,0,0"}),
+              HasSubstr("is not allowed"));
+  run_.Interrupt();
+}
+
 TEST_F(CtlTest, PrintsTheReasonOfARefusal) {
   run_.WaitForLine("ready");
   EXPECT_THAT(Problem({"set-pose", "nobody", "--pose=0,0,0,0"}), HasSubstr("the world has no entity 'nobody'"));

@@ -230,6 +230,7 @@ struct ControlRequest {
   RobotCommand robot_command = {};
   Twist twist = {};                              // kSetTwist, in R
   std::optional<std::uint32_t> ros_domain = {};  // kSpawn: RosIdentity::domain of the robot; none: as its source says
+  std::string controller = {};                   // kSpawn: name of the robot's; empty: as its source says
   // Only in the service's process, not on the wire.
   std::string text = {};           // kSpawn, kLoadWorld: of a file, in place of one
   std::string ros_namespace = {};  // kSpawn: RosIdentity::name_space of the robot

@@ -8,6 +8,7 @@
 
 #include "common/base/json.h"
 #include "transport/protocol/message_texts.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 namespace {
@@ -198,6 +199,8 @@ Result<PageControl> DecodeControl(std::uint64_t id, const std::string& name, con
     request.source = TextIn(object, "source");
     if (!IsModelName(request.source)) return Malformed("source '" + request.source + "'", "a model of the world file");
     request.rename = true;
+    request.controller = TextIn(object, "controller");
+    if (NamesLibrary(request.controller)) return Malformed("a library as controller", "the name of a built-in one");
   }
   if (*command == ControlCommand::kRestore) {
     request.source = TextIn(object, "source");

@@ -3,6 +3,8 @@
 //   "r0"
 //     the images of that robot's cameras are among them
 //   {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
+//   {"type": "control", "id": 8, "command": "spawn", "source": "scout", "controller": "wander", "pose": [x, y, z, heading]}:
+//     without a controller the robot has that of the model
 //   {"type": "control", "id": 8, "command": "speed", "speed": 2.5}, or "speed": "max"
 //   {"type": "control", "id": 9, "command": "rewind", "tick": 120}
 //   {"type": "control", "id": 9, "command": "entities", "name": "r0"}: without a name all of them

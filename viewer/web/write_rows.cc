@@ -1,11 +1,12 @@
 // Writes the TypeScript of the rows of a state, as viewer/gateway/page_messages.cc sends them, from the fields of their
-// types:
+// types, and the names of the built-in controllers:
 //   write_rows OUTPUT.ts
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <string>
 
+#include "robot-agent/controller/create_controller.h"
 #include "troupe/event.h"
 #include "troupe/world_state.h"
 #include "viewer/gateway/page_messages.h"
@@ -69,7 +70,9 @@ void WriteRows(std::ostream& out) {
   for (int type = 0; type <= static_cast<int>(LastOf(EventType())); ++type) {
     out << "  " << Camel(ToString(static_cast<EventType>(type)), true) << ",\n";
   }
-  out << "}\n";
+  out << "}\n\n// Of robot-agent/controller, sorted.\nexport const BUILT_IN_CONTROLLERS = [\n";
+  for (const std::string& name : BuiltInControllers()) out << "  '" << name << "',\n";
+  out << "];\n";
 }
 
 }  // namespace

@@ -75,6 +75,22 @@ Status SetRosIdentity(const ControlRequest& request, WorldDescription& spawned) 
   return {};
 }
 
+// Gives the robot in `spawned` the controller that the request names.
+Status SetController(const ServiceOptions& options, const ControlRequest& request, WorldDescription& spawned) {
+  if (request.controller.empty()) return {};
+  if (spawned.robots.empty()) {
+    return Error{{}, "found a controller for a model that is no robot, expected one for robots only"};
+  }
+  const ControllerDescription controller = {request.controller, "{}"};
+  if (options.overrides.check_controller) {
+    if (Status status = options.overrides.check_controller(controller.name, controller.parameters); !status.ok()) {
+      return status;
+    }
+  }
+  for (RobotDescription& robot : spawned.robots) robot.controller = controller;
+  return {};
+}
+
 Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& request) {
   if (request.command == ControlCommand::kSpawnables) return ListModels(options);
   if (request.command == ControlCommand::kWorlds) return ListWorlds(options, request);
@@ -95,6 +111,9 @@ Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& 
   Result<LoadedWorld> loaded =
       loads ? LoadWorld(source, overrides) : LoadSpawnable(options.world_file, source, overrides);
   if (!loaded.ok()) return FlattenPlace(loaded.error());
+  if (!loads) {
+    if (const Status status = SetController(options, request, loaded.value().world); !status.ok()) return status.error();
+  }
   if (const Status status = CheckLibraries(loaded.value().world, options.libraries); !status.ok())
     return status.error();
   RequestedFile file{{}, {}, std::move(text)};

@@ -38,6 +38,10 @@ TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
       Control(R"({"type": "control", "id": 1, "command": "spawn", "source": "can", "pose": [0, 0, 0, 0]})");
   EXPECT_EQ(spawn.request.source, "can");
   EXPECT_TRUE(spawn.request.rename);
+  EXPECT_EQ(spawn.request.controller, "");
+  const PageControl robot = Control(
+      R"({"type": "control", "id": 1, "command": "spawn", "source": "rover", "controller": "wander", "pose": [0, 0, 0, 0]})");
+  EXPECT_EQ(robot.request.controller, "wander");
   const PageControl rewind = Control(R"({"type": "control", "id": 1, "command": "rewind", "tick": 0})");
   EXPECT_EQ(rewind.request.command, ControlCommand::kRewind);
   EXPECT_EQ(rewind.request.ticks, 0u);
@@ -151,6 +155,7 @@ TEST(PageRequestTest, RefusesEverythingElse) {
       R"({"type": "control", "id": 1, "command": "spawn", "source": "/tmp/x.world", "pose": [0, 0, 0, 0]})",
       R"({"type": "control", "id": 1, "command": "spawn", "source": "x.json", "pose": [0, 0, 0, 0]})",
       R"({"type": "control", "id": 1, "command": "spawn", "source": "x#y", "pose": [0, 0, 0, 0]})",
+      R"({"type": "control", "id": 1, "command": "spawn", "source": "x", "controller": "/tmp/x.so", "pose": [0, 0, 0, 0]})",
   };
   for (const std::string& text : texts) EXPECT_FALSE(ParsePageRequest(text).ok()) << text.substr(0, 100);
 }

@@ -35,6 +35,7 @@ ControlRequest RandomMessage(test::RandomMessages& random, std::uint64_t seed, C
   if (seed % 3 == 0) request.speed = 0.5 + static_cast<double>(seed);
   request.robot_command = random.Command(RobotId(seed));
   if (seed % 5 == 0) request.ros_domain = static_cast<std::uint32_t>(seed % 231);
+  if (seed % 2 == 0) request.controller = random.Join().host;
   return request;
 }
 

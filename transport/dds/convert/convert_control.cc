@@ -70,6 +70,7 @@ troupe_wire_Control ToWire(const ControlRequest& message, WireArena& arena) {
   wire.vy = message.twist.vy;
   wire.wz = message.twist.wz;
   wire.ros_domain = message.ros_domain ? static_cast<std::int32_t>(*message.ros_domain) : kNoDomain;
+  wire.controller = arena.Copy(message.controller);
   return wire;
 }
 
@@ -126,6 +127,7 @@ Result<ControlRequest> FromWire(const troupe_wire_Control& wire) {
     return Error{{}, "control request with the ROS domain " + std::to_string(wire.ros_domain)};
   }
   if (wire.ros_domain != kNoDomain) message.ros_domain = static_cast<std::uint32_t>(wire.ros_domain);
+  message.controller = Text(wire.controller);
   return message;
 }
 

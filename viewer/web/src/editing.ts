@@ -1,5 +1,6 @@
 // Editing by mouse, touch or keys: moves entities to other poses, adds models of the world file, deletes and renames the
 // selected entity, and sends robots to points. The run decides; it refuses a pose in a wall, and says why.
+import {BUILT_IN_CONTROLLERS} from '../generated/rows';
 import type {Connection} from './connection';
 import {byId, make, setOn, toast} from './dom';
 import {Popup} from './toolbar';
@@ -63,6 +64,7 @@ export class Editing {
   private file: FileEdits | null = null;
   private tool: Tool = 'none';
   private adding = {name: '', type: '', heading: 0};
+  private controller = '';  // of robots that are added; empty: as their model says
   private drag: Drag | null = null;
   private pressed: Place | null = null;
   private aim: Place | null = null;  // of a tool
@@ -364,10 +366,22 @@ export class Editing {
       };
       return row;
     });
-    this.menu.replaceChildren(...rows);
+    const choice = models.some(({type}) => type === 'position') ? [this.controllerChoice()] : [];
+    this.menu.replaceChildren(...choice, ...rows);
     if (models.length === 0) this.menu.append(make('div', 'more', 'the world file defines no models'));
     this.popup.set(true);
     (rows[0] ?? this.menu).focus();
+  }
+
+  // The controller of robots that are added.
+  private controllerChoice(): HTMLElement {
+    const label = make('label', 'menu-choice', 'Controller of robots');
+    const select = make('select', '') as HTMLSelectElement;
+    select.append(new Option('as the model says', ''), ...BUILT_IN_CONTROLLERS.map(name => new Option(name, name)));
+    select.value = this.controller;
+    select.onchange = () => { this.controller = select.value; };
+    label.append(select);
+    return label;
   }
 
   // The place of the model that the next click adds: its body, if one of its type is in the world. Or of the next goal.
@@ -382,11 +396,12 @@ export class Editing {
   // `repeat`: the tool remains.
   private async spawnAt(clientX: number, clientY: number, repeat: boolean): Promise<void> {
     const at = this.scene.pointAt(clientX, clientY, 0);
-    const {name: source, heading} = this.adding;
+    const {name: source, type, heading} = this.adding;
     if (!repeat) this.cancel();
     if (!at) return;
     const pose = {x: at.x, y: at.y, z: 0, heading};
-    const reply = await this.connection.request('spawn', {source, pose: numbers(pose)});
+    const controller = type === 'position' && this.controller ? {controller: this.controller} : {};
+    const reply = await this.connection.request('spawn', {source, pose: numbers(pose), ...controller});
     const name = reply.entities?.[0]?.name ?? source;
     toast(reply.done ? `${name} is added` : reply.problem, !reply.done);
     if (!reply.done) return;
