@@ -210,6 +210,9 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   const std::optional<std::uint64_t> ticks_of_world = loaded.settings.ticks;  // its quit_time
   loaded.settings = file.settings;
   if (!loaded.settings.ticks) loaded.settings.ticks = ticks_of_world;
+  loaded.ros_lockstep = file.ros_lockstep;
+  loaded.ros_lockstep.names.insert(loaded.ros_lockstep.names.end(), plan.value().ros_lockstep.begin(),
+                                   plan.value().ros_lockstep.end());
   if (file.name) loaded.world.name = *file.name;
   loaded.world.places = file.places;
   for (RobotDescription& robot : loaded.world.robots) {
