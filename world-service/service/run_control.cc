@@ -98,6 +98,7 @@ void RunControl::Pause(OpenRequest pause, double now) {
   if (remains) engine_.ReportProgress(now);
   if (engine_.holding()) {
     engine_.SetTicksToPause(0);
+    engine_.ResendHold();
     engine_.ReportProgress(now);
     awaiting_pause_.push_back(std::move(pause));
     return Advance(now);

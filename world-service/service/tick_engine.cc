@@ -322,6 +322,7 @@ void TickEngine::Continue(double now) {
   frame.paused = ticks_to_pause_ == 0U || shows_;
   frame.last = IsLast(frame.state.tick);
   if (frame.last) frame.paused = shows_ = false;
+  frame.holds = frame.paused && ticks_to_pause_ != 0U;
   if (!frame.paused) frame.commands = commands_.Sent();  // as of the service before: an agent may have answered it
   if (run_.members.present_members() == 0) halted_since_ = now;
   run_.endpoint.SendFrame(frame);
@@ -418,13 +419,18 @@ void TickEngine::Resume(double now) {
   if (run_.options.phase_times != nullptr) run_.options.phase_times->Restart();  // a pause is no wait
   pacer_.Resume(run_.frame.state.tick, now);
   if (!shows_) return SendUnpaused(true, now);
+  ResendHold();
   ReportProgress(now);
   AdvanceShown(now);
 }
 
+void TickEngine::ResendHold() {
+  if (std::exchange(run_.frame.holds, holding()) != holding()) run_.endpoint.SendFrame(run_.frame);
+}
+
 // The progress has the commands that agents know, and the end of a pause.
 void TickEngine::SendUnpaused(bool ends_pause, double now) {
-  run_.frame.paused = false;
+  run_.frame.paused = run_.frame.holds = false;
   run_.frame.commands = commands_.ForNextTick(run_.world());
   if (ends_pause || !run_.frame.commands.empty()) ReportProgress(now);
   if (run_.phase != RunPhase::kRunning) return;
@@ -459,6 +465,7 @@ void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
   next.last = IsLast(tick);
   if (next.last) next.paused = false;
   shows_ = next.paused && ShowsTick(tick);
+  next.holds = next.paused && ticks_to_pause_ != 0U;
   shown_ = false;
   const auto committed = [&](const FrameMessage& frame, const FrameMessage& before) -> CommittedTick {
     if (origin.edit != nullptr) {

@@ -57,6 +57,8 @@ class TickEngine {
   void ReportProgress(double now);
   // Every member has answered the paused frame.
   bool pause_answered() const { return run_.phase == RunPhase::kRunning && run_.frame.paused && barrier_.complete(); }
+  // Tells observers whether the paused frame only holds, after ticks_to_pause has changed.
+  void ResendHold();
   // Resends the frame without `paused`, so that the agents propose; of a shown tick, as soon as it is released.
   // REQUIRES: the frame is paused, and no pause is due.
   void Resume(double now);

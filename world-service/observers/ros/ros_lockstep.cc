@@ -277,7 +277,7 @@ void RosLockstepWait::Follow(const Scene& scene) {
 }
 
 bool RosLockstepWait::Advance() {
-  bool wakes = false;
+  bool wakes = is_shown_;  // also for the limit
   for (const auto& channel : channels_) {
     const ros::HostConnection::Watched watched = channel->connection.watched();
     wakes = wakes || watched.armed == armed_;
