@@ -2,12 +2,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,6 +24,7 @@
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/ros_participant.h"
+#include "tests/process/lockstep_node.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/files.h"
@@ -30,173 +36,8 @@
 namespace troupe::test {
 namespace {
 
-using std::chrono::milliseconds;
 using testing::ContainsRegex;
 using testing::HasSubstr;
-
-// The way in which ticks wait for the node: for its commands, or for its answers on /world/tick_done.
-enum class Way { kTopic, kProtocol };
-
-struct NodeOptions {
-  Way way = Way::kProtocol;
-  std::string name = "driver";
-  std::string space = "/r0";  // of the robot's topics
-  int most_delay = 0;         // ms before an answer, drawn
-  unsigned seed = 1;          // of the delays
-  std::uint32_t domain = TestRosNetwork().domain;
-};
-
-// A node that drives a robot by its scan: the same scan gives the same command.
-class Driver {
- public:
-  explicit Driver(const NodeOptions& options)
-      : options_(options), participant_(NetworkIn(options.domain)), thread_([this] { Run(); }) {}
-  ~Driver() {
-    stop_ = true;
-    Notify();
-    thread_.join();
-  }
-  Driver(const Driver&) = delete;
-  Driver& operator=(const Driver&) = delete;
-
-  // It answers no tick from this one on, until Continue.
-  void HaltAt(Tick tick) { halt_at_ = tick; }
-  void Continue() {
-    halt_at_ = kNever;
-    Notify();
-  }
-  // Answers beside its own, which no tick may count.
-  void SendWrongAnswers() { is_wrong_ = true; }
-  Tick answered() const { return answered_; }  // the newest
-  std::string lists() {
-    const std::lock_guard lock(mutex_);
-    return lists_;
-  }
-
- private:
-  static constexpr Tick kNever = 1'000'000'000;
-
-  static ros::RosNetwork NetworkIn(std::uint32_t domain) {
-    ros::RosNetwork network = TestRosNetwork();
-    network.domain = domain;
-    return network;
-  }
-  void Notify() {
-    const std::lock_guard lock(mutex_);
-    arrived_ = true;
-    wake_.notify_one();
-  }
-  static ros::TwistMessage CommandFor(const ros::LaserScan& scan) {
-    const auto ranges = dds::Elements(scan.ranges);
-    double right = 0.0;
-    double left = 0.0;
-    double ahead = 8.0;
-    const std::size_t count = ranges.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      const double range = std::min<double>(ranges[i], 8.0);
-      (2 * i < count ? right : left) += range;
-      if (3 * i >= count && 3 * i < 2 * count) ahead = std::min(ahead, range);
-    }
-    ros::TwistMessage twist{};
-    twist.linear.x = ahead > 0.7 ? 0.4 : 0.0;
-    twist.angular.z = std::clamp((left - right) / 20.0, -1.0, 1.0) + (ahead > 0.7 ? 0.0 : 0.5);
-    return twist;
-  }
-
-  void Run() {
-    const ros::RosNode node = ros::MakeNode(participant_, "/", options_.name);
-    const auto notify = [this] { Notify(); };
-    ros::RosReader<ros::LaserScan> scans(node, options_.space + "/scan", ros::Stream(10), ros::Part::kOnlyReader,
-                                         notify);
-    ros::RosReader<ros::Header> ticks(node, "/world/tick", ros::Latched(), ros::Part::kOnlyReader, notify);
-    ros::RosWriter<ros::TwistMessage> commands(node, options_.space + "/cmd_vel", ros::Stream(10));
-    ros::RosWriter<ros::Header> answers(node, "/world/tick_done", ros::Stream(10));
-    participant_.Announce();
-    std::mt19937 random(options_.seed);
-    std::optional<Tick> scanned;
-    ros::TwistMessage command{};
-    std::optional<Tick> shown;
-    std::optional<ros::Time> stamp;
-    bool has_scan = false;
-    std::optional<Tick> done;  // by this node
-    auto commanded_at = std::chrono::steady_clock::now();
-    while (!stop_) {
-      {
-        std::unique_lock lock(mutex_);
-        wake_.wait_for(lock, milliseconds(200), [this] { return arrived_ || stop_; });
-        arrived_ = false;
-      }
-      scans.Drain([&](const ros::LaserScan& scan) {
-        scanned = TickOf(scan.header.stamp);
-        command = CommandFor(scan);
-      });
-      ticks.Drain([&](const ros::Header& tick) {
-        shown = TickOf(tick.stamp);
-        stamp = tick.stamp;
-        const std::lock_guard lock(mutex_);
-        lists_ = dds::Text(tick.frame_id);
-        has_scan = (" " + lists_).find(" " + options_.space + "/scan:") != std::string::npos;
-        if (done == shown) done.reset();  // the tick again: it is answered again
-      });
-      if (!commands.wanted()) continue;
-      if (options_.way == Way::kTopic) {
-        if (!scanned) continue;
-        // The first one may be lost while the endpoints discover each other.
-        const bool repeats = std::chrono::steady_clock::now() - commanded_at > milliseconds(1000);
-        if (done == scanned && !repeats) continue;
-        if (*scanned >= halt_at_) continue;
-        if (done != scanned) Delay(random);
-        commands.Write(command);
-        commanded_at = std::chrono::steady_clock::now();
-        done = scanned;
-        answered_ = *done;
-        continue;
-      }
-      if (!answers.wanted() || !shown || done == shown || *shown >= halt_at_) continue;
-      if (scanned != shown && (has_scan || !done)) continue;  // of the first tick the scan is repeated for this node
-      Delay(random);
-      if (is_wrong_) SendWrong(answers, *shown);
-      if (scanned == shown) commands.Write(command);
-      Answer(answers, options_.name, *stamp);
-      if (is_wrong_) Answer(answers, options_.name, *stamp);
-      done = shown;
-      answered_ = *done;
-    }
-  }
-  void Delay(std::mt19937& random) const {
-    if (options_.most_delay == 0) return;
-    std::this_thread::sleep_for(milliseconds(std::uniform_int_distribution<int>(0, options_.most_delay)(random)));
-  }
-  static void Answer(ros::RosWriter<ros::Header>& answers, const std::string& name, const ros::Time& stamp) {
-    dds::WireArena arena;
-    ros::Header header{};
-    header.stamp = stamp;
-    header.frame_id = arena.Copy(name);
-    answers.Write(header);
-  }
-  void SendWrong(ros::RosWriter<ros::Header>& answers, Tick tick) const {
-    const auto stamp_of = [](Tick of) {
-      return ros::Time{static_cast<std::int32_t>(of / 10), static_cast<std::uint32_t>(of % 10) * 100'000'000};
-    };
-    Answer(answers, options_.name, stamp_of(tick + 1));
-    if (tick > 0) Answer(answers, options_.name, stamp_of(tick - 1));
-    Answer(answers, options_.name, {-7, 4'000'000'000U});
-    Answer(answers, "", stamp_of(tick));
-    Answer(answers, std::string(300, '\x01'), stamp_of(tick));
-  }
-
-  const NodeOptions options_;
-  ros::RosParticipant participant_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool arrived_ = true;
-  std::string lists_;
-  std::atomic<bool> stop_ = false;
-  std::atomic<bool> is_wrong_ = false;
-  std::atomic<Tick> halt_at_ = kNever;
-  std::atomic<Tick> answered_ = 0;
-  std::thread thread_;
-};
 
 class RosLockstepTest : public testing::Test {
  protected:
@@ -207,7 +48,7 @@ class RosLockstepTest : public testing::Test {
   // The hashes of a run with the driver.
   std::string HashesOf(const NodeOptions& node, const std::vector<std::string>& more) {
     const std::string prefix = std::to_string(runs_++) + "-";
-    Driver driver(node);
+    LockstepNode driver(node);
     OutputOf(RunPen(Arguments(prefix, more)));
     return folder_.Read(prefix + "hashes");
   }
@@ -247,7 +88,7 @@ TEST_F(RosLockstepTest, RunsRepeatAtAnySpeedHoweverSlowTheNodeIs) {
 
 TEST_F(RosLockstepTest, AnswersToOtherTicksTwiceOrWithoutSenseCountForNone) {
   const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
-  Driver driver({});
+  LockstepNode driver({});
   driver.SendWrongAnswers();
   Program run = RunPen(Arguments("wrong-", {"--ros-lockstep", "driver"}));
   const std::string output = OutputOf(std::move(run));
@@ -256,7 +97,7 @@ TEST_F(RosLockstepTest, AnswersToOtherTicksTwiceOrWithoutSenseCountForNone) {
 }
 
 TEST_F(RosLockstepTest, ASilentNodeIsNamedAndEndsTheRunAtTheLimit) {
-  Driver driver({});
+  LockstepNode driver({});
   driver.HaltAt(20);
   Program run = RunPen(
       Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 1.5 --summary %", {folder_.Path("summary")})));
@@ -265,7 +106,7 @@ TEST_F(RosLockstepTest, ASilentNodeIsNamedAndEndsTheRunAtTheLimit) {
 }
 
 TEST_F(RosLockstepTest, ARunContinuesWithoutASilentNodeIfAskedUntilItReturns) {
-  Driver driver({});
+  LockstepNode driver({});
   driver.HaltAt(20);
   Program run = RunPen(Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 0.5 --ros-lockstep-at-limit "
                                            "continue --ticks 100000 --speed 20")));
@@ -279,7 +120,7 @@ TEST_F(RosLockstepTest, TheFirstAnswerHasNoLimitAndTheStatusNamesTheNode) {
   Program run = RunPen(
       Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 0.2 --summary %", {folder_.Path("summary")})));
   run.WaitForLine("waiting for driver");
-  const Driver driver({});
+  const LockstepNode driver({});
   EXPECT_EQ(run.Wait(), 0) << run.output();
   const auto summary = nlohmann::json::parse(folder_.Read("summary"));
   ASSERT_EQ(summary["ros_lockstep"].size(), 1u);
@@ -288,7 +129,7 @@ TEST_F(RosLockstepTest, TheFirstAnswerHasNoLimitAndTheStatusNamesTheNode) {
 }
 
 TEST_F(RosLockstepTest, StepsEndWhenTheNodeHasAnsweredTheirLastTick) {
-  Driver driver({});
+  LockstepNode driver({});
   driver.HaltAt(5);
   Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--paused", "--ros-lockstep-limit", "0"}));
   EXPECT_TRUE(Call(ControlCommand::kStep, 4).done);
@@ -307,7 +148,7 @@ TEST_F(RosLockstepTest, StepsEndWhenTheNodeHasAnsweredTheirLastTick) {
 }
 
 TEST_F(RosLockstepTest, EditsAreExecutedWhileATickWaits) {
-  Driver driver({});
+  LockstepNode driver({});
   driver.HaltAt(10);
   Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0", "--ticks", "100000"}));
   EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 10; }));
@@ -332,7 +173,7 @@ TEST_F(RosLockstepTest, ATickWaitsForATopicOfAnyTypeAndTellsOfItsMessages) {
   const ros::RosNode node = ros::MakeNode(participant, "/", "planner");
   ros::RosWriter<ros::Clock> plans(node, "/plan", ros::Stream(1));  // of a type that no agent reads
   participant.Announce();
-  Driver driver({});
+  LockstepNode driver({});
   Program run = RunPen(Arguments("", {"--ros-lockstep", "driver,/plan", "--ros-lockstep-limit", "0"}));
   for (Tick tick = 0; tick <= 2; ++tick) {
     EXPECT_TRUE(Eventually([&] { return driver.answered() == tick && Call(ControlCommand::kStatus).tick == tick; }));
@@ -357,7 +198,7 @@ TEST_F(RosLockstepTest, ARunWithAKilledServiceRepeatsAndReplays) {
   for (const Way way : {Way::kProtocol, Way::kTopic}) {
     const std::string prefix = way == Way::kTopic ? "topic-" : "protocol-";
     const std::string recording = folder_.Path(prefix + "run.mcap");
-    Driver driver({.way = way});
+    LockstepNode driver({.way = way});
     Program run = RunPen(Arguments(prefix, Words("--speed 10 --lease 1 --record % --ros-lockstep %",
                                                  {recording, way == Way::kTopic ? "/r0/cmd_vel" : "driver"})));
     ASSERT_TRUE(Eventually([&] { return driver.answered() >= 20; }));
@@ -376,13 +217,181 @@ TEST_F(RosLockstepTest, ARobotInADomainOfItsOwnHasItsOwnTicks) {
       << domain << R"(, "ros_lockstep": ["~/cmd_vel"]}]})";
   std::string hashes;
   for (const int delay : {0, 10}) {
-    Driver of_run({.name = "driver", .space = "/r1", .most_delay = delay, .seed = 8});
-    Driver of_robot({.way = Way::kTopic, .space = "", .most_delay = delay, .seed = 9, .domain = domain});
+    LockstepNode of_run({.name = "driver", .space = "/r1", .most_delay = delay, .seed = 8});
+    LockstepNode of_robot({.way = Way::kTopic, .space = "", .most_delay = delay, .seed = 9, .domain = domain});
     OutputOf(Troupe(Words("run % --headless --domain % --hash-log % --ros-interface lo --ros-domain %",
                           {folder_.Path("own.json"), std::to_string(TestDomain()), folder_.Path("hashes"),
                            std::to_string(TestRosNetwork().domain)})));
     if (hashes.empty()) hashes = folder_.Read("hashes");
     EXPECT_EQ(folder_.Read("hashes"), hashes);
+  }
+}
+
+// A node in a process of its own, which the test kills: this program again, with this test alone.
+TEST(RosLockstepNode, DISABLED_RunsUntilItIsKilled) {
+  const char* const domain = std::getenv("LOCKSTEP_DOMAIN");
+  ASSERT_NE(domain, nullptr);
+  const LockstepNode driver({.domain = static_cast<std::uint32_t>(std::stoul(domain))});
+  for (;;) pause();
+}
+
+Program NodeProcess() {
+  return Program({"/usr/bin/env", "LOCKSTEP_DOMAIN=" + std::to_string(TestRosNetwork().domain),
+                  std::filesystem::read_symlink("/proc/self/exe").string(), "--gtest_also_run_disabled_tests",
+                  "--gtest_filter=RosLockstepNode.DISABLED_RunsUntilItIsKilled"});
+}
+
+TEST_F(RosLockstepTest, ATickWaitsForTheSuccessorOfANodeThatIsKilled) {
+  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  std::optional<Program> node(NodeProcess());
+  Program run =
+      RunPen(Arguments("killed-", {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0", "--speed", "10"}));
+  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick >= 10; }));
+  node->Signal(SIGKILL);
+  node->Wait();
+  run.WaitForLine("waiting for driver");
+  const Tick waiting = Call(ControlCommand::kStatus).tick;
+  ASSERT_LT(waiting, 60u);
+  EXPECT_EQ(Call(ControlCommand::kStatus).tick, waiting);
+  const LockstepNode successor({});
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_EQ(folder_.Read("killed-hashes"), reference);
+}
+
+TEST_F(RosLockstepTest, RewoundTicksWaitAgainAndRepeat) {
+  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  LockstepNode driver({});
+  driver.HaltAt(30);
+  Program run = RunPen(Arguments(
+      "rewound-", Words("--ros-lockstep driver --ros-lockstep-limit 0 --record %", {folder_.Path("rewound.mcap")})));
+  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 30; }));
+  const std::size_t answers = driver.answers();
+  EXPECT_TRUE(Call({.command = ControlCommand::kRewind, .ticks = 12}).done);
+  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 30; }));
+  EXPECT_GE(driver.answers(), answers + 18);
+  driver.Continue();
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  const auto end_of = [](const std::string& hashes) { return hashes.substr(hashes.rfind('\n', hashes.size() - 2)); };
+  EXPECT_EQ(end_of(folder_.Read("rewound-hashes")), end_of(reference));
+}
+
+TEST_F(RosLockstepTest, ARunAtThePaceOfRealTimeKeepsItWhileNodesAnswerInTime) {
+  const LockstepNode driver({});
+  Program run =
+      RunPen(Arguments("", Words("--ros-lockstep driver --speed 1 --ticks 30 --summary %", {folder_.Path("summary")})));
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  const auto summary = nlohmann::json::parse(folder_.Read("summary"));
+  EXPECT_GE(summary["wall_seconds"], 2.9);
+}
+
+TEST_F(RosLockstepTest, ViewersSeeARunThatPlaysWhileItsTickWaits) {
+  LockstepNode driver({});
+  driver.HaltAt(10);
+  Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0"}));
+  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 10; }));
+  Program top = Troupe({"top", "--domain", std::to_string(TestDomain()), "--session", session_});
+  EXPECT_THAT(top.WaitForLine("tick 10"), HasSubstr(", playing, "));
+  EXPECT_THAT(top.WaitForLine("the tick waits for"), HasSubstr("driver"));
+  EXPECT_TRUE(Call(ControlCommand::kPause).done);
+  top.WaitForLine(", paused, tick 10");
+  EXPECT_TRUE(Call(ControlCommand::kPlay).done);
+  top.WaitForLineAfter(", paused, tick 10");
+  top.Signal(SIGINT);
+  driver.Continue();
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+}
+
+TEST_F(RosLockstepTest, ABranchWaitsForTheNodesOfItsScenario) {
+  const std::string scenario = folder_.Path("waits.json");
+  std::ofstream(scenario) << R"({"world": ")" << WorldPath("pen.world")
+                          << R"(", "ticks": 40, "ros": true, "ros_lockstep": ["driver"]})";
+  const std::vector<std::string> network =
+      Words("--headless --domain % --ros-interface lo --ros-domain %",
+            {std::to_string(TestDomain()), std::to_string(TestRosNetwork().domain)});
+  LockstepNode driver({});
+  OutputOf(Troupe(Words("run % --record % --hash-log %", {scenario, folder_.Path("run.mcap"), folder_.Path("hashes")}) +
+                  network));
+  driver.HaltAt(25);
+  Program branch = Troupe(Words("run % --from-tick 20 --ticks 40 --session %", {folder_.Path("run.mcap"), session_}) +
+                          Words("--hash-log %", {folder_.Path("branch-hashes")}) + network);
+  branch.WaitForLine("waiting for driver");
+  EXPECT_EQ(Call(ControlCommand::kStatus).tick, 25u);
+  driver.Continue();
+  EXPECT_EQ(branch.Wait(), 0) << branch.output();
+  const std::string hashes = folder_.Read("hashes");
+  const std::string of_branch = folder_.Read("branch-hashes");
+  EXPECT_EQ(of_branch.substr(of_branch.rfind('\n', of_branch.size() - 2)),
+            hashes.substr(hashes.rfind('\n', hashes.size() - 2)));
+}
+
+// Nodes that only answer, each with a thread and a participant of its own.
+class Answerer {
+ public:
+  explicit Answerer(std::string name)
+      : name_(std::move(name)), participant_(TestRosNetwork()), thread_([this] { Run(); }) {}
+  ~Answerer() {
+    stop_ = true;
+    thread_.join();
+  }
+  Answerer(const Answerer&) = delete;
+  Answerer& operator=(const Answerer&) = delete;
+
+ private:
+  void Run() {
+    const ros::RosNode node = ros::MakeNode(participant_, "/", name_);
+    std::mutex mutex;
+    std::condition_variable wake;
+    bool arrived = false;
+    ros::RosReader<ros::Header> ticks(node, "/world/tick", ros::Latched(), ros::Part::kOnlyReader, [&] {
+      const std::lock_guard lock(mutex);
+      arrived = true;
+      wake.notify_one();
+    });
+    ros::RosWriter<ros::Header> answers(node, "/world/tick_done", ros::Stream(10));
+    participant_.Announce();
+    std::optional<ros::Time> stamp;
+    while (!stop_) {
+      {
+        std::unique_lock lock(mutex);
+        wake.wait_for(lock, std::chrono::milliseconds(100), [&] { return std::exchange(arrived, false); });
+      }
+      ticks.Drain([&](const ros::Header& tick) { stamp = tick.stamp; });
+      if (!stamp || !answers.wanted()) continue;
+      dds::WireArena arena;
+      ros::Header header{};
+      header.stamp = *stamp;
+      header.frame_id = arena.Copy(name_);
+      answers.Write(header);
+      stamp.reset();
+    }
+  }
+
+  const std::string name_;
+  ros::RosParticipant participant_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+// The figures of docs/ros2-lockstep.md.
+TEST_F(RosLockstepTest, DISABLED_TicksPerSecond) {
+  for (const int count : {0, 1, 10, 50}) {
+    std::vector<std::unique_ptr<Answerer>> nodes;
+    std::string names;
+    for (int i = 0; i < count; ++i) {
+      nodes.push_back(std::make_unique<Answerer>("node" + std::to_string(i)));
+      names += (i == 0 ? "node" : ",node") + std::to_string(i);
+    }
+    std::vector<std::string> more = Words("--ticks 1000000 --speed max");
+    if (count > 0) more = more + std::vector<std::string>{"--ros-lockstep", names};
+    Program run = RunPen(Arguments("", more));
+    ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick > 20; }, 120.0));
+    const Tick from = Call(ControlCommand::kStatus).tick;
+    const auto began = std::chrono::steady_clock::now();
+    std::this_thread::sleep_for(std::chrono::seconds(5));
+    const Tick to = Call(ControlCommand::kStatus).tick;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    std::printf("%d nodes: %.0f ticks per second\n", count, static_cast<double>(to - from) / seconds);
+    run.Interrupt();
   }
 }
 
