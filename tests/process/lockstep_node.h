@@ -123,7 +123,7 @@ class LockstepNode {
         const std::lock_guard lock(mutex_);
         lists_ = dds::Text(tick.frame_id);
         has_scan = (" " + lists_).find(" " + options_.space + "/scan:") != std::string::npos;
-        if (done == shown) done.reset();  // the tick again: it is answered again
+        if (options_.way == Way::kProtocol && done == shown) done.reset();  // the tick again: it is answered again
       });
       if (!commands.wanted()) continue;
       if (options_.way == Way::kTopic) {
