@@ -11,6 +11,9 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/troupe DESTINATION ${CMAKE_INSTA
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Troupe)
 set(TROUPE_WORLDS_DIR ${CMAKE_INSTALL_DATADIR}/troupe/worlds)
+# Programs in the build folder find them as installed ones do (InstalledWorldsFolder).
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/troupe)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/worlds ${CMAKE_BINARY_DIR}/share/troupe/worlds SYMBOLIC)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/TroupeConfig.cmake.in
   ${CMAKE_BINARY_DIR}/package/TroupeConfig.cmake
   INSTALL_DESTINATION ${package_folder} PATH_VARS TROUPE_WORLDS_DIR)
@@ -44,7 +47,7 @@ function(troupe_manual_page program subcommand)
   set(pages ${pages} PARENT_SCOPE)
 endfunction()
 troupe_manual_page(troupe "")
-foreach(subcommand run replay check top view edit host snapshot ctl goto teleop export-map keys
+foreach(subcommand run replay test sweep export check top view edit host snapshot ctl goto teleop export-map keys
                    completions help)
   troupe_manual_page(troupe ${subcommand})
 endforeach()

@@ -34,6 +34,7 @@ if(TROUPE_SANITIZER)
     target_compile_options(troupe_options INTERFACE -fno-sanitize=null,object-size,alignment,vptr)
   endif()
   target_link_options(troupe_options INTERFACE -fsanitize=${TROUPE_SANITIZER})
+  target_compile_definitions(troupe_options INTERFACE TROUPE_SANITIZED)  # each compiler has a macro of its own
 endif()
 
 if(TROUPE_ONE_LINK)

@@ -154,7 +154,7 @@ void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& grou
       ->group(group);
   AddOverride(
       app, "--speed", overrides.speed, [](const std::string& text) { return ParseSpeed(text).value(); },
-      "Multiple of real time; max (default): as fast as possible")
+      "Multiple of real time; max: as fast as possible (default: the file's, else 1 with a viewer, max without)")
       ->check(SpeedValue())
       ->type_name("X|max")
       ->group(group);
@@ -172,6 +172,7 @@ std::vector<std::string> RunArguments(const RunOverrides& overrides) {
   if (overrides.ticks) arguments.push_back(fmt::format("--ticks={}", *overrides.ticks));
   if (overrides.mode) arguments.push_back("--mode=" + ToString(*overrides.mode));
   if (overrides.speed) arguments.push_back("--speed=" + ToString(*overrides.speed));
+  if (overrides.is_watched) arguments.emplace_back("--watched");
   if (overrides.on_agent_loss) arguments.push_back("--on-agent-loss=" + ToString(*overrides.on_agent_loss));
   if (overrides.robots_per_process) {
     arguments.push_back(fmt::format("--robots-per-process={}", *overrides.robots_per_process));
@@ -215,7 +216,10 @@ void AddHashLogFlag(CLI::App& app, std::string& hash_log, const std::string& gro
 }
 
 void AddPosesFlag(CLI::App& app, std::string& poses, const std::string& group) {
-  AddOutput(app, "--poses", poses, "Write CSV: tick,robot,x,y,z,heading,stalled (metres, radians)", group);
+  AddOutput(app, "--poses", poses,
+            "Write CSV: tick,robot,x,y,z,heading,stalled (metres, radians); in a world with objects or joints also "
+            "kind,position,mode,on",
+            group);
 }
 
 void AddRecordFlags(CLI::App& app, std::string& record, std::uint64_t& keyframe_interval, const std::string& group) {

@@ -30,6 +30,8 @@ int Main(int argc, const char* const* argv) {
   int exit_status = kExitDone;
   AddRunCommand(app, exit_status);
   AddReplayCommand(app, exit_status);
+  AddTestCommand(app, exit_status);
+  AddSweepCommand(app, exit_status);
   AddCheckCommand(app, exit_status);
   AddTopCommand(app, exit_status);
   AddCtlCommand(app, exit_status);
@@ -38,6 +40,7 @@ int Main(int argc, const char* const* argv) {
   AddViewCommand(app, exit_status);
   AddEditCommand(app, exit_status);
   AddSnapshotCommand(app, exit_status);
+  AddExportCommand(app, exit_status);
   AddExportMapCommand(app, exit_status);
   AddKeysCommand(app, exit_status);
   AddHostCommand(app, exit_status);

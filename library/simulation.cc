@@ -14,6 +14,7 @@
 #include "library/save_picture.h"
 #include "robot-agent/controller/create_controller.h"
 #include "robot-agent/robot/robot.h"
+#include "testing/expectations/tick_view.h"
 #include "troupe/event.h"
 #include "troupe/world_state.h"
 #include "world-service/core/step.h"
@@ -195,6 +196,18 @@ std::vector<std::optional<ModelId>> Simulation::HeldObjects(RobotId robot) const
 
 SensorReading Simulation::Measure(RobotId robot, std::size_t sensor) const {
   return impl_->now.robots[robot.index()]->Measure(sensor, state(), impl_->bodies);
+}
+
+TickView Simulation::View() const {
+  return {*impl_->now.scene, impl_->bodies, state(), events()};
+}
+
+Status Monitor::Push(const Simulation& simulation) {
+  return Push(simulation.View());
+}
+
+Status MetricMonitor::Push(const Simulation& simulation) {
+  return Push(simulation.View());
 }
 
 Status Simulation::Drive(RobotId robot, Command command) {

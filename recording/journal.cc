@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "recording/mcap/bytes.h"
+#include "recording/run_so_far.h"
 
 namespace troupe {
 namespace {
@@ -38,6 +39,7 @@ using mcap::ByteWriter;
 constexpr std::uint64_t kSegmentSize = std::uint64_t{1} << 20;  // bytes
 constexpr std::uint64_t kNoPause = std::numeric_limits<std::uint64_t>::max();
 constexpr double kNoSpeed = 0.0;
+constexpr int kReadAttempts = 3;                                // to read a journal that is being written
 constexpr std::size_t kRecordHead = 2 * sizeof(std::uint32_t);  // length and CRC of the content
 
 void AddRobots(ByteWriter& out, const std::vector<RobotId>& robots) {
@@ -81,8 +83,8 @@ bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands) {
 
 void AddProgress(ByteWriter& out, const RunProgress& progress) {
   // All members: a new one does not compile without a place here, and one in ReadProgress.
-  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands] =
-      progress;
+  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands,
+               first_number] = progress;
   out.Add(incarnation);
   out.Add(ticks_to_pause.value_or(kNoPause));
   out.Add(stalls);
@@ -92,6 +94,7 @@ void AddProgress(ByteWriter& out, const RunProgress& progress) {
   out.Add(static_cast<std::uint8_t>(speed_is_set));
   out.Add(std::bit_cast<std::uint64_t>(speed.value_or(kNoSpeed)));
   AddCommands(out, commands);
+  out.Add(first_number);
 }
 
 // False: it is damaged.
@@ -106,7 +109,9 @@ bool ReadProgress(ByteReader& in, RunProgress& progress) {
   progress.speed_is_set = in.Read<std::uint8_t>() != 0;
   const auto speed = std::bit_cast<double>(in.Read<std::uint64_t>());
   if (speed > kNoSpeed) progress.speed = speed;
-  return ReadCommands(in, progress.commands) && in.ok();
+  if (!ReadCommands(in, progress.commands)) return false;
+  progress.first_number = in.Read<std::uint64_t>();
+  return in.ok();
 }
 
 struct TailRecord {
@@ -181,11 +186,36 @@ Result<std::optional<Journal>> Journal::OpenToContinue(const JournalFiles& files
                                std::move(sink).value()});
 }
 
+// The writer may empty a file of the tail between the two readings: then the recording has more ticks than it had.
+Result<RunSoFar> RunSoFar::Read(const JournalFiles& files) {
+  for (int attempt = 0;; ++attempt) {
+    Result<Recording> recording = Recording::Open(files.recording, Recording::Ticks::kPerhapsNone);
+    if (!recording.ok()) return recording.error();
+    const Result<std::uint64_t> next = NextNumber(recording.value());
+    if (!next.ok()) return next.error();
+    Result<JournalTailContent> tail = ReadJournalTail(files, recording.value().run().run, next.value());
+    if (!tail.ok()) return tail.error();
+    const auto& last = tail.value().last_numbers;
+    const bool is_behind = tail.value().ticks.empty() && std::max(last[0], last[1]) >= next.value();
+    if (is_behind && attempt < kReadAttempts) continue;
+    const bool is_whole = !recording.value().damage();
+    return RunSoFar{std::move(recording).value(), std::move(tail.value().ticks), is_whole};
+  }
+}
+
 Result<bool> JournalReader::Next(RecordedTick& tick) {
   Result<bool> more = reader_.Next(tick);
   if (!more.ok() || more.value()) return more;
   if (next_in_tail_ == journal_.tail.size()) return false;
   tick = journal_.tail[next_in_tail_++];
+  return true;
+}
+
+Result<bool> RunReader::Next(RecordedTick& tick) {
+  Result<bool> more = reader_.Next(tick);
+  if (!more.ok() || more.value()) return more;
+  if (next_in_tail_ == tail_.size()) return false;
+  tick = tail_[next_in_tail_++];
   return true;
 }
 

@@ -35,7 +35,7 @@ Result<RunSettings> SettingsFromWire(const troupe_wire_RecordedRun& wire) {
   RunSettings settings;
   if (wire.ticks > 0) settings.ticks = wire.ticks;
   settings.mode = static_cast<Mode>(wire.mode);
-  if (wire.speed > 0.0) settings.speed = wire.speed;
+  if (wire.speed > 0.0) settings.speed = settings.watched_speed = wire.speed;
   settings.on_agent_loss = static_cast<OnAgentLoss>(wire.on_agent_loss);
   settings.robots_per_process = wire.robots_per_process;
   settings.restart_agents = wire.restart_agents;

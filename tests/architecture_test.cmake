@@ -9,7 +9,8 @@ set(public_headers_of_common/bitmap bitmap dense_cover pixel_area rectangle_cove
 set(public_headers_of_common/model
   color event interval radio_limits radio_message robot_command sensor_description world_description world_state)
 set(public_headers_of_common/picture picture_options)
-foreach(folder common/base common/geometry common/bitmap common/model common/picture)
+set(public_headers_of_testing/expectations expectation)
+foreach(folder common/base common/geometry common/bitmap common/model common/picture testing/expectations)
   foreach(name IN LISTS public_headers_of_${folder})
     set(folder_of_include/troupe/${name}.h ${folder})
   endforeach()
@@ -128,10 +129,20 @@ set(may_include_include/troupe/controller.h
 set(may_include_include/troupe/simulation.h
   common/base common/geometry common/model common/picture include/troupe/controller.h include/troupe/sensor.h)
 
+# Expectations know a run by its ticks, wherever they come from.
+set(may_include_testing/expectations common/base common/geometry common/model common/sensing common/spatial)
+set(may_include_include/troupe/testing.h common/base testing/expectations include/troupe/simulation.h)
+
+# Cases of tests run on simulations.
+set(may_include_testing/cases
+  common/base common/geometry common/model robot-agent/controller include/troupe/simulation.h testing/expectations worldfile/models
+  worldfile/scenario worldfile/stage worldfile/text)
+set(may_include_testing/reports common/base common/model include/troupe/simulation.h testing/cases testing/expectations)
+
 # The library: the step and the robots in one process, without protocol or DDS.
 set(may_include_library
   common/base common/geometry common/model common/picture common/sensing common/spatial worldfile
-  include/troupe/simulation.h robot-agent/controller robot-agent/robot world-service/core)
+  include/troupe/simulation.h robot-agent/controller robot-agent/robot testing/expectations world-service/core)
 
 # The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.
 set(may_include_viewer/foxglove
@@ -143,8 +154,8 @@ set(may_include_viewer/gateway
 # The editor shows a file as if it were a paused run, and tests it by the library.
 set(may_include_viewer/editor
   common/base common/bitmap common/geometry common/image common/model transport/protocol common/spatial
-  worldfile/models worldfile/edit worldfile/scenario worldfile/stage worldfile/text
-  include/troupe/simulation.h robot-agent/controller robot-agent/drive viewer/gateway world-service/core)
+  worldfile/models worldfile/models/properties worldfile/models/types worldfile/edit worldfile/scenario worldfile/stage
+  worldfile/text include/troupe/simulation.h robot-agent/controller robot-agent/drive viewer/gateway world-service/core)
 
 set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts
@@ -155,14 +166,17 @@ set(may_include_launcher/supervise
   common/trace
   worldfile worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
   robot-agent/ros world-service/observers/recorder world-service/program world-service/service)
+set(may_include_launcher/export
+  common/base common/sensing common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove
+  world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)
 set(may_include_launcher/commands
   common/base command_line transport/dds/tools common/geometry common/model common/picture transport/protocol
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/models worldfile/scenario
-  worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/hosts launcher/process launcher/supervise library
-  robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
+  worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library
+  testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base command_line launcher/commands)
 
 # Outside transport/dds these files alone may include something of it, and of that nothing that shows DDS itself.
@@ -176,12 +190,12 @@ set(dds_headers_for_others
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders
   transport/dds/binding transport/dds/convert transport/dds/transport transport/dds/tools recording transport/wire
-  ros/messages ros/connection ros/link robot-agent/ros ros/participant ros/fast_dds world-service/observers/ros)
+  ros/messages ros/connection ros/link launcher/export robot-agent/ros ros/participant ros/fast_dds world-service/observers/ros)
 set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers/ros/ros_world_gateway.h)
 
 set(failures)
 set(patterns)
-foreach(top command_line common include launcher library recording robot-agent ros transport viewer/editor viewer/foxglove
+foreach(top command_line common include launcher library recording robot-agent ros testing transport viewer/editor viewer/foxglove
     viewer/gateway world-service worldfile)
   list(APPEND patterns ${ROOT}/${top}/*.h ${ROOT}/${top}/*.cc)
 endforeach()

@@ -55,7 +55,8 @@ Result<Speed> ParseSpeed(std::string_view text) {
 void RunOverrides::ApplyTo(RunSettings& settings) const {
   if (ticks) settings.ticks = ticks;
   Replace(settings.mode, mode);
-  Replace(settings.speed, speed);
+  if (speed) settings.speed = settings.watched_speed = *speed;
+  settings.is_watched = settings.is_watched || is_watched;
   Replace(settings.on_agent_loss, on_agent_loss);
   Replace(settings.robots_per_process, robots_per_process);
   Replace(settings.ros, ros);

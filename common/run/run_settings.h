@@ -52,19 +52,24 @@ struct RunSettings {
   std::optional<std::uint64_t> ticks;  // nothing: until stopped
   Mode mode = Mode::kLockstep;
   Speed speed;
+  Speed watched_speed = 1.0;  // instead of it if the run is watched
+  bool is_watched = false;    // a viewer shows the run
   OnAgentLoss on_agent_loss = OnAgentLoss::kFreeze;
   std::uint32_t robots_per_process = 1;
   std::uint32_t restart_agents = kDefaultRestartAgents;  // 0: none; none either with OnAgentLoss::kAbort
   double agent_deadline_seconds = 10.0;  // wall time that the barrier waits for a silent agent before it is lost
   bool ros = false;                      // publish the robots to ROS 2
   bool ros_infinite_ranges = true;       // there a ray of a scan without a hit reads +Inf (REP 117), else range_max
+
+  const Speed& pace() const { return is_watched ? watched_speed : speed; }
 };
 
 // Nothing: the setting keeps its value.
 struct RunOverrides {
   std::optional<std::uint64_t> ticks;
   std::optional<Mode> mode;
-  std::optional<Speed> speed;
+  std::optional<Speed> speed;  // whether the run is watched or not
+  bool is_watched = false;     // true replaces the setting
   std::optional<OnAgentLoss> on_agent_loss;
   std::optional<std::uint32_t> robots_per_process;
   std::optional<bool> ros;

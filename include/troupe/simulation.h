@@ -27,6 +27,8 @@
 
 namespace troupe {
 
+struct TickView;  // testing/expectations/tick_view.h
+
 struct SimulationOptions {
   std::optional<std::uint64_t> seed;      // of all random numbers; nothing: the file's
   std::optional<std::string> controller;  // for robots to which the file gives none; nothing: "idle"
@@ -98,6 +100,10 @@ class Simulation {
   // The reading of one of the robot's sensors, by its place in RobotInfo::sensors, in the present state. Whether it is
   // read changes nothing. REQUIRES: the sensor exists.
   SensorReading Measure(RobotId robot, std::size_t sensor) const;
+
+  // The present tick for monitors (expectation.h), which read it by Monitor::Push. Valid until the next Step or
+  // Restore.
+  TickView View() const;
 
   // Drives a robot from outside, from the next tick on. The motion of `command` replaces that of the robot's controller
   // until the next Drive or Release; the commands to grippers and joints are executed once, after the controller's. The

@@ -86,7 +86,12 @@ std::string DescribeObjects(const WorldDescription& world) {
 std::string DescribeSettings(const LoadedWorld& loaded) {
   const RunSettings& settings = loaded.settings;
   std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "without end";
-  std::string speed = settings.speed ? fmt::format("{} x real time", *settings.speed) : "as fast as possible";
+  const auto text = [](const Speed& speed) {
+    return speed ? fmt::format("{} x real time", *speed) : std::string("as fast as possible");
+  };
+  std::string speed = text(settings.speed);
+  if (settings.speed != settings.watched_speed)
+    speed += fmt::format(", {} with a viewer", text(settings.watched_speed));
   return fmt::format("run: {}, {} s a tick, seed {}, {}, {}, on_agent_loss {}, {} per process\n", ticks,
                      static_cast<double>(loaded.world.interval_ns) / 1e9, loaded.world.seed, ToString(settings.mode),
                      speed, ToString(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));

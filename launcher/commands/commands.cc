@@ -11,6 +11,7 @@
 #include <cstdio>
 
 #include "command_line/parse_command_line.h"
+#include "command_line/terminal.h"
 #include "transport/dds/tools/session_monitor.h"
 #include "transport/security/session_keys.h"
 #include "troupe/deterministic_math.h"
@@ -44,7 +45,7 @@ std::string CheckListen(const std::string& text) {
 }  // namespace
 
 int Fail(const Error& error) {
-  fmt::print(stderr, "{}\n", error.ToString());
+  fmt::print(stderr, "{}\n", StyledLine(error.ToString(), HasStyles(stderr)));
   return ExitStatusOf(error);
 }
 

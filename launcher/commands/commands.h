@@ -23,6 +23,8 @@ namespace troupe {
 // Each adds a command; running it sets `exit_status`.
 void AddRunCommand(CLI::App& app, int& exit_status);
 void AddReplayCommand(CLI::App& app, int& exit_status);
+void AddTestCommand(CLI::App& app, int& exit_status);
+void AddSweepCommand(CLI::App& app, int& exit_status);
 void AddCheckCommand(CLI::App& app, int& exit_status);
 void AddTopCommand(CLI::App& app, int& exit_status);
 void AddCtlCommand(CLI::App& app, int& exit_status);
@@ -31,6 +33,7 @@ void AddTeleopCommand(CLI::App& app, int& exit_status);
 void AddViewCommand(CLI::App& app, int& exit_status);
 void AddEditCommand(CLI::App& app, int& exit_status);
 void AddSnapshotCommand(CLI::App& app, int& exit_status);
+void AddExportCommand(CLI::App& app, int& exit_status);
 void AddExportMapCommand(CLI::App& app, int& exit_status);
 void AddKeysCommand(CLI::App& app, int& exit_status);
 void AddHostCommand(CLI::App& app, int& exit_status);

@@ -56,6 +56,7 @@ CommandInfo Describe(CLI::App& command, const std::string& around) {
   CommandInfo info{around + command.get_name(), command.get_description(), {}, {}};
   for (CLI::App* app = &command; app != nullptr; app = app->get_fallthrough() ? app->get_parent() : nullptr) {
     for (CLI::Option* option : app->get_options()) {
+      if (option->get_group().empty()) continue;  // hidden: it is for programs
       if (app == &command || option->get_name() != "--help") info.options.push_back(Describe(*option));
     }
   }

@@ -72,7 +72,7 @@ void AddEditCommand(CLI::App& app, int& exit_status) {
       ->add_option(
           "--allow-files", options->allowed,
           "A file or folder that the edited text may name, beside the folders of FILE and of the files that it "
-          "names already; may be repeated")
+          "names already, and the installed models; may be repeated")
       ->check(NotEmpty())
       ->type_name("PATH")
       ->allow_extra_args(false);

@@ -28,6 +28,13 @@ constexpr Example kExamples[] = {
     {"run", "troupe run run.mcap --from-tick 300 --controller wander --headless --ticks 400", "branch off from it"},
     {"replay", "troupe replay run.mcap", "step it again, and compare every state"},
     {"replay", "troupe replay run.mcap --from 200 --to 300 --poses part.csv", "the poses of some ticks"},
+    {"test", "troupe test office.test.json", "the cases of a test, and what fails"},
+    {"test", "troupe test office.test.json --junit results.xml --report report",
+     "files for a build server, and a page"},
+    {"sweep", "troupe sweep office.test.json -o sweep", "its metrics as tables and plots"},
+    {"export", "troupe export run.mcap --format foxglove -o foxglove.mcap", "for Foxglove, Lichtblick and Rerun"},
+    {"export", "troupe export run.mcap --format ros2 -o bag", "for 'ros2 bag play bag'"},
+    {"export", "troupe export run.mcap --format csv -o tables", "for pandas and spreadsheets"},
     {"check", "troupe check office.world", "its map, models and robots, and warnings"},
     {"top", "troupe top --once", "one table of all running sessions"},
     {"ctl", "troupe ctl pause", "hold the only running session"},
@@ -49,11 +56,13 @@ constexpr Example kExamples[] = {
 constexpr const char* kEnvironmentAndStatus = R"(Environment:
   TROUPE_SESSION              Name of the session, where --session does not give it
   TROUPE_DOMAIN               DDS domain, where --domain does not give it
+  NO_COLOR                    Not empty: no colours, on a terminal neither
   STAGEPATH                   Folders, separated by colons, in which worlds look for files to include
   ROS_DOMAIN_ID               And the other variables of ROS 2, with --ros: defaults of its options
 
 Exit status:
   0                           Done
+  1                           Of 'test': an expectation failed
   2                           Bad input or usage; one line states the text found and the text expected
   3                           The run failed; one line states the reason
   130                         Stopped in order by Ctrl-C, SIGTERM or SIGHUP

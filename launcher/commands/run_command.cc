@@ -6,12 +6,14 @@
 #include <cstdio>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "command_line/terminal.h"
 #include "common/base/file.h"
 #include "common/base/print.h"
 #include "launcher/commands/check_command.h"
@@ -93,12 +95,19 @@ class MemoryObservation : public RunObservation {
   std::unique_ptr<ObserverEndpoint> endpoint_;
 };
 
-// The viewer of a run in this process: an observer that serves the page from the start of the run to its end, and
-// prints its address. Without a viewer, for want of a port, the run is the same.
+// The viewer of a run in this process: an observer that serves the page from the start of the run on, until it is
+// destroyed, and prints its address. Without a viewer, for want of a port, the run is the same.
 class InProcessViewer final : public RunObserver, private RunLink {
  public:
   // `session`: for the page. The transport outlives the run.
   InProcessViewer(Transport& transport, std::string session) : transport_(transport), session_(std::move(session)) {}
+
+  ~InProcessViewer() override {
+    if (gateway_ == nullptr) return;
+    for (int ms = 0; ms < kShowEndMilliseconds && !gateway_->HasShownEnd(); ms += kLookMilliseconds) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(kLookMilliseconds));
+    }
+  }
 
   Status OnBegin(const RunStart& start) override {
     control_ = &start.control;
@@ -111,21 +120,19 @@ class InProcessViewer final : public RunObserver, private RunLink {
       return {};
     }
     gateway_ = std::move(gateway).value();
-    fmt::print("viewer: {}\n", gateway_->Address());
+    fmt::print("{}\n", StyledLine("viewer: " + gateway_->Address(), HasStyles(stdout)));
     std::fflush(stdout);
     return {};
   }
 
   Status OnEnd() override {
-    if (gateway_ == nullptr) return {};
-    for (int ms = 0; ms < kShowEndMilliseconds && !gateway_->HasShownEnd(); ms += kLookMilliseconds) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(kLookMilliseconds));
-    }
-    gateway_.reset();
+    const std::lock_guard lock(control_mutex_);
+    control_ = nullptr;
     return {};
   }
 
  private:
+  bool follows_always() const override { return true; }
   Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override {
     return std::unique_ptr<RunObservation>(std::make_unique<MemoryObservation>(transport_, handler));
   }
@@ -134,14 +141,19 @@ class InProcessViewer final : public RunObserver, private RunLink {
     // The reply may come after the wait.
     auto promise = std::make_shared<std::promise<ControlReply>>();
     std::future<ControlReply> reply = promise->get_future();
-    control_->Request(request, [promise](const ControlReply& made) { promise->set_value(made); });
+    {
+      const std::lock_guard lock(control_mutex_);
+      if (control_ == nullptr) return Failure("the run has ended");
+      control_->Request(request, [promise](const ControlReply& made) { promise->set_value(made); });
+    }
     if (reply.wait_for(kLongestReply) != std::future_status::ready) return Failure("the run has not replied in time");
     return reply.get();
   }
 
   Transport& transport_;
   const std::string session_;
-  WorldControl* control_ = nullptr;
+  std::mutex control_mutex_;
+  WorldControl* control_ = nullptr;  // null: the run has not begun, or has ended
   std::unique_ptr<ViewerGateway> gateway_;
 };
 
@@ -166,16 +178,18 @@ int RunCommand(RunOptions options) {
   const MakeViewer make_viewer = [&options](Transport& transport) {
     return std::make_unique<InProcessViewer>(transport, options.network.session);
   };
-  const RunEnd end = options.in_process ? RunInProcess(options, make_viewer) : RunDistributed(options);
-  if (end.error) PrintPlain(stderr, "{}\n", end.error->ToString());
-  if (!end.outcome) return end.exit_status;
-  fmt::print("{}", SummaryText(*end.outcome));
-  std::fflush(stdout);
-  if (!options.summary.empty()) {
-    const Status status = WriteWholeFile(options.summary, SummaryJson(*end.outcome) + "\n");
-    if (!status.ok()) return Fail(status.error());
-  }
-  return end.exit_status;
+  const ReportEnd report = [&options](const RunEnd& end) {
+    if (end.error) fmt::print(stderr, "{}\n", StyledLine(PlainLine(end.error->ToString()), HasStyles(stderr)));
+    if (!end.outcome) return end.exit_status;
+    fmt::print("{}", SummaryText(*end.outcome, {options.stats, HasStyles(stdout)}));
+    std::fflush(stdout);
+    if (!options.summary.empty()) {
+      const Status status = WriteWholeFile(options.summary, SummaryJson(*end.outcome) + "\n");
+      if (!status.ok()) return Fail(status.error());
+    }
+    return end.exit_status;
+  };
+  return options.in_process ? RunInProcess(options, make_viewer, report) : RunDistributed(options, report);
 }
 
 }  // namespace

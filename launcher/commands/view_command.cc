@@ -8,233 +8,74 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
+#include "command_line/terminal.h"
+#include "common/base/file.h"
 #include "common/base/print.h"
 #include "launcher/commands/commands.h"
+#include "launcher/commands/recorded_states.h"
 #include "launcher/process/process.h"
 #include "recording/recording.h"
+#include "recording/run_so_far.h"
 #include "transport/dds/tools/control_client.h"
 #include "transport/dds/tools/session_monitor.h"
 #include "transport/security/session_keys.h"
 #include "viewer/gateway/access.h"
 #include "viewer/gateway/past_states.h"
 #include "viewer/gateway/viewer_gateway.h"
-#include "world-service/replay/replayed_world.h"
-#include "world-service/replay/run_replay.h"
 
 namespace troupe {
 namespace {
 
-// RecordedStates: the states of a recording for the viewer. A state is stepped again from the keyframe before it; the
-// states in between are kept for some time, so that a recording plays backwards as well.
-//
-// Threads: At on one, the others on any.
-class RecordedStates final : public Recorded {
- public:
-  // Reads all ticks, but steps none. The recording outlives the states. The error is a recording of another version of
-  // the step, or one without a readable tick. `damage`: why the ticks end early; nothing: they do not.
-  static Result<std::unique_ptr<RecordedStates>> Create(const Recording& recording, std::optional<std::string>& damage);
-
-  std::optional<Range> range() const override { return Range{0, places_.size() - 1}; }
-  std::optional<std::uint64_t> PositionOf(Tick tick) const override;
-  Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override;
-  std::vector<NumberedEvent> Events() const override { return events_; }
-
- private:
-  struct Place {
-    Tick tick = 0;
-    std::uint64_t log_time = 0;
-    Edition edition = 0;
-  };
-
-  explicit RecordedStates(const Recording& recording) : recording_(recording) {}
-  std::optional<std::string> ReadPlaces();
-  // Brings the world to the last keyframe before a position, or to the start.
-  Status Restart(std::uint64_t position);
-  // Applies the next tick, and keeps its state.
-  Status Advance();
-  void Keep();
-  std::shared_ptr<const ViewedWorld> WorldOf(const std::shared_ptr<const Scene>& scene);
-
-  const Recording& recording_;
-  std::vector<Place> places_;  // by position; constant after Create, like the next
-  std::vector<NumberedEvent> events_;
-  bool has_edits_ = false;  // then the world is not the same in all states
-
-  std::optional<ReplayedWorld> world_;
-  std::optional<TickReader> reader_;
-  std::optional<std::uint64_t> position_;  // of world_; nothing: it has no state yet
-  RecordedTick tick_;
-  std::vector<std::shared_ptr<const ViewedWorld>> worlds_;  // all that were shown
-  std::weak_ptr<const Scene> newest_scene_;                 // of worlds_.back() or another one like it
-  std::shared_ptr<const ViewedWorld> newest_world_;
-  std::map<std::uint64_t, std::shared_ptr<const ViewedState>> kept_;  // by position
-  std::size_t kept_bytes_ = 0;
-};
-
-constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;
-// Stepping on is quicker than starting at a keyframe for at most this many states.
-constexpr std::uint64_t kStepOn = 100;
-
-Result<std::unique_ptr<RecordedStates>> RecordedStates::Create(const Recording& recording,
-                                                               std::optional<std::string>& damage) {
-  if (Status other = CheckStepVersion(recording); !other.ok()) return other.error();
-  std::unique_ptr<RecordedStates> states(new RecordedStates(recording));
-  damage = states->ReadPlaces();
-  if (!damage && recording.damage()) damage = recording.damage()->problem;
-  if (states->places_.empty()) {
-    return Error{{recording.name()}, fmt::format("found no tick: {}", damage.value_or("the recording is empty"))};
-  }
-  return states;
-}
-
-std::optional<std::string> RecordedStates::ReadPlaces() {
-  TickReader reader(recording_);
-  RecordedTick tick;
-  std::optional<ReplayedWorld> edited;
-  for (;;) {
-    const Result<bool> more = reader.Next(tick);
-    if (!more.ok()) return more.error().message;
-    if (!more.value()) return std::nullopt;
-    if (tick.edit && events_.size() < kEventsKept) {
-      if (!edited) edited.emplace(recording_);
-      if (Status problem = edited->ApplyAlone(tick.number, *tick.edit); !problem.ok()) return problem.error().message;
-    }
-    const WorldDescription& world = edited ? edited->world() : recording_.run().world;
-    for (const Event& event : tick.events) {
-      if (events_.size() < kEventsKept) {
-        events_.push_back({events_.size() + 1, places_.size(), event, NamesIn(world, event)});
-      }
-    }
-    has_edits_ = has_edits_ || tick.edit.has_value();
-    places_.push_back({tick.tick, tick.log_time, tick.edition});
-  }
-}
-
-std::optional<std::uint64_t> RecordedStates::PositionOf(Tick tick) const {
-  const auto found =
-      std::find_if(places_.rbegin(), places_.rend(), [&](const Place& place) { return place.tick == tick; });
-  if (found == places_.rend()) return std::nullopt;
-  return static_cast<std::uint64_t>(places_.rend() - found) - 1;
-}
-
-Result<std::shared_ptr<const ViewedState>> RecordedStates::At(std::uint64_t position) {
-  position = std::min<std::uint64_t>(position, places_.size() - 1);
-  if (const auto kept = kept_.find(position); kept != kept_.end()) return kept->second;
-  if (!position_ || *position_ > position || position - *position_ > kStepOn) {
-    if (Status failure = Restart(position); !failure.ok()) return failure.error();
-  }
-  while (!position_ || *position_ < position) {
-    if (Status failure = Advance(); !failure.ok()) {
-      position_.reset();
-      return Error{{recording_.name()}, failure.error().message};
-    }
-  }
-  return kept_.at(position);
-}
-
-Status RecordedStates::Restart(std::uint64_t position) {
-  position_.reset();
-  std::uint64_t log_time = places_[position].log_time;
-  for (;;) {
-    const std::optional<std::size_t> chunk = recording_.KeyframeBefore(log_time);
-    if (!chunk || *chunk == 0) break;
-    if (!world_ || has_edits_) {
-      Result<ReplayedWorld> world = ReplayedWorld::At(recording_, *chunk);
-      if (!world.ok()) return world.error();
-      world_.emplace(std::move(world).value());
-    }
-    reader_.emplace(recording_, *chunk);
-    const Result<bool> more = reader_->Next(tick_);
-    if (!more.ok()) return more.error();
-    if (more.value() && tick_.keyframe && tick_.number <= position) {
-      if (Status failure = world_->Restore(tick_); !failure.ok()) return failure;
-      position_ = tick_.number;
-      Keep();
-      return {};
-    }
-    // Edits take no time: the keyframe may follow the position.
-    if (log_time == 0) break;
-    --log_time;
-  }
-  world_.emplace(recording_);
-  reader_.emplace(recording_);
-  return {};
-}
-
-Status RecordedStates::Advance() {
-  const Result<bool> more = reader_->Next(tick_);
-  if (!more.ok()) return more.error();
-  if (!more.value()) return Error{{}, "found the end of the recording, expected another tick"};
-  if (Status problem = world_->Follow(tick_); !problem.ok()) {
-    return Error{{}, fmt::format("tick {}: {} (troupe replay tells more)", tick_.tick, problem.error().message)};
-  }
-  position_ = tick_.number;
-  Keep();
-  return {};
-}
-
-void RecordedStates::Keep() {
-  if (kept_.contains(*position_)) return;
-  auto state = std::make_shared<const ViewedState>(ViewedState{*position_, WorldOf(world_->scene()),
-                                                               std::make_shared<const WorldState>(world_->state()),
-                                                               world_->state_hash(), places_[*position_].edition});
-  kept_bytes_ += SizeOf(*state);
-  kept_.emplace(*position_, std::move(state));
-  // The farthest ones are dropped.
-  while (kept_bytes_ > kMostKeptBytes && kept_.size() > 1) {
-    const bool first = *position_ - kept_.begin()->first > kept_.rbegin()->first - *position_;
-    const auto dropped = first ? kept_.begin() : std::prev(kept_.end());
-    kept_bytes_ -= SizeOf(*dropped->second);
-    kept_.erase(dropped);
-  }
-}
-
-std::shared_ptr<const ViewedWorld> RecordedStates::WorldOf(const std::shared_ptr<const Scene>& scene) {
-  if (newest_world_ != nullptr && newest_scene_.lock() == scene) return newest_world_;
-  newest_scene_ = scene;
-  const auto same = std::find_if(worlds_.begin(), worlds_.end(),
-                                 [&](const auto& world) { return world->scene->world() == scene->world(); });
-  if (same == worlds_.end()) {
-    SessionMessage session;
-    session.run = recording_.run().run;
-    session.world = scene->world();
-    worlds_.push_back(MakeViewedWorld(session, static_cast<std::uint32_t>(worlds_.size() + 1)));
-    newest_world_ = worlds_.back();
-  } else {
-    newest_world_ = *same;
-  }
-  return newest_world_;
-}
-
 constexpr double kReplySeconds = 10.0;
 constexpr int kEndMilliseconds = 300;
 constexpr int kPollMilliseconds = 10;
-constexpr int kNiceness = 10;  // where processors are short, the run goes first
+constexpr std::size_t kLargestRecording = std::size_t{1} << 30;  // bytes that are sent to a page
+constexpr int kNiceness = 10;                                    // where processors are short, the run goes first
 
 struct ViewOptions {
   NetworkSettings network;  // session empty: the only one
   std::string file;         // of a recording; empty: a live run
   std::string listen;       // text for ParseListen; empty: the default
+  std::optional<JournalFiles> journal;
+  std::vector<std::string> run_command;  // for the page
   bool view_only = false;
 };
 
 // A run over DDS, as an observer and an operator of its session.
 class DdsRunLink : public RunLink {
  public:
-  explicit DdsRunLink(const NetworkSettings& network) : network_(network), control_(network) {}
+  DdsRunLink(const NetworkSettings& network, std::optional<JournalFiles> journal)
+      : network_(network), journal_(std::move(journal)), control_(network) {}
+
+  bool follows_always() const override { return !journal_; }
+  // A run that has not begun has none.
+  std::shared_ptr<Recorded> ReadJournal(WorldShelf& shelf) override {
+    if (!journal_) return nullptr;
+    Result<RunSoFar> run = RunSoFar::Read(*journal_);
+    if (!run.ok()) return nullptr;
+    Result<std::unique_ptr<RecordedStates>> states = RecordedStates::Create(std::move(run).value(), shelf);
+    return states.ok() ? std::move(states).value() : nullptr;
+  }
 
   Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override {
     Result<std::unique_ptr<SessionObserver>> observer = ObserveSession(network_, handler);
     if (!observer.ok()) return observer.error();
     return std::unique_ptr<RunObservation>(std::make_unique<SessionObservation>(std::move(observer).value()));
+  }
+
+  bool has_recording() const override { return journal_.has_value(); }
+  std::optional<std::string> ReadRecording() override {
+    if (!journal_) return std::nullopt;
+    Result<std::string> bytes = ReadWholeFile(journal_->recording, kLargestRecording);
+    return bytes.ok() ? std::optional(std::move(bytes).value()) : std::nullopt;
   }
 
   Result<ControlReply> Ask(const ControlRequest& request) override {
@@ -253,6 +94,7 @@ class DdsRunLink : public RunLink {
   };
 
   const NetworkSettings network_;
+  const std::optional<JournalFiles> journal_;
   ControlClient control_;
 };
 
@@ -278,7 +120,7 @@ ViewerGatewayOptions OptionsOfGateway(const ViewOptions& options) {
 
 int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, SignalWatch& signals) {
   if (!gateway.ok()) return Fail(gateway.error());
-  fmt::print("viewer: {}\n", gateway.value()->Address());
+  fmt::print("{}\n", StyledLine("viewer: " + gateway.value()->Address(), HasStyles(stdout)));
   std::fflush(stdout);
   pollfd waited = {signals.descriptor(), POLLIN, 0};
   while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
@@ -290,19 +132,22 @@ int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, Sig
 }
 
 int ServeRun(const ViewOptions& options, SignalWatch& signals) {
-  DdsRunLink link(options.network);
+  DdsRunLink link(options.network, options.journal);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
   gateway_options.session = options.network.session;
   gateway_options.token = TokenOf(options.network);
+  gateway_options.command = options.run_command;
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, link), signals);
 }
 
 int ServeRecording(const ViewOptions& options, SignalWatch& signals) {
-  const Result<Recording> recording = Recording::Open(options.file);
+  Result<Recording> recording = Recording::Open(options.file);
   if (!recording.ok()) return Fail(recording.error());
-  std::optional<std::string> damage;
-  const Result<std::unique_ptr<RecordedStates>> states = RecordedStates::Create(recording.value(), damage);
+  WorldShelf shelf;
+  const Result<std::unique_ptr<RecordedStates>> states =
+      RecordedStates::Create({std::move(recording).value(), {}, true}, shelf);
   if (!states.ok()) return Fail(states.error());
+  const std::optional<std::string>& damage = states.value()->damage();
   if (damage) PrintPlain(stderr, "{}: warning: {}; it is shown up to there\n", options.file, *damage);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
   gateway_options.session = std::filesystem::path(options.file).filename().string();
@@ -337,6 +182,36 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
       ->check(CLI::Validator(
           [](std::string& text) { return IsRecordingPath(text) ? std::string() : SessionName()(text); }, ""));
   AddListenOption(*command, options->listen);
+  command
+      ->add_option_function<std::string>(
+          "--journal", [options](const std::string& file) { options->journal = JournalFiles::Of(file); },
+          "Journal of the run, as of troupe run --journal: for its past from its start")
+      ->check(NotEmpty())
+      ->type_name("FILE");
+  // The option of a launcher, whose journals have no names.
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--journal-tail",
+          [options](const std::vector<std::string>& files) {
+            options->journal->tail = {files[0], files[1]};
+          },
+          "")
+      ->expected(2)
+      ->needs("--journal")
+      ->group("");
+  // Of a launcher, too: the words of its command, as JSON.
+  command
+      ->add_option_function<std::string>(
+          "--run-command",
+          [options](const std::string& text) {
+            const nlohmann::json words = nlohmann::json::parse(text, nullptr, false);
+            if (!words.is_array()) return;
+            for (const nlohmann::json& word : words) {
+              if (word.is_string()) options->run_command.push_back(word.get<std::string>());
+            }
+          },
+          "")
+      ->group("");
   command->add_flag("--view-only", options->view_only, "Refuse requests that change the run");
   AddToolNetworkFlags(*command, options->network);
   command->final_callback([options, &exit_status] { exit_status = ViewCommand(*options); });

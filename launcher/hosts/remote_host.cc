@@ -215,6 +215,8 @@ void RemoteHost::ApplyMessage(const std::string& line) try {
     if (message.contains("error")) fetch_->error = message["error"];
     fetch_->complete = message.contains("end") || message.contains("error");
   }
+} catch (const std::bad_alloc&) {
+  throw;
 } catch (const std::exception&) {
   output_.push_back(line);
 }

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
@@ -44,11 +46,21 @@ double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
+// The words of the command line of this process, as JSON.
+std::string OwnCommandLine() {
+  std::ifstream file("/proc/self/cmdline");
+  nlohmann::json words = nlohmann::json::array();
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  return words.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
 // `troupe view` as a process of its own, on the launcher's host.
 class ViewerProcess {
  public:
-  // `service_address` is "host:port". The error is for people; without a viewer the run is the same.
-  Status Start(Host& host, const RunOptions& options, const std::string& service_address, const RunKeys& keys);
+  // `service_address` is "host:port", `journal` its options for that. The error is for people; without a viewer the run
+  // is the same.
+  Status Start(Host& host, const RunOptions& options, const std::string& service_address, const RunKeys& keys,
+               const std::vector<std::string>& journal);
 
   // Checks for its end. The error, once, is an end that was not asked for.
   Status Poll();
@@ -63,14 +75,16 @@ class ViewerProcess {
 };
 
 Status ViewerProcess::Start(Host& host, const RunOptions& options, const std::string& service_address,
-                            const RunKeys& keys) {
+                            const RunKeys& keys, const std::vector<std::string>& journal) {
   const NetworkSettings& network = options.network;
-  const std::vector<std::string> arguments = {"view",
-                                              network.session,
-                                              "--domain=" + std::to_string(network.domain),
-                                              "--interface=" + network.network_interface,
-                                              "--service=" + service_address,
-                                              "--security=" + keys.ForTools()};
+  std::vector<std::string> arguments = {"view",
+                                        network.session,
+                                        "--domain=" + std::to_string(network.domain),
+                                        "--interface=" + network.network_interface,
+                                        "--service=" + service_address,
+                                        "--security=" + keys.ForTools(),
+                                        "--run-command=" + OwnCommandLine()};
+  arguments.insert(arguments.end(), journal.begin(), journal.end());
   Result<std::unique_ptr<Child>> process = host.Start("troupe", arguments, false);
   if (!process.ok()) return process.error();
   process_ = std::move(process).value();
@@ -97,15 +111,17 @@ class DistributedRun {
   explicit DistributedRun(const RunOptions& options)
       : options_(options), hosts_(options_), service_(options_, hosts_), agents_(options_, keys_) {}
 
-  RunEnd Run();
+  int Run(const ReportEnd& report);
 
  private:
+  RunEnd Supervise();
   // Changes to the network profile `unicast` on a network that does not pass multicast on.
   void ChooseNetworkProfile();
   void SuperviseUntilServiceEnds();
   void StartViewer();
   Status StartRosProgram(const ReadyReport& ready);
   void AwaitProcesses();
+  void StopViewer();
   // Waits for events, at most until kill_at_, and reacts to them.
   void ProcessEvents();
   void WaitForEvents();
@@ -124,6 +140,7 @@ class DistributedRun {
   void ReactToEnd(const AgentProcess& agent);
   void ReactToLoss(Host& host, const Error& loss);
   void ReconnectHosts();
+  void NoteIncompleteFiles(const AgentProcess& agent);
   void TellRestartCommand(const AgentProcess& agent, const std::string& reason);
   void RestartAgents();
   void RestartAgent(std::size_t number);
@@ -189,6 +206,7 @@ void DistributedRun::ProcessEvents() {
   WaitForEvents();
   const bool second_request = signals_.stop_requested();
   if (signals_.ReadStopRequest()) {
+    progress_.OnStopRequest();
     if (second_request) kill_at_ = Clock::now();
     Stop();
   }
@@ -306,8 +324,8 @@ void DistributedRun::ReactToReturn(const ReadyReport& ready) {
 // Without a viewer the run is the same.
 void DistributedRun::StartViewer() {
   if (options_.headless) return;
-  const Status started =
-      viewer_.Start(*hosts_.all().front(), options_, hosts_.ServiceAddress(service_ports_.front()), keys_);
+  const Status started = viewer_.Start(*hosts_.all().front(), options_, hosts_.ServiceAddress(service_ports_.front()),
+                                       keys_, service_.JournalOptions());
   if (!started.ok()) progress_.Tell("cannot start the viewer: " + started.error().message);
 }
 
@@ -358,6 +376,7 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
   if (end.exit_code == kExitOutputFailed) {
     return Fail(FailedRun(output_failure_.value_or(Failure("an agent cannot write its output files"))));
   }
+  if (!end.ok() && summary_ && !failed()) return NoteIncompleteFiles(agent);
   if (end.ok() || kill_at_ || summary_ || !goes_on()) return;
   const std::string& host = agent.host->name();
   if (hosts_.is_lost(*agent.host)) {
@@ -388,6 +407,21 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
   } else {
     Fail({end.exit_code, std::nullopt, std::nullopt});
   }
+}
+
+// All of a run that ended in order is written, but not the last scans of an agent that died then. An agent that the run
+// has lost before is in its summary.
+void DistributedRun::NoteIncompleteFiles(const AgentProcess& agent) {
+  const auto is_lost = [&](const std::string& robot) {
+    return std::find(summary_->lost.begin(), summary_->lost.end(), robot) != summary_->lost.end();
+  };
+  if (options_.scans.empty() || std::all_of(agent.robots.begin(), agent.robots.end(), is_lost)) return;
+  if (hosts_.is_lost(*agent.host) || output_failure_) return;
+  output_failure_ =
+      Error{{options_.scans},
+            fmt::format("the last scans of {} are missing: the agent (process {}) {}", fmt::join(agent.robots, ", "),
+                        agent.process->pid(), agent.process->end()->ToString()),
+            ErrorCode::kFailure};
 }
 
 void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::string& reason) {
@@ -499,9 +533,8 @@ void DistributedRun::SuperviseUntilServiceEnds() {
 void DistributedRun::AwaitProcesses() {
   // After an orderly end of the service the agents leave by themselves, once they have written their files.
   if (!summary_) agents_.Signal(SIGTERM);
-  viewer_.Stop();
   kill_at_ = Clock::now() + kLeaveTimeout;
-  while (!agents_.all_ended() || viewer_.running()) ProcessEvents();
+  while (!agents_.all_ended()) ProcessEvents();
   ros_program_.reset();  // after the agents, whose last samples it passes on
   PrintOutput();
 }
@@ -565,7 +598,26 @@ RunEnd DistributedRun::End() {
   return {end_.exit_status, std::move(outcome), std::nullopt};
 }
 
-RunEnd DistributedRun::Run() {
+void DistributedRun::StopViewer() {
+  viewer_.Stop();
+  kill_at_ = Clock::now() + kLeaveTimeout;
+  while (viewer_.running()) ProcessEvents();
+  PrintOutput();
+}
+
+int DistributedRun::Run(const ReportEnd& report) {
+  const RunEnd end = Supervise();
+  const bool stays_open = viewer_.running() && StaysOpen(options_, end);
+  if (!stays_open) StopViewer();
+  progress_.End();
+  const int exit_status = report(end);
+  if (!stays_open) return exit_status;
+  AwaitStopOfViewer(signals_, progress_);
+  StopViewer();
+  return exit_status;
+}
+
+RunEnd DistributedRun::Supervise() {
   if (const Status status = hosts_.Connect(signals_); !status.ok()) {
     RunEnd end = FailedRun(status.error());
     if (signals_.stop_requested()) end.exit_status = kExitInterrupted;
@@ -584,9 +636,20 @@ RunEnd DistributedRun::Run() {
 
 }  // namespace
 
-RunEnd RunDistributed(const RunOptions& options) {
+int RunDistributed(const RunOptions& options, const ReportEnd& report) {
   signal(SIGPIPE, SIG_IGN);  // a connection to a host may be lost during a write
-  return DistributedRun(options).Run();
+  return DistributedRun(options).Run(report);
+}
+
+bool StaysOpen(const RunOptions& options, const RunEnd& end) {
+  return !options.headless && end.exit_status == kExitDone && Progress::IsInteractive();
+}
+
+void AwaitStopOfViewer(SignalWatch& signals, Progress& progress) {
+  progress.Tell("the run has ended; its page stays open until Ctrl-C");
+  pollfd waited = {signals.descriptor(), POLLIN, 0};
+  while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
+  progress.OnStopRequest();
 }
 
 }  // namespace troupe

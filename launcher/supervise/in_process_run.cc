@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "command_line/terminal.h"
 #include "common/base/or_failure.h"
 #include "common/base/print.h"
 #include "common/base/thread_pool.h"
@@ -146,6 +147,7 @@ void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop) {
   while (waited[1].revents == 0) {
     poll(waited.data(), waited.size(), -1);
     if (!signals.ReadStopRequest()) continue;
+    ClearLine();
     if (stop) std::_Exit(kExitInterrupted);
     stop = true;
   }
@@ -281,37 +283,43 @@ Error WithUsersFile(Error error, const std::vector<std::string>& parts, const st
 
 }  // namespace
 
-RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer) {
+int RunInProcess(const RunOptions& options, const MakeViewer& make_viewer, const ReportEnd& report) {
   RunSource source = SourceOf(options);
   TraceOptions agent_trace;
   OutputParts trace_parts(options.trace.file, "--trace");
   const auto trace_files = SplitTrace(options.trace, trace_parts, source.service.trace, agent_trace);
-  if (!trace_files.ok()) return FailedRun(trace_files.error());
+  if (!trace_files.ok()) return report(FailedRun(trace_files.error()));
   // Outlives the connections of the run to it, and so awaits its end.
   ros::HostProgram ros_program(options.ros.socket, options.ros.network, ros::HostProgram::AtEnd::kAwait,
                                [](const std::string& line) { PrintPlain(stderr, "{}\n", line); });
   Result<PreparedRun> prepared = PrepareRun(source);
-  if (!prepared.ok()) return FailedRun(prepared.error());
+  if (!prepared.ok()) return report(FailedRun(prepared.error()));
   AgentOptions agent = MakeAgentOptions(options, prepared.value().options);
   agent.trace = agent_trace;
   SignalWatch signals;
   if (prepared.value().options.settings.ros) {
     const Status started = ros_program.Start();
-    if (!started.ok()) return FailedRun(started.error());
+    if (!started.ok()) return report(FailedRun(started.error()));
   }
   Result<RunObservers> observers = MakeObservers(prepared.value(), source);
-  if (!observers.ok()) return FailedRun(observers.error());
+  if (!observers.ok()) return report(FailedRun(observers.error()));
 
   InProcessRun run(prepared.value(), options.faults, std::move(agent), std::move(observers).value());
   if (!options.headless) run.AddViewer(make_viewer);
   const Result<RunSummary> summary = run.Run(signals);
   const Status merged = options.trace.file.empty() ? Status() : MergeTraces(trace_files.value(), options.trace.file);
-  if (!summary.ok()) return FailedRun(WithUsersFile(summary.error(), trace_files.value(), options.trace.file));
-  if (!merged.ok()) return FailedRun(merged.error());
+  if (!summary.ok()) return report(FailedRun(WithUsersFile(summary.error(), trace_files.value(), options.trace.file)));
+  if (!merged.ok()) return report(FailedRun(merged.error()));
   RunOutcome outcome;
   outcome.run = summary.value();
   outcome.service_peak_memory_mib = PeakMemoryMib();
-  return {outcome.run.interrupted ? kExitInterrupted : kExitDone, outcome, std::nullopt};
+  const RunEnd end = {outcome.run.interrupted ? kExitInterrupted : kExitDone, outcome, std::nullopt};
+  const int exit_status = report(end);
+  if (StaysOpen(options, end)) {
+    Progress progress;
+    AwaitStopOfViewer(signals, progress);
+  }
+  return exit_status;
 }
 
 }  // namespace troupe

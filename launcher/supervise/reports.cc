@@ -5,10 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "command_line/terminal.h"
 #include "common/base/json.h"
 #include "common/base/text.h"
 #include "transport/protocol/message_texts.h"
@@ -82,6 +85,8 @@ RunSummary ParseEnd(const Json& json) {
   ReadMember(json, "lost", summary.lost);
   ReadMember(json, "interrupted", summary.interrupted);
   ReadMember(json, "record_waited_seconds", summary.record_waited_seconds);
+  for (const Json& entry : json.value("totals", Json::array())) FieldsFromJson(entry, summary.totals.emplace_back());
+  ReadMember(json, "totals_since", summary.totals_since);
   return summary;
 }
 
@@ -113,6 +118,16 @@ std::size_t TerminalWidth() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
+// As people say it: "7 s", "4 min", "3 h". Empty: not known.
+std::string TimeLeft(const StatusMessage& status) {
+  if (status.target_ticks <= status.tick || status.tick == 0 || !(status.real_time_factor > 0.0)) return "";
+  const double seconds_per_tick = status.sim_seconds / static_cast<double>(status.tick) / status.real_time_factor;
+  const double seconds = static_cast<double>(status.target_ticks - status.tick) * seconds_per_tick;
+  if (seconds < 100.0) return fmt::format("{:.0f} s", std::ceil(seconds));
+  if (seconds < 6000.0) return fmt::format("{:.0f} min", std::ceil(seconds / 60.0));
+  return fmt::format("{:.0f} h", std::ceil(seconds / 3600.0));
+}
+
 std::string HashText(std::uint64_t hash) {
   return fmt::format("{:016x}", hash);
 }
@@ -126,6 +141,8 @@ std::string ListText(const std::vector<std::string>& names) {
 std::optional<ServiceReport> ParseServiceReport(const std::string& line) {
   try {
     return Parse(Json::parse(line));
+  } catch (const std::bad_alloc&) {  // a lost report would let the run wait for ever
+    throw;
   } catch (const std::exception&) {
     return std::nullopt;
   }
@@ -134,14 +151,26 @@ std::optional<ServiceReport> ParseServiceReport(const std::string& line) {
 std::string StatusText(const StatusMessage& status) {
   std::string text = fmt::format("tick {}", status.tick);
   if (status.target_ticks > 0) text += fmt::format("/{}", status.target_ticks);
-  text += fmt::format(", {:.1f} s, {:.1f} x real time, {} robots", status.sim_seconds, status.real_time_factor,
-                      status.robots);
+  text += fmt::format(", {:.1f} s, {:.1f} x real time", status.sim_seconds, status.real_time_factor);
+  if (const std::string left = TimeLeft(status); !left.empty()) text += ", " + left + " left";
+  text += fmt::format(", {} robots", status.robots);
   if (!status.waiting_for.empty()) text += ", waiting for " + WaitingText(status);
   return text;
 }
 
 Progress::Progress()
-    : terminal_(isatty(STDERR_FILENO) == 1), next_line_(std::chrono::steady_clock::now() + kTimeBetweenLines) {}
+    : terminal_(isatty(STDERR_FILENO) == 1),
+      has_styles_(HasStyles(stderr)),
+      next_line_(std::chrono::steady_clock::now() + kTimeBetweenLines) {}
+
+bool Progress::IsInteractive() {
+  return isatty(STDERR_FILENO) == 1 && isatty(STDIN_FILENO) == 1;
+}
+
+void Progress::OnStopRequest() {
+  ClearStatusLine();
+  ClearLine();
+}
 
 Progress::~Progress() {
   ClearStatusLine();
@@ -151,7 +180,7 @@ void Progress::Update(const StatusMessage& status) {
   if (terminal_) {
     ClearStatusLine();
     status_line_ = PlainLine(StatusText(status), TerminalWidth() - 1);
-    fmt::print(stderr, "{}", status_line_);
+    fmt::print(stderr, "{}", Styled(TextStyle::kDim, status_line_, has_styles_));
     std::fflush(stderr);
   } else if (std::chrono::steady_clock::now() >= next_line_) {
     Tell(StatusText(status));
@@ -171,7 +200,8 @@ void Progress::Tell(const std::string& line, const std::string& command) {
   std::string kept = status_line_;
   ClearStatusLine();
   const std::string below = command.empty() ? "" : "  " + PlainLine(command) + "\n";
-  fmt::print(stderr, "{}\n{}{}", PlainLine(line), below, kept);
+  fmt::print(stderr, "{}\n{}{}", StyledLine(PlainLine(line), has_styles_), below,
+             Styled(TextStyle::kDim, kept, has_styles_ && !kept.empty()));
   std::fflush(stderr);
   status_line_ = kept;
 }
@@ -183,16 +213,75 @@ void Progress::ClearStatusLine() {
   status_line_.clear();
 }
 
-std::string SummaryText(const RunOutcome& outcome) {
+namespace {
+
+constexpr std::size_t kRobotsShown = 12;
+
+struct Column {
+  std::string heading;
+  std::string (*text)(const RobotTotal& total);
+  bool (*is_used)(const RobotTotal& total);
+  bool to_the_right = true;
+};
+
+std::string ContactsText(const RobotTotal& total) {
+  if (total.stalls == 0) return "none";
+  std::string text = std::to_string(total.stalls);
+  if (!total.contacts.empty()) text += ": " + ListText(total.contacts);
+  return text;
+}
+
+constexpr auto kAlways = [](const RobotTotal&) { return true; };
+
+const std::array<Column, 6>& Columns() {
+  static const std::array<Column, 6> columns = {{
+      {"robot", [](const RobotTotal& t) { return PlainLine(t.robot, 30); }, kAlways, false},
+      {"distance", [](const RobotTotal& t) { return fmt::format("{:.1f} m", t.distance); }, kAlways},
+      {"goals", [](const RobotTotal& t) { return fmt::format("{} of {}", t.goals_reached, t.goals); },
+       [](const RobotTotal& t) { return t.goals > 0; }},
+      {"gripped", [](const RobotTotal& t) { return std::to_string(t.grips); },
+       [](const RobotTotal& t) { return t.grips > 0; }},
+      {"energy",
+       [](const RobotTotal& t) {
+         if (!t.joules || !(t.capacity.value_or(0.0) > 0.0)) return std::string("-");
+         return fmt::format("{:.0f} %", 100.0 * *t.joules / *t.capacity);
+       },
+       [](const RobotTotal& t) { return t.joules.has_value(); }},
+      {"contacts", ContactsText, kAlways, false},
+  }};
+  return columns;
+}
+
+// A table of the first robots; empty without any.
+std::string RobotsText(const RunSummary& run, bool has_styles) {
+  if (run.totals.empty()) return "";
+  const std::size_t shown = std::min(run.totals.size(), kRobotsShown);
+  std::vector<std::string> lines(shown + 1);
+  for (const Column& column : Columns()) {
+    if (std::none_of(run.totals.begin(), run.totals.end(), column.is_used)) continue;
+    std::vector<std::string> cells = {column.heading};
+    for (std::size_t i = 0; i < shown; ++i) cells.push_back(column.text(run.totals[i]));
+    std::size_t width = 0;
+    for (const std::string& cell : cells) width = std::max(width, cell.size());
+    const bool is_last = &column == &Columns().back();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (!lines[i].empty()) lines[i] += "  ";
+      const std::string space(width - cells[i].size(), ' ');
+      lines[i] += column.to_the_right ? space + cells[i] : cells[i] + (is_last ? "" : space);
+    }
+  }
+  std::string text = Styled(TextStyle::kBold, lines[0], has_styles) + "\n";
+  for (std::size_t i = 1; i < lines.size(); ++i) text += lines[i] + "\n";
+  if (run.robots > shown) text += fmt::format("and {} more robots (--summary FILE has them)\n", run.robots - shown);
+  if (run.totals_since > 0) text += fmt::format("of the ticks since {}, at which it was restarted\n", run.totals_since);
+  return text;
+}
+
+// What only those want to know who look after the processes.
+std::string ProcessesText(const RunOutcome& outcome) {
   const RunSummary& run = outcome.run;
-  std::string text;
-  if (run.interrupted) text += "stopped before its end\n";
-  text += fmt::format("{} ticks, {:.1f} s simulated in {:.2f} s: {:.1f} x real time\n", run.ticks, run.sim_seconds,
-                      run.wall_seconds, run.real_time_factor);
-  text += fmt::format("{} robots, {} {}, first tick after {:.2f} s\n", run.robots, outcome.processes,
-                      outcome.processes == 1 ? "process" : "processes", run.startup_seconds);
-  text += fmt::format("{} stalls, state hash {}\n", run.stalls, HashText(run.state_hash));
-  if (run.rejected > 0) text += fmt::format("{} proposals rejected\n", run.rejected);
+  std::string text = fmt::format("{} {}, first tick after {:.2f} s\n", outcome.processes,
+                                 outcome.processes == 1 ? "process" : "processes", run.startup_seconds);
   // One process has no network, and its robots take turns: nothing is late.
   const bool distributed = outcome.processes > 1;
   if (distributed && run.frames_repeated > 0) text += fmt::format("{} frames resent\n", run.frames_repeated);
@@ -222,14 +311,30 @@ std::string SummaryText(const RunOutcome& outcome) {
   if (run.record_waited_seconds > 0.0) {
     text += fmt::format("ticks waited {:.2f} s for the recording to be written\n", run.record_waited_seconds);
   }
+  return text;
+}
+
+std::string Times(std::uint64_t count, const std::string& thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& options) {
+  const RunSummary& run = outcome.run;
+  std::string text;
+  if (run.interrupted) text += "stopped before its end\n";
+  text += fmt::format("{}, {:.1f} s simulated in {:.2f} s: {:.1f} x real time\n", Times(run.ticks, "tick"),
+                      run.sim_seconds, run.wall_seconds, run.real_time_factor);
+  text += fmt::format("{}, {}, state hash {}\n", Times(run.robots, "robot"), Times(run.stalls, "stall"),
+                      HashText(run.state_hash));
+  text += RobotsText(run, options.has_styles);
+  if (run.rejected > 0) text += Times(run.rejected, "proposal") + " rejected\n";
+  if (options.with_stats) text += ProcessesText(outcome);
   if (outcome.service_restarted > 0) {
-    text += fmt::format("{} {} of the world service, which died\n", outcome.service_restarted,
-                        outcome.service_restarted == 1 ? "restart" : "restarts");
+    text += Times(outcome.service_restarted, "restart") + " of the world service, which died\n";
   }
-  if (outcome.agents_restarted > 0) {
-    text += fmt::format("{} {} of agents that died\n", outcome.agents_restarted,
-                        outcome.agents_restarted == 1 ? "restart" : "restarts");
-  }
+  if (outcome.agents_restarted > 0) text += Times(outcome.agents_restarted, "restart") + " of agents that died\n";
   for (const std::string& missing : outcome.missing_files) text += "missing: " + missing + "\n";
   if (!run.lost.empty()) text += "without an agent at the end: " + ListText(run.lost) + "\n";
   return text;
@@ -248,6 +353,8 @@ std::string SummaryJson(const RunOutcome& outcome) {
     ros.push_back(
         {{"name", awaited.robot}, {"times_last", awaited.times_last}, {"waited_seconds", awaited.waited_seconds}});
   }
+  nlohmann::ordered_json totals = nlohmann::ordered_json::array();
+  for (const RobotTotal& total : run.totals) totals.push_back(FieldsToJson<nlohmann::ordered_json>(total));
   nlohmann::ordered_json json = {
       {"ticks", run.ticks},
       {"sim_seconds", run.sim_seconds},
@@ -266,6 +373,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"agent_peak_memory_mib", outcome.agent_peak_memory_mib},
       {"slowest_robots", slowest},
       {"ros_lockstep", ros},
+      {"robot_totals", std::move(totals)},
       {"lost", run.lost},
       {"missing_files", outcome.missing_files},
       {"interrupted", run.interrupted},

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -56,7 +57,7 @@ using ServiceReport = std::variant<ReadyReport, NewRobotsReport, StartedReport, 
 // Nothing for any other line; also for an "error", which the service prints on standard error, too.
 std::optional<ServiceReport> ParseServiceReport(const std::string& line);
 
-// "tick 312/600, 31.2 s, 12.3 x real time, 100 robots, waiting for r3, r4 (1.2 s)"
+// "tick 312/600, 31.2 s, 12.3 x real time, 3 s left, 100 robots, waiting for r3, r4 (1.2 s)"
 std::string StatusText(const StatusMessage& status);
 
 // Progress: shows the progress of a run on standard error: a status line on a terminal, otherwise a line every five
@@ -74,11 +75,18 @@ class Progress {
   void TellEvent(Tick tick, const std::string& event, const std::string& text);
   // Prints a permanent line, and below it another one that can be copied.
   void Tell(const std::string& line, const std::string& command = "");
+  // A request to stop: removes the status line, and the ^C that the terminal has shown.
+  void OnStopRequest();
+  // The end of the run: removes the status line.
+  void End() { ClearStatusLine(); }
+  // Whether a user sees the lines and can end the run with Ctrl-C.
+  static bool IsInteractive();
 
  private:
   void ClearStatusLine();
 
   bool terminal_;
+  bool has_styles_;
   std::string status_line_;  // shown now, terminal only
   bool has_lost_agent_ = false;
   std::chrono::steady_clock::time_point next_line_;
@@ -97,8 +105,13 @@ struct RunOutcome {
   double agent_peak_memory_mib = 0.0;        // of the largest agent; 0: no agent had its own process
 };
 
+struct SummaryTextOptions {
+  bool with_stats = false;  // of processes, too
+  bool has_styles = false;  // for a terminal
+};
+
 // Several lines, each with its end.
-std::string SummaryText(const RunOutcome& outcome);
+std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& options);
 
 // A JSON object over several lines, the last one without its end.
 std::string SummaryJson(const RunOutcome& outcome);
@@ -109,6 +122,10 @@ struct RunEnd {
   std::optional<RunOutcome> outcome;  // of a run that began and did not fail
   std::optional<Error> error;         // to be printed; a failed run without it: a child process has printed the error
 };
+
+// Shows a run's end and writes its summary file; returns the exit status. Called once, before a viewer that stays open
+// is stopped.
+using ReportEnd = std::function<int(const RunEnd& end)>;
 
 // The exit status follows from the error.
 inline RunEnd FailedRun(Error error) {

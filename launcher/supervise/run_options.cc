@@ -58,6 +58,9 @@ void AddOutputFlags(CLI::App& command, RunOptions& options) {
       ->check(NotEmpty())
       ->type_name("FILE")
       ->group(group);
+  command
+      .add_flag("--stats", options.stats, "End with figures of the processes, too: start, memory, the slowest robots")
+      ->group(group);
   AddTraceFlags(command, options.trace, group);
 }
 
@@ -145,6 +148,7 @@ Status CompleteRunOptions(RunOptions& options) {
     return problem;
   }
   if (network.session.empty()) network.session = OwnSession(options.file);
+  options.run.is_watched = !options.headless;
   if (!options.in_process && options.file.ends_with(".json")) {
     Result<HostsOfScenario> hosts = ReadHostsOfScenario(options.file);
     if (!hosts.ok()) return hosts.error();

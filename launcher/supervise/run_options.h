@@ -45,6 +45,7 @@ struct RunOptions {
   std::string poses;
   std::string scans;
   std::string summary;
+  bool stats = false;  // the summary on the terminal is of processes, too
   std::string record;
   std::uint64_t keyframe_interval = kDefaultKeyframeInterval;  // of the record, if it is a recording
   TraceOptions trace;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "launcher/process/process.h"
 #include "launcher/supervise/reports.h"
 #include "launcher/supervise/run_options.h"
 #include "transport/protocol/transport.h"
@@ -12,8 +13,8 @@
 namespace troupe {
 
 // `troupe run` over DDS: a world service and its agents, a process each.
-// Starts, supervises and terminates all processes; none is left when it returns.
-RunEnd RunDistributed(const RunOptions& options);
+// Starts, supervises and terminates all processes; none is left when it returns. Returns the exit status.
+int RunDistributed(const RunOptions& options, const ReportEnd& report);
 
 // `troupe run --in-process`: service and agents in this process, over memory instead of DDS. It runs the same code, so
 // every state hash is the same.
@@ -21,6 +22,11 @@ RunEnd RunDistributed(const RunOptions& options);
 // Makes the viewer of a run; called once, unless the options say headless.
 using MakeViewer = std::function<std::unique_ptr<RunObserver>(Transport& transport)>;
 
-RunEnd RunInProcess(const RunOptions& options, const MakeViewer& make_viewer);
+int RunInProcess(const RunOptions& options, const MakeViewer& make_viewer, const ReportEnd& report);
+
+// Whether the viewer of a run that has ended in this way stays open until the user ends it.
+bool StaysOpen(const RunOptions& options, const RunEnd& end);
+// Tells the user, and waits for a request to stop.
+void AwaitStopOfViewer(SignalWatch& signals, Progress& progress);
 
 }  // namespace troupe

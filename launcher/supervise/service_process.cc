@@ -63,6 +63,12 @@ Status ServiceProcess::MakeJournal() {
   return {};
 }
 
+std::vector<std::string> ServiceProcess::JournalOptions() const {
+  std::vector<std::string> options = hosts_.service_settings() == nullptr ? journal_ : std::vector<std::string>();
+  std::erase_if(options, [](const std::string& o) { return o == "--journal-optional" || o == "--journal-sync"; });
+  return options;
+}
+
 Status ServiceProcess::Start(const RunKeys& keys) {
   if (!options_.trace.file.empty()) {
     Result<std::string> part = trace_parts_.Add();
@@ -85,8 +91,10 @@ Status ServiceProcess::StartProcess(const RunKeys& keys, const std::vector<std::
   if (!security.ok()) return security.error();
   RunOptions options = OptionsThere();
   options.network.security = std::move(security).value();
-  // A run that has begun is in the journal alone.
-  if (has_begun_) options.file.clear();
+  if (has_begun_) {  // in the journal alone, with the changes of a branch
+    options.file.clear();
+    options.branch = {};
+  }
   if (can_restart() && options.record.ends_with(".mcap")) options.record.clear();
   std::vector<std::string> arguments = ServiceArguments(options);
   arguments.insert(arguments.end(), journal_.begin(), journal_.end());

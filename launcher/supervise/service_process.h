@@ -81,6 +81,9 @@ class ServiceProcess {
   // The run has a journal.
   bool can_restart() const { return !journal_.empty(); }
 
+  // The options with which another process on the launcher's host reads the journal; empty: it cannot.
+  std::vector<std::string> JournalOptions() const;
+
   // REQUIRES, for all below: Start has succeeded.
   Child& process() const { return *process_; }
   // As AgentFleet::OutputFailureIn, for the files of the service.

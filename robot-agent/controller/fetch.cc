@@ -46,6 +46,7 @@ struct FetchPlan {
   std::vector<FetchStep> steps;
   double speed = 0.4;      // m/s
   double turn_rate = 1.0;  // rad/s
+  bool repeats = false;    // begins again after the last step
   bool needs_gripper = false;
   bool needs_lift = false;
 };
@@ -81,6 +82,7 @@ class Planner {
     approach_ = reader_.ReadNumber("approach", positive).value_or(approach_);
     raise_ = reader_.ReadNumber("raise", percent).value_or(raise_);
     travel_ = reader_.ReadNumber("travel", percent).value_or(travel_);
+    plan_.repeats = reader_.ReadBool("repeat").value_or(false);
     ReadPlaces();
     const std::vector<json> steps = reader_.ReadArray("steps");
     if (steps.empty()) reader_.Fail("'steps' is missing or empty, expected a list of steps");
@@ -273,6 +275,8 @@ class FetchController final : public Controller {
       return *std::move(recovery);
     }
     Command command;
+    // In the next tick: a round may take no time.
+    if (plan_.repeats && next_ == plan_.steps.size()) next_ = 0;
     while (next_ < plan_.steps.size() && IsDone(plan_.steps[next_], observation, command)) {
       ++next_;
       began_ = false;

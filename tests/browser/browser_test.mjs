@@ -8,14 +8,14 @@ import {Program, until} from './programs.mjs';
 const [programs, source, files] = process.argv.slice(2);
 const pages = await Pages.launch('browser_test', source);
 const troupe = `${programs}/troupe`;
-const scenario = `${source}/worlds/scenarios/demo.json`;
+const scenario = `${source}/worlds/scenarios/office.json`;
 const domain = String(101 + (process.pid % 19));
 const session = `browser-${process.pid}`;
 mkdirSync(files, {recursive: true});
 const path = name => `${files}/${name}`;
 
 async function open(url) {
-  const page = await pages.open(url, 800, 500);
+  const page = await pages.open(url, 1200, 640);
   await stateOf(page, 'the page has a state', state => state !== null);
   return page;
 }
@@ -125,7 +125,8 @@ async function showsTheRunAsItIs() {
   await until('the agent is shown', async () => /agent.*, process \d+, answers in [\d.]+ ms/.test(await page.textContent('#panel-facts')));
   await page.hover('.robot');
   await until('the agent of the row is shown', async () => {
-    await page.mouse.move(60, 130 + 4 * Math.random());
+    const {x, y, height} = await page.locator('.robot').first().boundingBox();
+    await page.mouse.move(x + 60, y + height * (0.3 + 0.4 * Math.random()));
     return /, process \d+/.test(await page.getAttribute('.robot', 'title') ?? '');
   });
   // The service waits for most of a tick of 100 ms.
@@ -377,4 +378,103 @@ async function namesEventsByTheWorldInWhichTheyHappened() {
   assert.equal(await replayed.stop(), 0);
 }
 
-await pages.runAll([showsTheRunAsItIs, editsTheRun, drivesARobot, showsThePast, namesEventsByTheWorldInWhichTheyHappened], path);
+// A run that nobody has watched until its middle: what has happened before is listed, and plotted.
+async function knowsWhatHappenedBefore() {
+  const ticks = 240;
+  const run_ = run('history', ['--ticks', String(ticks), '--speed', '4', '--poses', path('history.csv')]);
+  const url = await run_.line('viewer: ');
+  await until('half of the run has passed', () => {
+    try {
+      return readPoses(path('history.csv')).has(ticks / 2);
+    } catch {
+      return false;
+    }
+  });
+  const page = await open(`${url}#robot=anna&smooth=0&tab=events`);
+  const first = await stateOf(page, 'the past begins with the run', state => state.first === 0 && state.last >= ticks / 2);
+  assert.ok(first.tick >= ticks / 2);
+  await stateOf(page, 'the run is over', state => state.over);
+
+  // The end: a card with each robot, and the way that it has come.
+  const poses = readPoses(path('history.csv'));
+  let distance = 0;
+  for (let tick = 1; tick <= ticks; ++tick) {
+    const [a, b] = [poses.get(tick - 1).get('anna'), poses.get(tick).get('anna')];
+    distance += Math.hypot(b.x - a.x, b.y - a.y);
+  }
+  const row = page.locator('.end-robot', {hasText: /^anna/});
+  await row.waitFor();
+  await until('the way of anna is summed up', async () => (await row.locator('.end-distance').textContent()) === `${distance.toFixed(1)} m`);
+  assert.equal(await page.locator('.end-robot').count(), poses.get(ticks).size);
+  assert.equal(await run_.end, 0, run_.lines.join('\n'));
+
+  // The list has all events from the first tick on: the stalls are those of the file of poses.
+  const stalls = [];
+  for (let tick = 1; tick <= ticks; ++tick) {
+    for (const [name, {stalled}] of poses.get(tick)) if (stalled && !poses.get(tick - 1).get(name).stalled) stalls.push(`${tick} ${name}`);
+  }
+  const events = await page.evaluate(() => window.troupe.events());
+  const listed = events.filter(({text}) => text.includes(' stalls at ')).map(({tick, text}) => `${tick} ${text.split(' ')[0]}`);
+  assert.deepEqual(listed.sort(), stalls.sort());
+  assert.ok(stalls.some(text => Number(text.split(' ')[0]) < ticks / 2), 'some were before the page');
+  pages.mayComplain = true;
+  await page.close();
+}
+
+async function plotsAndSeeks() {
+  const ticks = 150;
+  const recorded = run('plotted', [
+    '--ticks', String(ticks), '--headless', '--speed', 'max', '--poses', path('plotted.csv'), '--record', path('plotted.mcap'),
+  ]);
+  assert.equal(await recorded.end, 0, recorded.lines.join('\n'));
+  const poses = readPoses(path('plotted.csv'));
+  const viewer = new Program(troupe, ['view', path('plotted.mcap'), '--listen', '127.0.0.1:0']);
+  const page = await open(`${await viewer.line('viewer: ')}#robot=anna&smooth=0&tab=events`);
+
+  // A click on an event goes to its state.
+  await page.locator('.event').first().waitFor();
+  const late = await page.evaluate(() => window.troupe.events().filter(({text}) => text.includes(' stalls at ')).at(-1));
+  assert.ok(late.tick > 0);
+  await page.locator('.event', {hasText: late.text.split(' stalls')[0]}).filter({hasText: 'stalls'}).first().click();
+  const at = await stateOf(page, 'the page is at an event', state => state.past && state.tick > 0);
+  assert.ok((await page.evaluate(() => window.troupe.events())).some(({tick}) => tick === at.tick));
+
+  // Kinds that are switched off are not listed.
+  const contacts = page.locator('.chip', {hasText: 'Contacts'});
+  await contacts.click();
+  await until('no contact is listed', async () => !(await page.textContent('#event-list')).includes('stalls'));
+  await contacts.click();
+
+  // The export has the values of the file of poses, all of them.
+  await page.click('#tab-state');
+  await page.evaluate(() => window.troupe.select('anna'));
+  await page.locator('.plot-canvas').first().waitFor();
+  await page.selectOption('.plot-window', 'Infinity');
+  await page.evaluate(() => window.troupe.plot(['x', 'y', 'heading', 'stalled']));
+  const [head, ...lines] = (await page.evaluate(() => window.troupe.csv())).trim().split('\n');
+  assert.equal(head, 'tick,time,anna.speed,anna.x,anna.y,anna.heading,anna.stalled');
+  assert.equal(lines.length, ticks + 1);
+  for (const line of lines) {
+    const [tick, time, , x, y, heading, stalled] = line.split(',').map(Number);
+    const wanted = poses.get(tick).get('anna');
+    assert.deepEqual([x, y, heading, stalled], [wanted.x, wanted.y, wanted.heading, Number(wanted.stalled)], `tick ${tick}`);
+    assert.ok(Math.abs(time - 0.1 * tick) < 1e-9);
+  }
+  // The plots have the values without having seen the states.
+  await until('the legend has the value of the shown state', async () => {
+    const {tick} = await page.evaluate(() => window.troupe.state());
+    const text = await page.locator('.plot-name', {hasText: 'anna x'}).locator('.plot-value').textContent();
+    return text === `${poses.get(tick).get('anna').x.toFixed(2)} m`;
+  });
+  // A click into a plot goes to its moment.
+  await page.locator('.plot-canvas').first().scrollIntoViewIfNeeded();
+  const canvas = await page.locator('.plot-canvas').first().boundingBox();
+  await page.mouse.click(canvas.x + canvas.width - 9, canvas.y + 40);
+  await stateOf(page, 'the page is at the end', state => state.tick >= ticks - 2);
+  pages.mayComplain = true;
+  await page.close();
+  assert.equal(await viewer.stop(), 0);
+}
+
+await pages.runAll([showsTheRunAsItIs, editsTheRun, drivesARobot, showsThePast, namesEventsByTheWorldInWhichTheyHappened,
+  knowsWhatHappenedBefore, plotsAndSeeks], path);

@@ -3,6 +3,7 @@
 //   node editor_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
 import {cpSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync} from 'node:fs';
+import {editorPages} from './editor_pages.mjs';
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
@@ -12,54 +13,7 @@ const WebSocket = pages.loaded.ws;
 const troupe = `${programs}/troupe`;
 rmSync(files, {recursive: true, force: true});
 mkdirSync(files, {recursive: true});
-const path = name => `${files}/${name}`;
-const read = name => readFileSync(path(name), 'utf8');
-
-async function edit(file, more = []) {
-  const program = new Program(troupe, ['edit', path(file), '--listen', '127.0.0.1:0', ...more]);
-  const url = await program.line('editor: ');
-  const page = await pages.open(`${url}#view=top`, 1280, 800);
-  await until('the page has the file', () => page.evaluate(() => Boolean(window.troupe?.file() && window.troupe.state())));
-  return {program, page, url};
-}
-
-const documentOf = page => page.evaluate(() => window.troupe.file());
-
-function fileIs(page, what, wanted) {
-  return until(what, async () => {
-    const shown = await documentOf(page);
-    return wanted(shown) ? shown : null;
-  });
-}
-
-async function save(page) {
-  await page.click('#file-save');
-  await fileIs(page, 'the file is saved', shown => !shown.modified);
-}
-
-async function drag(page, from, to, modifiers = []) {
-  await page.mouse.move(from.x, from.y);
-  for (const key of modifiers) await page.keyboard.down(key);
-  await page.mouse.down();
-  await page.mouse.move((from.x + to.x) / 2, (from.y + to.y) / 2);
-  await page.mouse.move(to.x, to.y);
-  await page.mouse.up();
-  for (const key of modifiers) await page.keyboard.up(key);
-}
-
-const ground = (page, x, y) => page.evaluate(([a, b]) => window.troupe.groundPoint(a, b), [x, y]);
-const placeOf = (page, name) => until(`${name} has a place`, () => page.evaluate(n => window.troupe.placeOf(n), name));
-
-async function close({program, page}) {
-  await page.close({runBeforeUnload: false});
-  assert.equal(await program.stop(), 0, program.lines.join('\n'));
-}
-
-async function check(file) {
-  const checked = new Program(troupe, ['check', path(file)]);
-  assert.equal(await checked.end, 0, checked.lines.join('\n'));
-  return checked.lines.join('\n');
-}
+const {path, read, edit, documentOf, fileIs, save, drag, ground, placeOf, close, check} = editorPages(pages, troupe, files);
 
 // The words that are in one text only.
 function changedLines(before, after) {
@@ -96,16 +50,18 @@ async function movesATableOfAWorld() {
 
   // Edits by the panel: a property with its help, and one that is refused with its place.
   await page.click('.entity:has-text("table0")');
+  await page.click('#file-properties summary:has-text("Look")');
   const color = page.locator('#file-properties input[data-property=color]');
   await color.waitFor();
   await color.fill('blue');
   await color.press('Enter');
   await fileIs(page, 'the colour is changed', now => now.undo === 'the color of table0');
-  const pose = page.locator('#file-properties input[data-property=pose]');
-  await pose.fill('[1 2');
-  await pose.press('Enter');
+  await page.click('#file-properties summary:has-text("Body")');
+  const bitmap = page.locator('#file-properties input[data-property=bitmap]');
+  await bitmap.fill('nowhere.png');
+  await bitmap.press('Enter');
   await page.locator('.toast.error').first().waitFor();
-  assert.equal((await documentOf(page)).undo, 'the color of table0', 'the wrong pose is refused');
+  assert.equal((await documentOf(page)).undo, 'the color of table0', 'a bitmap that is not there is refused');
 
   // Names and deletion by keys.
   page.once('dialog', dialog => void dialog.accept('desk'));
@@ -340,10 +296,7 @@ async function buildsAGripper() {
   await dragModel('side', [-0.1, top], [0.5, 0.55]);
   near((await partIs('its axis is turned', parts => parts[2], part => part.joint.axis[0] > 0.9)).joint.axis, [1, 0, 0], 'axis');
   await page.screenshot({path: path('joint.png')});
-  const kind = page.locator('.part.selected .property select[aria-label="Property to add"]');
-  await kind.selectOption('type');
-  await page.locator('.part.selected input[aria-label="Its value"]').fill('rotational');
-  await page.locator('.part.selected button[title="Add the property"]').click();
+  await page.locator('.part.selected select[data-property=type]').selectOption('rotational');
   const arm = await partIs('it turns', parts => parts[2], part => part.joint.type === 'rotational');
   // The maximum of before is half a degree now.
   const radius = 0.12 * 1.1;
@@ -507,14 +460,14 @@ async function editsAScenario() {
 
   // The text, with an error that is shown at its place, and corrected.
   await page.click('#file-text');
-  await page.locator('#text-editor').waitFor();  // with the text
-  const text = await page.inputValue('#text-area');
-  await page.fill('#text-area', text.replace('"seed": 1,', '"seed": "one",'));
+  const text = await until('the text is there', () => page.evaluate(() => window.troupe.text()));
+  const setText = next => page.evaluate(value => window.troupe.setText(value), next);
+  await setText(text.replace('"seed": 1,', '"seed": "one",'));
   await page.click('#text-apply');
   const broken = await fileIs(page, 'the error is shown', now => now.error !== '');
   assert.match(broken.error, /demo\.json:4:\d+: error: /);
   assert.equal(await page.textContent('#text-error'), broken.error);
-  await page.fill('#text-area', text);
+  await setText(text);
   await page.click('#text-apply');
   await fileIs(page, 'the error is corrected', now => now.error === '' && !now.modified);
   await page.click('#text-close');

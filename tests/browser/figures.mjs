@@ -71,7 +71,7 @@ async function measureStart() {
     await tab.goto('about:blank');
     const begin = performance.now();
     const run = new Program(troupe, [
-      'run', `${source}/worlds/scenarios/demo.json`, '--domain', domain, '--session', `figures-${process.pid}-s${round}`,
+      'run', `${source}/worlds/scenarios/office.json`, '--domain', domain, '--session', `figures-${process.pid}-s${round}`,
       '--ticks', '1000000',
     ]);
     await open(await run.line('viewer: '), tab);

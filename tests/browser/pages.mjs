@@ -38,8 +38,9 @@ export class Pages {
 
   // A page at the address. Its errors, and requests to other hosts, are kept in `problems`; messages on its console are
   // not while `mayComplain` is true, which it is no longer when a test begins.
-  async open(url, width, height) {
-    const page = await this.browser.newPage({viewport: {width, height}});
+  // `more`: further options of the browser's page, such as a touch screen.
+  async open(url, width, height, more = {}) {
+    const page = await this.browser.newPage({viewport: {width, height}, ...more});
     page.on('console', message => {
       const isComplaint = ['error', 'warning'].includes(message.type()) && !message.text().includes('GPU stall');
       if (isComplaint && !this.mayComplain) this.problems.push(message.text());

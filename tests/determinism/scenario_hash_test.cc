@@ -36,8 +36,12 @@ std::uint64_t HashAfter(const std::string& scenario, int ticks) {
   return StateHash(state);
 }
 
+TEST(ScenarioHash, TheOfficeIsTheSameAsEver) {
+  EXPECT_EQ(HashAfter("office.json", 400), 0x508af780bd688d64u);
+}
+
 TEST(ScenarioHash, TheDemoIsTheSameAsEver) {
-  EXPECT_EQ(HashAfter("demo.json", 400), 0x508af780bd688d64u);
+  EXPECT_EQ(StateHash(StateAfter("demo.json", 800)), 0xa90dd6aaa6187809u);
 }
 
 TEST(ScenarioHash, TheSwarmIsTheSameAsEver) {

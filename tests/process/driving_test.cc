@@ -283,7 +283,7 @@ TEST_F(Driving, TeleopEndsWithTheRun) {
   run_->Interrupt();
   run_.reset();
   EXPECT_EQ(tool.Wait(), 3);
-  EXPECT_THAT(tool.output(), HasSubstr("error: "));
+  EXPECT_THAT(tool.output(), HasSubstr("error:"));
   EXPECT_TRUE(tool.is_restored());
 }
 

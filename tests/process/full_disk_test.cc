@@ -26,8 +26,8 @@ class FullDisk : public testing::TestWithParam<Case> {
   // A run without end, with its output at this path.
   static std::string RunCommand(const std::string& output) {
     std::vector<std::string> command = {
-        ProgramPath("troupe"), "run",    WorldPath("pen.world"), "--domain", std::to_string(TestDomain()),
-        "--controller",        "wander", GetParam().option,      output};
+        ProgramPath("troupe"), "run",    WorldPath("pen.world"), "--domain",        std::to_string(TestDomain()),
+        "--controller",        "wander", "--headless",           GetParam().option, output};
     if (GetParam().in_process) command.emplace_back("--in-process");
     return ShellQuoted(command);
   }

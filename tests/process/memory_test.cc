@@ -21,7 +21,7 @@ using testing::HasSubstr;
 constexpr std::size_t kMebibyte = 1024 * 1024;
 
 // Sanitizers reserve more addresses than any limit leaves.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TROUPE_SANITIZED
 constexpr bool kCanLimitMemory = false;
 #else
 constexpr bool kCanLimitMemory = true;

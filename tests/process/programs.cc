@@ -136,9 +136,9 @@ int Program::Wait() {
   return process_.end()->exit_code;
 }
 
-void Program::Interrupt(const std::source_location& where) {
+void Program::Interrupt(const Caller& where) {
   Signal(SIGINT);
-  const testing::ScopedTrace trace(where.file_name(), static_cast<int>(where.line()), "interrupted");
+  const testing::ScopedTrace trace(where.file, where.line, "interrupted");
   EXPECT_EQ(Wait(), kExitInterrupted) << output();
 }
 
@@ -167,13 +167,13 @@ Finished Finish(Program program) {
   return {exit_status, program.output(), program.command()};
 }
 
-std::string OutputOf(const Finished& finished, int exit_status, const std::source_location& where) {
-  const testing::ScopedTrace trace(where.file_name(), static_cast<int>(where.line()), finished.command);
+std::string OutputOf(const Finished& finished, int exit_status, const Caller& where) {
+  const testing::ScopedTrace trace(where.file, where.line, finished.command);
   EXPECT_EQ(finished.exit_status, exit_status) << finished.output;
   return finished.output;
 }
 
-std::string OutputOf(Program program, int exit_status, const std::source_location& where) {
+std::string OutputOf(Program program, int exit_status, const Caller& where) {
   return OutputOf(Finish(std::move(program)), exit_status, where);
 }
 

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <source_location>
 #include <string>
 #include <vector>
 
@@ -14,6 +13,13 @@
 #include "tests/support/words.h"
 
 namespace troupe::test {
+
+// The place of a call, for messages: a default argument. clang 14 lacks std::source_location.
+struct Caller {
+  const char* file;
+  int line;
+  static Caller Here(const char* file = __builtin_FILE(), int line = __builtin_LINE()) { return {file, line}; }
+};
 
 inline constexpr double kSeconds = 60.0;                  // longest time to an answer on the slowest machine
 inline constexpr std::int64_t kIntervalNs = 100'000'000;  // of pen.world
@@ -47,7 +53,7 @@ class Program {
   // Waits for the end, and returns the exit status; without an end within the deadline the test fails.
   int Wait();
   // Stops a run in order, as Ctrl-C does, and expects its exit status.
-  void Interrupt(const std::source_location& where = std::source_location::current());
+  void Interrupt(const Caller& where = Caller::Here());
   // All output so far.
   std::string output();
   const std::string& command() const { return command_; }
@@ -77,10 +83,8 @@ struct Finished {
 };
 Finished Finish(Program program);
 // The output of a program that has to end with this exit status.
-std::string OutputOf(const Finished& finished, int exit_status = 0,
-                     const std::source_location& where = std::source_location::current());
-std::string OutputOf(Program program, int exit_status = 0,
-                     const std::source_location& where = std::source_location::current());
+std::string OutputOf(const Finished& finished, int exit_status = 0, const Caller& where = Caller::Here());
+std::string OutputOf(Program program, int exit_status = 0, const Caller& where = Caller::Here());
 // `troupe ctl` on a run of TestDomain().
 Finished Ctl(const std::string& session, const std::vector<std::string>& action);
 

@@ -91,6 +91,30 @@ TEST_F(ServiceRestartTest, ARunThatPlaysHasTheSameFiles) {
   EXPECT_LE(summary["real_time_factor"].get<double>(), 11.2);
 }
 
+TEST_F(ServiceRestartTest, ARunThatContinuesARecordingHasTheSameFiles) {
+  OutputOf(RunPen({"--ticks", "40", "--in-process", "--record", Path("source.mcap")}));
+  const auto start = [&](const std::string& prefix, const std::string& more) {
+    std::vector<std::string> arguments = {"run", Path("source.mcap")};
+    for (const std::string& argument : Arguments(prefix)) arguments.push_back(argument);
+    for (const std::string& argument :
+         Words("--from-tick 20 --controller r0=idle --controller r1=idle --headless --domain %" + more,
+               {std::to_string(TestDomain())})) {
+      arguments.push_back(argument);
+    }
+    return Troupe(arguments);
+  };
+  OutputOf(start("whole-", " --in-process"));
+  Program run = start("run-", " --paused --lease 1 --session " + session_);
+  run.WaitForLine("4 robots in 4 agent processes, ready");
+  Kill(run);  // in the state with which it begins
+  Call(ControlCommand::kStep, 15);
+  Kill(run);
+  Call(ControlCommand::kPlay);
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_EQ(folder_.Read("run-hashes"), folder_.Read("whole-hashes"));
+  EXPECT_EQ(folder_.Read("run-poses"), folder_.Read("whole-poses"));
+}
+
 TEST_F(ServiceRestartTest, APausedRunRemainsPausedAndAStepIsFinished) {
   Program run = Start({"--paused", "--speed", "max"});
   EXPECT_EQ(Call(ControlCommand::kStep, 5).tick, 5u);

@@ -1,10 +1,16 @@
 // Supervision of processes: stops, kills and losses, and no process left behind.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <pty.h>
 #include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -74,6 +80,83 @@ TEST(Supervision, CtrlCStopsARunInProcessToo) {
   program.Interrupt();
   EXPECT_THAT(program.output(), HasSubstr("stopped before its end"));
 }
+
+// A terminal with `troupe run` of a few ticks in it, as a user has one.
+class TerminalRun {
+ public:
+  explicit TerminalRun(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {ProgramPath("troupe"), "run", WorldPath("pen.world"), "--ticks", "2",
+                                         "--domain", std::to_string(TestDomain())});
+    std::vector<char*> words;
+    for (std::string& argument : arguments) words.push_back(argument.data());
+    words.push_back(nullptr);
+    process_ = forkpty(&terminal_, nullptr, nullptr, nullptr);
+    if (process_ == 0) {
+      setenv("TERM", "xterm", 1);
+      unsetenv("NO_COLOR");
+      execv(words[0], words.data());
+      _exit(127);
+    }
+    EXPECT_GT(process_, 0);
+  }
+  ~TerminalRun() {
+    if (!status_) kill(process_, SIGKILL);
+    close(terminal_);
+  }
+
+  // What the terminal has shown, once it has this text or the run has ended.
+  std::string ShownWith(const std::string& text) {
+    EXPECT_TRUE(Eventually([&] {
+      pollfd waited{terminal_, POLLIN, 0};
+      char bytes[4096];
+      while (poll(&waited, 1, 0) == 1 && (waited.revents & POLLIN) != 0) {
+        const ssize_t size = read(terminal_, bytes, sizeof bytes);
+        if (size <= 0) break;
+        shown_.append(bytes, static_cast<std::size_t>(size));
+      }
+      return shown_.find(text) != std::string::npos || HasEnded();
+    })) << shown_;
+    return shown_;
+  }
+  void TypeCtrlC() { EXPECT_EQ(write(terminal_, "\x03", 1), 1); }
+  bool HasEnded() {
+    int status = 0;
+    if (!status_ && waitpid(process_, &status, WNOHANG) == process_) status_ = status;
+    return status_.has_value();
+  }
+  int ExitStatus() {
+    EXPECT_TRUE(Eventually([&] { return HasEnded(); }));
+    return status_ && WIFEXITED(*status_) ? WEXITSTATUS(*status_) : -1;
+  }
+
+ private:
+  int terminal_ = -1;
+  pid_t process_ = -1;
+  std::optional<int> status_;
+  std::string shown_;
+};
+
+class RunOnATerminal : public testing::TestWithParam<std::vector<std::string>> {};
+
+TEST_P(RunOnATerminal, WithAViewerStaysOpenUntilCtrlC) {
+  TerminalRun run(GetParam());
+  const std::string shown = run.ShownWith("its page stays open until Ctrl-C");
+  EXPECT_THAT(shown, HasSubstr("2 ticks, 0.2 s simulated"));  // the summary is there already
+  EXPECT_THAT(shown, HasSubstr("viewer: \033[1;4mhttp://"));
+  EXPECT_FALSE(run.HasEnded());
+  run.TypeCtrlC();
+  EXPECT_EQ(run.ExitStatus(), 0);
+}
+
+TEST_P(RunOnATerminal, WithoutAViewerEnds) {
+  std::vector<std::string> arguments = GetParam();
+  arguments.emplace_back("--headless");
+  TerminalRun run(arguments);
+  EXPECT_EQ(run.ExitStatus(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, RunOnATerminal,
+                         testing::Values(std::vector<std::string>{}, std::vector<std::string>{"--in-process"}));
 
 TEST(Supervision, CtrlCBeforeAllRobotsHaveJoinedStopsToo) {
   Program program = RunPen({"--faults", "loss=1,seed=1"});

@@ -254,7 +254,7 @@ TEST(Usage, UnknownWordsAreNamedInOrderWithTheLikelyOnes) {
       {{"run", "--rcord", "x"},
        "error: found the unknown option --rcord (did you mean --record?); troupe run --help lists the options\n"},
       {{"run", pen, "second", "third"}, "error: found 'second' 'third', expected no further argument\n"},
-      {{"rnu", pen}, "error: found the command 'rnu', expected one of run, replay, check, "},
+      {{"rnu", pen}, "error: found the command 'rnu', expected one of run, replay, test, sweep, check, "},
       {{"rnu", pen}, "; did you mean 'run'?\n"},
       {{"ctl", "stpe"}, "error: found the command 'stpe', expected one of status, pause, play, step, "},
       {{"ctl", "stpe"}, "; did you mean 'step'?\n"},

@@ -80,9 +80,10 @@ const BadScenario kNotJson[] = {
 const BadScenario kAgainstTheSchema[] = {
     {"NoObject", "[1, 2]", ":1:1: found an array of 2, expected an object with the keys of a scenario"},
     {"UnknownKey", Quoted("{'wolrd': 'office.world'}"),
-     ":1:2: found the key 'wolrd', expected one of $schema, agent_deadline, controller, hosts, include, mode, models, "
-     "name, network, on_agent_loss, override, places, properties, restart_agents, robots, robots_per_process, ros, "
-     "ros_lockstep, ros_no_hit, seed, spawn, speed, ticks, world; did you mean 'world'?"},
+     ":1:2: found the key 'wolrd', expected one of $schema, agent_deadline, controller, cover, design, expect, hosts, "
+     "include, metrics, mode, models, name, network, on_agent_loss, override, places, properties, regions, "
+     "restart_agents, robots, robots_per_process, ros, ros_lockstep, ros_no_hit, scenario, seed, spawn, speed, ticks, "
+     "vary, where, without, world; did you mean 'world'?"},
     {"UnknownKeyOfARobot", Alone("'robots': [{'name': 'r0',\n  'position': [0, 0, 0]}]"),
      ":3:3: found the key 'position', expected one of children, controller, model, name, pose, properties, ros_domain, "
      "ros_lockstep"},
@@ -200,6 +201,11 @@ const BadScenario kAgainstTheSchema[] = {
 
 // Faults that a schema cannot express.
 const BadScenario kBeyondTheSchema[] = {
+    {"TestOfAnotherScenario", Alone("'scenario': 'other.json'"),
+     ":2:13: found a test of another scenario, expected a scenario: 'troupe test' runs tests"},
+    {"TwoRegionsOfOneName",
+     Alone("'regions': [{'name': 'a', 'region': [0, 0, 1, 1]},\n{'name': 'a', 'region': [0, 0, 2, 2]}]"),
+     ":3:10: found the region 'a' again, expected another name"},
     {"RegionOfThreeNumbers", Alone("'spawn': [{'model': 'position', 'count': 1, 'region': [0, 0, 1]}]"),
      ":2:55: found 3 numbers, expected [xmin, ymin, xmax, ymax]"},
     {"RegionUpsideDown", Alone("'spawn': [{'model': 'position', 'count': 1, 'region': [0, 1, 1, 0]}]"),

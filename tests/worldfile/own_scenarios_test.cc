@@ -1,4 +1,4 @@
-// The demo and the swarm of worlds/scenarios behave as intended.
+// The scenarios of worlds/scenarios behave as intended.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,8 +28,33 @@ ScenarioRun Load(const std::string& name) {
   return ScenarioRun(loaded.ok() ? std::move(loaded).value().world : WorldDescription{});
 }
 
-TEST(DemoScenario, EveryRobotDrivesAndNoneIsEverInsideAWall) {
+// What a visitor sees in the first two minutes.
+TEST(DemoScenario, RobotsReachTheirGoalsAndAGripperBuildsATower) {
   ScenarioRun run = Load("demo.json");
+  std::map<std::string, std::vector<Vec2>> rounds = {{"anna", {{0.0, -7.2}, {-8.0, -6.5}, {-8.0, 0.0}}},
+                                                     {"fina", {{10.0, 1.9}, {2.2, 1.9}, {2.2, 5.05}}}};
+  double highest = 0.0;  // of a cube
+  for (int i = 0; i < 120; ++i) {
+    run.Run(10);
+    for (auto& [robot, waypoints] : rounds) {
+      if (!waypoints.empty() && (run[robot].X_WR.translation() - waypoints.front()).norm() < 0.5) {
+        waypoints.erase(waypoints.begin());
+      }
+    }
+    for (const RobotDescription& robot : run.scene().world().robots) {
+      EXPECT_FALSE(run.InsideSomething(robot.name)) << robot.name << " at tick " << run.state().tick;
+    }
+    for (const ObjectState& object : run.state().objects) {
+      if (object.mode == ObjectMode::kResting && object.X_WO.x < -9.0) highest = std::max(highest, object.X_WO.z);
+    }
+  }
+  for (const auto& [robot, waypoints] : rounds) EXPECT_TRUE(waypoints.empty()) << robot;
+  EXPECT_NEAR(highest, 0.4, 1e-6);        // three cubes of 20 cm
+  EXPECT_FALSE(run.EverStalled("bela"));  // waits for a goal
+}
+
+TEST(OfficeScenario, EveryRobotDrivesAndNoneIsEverInsideAWall) {
+  ScenarioRun run = Load("office.json");
   const std::vector<RobotDescription>& robots = run.scene().world().robots;
   ASSERT_EQ(robots.size(), 8u);
   std::vector<double> farthest(robots.size(), 0.0);
@@ -45,8 +70,8 @@ TEST(DemoScenario, EveryRobotDrivesAndNoneIsEverInsideAWall) {
   for (std::size_t r = 0; r < robots.size(); ++r) EXPECT_GT(farthest[r], 1.0) << robots[r].name;
 }
 
-TEST(DemoScenario, ScoutsDriveUnderTablesToAndFroWithoutAStall) {
-  ScenarioRun run = Load("demo.json");
+TEST(OfficeScenario, ScoutsDriveUnderTablesToAndFroWithoutAStall) {
+  ScenarioRun run = Load("office.json");
   run.Run(75);
   EXPECT_GT(run["carl"].X_WR.x, -0.9);  // beyond the table at -2
   EXPECT_GT(run["dora"].X_WR.x, 7.2);   // under the far end of the table at 6

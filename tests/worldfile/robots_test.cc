@@ -259,6 +259,14 @@ TEST(Robots, RangerOnNoRobotMeasuresNothing) {
               ElementsAre("w.world:1:8: warning: this ranger is on no robot, so it measures nothing"));
 }
 
+TEST(Robots, SpeedupIsTheSpeedOfAWatchedRun) {
+  const auto settings = [](const std::string& text) { return WorldFolder().LoadText(text).settings; };
+  EXPECT_EQ(settings("speedup 2.5\n").watched_speed, 2.5);
+  EXPECT_EQ(settings("speedup 2.5\n").speed, std::nullopt);
+  EXPECT_EQ(settings("speedup -1\n").watched_speed, std::nullopt);  // as fast as possible
+  EXPECT_EQ(settings("name \"w\"\n").watched_speed, 1.0);
+}
+
 TEST(World, SettingsAreRead) {
   const LoadedWorld loaded = WorldFolder().LoadText("name \"lab\"\ninterval_sim 20\nquit_time 0.05\n");
   EXPECT_EQ(loaded.world.name, "lab");

@@ -17,10 +17,10 @@ using testing::SizeIs;
 
 TEST(Warnings, NameEveryPropertyWithoutEffectAndTheReason) {
   EXPECT_THAT(
-      WorldFolder().WarningsOf("resolution 0.02\nspeedup 1\nmodel( debug 5\n gui_grid 1\n laser_return 1\n colour 3 )\n"
+      WorldFolder().WarningsOf("resolution 0.02\nthreads 1\nmodel( debug 5\n gui_grid 1\n laser_return 1\n colour 3 )\n"
                                "window( size [1 1] )\n"),
       ElementsAre("w.world:1:1: warning: property 'resolution' has no effect: geometry is exact, without cells",
-                  "w.world:2:1: warning: property 'speedup' has no effect: the command line sets the speed",
+                  "w.world:2:1: warning: property 'threads' has no effect: each robot has its own process",
                   "w.world:3:8: warning: property 'debug' has no effect: it has none in Stage either",
                   "w.world:4:2: warning: no effect, because they only concern Stage's window: property 'gui_grid', "
                   "'window'",
@@ -106,8 +106,8 @@ TEST(Warnings, NameAllThatStageHasAndThatIsWithoutEffect) {
   EXPECT_THAT(named, testing::ElementsAre("alwayson", "blob_return", "color", "confirm_on_quit", "debug", "event_queue",
                                           "friction", "gui_grid", "gui_move", "gui_outline", "localization_origin",
                                           "map_resolution", "odom_error", "paused", "resolution", "say", "show_clock",
-                                          "show_clock_interval", "speedup", "test", "threads", "trail_interval",
-                                          "trail_length", "update_interval", "velocity", "window"));
+                                          "show_clock_interval", "test", "threads", "trail_interval", "trail_length",
+                                          "update_interval", "velocity", "window"));
 }
 
 TEST(Warnings, StatementsForStagesWindowShareOne) {

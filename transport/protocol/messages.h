@@ -375,6 +375,8 @@ struct RunProgress {
   bool speed_is_set = false;         // during the run, to:
   std::optional<double> speed = {};  // a multiple of real time; nothing: no pacing
   std::vector<CommandInForce> commands = {};
+  // Of the state that the run began with: its journal has those before it too, if it continues another run.
+  std::uint64_t first_number = 0;
   bool operator==(const RunProgress&) const = default;
 };
 

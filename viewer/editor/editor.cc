@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <sstream>
 #include <utility>
 
+#include "viewer/editor/model_library.h"
 #include "viewer/editor/model_parts.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/stage/stage_world.h"
@@ -27,15 +26,6 @@ void AddFoldersOf(const std::vector<std::string>& files, AllowedPaths& allowed) 
   for (const std::string& file : files) allowed.Add(DirectoryOf(file));
 }
 
-// Those of STAGEPATH.
-void AddSearchedFolders(AllowedPaths& allowed) {
-  const char* const folders = std::getenv("STAGEPATH");
-  std::istringstream list(folders != nullptr ? folders : "");
-  for (std::string folder; std::getline(list, folder, ':');) {
-    if (!folder.empty()) allowed.Add(folder);
-  }
-}
-
 const char* InitialText(EditedKind kind) {
   return kind == EditedKind::kScenario ? "{\n}\n" : "";
 }
@@ -50,7 +40,7 @@ Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path, const std:
   std::unique_ptr<Editor> editor(new Editor(std::move(file).value(), kind.value()));
   for (const std::string& folder : allowed) editor->allowed_.Add(folder);
   AddFoldersOf({path}, editor->allowed_);
-  AddSearchedFolders(editor->allowed_);
+  for (const std::string& folder : LibraryFolders()) editor->allowed_.Add(folder);
   // All that the file names at first.
   const Result<std::unique_ptr<EditableWorld>> first =
       MakeEditedWorld(kind.value(), editor->text(), path, {AllowedPaths::All()});
@@ -248,28 +238,68 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
   return Commit(WithMember(text(), root, "override", "[" + rule + "]"), label);
 }
 
-Result<std::string> Editor::WithAdded(const WrittenModel& model) const {
+Result<std::string> Editor::WithAdded(const std::string& text, const WrittenModel& model, bool is_robot) const {
+  if (kind_ != EditedKind::kScenario) {
+    const Result<StageTree> syntax = ParseStage(text, path());
+    if (!syntax.ok()) return syntax.error();
+    return WithEntry(text, syntax.value().body(), model);
+  }
+  const Result<JsonTree> read = JsonTree::Parse(text, path());
+  if (!read.ok()) return read.error();
+  const JsonNode& root = read.value().root();
+  const char* const list = is_robot ? "robots" : "models";
+  const std::string entry = ToScenarioEntry(model);
+  if (const JsonNode* const holder = root.Find(list)) return WithElement(text, *holder, entry);
+  return WithMember(text, root, list, "[\n    " + entry + "\n  ]");
+}
+
+std::vector<const ModelLibrary*> Editor::OtherLibraries() const {
+  std::vector<const ModelLibrary*> others;
+  const FileUnits units = UnitsOf(world_->tree.world);
+  if (units.metres != 1.0 || units.radians == 1.0) return others;
+  if (libraries_read_ == nullptr) libraries_read_ = std::make_shared<const std::vector<ModelLibrary>>(ReadLibraries());
+  std::set<std::string> used;
+  for (const std::string& file : world_->tree.files) used.insert(std::filesystem::weakly_canonical(file).string());
+  used.insert(std::filesystem::weakly_canonical(path()).string());
+  for (const ModelLibrary& library : *libraries_read_) {
+    if (!used.contains(library.path)) others.push_back(&library);
+  }
+  return others;
+}
+
+Result<std::string> Editor::WithLibrary(const ModelLibrary& library) const {
+  const std::string name = NameOfLibrary(library, path());
   if (kind_ != EditedKind::kScenario) {
     const Result<StageTree> syntax = ParseStage(text(), path());
     if (!syntax.ok()) return syntax.error();
-    return WithEntry(text(), syntax.value().body(), model);
+    return WithInclude(text(), syntax.value(), name);
   }
   const Result<JsonTree> read = JsonTree::Parse(text(), path());
   if (!read.ok()) return read.error();
   const JsonNode& root = read.value().root();
-  const Result<WorldNode> node = Instantiate(world_->tree, model.type, {});
-  const char* const list = node.ok() && node.value().type == "position" ? "robots" : "models";
-  const std::string entry = ToScenarioEntry(model);
-  if (const JsonNode* const holder = root.Find(list)) return WithElement(text(), *holder, entry);
-  return WithMember(text(), root, list, "[\n    " + entry + "\n  ]");
+  const std::string element = nlohmann::json(name).dump();
+  if (const JsonNode* const includes = root.Find("include")) return WithElement(text(), *includes, element);
+  return WithMember(text(), root, "include", "[" + element + "]");
 }
 
 Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   if (!IsFinite(pose)) return Error{{}, "found a pose that is not finite"};
   const std::vector<PaletteModel> palette = PaletteOf(world_->tree);
-  if (std::none_of(palette.begin(), palette.end(), [&](const auto& known) { return known.name == model; })) {
-    return Error{{}, "found " + Quoted(model) + ", expected a model of the file or of its includes"};
+  const auto is_model = [&](const auto& known) { return known.name == model; };
+  const auto known = std::find_if(palette.begin(), palette.end(), is_model);
+  std::string type = known != palette.end() ? known->type : "";
+  Result<std::string> with_library = text();
+  if (type.empty()) {
+    for (const ModelLibrary* const library : OtherLibraries()) {
+      const auto found = std::find_if(library->models.begin(), library->models.end(), is_model);
+      if (found == library->models.end()) continue;
+      type = found->type;
+      with_library = WithLibrary(*library);
+      break;
+    }
+    if (type.empty()) return Error{{}, "found " + Quoted(model) + ", expected a model of the file or of a library"};
+    if (!with_library.ok()) return with_library.error();
   }
   const bool is_scenario = kind_ == EditedKind::kScenario;
   const FileUnits units = is_scenario ? FileUnits{} : UnitsOf(world_->tree.world);
@@ -281,7 +311,7 @@ Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
   std::vector<double> numbers{pose.x / units.metres, pose.y / units.metres, pose.z / units.metres, heading};
   if (is_scenario && pose.z == 0.0) numbers.erase(numbers.begin() + 2);
   written.Set("pose", Tuple(numbers));
-  Result<std::string> added = WithAdded(written);
+  Result<std::string> added = WithAdded(with_library.value(), written, type == "position");
   if (!added.ok()) return added.error();
   if (Status failure = Commit(std::move(added).value(), "the addition of " + name); !failure.ok())
     return failure.error();

@@ -25,6 +25,8 @@
 
 namespace troupe {
 
+struct ModelLibrary;
+
 class Editor {
  public:
   // A file that does not exist yet is an empty one. A file with an error is opened, for its text to be corrected. The
@@ -109,12 +111,16 @@ class Editor {
   Result<Place> PlaceOf(const EditedEntity& entity) const;
   // The scenario as a whole.
   Result<Place> PlaceOfScenario() const;
+  // The libraries that the file does not include yet, in the file's units; none: its units are others.
+  std::vector<const ModelLibrary*> OtherLibraries() const;
+  // The text with the library among its includes.
+  Result<std::string> WithLibrary(const ModelLibrary& library) const;
   std::string FreeName(const std::string& prefix) const;
   Value PoseValue(const EditedEntity& entity, const Pose& pose) const;
   Status SetScenarioPose(const EditedEntity& entity, const Pose& pose);
-  // The text with an entry at the end of the file, or in the scenario's lists. Its pose is in the file's units and
-  // form.
-  Result<std::string> WithAdded(const WrittenModel& model) const;
+  // `text`, that of the file or changed, with an entry at the end, or in the scenario's lists: among its robots or its
+  // models. Its pose is in the file's units and form.
+  Result<std::string> WithAdded(const std::string& text, const WrittenModel& model, bool is_robot) const;
   Status SetBody(const Place& place, const std::string& name, const std::optional<Value>& value,
                  const std::string& label);
 
@@ -141,6 +147,7 @@ class Editor {
   std::unique_ptr<EditableWorld> world_;
   std::optional<Error> error_;  // of the text
   std::uint64_t version_ = 0;
+  mutable std::shared_ptr<const std::vector<ModelLibrary>> libraries_read_;  // null: not read yet
 };
 
 }  // namespace troupe

@@ -86,6 +86,29 @@ void VisitNodes(const WorldNode& node, const std::function<void(const WorldNode&
   for (const WorldNode& child : node.children) VisitNodes(child, visit);
 }
 
+// Runs of free and occupied pixels by turns, by rows from the top. The error is another number of pixels.
+Status FillRuns(const std::vector<std::int64_t>& runs, GreyPicture& picture) {
+  const std::int64_t width = picture.width();
+  const std::int64_t all = width * picture.height();
+  const Error wrong{{}, fmt::format("found runs of another number of pixels, expected {}", all)};
+  std::int64_t at = 0;
+  bool is_occupied = false;
+  for (const std::int64_t run : runs) {
+    if (run < 0 || run > all - at) return wrong;
+    for (std::int64_t left = run; is_occupied && left > 0;) {
+      const std::int64_t start = at + run - left;
+      const std::int64_t part = std::min(left, width - start % width);
+      const int y = static_cast<int>(start / width);
+      const int x = static_cast<int>(start % width);
+      picture.Fill({x, y, x + static_cast<int>(part), y + 1}, 0);
+      left -= part;
+    }
+    at += run;
+    is_occupied = !is_occupied;
+  }
+  return at == all ? Status() : Status(wrong);
+}
+
 }  // namespace
 
 std::optional<std::string> Editor::ImageOf(const WorldNode& node) const {
@@ -172,11 +195,11 @@ Result<Json> Editor::Execute(const edit::Bitmaps&) {
   return Json{{"bitmaps", std::move(bitmaps)}};
 }
 
-// A model whose image is all free, and is written when the file is saved.
+// A model whose image is all free, or has the pixels of a picture; it is written when the file is saved.
 Result<Json> Editor::Execute(const edit::CreateBitmap& operation) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   if (kind_ != EditedKind::kWorld) return Error{{}, "a new bitmap belongs to a world file (.world)"};
-  const auto& [file, size, pixel, pose] = operation;
+  const auto& [file, size, pixel, pose, runs] = operation;
   if (Status wrong = CheckImageName(file); !wrong.ok()) return wrong.error();
   const double columns = std::ceil(size[0] / pixel - 1e-6);
   const double rows = std::ceil(size[1] / pixel - 1e-6);
@@ -190,7 +213,12 @@ Result<Json> Editor::Execute(const edit::CreateBitmap& operation) {
     return Error{{}, "found the image name " + Quoted(file) + " in use, expected a new one"};
   if (Status failure = file_.pictures().Create(*image); !failure.ok()) return failure.error();
   PictureVersions versions = file_.versions();
-  versions[*image] = std::make_shared<const GreyPicture>(static_cast<int>(columns), static_cast<int>(rows));
+  auto picture = std::make_shared<GreyPicture>(static_cast<int>(columns), static_cast<int>(rows));
+  if (!runs.empty()) {
+    if (Status wrong = FillRuns(runs, *picture); !wrong.ok()) return wrong.error();
+  }
+  const PixelBox box = SizedBox(*picture);
+  versions[*image] = picture;
 
   const FileUnits units = UnitsOf(world_->tree.world);
   const std::string name = FreeName(std::filesystem::path(file).stem().string());
@@ -198,10 +226,15 @@ Result<Json> Editor::Execute(const edit::CreateBitmap& operation) {
   model.Set("name", Text(name));
   model.Set("pose", ChangedPose({}, pose, units));
   const double metre = 1.0 / units.metres;
-  model.Set("size", Tuple({columns * pixel * metre, rows * pixel * metre, size[2] * metre}, kBitmapDecimals));
+  const double metres = pixel * metre;
+  model.Set("size", Tuple({metres * (box.x1 - box.x0), metres * (box.y1 - box.y0), size[2] * metre}, kBitmapDecimals));
+  // Its middle is that of the image.
+  const double x = 0.5 * metres * (box.x0 + box.x1 - picture->width());
+  const double y = 0.5 * metres * (picture->height() - box.y0 - box.y1);
+  if (x != 0.0 || y != 0.0) model.Set("origin", Tuple({x, y, 0.0, 0.0}, kBitmapDecimals));
   model.Set("color", Text(kPlanColor));
   model.Set("bitmap", Text(file));
-  Result<std::string> added = WithAdded(model);
+  Result<std::string> added = WithAdded(text(), model, false);
   if (!added.ok()) return added.error();
   const Status failure = Commit(std::move(added).value(), versions, "the new bitmap " + file);
   if (!failure.ok()) return failure.error();

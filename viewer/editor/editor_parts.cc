@@ -88,7 +88,7 @@ Result<Json> Editor::Execute(const edit::Model& operation) const {
   const ModelDescription& root = world.models.front();
   Json report = {{"name", name},
                  {"base", define->second.base},
-                 {"type", built.value().node.type},
+                 {"base_type", built.value().node.type},
                  {"here", here},
                  {"metres", units.metres},
                  {"radians", units.radians},

@@ -10,7 +10,6 @@
 #include "viewer/editor/model_parts.h"
 #include "worldfile/edit/stage_edit.h"
 #include "worldfile/edit/written_model.h"
-#include "worldfile/scenario/scenario_schema.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
 
@@ -18,17 +17,6 @@ namespace troupe {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr std::size_t kMostPictures = 300;  // of the palette
-constexpr std::size_t kMostWarnings = 200;  // in a reply
-
-const char* KindText(EditedKind kind) {
-  return kind == EditedKind::kWorld ? "world" : kind == EditedKind::kInclude ? "include" : "scenario";
-}
-
-Json WhereJson(const SourceLocation& where) {
-  return {{"file", where.file}, {"line", where.line}, {"column", where.column}};
-}
 
 }  // namespace
 
@@ -75,19 +63,6 @@ Result<Json> Editor::Execute(const edit::Redo&) {
   return Json{{"label", *label}};
 }
 
-Result<Json> Editor::Execute(const edit::Help&) const {
-  Json table = Json::array();
-  for (const PropertyHelp& row : PropertyTable()) {
-    table.push_back({{"type", row.type},
-                     {"name", row.name},
-                     {"form", row.form},
-                     {"unit", row.unit},
-                     {"initial", row.initial},
-                     {"help", row.help}});
-  }
-  return Json{{"properties", std::move(table)}, {"schema", Json::parse(kScenarioSchemaText, nullptr, false)}};
-}
-
 Result<Json> Editor::Execute(const edit::SetPose& operation) {
   return Done(SetPose(operation.name, operation.pose));
 }
@@ -98,98 +73,6 @@ Result<Json> Editor::Execute(const edit::Delete& operation) {
 
 Result<Json> Editor::Execute(const edit::Rename& operation) {
   return Done(Rename(operation.name, operation.to));
-}
-
-Result<Json> Editor::Execute(const edit::Document&) const {
-  Json document = {{"file", path()},
-                   {"kind", KindText(kind_)},
-                   {"modified", is_modified()},
-                   {"version", version_},
-                   {"error", error_ ? error_->ToString() : ""}};
-  if (error_) document["error_place"] = WhereJson(error_->where);
-  document["undo"] = file_.undo_label().value_or("");
-  document["redo"] = file_.redo_label().value_or("");
-  Json warnings = Json::array();
-  Json entities = Json::array();
-  Json regions = Json::array();
-  Json members = Json::object();
-  Json properties = Json::array();
-  if (world_ != nullptr) {
-    for (const Property& property : world_->tree.world.properties) {
-      properties.push_back({{"name", property.name}, {"value", ToStage(property.value)}});
-    }
-    for (const Warning& warning : world_->loaded.warnings) {
-      if (warnings.size() < kMostWarnings) warnings.push_back(warning.ToString());
-    }
-    for (const EditedEntity& entity : world_->entities) {
-      entities.push_back({{"name", entity.name},
-                          {"type", entity.type},
-                          {"model", entity.written},
-                          {"here", entity.where.file == path()},
-                          {"where", WhereJson(entity.where)}});
-    }
-  }
-  if (kind_ == EditedKind::kScenario) {
-    const Result<JsonTree> tree = JsonTree::Parse(text(), path());
-    const JsonNode root = tree.ok() ? tree.value().root() : JsonNode();
-    if (const JsonNode* const spawn = root.Find("spawn")) regions = ToJson(*spawn);
-    for (const JsonNode& member : root.items) {
-      if (root.is_object() && !member.is_array() && !member.is_object()) members[member.key] = ToJson(member);
-    }
-  }
-  document["members"] = std::move(members);
-  document["properties"] = std::move(properties);
-  document["warnings"] = std::move(warnings);
-  document["entities"] = std::move(entities);
-  document["regions"] = std::move(regions);
-  return document;
-}
-
-Result<Json> Editor::Execute(const edit::Palette&) const {
-  if (Status broken = CheckText(); !broken.ok()) return broken.error();
-  Json models = Json::array();
-  for (const PaletteModel& model : PaletteOf(world_->tree)) {
-    Json row = {{"name", model.name},
-                {"type", model.type},
-                {"here", model.where.file == path()},
-                {"where", WhereJson(model.where)}};
-    if (models.size() < kMostPictures) {
-      const Result<LoadedWorld> alone = BuildAlone(world_->tree, model.name, files());
-      if (alone.ok()) row["picture"] = PictureOf(alone.value().world);
-    }
-    models.push_back(std::move(row));
-  }
-  return Json{{"models", std::move(models)}};
-}
-
-Result<Json> Editor::Execute(const edit::Entity& operation) const {
-  const Result<const EditedEntity*> found = FindEntity(operation.name);
-  if (!found.ok()) return found.error();
-  const EditedEntity& entity = *found.value();
-  const Result<Place> place = PlaceOf(entity);
-  Json report = {{"name", entity.name},
-                 {"type", entity.type},
-                 {"model", entity.written},
-                 {"where", WhereJson(entity.where)},
-                 {"shelf", entity.on_shelf}};
-  report["refusal"] = place.ok() ? "" : place.error().message;
-  Json properties = Json::array();
-  for (const Property& property : entity.node->properties) {
-    bool own = false;
-    if (place.ok() && place.value().statement != nullptr) {
-      own = FindProperty(BodyOf(*place.value().statement), property.name) != nullptr;
-    } else if (place.ok() && place.value().entry != nullptr) {
-      const TextSpan& span = place.value().entry->span;
-      const bool here = property.where.file == path() && property.where.line > 0;
-      own = here && span.Contains(place.value().json->OffsetOf(property.where));
-    }
-    properties.push_back({{"name", property.name},
-                          {"value", ToStage(property.value)},
-                          {"own", own},
-                          {"where", WhereJson(property.where)}});
-  }
-  report["properties"] = std::move(properties);
-  return report;
 }
 
 Status Editor::SetBody(const Place& place, const std::string& name, const std::optional<Value>& value,
@@ -257,9 +140,24 @@ Result<Json> Editor::Execute(const edit::SetMember& operation) {
   };
   const Result<Place> place = find_place();
   if (!place.ok()) return place.error();
-  const JsonNode& entry = *place.value().entry;
-  std::string changed = operation.value ? WithMember(text(), entry, operation.key, *operation.value)
-                                        : WithoutMember(text(), entry, operation.key);
+  const JsonNode* object = place.value().entry;
+  std::size_t depth = 0;
+  for (; depth < operation.inside.size(); ++depth) {
+    const JsonNode* const inner = object->Find(operation.inside[depth]);
+    if (inner == nullptr || !inner->is_object()) break;
+    object = inner;
+  }
+  if (depth < operation.inside.size()) {
+    if (!operation.value) return Json::object();
+    // The objects that are missing, around the member.
+    std::string value = "{" + Json(operation.key).dump() + ": " + *operation.value + "}";
+    for (std::size_t i = operation.inside.size() - 1; i > depth; --i) {
+      value.insert(0, "{" + Json(operation.inside[i]).dump() + ": ").push_back('}');
+    }
+    return Done(Commit(WithMember(text(), *object, operation.inside[depth], value), "the change of " + operation.key));
+  }
+  std::string changed = operation.value ? WithMember(text(), *object, operation.key, *operation.value)
+                                        : WithoutMember(text(), *object, operation.key);
   return Done(Commit(std::move(changed), "the change of " + operation.key));
 }
 
@@ -316,7 +214,7 @@ Result<Json> Editor::Execute(const edit::AddModel& operation) {
   if (!body.is_centred) model.Set("origin", body.origin);
   for (const auto& [property, value] : operation.properties) model.Set(property, value);
   if (!IsBox(blocks)) model.children = std::move(body.blocks);
-  Result<std::string> added = WithAdded(model);
+  Result<std::string> added = WithAdded(text(), model, false);
   if (!added.ok()) return added.error();
   if (Status failure = Commit(std::move(added).value(), "the addition of " + name); !failure.ok())
     return failure.error();

@@ -30,9 +30,30 @@ constexpr std::int64_t kMostWork = 100'000'000;  // pixels that a stroke fills, 
 constexpr double kSmallestPixel = 0.001;         // m
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFreed = 255;
+constexpr std::size_t kMostRuns = 500'000;
+constexpr std::size_t kDeepest = 4;  // objects around a member
+constexpr int kMostLevels = 50;      // of lists and objects in a value
 
 Error Malformed(std::string message) {
   return {{}, std::move(message)};
+}
+
+// True if lists and objects are inside each other more than `levels` times. They are written by recursion.
+bool IsDeeper(const Json& value, int levels) {
+  if (!value.is_structured()) return false;
+  return levels == 0 ||
+         std::any_of(value.begin(), value.end(), [&](const Json& item) { return IsDeeper(item, levels - 1); });
+}
+
+// JSON on one line, with the blanks that people write.
+std::string SpacedJson(const Json& value) {
+  if (!value.is_array() && !value.is_object()) return JsonText(value);
+  std::string text;
+  for (const auto& [key, item] : value.items()) {
+    if (!text.empty()) text += ", ";
+    text += (value.is_object() ? JsonText(Json(key)) + ": " : "") + SpacedJson(item);
+  }
+  return value.is_array() ? "[" + text + "]" : "{" + text + "}";
 }
 
 // A name, perhaps with an index: "point[0]".
@@ -349,10 +370,24 @@ class Decoder {
   }
   EditOperation SetProperty() { return edit::SetProperty{Text("name"), Change()}; }
   EditOperation SetMember() {
-    edit::SetMember operation{Text("name"), Text("key"), {}};
+    edit::SetMember operation{Text("name"), {}, Text("key"), {}};
     if (!IsPropertyName(operation.key)) Fail("found the key " + Quoted(operation.key) + ", expected a name");
+    if (const auto inside = request_.find("inside"); inside != request_.end()) {
+      if (!inside->is_array() || inside->size() > kDeepest) Fail("found no keys, expected at most 4");
+      for (const Json& key : *inside) {
+        if (!key.is_string() || !IsPropertyName(key.get<std::string>())) {
+          Fail("found a key that is no name");
+          break;
+        }
+        operation.inside.push_back(key.get<std::string>());
+      }
+    }
     const auto value = request_.find("value");
-    if (value != request_.end() && !value->is_null()) operation.value = JsonText(*value);
+    if (value != request_.end() && IsDeeper(*value, kMostLevels)) {
+      Fail("found lists or objects more than 50 deep");
+    } else if (value != request_.end() && !value->is_null()) {
+      operation.value = SpacedJson(*value);
+    }
     return operation;
   }
   EditOperation Rename() {
@@ -429,6 +464,16 @@ class Decoder {
       Fail("found no size, pixel or pose, expected lengths in m, and pixels of at least 0.001 m");
     }
     operation.pose = pose.value_or(Pose());
+    if (const auto runs = request_.find("runs"); runs != request_.end()) {
+      const bool are_counts =
+          runs->is_array() && runs->size() <= kMostRuns &&
+          std::all_of(runs->begin(), runs->end(), [](const Json& run) { return Index(run).has_value(); });
+      if (!are_counts) {
+        Fail("found no runs of pixels, expected at most 500000 counts");
+      } else {
+        operation.runs = runs->get<std::vector<std::int64_t>>();
+      }
+    }
     return operation;
   }
   EditOperation DrawBitmap() { return edit::DrawBitmap{Text("name"), ValueOf(ReadStroke())}; }
@@ -441,18 +486,14 @@ class Decoder {
       if (!operation.index) Fail("found no rule");
       return operation;
     }
-    if (!rule->is_object()) {
+    if (!rule->is_object() || IsDeeper(*rule, kMostLevels)) {
       Fail("found no rule, expected an object");
       return operation;
     }
     // In the order in which rules are written by hand.
     constexpr std::array kFirst{"model", "count", "region"};
     std::vector<edit::SetRegion::Member>& members = operation.rule.emplace();
-    const auto add = [&](const std::string& key, const Json& value) {
-      std::string text;
-      for (const char c : JsonText(value)) text += c == ',' && value.is_array() ? std::string(", ") : std::string(1, c);
-      members.push_back({key, std::move(text)});
-    };
+    const auto add = [&](const std::string& key, const Json& value) { members.push_back({key, SpacedJson(value)}); };
     for (const char* key : kFirst) {
       if (rule->contains(key)) add(key, rule->at(key));
     }

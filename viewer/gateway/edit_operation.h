@@ -112,9 +112,11 @@ struct SetProperty {
   std::string name;
   PropertyChange change;
 };
-// "name", "key", "value": JSON, or null: it is removed; a member of a scenario's entry; without "name" of the scenario
+// "name", "key", "value": JSON, or null: it is removed; a member of a scenario's entry; without "name" of the scenario.
+// "inside": keys, of the object in the entry that has the member
 struct SetMember {
   std::string name;
+  std::vector<std::string> inside;
   std::string key;
   std::optional<std::string> value;
 };
@@ -174,12 +176,14 @@ struct SetGripperRoles : PartOperation {
   GripperRoles roles;
 };
 
-// "file": name.png, "size": [x, y, z] and "pixel" in m, "pose": of its middle
+// "file": name.png, "size": [x, y, z] and "pixel" in m, "pose": of its middle. "runs": of the pixels by rows from the
+// top, free and occupied ones by turns; without them all are free
 struct CreateBitmap {
   std::string file;
   std::vector<double> size;
   double pixel = 0.0;
   Pose pose;
+  std::vector<std::int64_t> runs;
 };
 // "name": of a model, and a stroke
 struct DrawBitmap {

@@ -217,10 +217,10 @@ void FoxgloveClient::SendScan(std::uint32_t subscription, const foxglove::Channe
 }
 
 void FoxgloveClient::SendEvents(std::uint32_t subscription) {
-  for (const NumberedEvent& event : run_.content.events) {
-    if (event.number <= event_) continue;
-    event_ = event.number;
-    const std::string text = foxglove::EventText(TextOf(event), IsWarning(event.event.type), ShownTime());
+  const auto& events = run_.content.events;
+  for (auto event = EventsAfter(events, event_); event != events.end(); ++event) {
+    event_ = event->number;
+    const std::string text = foxglove::EventText(TextOf(*event), IsWarning(event->event.type), ShownTime());
     Send(foxglove::DataMessage(subscription, ShownTime(), text), false);
   }
 }

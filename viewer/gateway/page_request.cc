@@ -35,6 +35,7 @@ constexpr std::array<CommandName, 14> kCommands = {{{"status", ControlCommand::k
                                                     {"rewind", ControlCommand::kRewind}}};
 
 constexpr std::uint64_t kMostTicks = 1'000'000;
+constexpr std::uint64_t kMostPosition = std::uint64_t{1} << 53;
 constexpr std::size_t kMostOrders = 64;  // to grippers
 
 Error Malformed(const std::string& found, const std::string& expected) {
@@ -243,6 +244,31 @@ Result<PageRequest> ParseSeek(const Json& object) {
   return request;
 }
 
+Result<PageRequest> ParseSeries(const Json& object) {
+  SeriesRequest series;
+  const auto id = WholeNumberIn(object, "id");
+  const auto from = WholeNumberIn(object, "from");
+  const auto to = WholeNumberIn(object, "to");
+  const auto every = WholeNumberIn(object, "every");
+  if (!id || !from || !to || !every || *every == 0 || *from > kMostPosition || *every > kMostPosition) {
+    return Malformed("a series", "an id, from, to and every");
+  }
+  series.id = *id;
+  series.from = *from;
+  series.to = *to;
+  series.every = *every;
+  const auto signals = object.find("signals");
+  if (signals == object.end() || !signals->is_array() || signals->size() > kMostSignals) {
+    return Malformed("no signals", "a list of up to 32");
+  }
+  for (const Json& signal : *signals) {
+    const bool is_pair = signal.is_array() && signal.size() == 2 && signal[0].is_string() && signal[1].is_string();
+    if (!is_pair) return Malformed("a signal", "the names of a robot and of its signal");
+    series.signals.push_back({signal[0].get<std::string>(), signal[1].get<std::string>()});
+  }
+  return PageRequest(std::move(series));
+}
+
 }  // namespace
 
 Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest) {
@@ -266,7 +292,13 @@ Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest)
     live.emplace<LiveRequest>();
     return live;
   }
-  return Malformed("type '" + type + "'", "select, control, seek or live");
+  if (type == "series") return ParseSeries(object);
+  if (type == "totals") {
+    const auto id = WholeNumberIn(object, "id");
+    if (!id) return Malformed("no id", "a whole number");
+    return PageRequest(TotalsRequest{*id});
+  }
+  return Malformed("type '" + type + "'", "select, control, seek, live, series or totals");
 }
 
 bool IsQuestion(ControlCommand command) {

@@ -12,6 +12,9 @@
 //    goal without waypoints cancels the goal
 //   {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until
 //   {"type": "live"}
+//   {"type": "series", "id": 11, "signals": [["r0", "x"], ...], "from": 0, "to": 500, "every": 1}: of signals
+//   (signals.h)
+//     between two positions; {"type": "totals", "id": 12}: of robots (past_reader.h)
 //   {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (edit_operation.h)
 // The commands are those of `troupe ctl`, but for those that name files.
 #pragma once
@@ -27,6 +30,7 @@
 #include "transport/protocol/messages.h"
 #include "troupe/result.h"
 #include "viewer/gateway/edit_operation.h"
+#include "viewer/gateway/signals.h"
 
 namespace troupe {
 
@@ -62,7 +66,24 @@ struct PageEdit {
   Result<EditOperation> operation;  // the error is for the reply
 };
 
-using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest, PageEdit>;
+inline constexpr std::size_t kMostSignals = 32;
+
+struct SeriesRequest {
+  std::uint64_t id = 0;  // repeated in the reply
+  std::vector<SignalName> signals;
+  std::uint64_t from = 0;  // positions
+  std::uint64_t to = 0;
+  std::uint64_t every = 1;
+  bool operator==(const SeriesRequest&) const = default;
+};
+
+struct TotalsRequest {
+  std::uint64_t id = 0;  // repeated in the reply
+  bool operator==(const TotalsRequest&) const = default;
+};
+
+using PageRequest =
+    std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest, PageEdit, SeriesRequest, TotalsRequest>;
 
 // The error is of the page, or of a stranger: it is not a request. `longest`: bytes of an edit; others are shorter.
 Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest = kLongestPageRequest);

@@ -21,6 +21,7 @@ constexpr std::uint8_t kPausedFlag = 1;
 constexpr std::uint8_t kLastFlag = 2;
 constexpr std::uint8_t kReadingsFlag = 8;
 constexpr std::uint8_t kPastFlag = 16;
+constexpr std::uint8_t kAllEventsFlag = 32;  // the events are all that there are, in place of those sent before
 
 std::uint8_t Flag(bool is_set, std::uint8_t flag) {
   return is_set ? flag : 0;
@@ -215,7 +216,7 @@ void PageViewer::ReturnToLive() {
 }
 
 bool PageViewer::NeedsMessage() const {
-  return session_ != run_.session || !waiting_.empty() || NeedsStatus() || NeedsUpdate();
+  return session_ != run_.session || timeline_ != run_.timeline || !waiting_.empty() || NeedsStatus() || NeedsUpdate();
 }
 
 // The status of the live run is needed once its world is known.
@@ -238,6 +239,10 @@ std::optional<WebMessage> PageViewer::Next() {
     return WebMessage{session_, true};
   }
   if (auto waiting = NextWaiting()) return waiting;
+  if (timeline_ != run_.timeline) {
+    timeline_ = run_.timeline;
+    return WebMessage{timeline_, true};
+  }
   if (NeedsStatus()) {
     status_ = run_.status;
     return WebMessage{status_, true};
@@ -260,7 +265,8 @@ std::string PageViewer::MakeUpdate() {
   writer.Write(state.world->number);
   writer.Write(static_cast<std::uint8_t>(Flag(in_past_ || content.paused, kPausedFlag) |
                                          Flag(!in_past_ && content.last, kLastFlag) |
-                                         Flag(has_readings, kReadingsFlag) | Flag(in_past_, kPastFlag)));
+                                         Flag(has_readings, kReadingsFlag) | Flag(in_past_, kPastFlag) |
+                                         Flag(event_list_ != content.event_list, kAllEventsFlag)));
   writer.Write(state.state->tick);
   writer.Write(state.state_hash);
   writer.Write(state.edition);
@@ -284,12 +290,14 @@ void PageViewer::WriteRows(ByteWriter& writer) const {
 }
 
 void PageViewer::WriteEvents(ByteWriter& writer) {
+  if (event_list_ != run_.content.event_list) event_ = 0;
+  event_list_ = run_.content.event_list;
   const std::size_t place = writer.ReserveCount();
   std::size_t count = 0;
-  for (const NumberedEvent& numbered : run_.content.events) {
-    if (numbered.number <= event_) continue;
-    Write(writer, numbered);
-    event_ = numbered.number;
+  const auto& events = run_.content.events;
+  for (auto numbered = EventsAfter(events, event_); numbered != events.end(); ++numbered) {
+    Write(writer, *numbered);
+    event_ = numbered->number;
     ++count;
   }
   writer.FillCount(place, count);

@@ -99,9 +99,11 @@ class PageViewer final : public Viewer {
   Clock::time_point next_pictures_;             // camera images are not sent earlier
   std::shared_ptr<const std::string> session_;  // the messages that it has, as in ShownRun
   std::shared_ptr<const std::string> status_;
+  std::shared_ptr<const std::string> timeline_;
   std::uint32_t world_ = 0;   // number of the world that it has; 0: none
   std::uint64_t update_ = 0;  // of that world that it has received last; 0: none
   std::uint64_t event_ = 0;   // number of the last event
+  std::uint64_t event_list_ = 0;
 };
 
 }  // namespace troupe

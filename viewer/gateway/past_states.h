@@ -33,6 +33,20 @@ struct ViewedWorld {
 // Makes the message and the scene.
 std::shared_ptr<const ViewedWorld> MakeViewedWorld(const SessionMessage& session, std::uint32_t number);
 
+// The worlds that viewers have, so that a past state has the same one as a live state: a page builds each anew.
+//
+// Threads: any.
+class WorldShelf {
+ public:
+  // The world of a session, made if no viewer can have it.
+  std::shared_ptr<const ViewedWorld> Of(const SessionMessage& session);
+
+ private:
+  std::mutex mutex_;  // guards the others
+  std::vector<std::weak_ptr<const ViewedWorld>> worlds_;
+  std::uint32_t made_ = 0;
+};
+
 // A committed state of a run, with the world that it belongs to.
 struct ViewedState {
   std::uint64_t position = 0;
@@ -59,7 +73,29 @@ struct NumberedEvent {
   Event event;
   EventNames names;  // in the world of the event: its ids may be those of others after an edit
 };
-inline constexpr std::size_t kEventsKept = 500;  // for viewers
+inline constexpr std::size_t kEventsKept = 10'000;  // for viewers, the newest
+
+// A part of the timeline without a gap, in which ticks count up with positions. Another one begins after an edit that
+// sets the time back, and where states are missing.
+struct TimeSpan {
+  std::uint64_t first = 0;  // position
+  std::uint64_t last = 0;
+  Tick tick = 0;  // at the first
+  bool operator==(const TimeSpan&) const = default;
+};
+
+// The spans of the states that are added.
+class SpanList {
+ public:
+  // Positions ascend.
+  void Add(std::uint64_t position, Tick tick);
+  void DropBefore(std::uint64_t position);
+  void Clear() { spans_.clear(); }
+  const std::vector<TimeSpan>& all() const { return spans_; }
+
+ private:
+  std::vector<TimeSpan> spans_;  // ascending
+};
 
 class PastStates {
  public:
@@ -74,20 +110,28 @@ class PastStates {
   // Both may be called on any thread. Nothing: there is no state (of that tick).
   virtual std::optional<Range> range() const = 0;
   virtual std::optional<std::uint64_t> PositionOf(Tick tick) const = 0;  // the newest one
+  // Of the states that there are, ascending. On any thread, too.
+  virtual std::vector<TimeSpan> Spans() const = 0;
 
   // The state at a position, or at the nearest that there is. The call may take some time. Called on one thread. The
   // error is a state that cannot be read.
   virtual Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) = 0;
 };
 
-// A recording: all of its states are in the past.
+// A recorded run: all of its states are in the past.
 class Recorded : public PastStates {
  public:
-  // In their order, at most the first kEventsKept.
-  virtual std::vector<NumberedEvent> Events() const = 0;
+  using PastStates::PositionOf;
+  // In their order, at most the newest kEventsKept.
+  virtual std::deque<NumberedEvent> Events() const = 0;
+  virtual RunId run() const = 0;
+  // Of a state of the run, also of one after the last that is recorded here.
+  virtual std::uint64_t PositionOf(StatePlace place) const = 0;
+  // The run has ended, and nothing of it is missing.
+  virtual bool is_whole() const = 0;
 };
 
-// The newest states of a live run, in a bounded memory.
+// The newest states of a live run, in a bounded memory. A position counts the ticks, too, that were not received.
 //
 // Threads: any; Add on one.
 class KeptStates final : public PastStates {
@@ -97,17 +141,44 @@ class KeptStates final : public PastStates {
   // Appends a state, whose position is set, and drops the oldest ones that are too many. Returns it.
   std::shared_ptr<const ViewedState> Add(ViewedState state);
   void Clear();
+  // The position of the next state, which is the first. REQUIRES: there is none.
+  void SetNext(std::uint64_t position);
 
   std::optional<Range> range() const override;
   std::optional<std::uint64_t> PositionOf(Tick tick) const override;
   Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override;
+  std::vector<TimeSpan> Spans() const override;
 
  private:
   const std::size_t most_bytes_;
-  mutable std::mutex mutex_;  // guards the others
-  std::deque<std::shared_ptr<const ViewedState>> states_;
+  mutable std::mutex mutex_;                               // guards the others
+  std::deque<std::shared_ptr<const ViewedState>> states_;  // by position, with gaps
+  SpanList spans_;
   std::size_t bytes_ = 0;
-  std::uint64_t next_ = 0;  // position of the next one
+  std::uint64_t next_ = 0;  // position of the next one, if no tick is missing
+};
+
+// The past of a live run: the states that were received, and those that its journal has beside them.
+//
+// Threads: as PastStates.
+class RunPast final : public PastStates {
+ public:
+  explicit RunPast(std::size_t bytes) : kept_(bytes) {}
+
+  KeptStates& kept() { return kept_; }
+  // Null: none.
+  void SetRecorded(std::shared_ptr<Recorded> recorded);
+  std::shared_ptr<Recorded> recorded() const;
+
+  std::optional<Range> range() const override;
+  std::optional<std::uint64_t> PositionOf(Tick tick) const override;
+  Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override;
+  std::vector<TimeSpan> Spans() const override;
+
+ private:
+  KeptStates kept_;
+  mutable std::mutex mutex_;  // guards the next
+  std::shared_ptr<Recorded> recorded_;
 };
 
 }  // namespace troupe

@@ -1,5 +1,6 @@
 #include "viewer/gateway/run_feed.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -16,9 +17,21 @@ constexpr auto kPeriod = std::chrono::seconds(1);
 
 }  // namespace
 
+std::deque<NumberedEvent>::const_iterator EventsAfter(const std::deque<NumberedEvent>& events, std::uint64_t number) {
+  return std::partition_point(events.begin(), events.end(),
+                              [&](const NumberedEvent& event) { return event.number <= number; });
+}
+
 void RunFeed::Read(FeedContent& content) const {
   const std::lock_guard lock(mutex_);
-  if (content.version != content_.version) content = content_;
+  if (content.version == content_.version) return;
+  // Only the new ones are copied: there may be thousands, 60 times a second.
+  const bool is_same_list = content.event_list == content_.event_list;
+  if (!is_same_list) content.events.clear();
+  const std::uint64_t known = content.events.empty() ? 0 : content.events.back().number;
+  content.events.insert(content.events.end(), EventsAfter(content_.events, known), content_.events.end());
+  while (content.events.size() > kEventsKept) content.events.pop_front();
+  static_cast<FeedHead&>(content) = static_cast<const FeedHead&>(content_);
 }
 
 bool RunFeed::ConsumeServiceGone() {
@@ -29,7 +42,7 @@ bool RunFeed::ConsumeServiceGone() {
 // The work for a new world is done here, on the thread of the observer: it may take a while, and loses frames only.
 void RunFeed::OnSession(const SessionMessage& session) {
   if (announced_ && announced_->run == session.run && announced_->edition == session.world_edition) return;
-  announced_ = MakeViewedWorld(session, ++worlds_);
+  announced_ = shelf_.Of(session);
 }
 
 // A frame may be delivered twice: paused, and to be answered.
@@ -46,17 +59,78 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   content_.paused = frame.paused && !frame.holds;
   content_.last = frame.last;
   if (before != nullptr && at == std::pair(before->edition, before->state->tick)) return;
+  std::optional<std::uint64_t> listed_to;  // of states whose events are in the list, from the recording
   if (before == nullptr) {
     content_.events.clear();
+    ++content_.event_list;
     content_.status.reset();
-    history_.Clear();
+    history_.kept().Clear();
+    if (const std::shared_ptr<Recorded> recorded = history_.recorded()) {
+      if (recorded->run() == frame.run) {
+        history_.kept().SetNext(recorded->PositionOf(StatePlace{frame.edition, frame.state.tick}));
+        listed_to = CompleteEvents(*recorded);
+      } else {
+        history_.SetRecorded(nullptr);
+      }
+    }
   }
-  content_.state = history_.Add({0, announced_, {shared, &frame.state}, frame.state_hash, frame.edition});
+  const std::uint64_t expected = NextPosition();
+  content_.state = history_.kept().Add({0, announced_, {shared, &frame.state}, frame.state_hash, frame.edition});
+  const bool is_behind_gap = content_.state->position > expected;
+  lacks_states_ = lacks_states_ || (is_behind_gap && history_.recorded() != nullptr);
+  if (listed_to && content_.state->position <= *listed_to) return;
   for (const Event& event : frame.events) {
     const EventNames names = NamesIn(announced_->description(), event);
     content_.events.push_back({++events_, content_.state->position, event, names});
   }
   while (content_.events.size() > kEventsKept) content_.events.pop_front();
+}
+
+// The position after the newest one that is known.
+std::uint64_t RunFeed::NextPosition() const {
+  const std::optional<PastStates::Range> range = history_.range();
+  return range ? range->last + 1 : 0;
+}
+
+std::uint64_t RunFeed::CompleteEvents(const Recorded& recorded) {
+  const std::uint64_t last = recorded.range()->last;
+  std::deque<NumberedEvent> events = recorded.Events();
+  for (NumberedEvent& event : content_.events) {
+    if (event.position > last) events.push_back(std::move(event));
+  }
+  while (events.size() > kEventsKept) events.pop_front();
+  content_.events = std::move(events);
+  events_ = 0;
+  for (NumberedEvent& event : content_.events) event.number = ++events_;
+  ++content_.event_list;
+  ++content_.version;
+  return last;
+}
+
+void RunFeed::SetRecorded(const std::shared_ptr<Recorded>& recorded) {
+  if (recorded == nullptr) return history_.SetRecorded(nullptr);
+  // Before others can call it.
+  Result<std::shared_ptr<const ViewedState>> end = Failure("it continues");
+  if (recorded->is_whole()) end = recorded->At(recorded->range()->last);
+  const std::lock_guard lock(mutex_);
+  if (content_.state && content_.state->world->run != recorded->run()) return;
+  history_.SetRecorded(recorded);
+  lacks_states_ = false;
+  if (content_.state) {
+    CompleteEvents(*recorded);
+    return;
+  }
+  if (!end.ok()) return;
+  content_.events.clear();
+  content_.state = end.value();
+  content_.last = true;
+  content_.paused = false;
+  CompleteEvents(*recorded);
+}
+
+bool RunFeed::lacks_states() const {
+  const std::lock_guard lock(mutex_);
+  return lacks_states_;
 }
 
 void RunFeed::OnStatus(const StatusMessage& status) {
@@ -118,7 +192,7 @@ void Follower::Run() {
   std::unique_lock lock(mutex_);
   while (!ending_) {
     const auto now = Clock::now();
-    if (wanted_) wanted_until_ = now + kGraceTime;
+    if (wanted_ || link_.follows_always()) wanted_until_ = now + kGraceTime;
     const bool open = now < wanted_until_ && !observation;
     const bool close = observation && now >= wanted_until_;
     lock.unlock();
@@ -129,6 +203,8 @@ void Follower::Run() {
     }
     std::string problem;
     if (open) {
+      // First: a frame of the run has its position by the journal.
+      feed_.SetRecorded(link_.ReadJournal(feed_.shelf()));
       Result<std::unique_ptr<RunObservation>> opened = link_.Observe(feed_);
       if (opened.ok()) {
         observation = std::move(opened).value();

@@ -18,23 +18,38 @@
 
 namespace troupe {
 
-// A copy of the newest content of a feed.
-struct FeedContent {
-  std::uint64_t version = 0;                 // of everything below; 0: nothing yet
+// A copy of the newest content of a feed, but for the events.
+struct FeedHead {
+  std::uint64_t version = 0;                 // of the whole content; 0: nothing yet
   std::shared_ptr<const ViewedState> state;  // null: no run was found yet, or it has ended
   bool paused = false;
   bool last = false;  // the run has ended in order
   std::optional<StatusMessage> status;
-  std::deque<NumberedEvent> events;  // the newest of the run, at most kEventsKept
+  // Counts the lists of events: that of another run, or one that was completed by the journal.
+  std::uint64_t event_list = 0;
 };
+
+struct FeedContent : FeedHead {
+  std::deque<NumberedEvent> events;  // the newest of the run, at most kEventsKept; their numbers have no gaps
+};
+
+// The first event after the one with this number.
+std::deque<NumberedEvent>::const_iterator EventsAfter(const std::deque<NumberedEvent>& events, std::uint64_t number);
 
 // Threads: the handler calls come on one thread, Read on another.
 class RunFeed : public ObserverHandler {
  public:
   explicit RunFeed(std::size_t history_bytes = std::size_t{128} << 20) : history_(history_bytes) {}
 
-  // The states of the run since it has been followed.
-  KeptStates& history() { return history_; }
+  // The states of the run since it has been followed, and those of its journal.
+  RunPast& history() { return history_; }
+  WorldShelf& shelf() { return shelf_; }
+
+  // Completes the past and the events by the run's journal as it is now; null: there is none. A run that has ended
+  // without having been followed is then shown at its end. On any thread.
+  void SetRecorded(const std::shared_ptr<Recorded>& recorded);
+  // States were not received, so that the journal should be read again.
+  bool lacks_states() const;
 
   // Copies the content to `content` unless it has the same version already.
   void Read(FeedContent& content) const;
@@ -49,18 +64,24 @@ class RunFeed : public ObserverHandler {
   void OnServiceGone() override;
 
  private:
-  KeptStates history_;
-  mutable std::mutex mutex_;  // guards content_ and service_gone_
+  std::uint64_t NextPosition() const;
+  // The list of events begins with those of the recording; returns the position of its last state. REQUIRES: mutex_ is
+  // locked.
+  std::uint64_t CompleteEvents(const Recorded& recorded);
+
+  WorldShelf shelf_;
+  RunPast history_;
+  mutable std::mutex mutex_;  // guards the others but for announced_
   FeedContent content_;
   bool service_gone_ = false;
+  bool lacks_states_ = false;
+  std::uint64_t events_ = 0;
   // The world of the frames that follow, of the newest session.
   std::shared_ptr<const ViewedWorld> announced_;
-  std::uint32_t worlds_ = 0;
-  std::uint64_t events_ = 0;
 };
 
 // Without viewers, and while none is expected, the gateway has no DDS participant and receives nothing, so that it
-// costs a run nothing.
+// costs a run nothing. It follows a run all the time whose past it would not know otherwise (RunLink::follows_always).
 //
 // Threads: any.
 class Follower {

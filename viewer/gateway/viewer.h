@@ -24,10 +24,11 @@ namespace troupe {
 struct ShownRun {
   // Messages of the page, as JSON.
   std::shared_ptr<const std::string> session;
-  std::shared_ptr<const std::string> status;  // null: none yet
-  FeedContent content;                        // of a recording: the events alone
-  StateRows rows;                             // of the state
-  std::uint64_t update = 0;                   // counts the versions of the content
+  std::shared_ptr<const std::string> status;    // null: none yet
+  std::shared_ptr<const std::string> timeline;  // likewise: the spans of the past, of a run and of a recording
+  FeedContent content;                          // of a recording: the events alone
+  StateRows rows;                               // of the state
+  std::uint64_t update = 0;                     // counts the versions of the content
 };
 
 class Viewer {

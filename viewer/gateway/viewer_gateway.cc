@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -17,6 +18,7 @@
 #include "common/base/json.h"
 #include "viewer/gateway/foxglove_client.h"
 #include "viewer/gateway/page_viewer.h"
+#include "viewer/gateway/past_reader.h"
 #include "viewer/gateway/run_feed.h"
 
 namespace troupe {
@@ -53,16 +55,17 @@ class RequestQueue {
     changed_.notify_all();
     return true;
   }
-  // In place of the request of this viewer that waits, if there is one.
+  // In place of the request of this kind and this viewer that waits, if there is one; else before all others.
   void Replace(ViewerId viewer, Request request) {
     {
       const std::lock_guard lock(mutex_);
-      const auto same =
-          std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& w) { return w.first == viewer; });
+      const auto same = std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& waiting) {
+        return waiting.first == viewer && waiting.second.index() == request.index();
+      });
       if (same != waiting_.end()) {
         same->second = std::move(request);
       } else {
-        waiting_.emplace_back(viewer, std::move(request));
+        waiting_.emplace_front(viewer, std::move(request));
       }
     }
     changed_.notify_all();
@@ -104,6 +107,14 @@ class RequestQueue {
   std::thread thread_;  // last
 };
 
+// A page that is told of the end asks for a summary.
+constexpr int kPeriodsAtEnd = kUpdatesPerSecond / 5;
+constexpr std::string_view kRecordingPath = "/recording.mcap";
+constexpr ViewerId kNoViewer = 0;
+// Between two readings of the journal, and at least so many times the time of one.
+constexpr auto kJournalPeriod = std::chrono::seconds(2);
+constexpr int kJournalShare = 10;
+
 constexpr std::size_t kMostAwaited = 50;  // names in a status
 
 // The status message of the page: the fields of the status, and `waiting_count`, because it names only some robots.
@@ -117,17 +128,28 @@ std::shared_ptr<const std::string> StatusText(std::optional<StatusMessage> statu
   return std::make_shared<const std::string>(JsonText(text));
 }
 
+// The spans of the past: those that are new tell more than the page knows by the ends of the timeline in each update.
+std::shared_ptr<const std::string> TimelineText(const std::vector<TimeSpan>& spans) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const TimeSpan& span : spans) rows.push_back({span.first, span.last, span.tick});
+  const nlohmann::json text = {{"type", "timeline"}, {"spans", std::move(rows)}};
+  return std::make_shared<const std::string>(JsonText(text));
+}
+
 // The viewers of a run or of a recording, and their requests. The web server calls it, on its thread.
 class Viewers final : public WebHandler {
  public:
   // One of the two is not null. `wake`: lets the server call OnWake, from any thread.
   Viewers(const ViewerGatewayOptions& options, RunLink* link, Recorded* recording, const std::function<void()>& wake)
       : options_(options),
+        link_(link),
         is_recording_(recording != nullptr),
         past_(recording != nullptr ? static_cast<PastStates&>(*recording) : feed_.history()),
-        seeks_([this](std::uint64_t position) { return past_.At(position); }, wake) {
+        reader_(past_),
+        questions_([this](const Question& question) { return Answered(question); }, wake) {
     if (recording != nullptr) {
-      for (const NumberedEvent& event : recording->Events()) run_.content.events.push_back(event);
+      run_.content.events = recording->Events();
+      run_.timeline = TimelineText(recording->Spans());
     }
     if (link != nullptr) {
       follower_.emplace(*link, feed_);
@@ -142,6 +164,7 @@ class Viewers final : public WebHandler {
   void OnPage() override {
     if (follower_) follower_->Expect();
   }
+  std::shared_ptr<const std::string> OnDownload(std::string_view path) override;
   void OnOpened(WebLoop& loop, ViewerId id, std::string_view protocol) override;
   void OnClosed(WebLoop& loop, ViewerId id) override;
   bool OnMessage(WebLoop& loop, ViewerId id, std::string_view message, bool is_text) override;
@@ -152,10 +175,19 @@ class Viewers final : public WebHandler {
  private:
   using Change = std::variant<PageControl, PageEdit>;
   using Found = Result<std::shared_ptr<const ViewedState>>;
+  // About the past, with one thread for all: a position to seek to, data for plots and the summary, or the journal.
+  struct JournalRequest {};
+  using Question = std::variant<std::uint64_t, SeriesRequest, TotalsRequest, JournalRequest>;
+  using PastAnswer = std::variant<std::monostate, Found, PageReply>;
 
   static PageReply Executed(RunLink& link, const Change& change);
+  PastAnswer Answered(const Question& question);
+  void ReadJournal();
+  void DescribeTimeline();
+  void Ask(WebLoop& loop, ViewerId id, std::uint64_t number, Question question);
   std::size_t LongestRequest() const { return options_.editor ? kLongestEditRequest : kLongestPageRequest; }
   void NameSession();
+  bool SavesRecording() const { return link_ != nullptr && link_->has_recording() && run_.content.last; }
   void Execute(WebLoop& loop, ViewerId id, PageRequest request);
   void Seek(ViewerId id, std::uint64_t position);
   void Answer(WebLoop& loop, ViewerId id, PageReply reply);
@@ -164,6 +196,7 @@ class Viewers final : public WebHandler {
   std::string Refusal(const PageEdit& edit) const;
 
   const ViewerGatewayOptions& options_;
+  RunLink* const link_;  // null: a recording is shown
   const bool is_recording_;
   RunFeed feed_;  // of a live run
   PastStates& past_;
@@ -171,10 +204,21 @@ class Viewers final : public WebHandler {
   PageReadings readings_;
   std::map<ViewerId, std::unique_ptr<Viewer>> viewers_;
   std::atomic<bool> have_seen_end_ = true;
-  RequestQueue<std::uint64_t, Found> seeks_;
+  int periods_at_end_ = 0;                            // since all viewers know the end
+  PastReader reader_;                                 // on the thread of the questions, as the next two
+  std::chrono::steady_clock::time_point journal_at_;  // it is not read again earlier
+  std::atomic<bool> reads_journal_ = false;
+  std::vector<TimeSpan> spans_;  // of run_.timeline
+  RequestQueue<Question, PastAnswer> questions_;
   std::optional<Follower> follower_;  // of a live run, as the next
   std::optional<RequestQueue<Change, PageReply>> changes_;
 };
+
+std::shared_ptr<const std::string> Viewers::OnDownload(std::string_view path) {
+  if (path != kRecordingPath || !SavesRecording()) return nullptr;
+  std::optional<std::string> content = link_->ReadRecording();
+  return content ? std::make_shared<const std::string>(std::move(*content)) : nullptr;
+}
 
 void Viewers::OnOpened(WebLoop& loop, ViewerId id, std::string_view protocol) {
   if (viewers_.empty()) loop.SetPeriod(1.0 / kUpdatesPerSecond);
@@ -192,7 +236,7 @@ void Viewers::OnOpened(WebLoop& loop, ViewerId id, std::string_view protocol) {
 
 void Viewers::OnClosed(WebLoop& loop, ViewerId id) {
   viewers_.erase(id);
-  seeks_.Remove(id);
+  questions_.Remove(id);
   if (!viewers_.empty()) return;
   have_seen_end_ = true;
   if (follower_) follower_->SetWanted(false);
@@ -214,6 +258,10 @@ void Viewers::Execute(WebLoop& loop, ViewerId id, PageRequest request) {
     if (position) Seek(id, *position);
   } else if (std::holds_alternative<LiveRequest>(request)) {
     if (!is_recording_) viewers_.at(id)->ReturnToLive();
+  } else if (auto* const series = std::get_if<SeriesRequest>(&request)) {
+    Ask(loop, id, series->id, std::move(*series));
+  } else if (auto* const totals = std::get_if<TotalsRequest>(&request)) {
+    Ask(loop, id, totals->id, *totals);
   } else if (auto* const edit = std::get_if<PageEdit>(&request)) {
     const std::uint64_t number = edit->id;
     std::string refusal = Refusal(*edit);
@@ -251,7 +299,53 @@ PageReply Viewers::Executed(RunLink& link, const Change& change) {
 
 void Viewers::Seek(ViewerId id, std::uint64_t position) {
   viewers_.at(id)->AwaitPast();
-  seeks_.Replace(id, position);
+  questions_.Replace(id, position);
+}
+
+void Viewers::Ask(WebLoop& loop, ViewerId id, std::uint64_t number, Question question) {
+  if (questions_.Add(id, std::move(question))) return;
+  Answer(loop, id, ReplyToControl(number, Failure("too many questions about the past wait")));
+}
+
+Viewers::PastAnswer Viewers::Answered(const Question& question) {
+  if (const auto* series = std::get_if<SeriesRequest>(&question)) return reader_.Series(*series);
+  if (const auto* totals = std::get_if<TotalsRequest>(&question)) return reader_.Totals(*totals);
+  if (std::holds_alternative<JournalRequest>(question)) {
+    if (link_ != nullptr) ReadJournal();
+    reads_journal_ = false;
+    return std::monostate();
+  }
+  const std::uint64_t position = std::get<std::uint64_t>(question);
+  Found found = past_.At(position);
+  // A state that is not kept any more may be in the journal by now.
+  if (link_ != nullptr && found.ok() && found.value()->position != position) {
+    ReadJournal();
+    found = past_.At(position);
+  }
+  return found;
+}
+
+// Rarely: the whole journal is read, on and on.
+void Viewers::ReadJournal() {
+  const auto start = std::chrono::steady_clock::now();
+  if (start < journal_at_) return;
+  feed_.SetRecorded(link_->ReadJournal(feed_.shelf()));
+  const auto end = std::chrono::steady_clock::now();
+  journal_at_ = end + std::max<std::chrono::steady_clock::duration>(kJournalPeriod, kJournalShare * (end - start));
+}
+
+void Viewers::DescribeTimeline() {
+  std::vector<TimeSpan> spans = past_.Spans();
+  // The newest span grows, and the oldest shrinks, with the ends in each update.
+  const bool is_same =
+      spans.size() == spans_.size() &&
+      std::equal(spans.begin(), spans.end(), spans_.begin(), [&](const TimeSpan& a, const TimeSpan& b) {
+        return a.first - a.tick == b.first - b.tick && (&a == &spans.back() || a.last == b.last) &&
+               (&a == &spans.front() || a.first == b.first);
+      });
+  if (is_same) return;
+  run_.timeline = TimelineText(spans);
+  spans_ = std::move(spans);
 }
 
 void Viewers::Answer(WebLoop& loop, ViewerId id, PageReply reply) {
@@ -265,14 +359,16 @@ void Viewers::OnWake(WebLoop& loop) {
   if (changes_) {
     for (auto& [id, reply] : changes_->DrainAnswers()) Answer(loop, id, std::move(reply));
   }
-  for (auto& [id, found] : seeks_.DrainAnswers()) {
+  for (auto& [id, answer] : questions_.DrainAnswers()) {
+    if (auto* const reply = std::get_if<PageReply>(&answer)) Answer(loop, id, std::move(*reply));
+    auto* const found = std::get_if<Found>(&answer);
     const auto known = viewers_.find(id);
-    if (known == viewers_.end() || !known->second->in_past()) continue;
-    if (!found.ok()) {
-      Answer(loop, id, ReplyToControl(0, found.error()));
+    if (found == nullptr || known == viewers_.end() || !known->second->in_past()) continue;
+    if (!found->ok()) {
+      Answer(loop, id, ReplyToControl(0, found->error()));
       continue;
     }
-    known->second->ShowPast(std::move(found).value());
+    known->second->ShowPast(std::move(*found).value());
     loop.RequestMessage(id);
   }
 }
@@ -289,6 +385,10 @@ void Viewers::OnPeriod(WebLoop& loop) {
   }
   if (run_.content.status != status) run_.status = StatusText(run_.content.status);
   NameSession();
+  if (!is_recording_) {
+    DescribeTimeline();
+    if (feed_.lacks_states() && !reads_journal_.exchange(true)) questions_.Add(kNoViewer, JournalRequest());
+  }
   readings_.BeginPeriod();
   bool all_know = true;
   for (const auto& [id, viewer] : viewers_) {
@@ -297,7 +397,9 @@ void Viewers::OnPeriod(WebLoop& loop) {
     loop.RequestMessage(id);
     all_know = false;
   }
-  have_seen_end_ = all_know && (state == nullptr || run_.content.last);  // of a recording: there is none
+  const bool is_over = state == nullptr || run_.content.last;  // a recording has no live state
+  periods_at_end_ = all_know && is_over ? periods_at_end_ + 1 : 0;
+  have_seen_end_ = periods_at_end_ >= (state == nullptr ? 1 : kPeriodsAtEnd);
 }
 
 void Viewers::NameSession() {
@@ -307,6 +409,8 @@ void Viewers::NameSession() {
                                   {"connected", run_.content.state != nullptr || is_recording_},
                                   {"recording", is_recording_},
                                   {"editor", options_.editor},
+                                  {"command", options_.command},
+                                  {"saves_recording", SavesRecording()},
                                   {"problem", follower_ ? follower_->problem() : std::string()}};
   std::string text = JsonText(session);
   if (run_.session && text == *run_.session) return;

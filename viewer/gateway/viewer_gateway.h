@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
@@ -30,6 +32,19 @@ class RunLink {
   // Begins to follow the run, which need not exist yet. The handler outlives the observation.
   virtual Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) = 0;
 
+  // The run is followed without viewers, too, so that they have its past: it has no journal that could be read.
+  virtual bool follows_always() const { return false; }
+  // The run so far, of its journal. Null: there is none. May take a while. On any thread; the shelf outlives the
+  // result.
+  virtual std::shared_ptr<Recorded> ReadJournal(WorldShelf& shelf) {
+    (void)shelf;
+    return nullptr;
+  }
+
+  // The whole file of the journal, for a run that is over. Nothing: there is none, or it is too large to be sent.
+  virtual std::optional<std::string> ReadRecording() { return std::nullopt; }
+  virtual bool has_recording() const { return false; }
+
   // Sends a request to the run's service and waits for the reply. Called on one thread, another one than Observe.
   virtual Result<ControlReply> Ask(const ControlRequest& request) = 0;
 
@@ -44,13 +59,14 @@ inline constexpr std::uint16_t kViewerPort = 8470;
 inline constexpr int kUpdatesPerSecond = 60;
 
 struct ViewerGatewayOptions {
-  std::string session;                // for the page
-  std::string address = "127.0.0.1";  // IPv4 to listen on
-  std::uint16_t port = kViewerPort;   // 0: any
-  bool any_port = true;               // if the port is in use, another one
-  bool view_only = false;             // refuses requests that change the run
-  bool editor = false;                // the page edits a file: requests may be as long as its text
-  std::string token = {};             // of the page's address; empty: none on a loopback address, else a random one
+  std::string session;                    // for the page
+  std::string address = "127.0.0.1";      // IPv4 to listen on
+  std::uint16_t port = kViewerPort;       // 0: any
+  bool any_port = true;                   // if the port is in use, another one
+  bool view_only = false;                 // refuses requests that change the run
+  bool editor = false;                    // the page edits a file: requests may be as long as its text
+  std::vector<std::string> command = {};  // that started the run, for the page; empty: it is not known
+  std::string token = {};                 // of the page's address; empty: none on a loopback address, else a random one
   std::span<const PageFile> files = PageFiles();
 };
 

@@ -29,6 +29,12 @@ struct Connection {
   ViewerId viewer;       // 0: none
 };
 
+// A file that was made for one request.
+struct Download {
+  std::shared_ptr<const std::string> content;
+  PageFile file;
+};
+
 struct ViewerConnection {
   lws* socket = nullptr;
   std::optional<WebMessage> message;  // on its way
@@ -101,6 +107,8 @@ class WebServer::Implementation final : public WebLoop {
   bool MakeRoom();
   int ConfirmUpgrade(lws* socket, const char* protocol);
   int ServeFile(lws* socket, Connection& connection, const std::string& path);
+  // Null: there is none.
+  const PageFile* FindFile(lws* socket, const std::string& path);
   int WriteFile(lws* socket, Connection& connection);
   int Receive(lws* socket, Connection& connection, std::string_view part);
   int WritePiece(lws* socket, Connection& connection);
@@ -115,6 +123,7 @@ class WebServer::Implementation final : public WebLoop {
   std::vector<lws*> strangers_;  // connections that have not shown the token, the oldest first
   ViewerId last_viewer_ = 0;
   std::map<ViewerId, ViewerConnection> viewers_;
+  std::map<lws*, Download> downloads_;  // on their way
   std::vector<unsigned char> piece_ = std::vector<unsigned char>(LWS_PRE + kPiece);
   Period period_;
   lws_usec_t period_us_ = 0;
@@ -197,6 +206,7 @@ int WebServer::Implementation::OnHttp(lws* socket, lws_callback_reasons reason, 
       return 0;
     case LWS_CALLBACK_WSI_DESTROY:
       --connections_;
+      downloads_.erase(socket);
       std::erase(strangers_, socket);
       return 0;
     case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
@@ -258,15 +268,27 @@ int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol)
   return written < 0 ? -1 : 1;
 }
 
+const PageFile* WebServer::Implementation::FindFile(lws* socket, const std::string& path) {
+  const auto known = std::find_if(options_.files.begin(), options_.files.end(),
+                                  [&](const PageFile& file) { return file.path == path; });
+  if (known != options_.files.end()) return &*known;
+  if (options_.access.ForPage(Header(socket, WSI_TOKEN_HOST), TokenIn(socket)) != Access::kGranted) return nullptr;
+  std::shared_ptr<const std::string> content = handler_->OnDownload(path);
+  if (content == nullptr) return nullptr;
+  Download& download = downloads_[socket];
+  download.content = std::move(content);
+  download.file = {"", "application/octet-stream", *download.content};
+  return &download.file;
+}
+
 int WebServer::Implementation::ServeFile(lws* socket, Connection& connection, const std::string& path) {
   const auto finish = [&](unsigned status, const char* reason) {
     if (Refuse(socket, status, reason) != 0) return -1;
     return lws_http_transaction_completed(socket) != 0 ? -1 : 0;
   };
   if (lws_hdr_total_length(socket, WSI_TOKEN_GET_URI) <= 0) return finish(HTTP_STATUS_METHOD_NOT_ALLOWED, nullptr);
-  const auto file = std::find_if(options_.files.begin(), options_.files.end(),
-                                 [&](const PageFile& known) { return known.path == path; });
-  if (file == options_.files.end()) return finish(HTTP_STATUS_NOT_FOUND, nullptr);
+  const PageFile* const file = FindFile(socket, path);
+  if (file == nullptr) return finish(HTTP_STATUS_NOT_FOUND, nullptr);
   // Without the token a stranger learns nothing; the other files are the same for all runs.
   const AccessRules& rules = options_.access;
   const std::string host = Header(socket, WSI_TOKEN_HOST);
@@ -293,7 +315,7 @@ int WebServer::Implementation::ServeFile(lws* socket, Connection& connection, co
                        add("x-content-type-options:", "nosniff") && add("referrer-policy:", "no-referrer") &&
                        add("cache-control:", "no-cache");
   if (!written || lws_finalize_write_http_header(socket, start, &at, end) != 0) return -1;
-  connection.file = &*file;
+  connection.file = file;
   connection.sent = 0;
   lws_callback_on_writable(socket);
   return 0;
@@ -312,6 +334,7 @@ int WebServer::Implementation::WriteFile(lws* socket, Connection& connection) {
     return 0;
   }
   connection.file = nullptr;
+  downloads_.erase(socket);
   return lws_http_transaction_completed(socket) != 0 ? -1 : 0;
 }
 

@@ -21,7 +21,7 @@
 
 namespace troupe {
 
-// The files of the page. They are a part of the program: the gateway reads no file.
+// The files of the page. They are a part of the program.
 
 struct PageFile {
   std::string_view path;  // of the URL: "/viewer.js"
@@ -58,6 +58,11 @@ class WebHandler {
   virtual ~WebHandler() = default;
   // Someone with access loads the page, and will probably open a connection.
   virtual void OnPage() = 0;
+  // The content of a file that is made for the page at `path`; null: there is none.
+  virtual std::shared_ptr<const std::string> OnDownload(std::string_view path) {
+    (void)path;
+    return nullptr;
+  }
   // `protocol`: one of WebServer::kProtocols.
   virtual void OnOpened(WebLoop& loop, ViewerId viewer, std::string_view protocol) = 0;
   virtual void OnClosed(WebLoop& loop, ViewerId viewer) = 0;

@@ -1,6 +1,6 @@
 // Bundles the page, and writes it as the C++ source of a table of files.
 //   node build.mjs OUTPUT.cc
-import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+import {mkdirSync, readdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {dirname} from 'node:path';
 import {gzipSync} from 'node:zlib';
 import {build} from 'esbuild';
@@ -11,8 +11,10 @@ if (!output) {
   process.exit(2);
 }
 
+// The text pane is a bundle of its own: only the editor loads it.
 const bundle = await build({
-  entryPoints: ['src/main.ts'],
+  entryPoints: ['src/main.ts', 'src/text_view.ts'],
+  outdir: '.',
   bundle: true,
   minify: true,
   write: false,
@@ -22,10 +24,24 @@ const bundle = await build({
   logLevel: 'warning',
 });
 
+// The page with its icons in it, and its styles: those of small screens last.
+function page() {
+  return Buffer.from(readFileSync('src/index.html', 'utf8').replace('<!-- icons.svg -->', readFileSync('src/icons.svg', 'utf8')));
+}
+
+function styles() {
+  const others = readdirSync('src').filter(name => name.endsWith('.css') && name !== 'viewer.css' && name !== 'phone.css');
+  const names = ['viewer.css', ...others.sort(), 'phone.css'];
+  return Buffer.concat(names.map(name => readFileSync(`src/${name}`)));
+}
+
 const files = [
-  {path: '/', type: 'text/html; charset=utf-8', content: readFileSync('src/index.html')},
-  {path: '/viewer.css', type: 'text/css; charset=utf-8', content: readFileSync('src/viewer.css')},
-  {path: '/viewer.js', type: 'text/javascript; charset=utf-8', content: Buffer.from(bundle.outputFiles[0].contents)},
+  {path: '/', type: 'text/html; charset=utf-8', content: page()},
+  {path: '/viewer.css', type: 'text/css; charset=utf-8', content: styles()},
+  ...[['viewer', 'main'], ['text_view', 'text_view']].map(([name, entry]) => ({
+    path: `/${name}.js`, type: 'text/javascript; charset=utf-8',
+    content: Buffer.from(bundle.outputFiles.find(({path}) => path.endsWith(`/${entry}.js`)).contents),
+  })),
 ];
 
 // A C++ literal. An octal escape has at most three digits, so that the next character is never read as one of it.

@@ -45,6 +45,7 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
     if (!branch.ok()) throw CLI::ValidationError(branch.error().message);
   });
   AddRunFlags(app, line.run);
+  app.add_flag("--watched", line.run.is_watched, "A viewer shows the run: its default speed is that for people");
   AddRobotsPerProcessFlag(app, line.run.robots_per_process);
   AddSeedFlag(app, line.overrides.seed);
   AddBranchFlags(app, line.branch);

@@ -64,6 +64,7 @@ Result<PreparedRun> Branch(const RunSource& source) {
     Result<LoadedWorld> file = LoadWorld(run.options.world_file);
     if (file.ok()) run.ros_lockstep = std::move(file.value().ros_lockstep);
   }
+  if (source.resume) run.options.resumed->incarnation = 1;  // as in LoadFile
   return run;
 }
 
@@ -102,12 +103,21 @@ Result<PreparedRun> Resume(Journal journal, const RunSource& source) {
   const RecordedRun begin = journal.recording.run();
   PreparedRun run;
   run.first_world = std::make_shared<const WorldDescription>(begin.world);
-  Result<std::unique_ptr<Recorder>> texts = MakeTextRecorder(*run.first_world, source.outputs);
-  if (!texts.ok()) return texts.error();
+  std::unique_ptr<Recorder> texts;
   RunObservers observers;
-  if (texts.value() != nullptr) observers.push_back(texts.value().get());
-  Result<ResumedRun> resumed = RestoreRun(journal, observers);
+  const auto make_texts = [&](const std::shared_ptr<const Scene>& first) -> Result<RunObservers> {
+    run.first_world = WorldOf(first);
+    Result<std::unique_ptr<Recorder>> made = MakeTextRecorder(*run.first_world, source.outputs);
+    if (!made.ok()) return made.error();
+    texts = std::move(made).value();
+    if (texts != nullptr) observers.push_back(texts.get());
+    return observers;
+  };
+  Result<ResumedRun> resumed = RestoreRun(journal, WritesTexts(source.outputs) ? make_texts : MakeRunObservers());
   if (!resumed.ok()) return resumed.error();
+  if (texts == nullptr && WritesTexts(source.outputs)) {  // the journal has no state
+    if (const Result<RunObservers> made = make_texts(resumed.value().scene); !made.ok()) return made.error();
+  }
   Result<std::unique_ptr<RunRecorder>> recorder =
       RunRecorder::Continue(std::move(journal), resumed.value(), RecordingOptionsOf(source.outputs, begin.file));
   if (!recorder.ok()) return recorder.error();
@@ -118,7 +128,7 @@ Result<PreparedRun> Resume(Journal journal, const RunSource& source) {
   }
   run.recorders.recordings = {recorder.value().get()};
   run.recorders.observers.push_back(std::move(recorder).value());
-  if (texts.value() != nullptr) run.recorders.observers.push_back(std::move(texts).value());
+  if (texts != nullptr) run.recorders.observers.push_back(std::move(texts));
 
   run.scene = resumed.value().scene;
   run.options = source.service;
@@ -139,7 +149,9 @@ Result<PreparedRun> Prepare(const RunSource& source) {
   if (source.resume) {
     Result<std::optional<Journal>> journal = Journal::OpenToContinue(*source.outputs.journal);
     if (!journal.ok()) return journal.error();
-    if (journal.value()) return Resume(std::move(*journal.value()), source);
+    const bool has_begun = journal.value() && !(IsRecordingPath(source.file) && journal.value()->tail.empty() &&
+                                                journal.value()->progress == RunProgress());
+    if (has_begun) return Resume(std::move(*journal.value()), source);
   }
   return IsRecordingPath(source.file) ? Branch(source) : LoadFile(source);
 }

@@ -100,17 +100,18 @@ RecordedTick RecordedChange(const WorldChanges& changes, const FrameMessage& fra
 
 class Restoration {
  public:
-  Restoration(const Journal& journal, const RunObservers& observers) : journal_(journal), observers_(observers) {}
+  Restoration(const Journal& journal, const MakeRunObservers& make_observers)
+      : journal_(journal), make_observers_(make_observers) {}
 
   Result<ResumedRun> Run() {
     const Recording& recording = journal_.recording;
     if (Status version = CheckStepVersion(recording); !version.ok()) return version.error();
-    const std::size_t chunk =
-        observers_.empty() ? recording.KeyframeBefore(std::numeric_limits<std::uint64_t>::max()).value_or(0) : 0;
+    const std::size_t chunk = make_observers_ == nullptr
+                                  ? recording.KeyframeBefore(std::numeric_limits<std::uint64_t>::max()).value_or(0)
+                                  : 0;
     Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
     if (!world.ok()) return world.error();
     world_.emplace(std::move(world).value());
-    reported_scene_ = world_->scene();
     const Status visited = recording.VisitEdits(chunk, [this](std::uint64_t number, const RecordedEdit& edit) {
       Note(number, edit);
       return Status();
@@ -138,7 +139,7 @@ class Restoration {
     // The edits within a rewind are parts of it.
     if (!world_->in_rewind()) {
       edit_.reset();
-      if (tick_.edit && !observers_.empty()) {
+      if (tick_.edit && make_observers_ != nullptr) {
         edit_ = ReportedEdit{tick_.edit->request, tick_.edit->world, world_->state()};
       }
     }
@@ -178,6 +179,14 @@ class Restoration {
   }
 
   Status Tell(std::span<const Proposal> proposals) {
+    if (make_observers_ == nullptr || tick_.number < journal_.progress.first_number) return {};
+    if (reported_scene_ == nullptr) {
+      Result<RunObservers> observers = make_observers_(world_->scene());
+      if (!observers.ok()) return observers.error();
+      observers_ = std::move(observers).value();
+      reported_scene_ = world_->scene();
+      edit_.reset();  // it led to the state that the run began with
+    }
     std::optional<AppliedEdit> edit;
     if (edit_) edit.emplace(AppliedEdit{edit_->request, edit_->world ? &*edit_->world : nullptr});
     const CommittedTick tick{*frame_, proposals, edit ? &*edit : nullptr, edit ? &edit_->before : nullptr};
@@ -206,9 +215,10 @@ class Restoration {
   }
 
   const Journal& journal_;
-  const RunObservers& observers_;
+  const MakeRunObservers& make_observers_;
+  RunObservers observers_;  // once the run has begun
   std::optional<ReplayedWorld> world_;
-  std::shared_ptr<const Scene> reported_scene_;  // that the observers know
+  std::shared_ptr<const Scene> reported_scene_;  // that the observers know; null: there are none yet
   RecordedTick tick_;
   std::uint64_t next_number_ = 0;
   std::optional<MemoryPlace> previous_;
@@ -286,6 +296,7 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   resumed.scene = branch.scene;
   resumed.frame = std::move(frame);
   if (options.paused) resumed.progress.ticks_to_pause = 0;
+  resumed.progress.first_number = resumed.next_number - 1;
   resumed.world_file = recording->run().file;
   return branch;
 }
@@ -296,8 +307,8 @@ std::optional<MemoryPlace> PreviousOf(const RecordedTick& tick) {
   return MemoryPlace{tick.edition, tick.tick - 1, true};
 }
 
-Result<ResumedRun> RestoreRun(const Journal& journal, const RunObservers& observers) {
-  return Restoration(journal, observers).Run();
+Result<ResumedRun> RestoreRun(const Journal& journal, const MakeRunObservers& make_observers) {
+  return Restoration(journal, make_observers).Run();
 }
 
 }  // namespace troupe

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,11 +47,14 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
 
 // RestoreRun: the newest state of a run, from its journal.
 
+// The observers of the ticks of a run, with the world that it began with.
+using MakeRunObservers = std::function<Result<RunObservers>(const std::shared_ptr<const Scene>& first)>;
+
 // Steps from the last keyframe to the newest tick, and compares every state hash. With observers it steps from the
-// start of the run, and reports each tick to them: they then have written the same as if the run had not been
-// interrupted. Their OnBegin and OnEnd are not called. The error is a journal of another version of the step, damage,
-// or the error of an observer.
-Result<ResumedRun> RestoreRun(const Journal& journal, const RunObservers& observers);
+// start of the recording, and reports each tick of the run to them, without those before it if it continues another
+// one: they then have written the same as if the run had not been interrupted. Their OnBegin and OnEnd are not called.
+// The error is a journal of another version of the step, damage, or the error of an observer.
+Result<ResumedRun> RestoreRun(const Journal& journal, const MakeRunObservers& make_observers);
 
 // The state before a recorded one; nothing: there is none.
 std::optional<MemoryPlace> PreviousOf(const RecordedTick& tick);

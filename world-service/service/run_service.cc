@@ -358,14 +358,17 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   }
   PhaseTimes phase_times;
   const CoordinatorOptions coordinator = MakeCoordinatorOptions(options, trace.get(), phase_times);
-  Driver driver(scene, options, coordinator, std::move(endpoint), observers, trace.get());
+  RobotTotals totals;
+  RunObservers all = observers;
+  all.push_back(&totals);
+  Driver driver(scene, options, coordinator, std::move(endpoint), all, trace.get());
 
   Status failure;  // the first
   const auto note = [&failure](const Status& outcome) {
     if (failure.ok()) failure = outcome;
   };
   RunObservers begun;
-  for (RunObserver* observer : observers) {
+  for (RunObserver* observer : all) {
     failure = OrFailure([&] { return observer->OnBegin({coordinator.run, options.settings, scene, driver}); });
     if (!failure.ok()) break;
     begun.push_back(observer);
@@ -381,6 +384,10 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   for (RunObserver* observer : begun) note(OrFailure([&] { return observer->OnEnd(); }));
   if (!all_begun) return failure.error();
   Result<RunSummary> summary = driver.Finish();
+  if (summary.ok()) {
+    summary.value().totals = totals.Collect(kMostRobotTotals);
+    summary.value().totals_since = totals.since();
+  }
   if (trace) note(trace->Close());
   if (summary.ok() && !failure.ok()) return failure.error();
   return summary;

@@ -15,6 +15,7 @@
 #include "common/trace/tick_trace.h"
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
+#include "world-service/service/robot_totals.h"
 #include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
 #include "worldfile/load_world.h"
@@ -38,7 +39,10 @@ struct RunSummary {
   std::vector<std::string> lost;   // robots without an agent at the end
   bool interrupted = false;
   double record_waited_seconds = 0.0;  // wall time that ticks waited for an observer, the recording
+  std::vector<RobotTotal> totals;      // of the first kMostRobotTotals robots
+  std::uint64_t totals_since = 0;      // the tick from which on they count
 };
+inline constexpr std::size_t kMostRobotTotals = 1000;
 
 struct ServiceOptions {
   RunSettings settings;

@@ -41,7 +41,7 @@ TickCoordinator::TickCoordinator(const std::shared_ptr<const Scene>& scene, cons
       progress_at_(now) {
   if (run_.realtime()) {
     run_.notices.Add("mode realtime does not wait for late robots: two runs of it are not the same");
-    if (!options.settings.speed) {
+    if (!options.settings.pace()) {
       run_.notices.Add("mode realtime needs a pace: without --speed X, and with --speed max, it is 1 x real time");
     }
   }

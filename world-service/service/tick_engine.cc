@@ -20,8 +20,8 @@ constexpr double kNewestAnswer = 0.1;        // its share in the smoothed time o
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> SpeedOf(const RunSettings& settings) {
-  if (settings.mode == Mode::kRealtime) return settings.speed.value_or(1.0);
-  return settings.speed;
+  if (settings.mode == Mode::kRealtime) return settings.pace().value_or(1.0);
+  return settings.pace();
 }
 
 // Without zeros at the end.
@@ -360,6 +360,7 @@ RunProgress TickEngine::Progress() const {
   progress.speed_is_set = speed_is_set_;
   if (speed_is_set_) progress.speed = speed();
   progress.commands = commands_.InForce();
+  if (run_.continues()) progress.first_number = run_.options.resumed->progress.first_number;
   return progress;
 }
 

@@ -138,10 +138,8 @@ std::string WithEntry(const std::string& text, const StageBody& body, const Writ
   return Inserted(text, body, last, ToStage(model, indent, end_of_line));
 }
 
-std::string WithDefine(const std::string& text, const StageTree& tree, const std::string& name,
-                       const WrittenModel& model) {
+std::string WithBeforeEntries(const std::string& text, const StageTree& tree, const std::string& written) {
   const std::string end_of_line = EndOfLineIn(text);
-  const std::string written = ToDefine(model, name, end_of_line) + end_of_line;
   for (const Statement& statement : tree.statements) {
     if (statement.kind != StatementKind::kEntry || statement.name == "window") continue;
     // Before the comments that belong to the entry.
@@ -156,6 +154,12 @@ std::string WithDefine(const std::string& text, const StageTree& tree, const std
   }
   const bool ended = text.empty() || text.back() == '\n' || text.back() == '\r';
   return text + (ended ? "" : end_of_line) + (text.empty() ? "" : end_of_line) + written;
+}
+
+std::string WithDefine(const std::string& text, const StageTree& tree, const std::string& name,
+                       const WrittenModel& model) {
+  const std::string end_of_line = EndOfLineIn(text);
+  return WithBeforeEntries(text, tree, ToDefine(model, name, end_of_line) + end_of_line);
 }
 
 Result<const Statement*> StageBodyEdit::Find() {

@@ -69,7 +69,7 @@ constexpr PropertyHelp kTable[] = {
     {"*", "gripper_return", "flag", "", "0", "An object: may be gripped, moved and dropped"},
     {"*", "fiducial_return", "number", "", "0", "The id that fiducial finders read; 0: they do not find it"},
     {"*", "fiducial_key", "number", "", "0", "Only finders with the same key find it"},
-    {"*", "color", "text", "", "\"red\"", "A name of X11's rgb.txt, or \"random\""},
+    {"*", "color", "color", "", "\"red\"", "A name of X11's rgb.txt, or \"random\""},
     {"*", "color_rgba", "r g b a", "0 to 1", "", "Without color"},
     {"*", "gui_nose", "flag", "", "0", "Pictures show the front"},
     {"*", "joules", "number", "J", "", "Makes a store of energy; below 0 an endless one"},
@@ -90,7 +90,7 @@ constexpr PropertyHelp kTable[] = {
     {"position", "localization", "gps|odom", "", "\"gps\"", "gps: it knows its pose; odom: it adds up its motion"},
     {"position", "localization_origin", "x y z heading", "m, deg", "", "Odometry reports poses relative to it"},
     {"position", "odom_error", "x y z heading", "proportion", "", "A motion d is read as d (1 + error)"},
-    {"position", "ctrl", "text", "", "", "\"wander\", \"expand_pioneer\" or \"expand_swarm\""},
+    {"position", "ctrl", "controller", "", "", "What drives the robot, with its parameters"},
 
     {"ranger", "update_interval", "number", "ms", "100", "The period of its measurements"},
     {"sensor", "pose", "x y z heading", "m, deg", "[0 0 0 0]", "In the ranger's body"},

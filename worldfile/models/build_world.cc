@@ -295,6 +295,12 @@ WorldDescription ReadWorldProperties(PropertyReader& reader) {
   return world;
 }
 
+// Stage's speed of a run with a window; none if it is not above 0.
+Speed ReadWatchedSpeed(PropertyReader& reader) {
+  const double speedup = reader.Number("speedup", 1.0, -1e6, 1e6);
+  return speedup > 0.0 ? Speed(speedup) : Speed();
+}
+
 // The ticks of the property `quit_time`; nothing without one.
 std::optional<std::uint64_t> ReadTicks(PropertyReader& reader, std::int64_t interval_ns) {
   const double quit_seconds = reader.Number("quit_time", 0.0, 0.0, 1e9);
@@ -316,6 +322,7 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
   context.world.seed = overrides.seed.value_or(0);
   LoadedWorld loaded;
   if (const auto ticks = ReadTicks(reader, context.world.interval_ns)) loaded.settings.ticks = *ticks;
+  loaded.settings.watched_speed = ReadWatchedSpeed(reader);
   WarnOfUnusedInWorld(reader);
   ModelBuilder builder(context);
   builder.BuildTree();

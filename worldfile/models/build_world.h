@@ -12,11 +12,18 @@
 #include "common/image/image_file.h"
 #include "common/run/ros_lockstep.h"
 #include "common/run/run_settings.h"
+#include "troupe/polygon.h"
 #include "troupe/result.h"
 #include "troupe/world_description.h"
 #include "worldfile/stage/world_tree.h"
 
 namespace troupe {
+
+// An area of the plane that a scenario names, for tests.
+struct RegionOfScenario {
+  std::string name;
+  Polygon outline;  // normalized, m, frame W
+};
 
 // LoadedWorld: the result of reading a file that names a world.
 struct LoadedWorld {
@@ -30,6 +37,7 @@ struct LoadedWorld {
   // The first ROS domain of a model whose spawn rule gives each robot one: that of the rule's first robot.
   std::optional<std::uint32_t> ros_domains_from = {};
   RosLockstep ros_lockstep = {};  // of a scenario
+  std::vector<RegionOfScenario> regions = {};
 };
 
 // Settings of the program that loads a world.

@@ -13,10 +13,9 @@
 namespace troupe {
 namespace {
 
-// Reads a file that the scenario names. If it cannot be opened at all, the error names the scenario's line.
-Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory, const AllowedPaths& allowed,
+// Reads a file that the scenario names by `name`. If it cannot be opened at all, the error names the scenario's line.
+Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& path, const AllowedPaths& allowed,
                             const ScenarioTools& tools) {
-  const std::string path = (std::filesystem::path(directory) / name.text).lexically_normal().string();
   Result<WorldTree> tree = tools.read_world(path, allowed);
   if (!tree.ok() && tree.error().where.line == 0) return Error{name.where, tree.error().message};
   return tree;
@@ -25,11 +24,15 @@ Result<WorldTree> ReadNamed(const PlacedText& name, const std::string& directory
 Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, const AllowedPaths& allowed,
                            const ScenarioTools& tools) {
   const std::string directory = DirectoryOf(path);
-  Result<WorldTree> tree = file.world ? ReadNamed(*file.world, directory, allowed, tools) : ParseStageText("", path);
+  const auto beside = [&](const std::string& name) {
+    return (std::filesystem::path(directory) / name).lexically_normal().string();
+  };
+  Result<WorldTree> tree =
+      file.world ? ReadNamed(*file.world, beside(file.world->text), allowed, tools) : ParseStageText("", path);
   if (!tree.ok()) return tree;
   if (file.world) tree.value().files.insert(tree.value().files.begin(), path);
   for (const PlacedText& include : file.includes) {
-    Result<WorldTree> included = ReadNamed(include, directory, allowed, tools);
+    Result<WorldTree> included = ReadNamed(include, FindFile(include.text, directory, path), allowed, tools);
     if (!included.ok()) return included;
     tree = Merged(std::move(tree).value(), std::move(included).value(), include.where);
   }
@@ -127,6 +130,59 @@ class Overrider {
   std::set<std::string> types_;
 };
 
+// Sets what the scenario says of the world and its run beside the tree.
+void Complete(LoadedWorld& loaded, const ScenarioFile& file, const ScenarioPlan& plan) {
+  const RunSettings of_world = loaded.settings;  // its quit_time and its speedup
+  loaded.settings = file.settings;
+  if (!loaded.settings.ticks) loaded.settings.ticks = of_world.ticks;
+  const bool has_speed = loaded.settings.speed || !loaded.settings.watched_speed;
+  if (!has_speed) loaded.settings.watched_speed = of_world.watched_speed;
+  if (file.name) loaded.world.name = *file.name;
+  loaded.world.places = file.places;
+  loaded.regions = file.regions;
+  loaded.ros_lockstep = file.ros_lockstep;
+  loaded.ros_lockstep.names.insert(loaded.ros_lockstep.names.end(), plan.ros_lockstep.begin(), plan.ros_lockstep.end());
+  for (RobotDescription& robot : loaded.world.robots) {
+    const auto controller = plan.controllers.find(robot.name);
+    if (controller != plan.controllers.end()) robot.controller = controller->second;
+    const auto domain = plan.ros_domains.find(robot.name);
+    if (domain != plan.ros_domains.end()) robot.ros.domain = domain->second;
+  }
+  loaded.warnings.insert(loaded.warnings.begin(), file.warnings.begin(), file.warnings.end());
+}
+
+Status RemoveEntities(WorldTree& tree, const std::vector<PlacedText>& names) {
+  std::vector<std::string> known = ChildNames(tree.world);
+  for (std::string& name : known) name = name.empty() ? "" : FullName("", name);
+  std::set<std::string> removed;
+  for (const PlacedText& name : names) {
+    if (std::find(known.begin(), known.end(), name.text) == known.end()) {
+      return Error{name.where, "found no robot or model " + Quoted(name.text) +
+                                   " to leave out, expected the name of one" + DidYouMean(name.text, known)};
+    }
+    removed.insert(name.text);
+  }
+  std::vector<WorldNode> kept;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (!removed.contains(known[i])) kept.push_back(std::move(tree.world.children[i]));
+  }
+  tree.world.children = std::move(kept);
+  return Status();
+}
+
+// The models of `to` are at the places that those of the same names have in `from`.
+void CopyPlaces(const WorldDescription& from, WorldDescription& to) {
+  std::map<std::string, const ModelDescription*> models;
+  for (const ModelDescription& model : from.models) models.emplace(model.name, &model);
+  for (ModelDescription& model : to.models) {
+    if (const auto found = models.find(model.name); !model.parent && found != models.end())
+      model.X_PM = found->second->X_PM;
+  }
+  for (RobotDescription& robot : to.robots) {
+    if (const auto found = FindRobot(from, robot.name)) robot.localization = from.robot(*found).localization;
+  }
+}
+
 }  // namespace
 
 Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
@@ -198,32 +254,23 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
 
   Result<WorldTree> tree = ReadTree(file, path, overrides.allowed, tools);
   if (!tree.ok()) return tree.error();
-  const Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), std::move(tree).value());
+  Result<ScenarioPlan> plan = ApplyScenario(file, DefaultController(file, overrides), std::move(tree).value());
   if (!plan.ok()) return plan.error();
   LoadOverrides build;
   build.allowed = overrides.allowed;
   build.seed = overrides.seed ? overrides.seed : file.seed;
   Result<LoadedWorld> built = BuildWorld(plan.value().tree, build, tools.build);
   if (!built.ok()) return built;
-
-  LoadedWorld loaded = std::move(built).value();
-  const std::optional<std::uint64_t> ticks_of_world = loaded.settings.ticks;  // its quit_time
-  loaded.settings = file.settings;
-  if (!loaded.settings.ticks) loaded.settings.ticks = ticks_of_world;
-  loaded.ros_lockstep = file.ros_lockstep;
-  loaded.ros_lockstep.names.insert(loaded.ros_lockstep.names.end(), plan.value().ros_lockstep.begin(),
-                                   plan.value().ros_lockstep.end());
-  if (file.name) loaded.world.name = *file.name;
-  loaded.world.places = file.places;
-  for (RobotDescription& robot : loaded.world.robots) {
-    const auto controller = plan.value().controllers.find(robot.name);
-    if (controller != plan.value().controllers.end()) robot.controller = controller->second;
-    const auto domain = plan.value().ros_domains.find(robot.name);
-    if (domain != plan.value().ros_domains.end()) robot.ros.domain = domain->second;
-  }
-  loaded.warnings.insert(loaded.warnings.begin(), file.warnings.begin(), file.warnings.end());
-  const std::uint64_t seed = loaded.world.seed;
-  return PlaceSpawns(std::move(loaded), plan.value().spawns, seed, tools.max_spawn_draws);
+  Complete(built.value(), file, plan.value());
+  const std::uint64_t seed = built.value().world.seed;
+  built = PlaceSpawns(std::move(built).value(), plan.value().spawns, seed, tools.max_spawn_draws);
+  if (!built.ok() || file.without.empty()) return built;
+  if (Status error = RemoveEntities(plan.value().tree, file.without); !error.ok()) return error.error();
+  Result<LoadedWorld> reduced = BuildWorld(plan.value().tree, build, tools.build);
+  if (!reduced.ok()) return reduced;
+  Complete(reduced.value(), file, plan.value());
+  CopyPlaces(built.value().world, reduced.value().world);
+  return reduced;
 }
 
 bool MatchesGlob(const std::string& pattern, const std::string& text) {

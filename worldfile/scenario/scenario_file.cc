@@ -32,6 +32,7 @@ class Reader {
   static std::vector<std::string> ReadLockstepNames(const JsonNode& object);
   static RosLockstep ReadLockstep(const JsonNode& root);
   std::vector<NamedPlace> ReadPlaces(const JsonNode& root);
+  std::vector<RegionOfScenario> ReadRegions(const JsonNode& root);
   PoseEntry ReadPose(const JsonNode& numbers) const;
   ModelEntry ReadModel(const JsonNode& object);
   std::vector<ModelEntry> ReadModels(const JsonNode& object, const char* key);
@@ -159,6 +160,21 @@ RosLockstep Reader::ReadLockstep(const JsonNode& root) {
   return lockstep;
 }
 
+std::vector<RegionOfScenario> Reader::ReadRegions(const JsonNode& root) {
+  std::vector<RegionOfScenario> regions;
+  const JsonNode* const found = root.Find("regions");
+  if (found == nullptr) return regions;
+  for (const JsonNode& entry : found->items) {
+    RegionOfScenario region{entry.Member("name").text, ReadRegion(entry.Member("region"))};
+    const auto same = [&](const RegionOfScenario& other) { return other.name == region.name; };
+    if (std::any_of(regions.begin(), regions.end(), same)) {
+      Fail(entry.Member("name"), "found the region '" + region.name + "' again, expected another name");
+    }
+    regions.push_back(std::move(region));
+  }
+  return regions;
+}
+
 PoseEntry Reader::ReadPose(const JsonNode& numbers) const {
   PoseEntry entry;
   entry.has_z = numbers.items.size() == 4;
@@ -281,6 +297,7 @@ RunSettings Reader::ReadSettings(const JsonNode& root) {
     } else if (speed->text != "max") {
       Fail(*speed, "found " + Describe(*speed) + ", expected a multiple of real time above 0, or 'max'");
     }
+    settings.watched_speed = settings.speed;
   }
   if (const JsonNode* const loss = root.Find("on_agent_loss")) {
     settings.on_agent_loss = ParseOnAgentLoss(loss->text).value_or(settings.on_agent_loss);
@@ -344,6 +361,9 @@ HostsOfScenario Reader::ReadHosts(const JsonNode& root) {
 Result<ScenarioFile> Reader::Read() {
   const JsonNode& root = tree_.root();
   ScenarioFile file;
+  if (const JsonNode* const found = root.Find("scenario")) {
+    Fail(*found, "found a test of another scenario, expected a scenario: 'troupe test' runs tests");
+  }
   if (const JsonNode* const found = root.Find("world")) file.world = Text(*found);
   if (const JsonNode* const includes = root.Find("include")) {
     for (const JsonNode& include : includes->items) file.includes.push_back(Text(include));
@@ -362,6 +382,10 @@ Result<ScenarioFile> Reader::Read() {
     for (const JsonNode& entry : overrides->items) file.overrides.push_back(ReadOverride(entry));
   }
   file.places = ReadPlaces(root);
+  file.regions = ReadRegions(root);
+  if (const JsonNode* const without = root.Find("without")) {
+    for (const JsonNode& name : without->items) file.without.push_back(Text(name));
+  }
   if (error_) return *error_;
   return file;
 }

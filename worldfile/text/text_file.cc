@@ -64,6 +64,9 @@ std::string FindFile(const std::string& name, const std::string& top_directory, 
       candidates.push_back(fs::path(folder) / path.filename());
     }
   }
+  if (const std::string worlds = InstalledWorldsFolder(); !worlds.empty()) {
+    candidates.push_back(fs::path(worlds) / "include" / path);
+  }
   for (fs::path& candidate : candidates) {
     candidate = candidate.lexically_normal();
     std::error_code ignored;

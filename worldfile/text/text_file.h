@@ -34,7 +34,8 @@ std::string DirectoryOf(const std::string& path);
 
 // The path of the file that `naming_file` calls `name`: `name` itself if it is absolute; else the first that exists of
 // `top_directory`/name (Stage's rule), the naming file's folder, and the folders of the environment variable STAGEPATH
-// (separated by colons; with the whole name, then with its last part). If none exists, the first of these.
+// (separated by colons; with the whole name, then with its last part), and the installed models (`include` of the
+// installed worlds). If none exists, the first of these.
 std::string FindFile(const std::string& name, const std::string& top_directory, const std::string& naming_file);
 
 // Places in a text: spans of bytes, and their lines.

@@ -239,8 +239,8 @@ TEST(FetchParameters, AreCheckedStepByStep) {
        "fetch: place 1: expected {\"name\": \"...\", \"at\": [x, y, heading, lift]}, with a lift of 0 to 100 percent"},
       {R"({"steps": [{"wait": 1}], "reach": -1})", "fetch: 'reach' is -1, expected a number of at least 0"},
       {R"({"steps": [{"wait": 1}], "rech": 1})",
-       "fetch: unknown parameter \"rech\", expected one of: approach, places, raise, reach, speed, steps, travel, "
-       "turn_rate; did you mean 'reach'?"},
+       "fetch: unknown parameter \"rech\", expected one of: approach, places, raise, reach, repeat, speed, steps, "
+       "travel, turn_rate; did you mean 'reach'?"},
   };
   for (const FetchCase& c : cases)
     EXPECT_EQ(MessageOf(CheckController("fetch", c.parameters)), c.message) << c.parameters;

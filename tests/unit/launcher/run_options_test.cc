@@ -100,6 +100,15 @@ TEST(RunOptions, GivesEachRunItsOwnSession) {
   EXPECT_EQ(options.network.session, "mycave-" + std::to_string(getpid()));
 }
 
+TEST(RunOptions, ARunWithAViewerIsWatched) {
+  RunOptions watched = Parse({"w.world"}).options;
+  ASSERT_TRUE(CompleteRunOptions(watched).ok());
+  EXPECT_THAT(ServiceArguments(watched), Contains("--watched"));
+  RunOptions headless = Parse({"w.world", "--headless"}).options;
+  ASSERT_TRUE(CompleteRunOptions(headless).ok());
+  EXPECT_THAT(ServiceArguments(headless), testing::Not(Contains("--watched")));
+}
+
 TEST(RunOptions, OverridesOnlyTheGivenSettings) {
   RunSettings settings{.ticks = 5, .speed = 2.0, .on_agent_loss = OnAgentLoss::kPause};
   Parse({"w.world"}).options.run.ApplyTo(settings);

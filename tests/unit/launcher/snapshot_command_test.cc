@@ -194,8 +194,13 @@ TEST_F(SnapshotCommandTest, ReachesTheStateOfARunWithServiceAndAgents) {
   options.run.speed.emplace(std::nullopt);
   options.run.ticks = 40;
   options.hash_log = Path("hashes");
-  const RunEnd run = RunInProcess(options, nullptr);
-  ASSERT_EQ(run.exit_status, 0);
+  RunEnd run;
+  ASSERT_EQ(RunInProcess(options, nullptr,
+                         [&run](const RunEnd& end) {
+                           run = end;
+                           return end.exit_status;
+                         }),
+            0);
 
   Result<Simulation> simulation = Simulation::Load(options.file);
   ASSERT_TRUE(simulation.ok());

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line/terminal.h"
 #include "common/base/text.h"
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/commands.h"
@@ -38,13 +39,24 @@ StatusMessage WaitingStatus() {
 
 TEST(StatusText, ShowsProgressSpeedAndTheAwaitedRobots) {
   EXPECT_EQ(StatusText(WaitingStatus()),
-            "tick 312/600, 31.2 s, 12.3 x real time, 100 robots, waiting for a, b, c, d and 2 more (1.2 s)");
+            "tick 312/600, 31.2 s, 12.3 x real time, 3 s left, 100 robots, waiting for a, b, c, d and 2 more (1.2 s)");
 }
 
 TEST(StatusText, OmitsEmptyParts) {
   StatusMessage status;
   status.tick = 5;
   EXPECT_EQ(StatusText(status), "tick 5, 0.0 s, 0.0 x real time, 0 robots");
+}
+
+TEST(StatusText, EstimatesTheRestAsPeopleSayIt) {
+  StatusMessage status{.tick = 10, .target_ticks = 600, .sim_seconds = 1.0, .real_time_factor = 1.0, .robots = 1};
+  EXPECT_EQ(StatusText(status), "tick 10/600, 1.0 s, 1.0 x real time, 59 s left, 1 robots");
+  status.target_ticks = 6000;
+  EXPECT_THAT(StatusText(status), HasSubstr(", 10 min left"));
+  status.target_ticks = 600000;
+  EXPECT_THAT(StatusText(status), HasSubstr(", 17 h left"));
+  status.real_time_factor = 0.0;  // paused
+  EXPECT_THAT(StatusText(status), Not(HasSubstr("left")));
 }
 
 TEST(SessionTop, ShowsRobotsThatNeedAttentionFirst) {
@@ -144,6 +156,8 @@ RunOutcome SomeOutcome() {
   outcome.run.state_hash = 0x0123456789abcdefu;
   outcome.run.slowest = {{"r1", 17, 0.5}};
   outcome.run.lost = {"r0"};
+  outcome.run.totals = {{.robot = "r0", .distance = 12.34, .stalls = 3, .contacts = {"wall", "r1"}},
+                        {.robot = "r1", .distance = 5.0, .joules = 40.0, .capacity = 80.0}};
   outcome.processes = 3;
   outcome.agent_peak_memory_mib = 8.5;
   outcome.agents_restarted = 1;
@@ -161,11 +175,52 @@ TEST(Summary, IsAJsonObjectWithTheHashAsText) {
                           "service_peak_memory_mib", "agent_peak_memory_mib", "lost", "interrupted"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
+  EXPECT_EQ(json["robot_totals"][0]["contacts"], nlohmann::json::array({"wall", "r1"}));
+  EXPECT_EQ(json["robot_totals"][1]["joules"], 40.0);
+  EXPECT_FALSE(json["robot_totals"][0].contains("joules"));
+}
+
+TEST(Summary, IsOfRobotsUnlessStatisticsAreAskedFor) {
+  const std::string text = SummaryText(SomeOutcome(), {});
+  EXPECT_THAT(text, HasSubstr("2 robots, 4 stalls, state hash 0123456789abcdef\n"
+                              "robot  distance  energy  contacts\n"
+                              "r0       12.3 m       -  3: wall, r1\n"
+                              "r1        5.0 m    50 %  none\n"));
+  EXPECT_THAT(text, Not(HasSubstr("goals")));
+  EXPECT_THAT(text, Not(HasSubstr("MiB")));
+  EXPECT_THAT(text, Not(HasSubstr("slowest robots")));
+  EXPECT_THAT(text, HasSubstr("without an agent at the end: r0"));
+}
+
+TEST(Summary, ShowsGoalsAndGripsWhereThereAreAny) {
+  RunOutcome outcome = SomeOutcome();
+  outcome.run.totals[0].goals = 2;
+  outcome.run.totals[0].goals_reached = 1;
+  outcome.run.totals[1].grips = 3;
+  const std::string text = SummaryText(outcome, {});
+  EXPECT_THAT(text, HasSubstr("robot  distance   goals  gripped  energy  contacts\n"
+                              "r0       12.3 m  1 of 2        0       -  3: wall, r1\n"));
+  EXPECT_THAT(SummaryText(outcome, {.has_styles = true}), HasSubstr("\033[1mrobot  distance"));
+}
+
+TEST(Summary, ShowsTheFirstOfManyRobots) {
+  RunOutcome outcome = SomeOutcome();
+  outcome.run.robots = 100;
+  outcome.run.totals.assign(100, {.robot = "r"});
+  EXPECT_THAT(SummaryText(outcome, {}), HasSubstr("and 88 more robots"));
+}
+
+TEST(StyledLine, MarksTheWordsThatMatterOnATerminal) {
+  EXPECT_EQ(StyledLine("w.world:1:2: error: no", true), "w.world:1:2: \033[1;31merror:\033[0m no");
+  EXPECT_EQ(StyledLine("error: no", true), "\033[1;31merror:\033[0m no");
+  EXPECT_EQ(StyledLine("terror: no", true), "terror: no");
+  EXPECT_EQ(StyledLine("viewer: http://x/", true), "viewer: \033[1;4mhttp://x/\033[0m");
+  EXPECT_EQ(StyledLine("error: no", false), "error: no");
 }
 
 TEST(Summary, ShowsLostRobotsAndMemory) {
-  std::string text = SummaryText(SomeOutcome());
-  EXPECT_THAT(text, HasSubstr("2 robots, 3 processes"));
+  std::string text = SummaryText(SomeOutcome(), {.with_stats = true});
+  EXPECT_THAT(text, HasSubstr("3 processes, first tick"));
   EXPECT_THAT(text, HasSubstr("8.5 MiB the largest agent"));
   EXPECT_THAT(text, HasSubstr("1 restart of agents that died\n"));
   EXPECT_THAT(text, HasSubstr("without an agent at the end: r0"));
@@ -175,11 +230,11 @@ TEST(Summary, ShowsLostRobotsAndMemory) {
 TEST(Summary, OfOneProcessOmitsTheNetworkAndTheSlowestRobots) {
   RunOutcome outcome = SomeOutcome();
   outcome.run.frames_repeated = 3;
-  EXPECT_THAT(SummaryText(outcome), HasSubstr("slowest robots: r1"));
-  EXPECT_THAT(SummaryText(outcome), HasSubstr("3 frames resent"));
+  EXPECT_THAT(SummaryText(outcome, {.with_stats = true}), HasSubstr("slowest robots: r1"));
+  EXPECT_THAT(SummaryText(outcome, {.with_stats = true}), HasSubstr("3 frames resent"));
   outcome.processes = 1;
-  EXPECT_THAT(SummaryText(outcome), Not(HasSubstr("slowest robots")));
-  EXPECT_THAT(SummaryText(outcome), Not(HasSubstr("frames resent")));
+  EXPECT_THAT(SummaryText(outcome, {.with_stats = true}), Not(HasSubstr("slowest robots")));
+  EXPECT_THAT(SummaryText(outcome, {.with_stats = true}), Not(HasSubstr("frames resent")));
 }
 
 TEST(SessionTable, HasALineForEachSession) {

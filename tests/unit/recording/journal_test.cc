@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "recording/recording_writer.h"
+#include "recording/run_so_far.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {
@@ -189,6 +190,37 @@ TEST_F(JournalTest, ReusesTheFilesOfItsTail) {
   EXPECT_EQ(content.progress, Progress(299));
   tail->Remove();
   for (const std::string& file : files_.tail) EXPECT_FALSE(fs::exists(file));
+}
+
+// A run that goes on: its writers live, and nothing is locked or cut.
+TEST_F(JournalTest, ARunThatGoesOnIsReadAsFarAsItHasCome) {
+  const std::vector<RecordedTick> ticks = Ticks(20);
+  RecordingWriter writer = RecordingWriter::Create(mcap::CreateFileSink(files_.recording).value(), run_).value();
+  const std::unique_ptr<JournalTail> tail = JournalTail::Create(files_, run_.run, JournalSync::kNo).value();
+  const auto read = [this] {
+    Result<RunSoFar> run = RunSoFar::Read(files_);
+    if (!run.ok()) throw std::runtime_error(run.error().ToString());
+    std::vector<RecordedTick> found;
+    RunReader reader(run.value());
+    RecordedTick tick;
+    while (reader.Next(tick).value()) found.push_back(tick);
+    return std::pair(found, run.value().is_whole);
+  };
+  for (const RecordedTick& tick : ticks) {
+    ASSERT_TRUE(tail->Append(&tick, Progress(0)).ok());
+    ASSERT_TRUE(writer.Add(tick).ok());
+    if (tick.number == 7) {
+      ASSERT_TRUE(writer.EndChunk().ok());
+    }
+    if (tick.number < 7) continue;
+    const auto [found, is_whole] = read();
+    ExpectSame(found, {ticks.begin(), ticks.begin() + static_cast<std::ptrdiff_t>(tick.number) + 1});
+    EXPECT_FALSE(is_whole);
+  }
+  ASSERT_TRUE(writer.Close().ok());
+  const auto [found, is_whole] = read();
+  ExpectSame(found, ticks);
+  EXPECT_TRUE(is_whole);
 }
 
 }  // namespace

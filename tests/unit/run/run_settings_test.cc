@@ -53,5 +53,21 @@ TEST(RunOverrides, ReplaceOnlyTheSettingsGiven) {
   EXPECT_TRUE(settings.ros);
 }
 
+TEST(RunOverrides, AWatchedRunHasTheSpeedForPeopleUnlessOneIsGiven) {
+  RunSettings settings;
+  EXPECT_EQ(settings.pace(), std::nullopt);
+  RunOverrides watched;
+  watched.is_watched = true;
+  watched.ApplyTo(settings);
+  EXPECT_EQ(settings.pace(), 1.0);
+  EXPECT_EQ(settings.speed, std::nullopt);  // which a recording keeps
+  watched.speed.emplace(std::nullopt);
+  watched.ApplyTo(settings);
+  EXPECT_EQ(settings.pace(), std::nullopt);
+  watched.speed.emplace(3.0);
+  watched.ApplyTo(settings);
+  EXPECT_EQ(settings.pace(), 3.0);
+}
+
 }  // namespace
 }  // namespace troupe

@@ -207,7 +207,9 @@ TEST_F(PermissionsTest, StrangersAreInvisible) {
   Participant agent(Keys(Role::Agent("a1")));
   const DataWriter<Sample> frame = service.Writer(topics::kFrame, session_);
   const DataReader<Sample> frames = agent.Reader(topics::kFrame, session_);
-  EXPECT_TRUE(Eventually([&] { return MatchedBy(open_writer) >= 1 && MatchedBy(foreign_writer) >= 1; }));
+  // The writer and the reader of a pair learn of each other at different times.
+  EXPECT_TRUE(Eventually([&] { return MatchedBy(open_writer) >= 1 && MatchedBy(open_reader) >= 1; }));
+  EXPECT_TRUE(Eventually([&] { return MatchedBy(foreign_writer) >= 1 && MatchedBy(foreign_reader) >= 1; }));
   EXPECT_TRUE(Eventually([&] { return MatchedBy(frame) >= 1 && MatchedBy(frames) >= 1; }));
   for (const DataWriter<Sample>* writer : {&open_writer, &foreign_writer, &frame}) EXPECT_EQ(MatchedBy(*writer), 1);
   for (const DataReader<Sample>* reader : {&open_reader, &foreign_reader, &frames}) EXPECT_EQ(MatchedBy(*reader), 1);

@@ -48,6 +48,20 @@ TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
   EXPECT_EQ(restore.request.name, "tin");
 }
 
+TEST(PageRequestTest, AsksForSignals) {
+  const Result<PageRequest> series = ParsePageRequest(
+      R"({"type": "series", "id": 3, "signals": [["r0", "x"], ["r1", "joint/lift"]], "from": 5, "to": 9, "every": 2})");
+  ASSERT_TRUE(series.ok());
+  EXPECT_EQ(std::get<SeriesRequest>(series.value()), (SeriesRequest{3, {{"r0", "x"}, {"r1", "joint/lift"}}, 5, 9, 2}));
+  for (const char* wrong :
+       {R"({"type": "series", "id": 3, "signals": [], "from": 5, "to": 9, "every": 0})",
+        R"({"type": "series", "id": 3, "signals": [["r0"]], "from": 5, "to": 9, "every": 1})",
+        R"({"type": "series", "id": 3, "signals": "x", "from": 5, "to": 9, "every": 1})", R"({"type": "totals"})"}) {
+    EXPECT_FALSE(ParsePageRequest(wrong).ok()) << wrong;
+  }
+  EXPECT_EQ(std::get<TotalsRequest>(ParsePageRequest(R"({"type": "totals", "id": 8})").value()).id, 8u);
+}
+
 TEST(PageRequestTest, SetsTheSpeedAndCommandsRobots) {
   const PageControl speed = Control(R"({"type": "control", "id": 1, "command": "speed", "speed": 2.5})");
   EXPECT_EQ(speed.request.command, ControlCommand::kSpeed);

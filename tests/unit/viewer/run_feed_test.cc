@@ -1,5 +1,6 @@
 #include "viewer/gateway/run_feed.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -111,13 +112,14 @@ TEST(RunFeedTest, CountsEventsOnceAndKeepsTheNewest) {
   const SessionMessage session = Session();
   feed.OnSession(session);
   for (Tick tick = 1; tick <= 200; ++tick) {
-    feed.OnFrame(Frame(session, tick, 3));
-    feed.OnFrame(Frame(session, tick, 3));  // resent
+    feed.OnFrame(Frame(session, tick, 60));
+    feed.OnFrame(Frame(session, tick, 60));  // resent
+    if (tick % 50 == 0) feed.Read(content);
   }
   feed.Read(content);
   ASSERT_EQ(content.events.size(), kEventsKept);
-  EXPECT_EQ(content.events.back().number, 600u);
-  EXPECT_EQ(content.events.front().number, 101u);
+  EXPECT_EQ(content.events.back().number, 12000u);
+  EXPECT_EQ(content.events.front().number, 2001u);
 }
 
 TEST(RunFeedTest, EventsHaveTheNamesOfTheWorldInWhichTheyHappened) {
@@ -191,6 +193,121 @@ TEST(KeptStatesTest, ItsMemoryIsBounded) {
   history.Clear();
   EXPECT_FALSE(history.range());
   EXPECT_EQ(history.Add(StateAt(0))->position, 1000u) << "positions are never used twice";
+}
+
+TEST(KeptStatesTest, PositionsCountTheTicksThatWereNotReceived) {
+  KeptStates history(std::size_t{1} << 20);
+  for (const Tick tick : {5u, 6u, 9u, 10u}) history.Add(StateAt(tick));
+  EXPECT_EQ(history.range(), (PastStates::Range{0, 5}));
+  EXPECT_EQ(history.PositionOf(9), 4u);
+  EXPECT_EQ(history.At(3).value()->state->tick, 6u) << "the one before the gap";
+  history.Add(StateAt(0));  // after a reset
+  EXPECT_THAT(history.Spans(), testing::ElementsAre(TimeSpan{0, 1, 5}, TimeSpan{4, 5, 9}, TimeSpan{6, 6, 0}));
+}
+
+TEST(KeptStatesTest, SpansLoseTheStatesThatAreDropped) {
+  KeptStates history(3 * SizeOf(StateAt(0)));
+  for (const Tick tick : {1u, 2u, 7u, 8u, 9u}) history.Add(StateAt(tick));
+  EXPECT_THAT(history.Spans(), testing::ElementsAre(TimeSpan{6, 8, 7}));
+  history.Add(StateAt(10));
+  EXPECT_THAT(history.Spans(), testing::ElementsAre(TimeSpan{7, 9, 8}));
+}
+
+// The journal of a run that stalls once in each tick.
+class ScriptedJournal : public Recorded {
+ public:
+  ScriptedJournal(const SessionMessage& session, WorldShelf& shelf, Tick last, bool is_whole = false)
+      : world_(shelf.Of(session)), last_(last), is_whole_(is_whole) {}
+  std::optional<Range> range() const override { return Range{0, last_}; }
+  std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }
+  std::uint64_t PositionOf(StatePlace place) const override { return place.tick; }
+  std::vector<TimeSpan> Spans() const override { return {{0, last_, 0}}; }
+  RunId run() const override { return world_->run; }
+  bool is_whole() const override { return is_whole_; }
+  Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override {
+    ViewedState state{position, world_, nullptr, 1000 + position, 0};
+    WorldState placed = PlacedState(world_->description());
+    placed.tick = position;
+    state.state = std::make_shared<const WorldState>(std::move(placed));
+    return std::make_shared<const ViewedState>(std::move(state));
+  }
+  std::deque<NumberedEvent> Events() const override {
+    std::deque<NumberedEvent> events;
+    for (Tick tick = 1; tick <= last_; ++tick) {
+      events.push_back({tick, tick, {tick, EventType::kStallBegan, RobotId(0), {}, {}, {}}, {"r0", "", ""}});
+    }
+    return events;
+  }
+
+ private:
+  std::shared_ptr<const ViewedWorld> world_;
+  Tick last_;
+  bool is_whole_;
+};
+
+std::vector<Tick> TicksOf(const std::deque<NumberedEvent>& events) {
+  std::vector<Tick> ticks;
+  for (const NumberedEvent& event : events) ticks.push_back(event.event.tick);
+  return ticks;
+}
+
+TEST(RunFeedTest, TheJournalHasWhatHappenedBeforeTheFirstFrame) {
+  RunFeed feed;
+  const SessionMessage session = Session();
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 5));
+  feed.OnSession(session);
+  for (const Tick tick : {6u, 7u}) feed.OnFrame(Frame(session, tick, 1));
+  FeedContent content;
+  feed.Read(content);
+  EXPECT_THAT(TicksOf(content.events), testing::ElementsAre(1, 2, 3, 4, 5, 6, 7));
+  EXPECT_EQ(content.events.back().number, 7u);
+  EXPECT_EQ(content.state->position, 7u);
+  EXPECT_FALSE(feed.lacks_states());
+  EXPECT_EQ(feed.history().range(), (PastStates::Range{0, 7}));
+  const auto past = feed.history().At(3).value();
+  EXPECT_EQ(past->state_hash, 1003u);
+  EXPECT_EQ(past->world, content.state->world) << "a page need not build it again";
+  EXPECT_THAT(feed.history().Spans(), testing::ElementsAre(TimeSpan{0, 7, 0}));
+}
+
+TEST(RunFeedTest, TheJournalHasTheEventsOfFramesThatWereLost) {
+  RunFeed feed;
+  const SessionMessage session = Session();
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 2));
+  feed.OnSession(session);
+  feed.OnFrame(Frame(session, 3, 1));
+  FeedContent content;
+  feed.Read(content);
+  const std::uint64_t list = content.event_list;
+  feed.OnFrame(Frame(session, 7, 1));
+  EXPECT_TRUE(feed.lacks_states());
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 6));
+  EXPECT_FALSE(feed.lacks_states());
+  feed.Read(content);
+  EXPECT_THAT(TicksOf(content.events), testing::ElementsAre(1, 2, 3, 4, 5, 6, 7));
+  EXPECT_NE(content.event_list, list) << "viewers are to have them all again";
+}
+
+TEST(RunFeedTest, ARunThatEndedUnseenIsShownAtItsEnd) {
+  RunFeed feed;
+  const SessionMessage session = Session();
+  FeedContent content;
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 4));
+  feed.Read(content);
+  EXPECT_EQ(content.state, nullptr) << "it may continue";
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 4, true));
+  feed.Read(content);
+  ASSERT_NE(content.state, nullptr);
+  EXPECT_EQ(content.state->state->tick, 4u);
+  EXPECT_TRUE(content.last);
+  EXPECT_EQ(content.events.size(), 4u);
+  // Another run of the session.
+  const SessionMessage next = Session(2);
+  feed.OnSession(next);
+  feed.OnFrame(Frame(next, 1, 1));
+  feed.Read(content);
+  EXPECT_FALSE(content.last);
+  EXPECT_EQ(content.events.size(), 1u);
 }
 
 // A viewer's copy of the rows, as the page keeps it.

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -44,6 +45,8 @@ class ScriptedLink : public RunLink {
     return nlohmann::json{{"is_text", std::holds_alternative<edit::Text>(operation)}};
   }
 
+  bool follows_always() const override { return always; }
+
   ObserverHandler& AwaitObserver() {
     std::unique_lock lock(mutex);
     EXPECT_TRUE(
@@ -61,6 +64,7 @@ class ScriptedLink : public RunLink {
   ObserverHandler* observer = nullptr;
   int observed = 0;
   std::vector<ControlRequest> asked;
+  bool always = false;
 
  private:
   struct End : RunObservation {
@@ -428,7 +432,11 @@ class ScriptedRecording : public Recorded {
     return std::make_shared<const ViewedState>(
         ViewedState{position, world, {frame, &frame->state}, frame->state_hash, 0});
   }
-  std::vector<NumberedEvent> Events() const override { return {}; }
+  std::vector<TimeSpan> Spans() const override { return {{0, 9, 0}}; }
+  std::deque<NumberedEvent> Events() const override { return {}; }
+  RunId run() const override { return session.run; }
+  std::uint64_t PositionOf(StatePlace place) const override { return place.tick; }
+  bool is_whole() const override { return true; }
 
   SessionMessage session = LaserWorld();
   std::shared_ptr<const ViewedWorld> world = MakeViewedWorld(session, 1);
@@ -456,6 +464,67 @@ TEST_F(ViewerGatewayTest, ShowsARecordingFromItsStartAndRefusesToChangeIt) {
   EXPECT_THAT(std::string(ReadText(*client)["problem"]), testing::HasSubstr("damaged"));
   client->SendText(R"({"type": "seek", "position": 9})");
   EXPECT_EQ(ParsedUpdate(ReadBinary(*client)).hash, 1009u);
+}
+
+nlohmann::json Series(const std::string& signals, int from, int to, int every = 1) {
+  return {{"type", "series"}, {"id", 4},  {"signals", nlohmann::json::parse(signals)},
+          {"from", from},     {"to", to}, {"every", every}};
+}
+
+TEST_F(ViewerGatewayTest, SignalsAreThoseOfTheStates) {
+  StartRun();
+  for (const Tick tick : {1u, 2u, 3u, 6u, 7u}) OnFrame(tick);
+  AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.tick == 7; });
+  client_->SendText(Series(R"([["r0", "x"], ["r1", "stalled"], ["r0", "energy"], ["nobody", "x"],
+                               ["r0", "range/ranger:0"], ["r0", "range/ranger:0/3"]])",
+                           1, 100)
+                        .dump());
+  nlohmann::json reply = ReadText(*client_, "reply");
+  EXPECT_EQ(reply["done"], true) << reply;
+  EXPECT_EQ(reply["ticks"], (std::vector<Tick>{2, 3, 6, 7}));
+  EXPECT_EQ(reply["positions"], (std::vector<std::uint64_t>{1, 2, 5, 6}));
+  EXPECT_EQ(reply["next"], nullptr);
+  EXPECT_EQ(reply["values"][0], (std::vector<double>{0.002, 0.003, 0.006, 0.007}));
+  EXPECT_EQ(reply["values"][1][0], 0.0);
+  EXPECT_EQ(reply["values"][2][0], nullptr) << "it has no store";
+  EXPECT_EQ(reply["values"][3][0], nullptr);
+  const Scene scene(world_.world);
+  BodyIndex bodies(scene);
+  bodies.Assign(FrameAt(world_, 7)->state);
+  SensorSuite suite(scene, RobotId(0));
+  const std::vector<double> ranges = suite.Measure(0, {scene, bodies}, 7).ranger()->scans[0].ranges;
+  EXPECT_EQ(reply["values"][4][3], *std::min_element(ranges.begin(), ranges.end()));
+  EXPECT_EQ(reply["values"][5][3], ranges[3]);
+
+  client_->SendText(Series(R"([["r0", "x"]])", 0, 6, 2).dump());
+  EXPECT_EQ(ReadText(*client_, "reply")["ticks"], (std::vector<Tick>{1, 3, 7}));
+  client_->SendText(R"({"type": "totals", "id": 5})");
+  reply = ReadText(*client_, "reply");
+  EXPECT_EQ(reply["complete"], true);
+  EXPECT_EQ(reply["last_tick"], 7);
+  EXPECT_EQ(reply["robots"][0]["name"], "r0");
+  EXPECT_NEAR(reply["robots"][0]["distance"].get<double>(), 0.006, 1e-12);
+  EXPECT_EQ(reply["robots"][1]["distance"], 0.0);
+}
+
+TEST_F(ViewerGatewayTest, TheTimelineHasTheGapsOfThePast) {
+  StartRun();
+  for (const Tick tick : {1u, 2u, 5u}) OnFrame(tick);
+  nlohmann::json spans = ReadText(*client_, "timeline")["spans"];
+  while (spans.size() < 2) spans = ReadText(*client_, "timeline")["spans"];
+  EXPECT_EQ(spans, nlohmann::json::parse("[[0, 1, 1], [4, 4, 5]]"));
+}
+
+TEST_F(ViewerGatewayTest, AViewerHasThePastOfARunThatWasFollowedBefore) {
+  link_.always = true;
+  Start();
+  run_ = &link_.AwaitObserver();
+  world_ = LaserWorld();
+  run_->OnSession(world_);
+  for (Tick tick = 1; tick <= 3; ++tick) OnFrame(tick);
+  client_ = Connect();
+  client_->SendText(R"({"type": "seek", "tick": 1})");
+  EXPECT_EQ(AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.is_past(); }).tick, 1u);
 }
 
 TEST_F(ViewerGatewayTest, AViewOnlyGatewayAsksTheRunForNothingButAnswers) {

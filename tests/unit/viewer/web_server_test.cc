@@ -99,7 +99,7 @@ class WebServerTest : public testing::Test {
 
 // 0 with sanitizers, which keep freed memory for a while.
 double ResidentMib() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TROUPE_SANITIZED
   return 0.0;
 #endif
   std::ifstream file("/proc/self/statm");

@@ -371,7 +371,8 @@ TEST_P(OwnScenario, LoadsWithoutWarnings) {
   EXPECT_TRUE(Validate(loaded.world).ok());
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, OwnScenario, testing::Values("demo.json", "swarm.json", "under_table.json"),
+INSTANTIATE_TEST_SUITE_P(Files, OwnScenario,
+                         testing::Values("demo.json", "office.json", "swarm.json", "under_table.json"),
                          [](const auto& test) {
                            const std::string name = test.param;
                            return name.substr(0, name.find('.'));

@@ -39,8 +39,17 @@ interface Batch {
 
 const PLAIN = new Color(1, 1, 1);
 export const DARK = new Color(0.06, 0.06, 0.06);  // a quarter of the colour's components, as cameras see it
-const STALLED = new Color(1.25, 0.5, 0.45);
 const SELECTED = new Color(1.2, 1.2, 1.25);
+
+// The colour of an instance is a factor of the colours of its parts. A negative one replaces them, with their lightness.
+function paintNegative(material: SurfaceMaterial): void {
+  material.onBeforeCompile = shader => {
+    shader.vertexShader = shader.vertexShader.replace('#include <color_vertex>', `#include <color_vertex>
+      #ifdef USE_INSTANCING_COLOR
+        if (instanceColor.r < 0.0) vColor.xyz = -instanceColor.xyz * (0.6 + 0.4 * max(color.r, max(color.g, color.b)));
+      #endif`);
+  };
+}
 
 export class Bodies {
   readonly group = new Group();
@@ -50,6 +59,7 @@ export class Bodies {
   private readonly batches = new Map<string, Batch>();
   private readonly linkOfModel = new Map<number, {body: Body; link: number; pose: Pose}>();
   private readonly matrix = new Matrix4();
+  private readonly stalled = new Color();  // for paintNegative
   private readonly previews = new Map<string, Group>();
   private readonly material: SurfaceMaterial;
   private readonly ghost: SurfaceMaterial;
@@ -57,6 +67,7 @@ export class Bodies {
 
   constructor(private readonly world: World, private readonly surfaces: Surfaces) {
     this.material = surfaces.material({vertexColors: true});
+    paintNegative(this.material);
     this.ghost = surfaces.material({vertexColors: true, transparent: true, opacity: 0.5});
     this.lightOfModel = new Map(world.lights.map(({model}, i) => [model, i]));
     world.robots.forEach((robot, index) => {
@@ -78,6 +89,10 @@ export class Bodies {
     }
   }
 
+  setStalledColor(color: Color): void {
+    this.stalled.copy(color).multiplyScalar(-1);
+  }
+
   // True for models of bodies, which are no part of the static map.
   contains(model: number): boolean {
     return this.linkOfModel.has(model);
@@ -88,7 +103,7 @@ export class Bodies {
       const links = this.linkPoses(body, run);
       if (!links) continue;
       const stalled = body.entity.kind === 'robot' && run.robots[body.entity.index].stalled;
-      const color = stalled ? STALLED : sameEntity(body.entity, selected) ? SELECTED : PLAIN;
+      const color = stalled ? this.stalled : sameEntity(body.entity, selected) ? SELECTED : PLAIN;
       body.links.forEach((link, i) => {
         if (!link.batch?.mesh) return;
         link.batch.mesh.setMatrixAt(link.instance, toMatrix(links[i], this.matrix));

@@ -1,5 +1,5 @@
 // Connection: the WebSocket to the gateway. It connects again by itself, for instance when the gateway was restarted.
-import {decode, type Message, type RunStatus} from './protocol';
+import {decode, type Message, type RunStatus, type SeriesReply, type TimeSpan, type TotalsReply} from './protocol';
 
 export interface SessionInfo {
   session: string;
@@ -8,6 +8,8 @@ export interface SessionInfo {
   recording: boolean;
   editor: boolean;  // the page edits a file
   problem: string;
+  command: string[];  // that started the run; empty: it is not known
+  saves_recording: boolean;  // the page can save the recording of the run, which is over
 }
 
 // The agent of a robot.
@@ -40,6 +42,7 @@ export interface ConnectionHandler {
   onClosed(): void;
   onSession(info: SessionInfo): void;
   onStatus(status: RunStatus): void;
+  onTimeline(spans: TimeSpan[]): void;
   onMessage(message: Message): void;
 }
 
@@ -82,6 +85,15 @@ export class Connection {
     return this.ask({type: 'edit', op, ...more}) as Promise<EditReply>;
   }
 
+  // Of [robot, signal], at each `every`-th position.
+  series(signals: Array<[string, string]>, from: number, to: number, every: number): Promise<SeriesReply> {
+    return this.ask({type: 'series', signals, from, to, every}) as Promise<unknown> as Promise<SeriesReply>;
+  }
+
+  totals(): Promise<TotalsReply> {
+    return this.ask({type: 'totals'}) as Promise<unknown> as Promise<TotalsReply>;
+  }
+
   send(value: object): boolean {
     if (!this.socket || this.socket.readyState !== WebSocket.OPEN) return false;
     this.socket.send(JSON.stringify(value));
@@ -116,6 +128,7 @@ export class Connection {
     const text = JSON.parse(data);
     if (text.type === 'session') this.handler.onSession(text as SessionInfo);
     if (text.type === 'status') this.handler.onStatus(text as RunStatus);
+    if (text.type === 'timeline') this.handler.onTimeline(text.spans as TimeSpan[]);
     if (text.type === 'reply') {
       this.open.get(text.id)?.(text as Reply);
       this.open.delete(text.id);

@@ -38,8 +38,41 @@ export function throttled(period: () => number, call: () => void): () => void {
   };
 }
 
+// Of a button that stays on until it is pressed again.
+export function setOn(id: string, on: boolean): void {
+  const button = byId(id);
+  button.classList.toggle('on', on);
+  button.setAttribute('aria-pressed', String(on));
+}
+
+// The text of a button beside its icon.
+export function labelOf(id: string): HTMLElement {
+  return byId(id).querySelector<HTMLElement>('.tool-label')!;
+}
+
+// A button whose action is not possible now stays where it is, and says why when it is pressed. `refusal`: why not; '': it
+// is possible.
+export function allow(id: string, refusal: string): void {
+  const button = byId(id);
+  if (button.dataset.refusal === refusal) return;
+  button.dataset.title ??= button.title;
+  button.dataset.refusal = refusal;
+  button.title = refusal || button.dataset.title;
+  button.setAttribute('aria-disabled', String(refusal !== ''));
+}
+
+export function tellRefusals(): void {
+  document.addEventListener('click', event => {
+    const button = (event.target as Element).closest<HTMLElement>('[aria-disabled=true]');
+    if (!button) return;
+    event.stopImmediatePropagation();
+    toast(button.dataset.refusal ?? '', true);
+  }, {capture: true});
+}
+
 export function toast(text: string, isError = false): void {
   const element = make('div', isError ? 'toast error' : 'toast', text);
+  if (isError) element.setAttribute('role', 'alert');
   byId('toasts').append(element);
   setTimeout(() => element.remove(), isError ? 7000 : 3000);
 }

@@ -1,6 +1,7 @@
 // Drawing on the ground of the scene: walls, rooms and spawn regions, by dragging from one point to another.
 import {BufferAttribute, BufferGeometry, Line, LineBasicMaterial, LineSegments, Vector3} from 'three';
 import {byId, fixed, make} from './dom';
+import {DragLabel, metres} from './drag_label';
 import type {FileClient, PictureBlock, SpawnRule} from './file_client';
 import type {Pose} from './protocol';
 import {degrees} from './run';
@@ -18,7 +19,6 @@ export interface DrawnModel {
   blocks: PictureBlock[];
 }
 
-const SNAP = 0.05;  // m
 const LEAST = 0.1;  // m, of a drag
 
 const HINTS: Record<DrawTool, string> = {
@@ -27,10 +27,6 @@ const HINTS: Record<DrawTool, string> = {
   room: 'Drag from one corner of the room to the opposite one. Escape ends this.',
   region: 'Drag from one corner of the region to the opposite one. Escape ends this.',
 };
-
-function snapped({x, y}: Point): Point {
-  return {x: Math.round(x / SNAP) * SNAP, y: Math.round(y / SNAP) * SNAP};
-}
 
 function box(x0: number, y0: number, x1: number, y1: number, height: number): PictureBlock {
   const round = (value: number): number => Math.round(value * 1e4) / 1e4;
@@ -76,6 +72,7 @@ export class Drawing {
   private from: Point | null = null;
   private to: Point | null = null;
   private readonly lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({color: 0x2563c9}));
+  private readonly label = new DragLabel();
 
   constructor(private readonly scene: WorldScene, private readonly host: DrawingHost) {
     this.lines.frustumCulled = false;
@@ -89,6 +86,7 @@ export class Drawing {
   set(tool: DrawTool): void {
     this.tool = tool;
     this.from = this.to = null;
+    this.label.hide();
     this.show();
     byId('hint').hidden = tool === 'none';
     byId('hint').textContent = HINTS[tool];
@@ -123,14 +121,21 @@ export class Drawing {
     if (!at) return;
     event.stopPropagation();
     this.scene.setControlsEnabled(false);
-    this.from = this.to = snapped(at);
+    this.from = this.to = {x: at.x, y: at.y};
   }
 
   private onMove(event: PointerEvent): void {
     if (!this.from) return;
     const at = this.scene.pointAt(event.clientX, event.clientY, 0);
-    if (at) this.to = snapped(at);
+    if (at) this.to = {x: at.x, y: at.y};
     this.show();
+    if (this.to) this.label.show(event, this.sizeText(this.from, this.to));
+  }
+
+  private sizeText(from: Point, to: Point): string {
+    const [x, y] = [to.x - from.x, to.y - from.y];
+    if (this.tool !== 'wall') return `${metres(Math.abs(x))} × ${metres(Math.abs(y))} m`;
+    return `${metres(Math.hypot(x, y))} m, ${fixed((Math.atan2(y, x) * 180) / Math.PI, 0)}°`;
   }
 
   private onUp(event: PointerEvent): void {
@@ -140,6 +145,7 @@ export class Drawing {
     const {from, to} = this;
     const tool = this.tool;
     this.from = this.to = null;
+    this.label.hide();
     this.show();
     if (Math.hypot(to.x - from.x, to.y - from.y) >= LEAST) this.host.drawn(tool, from, to);
   }

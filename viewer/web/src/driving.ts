@@ -1,8 +1,9 @@
 // Driving: moves the selected robot by keys, a gamepad or the pad on the page, and commands its grippers. While it is on,
 // the robot stands still unless it is driven; each command is valid for a short time only, so that a robot stops when
-// the page is gone, and its controller continues.
+// the page is gone, and its controller continues. A robot whose controller accepts no goals is driven to a point in a
+// straight line, and stands there until it is released.
 import type {Connection} from './connection';
-import {byId, make, toast} from './dom';
+import {byId, labelOf, make, setOn, setText, toast} from './dom';
 import {nameOf, type Run} from './run';
 
 const PERIOD = 100;  // ms from one command to the next
@@ -10,6 +11,10 @@ const VALID = 0.5;  // s of wall time that a command is valid for
 const UNBOUNDED = 1e3;  // m/s and more: the world file states no bound
 const TYPICAL_SPEED = 1.0;  // m/s, of a robot whose drive has no bounds
 const TYPICAL_TURN = 1.5;  // rad/s, at most
+const ARRIVED = 0.1;  // m from the point of a drive to a point
+const AHEAD = 0.5;  // rad: a point in this direction is driven to, another one turned to
+const SLOW_DOWN = 0.6;  // m before the point
+const PATIENCE = 40;  // commands without a motion
 const DEAD_ZONE = 0.12;  // of a gamepad's sticks
 
 // Forward, left and turn, each from -1 to 1.
@@ -31,6 +36,8 @@ export class Driving {
   private readonly pressed = new Set<string>();
   private pad: [number, number] | null = null;  // forward and turn by the pad of the page
   private share = 0.5;  // of the robot's speed
+  private point: [number, number] | null = null;  // to drive to
+  private waited = 0;  // commands on the way to the point without a motion
   private readonly knob = byId('drive-knob');
 
   constructor(private readonly connection: Connection, private readonly host: DrivingHost) {
@@ -57,14 +64,15 @@ export class Driving {
 
   setViewOnly(viewOnly: boolean): void {
     this.viewOnly = viewOnly;
-    byId('drive').hidden = viewOnly;
     if (viewOnly) this.set(false);
   }
 
   set(on: boolean): void {
     const now = on && !this.viewOnly && this.host.robot() >= 0;
     if (on && this.host.robot() < 0) toast('Select a robot to drive');
-    byId('drive').classList.toggle('on', now);
+    setOn('drive', now);
+    setText(labelOf('drive'), now ? 'Release' : 'Drive');
+    this.point = null;
     byId('drive-box').hidden = !now;
     if (now === this.on) return;
     this.on = now;
@@ -72,17 +80,26 @@ export class Driving {
     if (now) void this.drive();
   }
 
+  // Drives the selected robot to a point of the world.
+  driveTo(point: [number, number]): void {
+    this.set(true);
+    this.waited = 0;
+    if (this.on) this.point = point;
+  }
+
   // True if the key drives.
   press(event: KeyboardEvent): boolean {
     const key = keyOf(event);
     if (!this.on || !(key in KEYS)) return false;
     this.pressed.add(key);
+    this.point = null;
     return true;
   }
 
   private movePad(pad: HTMLElement, event: PointerEvent | null): void {
     this.pad = null;
     if (event) {
+      this.point = null;
       const box = pad.getBoundingClientRect();
       const limit = (value: number): number => Math.max(-1, Math.min(1, value));
       this.pad = [
@@ -106,6 +123,25 @@ export class Driving {
     return sum.map(value => Math.max(-1, Math.min(1, value))) as Stick;
   }
 
+  // Towards the point, from where the robot is.
+  private towardsPoint(run: Run, index: number): Stick {
+    const {pose, twist} = run.robots[index];
+    const [x, y] = [this.point![0] - pose.x, this.point![1] - pose.y];
+    const distance = Math.hypot(x, y);
+    this.waited = twist.vx === 0 && twist.vy === 0 && twist.wz === 0 ? this.waited + 1 : 0;
+    if (distance < ARRIVED || this.waited > PATIENCE) {
+      const {name} = run.world.robots[index];
+      toast(distance < ARRIVED ? `${name} is at the point: "Release" lets its controller continue`
+        : `${name} does not get to the point: something is in its way`, distance >= ARRIVED);
+      this.point = null;
+      return [0, 0, 0];
+    }
+    const turn = Math.atan2(y, x) - pose.heading;
+    const error = Math.atan2(Math.sin(turn), Math.cos(turn));
+    const forward = Math.abs(error) < AHEAD ? Math.min(1, distance / SLOW_DOWN) : 0;
+    return [forward, 0, Math.max(-1, Math.min(1, 1.5 * error))];
+  }
+
   // For so many ticks a command is valid.
   private ticks(run: Run): number {
     const factor = run.status && run.status.real_time_factor > 0 ? run.status.real_time_factor : 1;
@@ -120,7 +156,7 @@ export class Driving {
       const robot = run.world.robots[index];
       const speed = this.share * (robot.maxSpeed < UNBOUNDED ? robot.maxSpeed : TYPICAL_SPEED);
       const turn = this.share * Math.min(robot.maxTurn, TYPICAL_TURN);
-      const [forward, left, rotation] = this.stick();
+      const [forward, left, rotation] = this.point ? this.towardsPoint(run, index) : this.stick();
       const twist = [forward * speed, robot.omni ? left * speed : 0, rotation * turn];
       const reply = await this.connection.request('command_robot', {name: robot.name, ticks: this.ticks(run), twist});
       if (!reply.done) {

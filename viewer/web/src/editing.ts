@@ -1,7 +1,8 @@
-// Editing by mouse: drags entities to other poses, adds models of the world file, deletes and renames the selected
-// entity, and sends robots to points. The run decides; it refuses a pose in a wall, and says why.
+// Editing by mouse, touch or keys: moves entities to other poses, adds models of the world file, deletes and renames the
+// selected entity, and sends robots to points. The run decides; it refuses a pose in a wall, and says why.
 import type {Connection} from './connection';
-import {byId, make, toast} from './dom';
+import {byId, make, setOn, toast} from './dom';
+import {Popup} from './toolbar';
 import {Measuring} from './drawing';
 import type {Pose} from './protocol';
 import {nameOf, poseOf, type Entity, type Run} from './run';
@@ -16,24 +17,39 @@ interface Drag {
   offset: {x: number; y: number};  // from the pointer to the entity
   pose: Pose;
   turning: boolean;
+  byKeys: boolean;
+}
+
+// On the window, px.
+interface Place {
+  x: number;
+  y: number;
 }
 
 const CLICK_DISTANCE = 5;  // px: a pointer that moves less has clicked
 const GOAL_TICKS = 1_000_000;  // for which a goal is in force
-const TURN = Math.PI / 12;  // of a model before it is added, by a key
+const TURN = Math.PI / 12;  // of a model before it is put down, by a key
+const NUDGE = 0.1;  // m, by an arrow key; with Shift a tenth of that
+const AIM = 40;  // px, of the place of a tool by an arrow key; with Shift a tenth of that
+
+const ARROWS: Record<string, [number, number]> = {
+  ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
+};
 
 const HINTS: Record<Tool, string> = {
   none: '',
-  move: 'Drag a robot or an object; with Shift: turn it. Escape ends this.',
-  add: 'Click where it is to be put; [ and ] turn it. Escape ends this.',
-  send: 'Click where the robot is to go. Escape ends this.',
-  measure: 'Click two points to measure their distance. Escape ends this.',
+  move: 'Drag a robot or an object; with Shift: turn it. Or arrows, [ and ], Enter for the selected one.',
+  add: 'Click where it is to be put, with Shift to put several; [ and ] turn it. Or arrows, Enter.',
+  send: 'Click where the robot is to go. Or arrows, Enter.',
+  measure: 'Click two points to measure their distance. Or arrows, Enter.',
 };
 
 export interface EditingHost {
   run(): Run | null;
   selected(): Entity | null;
   select(entity: Entity | null): void;
+  selectNamed(name: string): void;  // as soon as the world has it
+  driveTo(point: [number, number]): void;  // the selected robot
 }
 
 // The edits of a file, in place of those of a run.
@@ -48,9 +64,10 @@ export class Editing {
   private tool: Tool = 'none';
   private adding = {name: '', type: '', heading: 0};
   private drag: Drag | null = null;
-  private pressed: {x: number; y: number} | null = null;
-  private pointer: {x: number; y: number} | null = null;
+  private pressed: Place | null = null;
+  private aim: Place | null = null;  // of a tool
   private readonly menu = byId('add-menu');
+  private readonly popup = new Popup(byId('add'), this.menu);
   private readonly hint = byId('hint');
   private readonly history: EditHistory;
   private readonly measuring: Measuring;
@@ -78,7 +95,6 @@ export class Editing {
   }
 
   setViewOnly(viewOnly: boolean): void {
-    for (const id of ['move', 'add', 'delete', 'send', 'undo', 'redo']) byId(id).hidden = viewOnly;
     if (viewOnly && this.tool !== 'measure') this.cancel();
   }
 
@@ -90,35 +106,81 @@ export class Editing {
       return;
     }
     this.tool = next;
-    for (const id of ['move', 'measure', 'send'] as const) byId(id).classList.toggle('on', next === id);
+    for (const id of ['move', 'measure', 'send'] as const) setOn(id, next === id);
     this.hint.hidden = next === 'none';
     this.hint.textContent = HINTS[next];
     this.scene.canvas.classList.toggle('aiming', next !== 'none' && next !== 'move');
+    if (next !== 'none') byId('scene').focus({preventScroll: true});
   }
 
   cancel(): void {
     this.tool = 'none';
-    this.drag = null;
-    this.menu.hidden = true;
+    this.drag = this.aim = null;
+    this.popup.set(false);
     this.hint.hidden = true;
     this.measuring.clear();
     this.scene.showGhost(null, 0);
     this.scene.setControlsEnabled(true);
     this.scene.canvas.classList.remove('aiming');
-    for (const id of ['move', 'measure', 'send']) byId(id).classList.remove('on');
+    for (const id of ['move', 'measure', 'send']) setOn(id, false);
   }
 
   // True if the key belongs to the editing.
   press(event: KeyboardEvent): boolean {
-    if (this.tool === 'add' && (event.key === '[' || event.key === ']')) {
-      this.adding.heading += event.key === '[' ? TURN : -TURN;
-      this.preview();
-      return true;
-    }
+    if (this.tool !== 'none' && !event.ctrlKey && !event.metaKey && this.pressInTool(event)) return true;
     const key = event.key.toLowerCase();
     if (!(event.ctrlKey || event.metaKey) || (key !== 'z' && key !== 'y')) return false;
     void (key === 'y' || event.shiftKey ? this.redo() : this.undo());
     return true;
+  }
+
+  // The place of a tool by arrows, its angle by brackets, and Enter in place of a click.
+  private pressInTool(event: KeyboardEvent): boolean {
+    const [x, y] = ARROWS[event.key] ?? [0, 0];
+    const turn = event.key === '[' ? TURN : event.key === ']' ? -TURN : 0;
+    const isArrow = x !== 0 || y !== 0;
+    if (!isArrow && turn === 0 && event.key !== 'Enter') return false;
+    const fine = event.shiftKey ? 0.1 : 1;
+    if (this.tool === 'move') {
+      if (event.key === 'Enter') {
+        if (this.drag?.byKeys) this.drop(this.drag);
+      } else {
+        this.nudge(fine * NUDGE * x, fine * NUDGE * y, turn);
+      }
+      return true;
+    }
+    const box = this.scene.canvas.getBoundingClientRect();
+    const selected = this.host.selected();
+    const at = this.aim ?? (selected && this.tool === 'send' ? this.scene.placeOf(selected) : null)
+      ?? {x: box.left + box.width / 2, y: box.top + box.height / 2};
+    this.aim = {
+      x: Math.max(box.left, Math.min(box.right - 1, at.x + fine * AIM * x)),
+      y: Math.max(box.top, Math.min(box.bottom - 1, at.y - fine * AIM * y)),
+    };
+    this.adding.heading += turn;
+    this.pointAt(this.aim);
+    if (event.key === 'Enter') this.click(this.aim, event.shiftKey);
+    return true;
+  }
+
+  // Moves the selected entity before it is put down by Enter.
+  private nudge(x: number, y: number, turn: number): void {
+    const run = this.host.run();
+    const entity = this.host.selected();
+    const start = run && entity ? poseOf(run, entity) : null;
+    if (!run || !entity || !start) return toast('Select the robot or the object to move', true);
+    if (!this.drag?.byKeys) {
+      this.drag = {
+        entity, name: nameOf(run.world, entity), start, offset: {x: 0, y: 0}, pose: start, turning: false, byKeys: true,
+      };
+    }
+    const {pose} = this.drag;
+    this.drag.pose = {...pose, x: pose.x + x, y: pose.y + y, heading: pose.heading + turn};
+    this.showDrag(this.drag);
+  }
+
+  private showDrag(drag: Drag): void {
+    this.scene.showGhost(drag.pose, this.scene.bodies?.radiusOf(drag.entity) ?? 0.3);
   }
 
   forget(): void {
@@ -162,7 +224,7 @@ export class Editing {
   async renameSelected(): Promise<void> {
     const run = this.host.run();
     const entity = this.host.selected();
-    if (!run || !entity || byId('delete').hidden) return;
+    if (!run || !entity) return;
     const before = nameOf(run.world, entity);
     const note = this.file ? '' : " A robot's controller starts anew.";
     const after = window.prompt(`New name of ${before}.${note}`, before)?.trim();
@@ -229,34 +291,43 @@ export class Editing {
     this.host.select(entity);
     this.drag = {
       entity, name: nameOf(run.world, entity), start, offset: {x: start.x - at.x, y: start.y - at.y}, pose: start,
-      turning: event.shiftKey,
+      turning: event.shiftKey, byKeys: false,
     };
   }
 
   private onMove(event: PointerEvent): void {
-    this.pointer = {x: event.clientX, y: event.clientY};
-    if (this.tool === 'add') this.preview();
-    if (this.tool === 'measure') this.measuring.move(event.clientX, event.clientY);
-    if (!this.drag) return;
+    if (event.target === this.scene.canvas) this.aim = {x: event.clientX, y: event.clientY};
+    if (this.aim) this.pointAt(this.aim);
+    if (!this.drag || this.drag.byKeys) return;
     const {start, offset} = this.drag;
     const at = this.scene.pointAt(event.clientX, event.clientY, start.z);
     if (!at) return;
     this.drag.pose = this.drag.turning
       ? {...start, heading: Math.atan2(at.y - start.y, at.x - start.x)}
       : {...start, x: at.x + offset.x, y: at.y + offset.y};
-    this.scene.showGhost(this.drag.pose, this.scene.bodies?.radiusOf(this.drag.entity) ?? 0.3);
+    this.showDrag(this.drag);
+  }
+
+  // Shows what a click at a place of the window would do.
+  private pointAt(place: Place): void {
+    if (this.tool === 'add' || this.tool === 'send') this.preview(place);
+    if (this.tool === 'measure') this.measuring.move(place.x, place.y);
+  }
+
+  private click({x, y}: Place, repeat: boolean): void {
+    if (this.tool === 'add') void this.spawnAt(x, y, repeat);
+    else if (this.tool === 'send') void this.sendTo(x, y);
+    else if (this.tool === 'measure') this.measuring.click(x, y);
+    else this.host.select(this.scene.pick(x, y));
   }
 
   private onUp(event: PointerEvent): void {
     const pressed = this.pressed;
     this.pressed = null;
-    if (this.drag) return this.drop(this.drag);
+    if (this.drag && !this.drag.byKeys) return this.drop(this.drag);
     if (!pressed || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > CLICK_DISTANCE) return;
     if (event.target !== this.scene.canvas) return;
-    if (this.tool === 'add') void this.spawnAt(event.clientX, event.clientY);
-    else if (this.tool === 'send') void this.sendTo(event.clientX, event.clientY);
-    else if (this.tool === 'measure') this.measuring.click(event.clientX, event.clientY);
-    else this.host.select(this.scene.pick(event.clientX, event.clientY));
+    this.click({x: event.clientX, y: event.clientY}, event.shiftKey);
   }
 
   private drop(drag: Drag): void {
@@ -277,47 +348,49 @@ export class Editing {
   }
 
   private async toggleMenu(): Promise<void> {
-    if (!this.menu.hidden) {
-      this.menu.hidden = true;
-      return;
-    }
+    if (this.popup.isOpen) return this.popup.set(false);
     const reply = await this.connection.request('spawnables');
     if (!reply.done) {
       toast(reply.problem, true);
       return;
     }
     const models = reply.entities ?? [];
-    this.menu.replaceChildren(...models.map(({name, type}) => {
+    const rows = models.map(({name, type}) => {
       const row = make('button', 'menu-row', name);
-      row.append(make('span', 'menu-type', type));
+      row.append(make('span', 'menu-type', type === 'position' ? 'robot' : type));
       row.onclick = () => {
         this.toggle('add');
         this.adding = {name, type, heading: 0};
       };
       return row;
-    }));
+    });
+    this.menu.replaceChildren(...rows);
     if (models.length === 0) this.menu.append(make('div', 'more', 'the world file defines no models'));
-    this.menu.hidden = false;
+    this.popup.set(true);
+    (rows[0] ?? this.menu).focus();
   }
 
-  // The place of the model that the next click adds: its body, if one of its type is in the world.
-  private preview(): void {
-    const at = this.pointer ? this.scene.pointAt(this.pointer.x, this.pointer.y, 0) : null;
+  // The place of the model that the next click adds: its body, if one of its type is in the world. Or of the next goal.
+  private preview(place: Place): void {
+    const at = this.scene.pointAt(place.x, place.y, 0);
     if (!at) return;
-    const pose = {x: at.x, y: at.y, z: 0, heading: this.adding.heading};
-    this.scene.showGhost(pose, 0.3, this.adding.name);
+    const isSent = this.tool === 'send';
+    const pose = {x: at.x, y: at.y, z: 0, heading: isSent ? 0 : this.adding.heading};
+    this.scene.showGhost(pose, 0.3, isSent ? '' : this.adding.name);
   }
 
-  private async spawnAt(clientX: number, clientY: number): Promise<void> {
+  // `repeat`: the tool remains.
+  private async spawnAt(clientX: number, clientY: number, repeat: boolean): Promise<void> {
     const at = this.scene.pointAt(clientX, clientY, 0);
     const {name: source, heading} = this.adding;
-    this.cancel();
+    if (!repeat) this.cancel();
     if (!at) return;
     const pose = {x: at.x, y: at.y, z: 0, heading};
     const reply = await this.connection.request('spawn', {source, pose: numbers(pose)});
     const name = reply.entities?.[0]?.name ?? source;
     toast(reply.done ? `${name} is added` : reply.problem, !reply.done);
     if (!reply.done) return;
+    this.host.selectNamed(name);
     this.history.add({
       text: `the addition of ${name}`, undo: () => this.remove(name), redo: () => this.restore(name, name, pose),
     });
@@ -331,7 +404,11 @@ export class Editing {
     if (!run || entity?.kind !== 'robot' || !at) return;
     const name = nameOf(run.world, entity);
     const goal = {waypoints: [[at.x, at.y]]};
-    if (await this.edit('command_robot', {name, ticks: GOAL_TICKS, goal})) toast(`${name} is sent to the point`);
+    const reply = await this.connection.request('command_robot', {name, ticks: GOAL_TICKS, goal});
+    if (reply.done) return toast(`${name} is sent to the point`);
+    if (!reply.problem.includes('accepts no goals')) return toast(reply.problem, true);
+    this.host.driveTo([at.x, at.y]);
+    toast(`${name} is driven to the point: its controller accepts no goals`);
   }
 }
 

@@ -1,4 +1,5 @@
 // The panel of the selected robot or object.
+import {color} from './colors';
 import type {AgentInfo, Connection} from './connection';
 import {byId, fixed, make, setText} from './dom';
 import {OBJECT_MODES, scansOf, type Light, type Pose, type Reading} from './protocol';
@@ -13,11 +14,11 @@ function normalizedDegrees(heading: number): number {
 
 export class EntityPanel {
   private readonly panel = byId('panel');
+  private readonly head = byId('panel-head');
+  private readonly empty = document.querySelectorAll<HTMLElement>('#dock .empty');
   private readonly facts = byId('panel-facts');
   private readonly joints = byId('panel-joints');
   private readonly plot = byId<HTMLCanvasElement>('panel-plot');
-  private readonly speedCanvas = byId<HTMLCanvasElement>('panel-speed');
-  private readonly speeds = new SpeedPlot(this.speedCanvas);
   private readonly power = new PowerRows(byId('panel-power'));
   private readonly sensors = new SensorViews(byId('panel-readings'));
   private readonly cells = new Map<string, HTMLElement>();
@@ -25,7 +26,8 @@ export class EntityPanel {
   // `agent`: of the robot, if it is known.
   show(run: Run, entity: Entity | null, agent: AgentInfo | null): void {
     const pose = entity ? poseOf(run, entity) : null;
-    this.panel.hidden = !pose;
+    this.panel.hidden = this.head.hidden = !pose;
+    for (const note of this.empty) note.hidden = pose !== null;
     if (!entity || !pose) return;
     setText(byId('panel-name'), nameOf(run.world, entity));
     if (entity.kind === 'robot') this.showRobot(run, entity.index, pose, agent);
@@ -35,7 +37,6 @@ export class EntityPanel {
   // At each update, also between two texts.
   note(run: Run, entity: Entity | null): void {
     if (entity?.kind !== 'robot') return;
-    this.speeds.add(run, entity.index);
     this.sensors.note(run, entity.index);
   }
 
@@ -61,8 +62,6 @@ export class EntityPanel {
     this.showFacts(facts);
     this.showJoints(run, robot);
     this.power.show(run, robot);
-    this.speedCanvas.hidden = false;
-    this.speeds.draw();
     this.showScans(run, robot);
     this.sensors.show(run, robot);
   }
@@ -95,7 +94,6 @@ export class EntityPanel {
     }
     this.showFacts(facts);
     this.joints.replaceChildren();
-    this.speedCanvas.hidden = true;
     byId('panel-sensors').hidden = true;
     this.sensors.clear();
     this.power.clear();
@@ -262,68 +260,7 @@ export class PowerRows {
   }
 }
 
-// The speed of the selected robot over the last seconds of simulated time.
-
-const SECONDS = 20;  // of simulated time
-const MOST = 1200;  // samples
-
-export class SpeedPlot {
-  private samples: Array<[number, number]> = [];  // s, m/s
-  private key = '';
-
-  constructor(private readonly canvas: HTMLCanvasElement) {}
-
-  // At each update.
-  add(run: Run, robot: number): void {
-    const key = `${run.world.name} ${robot}`;
-    const last = this.samples[this.samples.length - 1];
-    if (key !== this.key || (last && run.seconds < last[0])) this.samples = [];
-    this.key = key;
-    const row = run.robots[robot];
-    if (!row || (last && this.samples.length > 0 && run.seconds === last[0])) return;
-    this.samples.push([run.seconds, Math.hypot(row.twist.vx, row.twist.vy)]);
-    const first = this.samples.findIndex(([time]) => time >= run.seconds - SECONDS);
-    if (first > 0 || this.samples.length > MOST) this.samples.splice(0, Math.max(first, this.samples.length - MOST));
-  }
-
-  draw(): void {
-    const width = this.canvas.clientWidth;
-    const height = this.canvas.clientHeight;
-    if (width === 0 || this.samples.length === 0) return;
-    const ratio = Math.min(window.devicePixelRatio, 2);
-    if (this.canvas.width !== Math.round(width * ratio)) {
-      this.canvas.width = Math.round(width * ratio);
-      this.canvas.height = Math.round(height * ratio);
-    }
-    const style = getComputedStyle(document.documentElement);
-    const context = this.canvas.getContext('2d')!;
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, width, height);
-    const top = Math.max(0.1, ...this.samples.map(([, speed]) => speed));
-    const end = this.samples[this.samples.length - 1][0];
-    context.strokeStyle = style.getPropertyValue('--line');
-    context.strokeRect(0.5, 0.5, width - 1, height - 1);
-    context.beginPath();
-    this.samples.forEach(([time, speed], i) => {
-      const x = width * (1 - (end - time) / SECONDS);
-      const y = height - 3 - (height - 6) * (speed / top);
-      if (i === 0) context.moveTo(x, y);
-      else context.lineTo(x, y);
-    });
-    context.strokeStyle = style.getPropertyValue('--rays');
-    context.lineWidth = 1.5;
-    context.stroke();
-    context.fillStyle = style.getPropertyValue('--faint');
-    context.font = '10px system-ui, sans-serif';
-    context.fillText(`${fixed(top, 2)} m/s, last ${SECONDS} s`, 5, 12);
-  }
-}
-
 // The ranges of a robot's rangers around it, ahead upwards.
-
-function color(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
 
 export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): void {
   const ratio = Math.min(window.devicePixelRatio, 2);
@@ -341,7 +278,7 @@ export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): v
 
   context.strokeStyle = color('--line');
   context.fillStyle = color('--faint');
-  context.font = '10px system-ui, sans-serif';
+  context.font = '12px system-ui, sans-serif';
   context.lineWidth = 1;
   const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find(s => reach / s <= 5) ?? 100;
   for (let r = step; r <= reach * 1.001; r += step) {

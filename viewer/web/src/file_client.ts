@@ -37,6 +37,8 @@ export interface FileDocument {
   regions: SpawnRule[];
   members: Record<string, string | number | boolean>;  // of a scenario
   properties: Array<{name: string; value: string}>;  // of the world
+  metres?: number;  // per unit of length of the file; with radians, if it has been loaded
+  radians?: number;
   testing: boolean;
   tested: string;
   failure?: string;
@@ -53,6 +55,7 @@ export interface PaletteRow {
   type: string;
   here: boolean;
   where: Where;
+  library?: string;  // that has it; the file does not include it yet
   picture?: PictureBlock[];
 }
 
@@ -65,21 +68,50 @@ export interface HelpRow {
   help: string;
 }
 
+export interface ParameterHelp {
+  name: string;
+  form: 'number' | 'flag' | 'json';
+  unit: string;
+  initial: unknown;  // null: none
+  least?: number;
+  most?: number;
+  help: string;
+  needed: boolean;  // then `initial` is an example
+}
+
+export interface ControllerHelp {
+  name: string;
+  help: string;
+  parameters: ParameterHelp[];
+}
+
+// What the editor tells once: of all properties, controllers and colours.
+export interface EditorHelp {
+  properties: HelpRow[];
+  controllers: ControllerHelp[];
+  stage_controllers: Record<string, {name: string; arguments: string[]}>;  // by the name in `ctrl`
+  colors: Record<string, [number, number, number]>;  // 0 to 255
+  schema?: {properties?: Record<string, {description?: string}>};  // of scenarios
+}
+
 export interface FileProperty {
   name: string;
   value: string;
   own: boolean;
   where: Where;
+  warning?: string;
 }
 
 export interface EntityReport {
   name: string;
-  type: string;
+  base_type: string;  // of the model; a reply has a type of its own
   model: string;
   where: Where;
   shelf: boolean;
   refusal: string;  // the reason why it cannot be edited here; empty: it can
   properties: FileProperty[];
+  pose: [number, number, number, number];  // x, y, z, heading in the world, m and rad
+  controller?: {name: string; parameters: Record<string, unknown> | null; own: boolean};  // of a robot; own: in a scenario
 }
 
 export interface ModelPart {
@@ -115,7 +147,7 @@ export type PartGripper = {paddle?: [number, number, number]} & Partial<Record<G
 export interface ModelReport {
   name: string;
   base: string;
-  type: string;
+  base_type: string;
   here: boolean;
   metres: number;  // per unit of length of the file
   radians: number;  // per unit of angle

@@ -2,21 +2,24 @@
 // holds the file; each edit is a request, and the world that follows comes as that of a run.
 import {BitmapDrawing} from './bitmap_drawing';
 import type {Connection} from './connection';
-import {byId, make, setText, toast} from './dom';
+import {byId, labelOf, make, setText, toast} from './dom';
 import {Drawing, roomBetween, SpawnRegions, wallBetween, type DrawTool, type Point} from './drawing';
 import type {Editing} from './editing';
-import {
-  FileClient, placeText, type EntityReport, type FileDocument, type HelpRow, type PaletteRow
-} from './file_client';
+import {FileClient, placeText, type EditorHelp, type EntityReport, type FileDocument, type PaletteRow} from './file_client';
+import {FilePanel} from './file_panel';
 import {ModelEditor} from './model_editor';
-import {drawPicture, showProperties} from './property_rows';
+import {drawPicture} from './model_picture';
+import {PlaceGrid} from './place_grid';
+import {PlanImport} from './plan_import';
 import type {WorldScene} from './scene';
+import {TextPane} from './text_pane';
 
 export interface FileEditorHost {
   selectName(name: string): void;  // an entity of the scene, if it is one
 }
 
 const WALL_COLOR = '"gray60"';
+const LEAST_REACH = 5;  // m from the origin that the ground of a file has at least
 
 export class FileEditor {
   document: FileDocument | null = null;
@@ -25,8 +28,10 @@ export class FileEditor {
   private readonly bitmaps: BitmapDrawing;
   private readonly models: ModelEditor;
   private readonly regions: SpawnRegions;
-  private help: HelpRow[] = [];
-  private schema: Record<string, {description?: string}> = {};
+  private readonly panel: FilePanel;
+  private readonly plan: PlanImport;
+  readonly text: TextPane;
+  private help: EditorHelp = {properties: [], controllers: [], stage_controllers: {}, colors: {}};
   private palette: PaletteRow[] = [];
   private selected = '';
   private paletteVersion = -1;
@@ -52,21 +57,39 @@ export class FileEditor {
         .map(row => row.name),
       changed: () => void this.refresh(),
     });
+    this.panel = new FilePanel(this.client, {
+      help: () => this.help,
+      refresh: () => this.refresh(),
+      renamed: name => this.select(name),
+    }, viewOnly);
+    this.plan = new PlanImport(this.client, name => {
+      toast(`${name} has the walls of the plan`);
+      void this.refresh().then(() => this.scene.home());
+    });
+    this.text = new TextPane(this.client, {
+      file: () => this.document,
+      help: () => this.help,
+      palette: () => this.palette,
+      selectedLine: () => this.document?.entities.find(each => each.name === this.selected && each.here)?.where.line ?? 0,
+      refresh: () => this.refresh(),
+    }, viewOnly);
+    scene.leastReach = LEAST_REACH;
     document.body.classList.add('file');
+    byId('file-grid').hidden = viewOnly;
     byId('file-tools').hidden = byId('file-entities').hidden = false;
     editing.setFile({
       undo: () => this.step('undo'),
       redo: () => this.step('redo'),
       rename: (before, after) => this.rename(before, after),
     });
+    new PlaceGrid(scene, () => this.bitmaps.open);
     this.bind();
     void this.load();
   }
 
   async load(): Promise<void> {
     const reply = await this.client.ask('help');
-    this.help = reply.properties ?? [];
-    this.schema = reply.schema?.properties ?? {};
+    if (reply.done) this.help = reply as unknown as EditorHelp;
     await this.refresh();
   }
 
@@ -104,9 +127,8 @@ export class FileEditor {
       byId(id).onclick = action;
     };
     bind('file-save', () => void this.save());
-    bind('file-text', () => void this.openText());
-    bind('text-close', () => (byId('text-editor').hidden = true));
-    bind('text-apply', () => void this.applyText());
+    bind('file-text', () => void this.text.open());
+    bind('file-plan', () => this.plan.choose());
     bind('file-model', () => this.models.openNew());
     bind('file-test', () => void (this.document?.testing ? this.endTest() : this.test('', 0)));
     for (const tool of ['wall', 'room', 'region'] as const) bind(`file-${tool}`, () => this.draw(tool));
@@ -118,14 +140,12 @@ export class FileEditor {
     bind('file-rename', () => void this.renameSelected());
     bind('file-delete', () => void this.deleteSelected());
     byId('entity-search').oninput = () => this.showEntities();
-    // The page's keys are not for a text that is typed here.
-    byId('text-editor').addEventListener('keydown', event => event.stopPropagation());
     window.addEventListener('beforeunload', event => {
-      if (this.document?.modified) event.preventDefault();
+      if (this.document?.modified || this.text.isChanged) event.preventDefault();
     });
     if (this.viewOnly) {
       for (const id of [
-        'file-save', 'file-wall', 'file-room', 'file-bitmap', 'file-region', 'file-model', 'file-test', 'text-apply',
+        'file-save', 'file-wall', 'file-room', 'file-bitmap', 'file-plan', 'file-region', 'file-model', 'file-test',
       ]) {
         byId(id).hidden = true;
       }
@@ -147,15 +167,26 @@ export class FileEditor {
       this.again = false;
       const reply = await this.client.ask('document');
       if (!reply.done) break;
+      const before = this.document;
       this.document = reply as unknown as FileDocument;
       if (this.paletteVersion !== this.document.version) await this.loadPalette(this.document.version);
       this.showDocument(this.document);
+      if (before) this.selectAdded(before, this.document);
       if (this.document.version !== this.bitmapVersion) {
         this.bitmapVersion = this.document.version;
         await this.bitmaps.refresh();
+        await this.text.follow();
       }
     }
     this.refreshing = false;
+  }
+
+  // What has just been put down is selected, to be given its properties.
+  private selectAdded(before: FileDocument, now: FileDocument): void {
+    const name = /^the addition of (.*)$/.exec(now.undo)?.[1];
+    if (!name || before.undo === now.undo || before.entities.some(each => each.name === name)) return;
+    this.select(name);
+    this.host.selectName(name);
   }
 
   private async loadPalette(version: number): Promise<void> {
@@ -173,9 +204,10 @@ export class FileEditor {
     state.hidden = false;
     setText(state, shown.testing ? `test${shown.tested ? ` of ${shown.tested}` : ''}` : shown.error ? 'error' : shown.modified ? 'not saved' : 'saved');
     state.className = `badge ${shown.error ? 'lost' : shown.testing ? 'holding' : shown.modified ? 'stalled' : 'moving'}`;
-    setText(byId('file-test'), shown.testing ? 'End test' : 'Test');
+    setText(labelOf('file-test'), shown.testing ? 'End test' : 'Test');
     byId('file-region').hidden = shown.kind !== 'scenario' || this.viewOnly;
     byId('file-bitmap').hidden = shown.kind === 'scenario' || this.viewOnly;
+    byId('file-plan').hidden = shown.kind !== 'world' || this.viewOnly;
     byId('file-model').hidden = shown.kind === 'scenario' || this.viewOnly;
     for (const [id, label] of [['undo', shown.undo], ['redo', shown.redo]] as const) {
       const button = byId<HTMLButtonElement>(id);
@@ -214,32 +246,51 @@ export class FileEditor {
       }));
   }
 
+  // The models of the file first, then those of libraries, then the plain types.
   private showPalette(): void {
-    byId('palette').replaceChildren(...this.palette.map(row => {
-      const line = make('div', 'palette-line');
-      const button = make('button', 'palette-row') as HTMLButtonElement;
-      button.dataset.model = row.name;
-      const canvas = document.createElement('canvas');
-      canvas.width = 88;
-      canvas.height = 68;
-      drawPicture(canvas, row.picture ?? []);
-      button.append(canvas, make('span', '', row.name));
-      button.title = row.where.file ? `${row.type}, ${placeText(row.where)}` : `the type ${row.type}`;
-      button.disabled = this.viewOnly;
-      button.onclick = () => {
-        this.drawing.set('none');
-        void this.bitmaps.set(false);
-        this.editing.startAdding(row.name, row.type);
-      };
-      line.append(button);
-      if (row.where.file) {
-        const edit = make('button', 'plain', '✎');
-        edit.title = row.here ? `Edit the model ${row.name}` : `Look at the model ${row.name}`;
-        edit.onclick = () => void this.models.openModel(row.name);
-        line.append(edit);
-      }
-      return line;
+    const groups = new Map<string, PaletteRow[]>();
+    const titleOf = (row: PaletteRow): string => row.library ?? (row.where.file ? '' : 'plain');
+    for (const row of this.palette) {
+      const title = titleOf(row);
+      groups.set(title, [...groups.get(title) ?? [], row]);
+    }
+    const order = (title: string): number => (title === '' ? 0 : title === 'plain' ? 2 : 1);
+    const sorted = [...groups].sort(([a], [b]) => order(a) - order(b));
+    byId('palette').replaceChildren(...sorted.flatMap(([title, rows]) => {
+      const lines = rows.map(row => this.paletteLine(row));
+      if (title === '') return lines;
+      const head = make('h3', 'palette-title', title.replace(/_/g, ' '));
+      head.title = title === 'plain' ? 'A box to begin with' : `Of the library ${rows[0].where.file}, which is included when one is put down`;
+      return [head, ...lines];
     }));
+  }
+
+  private paletteLine(row: PaletteRow): HTMLElement {
+    const line = make('div', 'palette-line');
+    const button = make('button', 'palette-row') as HTMLButtonElement;
+    button.dataset.model = row.name;
+    const canvas = document.createElement('canvas');
+    canvas.width = 88;
+    canvas.height = 68;
+    drawPicture(canvas, row.picture ?? []);
+    button.append(canvas, make('span', '', row.name.replace(/_/g, ' ')));
+    if (row.type === 'position') button.append(make('span', 'badge idle', 'robot'));
+    button.title = row.where.file ? `${row.name}: ${row.type}, ${placeText(row.where)}` : `the type ${row.type}`;
+    button.disabled = this.viewOnly;
+    button.onclick = () => {
+      this.drawing.set('none');
+      void this.bitmaps.set(false);
+      this.editing.startAdding(row.name, row.type);
+    };
+    line.append(button);
+    if (row.where.file && !row.library) {
+      const edit = make('button', 'plain', '✎');
+      edit.title = row.here ? `Edit the model ${row.name}` : `Look at the model ${row.name}`;
+      edit.setAttribute('aria-label', edit.title);
+      edit.onclick = () => void this.models.openModel(row.name);
+      line.append(edit);
+    }
+    return line;
   }
 
   // The properties of the selected entity, or of the file.
@@ -248,68 +299,19 @@ export class FileEditor {
     panel.hidden = false;
     const entity = this.document?.entities.find(each => each.name === this.selected);
     byId('file-panel-buttons').hidden = !entity || this.viewOnly;
-    if (!entity) return this.showFilePanel();
+    if (!entity) {
+      if (this.document) this.panel.showFile(this.document);
+      return;
+    }
     const reply = await this.client.ask('entity', {name: entity.name});
     if (!reply.done || this.selected !== entity.name) return;
     const report = reply as unknown as EntityReport;
-    const locked = report.refusal !== '' || this.viewOnly;
-    setText(byId('file-panel-name'), report.name);
-    setText(byId('file-panel-type'), report.model);
-    setText(byId('file-panel-place'), report.refusal || placeText(report.where));
     const model = this.palette.find(row => row.name === report.model && row.where.file !== '');
     const edit = byId('file-edit-model');
     edit.hidden = !model;
     edit.onclick = () => void this.models.openModel(report.model);
-    byId('file-rename').hidden = byId('file-delete').hidden = locked || report.shelf;
-    showProperties(
-      byId('file-properties'),
-      report.properties.map(({name, value, own, where}) => ({name, value, own, from: placeText(where)})), this.help, {
-        types: ['*', report.type], locked, of: report.name,
-        set: async (property, value) => {
-          const done = await this.client.edit('set_property', {name: report.name, property, value});
-          if (done.done && property === 'name' && value) this.select(value.replace(/"/g, ''));
-          await this.refresh();
-        },
-      });
-  }
-
-  private showFilePanel(): void {
-    const shown = this.document;
-    if (!shown) return;
-    setText(byId('file-panel-name'), shown.file.split('/').pop() ?? '');
-    setText(byId('file-panel-type'), shown.kind);
-    setText(byId('file-panel-place'), shown.file);
-    const box = byId('file-properties');
-    if (shown.kind !== 'scenario') {
-      showProperties(box, shown.properties.map(each => ({...each, own: true})), this.help, {
-        types: ['world'], locked: this.viewOnly, of: shown.file,
-        set: async (property, value) => {
-          await this.client.edit('set_property', {property, value});
-          await this.refresh();
-        },
-      });
-      return;
-    }
-    // The plain members of a scenario, with the help of its schema.
-    const rows = Object.entries(this.schema).filter(([key]) => key !== '$schema').map(([key, {description}]): HelpRow => ({
-      type: 'scenario', name: key, form: '', unit: '', initial: '', help: description ?? '',
-    }));
-    const members = Object.entries(shown.members).map(([name, value]) => ({name, value: JSON.stringify(value), own: true}));
-    showProperties(box, members, rows, {
-      types: ['scenario'], locked: this.viewOnly, of: shown.file,
-      set: async (key, text) => {
-        let value: unknown = null;
-        if (text !== null) {
-          try {
-            value = JSON.parse(text);
-          } catch {
-            value = text;
-          }
-        }
-        await this.client.edit('set_member', {key, value});
-        await this.refresh();
-      },
-    });
+    byId('file-rename').hidden = byId('file-delete').hidden = report.refusal !== '' || this.viewOnly || report.shelf;
+    if (this.document) this.panel.showEntity(this.document, report);
   }
 
   private async step(op: 'undo' | 'redo'): Promise<void> {
@@ -341,6 +343,7 @@ export class FileEditor {
   }
 
   private async save(): Promise<void> {
+    if (this.text.isChanged && !await this.text.apply()) return;
     let reply = await this.client.edit('save');
     if (reply.conflict && window.confirm(`${reply.problem}.\n\nReplace it by the edited file?`)) {
       reply = await this.client.edit('save', {overwrite: true});
@@ -382,42 +385,5 @@ export class FileEditor {
     await this.client.edit('end_test');
     await this.refresh();
     this.scene.home();
-  }
-
-  private async openText(): Promise<void> {
-    const reply = await this.client.edit('text');
-    if (!reply.done) return;
-    const area = byId<HTMLTextAreaElement>('text-area');
-    const text = reply.text as string;
-    area.value = text;
-    area.dataset.end = text.includes('\r\n') ? '\r\n' : '\n';
-    setText(byId('text-name'), this.document?.file ?? '');
-    byId('text-editor').hidden = false;
-    const place = this.document?.error_place;
-    const entity = this.document?.entities.find(each => each.name === this.selected && each.here);
-    const line = place?.line || entity?.where.line || 1;
-    this.showLine(area, line);
-  }
-
-  private showLine(area: HTMLTextAreaElement, line: number): void {
-    const lines = area.value.split('\n');
-    const start = lines.slice(0, line - 1).reduce((sum, each) => sum + each.length + 1, 0);
-    area.focus();
-    area.setSelectionRange(start, start + (lines[line - 1]?.length ?? 0));
-    area.scrollTop = Math.max(0, (line - 6) * 18);
-  }
-
-  private async applyText(): Promise<void> {
-    const area = byId<HTMLTextAreaElement>('text-area');
-    const text = area.dataset.end === '\r\n' ? area.value.replace(/\n/g, '\r\n') : area.value;
-    const reply = await this.client.edit('set_text', {text});
-    await this.refresh();
-    if (!reply.done) return;
-    if (!reply.error) {
-      toast('The text is applied');
-      return;
-    }
-    const place = this.document?.error_place;
-    if (place && place.file === this.document?.file && place.line > 0) this.showLine(area, place.line);
   }
 }

@@ -116,3 +116,9 @@ export function save(url: string, name: string): void {
   link.download = name;
   link.click();
 }
+
+export function saveText(text: string, name: string): void {
+  const url = URL.createObjectURL(new Blob([text], {type: 'text/csv'}));
+  save(url, name);
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}

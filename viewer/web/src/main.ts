@@ -1,19 +1,24 @@
 // The page of `troupe view`.
 import {Connection, type AgentInfo, type SessionInfo} from './connection';
-import {byId, setText, throttled, toast} from './dom';
+import {Dock, isTab, type Tab} from './dock';
+import {allow, byId, setOn, setText, tellRefusals, throttled, toast} from './dom';
 import {Driving, GripperButtons} from './driving';
 import {Editing} from './editing';
 import {Agents, agentText, EntityPanel} from './entity_panel';
 import {FileEditor} from './file_editor';
 import {save, Video} from './graphics';
-import type {Message, RunEvent} from './protocol';
-import {EventList, RobotList} from './robot_list';
+import type {Message, RunEvent, TimeSpan} from './protocol';
+import {EndCard} from './end_card';
+import {EventList} from './events';
+import {Plots} from './plots';
+import {RobotList} from './robot_list';
 import {findEntity, nameOf, Run, sameEntity, type Entity} from './run';
 import {WorldScene, type ViewName} from './scene';
 import {installTestInterface} from './test_interface';
 import {TimeBar} from './time_bar';
+import {Popup, Toolbar} from './toolbar';
 
-// The fragment of the address, for links to a view: #robot=r0&view=top&follow=1&rays=all&tick=120
+// The fragment of the address, for links to a view: #robot=r0&tab=sensors&view=top&follow=1&rays=all&tick=120
 // quality=full draws everything, however slow that is.
 
 export interface Fragment {
@@ -21,6 +26,7 @@ export interface Fragment {
   view?: string;
   follow?: boolean;
   rays?: string;
+  tab?: string;  // of the column
   tick?: number;  // a past one
   fullQuality?: boolean;
   smooth?: boolean;  // false: bodies are drawn at the poses received, and not on their way there
@@ -32,6 +38,7 @@ export function readFragment(): Fragment {
   if (values.get('robot')) fragment.robot = values.get('robot')!;
   if (values.get('view')) fragment.view = values.get('view')!;
   if (values.get('rays')) fragment.rays = values.get('rays')!;
+  if (values.get('tab')) fragment.tab = values.get('tab')!;
   if (/^\d+$/.test(values.get('tick') ?? '')) fragment.tick = Number(values.get('tick'));
   fragment.fullQuality = values.get('quality') === 'full';
   fragment.smooth = values.get('smooth') !== '0';
@@ -44,6 +51,7 @@ export function writeFragment(fragment: Fragment): void {
   if (fragment.robot) values.set('robot', fragment.robot);
   if (fragment.view && fragment.view !== 'orbit') values.set('view', fragment.view);
   if (fragment.rays) values.set('rays', fragment.rays);
+  if (fragment.tab && fragment.tab !== 'state') values.set('tab', fragment.tab);
   if (fragment.tick !== undefined) values.set('tick', String(fragment.tick));
   if (fragment.follow) values.set('follow', '1');
   if (fragment.smooth === false) values.set('smooth', '0');
@@ -70,9 +78,15 @@ class Viewer {
       if (this.run) this.run.status = status;
       this.refresh();
     },
+    onTimeline: spans => {
+      this.spans = spans;
+      if (this.run) this.run.spans = spans;
+      this.refresh();
+    },
     onMessage: message => this.onMessage(message),
   });
   private run: Run | null = null;
+  private spans: TimeSpan[] = [];
   private selected: Entity | null = null;
   private wantedName: string;  // selected as soon as the world has it
   private wantedTick: number | undefined;  // shown as soon as there is a state
@@ -82,6 +96,12 @@ class Viewer {
   private file: FileEditor | null = null;  // of `troupe edit`
   private readonly scene = new WorldScene(byId('scene'), readFragment().fullQuality ?? false);
   private readonly systemTheme = matchMedia('(prefers-color-scheme: dark)');
+  private readonly dock = new Dock(() => {
+    this.remember();
+    this.refresh();
+  });
+  private readonly toolbar = new Toolbar();
+  private readonly help = new Popup(byId('help-open'), byId('help'));
   private readonly timeBar: TimeBar;
   private readonly editing: Editing;
   private readonly driving: Driving;
@@ -92,6 +112,17 @@ class Viewer {
   private readonly robots = new RobotList(
     robot => this.selectAndCenter({kind: 'robot', index: robot}), robot => this.agentHint(robot));
   private readonly events = new EventList(event => this.showEvent(event));
+  private readonly plots = new Plots(
+    byId('plots'), this.connection, position => this.timeBar.timeline.seek(position),
+    robot => this.agents.of(robot)?.answer_seconds ?? null, () => this.fileName());
+  private readonly endCard = new EndCard(this.connection, {
+    info: () => this.info,
+    select: name => {
+      this.wantedName = name;
+      this.selectWanted();
+    },
+    replay: () => this.timeBar.timeline.replay(),
+  });
   private readonly refresh = throttled(() => this.scene.quality.panelPeriod, () => this.refreshPanels());
 
   constructor() {
@@ -101,6 +132,11 @@ class Viewer {
       run: () => this.run,
       selected: () => this.selected,
       select: entity => this.select(entity),
+      selectNamed: name => {
+        this.wantedName = name;
+        this.selectWanted();
+      },
+      driveTo: point => this.driving.driveTo(point),
     });
     this.driving = new Driving(this.connection, {run: () => this.run, robot: () => this.selectedRobot});
     this.grippers = new GripperButtons(this.connection);
@@ -109,9 +145,12 @@ class Viewer {
     this.wantedName = fragment.robot ?? '';
     this.allRays = fragment.rays === 'all';
     this.wantedTick = fragment.tick;
+    if (fragment.tab && isTab(fragment.tab)) this.dock.show(fragment.tab);
     this.scene.following = fragment.follow ?? false;
     this.scene.motion.enabled = fragment.smooth ?? true;
     this.setView(fragment.view === 'top' ? 'top' : 'orbit');
+    tellRefusals();
+    Popup.install();
     this.bindButtons();
     this.bindKeys();
     this.applyTheme();
@@ -124,6 +163,7 @@ class Viewer {
         this.wantedName = name;
         this.selectWanted();
       },
+      plots: () => this.plots,
       file: () => this.file,
     }, this.scene, this.connection);
   }
@@ -134,12 +174,12 @@ class Viewer {
     setText(byId('session'), info.session);
     this.timeBar.setViewOnly(info.view_only);
     this.timeBar.timeline.setRecording(info.recording);
-    for (const id of ['move', 'add', 'undo', 'redo']) byId(id).hidden = info.view_only || info.recording;
     this.editing.setViewOnly(info.view_only);
     this.driving.setViewOnly(info.view_only);
     this.grippers.setViewOnly(info.view_only);
     byId('view-only').hidden = !info.view_only;
     if (info.editor) this.editFile(info.view_only);
+    this.toolbar.layOut();
     this.showConnection();
     this.refresh();
   }
@@ -164,8 +204,9 @@ class Viewer {
       const before = this.run;
       const name = this.selected && before ? nameOf(before.world, this.selected) : '';
       this.run = new Run(message.world, before);
+      this.run.spans = this.spans;
       this.selected = null;
-      if (name) this.wantedName = name;
+      if (name && !this.wantedName) this.wantedName = name;
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
       this.file?.worldChanged();
       return;
@@ -206,6 +247,7 @@ class Viewer {
     this.file?.select(entity && this.run ? nameOf(this.run.world, entity) : '');
     this.sendSelection();
     if (this.run) this.scene.show(this.run, entity);
+    if (entity && this.dock.tab === 'robots') this.dock.show('state');
     this.remember();
     this.refresh();
   }
@@ -218,7 +260,7 @@ class Viewer {
   private showEvent(event: RunEvent): void {
     const entity = this.run && event.robot ? findEntity(this.run.world, event.robot) : null;
     if (entity) this.selectAndCenter(entity);
-    if (this.timeBar.timeline.inPast) this.timeBar.timeline.seek(event.position);
+    this.timeBar.timeline.seek(event.position);
   }
 
   private sendSelection(): void {
@@ -232,9 +274,26 @@ class Viewer {
     this.robots.show(this.run, this.selected?.kind === 'robot' ? this.selected.index : -1);
     this.panel.show(this.run, this.selected, this.agentOf(this.selectedRobot));
     this.grippers.show(this.run, this.selectedRobot);
-    byId('drive').hidden = byId('send').hidden = this.selectedRobot < 0 || (this.info?.view_only ?? false);
-    this.events.show(this.run);
+    this.showRefusals();
+    this.events.show(this.run, this.selected ? nameOf(this.run.world, this.selected) : '');
     setText(byId('world-name'), this.run.world.name);
+    if (this.file) return;
+    this.plots.show(this.run, this.selectedRobot);
+    this.endCard.show(this.run);
+  }
+
+  // What is not possible now, and why.
+  private showRefusals(): void {
+    if (this.file) return;
+    const info = this.info;
+    const refusal = info?.view_only ? 'This page only shows the run: it was started with --view-only.'
+      : info?.recording ? 'A recording cannot be changed. "troupe run FILE --from-tick T" continues it as a run.'
+      : this.run?.over ? 'The run is over.'
+      : this.run?.past ? 'This is a past state. "Live" returns to the run.' : '';
+    for (const id of ['move', 'add', 'undo', 'redo', 'rename', 'delete']) allow(id, refusal);
+    const robot = this.selectedRobot >= 0 ? '' : 'Objects cannot be driven: select a robot.';
+    for (const id of ['drive', 'send']) allow(id, refusal || robot);
+    allow('follow', this.selected ? '' : 'Select the robot or the object to follow.');
   }
 
   // The agent of a robot of the live run; a recording has none.
@@ -260,8 +319,8 @@ class Viewer {
 
   private setView(view: ViewName): void {
     this.scene.setView(view);
-    byId('view-orbit').classList.toggle('on', view === 'orbit');
-    byId('view-top').classList.toggle('on', view === 'top');
+    setOn('view-orbit', view === 'orbit');
+    setOn('view-top', view === 'top');
   }
 
   // The user's choice, or else the system's.
@@ -281,6 +340,7 @@ class Viewer {
     const name = this.run && this.selected ? nameOf(this.run.world, this.selected) : this.wantedName;
     writeFragment({
       robot: name, view: this.scene.view, follow: this.scene.following, rays: this.allRays ? 'all' : '',
+      tab: this.dock.tab,
       fullQuality: this.scene.quality.fixed,
       smooth: this.scene.motion.enabled,
       tick: this.timeBar.timeline.inPast ? this.run?.tick ?? this.wantedTick : this.wantedTick,
@@ -288,10 +348,11 @@ class Viewer {
   }
 
   private showToggles(): void {
-    byId('rays').classList.toggle('on', this.allRays);
-    byId('names').classList.toggle('on', this.scene.labels.visible);
-    byId('follow').classList.toggle('on', this.scene.following);
-    byId('trails').classList.toggle('on', this.scene.trails.visible);
+    setOn('rays', this.allRays);
+    setOn('names', this.scene.labels.visible);
+    setOn('follow', this.scene.following);
+    setOn('trails', this.scene.trails.visible);
+    document.body.classList.toggle('trails', this.scene.trails.visible);
   }
 
   private changed(): void {
@@ -328,9 +389,13 @@ class Viewer {
       this.scene.trails.visible = !this.scene.trails.visible;
       this.changed();
     });
-    bind('help-open', () => this.toggleHelp());
-    bind('help', () => this.toggleHelp());
-    bind('list-open', () => document.body.classList.toggle('lists'));
+    bind('help-open', () => this.help.toggle());
+    bind('help-close', () => this.help.set(false));
+    bind('time-more', () => {
+      const open = byId('bottom').classList.toggle('more');
+      byId('time-more').setAttribute('aria-expanded', String(open));
+    });
+    bind('rename', () => void this.editing.renameSelected());
     bind('rays', () => {
       this.allRays = !this.allRays;
       this.sendSelection();
@@ -345,49 +410,94 @@ class Viewer {
     this.systemTheme.addEventListener('change', () => this.applyTheme());
   }
 
-  private toggleHelp(): void {
-    byId('help').hidden = !byId('help').hidden;
+  // Selects the robot `step` places after the selected one.
+  private selectNext(step: number): void {
+    const robots = this.run?.world.robots.flatMap((robot, i) => (robot.present ? [i] : [])) ?? [];
+    if (robots.length === 0) return;
+    const at = robots.indexOf(this.selectedRobot);
+    const next = at < 0 ? (step > 0 ? 0 : robots.length - 1) : (at + step + robots.length) % robots.length;
+    this.selectAndCenter({kind: 'robot', index: robots[next]});
   }
 
   private bindKeys(): void {
+    const tabs: Tab[] = ['robots', 'state', 'sensors', 'events'];
+    const actions: Record<string, () => void> = {
+      ' ': () => this.timeBar.toggle(),
+      '.': () => this.timeBar.step(1),
+      'o': () => byId('view-orbit').click(),
+      't': () => byId('view-top').click(),
+      'h': () => this.scene.home(),
+      'n': () => byId('names').click(),
+      'r': () => byId('rays').click(),
+      'f': () => byId('follow').click(),
+      'm': () => byId('move').click(),
+      'a': () => byId('add').click(),
+      'd': () => byId('measure').click(),
+      'c': () => byId('drive').click(),
+      'g': () => byId('send').click(),
+      'l': () => byId('trails').click(),
+      'j': () => this.selectNext(1),
+      'k': () => this.selectNext(-1),
+      'p': () => this.takePicture(),
+      'v': () => this.video.toggle(),
+      '?': () => this.help.toggle(),
+      '+': () => this.scene.zoomBy(1.25),
+      '=': () => this.scene.zoomBy(1.25),
+      '-': () => this.scene.zoomBy(0.8),
+      'F2': () => byId('rename').click(),
+      'Delete': () => byId('delete').click(),
+      'Escape': () => {
+        if (Popup.closeAny()) return;
+        if (this.endCard.isOpen) return this.endCard.set(false);
+        if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
+        this.driving.set(false);
+        this.editing.cancel();
+      },
+    };
+    const arrows: Record<string, [number, number]> = {
+      ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
+    };
     window.addEventListener('keydown', event => {
       if (this.file?.press(event)) return event.preventDefault();
-      if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
-      if (event.target instanceof HTMLTextAreaElement) return;
+      if (event.defaultPrevented || isTyping(event) || isForControl(event)) return;
       if (this.editing.press(event)) return event.preventDefault();
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       if (this.driving.press(event)) return event.preventDefault();
-      const actions: Record<string, () => void> = {
-        ' ': () => this.timeBar.toggle(),
-        '.': () => this.timeBar.step(1),
-        'o': () => byId('view-orbit').click(),
-        't': () => byId('view-top').click(),
-        'h': () => this.scene.home(),
-        'n': () => byId('names').click(),
-        'r': () => byId('rays').click(),
-        'f': () => byId('follow').click(),
-        'm': () => byId('move').click(),
-        'd': () => byId('measure').click(),
-        'c': () => byId('drive').click(),
-        'g': () => byId('send').click(),
-        'l': () => byId('trails').click(),
-        'p': () => this.takePicture(),
-        'v': () => this.video.toggle(),
-        '?': () => this.toggleHelp(),
-        'F2': () => void this.editing.renameSelected(),
-        'Delete': () => void this.editing.deleteSelected(),
-        'Escape': () => {
-          byId('help').hidden = true;
-          this.driving.set(false);
-          this.editing.cancel();
-        },
-      };
-      const action = actions[event.key];
+      const [x, y] = arrows[event.key] ?? [0, 0];
+      const tab = /^[1-4]$/.test(event.key) ? tabs[Number(event.key) - 1] : null;
+      const action = x !== 0 || y !== 0 ? () => this.scene.moveByKeys(x, y, event.shiftKey)
+        : tab ? () => this.showTab(tab) : actions[event.key];
       if (!action) return;
       event.preventDefault();
       action();
     });
   }
+
+  private showTab(tab: Tab): void {
+    const button = byId(`tab-${tab}`);
+    if (button.offsetParent === null) {
+      byId('robot-list').querySelector<HTMLElement>('.selected, button')?.focus();
+      return;
+    }
+    button.focus();
+    button.click();
+  }
+}
+
+function isTyping({target}: KeyboardEvent): boolean {
+  if (target instanceof HTMLInputElement) return !['range', 'checkbox', 'button'].includes(target.type);
+  return target instanceof HTMLTextAreaElement;
+}
+
+// A key that the control with the focus uses itself. A button that was clicked has the focus too, but not its mark: there
+// the keys are those of the page.
+function isForControl({target, key}: KeyboardEvent): boolean {
+  if (!(target instanceof HTMLElement) || target === document.body || target.id === 'scene') return false;
+  const isMove = /^(Arrow|Page|Home|End)/.test(key);
+  if (target instanceof HTMLInputElement && target.type === 'range') return isMove;
+  if (!target.matches(':focus-visible')) return false;
+  if (target instanceof HTMLSelectElement) return key !== 'Escape';  // letters choose
+  return isMove || key === ' ' || key === 'Enter';
 }
 
 new Viewer();

@@ -1,9 +1,12 @@
 // ModelEditor: draws a model of the file: its blocks, colour, parts and properties.
 import {byId, make, setText, toast} from './dom';
-import type {FileClient, HelpRow, ModelPart, ModelReport} from './file_client';
+import {stageController} from './controller_form';
+import type {EditorHelp, FileClient, ModelPart, ModelReport} from './file_client';
 import {ModelViews, type Fan, type ViewsState} from './model_views';
 import {placedParts} from './part_geometry';
+import {ModelScene} from './model_scene';
 import {PartList} from './part_list';
+import {nearestColor, pickerOf} from './property_fields';
 import {showProperties} from './property_rows';
 
 const FLAGS: Array<[string, string, boolean]> = [
@@ -11,7 +14,7 @@ const FLAGS: Array<[string, string, boolean]> = [
 ];
 
 export interface ModelEditorHost {
-  help(): HelpRow[];
+  help(): EditorHelp;
   models(): string[];
   changed(): void;  // the file
   test(model: string, probeHeight: number): Promise<void>;
@@ -27,6 +30,7 @@ export class ModelEditor {
   };
   private readonly views: ModelViews;
   private readonly parts: PartList;
+  private scene: ModelScene | null = null;  // made when it is seen first
   private report: ModelReport | null = null;  // null: a new model
   private blocksChanged = false;
   private readonly box = byId('model-editor');
@@ -39,6 +43,7 @@ export class ModelEditor {
       blocksChanged: () => {
         this.blocksChanged = true;
         this.showBlocks();
+        this.showBody();
       },
       partDrawn: outline => void this.parts.drawn(outline),
       partSelected: path => this.showParts(path),
@@ -55,6 +60,7 @@ export class ModelEditor {
       pick: picked => this.views.parts.setPick(picked),
       setDrawsPart: draws => this.views.setDrawsPart(draws),
     });
+    this.color.oninput = () => this.showBody();
     byId('model-close').onclick = () => this.close();
     byId('model-apply').onclick = () => void this.apply();
     byId('model-test').onclick = () => void this.test();
@@ -103,7 +109,9 @@ export class ModelEditor {
     this.box.hidden = false;
     this.blocksChanged = false;
     byId('model-bases').replaceChildren(...['model', 'position', ...this.host.models()].map(name => new Option(name, name)));
+    this.scene ??= new ModelScene(byId<HTMLCanvasElement>('model-body'));
     this.showLists();
+    this.showBody();
     this.views.fit();
     this.name.focus();
   }
@@ -153,19 +161,38 @@ export class ModelEditor {
     setText(byId('model-error'), locked ? 'of an included file: edit it there' : '');
     this.showBlocks();
     this.showParts(this.views.parts.selectedPart()?.path ?? null);
-    const type = this.report?.type ?? 'model';
+    const type = this.report?.base_type ?? 'model';
     if (this.report) {
       const {properties, own} = this.report;
       const shown = Object.keys(properties).map(name => ({name, value: own[name] ?? properties[name], own: name in own}));
-      showProperties(byId('model-properties'), shown, this.host.help(), {
-        types: ['*', type], locked, of: this.report.name,
-        set: async (property, value) => {
-          await this.change({part: [], action: 'set', property, value});
-        },
+      const set = async (property: string, value: string | null): Promise<void> => {
+        await this.change({part: [], action: 'set', property, value});
+      };
+      const help = this.host.help();
+      showProperties(byId('model-properties'), shown, help, {
+        types: ['*', type], locked, of: this.report.name, units: this.report, set,
+        ...(type === 'position' ? {controller: stageController(
+          (properties.ctrl ?? '').replace(/^"|"$/g, ''), 'ctrl' in own || !properties.ctrl, locked, help,
+          value => set('ctrl', value))} : {}),
       });
     } else {
       byId('model-properties').replaceChildren();
     }
+  }
+
+  private bodyColor(): [number, number, number] {
+    return this.host.help().colors[this.color.value.trim()] ?? [153, 153, 153];
+  }
+
+  private showBody(): void {
+    const {blocks, others} = this.state;
+    const parts = this.views.parts.parts.flatMap(({part}) => part.bodies ?? []);
+    this.scene?.show([...blocks.map(({outline, z}) => ({outline, z})), ...parts, ...others], `rgb(${this.bodyColor().join(',')})`);
+    const locked = this.report !== null && !this.report.here;
+    byId('model-picker').replaceChildren(pickerOf({name: 'the colour of the model', locked}, this.bodyColor(), rgb => {
+      this.color.value = nearestColor(rgb, this.host.help().colors);
+      this.showBody();
+    }));
   }
 
   private showBlocks(): void {
@@ -187,6 +214,7 @@ export class ModelEditor {
         input.onchange = () => {
           block.z[which] = Number(input.value);
           this.blocksChanged = true;
+          this.showBody();
           this.views.draw();
         };
         return input;
@@ -197,6 +225,7 @@ export class ModelEditor {
         this.state.selected = -1;
         this.blocksChanged = true;
         this.showBlocks();
+        this.showBody();
         this.views.draw();
       };
       row.append(select, ' z ', height(0, 'Underside, m'), ' to ', height(1, 'Top, m'), ' m', remove);
@@ -223,6 +252,7 @@ export class ModelEditor {
     if (!reply.done) return;
     this.show(reply as unknown as ModelReport);
     this.showLists();
+    this.showBody();
     this.views.draw();
   }
 

@@ -170,7 +170,9 @@ export class ModelViews {
       const points = this.draggedRectangle() ?? [...this.drawn, ...(this.pointer ? [this.pointer] : [])];
       top.line(points, {stroke: color('--accent'), width: 2});
       for (const corner of this.drawn) top.square(corner, color('--accent'));
+      this.drawSizes(points);
     }
+    if (this.corner) this.drawSizes(state.blocks[this.corner.block]?.outline ?? []);
     // The model's front.
     const [x, y] = top.toPixel(0, 0);
     context.fillStyle = color('--red');
@@ -209,6 +211,18 @@ export class ModelViews {
     });
     context.lineWidth = 1;
     this.parts.draw(side, 'side');
+  }
+
+  // Of what is being drawn or dragged: the size of its box, and the length of its newest edge.
+  private drawSizes(points: Point2[]): void {
+    if (points.length < 2) return;
+    const extent = (axis: 0 | 1): number => Math.max(...points.map(p => p[axis])) - Math.min(...points.map(p => p[axis]));
+    const [[x0, y0], [x1, y1]] = points.slice(-2);
+    const edge = this.corner ? '' : `, edge ${Math.hypot(x1 - x0, y1 - y0).toFixed(2)} m`;
+    const {context} = this.top;
+    context.fillStyle = color('--text');
+    context.font = '13px system-ui, sans-serif';
+    context.fillText(`${extent(0).toFixed(2)} × ${extent(1).toFixed(2)} m${edge}`, 8, 18);
   }
 
   private snapped(event: MouseEvent): Point2 {

@@ -2,6 +2,7 @@
 // body moves from where it is drawn to its newest pose, in the time that passed between the last two updates.
 import type {JointRow, ObjectRow, RobotRow} from '../generated/rows';
 import {BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, LineBasicMaterial, LineSegments} from 'three';
+import {robotColorOf} from './colors';
 import type {Pose} from './protocol';
 import type {Run} from './run';
 
@@ -89,7 +90,7 @@ export class Motion {
   }
 }
 
-// Trails: the ways that robots have come, as lines on the ground.
+// Trails: the ways that robots have come, as lines on the ground in the colours of the robots.
 
 const POINTS = 120;  // of a trail
 const STEP = 0.05;  // m, from one point to the next
@@ -106,18 +107,16 @@ export class Trails {
   visible = false;
   readonly lines: LineSegments;
   private readonly geometry = new BufferGeometry();
-  private readonly material = new LineBasicMaterial({transparent: true, opacity: 0.55, depthWrite: false});
+  private readonly material = new LineBasicMaterial({vertexColors: true, transparent: true, opacity: 0.8, depthWrite: false});
   private trails = new Map<number, Trail>();  // by robot
   private values = new Float32Array(0);
+  private colors = new Float32Array(0);
+  private readonly color = new Color();
   private tick = 0;
 
   constructor() {
     this.lines = new LineSegments(this.geometry, this.material);
     this.lines.frustumCulled = false;
-  }
-
-  setColor(color: Color): void {
-    this.material.color = color;
   }
 
   clear(): void {
@@ -154,22 +153,27 @@ export class Trails {
     const needed = this.trails.size * (POINTS - 1) * 6;
     if (this.values.length < needed) {
       this.values = new Float32Array(needed);
+      this.colors = new Float32Array(needed);
       this.geometry.dispose();
+      this.geometry.setAttribute('color', new BufferAttribute(this.colors, 3).setUsage(DynamicDrawUsage));
       this.geometry.setAttribute('position', new BufferAttribute(this.values, 3).setUsage(DynamicDrawUsage));
     }
     let at = 0;
-    for (const {points, next, count} of this.trails.values()) {
+    for (const [robot, {points, next, count}] of this.trails) {
+      const {r, g, b} = robotColorOf(robot, this.color);
       for (let i = count; i > 1; --i) {
         for (const back of [i, i - 1]) {
           const index = (next + POINTS - back) % POINTS;
-          this.values[at++] = points[2 * index];
-          this.values[at++] = points[2 * index + 1];
-          this.values[at++] = HEIGHT;
+          this.values.set([points[2 * index], points[2 * index + 1], HEIGHT], at);
+          this.colors.set([r, g, b], at);
+          at += 3;
         }
       }
     }
     this.geometry.setDrawRange(0, at / 3);
-    const attribute = this.geometry.getAttribute('position');
-    if (attribute) attribute.needsUpdate = true;
+    for (const name of ['position', 'color']) {
+      const attribute = this.geometry.getAttribute(name);
+      if (attribute) attribute.needsUpdate = true;
+    }
   }
 }

@@ -1,6 +1,6 @@
 // PartList: the parts of a model as a list, with their properties, and the tools that add parts and build grippers.
 import {byId, make, toast} from './dom';
-import type {GripperRole, HelpRow, ModelPart, ModelReport} from './file_client';
+import type {EditorHelp, GripperRole, ModelPart, ModelReport} from './file_client';
 import {isBelow, pathKey, type PartShape, type PlacedPart, type Size} from './part_geometry';
 import {showProperties} from './property_rows';
 import type {Point2} from './sheet';
@@ -35,7 +35,7 @@ const ROLES: Array<[GripperRole, string]> = [
 const CARRIERS = ['gripper', 'actuator', 'model', 'position'];  // types of models that carry parts
 
 export interface PartListHost {
-  help(): HelpRow[];
+  help(): EditorHelp;
   change(more: object): Promise<boolean>;
   select(path: number[] | null): void;
   pick(picked: ((path: number[]) => void) | null): void;
@@ -170,7 +170,7 @@ export class PartList {
     const properties = make('div', '');
     const types = part.type === 'sensor' ? ['sensor'] : ['*', part.model ?? part.type];
     showProperties(properties, valuesOf(part.properties), this.host.help(), {
-      types, locked, of: path.join('.'),
+      types, locked, of: path.join('.'), units: this.report ?? {metres: 1, radians: 1},
       set: async (property, value) => {
         await this.host.change({part: path, action: 'set', property, value});
       },

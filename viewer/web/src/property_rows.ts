@@ -1,151 +1,171 @@
-// Rows to change properties, with their help: of an entity, a model, a part, or the file itself.
+// The properties of an entity, a model, a part or the file, as groups of fields: all that its type has, those that the
+// file gives first.
 import {make} from './dom';
-import type {HelpRow, PictureBlock} from './file_client';
+import type {EditorHelp, HelpRow} from './file_client';
+import {showController, type ControllerTarget} from './controller_form';
+import {fieldOf, helpText, type FileUnits} from './property_fields';
 
 export interface ShownProperty {
   name: string;
   value: string;  // as in the file
   own: boolean;  // given here, not by a macro
   from?: string;  // the place where it is given
+  warning?: string;  // about its value
 }
 
 export interface PropertyTarget {
   types: string[];  // of the help that applies, for instance ['*', 'position']
   locked: boolean;
   of: string;  // whose properties they are
+  units: FileUnits;
+  controller?: ControllerTarget;  // in place of the field of `ctrl`
   set(name: string, value: string | null): Promise<void>;  // null: remove it
 }
 
-function helpText(row: HelpRow | undefined): string {
-  if (!row) return '';
-  const form = row.form ? ` [${row.form}]` : '';
-  const unit = row.unit ? ` (${row.unit})` : '';
-  const initial = row.initial ? `, default ${row.initial}` : '';
-  return `${row.help}${form}${unit}${initial}`;
+// The groups of the properties that all models have; those of a type are a group of its own.
+const GROUPS: Array<[string, string[]]> = [
+  ['Place', ['name', 'pose', 'size']],
+  ['Look', ['color', 'color_rgba', 'gui_nose']],
+  ['Body', ['obstacle_return', 'gripper_return', 'bitmap', 'map_yaml', 'noblocks', 'boundary', 'origin', 'stack_children']],
+  ['Sensing', ['ranger_return', 'fiducial_return', 'fiducial_key']],
+  ['Energy', [
+    'joules', 'joules_capacity', 'kjoules', 'kjoules_capacity', 'watts', 'mass', 'give_watts', 'take_watts',
+  ]],
+];
+const FIRST = ['ctrl', 'drive'];  // of a robot
+const TITLES: Record<string, string> = {position: 'Robot', world: 'World', scenario: 'Scenario'};
+
+const opened = new Map<string, boolean>();  // groups that the user has opened or closed
+
+function rowOf(name: string, known: HelpRow[]): HelpRow | undefined {
+  return known.find(row => row.name === name.replace(/\[\d+\]$/, ''));
 }
 
-// The value in the form that the property has: a user need not type the quotes of a text.
-export function asWritten(row: HelpRow | undefined, text: string): string {
-  const trimmed = text.trim();
-  const isText = row && (row.form === 'text' || row.form.includes('|'));
-  if (isText && !trimmed.startsWith('"') && !trimmed.startsWith('[')) return `"${trimmed}"`;
-  const isTuple = row && row.form.includes(' ') && !row.form.includes('|');
-  return isTuple && trimmed !== '' && !trimmed.startsWith('[') ? `[${trimmed}]` : trimmed;
+function line(property: ShownProperty, row: HelpRow | undefined, isGiven: boolean, help: EditorHelp, target: PropertyTarget): HTMLElement {
+  const box = make('div', `property${property.own ? '' : isGiven ? ' inherited' : ' absent'}`);
+  box.dataset.name = property.name;
+  const label = make('span', 'property-name', property.name);
+  label.title = [helpText(row), property.from ? `given at ${property.from}` : ''].filter(Boolean).join('\n');
+  const set = (value: string): void => {
+    if (value !== '') void target.set(property.name, value);
+    else if (property.own) void target.set(property.name, null);
+  };
+  const field = fieldOf({
+    row, name: property.name, value: property.value, locked: target.locked, units: target.units, colors: help.colors, set,
+  });
+  box.append(label, field);
+  if (field.classList.contains('field-tuple') || field.classList.contains('field-rgba')) box.classList.add('wide');
+  if (property.own && !target.locked) {
+    const remove = make('button', 'plain', '✕');
+    remove.title = `Remove ${property.name}`;
+    remove.setAttribute('aria-label', remove.title);
+    remove.onclick = () => void target.set(property.name, null);
+    box.append(remove);
+  }
+  if (property.warning) {
+    const warning = make('div', 'property-warning', property.warning);
+    warning.setAttribute('role', 'alert');
+    box.append(warning);
+  }
+  return box;
 }
 
-export function showProperties(parent: HTMLElement, shown: ShownProperty[], help: HelpRow[], target: PropertyTarget): void {
+function groupsOf(shown: ShownProperty[], known: HelpRow[]): Array<{title: string; names: string[]}> {
+  const own = known.filter(row => row.type !== '*');
+  const groups = GROUPS.map(([title, names]) => ({
+    title, names: names.filter(name => known.some(row => row.type === '*' && row.name === name && !own.some(o => o.name === name))),
+  }));
+  if (own.length > 0) {
+    groups.splice(groups[0].names.length > 0 ? 1 : 0, 0,
+                  {title: TITLES[own[0].type] ?? own[0].type, names: [...new Set([...FIRST, ...own.map(row => row.name)])].filter(
+                    name => own.some(row => row.name === name))});
+  }
+  const placed = new Set(groups.flatMap(({names}) => names));
+  const others = shown.map(({name}) => name).filter(name => !placed.has(name));
+  // Indexed ones are beside their kind: bpose[0] in place of bpose.
+  for (const name of others.filter(each => each.includes('['))) {
+    const kind = groups.find(({names}) => names.includes(name.replace(/\[\d+\]$/, '')));
+    if (kind) kind.names.push(name);
+  }
+  const rest = others.filter(name => !groups.some(({names}) => names.includes(name)));
+  if (rest.length > 0) groups.push({title: 'Other', names: rest});
+  return groups.filter(({names}) => names.length > 0);
+}
+
+// After a change the form is made anew, also if the file has refused it.
+function renewing(parent: HTMLElement, target: PropertyTarget): PropertyTarget {
+  const renew = (): void => {
+    delete parent.dataset.signature;
+  };
+  const {controller} = target;
+  return {
+    ...target,
+    set: (name, value) => {
+      renew();
+      return target.set(name, value);
+    },
+    ...(controller ? {controller: {
+      ...controller,
+      choose: (name: string | null) => {
+        renew();
+        return controller.choose(name);
+      },
+      set: (parameter: string, value: unknown) => {
+        renew();
+        return controller.set(parameter, value);
+      },
+    }} : {}),
+  };
+}
+
+export function showProperties(parent: HTMLElement, shown: ShownProperty[], help: EditorHelp, given: PropertyTarget): void {
+  const target = renewing(parent, given);
   // What a user types is not replaced by what the file had before, and an unchanged form stays as it is.
   const active = document.activeElement;
-  if (active instanceof HTMLInputElement && parent.contains(active) && active.value !== active.dataset.shown) return;
-  const signature = JSON.stringify([shown, target.types, target.locked, help.length]);
+  const isInside = active instanceof HTMLElement && parent.contains(active);
+  if (isInside && active instanceof HTMLInputElement && (active.dataset.shown ?? active.value) !== active.value) return;
+  const signature = JSON.stringify([shown, target.types, target.locked, target.units, target.controller?.shown, help.properties.length]);
   if (parent.dataset.signature === signature && parent.dataset.of === target.of) return;
   Object.assign(parent.dataset, {signature, of: target.of});
-  const known = help.filter(row => target.types.includes(row.type));
-  const rowOf = (name: string): HelpRow | undefined => known.find(row => row.name === name.replace(/\[\d+\]$/, ''));
-  const rows = shown.map(property => {
-    const line = make('div', property.own ? 'property' : 'property inherited');
-    const label = make('span', '', property.name);
-    label.title = [helpText(rowOf(property.name)), property.from ? `given at ${property.from}` : ''].filter(Boolean).join('\n');
-    const input = document.createElement('input');
-    input.value = property.value;
-    input.disabled = target.locked;
-    input.dataset.property = property.name;
-    input.setAttribute('aria-label', property.name);
-    input.dataset.shown = property.value;
-    input.onchange = () => {
-      input.dataset.shown = input.value;
-      void target.set(property.name, asWritten(rowOf(property.name), input.value));
+  const focused = isInside ? [active.dataset.property, active.dataset.element, active.dataset.parameter] : null;
+
+  const known = help.properties.filter(row => target.types.includes(row.type));
+  const boxes = groupsOf(shown, known).map(({title, names}, i) => {
+    const box = document.createElement('details');
+    box.className = 'property-group';
+    const present = names.filter(name => shown.some(property => property.name === name));
+    const key = `${target.types.join()} ${title}`;
+    const hasOwn = present.some(name => shown.some(property => property.name === name && property.own));
+    const hasController = Boolean(target.controller) && names.includes('ctrl');
+    box.open = opened.get(key) ?? (i === 0 || hasOwn || hasController);
+    box.ontoggle = () => {
+      if (box.isConnected) opened.set(key, box.open);
     };
-    line.append(label, input);
-    if (property.own && !target.locked) {
-      const remove = make('button', 'plain', '✕');
-      remove.title = `Remove ${property.name}`;
-      remove.onclick = () => void target.set(property.name, null);
-      line.append(remove);
-    }
-    return line;
-  });
-  parent.replaceChildren(...rows);
-  if (target.locked) return;
-  const line = make('div', 'property');
-  const select = document.createElement('select');
-  select.setAttribute('aria-label', 'Property to add');
-  const given = new Set(shown.map(property => property.name));
-  select.append(new Option('add …', ''), ...known.filter(row => !given.has(row.name)).map(row => {
-    const option = new Option(row.name, row.name);
-    option.title = helpText(row);
-    return option;
-  }));
-  const input = document.createElement('input');
-  input.hidden = true;
-  input.setAttribute('aria-label', 'Its value');
-  select.onchange = () => {
-    const row = rowOf(select.value);
-    input.hidden = !row;
-    input.value = input.dataset.shown = row?.initial ?? '';
-    input.placeholder = row?.form ?? '';
-    input.title = helpText(row);
-    input.focus();
-  };
-  const add = (): void => {
-    if (select.value && input.value.trim()) void target.set(select.value, asWritten(rowOf(select.value), input.value));
-  };
-  input.onkeydown = event => {
-    if (event.key === 'Enter') add();
-  };
-  const button = make('button', 'plain', '+');
-  button.title = 'Add the property';
-  button.onclick = add;
-  line.append(select, input, button);
-  parent.append(line);
-}
-
-// A small picture of a model, drawn from behind and above: its blocks from the lowest and farthest on.
-
-export function drawPicture(canvas: HTMLCanvasElement, blocks: PictureBlock[]): void {
-  const context = canvas.getContext('2d');
-  if (!context || blocks.length === 0) return;
-  const project = (x: number, y: number, z: number): [number, number] => [0.87 * (x - y), 0.5 * (x + y) + 0.9 * z];
-  let [minX, maxX, minY, maxY] = [Infinity, -Infinity, Infinity, -Infinity];
-  for (const {outline, z} of blocks) {
-    for (const [x, y] of outline) {
-      for (const height of z) {
-        const [u, v] = project(x, y, height);
-        minX = Math.min(minX, u);
-        maxX = Math.max(maxX, u);
-        minY = Math.min(minY, v);
-        maxY = Math.max(maxY, v);
+    const summary = make('summary', '', title);
+    if (present.length > 0) summary.append(make('span', 'faint', String(present.length)));
+    box.append(summary);
+    const drive = shown.find(({name}) => name === 'drive')?.value ?? '';
+    for (const name of names) {
+      if (name === 'ctrl' && target.controller) {
+        box.append(showController(target.controller, help));
+        const warning = shown.find(each => each.name === 'ctrl')?.warning;
+        if (warning) {
+          const text = make('div', 'property-warning', warning);
+          text.setAttribute('role', 'alert');
+          box.append(text);
+        }
+        continue;
       }
+      const property = shown.find(each => each.name === name);
+      if (!property && (target.locked || (name === 'wheelbase' && !drive.includes('car')))) continue;
+      if (!property && shown.some(each => each.name.startsWith(`${name}[`))) continue;
+      box.append(line(property ?? {name, value: '', own: false}, rowOf(name, known), Boolean(property), help, target));
     }
-  }
-  const scale = 0.88 * Math.min(canvas.width / Math.max(maxX - minX, 1e-3), canvas.height / Math.max(maxY - minY, 1e-3));
-  const at = (x: number, y: number, z: number): [number, number] => {
-    const [u, v] = project(x, y, z);
-    return [
-      canvas.width / 2 + scale * (u - (minX + maxX) / 2), canvas.height / 2 - scale * (v - (minY + maxY) / 2),
-    ];
-  };
-  const far = (block: PictureBlock): number =>
-    block.z[0] * 1000 - block.outline.reduce((sum, [x, y]) => sum + x + y, 0) / block.outline.length;
-  for (const block of [...blocks].sort((a, b) => far(a) - far(b))) {
-    const {outline, z, color = [0.6, 0.6, 0.6]} = block;
-    const shade = (factor: number): string => `rgb(${color.map(c => Math.round(255 * Math.min(1, c * factor + 0.06))).join(',')})`;
-    const face = (points: Array<[number, number]>, fill: string): void => {
-      context.fillStyle = fill;
-      context.beginPath();
-      points.forEach(([u, v], i) => (i === 0 ? context.moveTo(u, v) : context.lineTo(u, v)));
-      context.closePath();
-      context.fill();
-      context.strokeStyle = 'rgba(0,0,0,0.25)';
-      context.lineWidth = 0.5;
-      context.stroke();
-    };
-    const sides = outline.map((a, i) => [a, outline[(i + 1) % outline.length]] as const);
-    sides.sort(([a, b], [c, d]) => (c[0] + c[1] + d[0] + d[1]) - (a[0] + a[1] + b[0] + b[1]));
-    for (const [a, b] of sides) {
-      face([at(a[0], a[1], z[0]), at(b[0], b[1], z[0]), at(b[0], b[1], z[1]), at(a[0], a[1], z[1])],
-           shade(Math.abs(a[0] - b[0]) > Math.abs(a[1] - b[1]) ? 0.8 : 0.65));
-    }
-    face(outline.map(([x, y]) => at(x, y, z[1])), shade(1));
-  }
+    return box;
+  });
+  parent.replaceChildren(...boxes.filter(box => box.childElementCount > 1));
+  if (!focused) return;
+  const again = [...parent.querySelectorAll<HTMLElement>('[data-property], [data-parameter]')].find(
+    each => [each.dataset.property, each.dataset.element, each.dataset.parameter].every((value, i) => value === focused[i]));
+  again?.focus();
 }

@@ -138,6 +138,30 @@ export interface RunStatus {
   phases: {wait: number; step: number; record: number; publish: number};  // s, of a tick of the service; 0: no tick was made
 }
 
+// A part of the timeline without a gap: its first and last position, and the tick at the first.
+export type TimeSpan = [number, number, number];
+
+// Of signals of robots (viewer/gateway/signals.h), at the states that have one.
+export interface SeriesReply {
+  done: boolean;
+  problem: string;
+  positions: number[];
+  ticks: number[];
+  values: Array<Array<number | null>>;  // by signal
+  next: number | null;  // the position with which to go on
+}
+
+// What the robots have done since the first state (viewer/gateway/past_reader.h).
+export interface TotalsReply {
+  done: boolean;
+  problem: string;
+  complete: boolean;
+  first_tick?: number;
+  last_tick?: number;
+  seconds?: number;
+  robots?: Array<{name: string; distance: number; energy?: number}>;
+}
+
 export interface Scan {
   pose: Pose;  // in the robot
   fov: number;
@@ -265,6 +289,7 @@ export interface Update extends StateRows {
   first: number;
   lastPosition: number;
   events: RunEvent[];
+  allEvents: boolean;  // the events replace those of before
   readings: RobotReadings[] | null;  // null: the ones before still count
 }
 
@@ -453,6 +478,7 @@ function readUpdate(r: Reader): Update {
     paused: (flags & 1) !== 0,
     last: (flags & 2) !== 0,
     past: (flags & 16) !== 0,
+    allEvents: (flags & 32) !== 0,
     tick: Number(r.u64()),
     hash: r.u64().toString(16).padStart(16, '0'),
     edition: r.u32(),

@@ -1,9 +1,9 @@
 // Run: the newest state of the run, as the updates of the gateway add up.
 import {EventType, StateTables} from '../generated/rows';
 import type {Matrix4} from 'three';
-import type {Joint, Light, Pose, Reading, RobotReadings, RunEvent, RunStatus, Update, World} from './protocol';
+import type {Joint, Light, Pose, Reading, RobotReadings, RunEvent, RunStatus, TimeSpan, Update, World} from './protocol';
 
-const MOST_EVENTS = 500;
+const MOST_EVENTS = 10_000;  // as the gateway keeps
 
 export class Run extends StateTables {
   events: RunEvent[] = [];
@@ -20,10 +20,12 @@ export class Run extends StateTables {
   over = false;
   hasState = false;
   lostAgents = new Set<string>();  // of robots, by name
+  spans: TimeSpan[] = [];  // of the timeline, ascending
 
   constructor(public readonly world: World, before: Run | null) {
     super();
     if (before?.world.run !== world.run) return;
+    this.spans = before.spans;
     this.events = before.events;
     this.lostAgents = before.lostAgents;
   }
@@ -34,6 +36,10 @@ export class Run extends StateTables {
 
   apply(update: Update): void {
     this.applyRows(update);
+    if (update.allEvents) {
+      this.events = [];
+      this.lostAgents.clear();
+    }
     for (const event of update.events) {
       if (event.type === EventType.Left) this.lostAgents.add(event.robot);
       if (event.type === EventType.Joined) this.lostAgents.delete(event.robot);

@@ -23,7 +23,12 @@ interface Setting {
   ground: Ground;
 }
 
-const PANELS = 500;  // px of the width that panels cover
+const MARGIN = 0.04;  // of the picture, around the whole world
+const LOW_VIEW = 0.92;  // rad from above, of the whole world in the orbit view
+const HIGH_VIEW = 0.5;  // the same in a picture that would be empty above and below the world
+const FILLED = 0.72;  // of the picture's height, with which it is not
+const TURN = 0.09;  // rad of the camera for a key
+const SHIFT = 0.06;  // of the picture's height, the same
 const MOST_SHADOWS = 400;  // bodies; beyond that shadows cost more than they show
 
 function colorOf(name: string): Color {
@@ -57,7 +62,13 @@ export class WorldScene {
   private followed: Vector3 | null = null;  // where the followed robot was
   private dirty = true;
   private preview: Object3D | null = null;
+  private framed = false;  // the whole world is in the picture, until the camera is moved
   private moved = false;  // the bodies are drawn between two states
+  // Of a world in editing: how far the ground reaches from the origin at least, m; the place that a pointer chooses instead
+  // of the one below it; and where what is dragged would be.
+  leastReach = 0;
+  chosenPlace: (point: Vector3) => Vector3 = point => point;
+  ghostMoved: (pose: Pose | null) => void = () => {};
   readonly quality: Quality;
 
   // `full`: everything is drawn, however slow that is.
@@ -90,6 +101,7 @@ export class WorldScene {
     this.top.mouseButtons = {LEFT: 2, MIDDLE: 1, RIGHT: 2};
     this.top.touches = {ONE: 1, TWO: 2};
     for (const controls of [this.orbit, this.top]) controls.addEventListener('change', () => this.invalidate());
+    for (const controls of [this.orbit, this.top]) controls.addEventListener('start', () => { this.framed = false; });
     new ResizeObserver(() => this.resize()).observe(parent);
     this.resize();
     this.setView('orbit');
@@ -206,6 +218,51 @@ export class WorldScene {
     if (this.setting) this.frame(this.contentBox(this.setting.world, this.setting.map));
   }
 
+  // How far what is in the world reaches from the origin, m: to -x, -y, x, y.
+  reach(): number[] {
+    if (!this.setting) return [];
+    const {min, max} = this.contentBox(this.setting.world, this.setting.map);
+    return [-min.x, -min.y, max.x, max.y];
+  }
+
+  // The camera by keys: x and y are -1, 0 or 1. It turns around its target; `shift`, and from above: it moves.
+  moveByKeys(x: number, y: number, shift: boolean): void {
+    const {target} = this.view === 'orbit' ? this.orbit : this.top;
+    const back = this.camera.position.clone().sub(target);
+    if (this.view === 'top') {
+      const step = (SHIFT * (this.orthographic.top - this.orthographic.bottom)) / this.orthographic.zoom;
+      return this.shiftBy(new Vector3(x * step, y * step, 0));
+    }
+    if (shift) {
+      const away = back.clone().setZ(0).normalize().negate();
+      const right = new Vector3(away.y, -away.x, 0);
+      const step = SHIFT * 2 * back.length() * Math.tan((this.perspective.fov * Math.PI) / 360);
+      return this.shiftBy(right.multiplyScalar(x * step).addScaledVector(away, y * step));
+    }
+    this.framed = false;
+    const polar = Math.acos(back.z / back.length());
+    const next = Math.max(0.02, Math.min(this.orbit.maxPolarAngle, polar - y * TURN));
+    const azimuth = Math.atan2(back.y, back.x) + x * TURN;
+    const flat = back.length() * Math.sin(next);
+    this.perspective.position.copy(target).add(
+      new Vector3(flat * Math.cos(azimuth), flat * Math.sin(azimuth), back.length() * Math.cos(next)));
+    this.orbit.update();
+    this.invalidate();
+  }
+
+  zoomBy(factor: number): void {
+    this.framed = false;
+    if (this.view === 'top') {
+      this.orthographic.zoom *= factor;
+      this.orthographic.updateProjectionMatrix();
+    } else {
+      const {target} = this.orbit;
+      this.perspective.position.sub(target).multiplyScalar(1 / factor).add(target);
+      this.orbit.update();
+    }
+    this.invalidate();
+  }
+
   setControlsEnabled(enabled: boolean): void {
     (this.view === 'orbit' ? this.orbit : this.top).enabled = enabled;
   }
@@ -221,7 +278,7 @@ export class WorldScene {
     this.ring.material.color = colorOf('--accent');
     this.ghost.material.color = colorOf('--accent');
     this.rays.setColor(colorOf('--rays'));
-    this.trails.setColor(colorOf('--accent'));
+    this.setting?.bodies.setStalledColor(colorOf('--stalled'));
     this.setting?.ground.setColors(colorOf('--ground'), colorOf('--grid'));
     this.setting?.map.setEdgeColor(colorOf('--edges'));
     this.invalidate();
@@ -237,7 +294,8 @@ export class WorldScene {
   // The point of the plane z at a place of the window; null: none.
   pointAt(clientX: number, clientY: number, z: number): Vector3 | null {
     this.aim(clientX, clientY);
-    return this.raycaster.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -z), new Vector3());
+    const point = this.raycaster.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -z), new Vector3());
+    return point && this.chosenPlace(point);
   }
 
   // Where an entity is on the window.
@@ -261,6 +319,7 @@ export class WorldScene {
 
   // The place where an entity would be put. `type`: of the model, whose body is shown if the world has one.
   showGhost(pose: Pose | null, radius: number, type = ''): void {
+    this.ghostMoved(pose);
     this.ghost.visible = pose !== null;
     const body = pose && type ? this.bodies?.previewOf(type) ?? null : null;
     if (this.preview && this.preview !== body) this.scene.remove(this.preview);
@@ -318,6 +377,7 @@ export class WorldScene {
   }
 
   private shiftBy(shift: Vector3): void {
+    this.framed = false;
     if (this.view === 'top') shift.setZ(0);
     const controls = this.view === 'orbit' ? this.orbit : this.top;
     controls.target.add(shift);
@@ -332,28 +392,72 @@ export class WorldScene {
       const {x, y, z} = world.models[root].pose;
       box.expandByPoint(new Vector3(x, y, z));
     }
+    const reach = this.leastReach;
+    if (reach > 0) box.expandByPoint(new Vector3(-reach, -reach, 0)).expandByPoint(new Vector3(reach, reach, 0));
     if (box.isEmpty()) box.set(new Vector3(-5, -5, 0), new Vector3(5, 5, 1));
     return box;
   }
 
   private frame(box: Box3): void {
-    const center = box.getCenter(new Vector3()).setZ(0);
     // The box has the places of robots and objects, not their extents.
-    const width = Math.max(box.max.x - box.min.x + 2, 4);
-    const depth = Math.max(box.max.y - box.min.y + 2, 4);
-    // Panels cover the sides.
-    const aspect = this.perspective.aspect * Math.max(0.5, 1 - PANELS / Math.max(1, this.parent.clientWidth));
-    const distance = 1.15 * Math.max(depth, width / aspect);
-    this.orbit.target.copy(center);
-    this.perspective.position.set(center.x, center.y - 0.72 * distance, 0.95 * distance);
-    this.orbit.update();
+    const all = box.clone().expandByVector(new Vector3(0.4, 0.4, 0));
+    const size = all.getSize(new Vector3());
+    const width = Math.max(size.x, 4);
+    const depth = Math.max(size.y, 4);
+    const center = all.getCenter(new Vector3()).setZ(0);
     this.top.target.copy(center);
     this.orthographic.position.set(center.x, center.y, 1000);
-    const height = this.orthographic.top - this.orthographic.bottom;
-    this.orthographic.zoom = height / (1.25 * Math.max(depth, width / aspect));
+    const share = 1 - 2 * MARGIN;
+    const {left, right, top, bottom} = this.orthographic;
+    this.orthographic.zoom = share * Math.min((right - left) / width, (top - bottom) / depth);
     this.orthographic.updateProjectionMatrix();
     this.top.update();
+    this.frameOrbit(center, width, depth, Math.max(all.max.z, 0.5));
+    this.framed = true;
     this.invalidate();
+  }
+
+  // In a high picture the longer side of the world goes away from the viewer, and the camera looks from higher.
+  private frameOrbit(center: Vector3, width: number, depth: number, height: number): void {
+    const azimuth = width > depth && this.perspective.aspect < 0.8 ? Math.PI / 2 : 0;
+    const corners = [-1, 1].flatMap(x => [-1, 1].flatMap(y => [0, height].map(
+      z => new Vector3(0.5 * x * width, 0.5 * y * depth, z))));
+    let polar = LOW_VIEW;
+    let fit = this.fitOrbit(corners, azimuth, polar);
+    while (fit.filled < FILLED && polar > HIGH_VIEW) {
+      polar -= 0.06;
+      fit = this.fitOrbit(corners, azimuth, polar);
+    }
+    this.orbit.target.copy(center).add(fit.shift);
+    this.perspective.position.copy(this.orbit.target).addScaledVector(fit.toCamera, fit.distance);
+    this.orbit.update();
+  }
+
+  // So near that all corners, which are relative to the middle of the world, are in the picture. `filled`: of its height;
+  // `shift`: of the target, on the ground.
+  private fitOrbit(corners: Vector3[], azimuth: number, polar: number):
+      {toCamera: Vector3; shift: Vector3; distance: number; filled: number} {
+    const toCamera = new Vector3(
+      -Math.sin(azimuth) * Math.sin(polar), -Math.cos(azimuth) * Math.sin(polar), Math.cos(polar));
+    const right = new Vector3(Math.cos(azimuth), -Math.sin(azimuth), 0);
+    const up = new Vector3().crossVectors(toCamera, right);
+    const tangent = (1 - 2 * MARGIN) * Math.tan((this.perspective.fov * Math.PI) / 360);
+    let low = 0;
+    let distance = 1;
+    let filled = 0;
+    // The middle of the picture is below the middle of the world, because what is near is larger: found in a few rounds.
+    for (let round = 0; round < 8; ++round) {
+      const place = corners.map(corner => ({
+        x: corner.dot(right), y: corner.dot(up) - low, back: corner.dot(toCamera),
+      }));
+      distance = Math.max(...place.map(({x, y, back}) =>
+        back + Math.max(Math.abs(x) / (tangent * this.perspective.aspect), Math.abs(y) / tangent)));
+      const heights = place.map(({y, back}) => y / (distance - back));
+      filled = (Math.max(...heights) - Math.min(...heights)) / (2 * tangent);
+      low += 0.5 * distance * (Math.max(...heights) + Math.min(...heights));
+    }
+    const shift = new Vector3(Math.sin(azimuth), Math.cos(azimuth), 0).multiplyScalar(low / Math.cos(polar));
+    return {toCamera, shift, distance: distance - shift.dot(toCamera), filled};
   }
 
   private resize(): void {
@@ -365,6 +469,7 @@ export class WorldScene {
     this.perspective.updateProjectionMatrix();
     Object.assign(this.orthographic, {left: (-10 * width) / height, right: (10 * width) / height, top: 10, bottom: -10});
     this.orthographic.updateProjectionMatrix();
+    if (this.framed) this.home();
     this.invalidate();
   }
 }

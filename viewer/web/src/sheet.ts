@@ -1,13 +1,11 @@
 // A canvas of the model editor with its own scale: the middle of its lower or central part is the origin. Metres; x to
 // the right, y or z up.
+import {color} from './colors';
 
+export {color};
 export type Point2 = [number, number];
 
 export const NEAR = 9;  // px
-
-export function color(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
 
 export class Sheet {
   scale = 200;  // px per m
@@ -52,6 +50,7 @@ export class Sheet {
   drawGrid(): void {
     const {context, canvas} = this;
     context.clearRect(0, 0, canvas.width, canvas.height);
+    context.font = '12px system-ui, sans-serif';
     const step = [0.1, 0.5, 1, 5].find(s => s * this.scale >= 16) ?? 10;
     const reach = Math.ceil(Math.max(canvas.width, canvas.height) / this.scale / step) + 1;
     for (let i = -reach; i <= reach; ++i) {

@@ -3,6 +3,8 @@ import {Vector3} from 'three';
 import type {Connection, EditReply, Reply} from './connection';
 import type {FileDocument} from './file_client';
 import type {FileEditor} from './file_editor';
+import {eventText} from './events';
+import type {Plots} from './plots';
 import {scansOf, type Pose, type RunStatus} from './protocol';
 import {findEntity, type Run} from './run';
 import type {WorldScene} from './scene';
@@ -28,10 +30,19 @@ export interface TestInterface {
   // Whether each light is lit, by the name of its model.
   lights(): Record<string, boolean>;
   select(name: string): void;
+  events(): Array<{tick: number; position: number; text: string}>;
+  // Adds signals of the selected robot to the plots, and what their export has.
+  plot(signals: string[]): void;
+  csv(): Promise<string>;
   request(command: string, more?: object): Promise<Reply>;
   // The members of an editor: its file as reported last, a request, and the places of points on the window.
   file(): FileDocument | null;
   edit(op: string, more?: object): Promise<EditReply>;
+  // How far the ground reaches from the origin, m: to -x, -y, x, y.
+  ground(): number[];
+  // The text in the text pane; null: it is closed.
+  text(): string | null;
+  setText(text: string): void;
   modelPoint(view: 'top' | 'side', a: number, b: number): {x: number; y: number} | null;
   groundPoint(x: number, y: number): {x: number; y: number};
   // Where an entity is on the window.
@@ -42,6 +53,7 @@ export interface TestHost {
   run(): Run | null;
   connected(): boolean;
   select(name: string): void;
+  plots(): Plots;
   file(): FileEditor | null;
 }
 
@@ -98,9 +110,15 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
       return Object.fromEntries((run?.world.lights ?? []).map(light => [run!.world.models[light.model].name, run!.isLit(light)]));
     },
     select: name => host.select(name),
+    events: () => (host.run()?.events ?? []).map(event => ({tick: event.tick, position: event.position, text: eventText(event)})),
+    plot: signals => signals.forEach(signal => host.plots().add(signal)),
+    csv: () => host.plots().csv(),
     request: (command, more = {}) => connection.request(command, more),
     file: () => host.file()?.document ?? null,
     edit: (op, more = {}) => connection.edit(op, more),
+    ground: () => scene.reach(),
+    text: () => host.file()?.text.text ?? null,
+    setText: text => host.file()?.text.set(text),
     modelPoint: (view, a, b) => host.file()?.modelPoint(view, a, b) ?? null,
     groundPoint: (x, y) => scene.project(new Vector3(x, y, 0)),
     placeOf: name => {

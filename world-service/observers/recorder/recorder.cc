@@ -12,18 +12,28 @@
 namespace troupe {
 namespace {
 
-std::string QuoteForCsv(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
 nlohmann::json RecordedEvent(const WorldDescription& world, const Event& event) {
   nlohmann::json json = EventJson(world, event);
   // The detail of a join names the process, which differs from run to run; recordings of one simulation are equal.
   if (!event.detail.empty() && event.type != EventType::kJoined) json["detail"] = event.detail;
   return json;
+}
+
+// Nothing for an empty path.
+Result<std::optional<OutputFile>> CreateIfNamed(const std::string& path) {
+  if (path.empty()) return std::optional<OutputFile>();
+  Result<OutputFile> created = OutputFile::Create(path);
+  if (!created.ok()) return created.error();
+  return std::optional(std::move(created).value());
+}
+
+}  // namespace
+
+std::string QuoteForCsv(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
 }
 
 const char* NameOf(ObjectMode mode) {
@@ -40,20 +50,9 @@ const char* NameOf(ObjectMode mode) {
   return "";
 }
 
-// The model that holds or supports an object; nothing on the ground.
 std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object) {
   return object.holder ? world.gripper(*object.holder).model : object.support;
 }
-
-// Nothing for an empty path.
-Result<std::optional<OutputFile>> CreateIfNamed(const std::string& path) {
-  if (path.empty()) return std::optional<OutputFile>();
-  Result<OutputFile> created = OutputFile::Create(path);
-  if (!created.ok()) return created.error();
-  return std::optional(std::move(created).value());
-}
-
-}  // namespace
 
 Result<std::unique_ptr<Recorder>> Recorder::Create(const WorldDescription& world, const OutputFiles& files) {
   std::unique_ptr<Recorder> recorder(new Recorder(world));
@@ -290,10 +289,15 @@ Status Recorder::OnEnd() {
   return first;
 }
 
+bool WritesTexts(const OutputFiles& files) {
+  const bool records_text = !files.record.empty() && !IsRecordingPath(files.record);
+  return !files.hash_log.empty() || !files.poses.empty() || records_text;
+}
+
 Result<std::unique_ptr<Recorder>> MakeTextRecorder(const WorldDescription& world, const OutputFiles& files) {
   OutputFiles texts = files;
   if (IsRecordingPath(files.record)) texts.record.clear();
-  if (texts.hash_log.empty() && texts.poses.empty() && texts.record.empty()) return std::unique_ptr<Recorder>();
+  if (!WritesTexts(files)) return std::unique_ptr<Recorder>();
   return Recorder::Create(world, texts);
 }
 

@@ -18,6 +18,13 @@
 
 namespace troupe {
 
+// A cell of a CSV file: in quotation marks if it needs them.
+std::string QuoteForCsv(const std::string& text);
+// "placed", "resting", "falling" or "held".
+const char* NameOf(ObjectMode mode);
+// The model that holds or supports an object; nothing on the ground.
+std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object);
+
 // Files to write while running; empty: none. docs/running.md has their formats.
 struct RecordedStart;
 
@@ -76,6 +83,9 @@ class Recorder final : public RunObserver {
 };
 
 // The observers that write the output files of a run.
+
+// Whether there are text files among them.
+bool WritesTexts(const OutputFiles& files);
 
 // The text files of `files`; null: none. As MakeRecorders.
 Result<std::unique_ptr<Recorder>> MakeTextRecorder(const WorldDescription& world, const OutputFiles& files);

@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -123,7 +122,7 @@ class SimulationContext : public std::enable_shared_from_this<SimulationContext>
     });
   }
 
-  std::atomic<std::optional<Edition>> stopped_edition = {};  // of the world after the last stop
+  std::atomic<std::int64_t> stopped_edition = -1;  // of the world after the last stop; -1: none yet
 
  private:
   WorldControl& control_;

@@ -113,6 +113,8 @@ class LauncherReporter final : public Reporter {
       ros.push_back(
           {{"name", awaited.robot}, {"times_last", awaited.times_last}, {"waited_seconds", awaited.waited_seconds}});
     }
+    Json totals = Json::array();
+    for (const RobotTotal& total : summary.totals) totals.push_back(FieldsToJson<Json>(total));
     Send({{"type", "end"},
           {"ticks", summary.ticks},
           {"sim_seconds", summary.sim_seconds},
@@ -128,7 +130,9 @@ class LauncherReporter final : public Reporter {
           {"ros_lockstep", std::move(ros)},
           {"lost", summary.lost},
           {"interrupted", summary.interrupted},
-          {"record_waited_seconds", summary.record_waited_seconds}});
+          {"record_waited_seconds", summary.record_waited_seconds},
+          {"totals", std::move(totals)},
+          {"totals_since", summary.totals_since}});
   }
   void Failed(const Error& error) override {
     Send({{"type", "error"}, {"message", error.ToString()}});

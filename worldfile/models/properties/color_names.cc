@@ -9,11 +9,6 @@
 namespace troupe {
 namespace {
 
-struct NamedColor {
-  std::string_view name;
-  unsigned char r, g, b;
-};
-
 // clang-format off
 constexpr NamedColor kColors[] = {
     {"AliceBlue",240,248,255}, {"AntiqueWhite",250,235,215}, {"AntiqueWhite1",255,239,219},
@@ -227,6 +222,10 @@ Color ColorOfName(PropertyReader& reader, const std::string& name) {
 }
 
 }  // namespace
+
+std::span<const NamedColor> NamedColors() {
+  return kColors;
+}
 
 std::optional<Color> FindColor(std::string_view name) {
   const NamedColor* found =

@@ -2,12 +2,21 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "troupe/world_description.h"
 #include "worldfile/models/properties/property_reader.h"
 
 namespace troupe {
+
+struct NamedColor {
+  std::string_view name;
+  unsigned char r, g, b;
+};
+
+// All of them, sorted by name.
+std::span<const NamedColor> NamedColors();
 
 // Exact spelling; nothing if there is no such colour.
 std::optional<Color> FindColor(std::string_view name);

@@ -75,15 +75,10 @@ constexpr std::string_view kNotInStage = "it has none in Stage either";
 constexpr std::string_view kFormer = "only older versions of Stage knew it";
 
 constexpr NoEffect kWorldProperties[] = {
-    {"confirm_on_quit", kWindow},
-    {"interval_real", kFormer},
-    {"paused", kWindow},
-    {"resolution", "geometry is exact, without cells"},
-    {"show_clock", kWindow},
-    {"show_clock_interval", kWindow},
-    {"speedup", "the command line sets the speed"},
-    {"test", kNotInStage},
-    {"threads", "each robot has its own process"},
+    {"confirm_on_quit", kWindow}, {"interval_real", kFormer},
+    {"paused", kWindow},          {"resolution", "geometry is exact, without cells"},
+    {"show_clock", kWindow},      {"show_clock_interval", kWindow},
+    {"test", kNotInStage},        {"threads", "each robot has its own process"},
 };
 
 // Today's names of what older versions of Stage had.

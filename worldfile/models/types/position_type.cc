@@ -173,14 +173,8 @@ class PositionReader : public ModelReader {
 
 using Json = nlohmann::json;
 
-struct KnownController {
-  const char* stage_name;
-  const char* name;
-  std::vector<const char*> arguments;  // parameters, in order
-};
-
-const std::vector<KnownController>& KnownControllers() {
-  static const std::vector<KnownController> known = {
+const std::vector<StageControllerName>& KnownControllers() {
+  static const std::vector<StageControllerName> known = {
       {"dynamic", "dynamic", {"distance", "speed"}},
       {"expand", "expand", {"speed"}},
       {"expand_pioneer", "expand", {"speed"}},
@@ -232,7 +226,7 @@ struct Argument {
 };
 
 // The words that can be arguments; a warning for each of the others.
-std::vector<Argument> ReadArguments(std::istringstream& words, const KnownController& known,
+std::vector<Argument> ReadArguments(std::istringstream& words, const StageControllerName& known,
                                     std::vector<std::string>& warnings) {
   std::vector<Argument> arguments;
   std::size_t positional = 0;
@@ -269,7 +263,7 @@ std::string ParametersOf(const std::vector<Argument>& arguments) {
 // Leaves out arguments until the check finds no fault, if it ever does; the others stay.
 class ArgumentFilter {
  public:
-  ArgumentFilter(const KnownController& known, const ControllerCheck& check, std::vector<std::string>& warnings)
+  ArgumentFilter(const StageControllerName& known, const ControllerCheck& check, std::vector<std::string>& warnings)
       : known_(known), check_(check), warnings_(warnings) {}
 
   // Nothing if the controller cannot be used.
@@ -307,7 +301,7 @@ class ArgumentFilter {
         (argument.is_named ? "" : "it would be parameter " + Quoted(argument.key) + ", but ") + fault.error().message);
   }
 
-  const KnownController& known_;
+  const StageControllerName& known_;
   const ControllerCheck& check_;
   std::vector<std::string>& warnings_;
 };
@@ -318,13 +312,17 @@ ModelType PositionType() {
   return {.name = "position", .has_drive = true, .make_reader = MakeReader<PositionReader>};
 }
 
+std::span<const StageControllerName> StageControllerNames() {
+  return KnownControllers();
+}
+
 std::optional<StageController> ReadStageController(const std::string& text, const ControllerCheck& check) {
   std::istringstream words(text);
   std::string name;
   words >> name;
-  const std::vector<KnownController>& known = KnownControllers();
-  const auto found =
-      std::find_if(known.begin(), known.end(), [&](const KnownController& entry) { return name == entry.stage_name; });
+  const std::vector<StageControllerName>& known = KnownControllers();
+  const auto found = std::find_if(known.begin(), known.end(),
+                                  [&](const StageControllerName& entry) { return name == entry.stage_name; });
   if (found == known.end()) return std::nullopt;
   StageController controller;
   std::optional<std::vector<Argument>> arguments = ReadArguments(words, *found, controller.warnings);

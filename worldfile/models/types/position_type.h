@@ -4,13 +4,23 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "troupe/result.h"
 #include "troupe/world_description.h"
 #include "worldfile/models/properties/property_reader.h"
 
 namespace troupe {
+
+// A controller under the name that `ctrl` has for it.
+struct StageControllerName {
+  const char* stage_name;
+  const char* name;
+  std::vector<const char*> arguments;  // parameters, in the order of arguments without a name
+};
+std::span<const StageControllerName> StageControllerNames();
 
 // `text`: "wander", "wander 0.5 1.2" or "wander speed=0.5". An argument with a '=' is a parameter by its name, with a
 // JSON value; the others are the parameters that docs/controllers.md lists for that name, in order. Nothing for a name

@@ -1,0 +1,25 @@
+// Styles of text on a terminal. Text that is no terminal's has none, nor has any if the environment has NO_COLOR
+// (https://no-color.org) or a TERM without colours.
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace troupe {
+
+enum class TextStyle { kBold, kDim, kError, kWarning, kLink };
+
+// Whether texts on the stream have styles.
+bool HasStyles(std::FILE* stream);
+
+// The text in the style, if `has_styles`.
+std::string Styled(TextStyle style, std::string_view text, bool has_styles);
+
+// A line of a program for people: the words "error:" and "warning:" and the address of a viewer have their styles.
+std::string StyledLine(std::string_view line, bool has_styles);
+
+// Removes what the terminal of standard error shows on its line, for instance the ^C of the user.
+void ClearLine();
+
+}  // namespace troupe

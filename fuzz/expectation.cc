@@ -1,0 +1,83 @@
+// Feeds any bytes to the language of expectations: as an expectation and as a metric of a small world.
+#include "troupe/expectation.h"
+
+#include <span>
+#include <string>
+
+#include "fuzz/targets.h"
+#include "testing/expectations/syntax.h"
+#include "testing/expectations/tick_view.h"
+
+namespace troupe::fuzz {
+namespace {
+
+// Two robots with names that texts use, an object, a place.
+const WorldDescription& SmallWorld() {
+  static const WorldDescription world = [] {
+    WorldDescription description;
+    description.shapes.push_back({{{{{-0.2, -0.2}, {0.2, -0.2}, {0.2, 0.2}, {-0.2, 0.2}}, {0.0, 0.4}}}, {}, {}});
+    for (const char* const name : {"anna", "bob", "can"}) {
+      ModelDescription model;
+      model.name = name;
+      model.X_PM = {1.0 * static_cast<double>(description.models.size()), 0.0, 0.0, 0.0};
+      model.shape = ShapeId(0);
+      const bool is_object = description.models.size() == 2;
+      model.gripper_return = is_object;
+      description.models.push_back(model);
+      const ModelId root(description.models.size() - 1);
+      if (is_object) {
+        description.objects.push_back(root);
+      } else {
+        RobotDescription robot;
+        robot.name = name;
+        robot.root = root;
+        description.robots.push_back(robot);
+      }
+    }
+    description.places.push_back({"dock", {}, {}, {}});
+    return description;
+  }();
+  return world;
+}
+
+void CheckError(const Error& error, const std::string& text) {
+  Check(!error.message.empty());
+  Check(error.where.line == 1);
+  Check(error.where.column >= 1 && static_cast<std::size_t>(error.where.column) <= text.size() + 1);
+}
+
+}  // namespace
+
+void Expectation(Bytes bytes) {
+  static const Scene scene(SmallWorld());
+  static const NamedRegion door{"door", {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}}};
+  const ExpectationScope scope{scene.world(), std::span(&door, 1)};
+  const std::string text = TextOf(bytes);
+  WorldState state = PlacedState(scene.world());
+  BodyIndex bodies(scene);
+  bodies.Assign(state);
+
+  const Result<troupe::Expectation> expectation = troupe::Expectation::Parse(text, scope);
+  if (expectation.ok()) {
+    // What is printed is the same formula; it may be longer or deeper than what is accepted.
+    const std::string formula = expectation.value().formula();
+    const Result<Syntax> again = ParseFormula(formula);
+    Check(!again.ok() || ToString(again.value()) == formula);
+    Monitor monitor(expectation.value());
+    for (state.tick = 0; state.tick < 4; ++state.tick) Check(monitor.Push(TickView{scene, bodies, state, {}}).ok());
+    monitor.Finish();
+    Check(monitor.verdict() != Verdict::kUndecided);
+    const Interval bounds = monitor.robustness_bounds();
+    Check(bounds.min == bounds.max);
+  } else {
+    CheckError(expectation.error(), text);
+  }
+
+  const Result<Metric> metric = Metric::Parse(text, scope);
+  if (!metric.ok()) return CheckError(metric.error(), text);
+  MetricMonitor monitor(metric.value());
+  for (state.tick = 0; state.tick < 4; ++state.tick) Check(monitor.Push(TickView{scene, bodies, state, {}}).ok());
+  monitor.Finish();
+}
+
+}  // namespace troupe::fuzz

@@ -1,0 +1,98 @@
+// CaseSession: runs the cases of tests in several processes, shrinks those that fail, and keeps their recordings and
+// pictures. `troupe test` and `troupe sweep` use it.
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "testing/cases/case_run.h"
+#include "testing/cases/smaller_case.h"
+#include "testing/cases/test_file.h"
+#include "testing/reports/case_report.h"
+#include "troupe/result.h"
+
+namespace troupe {
+
+// A part of all cases: those whose numbers are `index` - 1 modulo `count`.
+struct Shard {
+  std::uint64_t index = 1;
+  std::uint64_t count = 1;
+};
+// "2/4"; nothing for any other text.
+std::optional<Shard> ParseShard(const std::string& text);
+
+struct CaseSessionOptions {
+  std::size_t jobs = 1;
+  Shard shard;
+  TestCase fixed;            // --case; empty: all cases
+  std::uint64_t search = 0;  // cases of a search in place of the design; 0: none
+  bool shrink = true;
+  bool keep_failing = true;  // reads and writes the files of failing cases, runs those first, and makes artifacts
+  bool processes = false;    // each case is run by processes, too, and has to have the same hashes
+  std::string folder;        // of recordings and pictures; empty: none are made
+};
+
+class CaseSession {
+ public:
+  explicit CaseSession(CaseSessionOptions options) : options_(std::move(options)) {}
+
+  // Reads and checks the tests. The error is the first one; all are printed.
+  Status Load(const std::vector<std::string>& paths);
+  // Runs the cases, and prints those that do not pass. False: it was interrupted; the cases until then are reported.
+  Result<bool> Run();
+
+  const CaseReport& report() const { return report_; }
+  // "198 passed, 2 failed, 0 errors, 0 not run in 3.2 s"
+  std::string Summary() const;
+  std::uint64_t not_run() const { return planned_ > done_ ? planned_ - done_ : 0; }
+
+ private:
+  struct LoadedTest {
+    std::unique_ptr<TestFile> file;
+    std::unique_ptr<CaseWorlds> worlds;
+    std::vector<TestCase> kept;  // that failed in earlier sessions
+    std::uint64_t next = 0;      // of the kept cases, then those of the design
+    std::unique_ptr<CaseSearch> search;
+    std::vector<std::string> new_failing;  // texts of cases for the file
+    std::size_t faults = 0;
+  };
+  struct Job {
+    std::size_t test = 0;
+    std::uint64_t number = 0;
+    TestCase draws;
+    std::chrono::steady_clock::time_point began;
+  };
+
+  Status LoadTest(const std::string& path);
+  void ReadKept(LoadedTest& test) const;
+  void WriteKept(const LoadedTest& test) const;
+  std::optional<Job> NextJob();
+  void Finish(const Job& job, CaseOutcome outcome);
+  // In a worker.
+  std::string Answer(const std::string& request) const;
+  nlohmann::json AnswerShrink(const nlohmann::json& request) const;
+  nlohmann::json AnswerKeep(const nlohmann::json& request) const;
+  // The smallest cases, recordings and pictures of the first faults. False: interrupted.
+  Result<bool> Examine(class WorkerPool& pool, const std::function<bool()>& stop, int stop_descriptor);
+  void Print(const ReportedCase& fault, const LoadedTest& test) const;
+  std::string CommandOf(const LoadedTest& test, const TestCase& draws) const;
+  void ShowProgress(bool end);
+
+  const CaseSessionOptions options_;
+  std::vector<LoadedTest> tests_;
+  CaseReport report_;
+  std::size_t current_ = 0;  // test of the next job
+  std::uint64_t planned_ = 0;
+  std::uint64_t done_ = 0;
+  std::vector<std::pair<std::size_t, ReportedCase>> faults_;  // to be examined, with their tests
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point shown_ = began_;
+  bool progress_shown_ = false;
+};
+
+}  // namespace troupe

@@ -1,0 +1,127 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "command_line/parse_command_line.h"
+#include "command_line/terminal.h"
+#include "launcher/commands/commands.h"
+#include "launcher/export/run_export.h"
+#include "recording/recording.h"
+#include "world-service/replay/replayed_world.h"
+#include "world-service/replay/run_replay.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct ExportArguments {
+  std::string file;
+  std::string format;
+  std::string output;
+  std::optional<std::uint64_t> from;
+  std::optional<std::uint64_t> to;
+};
+
+struct ExportReport {
+  std::uint64_t states = 0;
+  Tick first = 0;
+  Tick last = 0;
+};
+
+Result<std::unique_ptr<RunExport>> MakeExport(const ExportArguments& arguments) {
+  if (arguments.format == "foxglove") return MakeFoxgloveExport(arguments.output);
+  if (arguments.format == "ros2") return MakeRos2Export(arguments.output);
+  return MakeCsvExport(arguments.output);
+}
+
+// Adds the states of the range to the export, as far as the recording is whole. The error is the damage, or that of a
+// file.
+Status AddStates(const Recording& recording, const ExportArguments& arguments, RunExport& target,
+                 ExportReport& report) {
+  Result<ReplayCursor> cursor = ReplayCursor::At(recording, 0);
+  if (!cursor.ok()) return cursor.error();
+  const bool has_terminal = isatty(STDERR_FILENO) == 1;
+  Clock::time_point shown_at = Clock::now();
+  while (cursor.value().next()) {
+    const std::uint64_t time = cursor.value().next()->log_time;
+    const Tick tick = cursor.value().next()->tick;
+    if (Status advanced = cursor.value().Advance(); !advanced.ok()) return advanced;
+    if (has_terminal && Clock::now() - shown_at > std::chrono::milliseconds(500)) {
+      shown_at = Clock::now();
+      fmt::print(stderr, "\r\033[Ktick {}", tick);
+      std::fflush(stderr);
+    }
+    if (cursor.value().world().in_rewind() || (arguments.from && tick < *arguments.from)) continue;
+    if (arguments.to && tick > *arguments.to) break;
+    if (Status added = target.Add(cursor.value().world(), time); !added.ok()) return added;
+    if (report.states++ == 0) report.first = tick;
+    report.last = tick;
+  }
+  return recording.damage() ? Status(Failure(recording.damage()->problem)) : Status();
+}
+
+int ExportCommand(const ExportArguments& arguments) {
+  std::error_code failure;
+  if (std::filesystem::equivalent(arguments.output, arguments.file, failure)) {
+    return Fail({{arguments.output}, "found the recording itself, expected another file to write"});
+  }
+  const Result<Recording> recording = Recording::Open(arguments.file);
+  if (!recording.ok()) return Fail(recording.error());
+  if (const Status other = CheckStepVersion(recording.value()); !other.ok()) return Fail(other.error());
+  Result<std::unique_ptr<RunExport>> target = MakeExport(arguments);
+  if (!target.ok()) return Fail(target.error());
+  ExportReport report;
+  const Status added = AddStates(recording.value(), arguments, *target.value(), report);
+  ClearLine();
+  const Status closed = target.value()->Close();
+  if (!closed.ok()) return Fail(closed.error());
+  if (report.states > 0) {
+    fmt::print("{} states, of ticks {} to {}, in {}\n", report.states, report.first, report.last, arguments.output);
+    std::fflush(stdout);
+  }
+  if (!added.ok()) return Fail({{arguments.file}, added.error().message, ErrorCode::kFailure});
+  if (report.states == 0) return Fail({{arguments.file}, "found no state between the ticks of --from and --to"});
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddExportCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("export", "Write a recording for other programs: Foxglove, ROS 2, tables");
+  const auto arguments = std::make_shared<ExportArguments>();  // lives as long as the command
+  command->add_option("FILE", arguments->file, "A recording of 'troupe run --record FILE.mcap'")
+      ->required()
+      ->check(NotEmpty())
+      ->type_name("");
+  command
+      ->add_option("--format", arguments->format,
+                   "foxglove: an MCAP file for Foxglove, Lichtblick and Rerun; ros2: a bag for 'ros2 bag'; csv: tables "
+                   "for pandas")
+      ->required()
+      ->check(OneOf({"foxglove", "ros2", "csv"}))
+      ->type_name("FORMAT");
+  command
+      ->add_option(
+          "-o,--output", arguments->output,
+          "The file to write; for ros2 a folder, or FILE.mcap; for csv a folder, or FILE.csv for the poses alone")
+      ->required()
+      ->check(NotEmpty())
+      ->type_name("FILE");
+  command->add_option("--from", arguments->from, "First tick (default: 0)")->check(WholeNumber(0))->type_name("TICK");
+  command->add_option("--to", arguments->to, "Last tick (default: the last of the recording)")
+      ->check(WholeNumber(0))
+      ->type_name("TICK");
+  command->final_callback([arguments, &exit_status] { exit_status = ExportCommand(*arguments); });
+}
+
+}  // namespace troupe

@@ -1,0 +1,259 @@
+// The commands `troupe test` and `troupe sweep`. docs/testing.md is their manual.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "command_line/parse_command_line.h"
+#include "common/base/file.h"
+#include "common/base/print.h"
+#include "launcher/commands/case_session.h"
+#include "launcher/commands/commands.h"
+#include "recording/recording.h"
+#include "testing/expectations/tick_view.h"
+#include "world-service/replay/replayed_world.h"
+#include "world-service/replay/run_replay.h"
+
+namespace troupe {
+namespace {
+
+constexpr int kExitExpectationFailed = 1;
+constexpr const char* kDefaultFolder = "troupe-test";  // of recordings and pictures without --report
+
+struct TestArguments {
+  std::vector<std::string> files;
+  std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
+  std::string fixed;  // --case
+  std::string shard;
+  std::string junit;
+  std::string report;  // folder
+  std::uint64_t search = 0;
+  bool no_shrink = false;
+  bool processes = false;
+  std::string recording;  // --on
+
+  std::vector<std::string> merged;  // folders, of sweep
+};
+
+std::string CheckShard(const std::string& text) {
+  return ParseShard(text) ? "" : "found '" + text + "', expected I/N with I from 1 to N, for instance 2/4";
+}
+
+Result<CaseSessionOptions> SessionOptions(const TestArguments& arguments) {
+  CaseSessionOptions options;
+  options.jobs = arguments.jobs;
+  if (!arguments.shard.empty()) options.shard = *ParseShard(arguments.shard);
+  Result<TestCase> fixed = ParseCase(arguments.fixed);
+  if (!fixed.ok()) return fixed.error();
+  options.fixed = std::move(fixed).value();
+  options.search = arguments.search;
+  options.shrink = !arguments.no_shrink;
+  options.processes = arguments.processes;
+  // A case that is repeated leaves no files that were not asked for.
+  if (!arguments.report.empty() || arguments.fixed.empty()) {
+    options.folder = arguments.report.empty() ? kDefaultFolder : arguments.report;
+  }
+  return options;
+}
+
+// Before the run: hours of cases must not end in a file that cannot be written.
+Status CheckOutputs(const TestArguments& arguments) {
+  if (!arguments.junit.empty()) {
+    if (const Status status = CheckWritable(arguments.junit); !status.ok()) {
+      return Error{{arguments.junit}, "cannot write: " + status.error().message};
+    }
+  }
+  if (arguments.report.empty()) return {};
+  std::error_code failure;
+  std::filesystem::create_directories(arguments.report, failure);
+  if (failure) return Error{{arguments.report}, "cannot make the folder: " + failure.message()};
+  return {};
+}
+
+Status WriteReports(const CaseReport& report, const TestArguments& arguments) {
+  if (!arguments.junit.empty()) {
+    if (Status error = WriteWholeFile(arguments.junit, report.JUnit()); !error.ok()) return error;
+  }
+  if (arguments.report.empty()) return {};
+  if (Status error = report.Write(arguments.report); !error.ok()) return error;
+  PrintPlain(stdout, "report: {}\n", (std::filesystem::path(arguments.report) / "index.html").string());
+  return {};
+}
+
+// The expectations of a test on a recording.
+Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path) {
+  const Result<Recording> recording = Recording::Open(path);
+  if (!recording.ok()) return recording.error();
+  if (const Status other = CheckStepVersion(recording.value()); !other.ok()) return other.error();
+  Result<ReplayedWorld> made = ReplayedWorld::At(recording.value(), 0);
+  if (!made.ok()) return made.error();
+  ReplayedWorld& world = made.value();
+  const CaseWorlds worlds(test);
+  const Result<LoadedWorld> loaded = worlds.Load(test.design().At(0));
+  if (!loaded.ok()) return loaded.error();
+  Result<CaseMonitors> monitors = CaseMonitors::Make(test, world.world(), loaded.value().regions);
+  if (!monitors.ok()) return monitors.error();
+  TickReader reader(recording.value());
+  RecordedTick tick;
+  bool first = true;
+  for (;;) {
+    const Result<bool> more = reader.Next(tick);
+    if (!more.ok()) return more.error();
+    if (!more.value()) break;
+    if (tick.edit) {
+      return Error{{path},
+                   fmt::format("found an edit of the world at tick {}, expected a run without edits", tick.tick)};
+    }
+    if (Status error = world.Follow(tick); !error.ok()) return error.error();
+    const TickView view{*world.scene(), world.bodies(), world.state(), first ? std::span<const Event>() : tick.events};
+    first = false;
+    if (Status error = monitors.value().Push(view); !error.ok()) return error.error();
+  }
+  CaseOutcome outcome;
+  outcome.ticks = world.state().tick;
+  outcome.state_hash = world.state_hash();
+  outcome.tick_seconds = world.world().interval_seconds();
+  monitors.value().Finish(outcome);
+  return outcome;
+}
+
+int TestOnRecording(const TestArguments& arguments) {
+  const Result<std::vector<std::string>> files = FindTests(arguments.files);
+  if (!files.ok()) return Fail(files.error());
+  bool failed = false;
+  for (const std::string& path : files.value()) {
+    const Result<TestFile> test = TestFile::Read(path);
+    if (!test.ok()) return Fail(test.error());
+    const Result<CaseOutcome> outcome = TestRecording(test.value(), arguments.recording);
+    if (!outcome.ok()) return Fail(outcome.error());
+    for (std::size_t i = 0; i < test.value().expect().size(); ++i) {
+      const ExpectationOutcome& each = outcome.value().expectations[i];
+      failed = failed || !each.holds;
+      const std::string tick = each.cause_tick ? fmt::format(", decided by tick {}", *each.cause_tick) : "";
+      const std::string names = each.causes.empty() ? "" : fmt::format(" and {}", fmt::join(each.causes, ", "));
+      PrintPlain(stdout, "{} {}: robustness {:.4g}{}{}\n", each.holds ? "holds" : "FAILS",
+                 test.value().expect()[i].name, each.robustness, tick, names);
+    }
+    for (std::size_t i = 0; i < test.value().metrics().size(); ++i) {
+      const std::optional<double>& metric = outcome.value().metrics[i];
+      PrintPlain(stdout, "{}: {}\n", test.value().metrics()[i].name, metric ? fmt::format("{:.6g}", *metric) : "none");
+    }
+  }
+  return failed ? kExitExpectationFailed : kExitDone;
+}
+
+// With the verdicts of tests, or as a sweep, in which only a case that cannot be run is a failure.
+enum class Purpose : bool { kTest, kSweep };
+
+int RunCases(const TestArguments& arguments, Purpose purpose) {
+  Result<CaseSessionOptions> options = SessionOptions(arguments);
+  if (!options.ok()) return Fail(options.error());
+  if (const Status status = CheckOutputs(arguments); !status.ok()) return Fail(status.error());
+  options.value().keep_failing = purpose == Purpose::kTest;
+  CaseSession session(std::move(options).value());
+  if (const Status status = session.Load(arguments.files); !status.ok()) return ExitStatusOf(status.error());
+  const Result<bool> whole = session.Run();
+  if (!whole.ok()) return Fail(whole.error());
+  for (const std::string& name : session.report().Uncovered()) PrintPlain(stdout, "not covered: {}\n", name);
+  if (const Status status = WriteReports(session.report(), arguments); !status.ok()) return Fail(status.error());
+  PrintPlain(stdout, "{}\n", session.Summary());
+  if (!whole.value()) return kExitInterrupted;
+  if (purpose == Purpose::kTest && session.report().Count(CaseVerdict::kFailed) > 0) return kExitExpectationFailed;
+  return session.report().Count(CaseVerdict::kError) > 0 ? kExitFailed : kExitDone;
+}
+
+int Merge(const TestArguments& arguments) {
+  CaseReport report;
+  for (const std::string& folder : arguments.merged) {
+    if (const Status status = report.AddLines((std::filesystem::path(folder) / "cases.jsonl").string()); !status.ok()) {
+      return Fail(status.error());
+    }
+  }
+  if (const Status status = WriteReports(report, arguments); !status.ok()) return Fail(status.error());
+  return kExitDone;
+}
+
+int SweepCommand(const TestArguments& arguments) {
+  if (arguments.merged.empty() == arguments.files.empty()) {
+    return Fail({{},
+                 arguments.files.empty() ? "found no FILE, expected a test, or --merge with folders of sweeps"
+                                         : "found FILE beside --merge, expected one of the two"});
+  }
+  return arguments.merged.empty() ? RunCases(arguments, Purpose::kSweep) : Merge(arguments);
+}
+
+void AddCommonOptions(CLI::App& command, TestArguments& arguments) {
+  command.add_option("--jobs", arguments.jobs, "Cases that run at once (default: one for each core)")
+      ->check(WholeNumber(1, 1000))
+      ->type_name("N");
+  command
+      .add_option("--shard", arguments.shard,
+                  "Run only each N-th case, beginning with case I: N machines, each with another I, run all")
+      ->check(CLI::Validator(CheckShard, ""))
+      ->type_name("I/N");
+}
+
+}  // namespace
+
+void AddTestCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("test", "Run the cases of tests: scenarios with expectations");
+  const auto arguments = std::make_shared<TestArguments>();  // lives as long as the command
+  command->add_option("FILE", arguments->files, "Tests, and folders with *.test.json files")
+      ->required()
+      ->check(NotEmpty())
+      ->type_name("");
+  AddCommonOptions(*command, *arguments);
+  CLI::Option* const fixed = command->add_option("--case", arguments->fixed, "Run the cases with these draws only")
+                                 ->type_name("NAME=VALUE,...");
+  CLI::Option* const search =
+      command
+          ->add_option("--search", arguments->search,
+                       "Run up to N cases in search of one that fails, near those that nearly fail")
+          ->check(WholeNumber(1, kMostCases))
+          ->type_name("N");
+  search->excludes(fixed);
+  command->add_flag("--no-shrink", arguments->no_shrink, "Do not look for the smallest case that fails");
+  command->add_flag("--processes", arguments->processes,
+                    "Run each case by a world service and robot processes, too, and require the same hashes");
+  CLI::Option* const on = command->add_option("--on", arguments->recording, "Test a recorded run instead of the cases")
+                              ->check(NotEmpty())
+                              ->type_name("RECORDING.mcap");
+  on->excludes(fixed)->excludes(search);
+  const char* group = "Reports";
+  command->add_option("--junit", arguments->junit, "Write the verdicts as JUnit XML")
+      ->check(NotEmpty())
+      ->type_name("FILE")
+      ->group(group);
+  command
+      ->add_option("--report", arguments->report,
+                   "Write a page, a table, plots, and the recordings of cases that fail into a folder")
+      ->check(NotEmpty())
+      ->type_name("DIR")
+      ->group(group);
+  command->final_callback([arguments, &exit_status] {
+    exit_status = arguments->recording.empty() ? RunCases(*arguments, Purpose::kTest) : TestOnRecording(*arguments);
+  });
+}
+
+void AddSweepCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("sweep", "Run the cases of tests for their metrics: tables and plots");
+  const auto arguments = std::make_shared<TestArguments>();  // lives as long as the command
+  command->add_option("FILE", arguments->files, "Tests, and folders with *.test.json files")
+      ->check(NotEmpty())
+      ->type_name("");
+  command->add_option("-o,--output", arguments->report, "The folder of the report")
+      ->required()
+      ->check(NotEmpty())
+      ->type_name("DIR");
+  AddCommonOptions(*command, *arguments);
+  command->add_option("--merge", arguments->merged, "Join the reports of the shards of one sweep")
+      ->check(NotEmpty())
+      ->type_name("DIR ...");
+  command->final_callback([arguments, &exit_status] { exit_status = SweepCommand(*arguments); });
+}
+
+}  // namespace troupe

@@ -1,0 +1,60 @@
+// CaseDesign: which cases of a test are run: all combinations of values, enough of them to have each pair of values, or
+// random ones.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "testing/cases/constraint.h"
+#include "testing/cases/variation.h"
+#include "troupe/result.h"
+
+namespace troupe {
+
+enum class DesignKind : std::uint8_t { kProduct, kPairwise, kRandom };
+
+struct DesignSettings {
+  DesignKind kind = DesignKind::kProduct;
+  std::uint64_t cases = 0;  // kRandom
+  std::uint64_t seed = 0;   // of random draws
+};
+
+// More cases than these are a mistake.
+inline constexpr std::uint64_t kMostCases = 10'000'000;
+
+class CaseDesign {
+ public:
+  // The cases whose draws meet the constraints. Variations of uniform and normal numbers are drawn anew for each case
+  // of every design. The error: too many cases, or none that meets the constraints.
+  static Result<CaseDesign> Make(std::vector<Variation> variations, std::vector<Constraint> constraints,
+                                 const DesignSettings& settings);
+
+  std::uint64_t size() const { return size_; }
+  // The same for the same number always.
+  TestCase At(std::uint64_t number) const;
+  const std::vector<Variation>& variations() const { return variations_; }
+  bool MeetsConstraints(const TestCase& draws) const;
+  // Pairs of values of different variations that no case can have; kPairwise only.
+  std::uint64_t impossible_pairs() const { return impossible_pairs_; }
+
+  // A random case, whatever the design: for searches. Meets the constraints if a thousand draws find one that does.
+  TestCase Random(std::uint64_t key) const;
+
+ private:
+  CaseDesign() = default;
+  TestCase MakeProduct(std::uint64_t number) const;
+  void MakePairs();
+  // The draws with these values of the listed variations, and random ones else.
+  TestCase FromIndices(const std::vector<std::uint64_t>& indices, std::uint64_t key) const;
+
+  std::vector<Variation> variations_;
+  std::vector<Constraint> constraints_;
+  DesignSettings settings_;
+  std::uint64_t size_ = 0;
+  std::vector<std::uint64_t> numbers_;             // kProduct with constraints: of the cases that meet them
+  std::vector<std::vector<std::uint64_t>> pairs_;  // kPairwise: the cases, as indices of values
+  std::uint64_t impossible_pairs_ = 0;
+};
+
+}  // namespace troupe

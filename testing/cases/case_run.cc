@@ -1,0 +1,263 @@
+#include "testing/cases/case_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "robot-agent/controller/create_controller.h"
+#include "troupe/world_description.h"
+
+namespace troupe {
+namespace {
+
+using nlohmann::json;
+
+template <typename T>
+json OptionalToJson(const std::optional<T>& value) {
+  return value ? json(*value) : json(nullptr);
+}
+
+std::optional<Tick> TickFromJson(const json& value) {
+  if (value.is_null()) return std::nullopt;
+  return value.get<Tick>();
+}
+
+// The least of each part of a run, so that no near miss is lost.
+std::vector<Monitor::Moment> Thinned(std::span<const Monitor::Moment> history) {
+  const std::size_t part = (history.size() + kMostMoments - 1) / kMostMoments;
+  std::vector<Monitor::Moment> thinned;
+  for (std::size_t begin = 0; begin < history.size(); begin += part) {
+    const auto end = history.begin() + static_cast<std::ptrdiff_t>(std::min(begin + part, history.size()));
+    thinned.push_back(*std::min_element(
+        history.begin() + static_cast<std::ptrdiff_t>(begin), end,
+        [](const Monitor::Moment& a, const Monitor::Moment& b) { return a.robustness < b.robustness; }));
+  }
+  return thinned;
+}
+
+ExpectationOutcome OutcomeOf(const Monitor& monitor) {
+  ExpectationOutcome outcome;
+  outcome.holds = monitor.verdict() == Verdict::kTrue;
+  outcome.robustness = monitor.robustness();
+  outcome.decided_at = monitor.decided_at();
+  Monitor::Cause cause = monitor.cause();
+  outcome.cause_tick = cause.tick;
+  outcome.causes = std::move(cause.names);
+  outcome.history = Thinned(monitor.history());
+  return outcome;
+}
+
+CaseOutcome ErrorOutcome(std::string error) {
+  CaseOutcome outcome;
+  outcome.verdict = CaseVerdict::kError;
+  outcome.error = std::move(error);
+  return outcome;
+}
+
+}  // namespace
+
+const char* ToString(CaseVerdict verdict) {
+  constexpr std::array<const char*, 4> kWords = {"passed", "failed", "error", "not run"};
+  return kWords[static_cast<std::size_t>(verdict)];
+}
+
+json NumberToJson(double number) {
+  if (std::isfinite(number)) return number;
+  return std::isnan(number) ? "nan" : number > 0.0 ? "inf" : "-inf";
+}
+
+double NumberFromJson(const json& value) {
+  if (value.is_number()) return value.get<double>();
+  const auto text = value.get<std::string>();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
+  return text == "inf" ? kInfinity : -kInfinity;
+}
+
+json CaseToJson(const TestCase& draws) {
+  json list = json::array();
+  for (const DrawnValue& draw : draws) list.push_back({draw.path, draw.value});
+  return list;
+}
+
+TestCase CaseFromJson(const json& value) {
+  TestCase draws;
+  for (const json& draw : value) draws.push_back({draw.at(0).get<std::string>(), draw.at(1).get<std::string>()});
+  return draws;
+}
+
+json ToJson(const CaseOutcome& outcome) {
+  json expectations = json::array();
+  for (const ExpectationOutcome& each : outcome.expectations) {
+    json history = json::array();
+    for (const Monitor::Moment& moment : each.history)
+      history.push_back({moment.tick, NumberToJson(moment.robustness)});
+    expectations.push_back({{"holds", each.holds},
+                            {"robustness", NumberToJson(each.robustness)},
+                            {"decided_at", OptionalToJson(each.decided_at)},
+                            {"cause_tick", OptionalToJson(each.cause_tick)},
+                            {"causes", each.causes},
+                            {"history", std::move(history)}});
+  }
+  json metrics = json::array();
+  for (const std::optional<double>& metric : outcome.metrics)
+    metrics.push_back(metric ? NumberToJson(*metric) : json(nullptr));
+  return {{"verdict", ToString(outcome.verdict)},
+          {"error", outcome.error},
+          {"decided", outcome.decided},
+          {"ticks", outcome.ticks},
+          {"state_hash", fmt::format("{:016x}", outcome.state_hash)},
+          {"tick_seconds", outcome.tick_seconds},
+          {"expectations", std::move(expectations)},
+          {"covered", outcome.covered},
+          {"metrics", std::move(metrics)}};
+}
+
+CaseOutcome OutcomeFromJson(const json& value) {
+  CaseOutcome outcome;
+  const std::string verdict = value.at("verdict");
+  for (const CaseVerdict each : {CaseVerdict::kPassed, CaseVerdict::kFailed, CaseVerdict::kError}) {
+    if (verdict == ToString(each)) outcome.verdict = each;
+  }
+  outcome.error = value.at("error").get<std::string>();
+  outcome.decided = value.at("decided");
+  outcome.ticks = value.at("ticks");
+  outcome.state_hash = std::stoull(value.at("state_hash").get<std::string>(), nullptr, 16);
+  outcome.tick_seconds = value.at("tick_seconds");
+  for (const json& each : value.at("expectations")) {
+    ExpectationOutcome expectation;
+    expectation.holds = each.at("holds");
+    expectation.robustness = NumberFromJson(each.at("robustness"));
+    expectation.decided_at = TickFromJson(each.at("decided_at"));
+    expectation.cause_tick = TickFromJson(each.at("cause_tick"));
+    expectation.causes = each.at("causes").get<std::vector<std::string>>();
+    for (const json& moment : each.at("history")) {
+      expectation.history.push_back({moment.at(0).get<Tick>(), NumberFromJson(moment.at(1))});
+    }
+    outcome.expectations.push_back(std::move(expectation));
+  }
+  outcome.covered = value.at("covered").get<std::vector<bool>>();
+  for (const json& metric : value.at("metrics")) {
+    outcome.metrics.push_back(metric.is_null() ? std::nullopt : std::optional(NumberFromJson(metric)));
+  }
+  return outcome;
+}
+
+CaseWorlds::CaseWorlds(const TestFile& test)
+    : test_(test), trees_(std::make_unique<std::map<std::string, WorldTree>>()) {
+  tools_.read_world = [trees = trees_.get()](const std::string& path,
+                                             const AllowedPaths& allowed) -> Result<WorldTree> {
+    if (const auto found = trees->find(path); found != trees->end()) return found->second;
+    Result<WorldTree> read = ReadWorldTree(path, allowed);
+    if (read.ok()) trees->emplace(path, read.value());
+    return read;
+  };
+}
+
+Result<LoadedWorld> CaseWorlds::Load(const TestCase& draws, const LoadOverrides& overrides) const {
+  const Result<std::string> text = test_.TextOf(draws);
+  if (!text.ok()) return text.error();
+  Result<LoadedWorld> loaded = LoadScenarioText(text.value(), test_.scenario_path(), overrides, tools_);
+  if (!loaded.ok()) {
+    if (draws.empty()) return loaded.error();
+    return Error{loaded.error().where, fmt::format("{} (in the case {})", loaded.error().message, CaseText(draws)),
+                 loaded.error().code};
+  }
+  return loaded;
+}
+
+Status CaseWorlds::Check(const TestCase& draws) const {
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  const Result<LoadedWorld> loaded = Load(draws, overrides);
+  if (!loaded.ok()) return loaded.error();
+  if (!loaded.value().settings.ticks) {
+    return Error{{test_.path()}, "found no 'ticks', expected the number of ticks of each case"};
+  }
+  const Result<CaseMonitors> monitors = CaseMonitors::Make(test_, loaded.value().world, loaded.value().regions);
+  return monitors.ok() ? Status() : monitors.error();
+}
+
+Result<CaseMonitors> CaseMonitors::Make(const TestFile& test, const WorldDescription& world,
+                                        const std::vector<RegionOfScenario>& regions, std::optional<std::size_t> only) {
+  std::vector<NamedRegion> named;
+  for (const RegionOfScenario& region : regions) named.push_back({region.name, region.outline});
+  const ExpectationScope scope{world, named};
+  CaseMonitors monitors;
+  const auto add = [&](const std::vector<TestClause>& clauses, std::vector<Monitor>& list) -> Status {
+    for (const TestClause& clause : clauses) {
+      const Result<Expectation> expectation = Expectation::Parse(clause.text, scope);
+      if (!expectation.ok()) return test.At(clause, expectation.error());
+      list.emplace_back(expectation.value());
+    }
+    return {};
+  };
+  if (only) {
+    if (Status error = add({test.expect()[*only]}, monitors.expectations_); !error.ok()) return error.error();
+    return monitors;
+  }
+  if (Status error = add(test.expect(), monitors.expectations_); !error.ok()) return error.error();
+  if (Status error = add(test.cover(), monitors.cover_); !error.ok()) return error.error();
+  for (const TestClause& clause : test.metrics()) {
+    const Result<Metric> metric = Metric::Parse(clause.text, scope);
+    if (!metric.ok()) return test.At(clause, metric.error());
+    monitors.metrics_.emplace_back(metric.value());
+  }
+  return monitors;
+}
+
+bool CaseMonitors::decided() const {
+  return std::all_of(expectations_.begin(), expectations_.end(),
+                     [](const Monitor& monitor) { return monitor.verdict() != Verdict::kUndecided; });
+}
+
+void CaseMonitors::Finish(CaseOutcome& outcome) {
+  outcome.verdict = CaseVerdict::kPassed;
+  outcome.decided = decided();
+  for (Monitor& monitor : expectations_) {
+    monitor.Finish();
+    outcome.expectations.push_back(OutcomeOf(monitor));
+    if (!outcome.expectations.back().holds) outcome.verdict = CaseVerdict::kFailed;
+  }
+  for (Monitor& monitor : cover_) {
+    monitor.Finish();
+    outcome.covered.push_back(monitor.verdict() == Verdict::kTrue);
+  }
+  for (MetricMonitor& monitor : metrics_) {
+    monitor.Finish();
+    outcome.metrics.push_back(monitor.value());
+  }
+}
+
+CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseRunOptions& options) {
+  Result<LoadedWorld> loaded = worlds.Load(draws);
+  if (!loaded.ok()) return ErrorOutcome(loaded.error().ToString());
+  const std::optional<std::uint64_t> ticks = loaded.value().settings.ticks;
+  if (!ticks) return ErrorOutcome("found no 'ticks', expected the number of ticks of each case");
+  const std::vector<RegionOfScenario> regions = std::move(loaded.value().regions);
+  Result<Simulation> created = Simulation::Create(std::move(loaded.value().world));
+  if (!created.ok()) return ErrorOutcome(created.error().ToString());
+  Simulation& simulation = created.value();
+  Result<CaseMonitors> made = CaseMonitors::Make(worlds.test(), simulation.world(), regions, options.only);
+  if (!made.ok()) return ErrorOutcome(made.error().ToString());
+  CaseMonitors& monitors = made.value();
+  for (;;) {
+    if (const Status error = monitors.Push(simulation); !error.ok()) return ErrorOutcome(error.error().ToString());
+    const bool ended = options.on_tick && !options.on_tick(simulation);
+    if (ended || simulation.tick() >= *ticks || (options.only && monitors.decided())) break;
+    simulation.Step();
+    if (!simulation.failures().empty()) return ErrorOutcome(simulation.failures().front());
+  }
+  CaseOutcome outcome;
+  outcome.ticks = simulation.tick();
+  outcome.state_hash = simulation.state_hash();
+  outcome.tick_seconds = simulation.world().interval_seconds();
+  monitors.Finish(outcome);
+  return outcome;
+}
+
+}  // namespace troupe

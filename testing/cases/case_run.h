@@ -1,0 +1,124 @@
+// Running one case of a test in this process: the world of its draws, monitors of the test's clauses, and the outcome.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "testing/cases/test_file.h"
+#include "troupe/expectation.h"
+#include "troupe/simulation.h"
+#include "worldfile/scenario/scenario.h"
+
+namespace troupe {
+
+enum class CaseVerdict : std::uint8_t {
+  kPassed,
+  kFailed,  // an expectation does not hold
+  kError,   // the case could not be run
+  kNotRun,  // the tests were stopped before
+};
+const char* ToString(CaseVerdict verdict);
+
+// The end of one expectation in a case.
+struct ExpectationOutcome {
+  bool holds = false;
+  double robustness = 0.0;               // in the expectation's unit; may be infinite
+  std::optional<Tick> decided_at;        // the tick after which the verdict was known
+  std::optional<Tick> cause_tick;        // that decides the robustness
+  std::vector<std::string> causes;       // robots and objects that decide it
+  std::vector<Monitor::Moment> history;  // at most kMostMoments: the least robustness of each part of the run
+
+  bool operator==(const ExpectationOutcome&) const = default;
+};
+inline constexpr std::size_t kMostMoments = 200;
+
+struct CaseOutcome {
+  CaseVerdict verdict = CaseVerdict::kNotRun;
+  std::string error;     // why the case could not be run
+  bool decided = false;  // the verdicts of all expectations were known before the run ended
+  Tick ticks = 0;        // of the last state
+  std::uint64_t state_hash = 0;
+  double tick_seconds = 0.0;                     // s, simulated, of each tick
+  std::vector<ExpectationOutcome> expectations;  // in the order of the test
+  std::vector<bool> covered;                     // likewise
+  std::vector<std::optional<double>> metrics;    // likewise; nothing: it does not exist in this run
+
+  bool operator==(const CaseOutcome&) const = default;
+};
+
+// As JSON, and back. Those that read throw nlohmann::json::exception for other JSON. JSON has no infinite numbers: they
+// are the texts "inf" and "-inf".
+nlohmann::json NumberToJson(double number);
+double NumberFromJson(const nlohmann::json& json);
+nlohmann::json CaseToJson(const TestCase& draws);
+TestCase CaseFromJson(const nlohmann::json& json);
+nlohmann::json ToJson(const CaseOutcome& outcome);
+CaseOutcome OutcomeFromJson(const nlohmann::json& json);
+
+// Loads the worlds of a test's cases. Files that the scenario names are read once, also for copies of the process.
+class CaseWorlds {
+ public:
+  explicit CaseWorlds(const TestFile& test);  // the test outlives this
+
+  // The error is at a place of the scenario or of the test.
+  Result<LoadedWorld> Load(const TestCase& draws, const LoadOverrides& overrides = {}) const;
+  const TestFile& test() const { return test_; }
+  // The controllers and clauses of the test on the world of `draws`. The error is bad input.
+  Status Check(const TestCase& draws) const;
+
+ private:
+  const TestFile& test_;
+  std::unique_ptr<std::map<std::string, WorldTree>> trees_;  // by path
+  ScenarioTools tools_;
+};
+
+struct CaseRunOptions {
+  // Monitors this expectation alone, and ends when its verdict is known: for shrinking. Nothing: all clauses.
+  std::optional<std::size_t> only = {};
+  // Called with each state, from tick 0 on; returns false to end the run. May be null.
+  std::function<bool(const Simulation& simulation)> on_tick = nullptr;
+};
+
+CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseRunOptions& options = {});
+
+// The clauses of a test on one run: for simulations and recordings.
+class CaseMonitors {
+ public:
+  // The error is a clause that the world does not fit, at its place in the test's file. `only`: as above.
+  static Result<CaseMonitors> Make(const TestFile& test, const WorldDescription& world,
+                                   const std::vector<RegionOfScenario>& regions, std::optional<std::size_t> only = {});
+
+  template <typename TickSource>  // Simulation or TickView
+  Status Push(const TickSource& tick) {
+    for (Monitor& monitor : expectations_) {
+      if (Status error = monitor.Push(tick); !error.ok()) return error;
+    }
+    for (Monitor& monitor : cover_) {
+      if (Status error = monitor.Push(tick); !error.ok()) return error;
+    }
+    for (MetricMonitor& monitor : metrics_) {
+      if (Status error = monitor.Push(tick); !error.ok()) return error;
+    }
+    return {};
+  }
+  // Whether the verdicts of all expectations are known.
+  bool decided() const;
+  const std::vector<Monitor>& expectations() const { return expectations_; }
+  const std::vector<MetricMonitor>& metrics() const { return metrics_; }
+  // Ends the monitors, and fills the verdicts.
+  void Finish(CaseOutcome& outcome);
+
+ private:
+  CaseMonitors() = default;
+
+  std::vector<Monitor> expectations_;
+  std::vector<Monitor> cover_;
+  std::vector<MetricMonitor> metrics_;
+};
+
+}  // namespace troupe

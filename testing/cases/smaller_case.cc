@@ -1,0 +1,236 @@
+#include "testing/cases/smaller_case.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "troupe/random.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::uint64_t kSearchStream = 0x7365'6172'6368;
+constexpr std::size_t kMostNear = 5;        // cases that are kept for each expectation
+constexpr std::uint64_t kMostRepeats = 50;  // draws until a case is new
+
+// Robots and objects that stand by themselves.
+std::vector<std::string> EntitiesOf(const WorldDescription& world) {
+  std::vector<std::string> names;
+  for (const RobotDescription& robot : world.robots) names.push_back(world.model(robot.root).name);
+  for (const ModelId object : world.objects) {
+    if (!world.model(object).parent) names.push_back(world.model(object).name);
+  }
+  return names;
+}
+
+class Shrinker {
+ public:
+  Shrinker(const CaseWorlds& worlds, const TestCase& draws, std::size_t expectation, const ShrinkBudget& budget)
+      : worlds_(worlds), expectation_(expectation), budget_(budget), draws_(draws) {}
+
+  ShrunkCase Run() {
+    ReadStart();
+    if (Try(draws_, removed_)) {  // sets the ticks
+      for (bool changed = true; changed && HasTime();) {
+        // Draws first: a smaller number of robots leaves none whose name could be removed already.
+        changed = SimplifyDraws();
+        changed = RemoveEntities() || changed;
+      }
+    }
+    ShrunkCase shrunk;
+    shrunk.draws = CaseOf(draws_, removed_);
+    shrunk.outcome = RunCase(worlds_, shrunk.draws);
+    shrunk.runs = runs_;
+    if (const Result<LoadedWorld> world = worlds_.Load(shrunk.draws); world.ok())
+      shrunk.robots = world.value().world.robots.size();
+    return shrunk;
+  }
+
+ private:
+  using Names = std::vector<std::string>;
+
+  // Draws of the case that shrinking makes by itself are no part of draws_.
+  void ReadStart() {
+    const CaseDesign& design = worlds_.test().design();
+    const auto varied = [&](const std::string& path) {
+      return std::any_of(design.variations().begin(), design.variations().end(),
+                         [&](const Variation& variation) { return variation.path() == path; });
+    };
+    may_remove_ = !varied("without");
+    may_end_ = !varied("ticks");
+    const TestCase all = worlds_.test().WithCommon(draws_);
+    const auto drawn =
+        std::find_if(all.begin(), all.end(), [](const DrawnValue& draw) { return draw.path == "without"; });
+    const JsonNode* const listed = worlds_.test().scenario().tree().root().Find("without");
+    if (drawn != all.end()) {
+      removed_ = nlohmann::json::parse(drawn->value).get<Names>();
+    } else if (listed != nullptr) {
+      for (const JsonNode& name : listed->items) removed_.push_back(name.text);
+    }
+    if (may_remove_) std::erase_if(draws_, [](const DrawnValue& draw) { return draw.path == "without"; });
+    const bool ended =
+        may_end_ && std::erase_if(draws_, [](const DrawnValue& draw) { return draw.path == "ticks"; }) > 0;
+    if (const Result<LoadedWorld> world = worlds_.Load(all); world.ok()) {
+      entities_ = EntitiesOf(world.value().world);
+      ticks_ = world.value().settings.ticks.value_or(0);
+      scenario_ticks_ = ended ? std::numeric_limits<Tick>::max() : ticks_;
+    }
+  }
+
+  TestCase CaseOf(const TestCase& draws, const Names& removed) const {
+    TestCase whole = draws;
+    if (may_end_ && ticks_ < scenario_ticks_) whole.push_back({"ticks", std::to_string(ticks_)});
+    if (may_remove_ && !removed.empty()) whole.push_back({"without", nlohmann::json(removed).dump()});
+    return whole;
+  }
+
+  bool HasTime() const {
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - began_;
+    return runs_ < budget_.runs && passed.count() < budget_.seconds;
+  }
+
+  // Keeps the case if it fails, too.
+  bool Try(const TestCase& draws, const Names& removed) {
+    if (!HasTime()) return false;
+    ++runs_;
+    CaseRunOptions options;
+    options.only = expectation_;
+    const CaseOutcome outcome = RunCase(worlds_, CaseOf(draws, removed), options);
+    if (outcome.verdict != CaseVerdict::kFailed || (known_early_ && !outcome.decided)) return false;
+    known_early_ = outcome.decided;
+    draws_ = draws;
+    removed_ = removed;
+    const ExpectationOutcome& expectation = outcome.expectations.front();
+    causes_ = expectation.causes;
+    // A verdict that was known before the end needs no tick more; another one depends on the end.
+    if (may_end_ && outcome.decided && *expectation.decided_at < ticks_)
+      ticks_ = std::max<Tick>(*expectation.decided_at, 1);
+    return true;
+  }
+
+  // Leaves out all but the robots and objects that decide, then parts of the rest, down to single ones (delta
+  // debugging, Zeller 1999). At least one is left, since of none everything is true.
+  bool RemoveEntities() {
+    if (!may_remove_) return false;
+    bool changed = false;
+    const auto try_keeping = [&](const Names& kept) {
+      if (kept.empty() || kept.size() >= entities_.size()) return false;
+      Names removed = removed_;
+      for (const std::string& name : entities_) {
+        if (std::find(kept.begin(), kept.end(), name) == kept.end()) removed.push_back(name);
+      }
+      if (!Try(draws_, removed)) return false;
+      entities_ = kept;
+      return changed = true;
+    };
+    Names deciding;
+    std::copy_if(entities_.begin(), entities_.end(), std::back_inserter(deciding), [&](const std::string& name) {
+      return std::find(causes_.begin(), causes_.end(), name) != causes_.end();
+    });
+    try_keeping(deciding);
+    std::size_t part = (entities_.size() + 1) / 2;
+    while (part > 0 && HasTime()) {
+      bool removed = false;
+      for (std::size_t begin = 0; begin < entities_.size() && HasTime();) {
+        Names kept = entities_;
+        const auto first = kept.begin() + static_cast<std::ptrdiff_t>(begin);
+        kept.erase(first, first + static_cast<std::ptrdiff_t>(std::min(part, kept.size() - begin)));
+        if (try_keeping(kept)) {
+          removed = true;
+        } else {
+          begin += part;
+        }
+      }
+      if (!removed || part > entities_.size()) part /= 2;
+    }
+    return changed;
+  }
+
+  bool SimplifyDraws() {
+    bool changed = false;
+    const std::vector<Variation>& variations = worlds_.test().design().variations();
+    for (std::size_t i = 0; i < variations.size() && i < draws_.size(); ++i) {
+      for (const std::string& value : variations[i].SimplerThan(draws_[i].value)) {
+        if (!HasTime()) return changed;
+        TestCase simpler = draws_;
+        simpler[i].value = value;
+        if (!worlds_.test().CanMake(simpler)) continue;
+        if (!Try(simpler, removed_)) continue;
+        changed = true;
+        break;
+      }
+    }
+    return changed;
+  }
+
+  const CaseWorlds& worlds_;
+  const std::size_t expectation_;
+  const ShrinkBudget budget_;
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::size_t runs_ = 0;
+  bool may_remove_ = true;
+  bool may_end_ = true;
+  // The smallest case so far.
+  TestCase draws_;
+  Names removed_;
+  Tick ticks_ = 0;
+  Tick scenario_ticks_ = 0;   // that a case without a draw of them has
+  bool known_early_ = false;  // the verdict does not depend on the end of the run
+  Names entities_;            // that are left
+  Names causes_;
+};
+
+}  // namespace
+
+ShrunkCase ShrinkCase(const CaseWorlds& worlds, const TestCase& draws, std::size_t expectation,
+                      const ShrinkBudget& budget) {
+  return Shrinker(worlds, draws, expectation, budget).Run();
+}
+
+TestCase CaseSearch::Propose() {
+  const std::uint64_t key = proposals_;
+  // The first cases, and one of four later ones, are random.
+  constexpr std::uint64_t kFirst = 10;
+  const bool known = std::any_of(nearest_.begin(), nearest_.end(), [](const auto& list) { return !list.empty(); });
+  if (proposals_ < kFirst || !known || RandomUniform({kSearchStream, key, 0}) < 0.25) return design_.Random(key);
+  const std::vector<Near>* list = &nearest_[key % nearest_.size()];
+  for (std::size_t i = 0; list->empty(); ++i) list = &nearest_[(key + i) % nearest_.size()];
+  // The nearest one most often.
+  const double chosen = RandomUniform({kSearchStream, key, 1});
+  TestCase draws = (*list)[static_cast<std::size_t>(chosen * chosen * static_cast<double>(list->size()))].draws;
+  const double amount = 0.5 * std::pow(0.01, RandomUniform({kSearchStream, key, 2}));
+  const std::vector<Variation>& variations = design_.variations();
+  const std::uint64_t always = RandomBits({kSearchStream, key, 3}) % std::max<std::size_t>(variations.size(), 1);
+  for (std::size_t i = 0; i < variations.size(); ++i) {
+    if (i != always && RandomUniform({kSearchStream, key, 4, i}) < 0.5) continue;
+    draws[i].value = variations[i].Near(draws[i].value, amount, key, i);
+  }
+  return design_.MeetsConstraints(draws) ? draws : design_.Random(key);
+}
+
+TestCase CaseSearch::Next() {
+  TestCase draws;
+  for (std::uint64_t i = 0; i < kMostRepeats; ++i) {
+    draws = Propose();
+    ++proposals_;
+    if (proposed_.insert(CaseText(draws)).second) break;
+  }
+  return draws;
+}
+
+void CaseSearch::Add(const TestCase& draws, const CaseOutcome& outcome) {
+  nearest_.resize(std::max(nearest_.size(), outcome.expectations.size()));
+  for (std::size_t i = 0; i < outcome.expectations.size(); ++i) {
+    const double robustness = outcome.expectations[i].robustness;
+    if (!std::isfinite(robustness)) continue;
+    std::vector<Near>& list = nearest_[i];
+    const auto place =
+        std::find_if(list.begin(), list.end(), [&](const Near& near) { return robustness < near.robustness; });
+    list.insert(place, {robustness, draws});
+    if (list.size() > kMostNear) list.pop_back();
+  }
+}
+
+}  // namespace troupe

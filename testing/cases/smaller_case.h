@@ -1,0 +1,57 @@
+// From cases to better ones: the smallest case that fails as another one does, and cases that come nearer to failing.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "testing/cases/case_run.h"
+
+namespace troupe {
+
+struct ShrinkBudget {
+  std::size_t runs = 2000;
+  double seconds = 30.0;  // of wall time, after which no further run begins
+};
+
+struct ShrunkCase {
+  TestCase draws;       // those of the test's `vary`, then "ticks" and "without"
+  CaseOutcome outcome;  // of a whole run
+  std::size_t runs = 0;
+  std::size_t robots = 0;  // that are left
+};
+
+// The smallest case found in which the same expectation does not hold: with fewer robots and objects (which "without"
+// names), fewer ticks, and simpler values of each draw. Each candidate is one that the test could have: draws are
+// values of their variations and meet the constraints, and robots keep the places of the whole case. An outcome that
+// depends on the end of the run keeps its ticks. REQUIRES: the expectation does not hold in the case.
+ShrunkCase ShrinkCase(const CaseWorlds& worlds, const TestCase& draws, std::size_t expectation,
+                      const ShrinkBudget& budget = {});
+
+// CaseSearch: proposes cases near those that came nearest to failing, and random ones between them. For each
+// expectation by itself, since robustness has its unit. The same outcomes give the same proposals.
+class CaseSearch {
+ public:
+  explicit CaseSearch(const CaseDesign& design) : design_(design) {}
+
+  // A case that was not proposed before, if a few draws find one.
+  TestCase Next();
+  void Add(const TestCase& draws, const CaseOutcome& outcome);
+
+ private:
+  struct Near {
+    double robustness = 0.0;
+    TestCase draws;
+  };
+  TestCase Propose();
+
+  const CaseDesign& design_;
+  std::uint64_t proposals_ = 0;
+  std::set<std::string> proposed_;
+  std::vector<std::vector<Near>> nearest_;  // by expectation; the nearest to failing first
+};
+
+}  // namespace troupe

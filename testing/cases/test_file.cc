@@ -1,0 +1,257 @@
+#include "testing/cases/test_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/base/text.h"
+#include "worldfile/scenario/scenario_schema.h"
+#include "worldfile/text/text_file.h"
+
+namespace troupe {
+namespace {
+
+// Keys that a test of another file may have beside those of tests.
+const std::set<std::string> kKeysOfTests = {"$schema", "scenario", "name",   "seed",  "ticks",  "vary",
+                                            "where",   "design",   "expect", "cover", "metrics"};
+
+Error Placed(const JsonTree& tree, const JsonNode& node, const Error& error) {
+  return tree.ErrorAt(node, error.message);
+}
+
+// The offset in a JSON string's bytes, with its quotes, of byte `index` of the text that it stands for.
+std::size_t OffsetInString(std::string_view quoted, std::size_t index) {
+  std::size_t offset = 1;
+  std::size_t made = 0;
+  while (offset + 1 < quoted.size() && made < index) {
+    if (quoted[offset] != '\\') {
+      ++offset;
+      ++made;
+    } else if (quoted[offset + 1] == 'u' && offset + 6 <= quoted.size()) {
+      // The bytes in UTF-8; both halves of a pair make two of them each.
+      const unsigned long code = std::stoul(std::string(quoted.substr(offset + 2, 4)), nullptr, 16);
+      made += code < 0x80 ? 1 : code < 0x800 || (code >= 0xd800 && code < 0xe000) ? 2 : 3;
+      offset += 6;
+    } else {
+      offset += 2;
+      ++made;
+    }
+  }
+  return offset;
+}
+
+}  // namespace
+
+Result<TestFile> TestFile::Read(const std::string& path, const TestCase& fixed) {
+  TestFile test;
+  test.path_ = path;
+  const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
+  if (!text.ok()) return text.error();
+  test.text_ = text.value();
+  Result<ScenarioText> parsed = ScenarioText::Parse(text.value(), path);
+  if (!parsed.ok()) return parsed.error();
+  const ScenarioText own = std::move(parsed).value();
+  const JsonTree& tree = own.tree();
+  if (Status error = ScenarioSchema().Check(tree); !error.ok()) return error.error();
+  const JsonNode& root = tree.root();
+  const JsonNode* const name = root.Find("name");
+  test.name_ = name != nullptr ? name->text : std::filesystem::path(path).stem().string();
+  if (name == nullptr && test.name_.ends_with(".test")) test.name_.resize(test.name_.size() - 5);
+
+  test.scenario_path_ = path;
+  if (const JsonNode* const scenario = root.Find("scenario")) {
+    for (const JsonNode& member : root.items) {
+      if (kKeysOfTests.contains(member.key)) continue;
+      return Error{tree.WhereKey(member),
+                   fmt::format("found the key {} in a test of another scenario, expected it in {}", Quoted(member.key),
+                               Quoted(scenario->text))};
+    }
+    std::string file = (std::filesystem::path(DirectoryOf(path)) / scenario->text).lexically_normal().string();
+    std::string scenario_text;
+    if (std::filesystem::path(file).extension() == ".json") {
+      Result<std::string> read = ReadTextFile(file, tree.Where(*scenario));
+      if (!read.ok()) return read.error();
+      scenario_text = std::move(read).value();
+    } else {  // a world alone
+      scenario_text = "{\"world\": " + nlohmann::json(std::filesystem::path(file).filename().string()).dump() + "}";
+    }
+    test.scenario_path_ = file;
+    Result<ScenarioText> named = ScenarioText::Parse(std::move(scenario_text), file);
+    if (!named.ok()) return named.error();
+    test.scenario_ = std::move(named).value();
+    for (const char* key : {"seed", "ticks"}) {
+      if (const JsonNode* const found = root.Find(key)) test.common_.push_back({key, found->text});
+    }
+  } else {
+    test.scenario_ = own;
+  }
+  if (Status error = test.ReadClauses(tree); !error.ok()) return error.error();
+  if (Status error = test.ReadDesign(tree, fixed); !error.ok()) return error.error();
+  return test;
+}
+
+Status TestFile::ReadClauses(const JsonTree& tree) {
+  const JsonNode& root = tree.root();
+  const auto read = [&](const JsonNode& entry, const std::string& key) -> TestClause {
+    const JsonNode& that = entry.is_string() ? entry : entry.Member("that");
+    const JsonNode* const name = entry.is_object() ? entry.Find("name") : nullptr;
+    const std::string shown = !key.empty() ? key : name != nullptr ? name->text : that.text;
+    return {shown, that.text, that.span};
+  };
+  for (auto [key, clauses] : {std::pair{"expect", &expect_}, std::pair{"cover", &cover_}}) {
+    const JsonNode* const list = root.Find(key);
+    if (list == nullptr) continue;
+    for (const JsonNode& entry : list->items) {
+      TestClause clause = read(entry, "");
+      const auto same = [&](const TestClause& other) { return other.name == clause.name; };
+      if (std::any_of(clauses->begin(), clauses->end(), same)) {
+        return tree.ErrorAt(entry, fmt::format("found the name {} again, expected another name", Quoted(clause.name)));
+      }
+      clauses->push_back(std::move(clause));
+    }
+  }
+  if (const JsonNode* const list = root.Find("metrics")) {
+    for (const JsonNode& entry : list->items) metrics_.push_back(read(entry, entry.key));
+  }
+  if (expect_.empty() && cover_.empty() && metrics_.empty()) {
+    return tree.ErrorAt(root, "found none of 'expect', 'cover' and 'metrics', expected at least one in a test");
+  }
+  return {};
+}
+
+Status TestFile::ReadDesign(const JsonTree& tree, const TestCase& fixed) {
+  const JsonNode& root = tree.root();
+  std::vector<Variation> variations;
+  std::vector<std::string> names;
+  if (const JsonNode* const vary = root.Find("vary")) {
+    for (const JsonNode& entry : vary->items) {
+      Result<ValuePath> path = ValuePath::Parse(entry.key);
+      if (!path.ok()) return Error{tree.WhereKey(entry), path.error().message};
+      if (const Result<const JsonNode*> found = scenario_->Find(path.value()); !found.ok()) {
+        return Error{tree.WhereKey(entry), found.error().message};
+      }
+      for (const Variation& other : variations) {
+        if (!other.value_path().Overlaps(path.value())) continue;
+        return Error{tree.WhereKey(entry),
+                     fmt::format("found the path {}, a value that {} varies too, expected one of the two",
+                                 Quoted(entry.key), Quoted(other.path()))};
+      }
+      Result<Variation> variation = Variation::Read(tree, entry, std::move(path).value());
+      if (!variation.ok()) return variation.error();
+      names.push_back(entry.key);
+      variations.push_back(std::move(variation).value());
+    }
+  }
+  // --case
+  for (const DrawnValue& draw : fixed) {
+    const auto varied = std::find_if(variations.begin(), variations.end(),
+                                     [&](const Variation& variation) { return variation.path() == draw.path; });
+    if (varied != variations.end()) {
+      if (!varied->Contains(draw.value)) {
+        return Error{{},
+                     fmt::format("--case: found {} as {}, expected {}", Quoted(draw.value), Quoted(draw.path, 200),
+                                 varied->Describe())};
+      }
+      *varied = Variation::Of(varied->value_path(), draw.value);
+      continue;
+    }
+    const ValuePath path = ValuePath::Parse(draw.path).value();  // ParseCase has parsed it
+    if (const Result<const JsonNode*> found = scenario_->Find(path); !found.ok()) {
+      return Error{{}, "--case: " + found.error().message};
+    }
+    for (const Variation& variation : variations) {
+      if (!variation.value_path().Overlaps(path)) continue;
+      return Error{{},
+                   fmt::format("--case: found {}, a value that {} varies, expected the latter", Quoted(draw.path),
+                               Quoted(variation.path()))};
+    }
+    names.push_back(draw.path);
+    variations.push_back(Variation::Of(path, draw.value));
+  }
+  std::erase_if(
+      common_, [&](const DrawnValue& draw) { return std::find(names.begin(), names.end(), draw.path) != names.end(); });
+
+  std::vector<Constraint> constraints;
+  if (const JsonNode* const where = root.Find("where")) {
+    for (const JsonNode& entry : where->items) {
+      Result<Constraint> constraint = Constraint::Parse(entry.text, names);
+      if (!constraint.ok()) return At({"", entry.text, entry.span}, constraint.error());
+      constraints.push_back(std::move(constraint).value());
+    }
+  }
+  DesignSettings settings;
+  const JsonNode* const design = root.Find("design");
+  if (design != nullptr && design->is_object()) {
+    settings.kind = DesignKind::kRandom;
+    settings.cases = design->Member("random").ToInteger<std::uint64_t>();
+    if (const JsonNode* const seed = design->Find("seed")) settings.seed = seed->ToInteger<std::uint64_t>();
+  } else if (design != nullptr && design->text == "pairwise") {
+    settings.kind = DesignKind::kPairwise;
+  } else if (design != nullptr && design->text != "product") {
+    return tree.ErrorAt(*design,
+                        fmt::format("found {}, expected 'product', 'pairwise', or {{\"random\": the number of cases}}",
+                                    Quoted(design->text)));
+  }
+  Result<CaseDesign> made = CaseDesign::Make(std::move(variations), std::move(constraints), settings);
+  if (!made.ok()) {
+    const JsonNode* const place = design != nullptr ? design : root.Find("vary");
+    return place != nullptr ? Placed(tree, *place, made.error()) : made.error();
+  }
+  design_ = std::move(made).value();
+  return {};
+}
+
+TestCase TestFile::WithCommon(const TestCase& draws) const {
+  TestCase all;
+  for (const DrawnValue& draw : common_) {
+    const auto same = [&](const DrawnValue& other) { return other.path == draw.path; };
+    if (std::none_of(draws.begin(), draws.end(), same)) all.push_back(draw);
+  }
+  all.insert(all.end(), draws.begin(), draws.end());
+  return all;
+}
+
+Result<std::string> TestFile::TextOf(const TestCase& draws) const {
+  return scenario_->With(WithCommon(draws));
+}
+
+Error TestFile::At(const TestClause& clause, Error error) const {
+  const auto column = static_cast<std::size_t>(std::max(error.where.column, 1));
+  const std::size_t offset = clause.span.begin + OffsetInString(clause.span.Of(text_), column - 1);
+  return {TextLines(text_).Where(path_, offset), std::move(error.message), error.code};
+}
+
+bool TestFile::CanMake(const TestCase& draws) const {
+  const std::vector<Variation>& variations = design_->variations();
+  if (draws.size() < variations.size()) return false;
+  for (std::size_t i = 0; i < variations.size(); ++i) {
+    if (draws[i].path != variations[i].path() || !variations[i].Contains(draws[i].value)) return false;
+  }
+  return design_->MeetsConstraints(draws);
+}
+
+Result<std::vector<std::string>> FindTests(const std::vector<std::string>& paths) {
+  std::vector<std::string> tests;
+  for (const std::string& path : paths) {
+    std::error_code failure;
+    if (!std::filesystem::is_directory(path, failure)) {
+      tests.push_back(path);
+      continue;
+    }
+    std::vector<std::string> found;
+    std::filesystem::recursive_directory_iterator entry(path, failure);
+    for (; !failure && entry != std::filesystem::recursive_directory_iterator(); entry.increment(failure)) {
+      if (entry->path().string().ends_with(".test.json")) found.push_back(entry->path().string());
+    }
+    if (failure) return Error{{path}, "cannot read the folder: " + failure.message()};
+    if (found.empty()) return Error{{path}, "found no test in this folder, expected files that end in .test.json"};
+    std::sort(found.begin(), found.end());
+    tests.insert(tests.end(), found.begin(), found.end());
+  }
+  return tests;
+}
+
+}  // namespace troupe

@@ -1,0 +1,69 @@
+// TestFile: a test of a scenario, read and checked. A test is a scenario with more keys, or a *.test.json that names
+// one; docs/testing.md describes them, configs/scenario.schema.json is the schema.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "testing/cases/case_design.h"
+#include "testing/cases/value_path.h"
+#include "troupe/result.h"
+#include "worldfile/text/json_tree.h"
+
+namespace troupe {
+
+// An entry of "expect", "cover" or "metrics".
+struct TestClause {
+  std::string name;  // of an entry without one: its text
+  std::string text;  // of the language of expectations
+  TextSpan span;     // of the text in the file, with its quotes
+};
+
+class TestFile {
+ public:
+  // `fixed`: draws of --case. One of a path in `vary` replaces its values, any other is added to `vary` with this
+  // value. The error names the place in the file.
+  static Result<TestFile> Read(const std::string& path, const TestCase& fixed = {});
+
+  const std::string& path() const { return path_; }
+  const std::string& name() const { return name_; }
+  // The scenario whose values cases vary: the test itself, or the file that it names.
+  const std::string& scenario_path() const { return scenario_path_; }
+  const ScenarioText& scenario() const { return *scenario_; }
+  const CaseDesign& design() const { return *design_; }
+  const std::vector<TestClause>& expect() const { return expect_; }
+  const std::vector<TestClause>& cover() const { return cover_; }
+  const std::vector<TestClause>& metrics() const { return metrics_; }
+
+  // The draws of a case and those that all cases have: what replaces values of the scenario.
+  TestCase WithCommon(const TestCase& draws) const;
+  // The scenario of a case, as a text of its own for the folder of `scenario_path`.
+  Result<std::string> TextOf(const TestCase& draws) const;
+  // An error whose column counts in the text of a clause, at its place in the file.
+  Error At(const TestClause& clause, Error error) const;
+  // Draws that the generator could have made: the constraints, and the values of each variation. Draws of other paths
+  // may be anything.
+  bool CanMake(const TestCase& draws) const;
+
+ private:
+  TestFile() = default;
+  Status ReadClauses(const JsonTree& tree);
+  Status ReadDesign(const JsonTree& tree, const TestCase& fixed);
+
+  std::string path_;
+  std::string text_;  // of the file
+  std::string name_;
+  std::string scenario_path_;
+  std::optional<ScenarioText> scenario_;  // has a value, as the next one, once it is read
+  std::optional<CaseDesign> design_;
+  TestCase common_;
+  std::vector<TestClause> expect_;
+  std::vector<TestClause> cover_;
+  std::vector<TestClause> metrics_;
+};
+
+// The tests that a command line names: files, and in folders all *.test.json, at any depth, by name.
+Result<std::vector<std::string>> FindTests(const std::vector<std::string>& paths);
+
+}  // namespace troupe

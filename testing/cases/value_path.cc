@@ -1,0 +1,202 @@
+#include "testing/cases/value_path.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "common/base/text.h"
+
+namespace troupe {
+namespace {
+
+Error PathError(std::string_view text, std::size_t offset, const std::string& found, const std::string& expected) {
+  return {{"", 1, static_cast<int>(offset) + 1},
+          fmt::format("found {} in the path {}, expected {}", found, Quoted(text), expected)};
+}
+
+std::string Found(std::string_view text, std::size_t offset) {
+  return offset < text.size() ? Quoted(text.substr(offset, 1)) : "the end";
+}
+
+// Replaces spans of a text.
+class TextEdits {
+ public:
+  void Replace(const TextSpan& span, std::string text) { edits_.emplace_back(span, std::move(text)); }
+
+  std::string Apply(const std::string& text) {
+    std::stable_sort(edits_.begin(), edits_.end(),
+                     [](const auto& a, const auto& b) { return a.first.begin < b.first.begin; });
+    std::string edited;
+    std::size_t done = 0;
+    for (const auto& [span, replacement] : edits_) {
+      edited.append(text, done, span.begin - done).append(replacement);
+      done = span.end;
+    }
+    return edited.append(text, done);
+  }
+
+ private:
+  std::vector<std::pair<TextSpan, std::string>> edits_;
+};
+
+}  // namespace
+
+Result<ValuePath> ValuePath::Parse(std::string_view text) {
+  ValuePath path;
+  path.text_ = text;
+  std::size_t i = 0;
+  while (i < text.size() || path.steps_.empty()) {
+    if (path.steps_.empty() || text[i] == '.') {
+      if (!path.steps_.empty()) ++i;
+      const std::size_t end = std::min(text.find_first_of(".[", i), text.size());
+      if (end == i) return PathError(text, i, Found(text, i), "a key, as in spawn[0].count");
+      path.steps_.push_back({Step::Kind::kKey, std::string(text.substr(i, end - i))});
+      i = end;
+    } else if (text[i] == '[') {
+      const std::size_t end = text.find(']', i);
+      if (end == std::string_view::npos) return PathError(text, text.size(), "the end", "']'");
+      const std::string_view inner = text.substr(i + 1, end - i - 1);
+      if (inner.empty()) return PathError(text, i + 1, "']'", "a number from 0, or the name of an object");
+      Step step{Step::Kind::kName, std::string(inner)};
+      const auto number = std::from_chars(inner.data(), inner.data() + inner.size(), step.index);
+      if (number.ec == std::errc() && number.ptr == inner.data() + inner.size()) step.kind = Step::Kind::kIndex;
+      path.steps_.push_back(std::move(step));
+      i = end + 1;
+    } else {
+      return PathError(text, i, Found(text, i), "'.' or '['");
+    }
+  }
+  return path;
+}
+
+bool ValuePath::Overlaps(const ValuePath& other) const {
+  const std::size_t common = std::min(steps_.size(), other.steps_.size());
+  return std::equal(steps_.begin(), steps_.begin() + static_cast<std::ptrdiff_t>(common), other.steps_.begin());
+}
+
+Result<ScenarioText> ScenarioText::Parse(std::string text, const std::string& file) {
+  Result<JsonTree> tree = JsonTree::Parse(text, file);
+  if (!tree.ok()) return tree.error();
+  if (!tree.value().root().is_object()) {
+    return tree.value().ErrorAt(tree.value().root(), "found " + Describe(tree.value().root()) + ", expected an object");
+  }
+  return ScenarioText(std::move(text), std::move(tree).value());
+}
+
+Result<ScenarioText::Place> ScenarioText::Locate(const ValuePath& path) const {
+  const JsonNode* node = &tree_.root();
+  std::string passed;  // the path so far
+  for (std::size_t i = 0; i < path.steps_.size(); ++i) {
+    const ValuePath::Step& step = path.steps_[i];
+    const auto fail = [&](const std::string& message) {
+      return Error{{}, fmt::format("found the path {}, but {}", Quoted(path.text(), 200), message)};
+    };
+    const std::string here = passed.empty() ? "the scenario" : Quoted(passed, 200);
+    if (step.kind == ValuePath::Step::Kind::kKey) {
+      if (!node->is_object()) return fail(fmt::format("{} is {}, expected an object", here, Describe(*node)));
+      const JsonNode* const next = node->Find(step.name);
+      if (next == nullptr && i + 1 == path.steps_.size()) return Place{nullptr, node};
+      if (next == nullptr) {
+        std::vector<std::string> keys;
+        for (const JsonNode& member : node->items) keys.push_back(member.key);
+        return fail(fmt::format("{} has no key {}, expected one that it has{}", here, Quoted(step.name),
+                                DidYouMean(step.name, keys)));
+      }
+      passed += (passed.empty() ? "" : ".") + step.name;
+      node = next;
+      continue;
+    }
+    if (!node->is_array()) return fail(fmt::format("{} is {}, expected an array", here, Describe(*node)));
+    const JsonNode* next = nullptr;
+    if (step.kind == ValuePath::Step::Kind::kIndex) {
+      if (step.index < node->items.size()) next = &node->items[step.index];
+      if (next == nullptr)
+        return fail(fmt::format("{} has {}, expected the number of one, from 0", here,
+                                CountText(node->items.size(), "element")));
+    } else {
+      std::vector<std::string> names;
+      for (const JsonNode& item : node->items) {
+        const JsonNode* const name = item.is_object() ? item.Find("name") : nullptr;
+        if (name == nullptr || !name->is_string()) continue;
+        names.push_back(name->text);
+        if (name->text == step.name) next = &item;
+      }
+      if (next == nullptr) {
+        return fail(fmt::format("{} has no object with the name {}, expected that of one{}", here, Quoted(step.name),
+                                DidYouMean(step.name, names)));
+      }
+    }
+    passed += "[" + step.name + "]";
+    node = next;
+  }
+  return Place{node, nullptr};
+}
+
+Result<const JsonNode*> ScenarioText::Find(const ValuePath& path) const {
+  const Result<Place> place = Locate(path);
+  if (!place.ok()) return place.error();
+  return place.value().value;
+}
+
+Result<std::string> ScenarioText::With(const std::vector<DrawnValue>& draws) const {
+  TextEdits edits;
+  std::map<const JsonNode*, std::string> added;  // members of objects, each with a comma behind it
+  for (const DrawnValue& draw : draws) {
+    const Result<ValuePath> path = ValuePath::Parse(draw.path);
+    if (!path.ok()) return path.error();
+    const Result<Place> place = Locate(path.value());
+    if (!place.ok()) return place.error();
+    if (place.value().value != nullptr) {
+      edits.Replace(place.value().value->span, draw.value);
+    } else {
+      const std::string key = nlohmann::json(path.value().steps_.back().name).dump();
+      added[place.value().parent] += key + ": " + draw.value + ", ";
+    }
+  }
+  for (auto& [object, members] : added) {
+    const std::size_t inside = object->span.begin + 1;
+    if (object->items.empty()) members.resize(members.size() - 2);
+    edits.Replace({inside, inside}, members);
+  }
+  return edits.Apply(text_);
+}
+
+std::string ScenarioText::WithAbsolutePaths(const std::string& directory) const {
+  TextEdits edits;
+  const std::filesystem::path base = std::filesystem::absolute(directory);
+  const auto replace = [&](const JsonNode& name) {
+    if (!name.is_string() || std::filesystem::path(name.text).is_absolute()) return;
+    edits.Replace(name.span, nlohmann::json((base / name.text).lexically_normal().string()).dump());
+  };
+  const auto controller = [&](const JsonNode& name) {
+    if (name.text.find('/') != std::string::npos || name.text.ends_with(".so")) replace(name);
+  };
+  const std::function<void(const JsonNode&)> visit = [&](const JsonNode& node) {
+    for (const JsonNode& item : node.items) {
+      if (item.key == "controller") {
+        if (item.is_string()) controller(item);
+        if (const JsonNode* const name = item.is_object() ? item.Find("name") : nullptr) controller(*name);
+      } else if (item.key == "properties") {
+        if (const JsonNode* const bitmap = item.is_object() ? item.Find("bitmap") : nullptr) replace(*bitmap);
+      } else {
+        visit(item);
+      }
+    }
+  };
+  const JsonNode& root = tree_.root();
+  visit(root);
+  for (const char* key : {"world", "scenario"}) {
+    if (const JsonNode* const file = root.Find(key)) replace(*file);
+  }
+  if (const JsonNode* const includes = root.Find("include")) {
+    for (const JsonNode& include : includes->items) replace(include);
+  }
+  return edits.Apply(text_);
+}
+
+}  // namespace troupe

@@ -1,0 +1,79 @@
+// ValuePath: the place of a value in a scenario, as `vary` and `--case` name it: "spawn[0].count",
+// "robots[anna].controller.parameters.speed". And texts of scenarios with other values at such places.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "troupe/result.h"
+#include "worldfile/text/json_tree.h"
+
+namespace troupe {
+
+class ValuePath {
+ public:
+  // KEY, then any number of ".KEY", "[INDEX]" (from 0) and "[NAME]": the object of an array whose "name" is NAME. The
+  // error's column counts from 1 in `text`.
+  static Result<ValuePath> Parse(std::string_view text);
+
+  const std::string& text() const { return text_; }
+  // Whether one of the two is the other one or a part of its value.
+  bool Overlaps(const ValuePath& other) const;
+
+ private:
+  friend class ScenarioText;
+
+  struct Step {
+    enum class Kind : unsigned char { kKey, kIndex, kName };
+    Kind kind = Kind::kKey;
+    std::string name;       // of a key or of an object
+    std::size_t index = 0;  // of an element
+    bool operator==(const Step&) const = default;
+  };
+
+  std::string text_;
+  std::vector<Step> steps_;  // never empty; the first is a key
+};
+
+// A value at a place of a scenario. One draw of a case.
+struct DrawnValue {
+  std::string path;   // as ValuePath
+  std::string value;  // JSON, on one line
+
+  bool operator==(const DrawnValue&) const = default;
+};
+
+// A scenario's text in which values are replaced.
+class ScenarioText {
+ public:
+  // `file` names the text in messages.
+  static Result<ScenarioText> Parse(std::string text, const std::string& file);
+
+  const JsonTree& tree() const { return tree_; }
+  const std::string& text() const { return text_; }
+  // The value at the path; null: there is none, but With can add it.
+  Result<const JsonNode*> Find(const ValuePath& path) const;
+  // The text with all these values; the lines of all others stay. A key that an object lacks is added to it. REQUIRES:
+  // the paths do not overlap. The error says which part of a path is not in the scenario, without a place.
+  Result<std::string> With(const std::vector<DrawnValue>& draws) const;
+  // The text with absolute paths of all files that it names, for a scenario in another folder than `directory`.
+  std::string WithAbsolutePaths(const std::string& directory) const;
+
+ private:
+  ScenarioText(std::string text, JsonTree tree) : text_(std::move(text)), tree_(std::move(tree)) {}
+
+  // The value, or the innermost object that lacks the last key.
+  struct Place {
+    const JsonNode* value = nullptr;   // null: `parent` lacks it
+    const JsonNode* parent = nullptr;  // an object, if value is null
+  };
+  Result<Place> Locate(const ValuePath& path) const;
+
+  std::string text_;
+  JsonTree tree_;
+};
+
+}  // namespace troupe

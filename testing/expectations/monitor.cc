@@ -1,0 +1,331 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "testing/expectations/compile.h"
+#include "testing/expectations/network.h"
+#include "testing/expectations/rewrite.h"
+#include "testing/expectations/roots.h"
+#include "testing/expectations/signals.h"
+#include "troupe/expectation.h"
+
+namespace troupe {
+namespace {
+
+// Success if the tick is the one that follows. `first`: nothing before it.
+Status CheckTick(const MonitorProgram& program, const TickView& tick, std::optional<Tick> first, Tick ticks,
+                 bool finished) {
+  if (finished) return Error{{}, "found a tick after the end of the run, expected none"};
+  if (first && tick.state.tick != *first + ticks) {
+    return Error{{},
+                 "found tick " + std::to_string(tick.state.tick) + ", expected tick " + std::to_string(*first + ticks)};
+  }
+  const WorldDescription& world = tick.scene.world();
+  const bool fits = tick.state.robots.size() == program.robots && world.interval_ns == program.interval_ns &&
+                    tick.state.robots.size() + tick.state.objects.size() == program.body_names.size();
+  if (!fits) return Error{{}, "found a tick of another world, expected the world of the expectation"};
+  return {};
+}
+
+}  // namespace
+
+struct Expectation::Program {
+  std::shared_ptr<const MonitorProgram> program;
+};
+struct Metric::Program {
+  std::shared_ptr<const MonitorProgram> program;
+};
+
+Result<Expectation> Expectation::Parse(std::string_view text, const ExpectationScope& scope) {
+  Result<MonitorProgram> program = CompileExpectation(text, scope);
+  if (!program.ok()) return program.error();
+  return Expectation(
+      std::make_shared<const Program>(Program{std::make_shared<const MonitorProgram>(std::move(program).value())}));
+}
+
+const std::string& Expectation::text() const {
+  return program_->program->text;
+}
+
+std::string Expectation::formula() const {
+  return program_->program->formula;
+}
+
+Result<Metric> Metric::Parse(std::string_view text, const ExpectationScope& scope) {
+  Result<MonitorProgram> program = CompileMetric(text, scope);
+  if (!program.ok()) return program.error();
+  return Metric(
+      std::make_shared<const Program>(Program{std::make_shared<const MonitorProgram>(std::move(program).value())}));
+}
+
+const std::string& Metric::text() const {
+  return program_->program->text;
+}
+
+std::string Metric::formula() const {
+  return program_->program->formula;
+}
+
+std::string Metric::unit() const {
+  return ToString(program_->program->dimension);
+}
+
+const char* ToString(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kUndecided:
+      return "undecided";
+    case Verdict::kTrue:
+      return "true";
+    case Verdict::kFalse:
+      return "false";
+  }
+  return "undecided";
+}
+
+struct Monitor::State {
+  explicit State(const Expectation& its_expectation)
+      : expectation(its_expectation),
+        network(its_expectation.program_->program),
+        roots(*its_expectation.program_->program) {}
+
+  void OnTick(std::size_t level, Tick now) {
+    roots.Update(network, level, now);
+    const std::optional<std::size_t> node = network.program().history;
+    if (!node || network.program().nodes[*node].level != level || !network.IsValid(*node, now)) return;
+    history.push_back({first.value_or(0) + network.TimeOf(*node, now), network.values(*node)[0]});
+  }
+
+  void Decide(Tick tick) {
+    if (verdict != Verdict::kUndecided) return;
+    const Interval bounds = roots.bounds();
+    if (!std::signbit(bounds.min)) verdict = Verdict::kTrue;
+    if (std::signbit(bounds.max)) verdict = Verdict::kFalse;
+    if (verdict != Verdict::kUndecided) decided_at = tick;
+  }
+
+  Expectation expectation;
+  Network network;
+  Roots roots;
+  std::optional<Tick> first = {};
+  bool finished = false;
+  Verdict verdict = Verdict::kUndecided;
+  std::optional<Tick> decided_at = {};
+  std::vector<Moment> history = {};
+};
+
+Monitor::Monitor(const Expectation& expectation) : state_(std::make_unique<State>(expectation)) {}
+Monitor::Monitor(const Monitor& other) : state_(std::make_unique<State>(*other.state_)) {}
+Monitor& Monitor::operator=(const Monitor& other) {
+  if (this != &other) state_ = std::make_unique<State>(*other.state_);
+  return *this;
+}
+Monitor::Monitor(Monitor&& other) noexcept = default;
+Monitor& Monitor::operator=(Monitor&& other) noexcept = default;
+Monitor::~Monitor() = default;
+
+const Expectation& Monitor::expectation() const {
+  return state_->expectation;
+}
+
+Status Monitor::Push(const TickView& tick) {
+  State& state = *state_;
+  Status status = CheckTick(state.network.program(), tick, state.first, state.network.ticks(), state.finished);
+  if (!status.ok()) return status;
+  if (!state.first) state.first = tick.state.tick;
+  state.network.Push(tick, [&](std::size_t level, Tick now) { state.OnTick(level, now); });
+  state.Decide(tick.state.tick);
+  return {};
+}
+
+void Monitor::Finish() {
+  State& state = *state_;
+  TROUPE_CHECK(state.first.has_value());
+  if (state.finished) return;
+  state.finished = true;
+  state.network.Finish([&](std::size_t level, Tick now) { state.OnTick(level, now); });
+  state.roots.Finish(state.network);
+  state.Decide(*state.first + state.network.ticks() - 1);
+  if (!state.network.program().history) state.history.push_back({*state.first, state.roots.bounds().min});
+}
+
+bool Monitor::finished() const {
+  return state_->finished;
+}
+
+Verdict Monitor::verdict() const {
+  return state_->verdict;
+}
+
+std::optional<Tick> Monitor::decided_at() const {
+  return state_->decided_at;
+}
+
+Interval Monitor::robustness_bounds() const {
+  return state_->roots.bounds();
+}
+
+std::span<const Monitor::Moment> Monitor::history() const {
+  return state_->history;
+}
+
+Monitor::Cause Monitor::cause() const {
+  const MonitorProgram& program = state_->network.program();
+  Cause cause;
+  if (!state_->first) return cause;
+  Roots::Cause found = state_->roots.FindCause(program);
+  if (found.tick) cause.tick = *state_->first + *found.tick;
+  for (const std::uint32_t body : found.bodies) {
+    const std::string& name = program.body_names[body];
+    if (std::find(cause.names.begin(), cause.names.end(), name) == cause.names.end()) cause.names.push_back(name);
+  }
+  return cause;
+}
+
+struct MetricMonitor::State {
+  explicit State(const Metric& its_metric) : metric(its_metric), network(its_metric.program_->program) {}
+
+  void OnTick(std::size_t level, Tick now) {
+    const MonitorProgram& program = network.program();
+    const std::size_t node = program.value;
+    if (program.nodes[node].level != level || !network.IsValid(node, now)) return;
+    const std::span<const double> values = network.values(node);
+    const Tick tick = first.value_or(0) + network.TimeOf(node, now);
+    if (held.empty()) held.assign(values.size(), false);
+    const auto add = [&](std::size_t lane) {
+      const double value = values[lane];
+      const bool holds = !std::signbit(value);
+      switch (program.metric) {
+        case MetricKind::kFirst:
+        case MetricKind::kLast:
+          if (holds && !held[lane] && (program.metric == MetricKind::kLast || count == 0.0)) {
+            result = static_cast<double>(tick) * static_cast<double>(program.interval_ns) / 1e9;
+            count += 1.0;
+          }
+          held[lane] = holds;
+          break;
+        case MetricKind::kMin:
+          result = count == 0.0 || value < result ? value : result;
+          break;
+        case MetricKind::kMax:
+          result = count == 0.0 || value > result ? value : result;
+          break;
+        case MetricKind::kMean:
+          result += value;
+          break;
+        case MetricKind::kFinal:
+          result = value;
+          break;
+      }
+      if (program.metric != MetricKind::kFirst && program.metric != MetricKind::kLast) count += 1.0;
+    };
+    if (program.counted.empty()) {
+      for (std::size_t lane = 0; lane < values.size(); ++lane) add(lane);
+    } else if (program.counted[0] != SignalUse::kNone) {
+      for (const std::uint32_t lane : program.counted) add(lane);
+    }
+  }
+
+  Metric metric;
+  Network network;
+  std::optional<Tick> first = {};
+  bool finished = false;
+  std::vector<bool> held = {};  // by lane: of "time of"
+  double result = 0.0;
+  double count = 0.0;  // of the values in it
+};
+
+MetricMonitor::MetricMonitor(const Metric& metric) : state_(std::make_unique<State>(metric)) {}
+MetricMonitor::MetricMonitor(const MetricMonitor& other) : state_(std::make_unique<State>(*other.state_)) {}
+MetricMonitor& MetricMonitor::operator=(const MetricMonitor& other) {
+  if (this != &other) state_ = std::make_unique<State>(*other.state_);
+  return *this;
+}
+MetricMonitor::MetricMonitor(MetricMonitor&& other) noexcept = default;
+MetricMonitor& MetricMonitor::operator=(MetricMonitor&& other) noexcept = default;
+MetricMonitor::~MetricMonitor() = default;
+
+const Metric& MetricMonitor::metric() const {
+  return state_->metric;
+}
+
+Status MetricMonitor::Push(const TickView& tick) {
+  State& state = *state_;
+  Status status = CheckTick(state.network.program(), tick, state.first, state.network.ticks(), state.finished);
+  if (!status.ok()) return status;
+  if (!state.first) state.first = tick.state.tick;
+  state.network.Push(tick, [&](std::size_t level, Tick now) { state.OnTick(level, now); });
+  return {};
+}
+
+void MetricMonitor::Finish() {
+  State& state = *state_;
+  TROUPE_CHECK(state.first.has_value());
+  if (state.finished) return;
+  state.finished = true;
+  state.network.Finish([&](std::size_t level, Tick now) { state.OnTick(level, now); });
+}
+
+std::optional<double> MetricMonitor::value() const {
+  const State& state = *state_;
+  if (!state.finished || state.count == 0.0) return std::nullopt;
+  const bool is_mean = state.network.program().metric == MetricKind::kMean;
+  return is_mean ? state.result / state.count : state.result;
+}
+
+std::vector<LanguageEntry> ListSignals() {
+  std::vector<LanguageEntry> entries;
+  for (const SignalInfo& info : Signals()) {
+    std::string result = ToString(info.dimension);
+    if (info.type == ValueType::kTruth) result = "condition";
+    if (info.type == ValueType::kText) result = "text";
+    if (info.type == ValueType::kNumber && result.empty()) result = "number";
+    if (info.kind == SignalKind::kJoint) result = "m, rad";
+    if (info.kind == SignalKind::kJointSpeed) result = "m/s, rad/s";
+    entries.push_back({info.usage, result, info.meaning});
+  }
+  entries.push_back({"count(event(...))", "number", "Number of such events so far."});
+  entries.push_back({"abs(X)", "as X", "Absolute value."});
+  entries.push_back({"sqrt(X)", "root of X", "Square root: m of m^2."});
+  entries.push_back({"min(X, Y), max(X, Y)", "as X", "The lesser or greater of two numbers."});
+  return entries;
+}
+
+std::vector<LanguageEntry> ListOperators() {
+  return {
+      {"always[A, B] P", "condition", "P holds at each tick from A to B after this one, always P: at all to the end."},
+      {"eventually[A, B] P", "condition", "P holds at one of these ticks."},
+      {"P until[A, B] Q", "condition",
+       "Q holds at one of these ticks, and P at each tick from this one to the one before."},
+      {"finally P", "condition", "P holds at the last tick of the run."},
+      {"historically[A, B] P", "condition",
+       "P has held at each tick from B to A before this one, or to the first one."},
+      {"once[A, B] P", "condition", "P has held at one of these ticks."},
+      {"P since Q", "condition", "Q has held at this tick or before, and P at each tick after it up to this one."},
+      {"not P, P and Q, P or Q, P -> Q", "condition",
+       "As usual; P -> Q is not P or Q. From strong to weak: not and the "
+       "temporal operators, until and since, and, or, ->."},
+      {"X < Y, <=, >, >=, ==, !=", "condition", "Comparison of two numbers of one unit. Robustness: their difference."},
+      {"X + Y, X - Y, X * Y, X / Y, -X", "number", "Arithmetic with units."},
+      {"forall r: P, exists r: P", "condition",
+       "P holds for all robots, or for one. The formula behind ':' is as long as "
+       "possible."},
+      {"forall a, b: P", "condition", "For all pairs of different robots; up to four variables."},
+      {"forall r in \"scout*\": P", "condition", "For robots with names like that: * any characters, ? one."},
+      {"forall o in objects: P, in objects \"can*\": P", "condition", "For movable objects."},
+      {"min r: X, max r: X, sum r: X, mean r: X", "as X", "Over the robots, at one tick."},
+      {"count r: P", "number", "Number of robots for which P holds, at one tick."},
+      {"true, false", "condition", "Constants."},
+  };
+}
+
+std::vector<LanguageEntry> ListShorthands() {
+  std::vector<LanguageEntry> entries;
+  for (const Shorthand& shorthand : Shorthands()) {
+    entries.push_back({shorthand.usage, shorthand.formula, shorthand.meaning});
+  }
+  return entries;
+}
+
+}  // namespace troupe

@@ -1,0 +1,54 @@
+// Roots: the value at the first tick of the outermost operators of an expectation, as bounds that come closer tick by
+// tick, so that a verdict is known as early as possible; and what decides it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "testing/expectations/network.h"
+#include "testing/expectations/program.h"
+#include "troupe/interval.h"
+
+namespace troupe {
+
+class Roots {
+ public:
+  explicit Roots(const MonitorProgram& program);
+
+  // Reads the values of the nodes of a level at a tick.
+  void Update(const Network& network, std::size_t level, Tick now);
+  // The run has ended: nothing will be added to any window.
+  void Finish(const Network& network);
+
+  Interval bounds() const;
+
+  struct Cause {
+    std::optional<Tick> tick = {};  // from 0
+    std::vector<std::uint32_t> bodies = {};
+  };
+  Cause FindCause(const MonitorProgram& program) const;
+
+ private:
+  struct State {
+    std::vector<double> low;  // by lane
+    std::vector<double> high;
+    std::vector<double> best;  // of a window: the least or greatest value so far
+    std::vector<double> way;   // of "until": the least value on the left so far
+    std::vector<Tick> when;    // at which best has changed
+    std::vector<Tick> way_when;
+    std::vector<std::vector<std::uint32_t>> bodies;  // that have changed it
+    bool complete = false;
+  };
+
+  void UpdateRoot(const Network& network, const RootNode& root, State& state, Tick time);
+  void SetBounds(const RootNode& root, State& state) const;
+  void Combine(const MonitorProgram& program);
+  void AddCause(const MonitorProgram& program, std::size_t root, std::size_t lane, Cause& cause) const;
+  double KeyOf(std::size_t root, std::size_t lane) const;
+
+  std::vector<State> states_;  // by root
+  bool changed_ = true;
+};
+
+}  // namespace troupe

@@ -1,0 +1,386 @@
+#include "testing/expectations/signals.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "common/model/states.h"
+#include "common/sensing/sensor_suite.h"
+
+namespace troupe {
+namespace {
+
+constexpr Dimension kMetre{1, 0, 0, 0};
+constexpr Dimension kRadian{0, 0, 1, 0};
+constexpr Dimension kSecond{0, 1, 0, 0};
+constexpr Dimension kMetrePerSecond{1, -1, 0, 0};
+constexpr Dimension kRadianPerSecond{0, -1, 1, 0};
+constexpr Dimension kJoule{0, 0, 0, 1};
+constexpr Dimension kWatt{0, -1, 0, 1};
+constexpr Dimension kRatio{};
+
+constexpr std::array kSignals{
+    SignalInfo{SignalKind::kX, "x", "b", ValueType::kNumber, kMetre, "x(r)",
+               "Position of a robot or object in the world, along x."},
+    SignalInfo{SignalKind::kY, "y", "b", ValueType::kNumber, kMetre, "y(r)", "Its position along y."},
+    SignalInfo{SignalKind::kZ, "z", "b", ValueType::kNumber, kMetre, "z(r)", "Its height above the ground."},
+    SignalInfo{SignalKind::kHeading, "heading", "b", ValueType::kNumber, kRadian, "heading(r)",
+               "Its heading, counter-clockwise from the x axis, from -pi to pi."},
+    SignalInfo{SignalKind::kSpeed, "speed", "r", ValueType::kNumber, kMetrePerSecond, "speed(r)",
+               "Speed of a robot over the ground during the tick that ended, never negative."},
+    SignalInfo{SignalKind::kTurnRate, "turn_rate", "r", ValueType::kNumber, kRadianPerSecond, "turn_rate(r)",
+               "Its yaw rate, positive to the left."},
+    SignalInfo{SignalKind::kStalled, "stalled", "r", ValueType::kTruth, kRatio, "stalled(r)",
+               "A contact has cut its last commanded motion short."},
+    SignalInfo{
+        SignalKind::kDistance, "distance", "bd", ValueType::kNumber, kMetre, "distance(r, WHAT)",
+        "Exact shortest distance in the plane between the solid parts of two robots, objects or static models that "
+        "share a height, infinite if none do; to a place from the parts at any height."},
+    SignalInfo{
+        SignalKind::kAt, "at", "bp?l", ValueType::kTruth, kRatio, "at(r, PLACE[, RADIUS])",
+        "The origin of the robot or object is within RADIUS of the place, 0.2 m if none is given. Robustness: m."},
+    SignalInfo{SignalKind::kIn, "in", "bg", ValueType::kTruth, kRatio, "in(r, REGION)",
+               "Its origin is in the region or on its edge. Robustness: distance from the edge, m."},
+    SignalInfo{SignalKind::kHolds, "holds", "r?o", ValueType::kTruth, kRatio, "holds(r[, o])",
+               "A gripper of the robot holds the object, or any object."},
+    SignalInfo{SignalKind::kFalling, "falling", "o", ValueType::kTruth, kRatio, "falling(o)", "The object falls."},
+    SignalInfo{SignalKind::kResting, "resting", "o", ValueType::kTruth, kRatio, "resting(o)",
+               "The object has come to rest on a support or on the ground after a fall or a motion."},
+    SignalInfo{SignalKind::kAlive, "alive", "r", ValueType::kTruth, kRatio, "alive(r)",
+               "The robot's agent has not left or been lost, or has rejoined, and its store of energy is not empty."},
+    SignalInfo{SignalKind::kEnergy, "energy", "r", ValueType::kNumber, kJoule, "energy(r)",
+               "Energy in the robot's store."},
+    SignalInfo{SignalKind::kCapacity, "capacity", "r", ValueType::kNumber, kJoule, "capacity(r)",
+               "The most that its store can have."},
+    SignalInfo{SignalKind::kCharging, "charging", "r", ValueType::kNumber, kWatt, "charging(r)",
+               "Power that its store has received during the tick that ended."},
+    SignalInfo{SignalKind::kJoint, "joint", "rj", ValueType::kNumber, kMetre, "joint(r, \"NAME\")",
+               "Position of a joint, such as \"gripper.lift\": m, or rad of a joint that turns."},
+    SignalInfo{SignalKind::kJointSpeed, "joint_speed", "rj", ValueType::kNumber, kMetrePerSecond,
+               "joint_speed(r, \"NAME\")", "Its velocity, m/s or rad/s."},
+    SignalInfo{SignalKind::kBlocked, "blocked", "rj", ValueType::kTruth, kRatio, "blocked(r, \"NAME\")",
+               "A contact has cut the joint's last commanded motion short."},
+    SignalInfo{SignalKind::kRange, "range", "r?s", ValueType::kNumber, kMetre, "range(r[, \"SENSOR\"])",
+               "Least range that a ranger reads, with its noise; the robot's first ranger if none is named."},
+    SignalInfo{SignalKind::kMeanRange, "mean_range", "r?s", ValueType::kNumber, kMetre, "mean_range(r[, \"SENSOR\"])",
+               "Mean of the ranges that it reads."},
+    SignalInfo{SignalKind::kPressed, "pressed", "r?s", ValueType::kTruth, kRatio, "pressed(r[, \"SENSOR\"])",
+               "A segment of a bumper is pressed."},
+    SignalInfo{SignalKind::kHeard, "heard", "r?s", ValueType::kNumber, kRatio, "heard(r[, \"SENSOR\"])",
+               "Number of messages that a radio receives at this tick."},
+    SignalInfo{SignalKind::kTick, "tick", "", ValueType::kNumber, kRatio, "tick", "Number of the tick."},
+    SignalInfo{SignalKind::kTime, "time", "", ValueType::kNumber, kSecond, "time", "Simulated time, 0 at tick 0."},
+    SignalInfo{SignalKind::kHash, "hash", "", ValueType::kText, kRatio, "hash",
+               "State hash, for == and != with a text of 16 hexadecimal digits."},
+    SignalInfo{
+        SignalKind::kEvent, "event", "e?bx", ValueType::kTruth, kRatio, "event(TYPE[, r[, \"DETAIL\"]])",
+        "An event of this type has happened at this tick, with this robot or object, with a detail that matches the "
+        "pattern."},
+};
+
+double Truth(bool value) {
+  return value ? kInfinity : -kInfinity;
+}
+
+const Pose& PoseOf(const WorldState& state, std::uint32_t body) {
+  const std::size_t robots = state.robots.size();
+  return body < robots ? state.robots[body].X_WR : state.objects[body - robots].X_WO;
+}
+
+double Norm(double x, double y) {
+  return std::sqrt(x * x + y * y);
+}
+
+double DistanceOf(std::span<const ConvexPiece> a, std::span<const ConvexPiece> b) {
+  double least = kInfinity;
+  for (const ConvexPiece& one : a) {
+    if (!one.obstacle) continue;
+    for (const ConvexPiece& other : b) {
+      if (!other.obstacle || !one.z.Overlaps(other.z)) continue;
+      least = std::min(least, FindNearestPoints(one.vertices, other.vertices).distance);
+    }
+  }
+  return least;
+}
+
+double DistanceOf(std::span<const ConvexPiece> pieces, const Vec2& point) {
+  double least = kInfinity;
+  for (const ConvexPiece& piece : pieces) {
+    if (piece.obstacle) least = std::min(least, FindNearestPoints(piece.vertices, std::span(&point, 1)).distance);
+  }
+  return least;
+}
+
+// Positive inside; m.
+double DepthIn(const Polygon& region, const Vec2& point) {
+  double least = kInfinity;
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    const Vec2& a = region[i];
+    const Vec2 along = region[(i + 1) % region.size()] - a;
+    const Vec2 to = point - a;
+    const double squared = along.x() * along.x() + along.y() * along.y();
+    const double share =
+        squared > 0.0 ? std::clamp((to.x() * along.x() + to.y() * along.y()) / squared, 0.0, 1.0) : 0.0;
+    least = std::min(least, Norm(to.x() - share * along.x(), to.y() - share * along.y()));
+  }
+  return Contains(region, point) ? least : -least;
+}
+
+void ReadDistances(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
+  if (signal.model && memory.pieces.empty()) {
+    const WorldDescription& world = tick.scene.world();
+    for (std::size_t i = 0; i < world.models.size(); ++i) {
+      if (world.models[i].removed || !IsInTree(world, ModelId(i), *signal.model)) continue;
+      std::vector<ConvexPiece> pieces = MakePieces(world, ModelId(i), tick.scene.X_LM(ModelId(i)));
+      for (ConvexPiece& piece : pieces) memory.pieces.push_back(std::move(piece));
+    }
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::vector<ConvexPiece>& pieces = tick.bodies.pieces_in_world(BodyId(signal.subjects[i]));
+    if (!signal.others.empty()) {
+      values[i] = signal.others[i] == signal.subjects[i]
+                      ? 0.0
+                      : DistanceOf(pieces, tick.bodies.pieces_in_world(BodyId(signal.others[i])));
+    } else if (signal.model) {
+      values[i] = DistanceOf(pieces, memory.pieces);
+    } else {
+      values[i] = DistanceOf(pieces, signal.point);
+    }
+  }
+}
+
+// The least distance of a body of `subjects` and another one of `others`, both ascending. Of several such pairs the one
+// with the least numbers.
+double ReadClosestPair(const SignalUse& signal, const TickView& tick, SignalMemory& memory) {
+  const std::vector<std::uint32_t>& subjects = signal.subjects;
+  const std::vector<std::uint32_t>& others = signal.others;
+  const bool symmetric = subjects == others;
+  double least = kInfinity;
+  const auto consider = [&](std::uint32_t a, std::uint32_t b) {
+    if (a == b) return;
+    const Pose& X_WA = PoseOf(tick.state, a);
+    const Pose& X_WB = PoseOf(tick.state, b);
+    const double reach =
+        least + tick.scene.body(BodyId(a)).radius + tick.scene.body(BodyId(b)).radius;  // of the origins
+    const double dx = X_WA.x - X_WB.x;
+    const double dy = X_WA.y - X_WB.y;
+    if (dx * dx + dy * dy > reach * reach * (1.0 + 1e-9) + 1e-9) return;
+    const double distance = DistanceOf(tick.bodies.pieces_in_world(BodyId(a)), tick.bodies.pieces_in_world(BodyId(b)));
+    const std::pair pair{a, b};
+    if (distance < least || (distance == least && distance < kInfinity && pair < memory.pair)) {
+      least = distance;
+      memory.pair = pair;
+    }
+  };
+  // The pair of the tick before is most often still near: then few others are.
+  consider(memory.pair.first, memory.pair.second);
+  if (least == kInfinity) {
+    for (std::size_t i = 0; i < subjects.size(); ++i) consider(subjects[i], others[(i + 1) % others.size()]);
+  }
+  for (const std::uint32_t a : subjects) {
+    const Pose& X_WA = PoseOf(tick.state, a);
+    if (least == kInfinity) {
+      for (const std::uint32_t b : others) consider(a, b);
+      continue;
+    }
+    const double reach = least + tick.scene.body(BodyId(a)).radius;
+    const Rectangle box{X_WA.x - reach, X_WA.y - reach, X_WA.x + reach, X_WA.y + reach};
+    tick.bodies.ForEachNear(box, [&](BodyId near) {
+      const auto b = static_cast<std::uint32_t>(near.index());
+      if (symmetric ? b <= a : b == a) return;
+      if (std::binary_search(others.begin(), others.end(), b)) consider(a, b);
+    });
+  }
+  return least;
+}
+
+bool Matches(const Event& event, const SignalUse& signal, std::size_t lane, const TickView& tick) {
+  if (event.type != signal.event) return false;
+  if (!signal.text.empty() && !MatchesPattern(signal.text, event.detail)) return false;
+  if (signal.subjects.empty()) return true;
+  const std::size_t body = signal.subjects[lane];
+  const std::size_t robots = tick.state.robots.size();
+  if (body < robots) return event.robot == RobotId(body);
+  return event.object == tick.scene.world().objects[body - robots];
+}
+
+void ReadEvents(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
+  const bool counts = signal.kind == SignalKind::kEventCount;
+  if (counts && memory.numbers.empty()) memory.numbers.assign(values.size(), 0.0);
+  if (!counts) std::fill(values.begin(), values.end(), -kInfinity);
+  for (const Event& event : tick.events) {
+    if (event.type != signal.event) continue;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!Matches(event, signal, i, tick)) continue;
+      if (counts) {
+        memory.numbers[i] += 1.0;
+      } else {
+        values[i] = kInfinity;
+      }
+    }
+  }
+  if (counts) std::copy(memory.numbers.begin(), memory.numbers.end(), values.begin());
+}
+
+void ReadAlive(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
+  if (memory.numbers.empty()) memory.numbers.assign(values.size(), 0.0);
+  for (const Event& event : tick.events) {
+    if (!event.robot || (event.type != EventType::kLeft && event.type != EventType::kJoined)) continue;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (signal.subjects[i] == event.robot->index()) memory.numbers[i] = event.type == EventType::kLeft ? 1.0 : 0.0;
+    }
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::uint32_t store = signal.parts[i];
+    const bool has_energy = store == SignalUse::kNone || tick.state.stores[store].joules > 0.0;
+    values[i] = Truth(memory.numbers[i] == 0.0 && has_energy);
+  }
+}
+
+double ReadHeld(const TickView& tick, std::uint32_t robot, std::optional<std::size_t> object) {
+  for (const GripperId gripper : tick.scene.grippers_of(RobotId(robot))) {
+    const std::optional<ObjectId> clamped = tick.state.grippers[gripper.index()].clamped;
+    if (!clamped || tick.state.objects[clamped->index()].holder != gripper) continue;
+    if (!object || clamped->index() == *object) return kInfinity;
+  }
+  return -kInfinity;
+}
+
+double ValueOf(const SensorReading& reading, SignalKind kind) {
+  if (const auto* const ranger = reading.As<RangerReading>()) {
+    double least = kInfinity;
+    double sum = 0.0;
+    double count = 0.0;
+    for (const RangeScan& scan : ranger->scans) {
+      for (const double range : scan.ranges) {
+        least = std::min(least, range);
+        sum += range;
+      }
+      count += static_cast<double>(scan.ranges.size());
+    }
+    return kind == SignalKind::kRange ? least : sum / count;
+  }
+  if (const auto* const bumper = reading.As<BumperReading>()) {
+    return Truth(std::any_of(bumper->segments.begin(), bumper->segments.end(),
+                             [](const BumperReading::Segment& segment) { return segment.pressed_by.has_value(); }));
+  }
+  if (const auto* const radio = reading.As<RadioReading>()) return static_cast<double>(radio->receptions.size());
+  return kInfinity;
+}
+
+void ReadSensors(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
+  if (!memory.sensors) {
+    auto sensors = std::make_shared<std::vector<std::unique_ptr<const Sensor>>>();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      std::vector<std::unique_ptr<const Sensor>> all = MakeSensors(tick.scene, RobotId(signal.subjects[i]));
+      sensors->push_back(std::move(all[signal.parts[i]]));
+    }
+    memory.sensors = std::move(sensors);
+  }
+  const SensedWorld world{tick.scene, tick.bodies, &tick.state};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = ValueOf((*memory.sensors)[i]->Measure(world, tick.state.tick), signal.kind);
+  }
+}
+
+}  // namespace
+
+std::span<const SignalInfo> Signals() {
+  return kSignals;
+}
+
+void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
+  const WorldState& state = tick.state;
+  const auto for_each = [&](const auto& value) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(signal.subjects[i]);
+  };
+  const auto for_each_part = [&](const auto& value) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(signal.parts[i]);
+  };
+  const auto object = [&](std::uint32_t body) -> const ObjectState& {
+    return state.objects[body - state.robots.size()];
+  };
+  switch (signal.kind) {
+    case SignalKind::kX:
+      return for_each([&](std::uint32_t body) { return PoseOf(state, body).x; });
+    case SignalKind::kY:
+      return for_each([&](std::uint32_t body) { return PoseOf(state, body).y; });
+    case SignalKind::kZ:
+      return for_each([&](std::uint32_t body) { return PoseOf(state, body).z; });
+    case SignalKind::kHeading:
+      return for_each([&](std::uint32_t body) { return PoseOf(state, body).heading; });
+    case SignalKind::kSpeed:
+      return for_each([&](std::uint32_t body) {
+        const Twist& twist = state.robots[body].twist;
+        return Norm(twist.vx, twist.vy);
+      });
+    case SignalKind::kTurnRate:
+      return for_each([&](std::uint32_t body) { return state.robots[body].twist.wz; });
+    case SignalKind::kStalled:
+      return for_each([&](std::uint32_t body) { return Truth(state.robots[body].stalled); });
+    case SignalKind::kDistance:
+      return ReadDistances(signal, tick, memory, values);
+    case SignalKind::kClosestPair:
+      values[0] = ReadClosestPair(signal, tick, memory);
+      return;
+    case SignalKind::kAt:
+      return for_each([&](std::uint32_t body) {
+        const Pose& X_WB = PoseOf(state, body);
+        return signal.number - Norm(X_WB.x - signal.point.x(), X_WB.y - signal.point.y());
+      });
+    case SignalKind::kIn:
+      return for_each([&](std::uint32_t body) { return DepthIn(signal.region, PoseOf(state, body).translation()); });
+    case SignalKind::kHolds:
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const std::optional<std::size_t> held =
+            signal.others.empty() ? std::nullopt : std::optional<std::size_t>(signal.others[i] - state.robots.size());
+        values[i] = ReadHeld(tick, signal.subjects[i], held);
+      }
+      return;
+    case SignalKind::kFalling:
+      return for_each([&](std::uint32_t body) { return Truth(object(body).mode == ObjectMode::kFalling); });
+    case SignalKind::kResting:
+      return for_each([&](std::uint32_t body) { return Truth(object(body).mode == ObjectMode::kResting); });
+    case SignalKind::kAlive:
+      return ReadAlive(signal, tick, memory, values);
+    case SignalKind::kEnergy:
+      return for_each_part([&](std::uint32_t store) { return state.stores[store].joules; });
+    case SignalKind::kCapacity:
+      return for_each_part([&](std::uint32_t store) {
+        const WorldDescription& world = tick.scene.world();
+        return world.model(tick.scene.stores()[store].model).power.capacity;
+      });
+    case SignalKind::kCharging:
+      return for_each_part([&](std::uint32_t store) { return state.stores[store].charge_watts; });
+    case SignalKind::kJoint:
+      return for_each_part([&](std::uint32_t joint) { return state.joints[joint].position; });
+    case SignalKind::kJointSpeed:
+      return for_each_part([&](std::uint32_t joint) { return state.joints[joint].velocity; });
+    case SignalKind::kBlocked:
+      return for_each_part([&](std::uint32_t joint) { return Truth(state.joints[joint].blocked); });
+    case SignalKind::kRange:
+    case SignalKind::kMeanRange:
+    case SignalKind::kPressed:
+    case SignalKind::kHeard:
+      return ReadSensors(signal, tick, memory, values);
+    case SignalKind::kTick:
+      values[0] = static_cast<double>(state.tick);
+      return;
+    case SignalKind::kTime:
+      values[0] = static_cast<double>(state.tick) * static_cast<double>(tick.scene.world().interval_ns) / 1e9;
+      return;
+    case SignalKind::kHash: {
+      std::array<char, 17> digits{};
+      std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(StateHash(state)));
+      values[0] = Truth((signal.text == digits.data()) != signal.negated);
+      return;
+    }
+    case SignalKind::kEvent:
+    case SignalKind::kEventCount:
+      return ReadEvents(signal, tick, memory, values);
+  }
+}
+
+}  // namespace troupe

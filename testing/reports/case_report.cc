@@ -1,0 +1,300 @@
+#include "testing/reports/case_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/base/file.h"
+#include "common/base/text.h"
+#include "testing/reports/svg_plot.h"
+
+namespace troupe {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostLineBytes = 2'000'000'000;
+
+std::string CsvField(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+// What failed, in a few lines.
+std::string Problem(const ReportedTest& test, const ReportedCase& fault) {
+  if (fault.outcome.verdict == CaseVerdict::kError) return fault.outcome.error;
+  std::string text;
+  for (std::size_t i = 0; i < fault.outcome.expectations.size(); ++i) {
+    const ExpectationOutcome& each = fault.outcome.expectations[i];
+    if (each.holds) continue;
+    text += fmt::format("{}: failed{}, robustness {:.6g}{}\n", test.expect[i],
+                        each.cause_tick ? fmt::format(" at tick {}", *each.cause_tick) : "", each.robustness,
+                        each.causes.empty() ? "" : fmt::format(", {}", fmt::join(each.causes, ", ")));
+  }
+  return text;
+}
+
+}  // namespace
+
+json ToJson(const ReportedTest& test) {
+  return {{"test", test.path},       {"name", test.name},         {"vary", test.vary},
+          {"expect", test.expect},   {"formulas", test.formulas}, {"cover", test.cover},
+          {"metrics", test.metrics}, {"units", test.units},       {"cases", test.cases}};
+}
+
+json ToJson(const ReportedCase& reported) {
+  return {{"outcome", ToJson(reported.outcome)}, {"command", reported.command},     {"shrunk", reported.shrunk},
+          {"folder", reported.folder},           {"recording", reported.recording}, {"picture", reported.picture}};
+}
+
+void CaseReport::AddTest(const ReportedTest& test) {
+  entries_.push_back({test, {}, {}});
+}
+
+void CaseReport::AddCase(std::size_t test, ReportedCase reported, std::optional<double> seconds) {
+  Entry& entry = entries_[test];
+  const CaseOutcome& outcome = reported.outcome;
+  Row row{reported.draws,  outcome.verdict, outcome.ticks, outcome.state_hash, {},
+          outcome.covered, outcome.metrics, seconds};
+  for (const ExpectationOutcome& each : outcome.expectations) row.robustness.push_back(each.robustness);
+  entry.rows[reported.number] = std::move(row);
+  if (outcome.verdict == CaseVerdict::kPassed) return;
+  const std::uint64_t number = reported.number;
+  entry.faults[number] = std::move(reported);
+}
+
+std::optional<double> CaseReport::SecondsOf(std::size_t test, std::uint64_t number) const {
+  const auto row = entries_[test].rows.find(number);
+  return row == entries_[test].rows.end() ? std::nullopt : row->second.seconds;
+}
+
+std::uint64_t CaseReport::Count(CaseVerdict verdict) const {
+  std::uint64_t count = 0;
+  for (const Entry& entry : entries_) {
+    for (const auto& [number, row] : entry.rows) count += row.verdict == verdict ? 1U : 0U;
+  }
+  return count;
+}
+
+std::vector<std::string> CaseReport::Uncovered() const {
+  std::vector<std::string> missing;
+  for (const Entry& entry : entries_) {
+    for (std::size_t i = 0; i < entry.test.cover.size(); ++i) {
+      const bool reached = std::any_of(entry.rows.begin(), entry.rows.end(), [&](const auto& row) {
+        return i < row.second.covered.size() && row.second.covered[i];
+      });
+      if (!reached) missing.push_back(entry.test.name + ": " + entry.test.cover[i]);
+    }
+  }
+  return missing;
+}
+
+std::string CaseReport::Lines() const {
+  std::string lines;
+  for (const Entry& entry : entries_) {
+    lines += ToJson(entry.test).dump() + "\n";
+    for (const auto& [number, row] : entry.rows) {
+      json robustness = json::array();
+      for (const double each : row.robustness) robustness.push_back(NumberToJson(each));
+      json metrics = json::array();
+      for (const std::optional<double>& metric : row.metrics) {
+        metrics.push_back(metric ? NumberToJson(*metric) : json(nullptr));
+      }
+      json line = {{"test", entry.test.path},
+                   {"number", number},
+                   {"case", CaseToJson(row.draws)},
+                   {"verdict", ToString(row.verdict)},
+                   {"ticks", row.ticks},
+                   {"state_hash", fmt::format("{:016x}", row.state_hash)},
+                   {"robustness", std::move(robustness)},
+                   {"covered", row.covered},
+                   {"metrics", std::move(metrics)}};
+      if (const auto fault = entry.faults.find(number); fault != entry.faults.end())
+        line["fault"] = ToJson(fault->second);
+      lines += line.dump() + "\n";
+    }
+  }
+  return lines;
+}
+
+Status CaseReport::AddLines(const std::string& file) {
+  const Result<std::string> text = ReadWholeFile(file, kMostLineBytes);
+  if (!text.ok()) return Error{{file}, "cannot read: " + text.error().message, text.error().code};
+  std::istringstream stream(text.value());
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const SourceLocation where{file, number, 1};
+    try {
+      const json value = json::parse(line);
+      const std::string path = value.at("test");
+      auto entry =
+          std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.test.path == path; });
+      if (!value.contains("number")) {
+        const ReportedTest test{path,
+                                value.at("name").get<std::string>(),
+                                value.at("vary").get<std::vector<std::string>>(),
+                                value.at("expect").get<std::vector<std::string>>(),
+                                value.at("formulas").get<std::vector<std::string>>(),
+                                value.at("cover").get<std::vector<std::string>>(),
+                                value.at("metrics").get<std::vector<std::string>>(),
+                                value.at("units").get<std::vector<std::string>>(),
+                                value.at("cases")};
+        if (entry == entries_.end()) {
+          AddTest(test);
+        } else if (entry->test != test) {
+          return Error{
+              where, fmt::format("found another test {} than in the folders before, expected the same", Quoted(path))};
+        }
+        continue;
+      }
+      if (entry == entries_.end()) return Error{where, "found a case of an unknown test, expected its test before it"};
+      ReportedCase reported;
+      reported.number = value.at("number");
+      reported.draws = CaseFromJson(value.at("case"));
+      const std::string verdict = value.at("verdict");
+      if (value.contains("fault")) {
+        const json& fault = value.at("fault");
+        reported.outcome = OutcomeFromJson(fault.at("outcome"));
+        reported.command = fault.at("command").get<std::string>();
+        reported.shrunk = fault.at("shrunk").get<std::string>();
+        const std::string folder = fault.at("folder");
+        const auto from = std::filesystem::absolute(std::filesystem::path(file).parent_path());
+        reported.folder = folder.empty() ? "" : (from / folder).lexically_normal().string();
+        reported.recording = fault.at("recording").get<std::string>();
+        reported.picture = fault.at("picture").get<std::string>();
+      } else {
+        reported.outcome.verdict = CaseVerdict::kPassed;
+        reported.outcome.ticks = value.at("ticks");
+        reported.outcome.state_hash = std::stoull(value.at("state_hash").get<std::string>(), nullptr, 16);
+        reported.outcome.covered = value.at("covered").get<std::vector<bool>>();
+        for (const json& each : value.at("robustness")) {
+          ExpectationOutcome expectation;
+          expectation.holds = true;
+          expectation.robustness = NumberFromJson(each);
+          reported.outcome.expectations.push_back(std::move(expectation));
+        }
+        for (const json& metric : value.at("metrics")) {
+          reported.outcome.metrics.push_back(metric.is_null() ? std::nullopt : std::optional(NumberFromJson(metric)));
+        }
+      }
+      if (entry->rows.contains(reported.number)) {
+        return Error{where,
+                     fmt::format("found case {} of {} again, expected each case once", reported.number, Quoted(path))};
+      }
+      AddCase(static_cast<std::size_t>(entry - entries_.begin()), std::move(reported));
+    } catch (const std::exception&) {
+      return Error{where, "found no line of a report, expected one as 'troupe test' and 'troupe sweep' write"};
+    }
+  }
+  return {};
+}
+
+std::string CaseReport::Csv(const Entry& entry) const {
+  std::string csv = "case";
+  for (const std::string& path : entry.test.vary) csv += "," + CsvField(path);
+  csv += ",verdict,ticks,state_hash";
+  for (const std::string& name : entry.test.expect) csv += "," + CsvField("robustness of " + name);
+  for (const std::string& name : entry.test.cover) csv += "," + CsvField("covered: " + name);
+  for (std::size_t i = 0; i < entry.test.metrics.size(); ++i) {
+    const std::string& unit = entry.test.units[i];
+    csv += "," + CsvField(entry.test.metrics[i] + (unit.empty() ? "" : " (" + unit + ")"));
+  }
+  csv += "\n";
+  for (const auto& [number, row] : entry.rows) {
+    csv += std::to_string(number);
+    for (std::size_t i = 0; i < entry.test.vary.size(); ++i)
+      csv += "," + (i < row.draws.size() ? CsvField(row.draws[i].value) : "");
+    csv += fmt::format(",{},{},{:016x}", ToString(row.verdict), row.ticks, row.state_hash);
+    for (std::size_t i = 0; i < entry.test.expect.size(); ++i) {
+      csv += "," + (i < row.robustness.size() ? fmt::format("{}", row.robustness[i]) : "");
+    }
+    for (std::size_t i = 0; i < entry.test.cover.size(); ++i)
+      csv += i < row.covered.size() && row.covered[i] ? ",1" : ",0";
+    for (std::size_t i = 0; i < entry.test.metrics.size(); ++i) {
+      const bool known = i < row.metrics.size() && row.metrics[i];
+      csv += "," + (known ? fmt::format("{}", *row.metrics[i]) : "");
+    }
+    csv += "\n";
+  }
+  return csv;
+}
+
+std::string CaseReport::JUnit() const {
+  const auto count = [](const Entry& entry, CaseVerdict verdict) {
+    return std::count_if(entry.rows.begin(), entry.rows.end(),
+                         [&](const auto& row) { return row.second.verdict == verdict; });
+  };
+  std::string suites;
+  for (const Entry& entry : entries_) {
+    double total = 0.0;
+    for (const auto& [number, row] : entry.rows) total += row.seconds.value_or(0.0);
+    suites += fmt::format(
+        "  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3f}\">\n",
+        Escaped(entry.test.path), entry.rows.size(), count(entry, CaseVerdict::kFailed),
+        count(entry, CaseVerdict::kError), count(entry, CaseVerdict::kNotRun), total);
+    for (const auto& [number, row] : entry.rows) {
+      const std::string text = CaseText(row.draws);
+      suites += fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", Escaped(entry.test.name),
+                            Escaped(text.empty() ? "case" : text), row.seconds.value_or(0.0));
+      const auto fault = entry.faults.find(number);
+      if (fault == entry.faults.end()) {
+        suites += "/>\n";
+        continue;
+      }
+      suites += ">";
+      if (row.verdict == CaseVerdict::kNotRun) {
+        suites += "<skipped message=\"not run\"/></testcase>\n";
+        continue;
+      }
+      const char* const element = row.verdict == CaseVerdict::kFailed ? "failure" : "error";
+      const std::string problem = Problem(entry.test, fault->second);
+      const std::string first = problem.substr(0, problem.find('\n'));
+      std::string body;
+      std::istringstream lines(problem + "\n" + fault->second.command);
+      for (std::string line; std::getline(lines, line);) body += Escaped(line) + "\n";
+      suites += fmt::format("<{0} message=\"{1}\" type=\"{0}\">{2}</{0}></testcase>\n", element, Escaped(first), body);
+    }
+    suites += "  </testsuite>\n";
+  }
+  std::uint64_t tests = 0;
+  for (const Entry& entry : entries_) tests += entry.rows.size();
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"{}\" failures=\"{}\" errors=\"{}\" "
+      "skipped=\"{}\">\n{}</testsuites>\n",
+      tests, Count(CaseVerdict::kFailed), Count(CaseVerdict::kError), Count(CaseVerdict::kNotRun), suites);
+}
+
+std::string CaseReport::NameOf(const Entry& entry) {
+  std::string name;
+  for (const char c : entry.test.name) name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
+  return name;
+}
+
+Status CaseReport::Write(const std::string& folder) const {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) return Error{{folder}, "cannot make the folder: " + failure.message(), ErrorCode::kOutputFailed};
+  const std::filesystem::path base(folder);
+  const auto write = [&](const std::string& name, const std::string& content) -> Status {
+    const Status status = WriteWholeFile((base / name).string(), content);
+    if (status.ok()) return status;
+    return Error{{(base / name).string()}, "cannot write: " + status.error().message, ErrorCode::kOutputFailed};
+  };
+  if (Status error = write("cases.jsonl", Lines()); !error.ok()) return error;
+  for (const Entry& entry : entries_) {
+    const std::string csv = entries_.size() == 1 ? "cases.csv" : NameOf(entry) + ".csv";
+    if (Status error = write(csv, Csv(entry)); !error.ok()) return error;
+    for (const auto& [name, svg] : Plots(entry)) {
+      if (Status error = write(name, svg); !error.ok()) return error;
+    }
+  }
+  return write("index.html", Page());
+}
+
+}  // namespace troupe

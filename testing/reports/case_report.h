@@ -1,0 +1,98 @@
+// CaseReport: the outcomes of many cases as files: JSON lines, CSV, JUnit, plots and one page without a server.
+//
+// The cases of a shard are in cases.jsonl, from which the reports of several shards are merged.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "testing/cases/case_run.h"
+#include "testing/reports/statistics.h"
+#include "troupe/result.h"
+
+namespace troupe {
+
+// A test, as far as a report shows it.
+struct ReportedTest {
+  std::string path;
+  std::string name;
+  std::vector<std::string> vary;  // paths
+  std::vector<std::string> expect;
+  std::vector<std::string> formulas;  // of `expect`, with shorthands replaced
+  std::vector<std::string> cover;
+  std::vector<std::string> metrics;
+  std::vector<std::string> units;  // of the metrics
+  std::uint64_t cases = 0;         // of its design, in all shards
+
+  bool operator==(const ReportedTest&) const = default;
+};
+
+struct ReportedCase {
+  std::uint64_t number = 0;  // in the design of the test; of a case that was kept, from that on
+  TestCase draws;
+  CaseOutcome outcome;
+  std::string command;         // that repeats it; empty for a case that passed
+  std::string shrunk = {};     // the text of the smallest case that fails so; empty: none was made
+  std::string folder = {};     // with its recording and picture, from the report's folder; empty: none
+  std::string recording = {};  // file names in it; empty: none
+  std::string picture = {};
+};
+
+nlohmann::json ToJson(const ReportedTest& test);
+nlohmann::json ToJson(const ReportedCase& reported);
+
+class CaseReport {
+ public:
+  // The tests in their order; cases of each are added in any order, and reported by number.
+  void AddTest(const ReportedTest& test);
+  // `test`: its index. `seconds`: wall time of the case; nothing: unknown.
+  void AddCase(std::size_t test, ReportedCase reported, std::optional<double> seconds = {});
+  // The wall time of a case that was added.
+  std::optional<double> SecondsOf(std::size_t test, std::uint64_t number) const;
+  // Adds the tests and cases of a cases.jsonl. The error: a file that is none, a test that differs from one of the same
+  // path, or a case that is there already.
+  Status AddLines(const std::string& file);
+
+  std::uint64_t Count(CaseVerdict verdict) const;
+  // Situations of `cover` that no case has reached, as "test: name".
+  std::vector<std::string> Uncovered() const;
+
+  // One suite for each test; failures and errors apart.
+  std::string JUnit() const;
+  // Writes cases.jsonl, cases.csv, index.html and plots (*.svg) into a folder, which is made.
+  Status Write(const std::string& folder) const;
+
+ private:
+  // What is kept of each case is small; only cases that did not pass are kept whole.
+  struct Row {
+    TestCase draws;
+    CaseVerdict verdict = CaseVerdict::kNotRun;
+    Tick ticks = 0;
+    std::uint64_t state_hash = 0;
+    std::vector<double> robustness;
+    std::vector<bool> covered;
+    std::vector<std::optional<double>> metrics;
+    std::optional<double> seconds;
+  };
+  struct Entry {
+    ReportedTest test;
+    std::map<std::uint64_t, Row> rows;             // by number
+    std::map<std::uint64_t, ReportedCase> faults;  // that did not pass, whole
+  };
+
+  std::string Lines() const;
+  std::string Csv(const Entry& entry) const;
+  std::string Page() const;
+  std::string PageOf(const Entry& entry) const;
+  static std::string MetricTable(const Entry& entry, std::size_t metric);
+  static std::vector<std::pair<std::string, std::string>> Plots(const Entry& entry);  // file names and SVG
+  static std::string NameOf(const Entry& entry);
+
+  std::vector<Entry> entries_;
+};
+
+}  // namespace troupe

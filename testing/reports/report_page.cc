@@ -1,0 +1,226 @@
+// The page of a report and its plots.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "testing/reports/case_report.h"
+#include "testing/reports/svg_plot.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kMostFaults = 100;  // that the page shows in full
+constexpr std::size_t kMostGroups = 200;  // rows of a table of metrics
+
+constexpr const char* kStyle =
+    R"(body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:70em;padding:0 1em;color:#222}
+h1{font-size:1.5em}h2{font-size:1.25em;border-bottom:1px solid #ccc;margin-top:2em}h3{font-size:1.05em}
+table{border-collapse:collapse;margin:.7em 0}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:left;font-weight:normal}
+th{background:#f3f3f3}td.n{text-align:right;font-variant-numeric:tabular-nums}
+code{background:#f3f3f3;padding:.1em .3em;overflow-wrap:anywhere}
+.passed{color:#1e7a3c}.failed{color:#b3261e}.error{color:#8a5a00}.not-run{color:#666}
+.grid span{display:inline-block;width:10px;height:10px;margin:1px}
+.grid .passed{background:#4caf6f}.grid .failed{background:#c0392b}.grid .error{background:#e6a323}.grid .not-run{background:#bbb}
+details{border:1px solid #ddd;padding:.4em .8em;margin:.6em 0}summary{cursor:pointer}img,svg{max-width:100%})";
+
+std::string ClassOf(CaseVerdict verdict) {
+  return verdict == CaseVerdict::kNotRun ? "not-run" : ToString(verdict);
+}
+
+std::string Shown(double number) {
+  return fmt::format("{:.4g}", number);
+}
+
+std::string WithUnit(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + " (" + unit + ")";
+}
+
+// The draws but that of the seed, over which statistics are made.
+std::string GroupOf(const TestCase& draws) {
+  TestCase others;
+  std::copy_if(draws.begin(), draws.end(), std::back_inserter(others),
+               [](const DrawnValue& draw) { return draw.path != "seed"; });
+  return CaseText(others);
+}
+
+bool IsNumber(const std::string& value) {
+  return nlohmann::json::parse(value, nullptr, false).is_number();
+}
+
+std::string FaultText(const ReportedTest& test, const ReportedCase& fault) {
+  const CaseOutcome& outcome = fault.outcome;
+  const std::string text = CaseText(fault.draws);
+  std::string html =
+      fmt::format("<details><summary><b class=\"{}\">{}</b> <code>{}</code></summary>\n", ClassOf(outcome.verdict),
+                  ToString(outcome.verdict), Escaped(text.empty() ? "the only case" : text));
+  if (!outcome.error.empty()) html += "<p>" + Escaped(outcome.error) + "</p>\n";
+  if (!fault.command.empty()) html += "<p>Repeat: <code>" + Escaped(fault.command) + "</code></p>\n";
+  if (!fault.shrunk.empty()) html += "<p>The smallest case found: <code>" + Escaped(fault.shrunk) + "</code></p>\n";
+  if (!fault.recording.empty()) {
+    html += fmt::format("<p><a href=\"{0}/{1}\">Recording</a>: <code>troupe view {0}/{1}</code></p>\n",
+                        Escaped(fault.folder), Escaped(fault.recording));
+  }
+  if (!fault.picture.empty()) {
+    html += fmt::format("<p><img src=\"{}/{}\" alt=\"The world at the tick that decides\" width=\"560\"></p>\n",
+                        Escaped(fault.folder), Escaped(fault.picture));
+  }
+  for (std::size_t i = 0; i < outcome.expectations.size(); ++i) {
+    const ExpectationOutcome& each = outcome.expectations[i];
+    html += fmt::format("<p><b class=\"{}\">{}</b> {}: robustness {}{}{}</p>\n", each.holds ? "passed" : "failed",
+                        each.holds ? "holds" : "fails", Escaped(test.expect[i]), Shown(each.robustness),
+                        each.cause_tick ? fmt::format(", decided by tick {}", *each.cause_tick) : "",
+                        each.causes.empty() ? "" : Escaped(fmt::format(" and {}", fmt::join(each.causes, ", "))));
+    if (each.holds) continue;
+    std::vector<PlotPoint> points;
+    for (const Monitor::Moment& moment : each.history) {
+      points.push_back({static_cast<double>(moment.tick) * outcome.tick_seconds, moment.robustness});
+    }
+    const bool finite =
+        std::count_if(points.begin(), points.end(), [](const auto& p) { return std::isfinite(p.y); }) > 1;
+    if (!finite) continue;
+    PlotSettings settings{test.expect[i], "time (s)", "robustness"};
+    settings.line = 0.0;
+    settings.markers = false;
+    settings.height = 220;
+    html += MakePlot(points, settings);
+  }
+  return html + "</details>\n";
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> CaseReport::Plots(const Entry& entry) {
+  std::vector<std::pair<std::string, std::string>> plots;
+  const ReportedTest& test = entry.test;
+  for (std::size_t metric = 0; metric < test.metrics.size(); ++metric) {
+    for (std::size_t v = 0; v < test.vary.size(); ++v) {
+      if (test.vary[v] == "seed") continue;
+      std::map<std::string, Statistics> by_value;
+      for (const auto& [number, row] : entry.rows) {
+        if (v >= row.draws.size() || metric >= row.metrics.size() || !row.metrics[metric]) continue;
+        by_value[row.draws[v].value].Add(*row.metrics[metric]);
+      }
+      if (by_value.empty()) continue;
+      const bool numbers =
+          std::all_of(by_value.begin(), by_value.end(), [](const auto& each) { return IsNumber(each.first); });
+      PlotSettings settings{test.metrics[metric], test.vary[v], WithUnit(test.metrics[metric], test.units[metric])};
+      std::vector<PlotPoint> points;
+      for (const auto& [value, statistics] : by_value) {
+        const double x = numbers ? NumberIn(value) : static_cast<double>(settings.x_words.size());
+        if (!numbers) settings.x_words.push_back(value.substr(0, 16));
+        points.push_back({x, statistics.mean(), statistics.confidence()});
+      }
+      std::sort(points.begin(), points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+      plots.emplace_back(fmt::format("{}-metric{}-{}.svg", NameOf(entry), metric + 1, v + 1),
+                         MakePlot(points, settings));
+    }
+  }
+  return plots;
+}
+
+std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
+  std::map<std::string, Statistics> groups;
+  for (const auto& [number, row] : entry.rows) {
+    if (metric >= row.metrics.size() || !row.metrics[metric]) continue;
+    groups[GroupOf(row.draws)].Add(*row.metrics[metric]);
+  }
+  std::string html = fmt::format(
+      "<h3>{}</h3>\n<table><tr><th>case</th><th>runs</th><th>mean</th><th>95 % confidence</th>"
+      "<th>deviation</th><th>least</th><th>greatest</th></tr>\n",
+      Escaped(WithUnit(entry.test.metrics[metric], entry.test.units[metric])));
+  std::size_t shown = 0;
+  for (const auto& [group, statistics] : groups) {
+    if (++shown > kMostGroups) {
+      html += fmt::format("<tr><td colspan=\"7\">{} more: see the CSV file</td></tr>\n", groups.size() - kMostGroups);
+      break;
+    }
+    html += fmt::format(
+        "<tr><td><code>{}</code></td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
+        "<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+        Escaped(group.empty() ? "all" : group), statistics.count(), Shown(statistics.mean()),
+        statistics.count() < 2 ? "" : "± " + Shown(statistics.confidence()), Shown(statistics.deviation()),
+        Shown(statistics.min()), Shown(statistics.max()));
+  }
+  return html + "</table>\n";
+}
+
+std::string CaseReport::PageOf(const Entry& entry) const {
+  const ReportedTest& test = entry.test;
+  std::string html = fmt::format("<h2>{}</h2>\n<p><code>{}</code>, {} of {} cases of its design</p>\n",
+                                 Escaped(test.name), Escaped(test.path), entry.rows.size(), test.cases);
+  if (!test.expect.empty()) {
+    html +=
+        "<table><tr><th>expectation</th><th>formula</th><th>holds</th><th>fails</th><th>least robustness</th><th>in "
+        "case</th></tr>\n";
+    for (std::size_t i = 0; i < test.expect.size(); ++i) {
+      std::uint64_t holds = 0;
+      std::uint64_t fails = 0;
+      const Row* nearest = nullptr;
+      for (const auto& [number, row] : entry.rows) {
+        if (i >= row.robustness.size()) continue;
+        ++(std::signbit(row.robustness[i]) ? fails : holds);
+        if (nearest == nullptr || row.robustness[i] < nearest->robustness[i]) nearest = &row;
+      }
+      html += fmt::format(
+          "<tr><td>{}</td><td><code>{}</code></td><td class=\"n\">{}</td><td class=\"n {}\">{}</td>"
+          "<td class=\"n\">{}</td><td><code>{}</code></td></tr>\n",
+          Escaped(test.expect[i]), Escaped(test.formulas[i]), holds, fails > 0 ? "failed" : "", fails,
+          nearest != nullptr ? Shown(nearest->robustness[i]) : "",
+          nearest != nullptr ? Escaped(CaseText(nearest->draws)) : "");
+    }
+    html += "</table>\n";
+  }
+  if (!test.cover.empty()) {
+    html += "<table><tr><th>situation</th><th>cases that reach it</th></tr>\n";
+    for (std::size_t i = 0; i < test.cover.size(); ++i) {
+      const auto reached = std::count_if(entry.rows.begin(), entry.rows.end(), [&](const auto& row) {
+        return i < row.second.covered.size() && row.second.covered[i];
+      });
+      html += fmt::format("<tr><td>{}</td><td class=\"n {}\">{}</td></tr>\n", Escaped(test.cover[i]),
+                          reached == 0 ? "failed" : "", reached);
+    }
+    html += "</table>\n";
+  }
+  html += "<p class=\"grid\">";
+  constexpr std::size_t kMostSquares = 5000;
+  std::size_t squares = 0;
+  for (const auto& [number, row] : entry.rows) {
+    if (++squares > kMostSquares) break;
+    html += fmt::format("<span class=\"{}\" title=\"{}\"></span>", ClassOf(row.verdict), Escaped(CaseText(row.draws)));
+  }
+  html += "</p>\n";
+  std::size_t shown = 0;
+  for (const auto& [number, fault] : entry.faults) {
+    if (++shown > kMostFaults) {
+      html += fmt::format("<p>{} more: see cases.jsonl</p>\n", entry.faults.size() - kMostFaults);
+      break;
+    }
+    html += FaultText(test, fault);
+  }
+  for (std::size_t i = 0; i < test.metrics.size(); ++i) html += MetricTable(entry, i);
+  for (const auto& [name, svg] : Plots(entry)) html += svg;
+  return html;
+}
+
+std::string CaseReport::Page() const {
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Cases</title>\n"
+      "<meta name=\"viewport\" content=\"width=device-width\">\n<style>{}</style></head><body>\n<h1>",
+      kStyle);
+  bool first = true;
+  for (const CaseVerdict verdict :
+       {CaseVerdict::kPassed, CaseVerdict::kFailed, CaseVerdict::kError, CaseVerdict::kNotRun}) {
+    const std::uint64_t count = Count(verdict);
+    if (count == 0 && verdict != CaseVerdict::kPassed) continue;
+    html +=
+        fmt::format("{}<span class=\"{}\">{} {}</span>", first ? "" : ", ", ClassOf(verdict), count, ToString(verdict));
+    first = false;
+  }
+  html += "</h1>\n";
+  for (const Entry& entry : entries_) html += PageOf(entry);
+  return html + "</body></html>\n";
+}
+
+}  // namespace troupe

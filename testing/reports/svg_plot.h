@@ -1,0 +1,34 @@
+// SvgPlot: a plot of a few series as SVG text, for reports.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace troupe {
+
+struct PlotPoint {
+  double x = 0.0;
+  double y = 0.0;
+  double error = 0.0;  // half the height of its bar; 0: none
+};
+
+struct PlotSettings {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  // Words of the x axis: x is their index, from 0. Empty: numbers.
+  std::vector<std::string> x_words = {};
+  std::optional<double> line = {};  // a horizontal line at this y
+  bool markers = true;              // a dot for each point
+  int width = 560;                  // pixels
+  int height = 300;
+};
+
+// A line through the points, in their order, with bars. Points that are not finite are left out.
+std::string MakePlot(const std::vector<PlotPoint>& points, const PlotSettings& settings);
+
+// Text for XML and HTML: & < > " ' are escaped; characters that XML forbids are question marks.
+std::string Escaped(const std::string& text);
+
+}  // namespace troupe

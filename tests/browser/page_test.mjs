@@ -1,0 +1,277 @@
+// Checks how the page of `troupe view` is used: its layout on windows of all sizes, the rules of axe-core, ten tasks by keys
+// alone, and a robot that is driven by touch.
+//   node page_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
+import assert from 'node:assert/strict';
+import {mkdirSync, readFileSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {Pages} from './pages.mjs';
+import {Program, until} from './programs.mjs';
+
+const [programs, source, files] = process.argv.slice(2);
+const pages = await Pages.launch('page_test', source, ['axe-core']);
+const axe = readFileSync(createRequire(`${source}/viewer/web/package.json`).resolve('axe-core/axe.min.js'), 'utf8');
+const troupe = `${programs}/troupe`;
+const domain = String(161 + (process.pid % 19));
+mkdirSync(files, {recursive: true});
+const path = name => `${files}/${name}`;
+
+const run = (name, more) => new Program(troupe, [
+  'run', `${source}/worlds/scenarios/demo.json`, '--domain', domain, '--session', `page-${process.pid}-${name}`, ...more,
+]);
+const LIVE = ['--ticks', '1000000', '--speed', '1'];
+
+async function open(url, width, height, more) {
+  const page = await pages.open(url, width, height, more);
+  await until('the page has a state', () => page.evaluate(() => window.troupe?.state() ?? null));
+  return page;
+}
+
+async function close(page, program) {
+  pages.mayComplain = true;
+  await page.close();
+  await program.stop();
+  pages.mayComplain = false;
+}
+
+const robotOf = (page, name) => page.evaluate(
+  wanted => window.troupe.robots().find(robot => robot.name === wanted) ?? null, name);
+const stateOf = page => page.evaluate(() => window.troupe.state());
+const isOn = (page, id) => page.$eval(`#${id}`, button => button.getAttribute('aria-pressed') === 'true');
+const selected = (page, name) => until(`${name} is selected`, async () => (await page.textContent('#panel-name')) === name);
+
+// The serious findings of axe-core, as texts.
+async function findings(page) {
+  await page.evaluate(axe);
+  const {violations, passes} = await page.evaluate(() => window.axe.run());
+  assert.ok(passes.some(({id}) => id === 'color-contrast'), 'the rules were applied');
+  return violations.filter(({impact}) => impact === 'serious' || impact === 'critical')
+    .map(({id, nodes}) => `${id}: ${nodes.map(node => node.html.slice(0, 160)).join('\n  ')}`);
+}
+
+// What is wrong with the place or the size of visible controls and texts. `least`: px that a finger needs, 0: a mouse.
+const layoutProblems = (page, least) => page.evaluate(smallest => {
+  const problems = [];
+  const isVisible = element => element.checkVisibility({visibilityProperty: true}) && element.getClientRects().length > 0;
+  const isClipped = (element, box) => {
+    for (let at = element.parentElement; at; at = at.parentElement) {
+      const style = getComputedStyle(at);
+      if (/auto|scroll/.test(style.overflowY)) return null;  // scrolls into view
+      const around = at.getBoundingClientRect();
+      if (/hidden/.test(style.overflowX) && (box.right > around.right + 1 || box.left < around.left - 1)) return at;
+    }
+    return box.left < -1 || box.right > innerWidth + 1 || box.top < -1 || box.bottom > innerHeight + 1 ? document.body : null;
+  };
+  for (const button of document.querySelectorAll('button, select')) {
+    if (!isVisible(button)) continue;
+    const box = button.getBoundingClientRect();
+    const name = button.id || button.className;
+    const clip = isClipped(button, box);
+    if (clip) problems.push(`${name} is cut by ${clip.id || clip.tagName}`);
+    if (button.id === 'sheet-handle') continue;
+    if (Math.min(box.width, box.height) < smallest - 0.5) problems.push(`${name} is ${box.width} x ${box.height} px`);
+  }
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) {
+    const parent = texts.currentNode.parentElement;
+    if (texts.currentNode.textContent.trim() === '' || !isVisible(parent)) continue;
+    const size = parseFloat(getComputedStyle(parent).fontSize);
+    if (size < 12) problems.push(`"${texts.currentNode.textContent.trim()}" has ${size} px`);
+  }
+  return problems;
+}, least);
+
+const SIZES = [[1280, 720], [1920, 1080], [1024, 768], [390, 844], [844, 390]];
+
+async function fitsWindowsOfAllSizes() {
+  const shown = run('sizes', [...LIVE, '--paused']);
+  const page = await open(`${await shown.line('viewer: ')}#robot=anna`, 1280, 720);
+  await selected(page, 'anna');
+  const places = () => page.$$eval('#bottom button', all => all.map(button => {
+    const {left, top} = button.getBoundingClientRect();
+    return [button.id, left, top];
+  }));
+  await page.click('#step-ten');
+  await until('the run has made ten steps', async () => (await stateOf(page)).tick === 10);
+  const live = await places();
+  await page.click('#play');
+  await until('the run plays', async () => !(await stateOf(page)).paused);
+  assert.deepEqual(await places(), live, 'the buttons of the time stay where they are while the run plays');
+  await page.focus('#timeline');
+  await page.keyboard.press('ArrowLeft');
+  await until('the past is shown', async () => (await stateOf(page)).past);
+  assert.deepEqual(await places(), live, 'the buttons of the time stay where they are in the past');
+  await page.click('#live');
+
+  for (const [width, height] of SIZES) {
+    await page.setViewportSize({width, height});
+    const phone = width < 500 || height < 480;
+    // Twice: the picture and the tools follow the window one frame later.
+    await page.evaluate(() => new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+    for (const theme of ['light', 'dark']) {
+      await page.emulateMedia({colorScheme: theme});
+      assert.deepEqual(await layoutProblems(page, phone ? 44 : 0), [], `at ${width} x ${height}, ${theme}`);
+      assert.deepEqual(await findings(page), [], `at ${width} x ${height}, ${theme}`);
+      await page.screenshot({path: path(`${width}x${height}-${theme}.png`)});
+    }
+    // The picture fills the place that bars and columns leave, and a selected robot comes to its middle.
+    const scene = await page.locator('#scene').boundingBox();
+    const canvas = await page.locator('#scene canvas').boundingBox();
+    assert.ok(Math.abs(canvas.width - scene.width) < 1 && Math.abs(canvas.height - scene.height) < 1);
+    if (phone) assert.equal((await page.locator('#bottom').boundingBox()).height, 56);
+    await page.click('#tab-events');
+    assert.deepEqual(await findings(page), [], `events at ${width} x ${height}`);
+    await page.click('#tab-state');
+  }
+  await close(page, shown);
+}
+
+async function doesTenTasksByKeys() {
+  const shown = run('keys', LIVE);
+  const page = await open(await shown.line('viewer: '), 1280, 720);
+  const keys = page.keyboard;
+  const press = async (...all) => { for (const key of all) await keys.press(key); };
+
+  // 1. Select a robot in the list.
+  await page.locator('.robot').nth(1).waitFor();
+  await press('1', 'ArrowDown', 'Enter');
+  await selected(page, 'bela');
+  // 2. Pause, step, and play.
+  await press('Escape', ' ');
+  const paused = await until('the run is paused', async () => {
+    const state = await stateOf(page);
+    return state.paused && state;
+  });
+  await page.locator('#step:enabled').waitFor();
+  await press('.');
+  await until('the run has made a step', async () => (await stateOf(page)).tick === paused.tick + 1);
+  // 3. Turn and move the camera, and look from above.
+  const place = () => page.evaluate(() => window.troupe.groundPoint(3, 3));
+  for (const key of ['ArrowLeft', 'Shift+ArrowUp', '+', 't', 'ArrowRight', '-', 'h']) {
+    await page.evaluate(() => document.activeElement.blur());
+    const before = await place();
+    await press(key);
+    const after = await place();
+    assert.ok(Math.hypot(after.x - before.x, after.y - before.y) > 1, `${key} moves the camera`);
+  }
+  assert.ok(await isOn(page, 'view-top'));
+  // 4. Show all rays, and the sensors of the robot.
+  await press('r', '3');
+  assert.ok(await isOn(page, 'rays'));
+  assert.equal(await page.getAttribute('#tab-sensors', 'aria-selected'), 'true');
+  await press('ArrowRight');
+  assert.equal(await page.getAttribute('#tab-events', 'aria-selected'), 'true', 'arrows move from tab to tab');
+  // 5. Move a robot.
+  await page.evaluate(() => document.activeElement.blur());
+  const before = await robotOf(page, 'bela');
+  await press('m', 'ArrowUp', 'ArrowUp', ']', 'Enter');
+  await until('bela is moved', async () => Math.abs((await robotOf(page, 'bela')).pose.y - before.pose.y - 0.2) < 1e-9);
+  // 6. Undo that.
+  await press('Escape', 'Control+z');
+  await until('bela is back', async () => (await robotOf(page, 'bela')).pose.y === before.pose.y);
+  // 7. Add a robot.
+  await press('a');
+  await page.locator('#add-menu .menu-row').first().waitFor();
+  await page.locator('#add-menu .menu-row:has-text("scout")').first().focus();
+  const toAnEmptyRoom = [...Array(4).fill('ArrowLeft'), ...Array(3).fill('ArrowUp')];
+  await press('Enter', ...toAnEmptyRoom, 'Enter');
+  await until('the robot is selected', async () => /^scout/.test(await page.textContent('#panel-name')));
+  const added = await page.textContent('#panel-name');
+  // 8. Send it to a point, though its controller accepts no goals: the page drives it there, until it is released.
+  await press(' ');
+  await until('the run plays', async () => !(await stateOf(page)).paused);
+  await press('g', 'ArrowRight', 'Enter');
+  await until('it drives', async () => (await robotOf(page, added)).twist[0] > 0);
+  assert.match(await page.textContent('#drive'), /Release/);
+  await press('Escape');
+  await until('it is released', async () => !(await isOn(page, 'drive')));
+  // 9. Drive it.
+  await press('c');
+  await keys.down('ArrowLeft');
+  await until('it turns', async () => (await robotOf(page, added)).twist[2] > 0);
+  await keys.up('ArrowLeft');
+  await press('Escape');
+  // 10. Delete it, and look at the past; the keys of the page work while the timeline has the focus.
+  await press('Delete');
+  await until('it is deleted', async () => (await robotOf(page, added)) === null);
+  await page.focus('#timeline');
+  await press('ArrowLeft');
+  await until('the past is shown', async () => (await stateOf(page)).past);
+  await press('o');
+  assert.ok(await isOn(page, 'view-orbit'));
+  await press('?');
+  assert.ok(await page.isVisible('#help'));
+  await press('Escape');
+  assert.ok(await page.isHidden('#help'));
+  await close(page, shown);
+}
+
+// A finger on the screen: `points` on its way, as fractions of the element.
+async function touch(page, selector, points) {
+  const session = await page.context().newCDPSession(page);
+  const box = await page.locator(selector).boundingBox();
+  const at = ([x, y]) => [{x: box.x + x * box.width, y: box.y + y * box.height}];
+  await session.send('Input.dispatchTouchEvent', {type: 'touchStart', touchPoints: at(points[0])});
+  for (const point of points.slice(1)) {
+    await session.send('Input.dispatchTouchEvent', {type: 'touchMove', touchPoints: at(point)});
+  }
+  return () => session.send('Input.dispatchTouchEvent', {type: 'touchEnd', touchPoints: []});
+}
+
+async function drivesByTouch() {
+  const shown = run('touch', LIVE);
+  const url = await shown.line('viewer: ');
+  for (const [width, height] of [[390, 844], [844, 390]]) {
+    const page = await open(url, width, height, {hasTouch: true, isMobile: true});
+    const twist = (what, wanted) => until(what, async () => wanted((await robotOf(page, 'anna')).twist));
+    await page.tap('#tab-robots');
+    await page.tap('.robot:has-text("anna")');
+    await selected(page, 'anna');
+    await page.tap('#drive');
+    await twist('anna stands still', ([vx, , wz]) => vx === 0 && wz === 0);
+    let lift = await touch(page, '#drive-pad', [[0.5, 0.5], [0.2, 0.5], [0.05, 0.5]]);
+    await twist('anna turns left', ([vx, , wz]) => Math.abs(vx) < 1e-9 && wz > 0);
+    await page.screenshot({path: path(`drive-${width}x${height}.png`)});
+    await lift();
+    await twist('anna stands still again', ([vx, , wz]) => vx === 0 && wz === 0);
+    // The camera by two fingers is that of three.js; by one it turns.
+    const before = await page.evaluate(() => window.troupe.groundPoint(0, 0));
+    lift = await touch(page, '#scene', [[0.3, 0.4], [0.4, 0.4], [0.5, 0.4]]);
+    await lift();
+    await until('the picture turns', async () => {
+      const after = await page.evaluate(() => window.troupe.groundPoint(0, 0));
+      return Math.hypot(after.x - before.x, after.y - before.y) > 2;
+    });
+    await page.tap('#drive');
+    await twist('its controller continues', ([vx, , wz]) => vx !== 0 || wz !== 0);
+    // Tools that have no place in the bar are behind a button, and those of the time behind another.
+    await page.tap('#more-open');
+    await page.tap('#more #measure');
+    assert.ok(await isOn(page, 'measure'));
+    assert.ok(await page.isHidden('#more'));
+    await page.tap('#time-more');
+    await page.tap('#step-ten', {trial: true, force: true});
+    assert.ok(await page.isVisible('#speed'));
+    pages.mayComplain = true;
+    await page.close();
+    pages.mayComplain = false;
+  }
+  await shown.stop();
+}
+
+async function explainsWhatIsNotPossible() {
+  const recording = path('short.mcap');
+  const recorded = run('recorded', ['--ticks', '20', '--speed', 'max', '--headless', '--in-process', '--record', recording]);
+  assert.equal(await recorded.end, 0, recorded.lines.join('\n'));
+  const shown = new Program(troupe, ['view', recording, '--listen', '127.0.0.1:0']);
+  const page = await open(`${await shown.line('viewer: ')}#robot=anna`, 1280, 720);
+  await selected(page, 'anna');
+  for (const id of ['move', 'add', 'drive', 'send', 'delete']) {
+    assert.ok(await page.isVisible(`#${id}`), `${id} is shown`);
+    await page.click(`#${id}`, {force: true});  // Playwright waits until it is enabled
+    await page.locator('.toast.error:has-text("A recording cannot be changed")').last().waitFor();
+  }
+  assert.deepEqual(await findings(page), []);
+  await close(page, shown);
+}
+
+await pages.runAll([fitsWindowsOfAllSizes, doesTenTasksByKeys, drivesByTouch, explainsWhatIsNotPossible], path);

@@ -1,0 +1,120 @@
+#include "viewer/gateway/past_reader.h"
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/json.h"
+
+namespace troupe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::json;
+
+// Of one answer: seeks wait for it.
+constexpr auto kLongestAnswer = std::chrono::milliseconds(40);
+constexpr std::size_t kMostSamples = 2000;
+
+PageReply Reply(std::uint64_t id, Json text, const std::string& problem = "") {
+  text["type"] = "reply";
+  text["id"] = id;
+  text["done"] = problem.empty();
+  text["problem"] = problem;
+  return {id, problem.empty(), problem, JsonText(text)};
+}
+
+Json NumberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+}  // namespace
+
+PageReply PastReader::Series(const SeriesRequest& request) {
+  const std::optional<PastStates::Range> range = past_.range();
+  if (!range) return Reply(request.id, Json::object(), "there is no past state");
+  Json ticks = Json::array();
+  Json positions = Json::array();
+  std::vector<Json> values(request.signals.size(), Json::array());
+  std::uint64_t at = request.from;
+  if (at < range->first) at += (range->first - at + request.every - 1) / request.every * request.every;
+  const std::uint64_t to = std::min(request.to, range->last);
+  const auto start = Clock::now();
+  for (; at <= to && ticks.size() < kMostSamples && Clock::now() - start < kLongestAnswer; at += request.every) {
+    Result<std::shared_ptr<const ViewedState>> found = past_.At(at);
+    if (!found.ok()) return Reply(request.id, Json::object(), found.error().ToString());
+    const std::shared_ptr<const ViewedState>& state = found.value();
+    if (state->position != at) continue;
+    signals_.SetState(state);
+    positions.push_back(at);
+    ticks.push_back(state->state->tick);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i].push_back(NumberOrNull(signals_.Value(request.signals[i])));
+  }
+  Json text = {{"positions", std::move(positions)}, {"ticks", std::move(ticks)}, {"values", std::move(values)}};
+  text["next"] = at <= to ? Json(at) : Json();
+  return Reply(request.id, std::move(text));
+}
+
+bool PastReader::TotalsContinue(const PastStates::Range& range) {
+  if (first_ == nullptr) return false;
+  if (range.first < first_->position || range.last + 1 < next_) return false;
+  const Result<std::shared_ptr<const ViewedState>> last = past_.At(range.last);
+  return last.ok() && last.value()->world->run == first_->world->run;
+}
+
+PageReply PastReader::Totals(const TotalsRequest& request) {
+  const std::optional<PastStates::Range> range = past_.range();
+  if (!range) return Reply(request.id, Json::object(), "there is no past state");
+  if (!TotalsContinue(*range)) {
+    totals_.clear();
+    first_ = last_ = nullptr;
+    next_ = range->first;
+  }
+  const auto start = Clock::now();
+  for (; next_ <= range->last && Clock::now() - start < kLongestAnswer; ++next_) {
+    const Result<std::shared_ptr<const ViewedState>> found = past_.At(next_);
+    if (!found.ok()) return Reply(request.id, Json::object(), found.error().ToString());
+    if (found.value()->position == next_) Add(found.value());
+  }
+  if (first_ == nullptr) return Reply(request.id, {{"complete", false}});
+  const double interval = last_->world->description().interval_seconds();
+  Json robots = Json::array();
+  for (const auto& [name, robot] : totals_) {
+    Json& row = robots.emplace_back(Json{{"name", name}, {"distance", robot.distance}});
+    if (robot.has_store) row["energy"] = robot.energy;
+  }
+  return Reply(request.id, {{"complete", next_ > range->last},
+                            {"first_tick", first_->state->tick},
+                            {"last_tick", last_->state->tick},
+                            {"seconds", static_cast<double>(last_->state->tick) * interval},
+                            {"robots", std::move(robots)}});
+}
+
+// Between two states of which an edit made the second, nothing was driven or used.
+void PastReader::Add(const std::shared_ptr<const ViewedState>& state) {
+  const WorldDescription& world = state->world->description();
+  const bool is_same_world = last_ != nullptr && last_->world == state->world;
+  if (!is_same_world) stores_ = StoresOfRobots(world);
+  const bool is_step = is_same_world && last_->edition == state->edition && last_->state->tick < state->state->tick;
+  const double seconds =
+      is_step ? static_cast<double>(state->state->tick - last_->state->tick) * world.interval_seconds() : 0.0;
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (!RobotExists(world, RobotId(i))) continue;
+    RobotTotals& robot = totals_[world.robots[i].name];
+    robot.has_store = !stores_[i].empty();
+    if (!is_step) continue;
+    const Pose& now = state->state->robots[i].X_WR;
+    const Pose& before = last_->state->robots[i].X_WR;
+    robot.distance += std::hypot(now.x - before.x, now.y - before.y);
+    for (const std::size_t store : stores_[i]) {
+      const StoreState& after = state->state->stores[store];
+      robot.energy += last_->state->stores[store].joules - after.joules + after.charge_watts * seconds;
+    }
+  }
+  if (first_ == nullptr) first_ = state;
+  last_ = state;
+}
+
+}  // namespace troupe

@@ -1,0 +1,53 @@
+// PastReader: the answers to questions of pages about the past of a run: series of signals, and totals of robots. They
+// are computed from its states, a bounded part in each call: the page asks for the rest.
+//
+// Threads: one at a time, that of PastStates::At.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "viewer/gateway/page_request.h"
+#include "viewer/gateway/past_states.h"
+#include "viewer/gateway/signals.h"
+
+namespace troupe {
+
+class PastReader {
+ public:
+  // The past outlives the reader.
+  explicit PastReader(PastStates& past) : past_(past) {}
+
+  // The values of signals at the states from a position to another one, each `every`-th: {"ticks", "positions",
+  // "values": [of each signal; null: none]}, and "next": the position with which to go on, null at the end. Positions
+  // without a state have no values.
+  PageReply Series(const SeriesRequest& request);
+
+  // What each robot has done from the first state on: {"complete", "first_tick", "last_tick", "seconds", "robots":
+  // [{"name", "distance" m, "energy" J that it has used, if it has a store that can be empty}]}. Not complete: ask
+  // again.
+  PageReply Totals(const TotalsRequest& request);
+
+ private:
+  struct RobotTotals {
+    double distance = 0.0;  // m
+    double energy = 0.0;    // J
+    bool has_store = false;
+  };
+  void Add(const std::shared_ptr<const ViewedState>& state);
+  // Whether the totals are those of the past as it is now.
+  bool TotalsContinue(const PastStates::Range& range);
+
+  PastStates& past_;
+  SignalReader signals_;
+  std::map<std::string, RobotTotals> totals_;  // by robot
+  std::shared_ptr<const ViewedState> first_;   // that the totals have; null: none
+  std::shared_ptr<const ViewedState> last_;
+  std::uint64_t next_ = 0;                        // position
+  std::vector<std::vector<std::size_t>> stores_;  // of the world of last_
+};
+
+}  // namespace troupe

@@ -1,0 +1,24 @@
+// Colours: those of meanings are variables of viewer.css, and each robot has a hue of its own for its trail and its plots.
+import {Color} from 'three';
+
+export function color(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+export function isDark(): boolean {
+  return document.documentElement.dataset.theme === 'dark';
+}
+
+// Hues that lie far apart for robots that follow each other. `robot`: its index.
+export function robotHue(robot: number): number {
+  return (205 + robot * 137.508) % 360;
+}
+
+// For CSS and canvases, with a contrast of at least 3 : 1 on cards and on the ground.
+export function robotColor(robot: number): string {
+  return isDark() ? `hsl(${robotHue(robot).toFixed(1)}, 75%, 68%)` : `hsl(${robotHue(robot).toFixed(1)}, 80%, 36%)`;
+}
+
+export function robotColorOf(robot: number, target: Color): Color {
+  return isDark() ? target.setHSL(robotHue(robot) / 360, 0.75, 0.68) : target.setHSL(robotHue(robot) / 360, 0.8, 0.36);
+}

@@ -1,0 +1,180 @@
+// EndCard: what a run came to, when it is over: what each robot has done, and ways to go on. The past stays reachable
+// behind it.
+import {EventType} from '../generated/rows';
+import {robotColor} from './colors';
+import type {Connection, SessionInfo} from './connection';
+import {fixed, make, setText, toast} from './dom';
+import {energyText} from './entity_panel';
+import type {RunEvent, TotalsReply} from './protocol';
+import type {Run} from './run';
+import {clockText} from './times';
+
+export interface EndCardHost {
+  info(): SessionInfo | null;
+  select(robot: string): void;
+  replay(): void;
+}
+
+interface RobotRow {
+  name: string;
+  distance: number;
+  energy?: number;
+}
+
+// "table2 × 3, wall", the most frequent first.
+function countsText(names: string[]): string {
+  const counts = new Map<string, number>();
+  for (const name of names) counts.set(name, (counts.get(name) ?? 0) + 1);
+  return [...counts].sort((a, b) => b[1] - a[1]).slice(0, 4)
+    .map(([name, count]) => (count > 1 ? `${name} × ${count}` : name)).join(', ') + (counts.size > 4 ? ' …' : '');
+}
+
+// A word of a shell.
+function quoted(word: string): string {
+  return /^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replace(/'/g, `'\\''`)}'`;
+}
+
+export class EndCard {
+  private readonly card = make('section', 'popup');
+  private readonly title = make('h2', '', 'The run is over');
+  private readonly facts = make('p', 'faint');
+  private readonly rows = make('div', 'scroll end-rows');
+  private readonly actions = make('div', 'row');
+  private readonly command = make('code', 'end-command');
+  private run: Run | null = null;
+  private shownFor = '';  // the run whose end was shown
+  private asking = false;
+
+  constructor(private readonly connection: Connection, private readonly host: EndCardHost) {
+    this.card.id = 'end-card';
+    this.card.hidden = true;
+    this.card.setAttribute('role', 'dialog');
+    this.card.setAttribute('aria-label', 'The run is over');
+    const close = make('button', 'plain', '×');
+    close.title = close.ariaLabel = 'Close';
+    close.onclick = () => this.set(false);
+    this.title.append(close);
+    this.command.hidden = true;
+    this.card.append(this.title, this.facts, this.rows, this.actions, this.command);
+    document.body.append(this.card);
+  }
+
+  get isOpen(): boolean {
+    return !this.card.hidden;
+  }
+
+  // Opens at the end of a run, and when the page returns to it; a past state hides it.
+  show(run: Run): void {
+    this.run = run;
+    if (!run.over || run.past) {
+      this.shownFor = '';
+      this.card.hidden = true;
+      return;
+    }
+    if (this.shownFor === run.world.run) return;
+    this.shownFor = run.world.run;
+    this.set(true);
+  }
+
+  set(open: boolean): void {
+    this.card.hidden = !open;
+    if (!open || !this.run) return;
+    this.offer();
+    void this.sum();
+  }
+
+  private button(text: string, title: string, action: () => void): HTMLButtonElement {
+    const button = make('button', 'small', text) as HTMLButtonElement;
+    button.title = title;
+    button.onclick = action;
+    return button;
+  }
+
+  private offer(): void {
+    const info = this.host.info();
+    const words = info?.command ?? [];
+    const replay = this.button('Replay', 'Play the run again from its start, as it was', () => {
+      this.set(false);
+      this.host.replay();
+    });
+    replay.classList.add('strong');
+    const buttons = [replay, this.button('Look back', 'Close this, and drag the timeline', () => this.set(false))];
+    if (words.length > 0) {
+      buttons.push(
+        this.button('Run again', 'The command that runs it again', () => this.tell(words)),
+        this.button('Another seed', 'The command that runs it with another seed', () => this.tell(this.withOtherSeed(words))));
+    }
+    if (info?.saves_recording) {
+      buttons.push(this.button('Save the recording', 'A file for troupe view, troupe replay and troupe export', () => {
+        const link = document.createElement('a');
+        link.href = `/recording.mcap${location.search}`;
+        link.download = `${info.session}.mcap`;
+        link.click();
+      }));
+    }
+    this.actions.replaceChildren(...buttons);
+    this.command.hidden = true;
+  }
+
+  private withOtherSeed(words: string[]): string[] {
+    const seed = String(Math.floor(1 + 1e6 * Math.random()));
+    const rest = words.filter((word, i) => !word.startsWith('--seed') && words[i - 1] !== '--seed');
+    return [...rest, '--seed', seed];
+  }
+
+  private tell(words: string[]): void {
+    const text = words.map(quoted).join(' ');
+    setText(this.command, text);
+    this.command.hidden = false;
+    navigator.clipboard?.writeText(text).then(
+      () => toast('The command is copied: paste it into a terminal'), () => toast('Enter this command in a terminal'));
+  }
+
+  // The gateway sums up a part at a time.
+  private async sum(): Promise<void> {
+    if (this.asking) return;
+    this.asking = true;
+    for (;;) {
+      const reply = await this.connection.totals();
+      if (this.card.hidden || !this.run) break;
+      if (reply.done) this.fill(this.run, reply);
+      if (!reply.done || reply.complete) break;
+    }
+    this.asking = false;
+  }
+
+  private fill(run: Run, totals: TotalsReply): void {
+    const seconds = (totals.last_tick ?? run.tick) * run.world.interval;
+    const stalls = run.events.filter(event => event.type === EventType.StallBegan).length;
+    const target = run.status?.target_ticks ?? 0;
+    const end = target > 0 && run.tick < target ? `stopped before tick ${target}` : '';
+    setText(this.facts, [
+      `${clockText(seconds)} of simulated time`, `tick ${totals.last_tick ?? run.tick}`, `${stalls} ${stalls === 1 ? 'stall' : 'stalls'}`,
+      end, totals.complete ? '' : 'summing up …',
+    ].filter(text => text !== '').join(' · '));
+    const robots = (totals.robots ?? []).map((robot): RobotRow => robot);
+    this.rows.replaceChildren(...robots.map(robot => this.row(run, robot)));
+  }
+
+  private row(run: Run, robot: RobotRow): HTMLElement {
+    const index = run.world.robots.findIndex(r => r.present && r.name === robot.name);
+    const of = (...types: EventType[]): RunEvent[] => run.events.filter(e => e.robot === robot.name && types.includes(e.type));
+    const stalls = of(EventType.StallBegan);
+    const gripped = of(EventType.Gripped);
+    const said = of(EventType.Said);
+    const facts = [
+      robot.energy !== undefined ? `used ${energyText(robot.energy)}` : '',
+      stalls.length > 0 ? `stalled at ${countsText(stalls.map(event => event.other || 'the ground'))}` : 'no contact',
+      gripped.length > 0 ? `gripped ${countsText(gripped.map(event => event.object))}` : '',
+      said.length > 0 ? `said “${said[said.length - 1].detail}”` : '',
+    ];
+    const row = make('button', 'end-robot');
+    const dot = make('span', 'plot-line');
+    dot.style.borderTopColor = robotColor(Math.max(0, index));
+    row.append(
+      dot, make('strong', 'end-name', robot.name), make('span', 'end-distance', `${fixed(robot.distance, robot.distance < 100 ? 1 : 0)} m`),
+      make('span', 'end-facts faint', facts.filter(text => text !== '').join(' · ')));
+    row.onclick = () => this.host.select(robot.name);
+    return row;
+  }
+}

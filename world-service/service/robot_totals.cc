@@ -1,0 +1,104 @@
+#include "world-service/service/robot_totals.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+ModelId RootOf(const WorldDescription& world, ModelId model) {
+  while (const std::optional<ModelId>& parent = world.model(model).parent) model = *parent;
+  return model;
+}
+
+}  // namespace
+
+Status RobotTotals::OnBegin(const RunStart& start) {
+  scene_ = start.scene;
+  return {};
+}
+
+void RobotTotals::OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition) {
+  scene_ = scene;
+}
+
+Status RobotTotals::OnTick(const CommittedTick& tick) {
+  const WorldState& state = tick.frame.state;
+  const bool begins = tick.edit != nullptr && tick.frame.fresh_edition == tick.frame.edition;
+  if (begins || !since_) {
+    robots_.clear();
+    since_ = state.tick;
+  }
+  const std::size_t known = std::min(robots_.size(), state.robots.size());
+  robots_.resize(state.robots.size());
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const Vec2 position = state.robots[i].X_WR.translation();
+    if (tick.edit == nullptr && i < known) robots_[i].distance += (position - robots_[i].position).norm();
+    robots_[i].position = position;
+  }
+  if (tick.edit == nullptr) {
+    for (const Event& event : tick.frame.events) Count(event);
+    for (const RobotCommand& command : tick.commands) Count(command);
+  }
+  stores_ = state.stores;
+  return {};
+}
+
+void RobotTotals::Count(const Event& event) {
+  if (!event.robot || event.robot->index() >= robots_.size()) return;
+  Counts& counts = robots_[event.robot->index()];
+  if (event.type == EventType::kStallBegan) {
+    ++counts.stalls;
+    if (event.other) ++counts.contacts[RootOf(scene_->world(), *event.other)];
+  } else if (event.type == EventType::kGripped) {
+    ++counts.grips;
+  }
+}
+
+void RobotTotals::Count(const RobotCommand& command) {
+  if (!command.goal || command.goal->waypoints.empty() || command.robot.index() >= robots_.size()) return;
+  Counts& counts = robots_[command.robot.index()];
+  if (std::exchange(counts.goal, command.goal->number) != command.goal->number || counts.goals == 0) {
+    ++counts.goals;
+    counts.is_reached = false;
+  }
+  if (counts.is_reached || (command.goal->waypoints.back() - counts.position).norm() > kGoalReached) return;
+  counts.is_reached = true;
+  ++counts.goals_reached;
+}
+
+std::vector<RobotTotal> RobotTotals::Collect(std::size_t most) const {
+  std::vector<RobotTotal> totals;
+  if (scene_ == nullptr) return totals;
+  const WorldDescription& world = scene_->world();
+  std::map<ModelId, std::size_t> robot_of_root;  // place in `totals`
+  for (std::size_t i = 0; i < std::min(robots_.size(), world.robots.size()) && totals.size() < most; ++i) {
+    if (!RobotExists(world, RobotId(i))) continue;
+    const Counts& counts = robots_[i];
+    RobotTotal& total = totals.emplace_back();
+    total.robot = world.robots[i].name;
+    total.distance = counts.distance;
+    total.stalls = counts.stalls;
+    total.grips = counts.grips;
+    total.goals = counts.goals;
+    total.goals_reached = counts.goals_reached;
+    std::vector<std::pair<ModelId, std::uint64_t>> contacts(counts.contacts.begin(), counts.contacts.end());
+    std::stable_sort(contacts.begin(), contacts.end(),
+                     [](const auto& a, const auto& b) { return a.second > b.second; });
+    contacts.resize(std::min(contacts.size(), kMostContacts));
+    for (const auto& [obstacle, count] : contacts) total.contacts.push_back(world.model(obstacle).name);
+    robot_of_root.emplace(world.robots[i].root, totals.size() - 1);
+  }
+  const std::vector<ModelId> stores = FindStores(world);
+  for (std::size_t i = 0; i < std::min(stores.size(), stores_.size()); ++i) {
+    const auto robot = robot_of_root.find(RootOf(world, stores[i]));
+    const PowerDescription& power = world.model(stores[i]).power;
+    if (robot == robot_of_root.end() || power.endless) continue;
+    RobotTotal& total = totals[robot->second];
+    total.joules = total.joules.value_or(0.0) + stores_[i].joules;
+    total.capacity = total.capacity.value_or(0.0) + power.capacity;
+  }
+  return totals;
+}
+
+}  // namespace troupe

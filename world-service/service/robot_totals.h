@@ -1,0 +1,76 @@
+// RobotTotals: for people, what each robot did in a run: an observer that adds up distances, contacts and goals.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/spatial/scene.h"
+#include "troupe/fields.h"
+#include "world-service/service/run_observer.h"
+
+namespace troupe {
+
+// What one robot did.
+struct RobotTotal {
+  std::string robot;
+  double distance = 0.0;                // m, driven; edits of users do not count
+  std::uint64_t stalls = 0;             // motions that a contact cut short
+  std::vector<std::string> contacts;    // the obstacles of these, the most frequent first; at most kMostContacts
+  std::uint64_t grips = 0;              // objects that it has gripped
+  std::uint64_t goals = 0;              // that users sent
+  std::uint64_t goals_reached = 0;      // of them
+  std::optional<double> joules = {};    // J, in its stores at the end; without a store, or with an endless one: none
+  std::optional<double> capacity = {};  // J, likewise
+  bool operator==(const RobotTotal&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"robot", &RobotTotal::robot},       Field{"distance", &RobotTotal::distance},
+        Field{"stalls", &RobotTotal::stalls},     Field{"contacts", &RobotTotal::contacts},
+        Field{"grips", &RobotTotal::grips},       Field{"goals", &RobotTotal::goals},
+        Field{"joules", &RobotTotal::joules},     Field{"goals_reached", &RobotTotal::goals_reached},
+        Field{"capacity", &RobotTotal::capacity},
+    };
+  }
+};
+
+class RobotTotals : public RunObserver {
+ public:
+  static constexpr std::size_t kMostContacts = 5;
+  static constexpr double kGoalReached = 0.3;  // m, from the last waypoint of a goal
+
+  Status OnBegin(const RunStart& start) override;
+  void OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition edition) override;
+  Status OnTick(const CommittedTick& tick) override;
+
+  // Of the first robots that exist, in id order; after the run.
+  std::vector<RobotTotal> Collect(std::size_t most) const;
+  // The tick at which they begin: that of the newest start, or at which a service continued the run.
+  Tick since() const { return since_.value_or(0); }
+
+ private:
+  struct Counts {
+    double distance = 0.0;
+    std::uint64_t stalls = 0;
+    std::uint64_t grips = 0;
+    std::map<ModelId, std::uint64_t> contacts;  // by the root of the obstacle
+    std::uint32_t goal = 0;                     // number of the newest
+    std::uint64_t goals = 0;
+    std::uint64_t goals_reached = 0;
+    bool is_reached = false;  // the newest
+    Vec2 position = {};       // m, W, at the newest tick
+  };
+
+  void Count(const Event& event);
+  void Count(const RobotCommand& command);
+
+  std::shared_ptr<const Scene> scene_;
+  std::optional<Tick> since_;
+  std::vector<Counts> robots_;      // by RobotId
+  std::vector<StoreState> stores_;  // at the newest tick
+};
+
+}  // namespace troupe
