@@ -8,17 +8,17 @@
 namespace troupe {
 namespace {
 
-const char* CodeOf(TextStyle style) {
+const char* CodeOf(TerminalStyle style) {
   switch (style) {
-    case TextStyle::kBold:
+    case TerminalStyle::kBold:
       return "1";
-    case TextStyle::kDim:
+    case TerminalStyle::kDim:
       return "2";
-    case TextStyle::kError:
+    case TerminalStyle::kError:
       return "1;31";
-    case TextStyle::kWarning:
+    case TerminalStyle::kWarning:
       return "33";
-    case TextStyle::kLink:
+    case TerminalStyle::kLink:
       return "1;4";
   }
   return "0";
@@ -33,7 +33,7 @@ bool HasStyles(std::FILE* stream) {
   return is_allowed && terminal != nullptr && std::string_view(terminal) != "dumb" && isatty(fileno(stream)) == 1;
 }
 
-std::string Styled(TextStyle style, std::string_view text, bool has_styles) {
+std::string Styled(TerminalStyle style, std::string_view text, bool has_styles) {
   return has_styles ? fmt::format("\033[{}m{}\033[0m", CodeOf(style), text) : std::string(text);
 }
 
@@ -41,9 +41,10 @@ std::string StyledLine(std::string_view line, bool has_styles) {
   if (!has_styles) return std::string(line);
   struct Marked {
     std::string_view word;
-    TextStyle style;
+    TerminalStyle style;
   };
-  for (const auto& [word, style] : {Marked{"error: ", TextStyle::kError}, Marked{"warning: ", TextStyle::kWarning}}) {
+  for (const auto& [word, style] :
+       {Marked{"error: ", TerminalStyle::kError}, Marked{"warning: ", TerminalStyle::kWarning}}) {
     const std::size_t at = line.find(word);
     const bool begins_message = at == 0 || (at != std::string_view::npos && line.substr(0, at).ends_with(": "));
     if (!begins_message) continue;
@@ -52,7 +53,7 @@ std::string StyledLine(std::string_view line, bool has_styles) {
   }
   constexpr std::string_view kViewer = "viewer: ";
   if (!line.starts_with(kViewer)) return std::string(line);
-  return std::string(kViewer) + Styled(TextStyle::kLink, line.substr(kViewer.size()), true);
+  return std::string(kViewer) + Styled(TerminalStyle::kLink, line.substr(kViewer.size()), true);
 }
 
 void ClearLine() {

@@ -8,13 +8,13 @@
 
 namespace troupe {
 
-enum class TextStyle { kBold, kDim, kError, kWarning, kLink };
+enum class TerminalStyle { kBold, kDim, kError, kWarning, kLink };
 
 // Whether texts on the stream have styles.
 bool HasStyles(std::FILE* stream);
 
 // The text in the style, if `has_styles`.
-std::string Styled(TextStyle style, std::string_view text, bool has_styles);
+std::string Styled(TerminalStyle style, std::string_view text, bool has_styles);
 
 // A line of a program for people: the words "error:" and "warning:" and the address of a viewer have their styles.
 std::string StyledLine(std::string_view line, bool has_styles);

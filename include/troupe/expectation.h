@@ -44,8 +44,8 @@ struct ExpectationScope {
 };
 
 // An error of a text has line 1 and the column of the first wrong byte, from 1, in `where`, all bytes of the text being
-// one line: the caller knows where the text is in its file. The message says what was found and what was expected, and
-// proposes the name that is nearest to one that does not exist.
+// one line: the caller knows where the text is in its file. The message names the text that was found and the expected
+// one, and proposes the name that is nearest to one that does not exist.
 
 // An expectation of one world: names are resolved and units checked. A value; copies share constant data.
 class Expectation {
@@ -123,8 +123,8 @@ class Monitor {
   // After Finish.
   double robustness() const { return robustness_bounds().min; }
 
-  // The robustness of what is below the outermost `always`, `eventually` or `until`, at one tick: where a run comes
-  // near to failing. An expectation without such an operator has one entry.
+  // The robustness of the subformula of the outermost `always`, `eventually` or `until`, at one tick: the ticks at
+  // which the run nearly fails. An expectation without such an operator has one entry.
   struct Moment {
     Tick tick = 0;
     double robustness = 0.0;

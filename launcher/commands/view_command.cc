@@ -35,7 +35,7 @@ namespace troupe {
 namespace {
 
 constexpr double kReplySeconds = 10.0;
-constexpr int kEndMilliseconds = 300;
+constexpr int kEndMilliseconds = 3000;
 constexpr int kPollMilliseconds = 10;
 constexpr std::size_t kLargestRecording = std::size_t{1} << 30;  // bytes that are sent to a page
 constexpr int kNiceness = 10;                                    // where processors are short, the run goes first

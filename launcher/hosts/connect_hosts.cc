@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "common/base/glob.h"
 #include "worldfile/scenario/scenario.h"
 
 namespace troupe {

@@ -180,7 +180,7 @@ void Progress::Update(const StatusMessage& status) {
   if (terminal_) {
     ClearStatusLine();
     status_line_ = PlainLine(StatusText(status), TerminalWidth() - 1);
-    fmt::print(stderr, "{}", Styled(TextStyle::kDim, status_line_, has_styles_));
+    fmt::print(stderr, "{}", Styled(TerminalStyle::kDim, status_line_, has_styles_));
     std::fflush(stderr);
   } else if (std::chrono::steady_clock::now() >= next_line_) {
     Tell(StatusText(status));
@@ -201,7 +201,7 @@ void Progress::Tell(const std::string& line, const std::string& command) {
   ClearStatusLine();
   const std::string below = command.empty() ? "" : "  " + PlainLine(command) + "\n";
   fmt::print(stderr, "{}\n{}{}", StyledLine(PlainLine(line), has_styles_), below,
-             Styled(TextStyle::kDim, kept, has_styles_ && !kept.empty()));
+             Styled(TerminalStyle::kDim, kept, has_styles_ && !kept.empty()));
   std::fflush(stderr);
   status_line_ = kept;
 }
@@ -270,7 +270,7 @@ std::string RobotsText(const RunSummary& run, bool has_styles) {
       lines[i] += column.to_the_right ? space + cells[i] : cells[i] + (is_last ? "" : space);
     }
   }
-  std::string text = Styled(TextStyle::kBold, lines[0], has_styles) + "\n";
+  std::string text = Styled(TerminalStyle::kBold, lines[0], has_styles) + "\n";
   for (std::size_t i = 1; i < lines.size(); ++i) text += lines[i] + "\n";
   if (run.robots > shown) text += fmt::format("and {} more robots (--summary FILE has them)\n", run.robots - shown);
   if (run.totals_since > 0) text += fmt::format("of the ticks since {}, at which it was restarted\n", run.totals_since);

@@ -44,7 +44,7 @@ class Variation {
   // Whether a draw can have this value.
   bool Contains(const std::string& value) const;
   // Values that a draw can have and that are simpler than `value`, the simplest first: earlier in a list, nearer to
-  // the begin of a range, of fewer digits.
+  // the lower end of a range, of fewer digits.
   std::vector<std::string> SimplerThan(const std::string& value) const;
   // A value near to `value`; `amount` in (0, 1]: how far, as a part of all values.
   std::string Near(const std::string& value, double amount, std::uint64_t key, std::uint64_t counter) const;

@@ -350,7 +350,7 @@ class Compiler {
     node.level = source.level;
   }
 
-  // Binds the variables of a quantifier, and calls compile(variables) for what is below; `empty`: what it is worth if
+  // Binds the variables of a quantifier, and calls compile(variables) for its body; `empty`: what it is worth if
   // there are not enough bodies for its variables.
   template <typename Result, typename Compile, typename Empty>
   Result WithVariables(const Syntax& bound, const Compile& compile, const Empty& empty) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/glob.h"
 #include "common/base/text.h"
 
 namespace troupe {
@@ -46,7 +47,7 @@ Result<std::vector<std::uint32_t>> WorldNames::Domain(const Syntax& bound) const
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (!exists_[i] || is_robot(static_cast<std::uint32_t>(i)) != robots) continue;
     names.push_back(bodies_[i]);
-    if (!bound.pattern || MatchesPattern(*bound.pattern, bodies_[i])) bodies.push_back(static_cast<std::uint32_t>(i));
+    if (!bound.pattern || MatchesGlob(*bound.pattern, bodies_[i])) bodies.push_back(static_cast<std::uint32_t>(i));
   }
   if (bodies.empty() && bound.pattern) {
     const std::string kind = robots ? "robot" : "object";

@@ -45,7 +45,7 @@ FoldKind KindOf(Op op) {
 
 double Difference(double a, double b, double of_equal) {
   const double difference = a - b;
-  return a == b ? of_equal : (difference == difference ? difference : -kInfinity);  // false of what is no number
+  return a == b ? of_equal : (difference == difference ? difference : -kInfinity);  // a comparison with NaN is false
 }
 
 // Calls compute(lane, a, b) for each lane with the values of two inputs.

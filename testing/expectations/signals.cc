@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "common/base/glob.h"
 #include "common/model/states.h"
 #include "common/sensing/sensor_suite.h"
 
@@ -198,7 +199,7 @@ double ReadClosestPair(const SignalUse& signal, const TickView& tick, SignalMemo
 
 bool Matches(const Event& event, const SignalUse& signal, std::size_t lane, const TickView& tick) {
   if (event.type != signal.event) return false;
-  if (!signal.text.empty() && !MatchesPattern(signal.text, event.detail)) return false;
+  if (!signal.text.empty() && !MatchesGlob(signal.text, event.detail)) return false;
   if (signal.subjects.empty()) return true;
   const std::size_t body = signal.subjects[lane];
   const std::size_t robots = tick.state.robots.size();

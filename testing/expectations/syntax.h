@@ -98,7 +98,4 @@ Result<MetricSyntax> ParseMetric(std::string_view text);
 std::string ToString(const Syntax& syntax);
 std::string ToString(const MetricSyntax& metric);
 
-// Whether `text` matches a pattern with "*" for any characters and "?" for one.
-bool MatchesPattern(std::string_view pattern, std::string_view text);
-
 }  // namespace troupe

@@ -282,7 +282,7 @@ Status CaseReport::Write(const std::string& folder) const {
   if (failure) return Error{{folder}, "cannot make the folder: " + failure.message(), ErrorCode::kOutputFailed};
   const std::filesystem::path base(folder);
   const auto write = [&](const std::string& name, const std::string& content) -> Status {
-    const Status status = WriteWholeFile((base / name).string(), content);
+    Status status = WriteWholeFile((base / name).string(), content);
     if (status.ok()) return status;
     return Error{{(base / name).string()}, "cannot write: " + status.error().message, ErrorCode::kOutputFailed};
   };

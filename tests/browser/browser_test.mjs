@@ -402,7 +402,7 @@ async function knowsWhatHappenedBefore() {
     const [a, b] = [poses.get(tick - 1).get('anna'), poses.get(tick).get('anna')];
     distance += Math.hypot(b.x - a.x, b.y - a.y);
   }
-  const row = page.locator('.end-robot', {hasText: /^anna/});
+  const row = page.locator('.end-robot', {has: page.locator('.end-name', {hasText: 'anna'})});
   await row.waitFor();
   await until('the way of anna is summed up', async () => (await row.locator('.end-distance').textContent()) === `${distance.toFixed(1)} m`);
   assert.equal(await page.locator('.end-robot').count(), poses.get(ticks).size);

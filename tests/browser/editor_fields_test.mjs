@@ -187,7 +187,8 @@ async function editsTheText() {
   await fileIs(page, 'the text is applied', now => now.undo === 'the change of the text' && now.error === '');
   await save(page);
   assert.equal(read('text.world'), text.replace('[1 1 0 0] )', '[1 1 0 0] obstacle_return 0 )'));
-  // An error, at its line.
+  // An error, at its line. The button has the focus.
+  await page.locator('#text-area .cm-content').click();
   await page.keyboard.press('Control+End');
   await page.keyboard.type('model( name');
   await page.keyboard.press('Control+Enter');

@@ -465,7 +465,7 @@ async function editsAScenario() {
   await setText(text.replace('"seed": 1,', '"seed": "one",'));
   await page.click('#text-apply');
   const broken = await fileIs(page, 'the error is shown', now => now.error !== '');
-  assert.match(broken.error, /demo\.json:4:\d+: error: /);
+  assert.match(broken.error, /demo\.json:5:\d+: error: /);
   assert.equal(await page.textContent('#text-error'), broken.error);
   await setText(text);
   await page.click('#text-apply');

@@ -98,7 +98,8 @@ struct PageReply {
   std::uint64_t id = 0;
   bool done = false;
   std::string problem;
-  std::string text;  // the whole reply as JSON, for the page
+  std::string text;         // the whole reply as JSON, for the page
+  bool has_totals = false;  // of the whole past
 };
 PageReply ReplyToControl(std::uint64_t id, const Result<ControlReply>& reply);
 // The members of the object, if there is one, are those of the reply.

@@ -85,11 +85,13 @@ PageReply PastReader::Totals(const TotalsRequest& request) {
     Json& row = robots.emplace_back(Json{{"name", name}, {"distance", robot.distance}});
     if (robot.has_store) row["energy"] = robot.energy;
   }
-  return Reply(request.id, {{"complete", next_ > range->last},
-                            {"first_tick", first_->state->tick},
-                            {"last_tick", last_->state->tick},
-                            {"seconds", static_cast<double>(last_->state->tick) * interval},
-                            {"robots", std::move(robots)}});
+  PageReply reply = Reply(request.id, {{"complete", next_ > range->last},
+                                       {"first_tick", first_->state->tick},
+                                       {"last_tick", last_->state->tick},
+                                       {"seconds", static_cast<double>(last_->state->tick) * interval},
+                                       {"robots", std::move(robots)}});
+  reply.has_totals = next_ > range->last;
+  return reply;
 }
 
 // Between two states of which an edit made the second, nothing was driven or used.

@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -107,8 +108,8 @@ class RequestQueue {
   std::thread thread_;  // last
 };
 
-// A page that is told of the end asks for a summary.
-constexpr int kPeriodsAtEnd = kUpdatesPerSecond / 5;
+// A page that is told of the end asks for a summary. The others are given up after this time.
+constexpr int kPeriodsAtEnd = 2 * kUpdatesPerSecond;
 constexpr std::string_view kRecordingPath = "/recording.mcap";
 constexpr ViewerId kNoViewer = 0;
 // Between two readings of the journal, and at least so many times the time of one.
@@ -204,6 +205,7 @@ class Viewers final : public WebHandler {
   PageReadings readings_;
   std::map<ViewerId, std::unique_ptr<Viewer>> viewers_;
   std::atomic<bool> have_seen_end_ = true;
+  std::set<ViewerId> summed_up_;                      // that have the totals of the whole past
   int periods_at_end_ = 0;                            // since all viewers know the end
   PastReader reader_;                                 // on the thread of the questions, as the next two
   std::chrono::steady_clock::time_point journal_at_;  // it is not read again earlier
@@ -236,6 +238,7 @@ void Viewers::OnOpened(WebLoop& loop, ViewerId id, std::string_view protocol) {
 
 void Viewers::OnClosed(WebLoop& loop, ViewerId id) {
   viewers_.erase(id);
+  summed_up_.erase(id);
   questions_.Remove(id);
   if (!viewers_.empty()) return;
   have_seen_end_ = true;
@@ -351,6 +354,7 @@ void Viewers::DescribeTimeline() {
 void Viewers::Answer(WebLoop& loop, ViewerId id, PageReply reply) {
   const auto known = viewers_.find(id);
   if (known == viewers_.end()) return;
+  if (reply.has_totals) summed_up_.insert(id);
   known->second->Answer(std::move(reply));
   loop.RequestMessage(id);
 }
@@ -399,7 +403,9 @@ void Viewers::OnPeriod(WebLoop& loop) {
   }
   const bool is_over = state == nullptr || run_.content.last;  // a recording has no live state
   periods_at_end_ = all_know && is_over ? periods_at_end_ + 1 : 0;
-  have_seen_end_ = periods_at_end_ >= (state == nullptr ? 1 : kPeriodsAtEnd);
+  const bool know_all = std::all_of(viewers_.begin(), viewers_.end(),
+                                    [this](const auto& viewer) { return summed_up_.contains(viewer.first); });
+  have_seen_end_ = periods_at_end_ >= (state == nullptr || know_all ? 1 : kPeriodsAtEnd);
 }
 
 void Viewers::NameSession() {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <set>
 
+#include "common/base/glob.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/scenario/scenario_tree.h"
 #include "worldfile/stage/stage_world.h"
@@ -271,30 +272,6 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   Complete(reduced.value(), file, plan.value());
   CopyPlaces(built.value().world, reduced.value().world);
   return reduced;
-}
-
-bool MatchesGlob(const std::string& pattern, const std::string& text) {
-  // Greedy: on a mismatch the last star matches one character more.
-  std::size_t p = 0;
-  std::size_t t = 0;
-  std::size_t star = std::string::npos;
-  std::size_t star_text = 0;
-  while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      star_text = t;
-    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
-      ++p;
-      ++t;
-    } else if (star != std::string::npos) {
-      p = star + 1;
-      t = ++star_text;
-    } else {
-      return false;
-    }
-  }
-  while (p < pattern.size() && pattern[p] == '*') ++p;
-  return p == pattern.size();
 }
 
 Result<WorldNode> ApplyOverride(const OverrideEntry& rule, WorldNode world) {

@@ -64,7 +64,4 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
 // by their type or a define that they were made from. A rule without a match is an error that lists names and types.
 Result<WorldNode> ApplyOverride(const OverrideEntry& rule, WorldNode world);
 
-// True if `pattern` is `text`, where * stands for any text and ? for any one character.
-bool MatchesGlob(const std::string& pattern, const std::string& text);
-
 }  // namespace troupe

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "common/base/glob.h"
 #include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
 #include "tests/support/small_world.h"

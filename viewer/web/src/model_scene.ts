@@ -13,7 +13,7 @@ export class ModelScene {
   private readonly camera = new PerspectiveCamera(35, 1, 0.01, 1000);
   private readonly controls: OrbitControls;
   private bodies = new Group();
-  private reach = 0;  // m, of what is shown
+  private reach = 0;  // m, the greatest coordinate of a shown point
   private waiting = false;
 
   constructor(private readonly canvas: HTMLCanvasElement) {

@@ -213,7 +213,7 @@ export class ModelViews {
     this.parts.draw(side, 'side');
   }
 
-  // Of what is being drawn or dragged: the size of its box, and the length of its newest edge.
+  // Of the shape under the pointer: the size of its box, and the length of its newest edge.
   private drawSizes(points: Point2[]): void {
     if (points.length < 2) return;
     const extent = (axis: 0 | 1): number => Math.max(...points.map(p => p[axis])) - Math.min(...points.map(p => p[axis]));

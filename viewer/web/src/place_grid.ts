@@ -1,11 +1,11 @@
-// PlaceGrid: the grid that pointers keep to in the picture of a file, and the place of what is dragged in numbers.
+// PlaceGrid: the grid that pointers keep to in the picture of a file, and the place of the dragged entity in numbers.
 import type {Vector3} from 'three';
 import {byId} from './dom';
 import {DragLabel, metres} from './drag_label';
 import type {Pose} from './protocol';
 import type {WorldScene} from './scene';
 
-const TURN = Math.PI / 12;  // of what is turned with Shift
+const TURN = Math.PI / 12;  // of a turn with Shift
 
 export class PlaceGrid {
   private pointer: PointerEvent | null = null;
@@ -29,7 +29,7 @@ export class PlaceGrid {
     const step = Number(this.step.value);
     if (step === 0 || this.pointer?.altKey || this.isOff()) return point;
     if (this.pointer?.shiftKey && this.pointer.buttons === 1 && this.ghost) {
-      // The direction from the middle of what is turned.
+      // The direction from the middle of the turned entity.
       const [x, y] = [point.x - this.ghost.x, point.y - this.ghost.y];
       const angle = Math.round(Math.atan2(y, x) / TURN) * TURN;
       const length = Math.hypot(x, y);

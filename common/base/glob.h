@@ -1,0 +1,11 @@
+// MatchesGlob: patterns of names, as users write them.
+#pragma once
+
+#include <string_view>
+
+namespace troupe {
+
+// True if `pattern` is `text`, where * stands for any text and ? for any one character.
+bool MatchesGlob(std::string_view pattern, std::string_view text);
+
+}  // namespace troupe
