@@ -67,7 +67,7 @@ set(may_include_transport/dds/tools
   common/base transport/protocol common/run transport/security transport/dds/binding transport/dds/convert transport/dds/transport idl)
 # The ROS messages: made by pure functions in ros/messages, which need no more of DDS than memory for a message.
 set(may_include_ros/messages
-  common/base common/geometry common/model common/spatial transport/dds/binding idl/ros
+  common/base common/geometry common/model common/run common/spatial transport/dds/binding idl/ros
   include/troupe/sensor.h)
 set(may_include_ros/flags common/base command_line ros/messages)
 set(may_include_ros/connection common/base transport/dds/binding ros/messages common/spatial idl/ros)

@@ -207,7 +207,7 @@ bool SessionTop::IsLate(const std::string& robot) const {
 
 std::string SessionTop::RunText(double ticks_per_second, std::size_t lost) const {
   const FrameMessage& frame = *frame_;
-  const char* const state = frame.last ? "over" : frame.paused ? "paused" : "playing";
+  const char* const state = frame.last ? "over" : frame.paused && !frame.holds ? "paused" : "playing";
   std::string text =
       fmt::format("{} on {}:{}, {}, tick {} ({:.1f} s)", shown_->world.name, shown_->host, shown_->pid, state,
                   frame.state.tick, static_cast<double>(frame.state.tick) * shown_->world.interval_seconds());
@@ -218,10 +218,7 @@ std::string SessionTop::RunText(double ticks_per_second, std::size_t lost) const
     text += fmt::format("\nphases of a tick: wait {:.2f} ms, step {:.2f} ms, record {:.2f} ms, publish {:.2f} ms",
                         1e3 * phases.wait, 1e3 * phases.step, 1e3 * phases.record, 1e3 * phases.publish);
   }
-  if (!status_->waiting_for.empty()) {
-    text += fmt::format("\nthe tick has waited {:.1f} s for {} robots", status_->waiting_seconds,
-                        status_->waiting_for.size());
-  }
+  if (!status_->waiting_for.empty()) text += "\nthe tick waits for " + WaitingText(*status_);
   return text + "\n";
 }
 

@@ -75,6 +75,13 @@ RunSummary ParseEnd(const Json& json) {
     ReadMember(entry, "waited_seconds", slow.waited_seconds);
     summary.slowest.push_back(slow);
   }
+  for (const Json& entry : json.value("ros_lockstep", Json::array())) {
+    SlowRobot slow;
+    ReadMember(entry, "name", slow.robot);
+    ReadMember(entry, "times_last", slow.times_last);
+    ReadMember(entry, "waited_seconds", slow.waited_seconds);
+    summary.ros.push_back(slow);
+  }
   ReadMember(json, "lost", summary.lost);
   ReadMember(json, "interrupted", summary.interrupted);
   ReadMember(json, "record_waited_seconds", summary.record_waited_seconds);
@@ -292,6 +299,15 @@ std::string ProcessesText(const RunOutcome& outcome) {
     }
     text += "slowest robots: " + ListText(slowest) + "\n";
   }
+  if (!run.ros.empty()) {
+    std::vector<std::string> awaited;
+    for (std::size_t i = 0; i < std::min<std::size_t>(run.ros.size(), 5); ++i) {
+      const SlowRobot& of_ros = run.ros[i];
+      awaited.push_back(
+          fmt::format("{} (last {} times, {:.3f} s)", of_ros.robot, of_ros.times_last, of_ros.waited_seconds));
+    }
+    text += "ticks waited for ROS: " + ListText(awaited) + "\n";
+  }
   if (run.record_waited_seconds > 0.0) {
     text += fmt::format("ticks waited {:.2f} s for the recording to be written\n", run.record_waited_seconds);
   }
@@ -332,6 +348,11 @@ std::string SummaryJson(const RunOutcome& outcome) {
         {{"robot", slow.robot}, {"times_last", slow.times_last}, {"waited_seconds", slow.waited_seconds}});
     if (auto host = outcome.hosts.find(slow.robot); host != outcome.hosts.end()) slowest.back()["host"] = host->second;
   }
+  nlohmann::ordered_json ros = nlohmann::ordered_json::array();
+  for (const SlowRobot& awaited : run.ros) {
+    ros.push_back(
+        {{"name", awaited.robot}, {"times_last", awaited.times_last}, {"waited_seconds", awaited.waited_seconds}});
+  }
   nlohmann::ordered_json totals = nlohmann::ordered_json::array();
   for (const RobotTotal& total : run.totals) totals.push_back(FieldsToJson<nlohmann::ordered_json>(total));
   nlohmann::ordered_json json = {
@@ -351,6 +372,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"service_peak_memory_mib", outcome.service_peak_memory_mib},
       {"agent_peak_memory_mib", outcome.agent_peak_memory_mib},
       {"slowest_robots", slowest},
+      {"ros_lockstep", ros},
       {"robot_totals", std::move(totals)},
       {"lost", run.lost},
       {"missing_files", outcome.missing_files},

@@ -126,6 +126,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   AddRobotTopicFlags(command, options.ros.robots, ros);
   AddWorldTopicFlags(command, options.ros.world, ros);
   AddPoseTopicFlags(command, options.ros.pose_topics, ros);
+  AddLockstepFlags(command, options.ros.lockstep, ros);
   command.add_option("--ros-participants", "Without effect: the processes of a host share the program ros-participant")
       ->check(OneOf({"process", "host"}))
       ->type_name("NAME")

@@ -230,6 +230,7 @@ void AgentProtocol::OnAdmission(const AdmissionMessage& admission) {
 void AgentProtocol::OnFrame(const FrameMessage& frame, double now) {
   if (over() || Is<Waiting>() || frame.run != run_.id || !IsCurrent(frame.incarnation)) return;
   run_.has_begun = true;
+  run_.received_at = now;
   if (run_.service_lost_at && now > *run_.service_lost_at + kLongestDelay) run_.service_lost_at.reset();
   if (frame.last) {
     state_ = Ended{};
@@ -310,7 +311,10 @@ void AgentProtocol::AnswerNew(const FrameMessage& frame) {
   run_.paused_state.reset();
   if (frame.paused) {
     robots_.replica->Publish(frame.state);
+    robots_.replica->AwaitPublished();
     if (robots_.replica->has_gateway()) run_.paused_state = frame.state;
+    // Not in the short pause of a tick that waits for nodes: they would see it twice.
+    run_.repeated_at = std::max(run_.repeated_at, run_.received_at);
   }
   SendAnswer(frame.state.tick + 1);
   if (!is_shown && !frame.paused) robots_.replica->Publish(frame.state);  // last, so that no tick waits for it

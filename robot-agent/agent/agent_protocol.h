@@ -136,6 +136,7 @@ class AgentProtocol {
     std::optional<FramePlace> answered;      // of the frame that `answer` answers
     ProposalMessage answer;
     std::optional<WorldState> paused_state;  // of that frame, if it is paused and a gateway shows it
+    double received_at = 0.0;                // when the newest frame arrived
     double repeated_at = 0.0;                // when the gateway was asked to repeat a tick
   };
 

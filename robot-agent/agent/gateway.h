@@ -38,6 +38,9 @@ class Gateway {
   // Publishes a tick; called after the agent's answer to it was sent. The call must not wait for readers.
   virtual void Publish(Tick tick, std::span<const RobotView* const> robots) = 0;
 
+  // Waits until what Publish has written is on its way, in order: others are told next that it is.
+  virtual void AwaitPublished() {}
+
   // Called a few times a second in a pause: publishes the tick again for readers that have come since, if any.
   virtual void Repeat(Tick, std::span<const RobotView* const>) {}
 

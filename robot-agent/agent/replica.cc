@@ -330,6 +330,10 @@ void Replica::Publish(const WorldState& state) {
   Show(state, &Gateway::Publish);
 }
 
+void Replica::AwaitPublished() {
+  if (gateway_) gateway_->AwaitPublished();
+}
+
 void Replica::Repeat(const WorldState& state) {
   Show(state, &Gateway::Repeat);
 }

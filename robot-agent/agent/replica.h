@@ -75,6 +75,8 @@ class Replica {
 
   // Publishes the state of the last Decide or Pause through the gateway. REQUIRES: `state` is that state.
   void Publish(const WorldState& state);
+  // Until what the gateway has published is on its way.
+  void AwaitPublished();
   // Lets the gateway publish it again for new readers. REQUIRES: as above.
   void Repeat(const WorldState& state);
   bool has_gateway() const { return gateway_ != nullptr; }

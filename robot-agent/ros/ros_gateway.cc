@@ -36,6 +36,7 @@ class RobotGroup {
   ~RobotGroup();
 
   ExternalCommand CommandFor(RobotId id, Tick tick);
+  void AwaitPublished() { connection_.AwaitSent(); }
   // Once for each tick, before Show.
   void PublishActions(const RobotView& robot);
   // `robots`: of the process, in the order of their ids.
@@ -285,6 +286,10 @@ class RosGateway final : public Gateway {
   void Publish(Tick tick, std::span<const RobotView* const> robots) override {
     for (const RobotView* robot : robots) group_of_[robot->id().index()]->PublishActions(*robot);
     for (const auto& group : groups_) group->Show(tick, robots);
+  }
+
+  void AwaitPublished() override {
+    for (const auto& group : groups_) group->AwaitPublished();
   }
 
   void Repeat(Tick tick, std::span<const RobotView* const> robots) override {

@@ -71,6 +71,7 @@
   TYPE(simulation_interfaces_srv_dds__StepSimulation_Response_)           \
   TYPE(std_msgs_msg_dds__Bool_)                                           \
   TYPE(std_msgs_msg_dds__Float64_)                                        \
+  TYPE(std_msgs_msg_dds__Header_)                                         \
   TYPE(std_msgs_msg_dds__String_)                                         \
   TYPE(tf2_msgs_msg_dds__TFMessage_)                                      \
   TYPE(type_description_interfaces_srv_dds__GetTypeDescription_Request_)  \

@@ -66,6 +66,20 @@ std::vector<std::string> WorldTopicArguments(const ros::WorldTopics& world) {
   return arguments;
 }
 
+std::vector<std::string> LockstepArguments(const RosLockstep& lockstep) {
+  std::vector<std::string> arguments;
+  for (const RosLockstepName& name : lockstep.names) arguments.push_back("--ros-lockstep=" + name.name);
+  if (lockstep.period) arguments.push_back("--ros-lockstep-period=" + std::to_string(*lockstep.period));
+  if (lockstep.limit_seconds) {
+    arguments.push_back("--ros-lockstep-limit=" + CLI::detail::to_string(*lockstep.limit_seconds));
+  }
+  if (lockstep.ends_at_limit) {
+    arguments.emplace_back(*lockstep.ends_at_limit ? "--ros-lockstep-at-limit=end"
+                                                   : "--ros-lockstep-at-limit=continue");
+  }
+  return arguments;
+}
+
 }  // namespace
 
 void AddRosNetworkFlags(CLI::App& app, ros::RosNetwork& network, ros::EnvironmentFaults& faults,
@@ -177,6 +191,35 @@ void AddPoseTopicFlags(CLI::App& app, ros::PoseTopics& topics, const std::string
           });
 }
 
+void AddLockstepFlags(CLI::App& app, RosLockstep& lockstep, const std::string& group) {
+  app.add_option_function<std::vector<std::string>>(
+         "--ros-lockstep",
+         [&lockstep](const std::vector<std::string>& names) {
+           lockstep.names.clear();
+           for (const std::string& name : names) lockstep.names.push_back({name});
+         },
+         "Ticks wait for these: topics that a node writes (/anna/cmd_vel; ~/cmd_vel: of each robot), or names of nodes "
+         "that answer on /world/tick_done")
+      ->delimiter(',')
+      ->check(NotEmpty())
+      ->type_name("NAME,...")
+      ->group(group);
+  app.add_option("--ros-lockstep-period", lockstep.period, "Wait at every K-th tick only (default: 1)")
+      ->check(WholeNumber(1, 1'000'000))
+      ->type_name("K")
+      ->group(group);
+  app.add_option("--ros-lockstep-limit", lockstep.limit_seconds,
+                 fmt::format("Seconds of wall time that a tick waits for one that has answered before; 0: no limit "
+                             "(default: {})",
+                             RosLockstep::kDefaultLimitSeconds))
+      ->check(NumberFromZero())
+      ->type_name("SECONDS")
+      ->group(group);
+  AddText(app, group, "--ros-lockstep-at-limit",
+          "At the limit: end the run (default), or continue without that one until it is heard of again",
+          {"end", "continue"}, [&lockstep](const std::string& word) { lockstep.ends_at_limit = word == "end"; });
+}
+
 std::vector<std::string> ServiceRosArguments(const ros::RosOptions& options) {
   std::vector<std::string> poses;
   if (options.pose_topics.goals || options.pose_topics.poses) {
@@ -184,7 +227,7 @@ std::vector<std::string> ServiceRosArguments(const ros::RosOptions& options) {
     poses.emplace_back(both ? "--ros-rviz=both" : options.pose_topics.goals ? "--ros-rviz=goal" : "--ros-rviz=pose");
   }
   return Joined(ros::NetworkArguments(options.network), NameArguments(options), WorldTopicArguments(options.world),
-                poses);
+                poses, LockstepArguments(options.lockstep));
 }
 
 std::vector<std::string> AgentRosArguments(const ros::RosOptions& options) {

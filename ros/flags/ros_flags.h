@@ -22,6 +22,7 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
 void AddRobotTopicFlags(CLI::App& app, ros::RobotTopics& robots, const std::string& group);
 void AddWorldTopicFlags(CLI::App& app, ros::WorldTopics& world, const std::string& group);
 void AddPoseTopicFlags(CLI::App& app, ros::PoseTopics& topics, const std::string& group);
+void AddLockstepFlags(CLI::App& app, RosLockstep& lockstep, const std::string& group);
 
 // The arguments that give the same options to a world service and an agent, without --ros.
 std::vector<std::string> ServiceRosArguments(const ros::RosOptions& options);

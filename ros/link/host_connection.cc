@@ -22,6 +22,8 @@ constexpr auto kHealthyTime = std::chrono::seconds(1);  // of a connection; afte
 
 // Unsent bytes, beyond which streams keep their newest sample only: so many that they are not old when they are sent.
 constexpr std::size_t kMostPending = std::size_t{256} << 10;
+constexpr auto kLongestSend = std::chrono::seconds(1);
+constexpr int kSendMilliseconds = 5;
 constexpr std::size_t kMostRequests = 1000;  // waiting; as many as DDS would keep
 
 std::span<const std::byte> BytesOf(std::string_view text) {
@@ -230,6 +232,58 @@ void HostConnection::Flush() {
   FlushNow();
 }
 
+void HostConnection::AwaitSent() {
+  const Clock::time_point end = Clock::now() + kLongestSend;
+  for (;;) {
+    const std::lock_guard lock(mutex_);
+    if (!link_ || broken_) return;
+    if (link_->pending() <= kMostPending) SendHeld();
+    FlushNow();
+    if (broken_ || (link_->pending() == 0 && held_.empty()) || Clock::now() >= end) return;
+    pollfd waited = {link_->descriptor(), POLLOUT, 0};
+    poll(&waited, 1, kSendMilliseconds);
+  }
+}
+
+void HostConnection::WatchTopics(std::function<void()> changed) {
+  const std::lock_guard lock(mutex_);
+  watched_changed_ = std::move(changed);
+}
+
+std::uint32_t HostConnection::Watch(const std::string& topic) {
+  const std::lock_guard lock(mutex_);
+  AddSetup(LinkKind::kWatch, next_id_, topic);
+  FlushNow();
+  return next_id_++;
+}
+
+void HostConnection::Unwatch(std::uint32_t watch) {
+  Remove(watch);
+  const std::lock_guard lock(mutex_);
+  watched_.arrived.erase(watch);
+  FlushNow();
+}
+
+void HostConnection::Arm(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  arm_ = text;
+  Send(LinkKind::kArm, 0, BytesOf(text));
+  FlushNow();
+}
+
+void HostConnection::Collect() {
+  const std::lock_guard lock(mutex_);
+  ++collects_;
+  watched_.collected.reset();
+  Send(LinkKind::kCollect, 0);
+  FlushNow();
+}
+
+HostConnection::Watched HostConnection::watched() {
+  const std::lock_guard lock(mutex_);
+  return watched_;
+}
+
 void HostConnection::Run() {
   int delay = kFirstDelay;
   while (!stop_) {
@@ -280,6 +334,9 @@ bool HostConnection::Open() {
   for (const Setup& setup : setups_) Send(setup.kind, setup.id, setup.content);
   for (const auto& [id, bytes] : latched_) Send(LinkKind::kWrite, id, bytes);
   if (announced_) Send(LinkKind::kAnnounce, 0);
+  if (!arm_.empty()) Send(LinkKind::kArm, 0, BytesOf(arm_));
+  collects_ = std::min(collects_, 1);
+  if (collects_ > 0) Send(LinkKind::kCollect, 0);
   FlushNow();
   return true;
 }
@@ -366,9 +423,27 @@ void HostConnection::Process(const LinkMessage& message) {
     case LinkKind::kMismatch:
       mismatches_.emplace_back(reinterpret_cast<const char*>(message.content.data()), message.content.size());
       return;
+    case LinkKind::kArmed:
+    case LinkKind::kArrived:
+    case LinkKind::kCollected:
+      return ProcessWatched(message);
     default:
       return;
   }
+}
+
+void HostConnection::ProcessWatched(const LinkMessage& message) {
+  const std::string text(reinterpret_cast<const char*>(message.content.data()), message.content.size());
+  if (message.kind == LinkKind::kCollected) {
+    collected_ += (collected_.empty() || text.empty() ? "" : "\n") + text;
+    if (--collects_ > 0) return;
+    watched_.collected = std::exchange(collected_, {});
+  } else {
+    if (watched_.armed != text) watched_.arrived.clear();
+    watched_.armed = text;
+    if (message.kind == LinkKind::kArrived) watched_.arrived.insert(message.id);
+  }
+  if (watched_changed_) watched_changed_();
 }
 
 void HostConnection::ReceiveNow() {

@@ -11,9 +11,12 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -47,6 +50,26 @@ class HostConnection final : public RosConnection {
   std::vector<std::string> DrainMismatches() override;
   void Receive() override;
   void Flush() override;
+  // Waits until all that was written has been passed to the program, or for a second: it may be dead.
+  void AwaitSent();
+
+  // For a process whose ticks wait for ROS. `changed` is called on a thread of the connection whenever watched() has
+  // changed; it calls no function of the connection. Call it first, once.
+  void WatchTopics(std::function<void()> changed);
+  // Notes messages of any type on the topic ("rt/anna/cmd_vel") from the next Arm on. Returns its id, for Unwatch.
+  std::uint32_t Watch(const std::string& topic);
+  void Unwatch(std::uint32_t watch);
+  // From now on messages count for `text`, unless they do already.
+  void Arm(const std::string& text);
+  // Has all that other processes of this host have passed to the program by now written to ROS.
+  void Collect();
+  // The state of these. Lost with the program; then Arm, Collect and Watch are repeated by the connection.
+  struct Watched {
+    std::string armed;                     // the newest text that the program knows
+    std::set<std::uint32_t> arrived;       // watches with a message for that text
+    std::optional<std::string> collected;  // the answer to the newest Collect: kCollected
+  };
+  Watched watched();
 
  private:
   class Writer;
@@ -71,6 +94,7 @@ class HostConnection final : public RosConnection {
   void Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
   void AddSetup(LinkKind kind, std::uint32_t id, std::string_view text = {});
   void Process(const LinkMessage& message);
+  void ProcessWatched(const LinkMessage& message);
   void SendHeld();
   void ReceiveNow();
   void FlushNow();
@@ -99,6 +123,11 @@ class HostConnection final : public RosConnection {
   std::map<std::uint32_t, Bytes> held_;                   // by writer of a stream, the newest sample that is to be sent
   std::deque<std::pair<std::uint32_t, Bytes>> requests_;  // by service
   std::vector<std::string> mismatches_;
+  std::function<void()> watched_changed_;
+  std::string arm_;        // the newest
+  int collects_ = 0;       // calls of Collect that are not answered yet
+  std::string collected_;  // by the answers before the last
+  Watched watched_;
   std::thread thread_;  // last, because it uses all other members
 };
 

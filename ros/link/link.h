@@ -32,14 +32,21 @@ enum class LinkKind : std::uint8_t {
   kWatchDistributions,
   kWrite,    // a sample, as CDR
   kRespond,  // a response, as CDR
+  // Of a process whose ticks wait for ROS (TopicWatch).
+  kWatch,    // a topic's name on DDS
+  kArm,      // any text: the next message on each watched topic is to be told, unless that was done for this text
+  kCollect,  // performs all that the other agents of the domain have sent, and then answers with kCollected
   // To the agent.
-  kWanted,    // a WantedContent: of a writer
-  kSample,    // of a reader, as CDR
-  kMissed,    // a reader needs another one for best-effort writers
-  kRequest,   // of a service, as CDR
-  kMismatch,  // a line for the log of the run
+  kWanted,     // a WantedContent: of a writer
+  kSample,     // of a reader, as CDR
+  kMissed,     // a reader needs another one for best-effort writers
+  kRequest,    // of a service, as CDR
+  kMismatch,   // a line for the log of the run
+  kArmed,      // the text of kArm
+  kArrived,    // of a watch: a message has arrived since the text was armed, which is the content
+  kCollected,  // the topics with messages since kArm and the one before: "rt/anna/scan 1", a line each
 };
-inline constexpr LinkKind kLastLinkKind = LinkKind::kMismatch;
+inline constexpr LinkKind kLastLinkKind = LinkKind::kCollected;
 
 struct LinkMessage {
   LinkKind kind;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/run/ros_lockstep.h"
 #include "troupe/result.h"
 
 namespace troupe::ros {
@@ -110,6 +111,7 @@ struct RosOptions {
   RobotTopics robots = {};
   WorldTopics world = {};
   PoseTopics pose_topics = {};
+  RosLockstep lockstep = {};
   std::string socket = {};        // at which the program ros-participant of this host listens
   EnvironmentFaults faults = {};  // of settings that no option has replaced
 };

@@ -1,6 +1,7 @@
 #include "ros/participant/agent_endpoints.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 
 #include <algorithm>
 
@@ -57,10 +58,12 @@ AgentEndpoints::AgentEndpoints(Join join, int connection, std::function<void()> 
 AgentEndpoints::~AgentEndpoints() {
   if (domain_ == nullptr) return;
   RetireAll(writers_, domain_->pools.writers);
+  for (const auto& [id, reader] : readers_) domain_->readers.Remove(reader.endpoint->topic());
   RetireAll(readers_, domain_->pools.readers);
   RetireAll(services_, domain_->pools.services);
   for (const auto& [id, node] : nodes_) domain_->participant.RemoveNode(node);
-  --domain_->agents;
+  if (domain_->watch) domain_->watch->RemoveAll(this);
+  domain_->agents.erase(this);
 }
 
 bool AgentEndpoints::Process() {
@@ -101,7 +104,7 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
         return Refuse(fmt::format("found version '{}', expected '{}'", PlainLine(version, 100), VersionText()));
       }
       domain_ = &join_(hello.value().domain);
-      ++domain_->agents;
+      domain_->agents.insert(this);
       return;
     }
     case LinkKind::kAddNode: {
@@ -124,6 +127,10 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
     case LinkKind::kShareWriter:
       return ShareWriter(message.id, TextOf(message.content));
     case LinkKind::kRemove:
+      if (domain_->watch) domain_->watch->Remove(this, message.id);
+      if (const auto found = readers_.find(message.id); found != readers_.end()) {
+        domain_->readers.Remove(found->second.endpoint->topic());
+      }
       RetireOne(writers_, message.id, domain_->pools.writers);
       RetireOne(readers_, message.id, domain_->pools.readers);
       RetireOne(services_, message.id, domain_->pools.services);
@@ -138,9 +145,42 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
       return Write(message);
     case LinkKind::kRespond:
       return Respond(message);
+    case LinkKind::kWatch:
+      return Watch(message.id, TextOf(message.content));
+    case LinkKind::kArm:
+      if (domain_->armed != TextOf(message.content)) domain_->written.clear();
+      domain_->armed = TextOf(message.content);
+      if (domain_->watch) domain_->watch->Arm(*domain_->armed);
+      return Send(LinkKind::kArmed, 0, message.content);
+    case LinkKind::kCollect:
+      return Collect();
     default:
       return Refuse("found a message for agents");
   }
+}
+
+void AgentEndpoints::Watch(std::uint32_t id, const std::string& topic) {
+  if (!domain_->watch) domain_->watch.emplace(domain_->participant, domain_->readers, wake_);
+  domain_->watch->Add(this, id, topic, [this, id](const std::string& text) {
+    Send(LinkKind::kArrived, id, std::as_bytes(std::span(text)));
+  });
+}
+
+// What an agent has sent before it said so by another way can be read here.
+void AgentEndpoints::Collect() {
+  const std::set<AgentEndpoints*> agents = domain_->agents;
+  for (AgentEndpoints* const agent : agents) {
+    if (agent == this) continue;
+    int unread = 0;
+    while (ioctl(agent->link_.descriptor(), FIONREAD, &unread) == 0 && unread > 0 && agent->Process()) {
+    }
+    must_announce_ = agent->ConsumeAnnouncement() || must_announce_;
+  }
+  std::string topics;
+  for (const auto& [topic, count] : std::exchange(domain_->written, {})) {
+    topics += fmt::format("{}{} {}", topics.empty() ? "" : "\n", topic, count);
+  }
+  Send(LinkKind::kCollected, 0, std::as_bytes(std::span(topics)));
 }
 
 void AgentEndpoints::Make(LinkKind kind, std::uint32_t id, const EndpointText& endpoint) {
@@ -176,14 +216,17 @@ void AgentEndpoints::MakeReader(std::uint32_t id, std::size_t node, const Endpoi
   const dds_topic_descriptor_t* const type = TypeOf(endpoint.type);
   if (type == nullptr) return;
   std::string text = TextForAll(endpoint);
+  domain_->readers.Add(endpoint.name);
   std::unique_ptr<ReusableReader> reader = domain_->pools.readers.Acquire(text);
   if (!reader) {
     reader = std::make_unique<ReusableReader>(domain_->participant, TopicSpec{endpoint.name, type, endpoint.qos},
                                               endpoint.part);
   }
-  reader->Attach(
-      node, {[this, id, type](const void* sample) { Send(LinkKind::kSample, id, wire::SampleToCdr(sample, *type)); },
-             [this, id] { Send(LinkKind::kMissed, id); }});
+  reader->Attach(node, {[this, id, type, topic = endpoint.name](const void* sample) {
+                          Send(LinkKind::kSample, id, wire::SampleToCdr(sample, *type));
+                          domain_->readers.Note(topic);
+                        },
+                        [this, id] { Send(LinkKind::kMissed, id); }});
   readers_[id] = {std::move(text), std::move(reader)};
 }
 
@@ -210,6 +253,7 @@ void AgentEndpoints::Write(const LinkMessage& message) {
   const Status decoded = wire::SampleFromCdr(message.content, writer.type(), sample.data());
   if (!decoded.ok()) return Refuse(decoded.error().message);
   if (!writer.writer().Write(sample.data())) domain_->participant.CountLost();
+  if (domain_->armed) ++domain_->written[writer.topic()];
 }
 
 void AgentEndpoints::Respond(const LinkMessage& message) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "ros/connection/ros_participant.h"
 #include "ros/link/link.h"
 #include "ros/participant/reusable_endpoints.h"
+#include "ros/participant/topic_watch.h"
 
 namespace troupe::ros {
 
@@ -62,6 +64,8 @@ struct EndpointPools {
   }
 };
 
+class AgentEndpoints;
+
 struct HostDomain {
   // `side`: null if no clients on Fast DDS are served. Throws dds::Exception when DDS cannot start.
   HostDomain(const RosNetwork& network, FastDdsSide* side)
@@ -78,10 +82,14 @@ struct HostDomain {
   FastDdsSide* const fast_dds;
   RosParticipant participant;
   EndpointPools pools;
-  std::size_t agents = 0;
-  bool has_new_readers = false;           // since the last check
-  Time announce_at = Time::max();         // the nodes have changed
-  std::optional<Time> unused_until = {};  // it ends then; none: it has agents
+  std::set<AgentEndpoints*> agents;
+  TopicReaders readers;                          // of agents
+  std::optional<TopicWatch> watch;               // once an agent watches topics
+  std::optional<std::string> armed;              // the text of the newest kArm; none: no messages are counted
+  std::map<std::string, std::uint64_t> written;  // messages by topic, since that and since the last kCollect
+  bool has_new_readers = false;                  // since the last check
+  Time announce_at = Time::max();                // the nodes have changed
+  std::optional<Time> unused_until = {};         // it ends then; none: it has agents
 };
 
 class AgentEndpoints {
@@ -125,6 +133,9 @@ class AgentEndpoints {
   using ById = std::map<std::uint32_t, Used<Endpoint>>;
 
   void Perform(const LinkMessage& message);
+  void Watch(std::uint32_t id, const std::string& topic);
+  // Performs what the other agents have sent by now.
+  void Collect();
   void Make(LinkKind kind, std::uint32_t id, const EndpointText& endpoint);
   void MakeWriter(std::uint32_t id, std::size_t node, const EndpointText& endpoint);
   void MakeReader(std::uint32_t id, std::size_t node, const EndpointText& endpoint);

@@ -72,6 +72,9 @@ void ParticipantServer::Run() {
         wake_.Clear();
         // The agent is not known: all that have something to send.
         for (const auto& [connection, agent] : agents_) WatchOutput(connection, *agent);
+        for (auto& [number, domain] : domains_) {
+          if (domain.watch) domain.watch->Update();
+        }
       } else {
         Process(descriptor);
       }
@@ -144,10 +147,10 @@ void ParticipantServer::Process(int connection) {
     changed = changed || agent.has_nodes();
     agents_.erase(found);
     writing_.erase(connection);
-    if (domain != nullptr && domain->agents == 0) domain->unused_until = Clock::now() + kUnusedTime;
+    if (domain != nullptr && domain->agents.empty()) domain->unused_until = Clock::now() + kUnusedTime;
   }
   if (!changed || domain == nullptr) return;
-  const auto delay = kAnnounceDelay + static_cast<int>(domain->agents) * kAnnounceDelayOfAgent;
+  const auto delay = kAnnounceDelay + static_cast<int>(domain->agents.size()) * kAnnounceDelayOfAgent;
   domain->announce_at = std::min(domain->announce_at, Clock::now() + delay);
 }
 

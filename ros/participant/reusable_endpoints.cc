@@ -37,6 +37,7 @@ std::vector<std::string> ArgumentsOf(const RosNetwork& network) {
 
 ReusableWriter::ReusableWriter(RosParticipant& participant, const TopicSpec& spec)
     : participant_(participant),
+      topic_(spec.topic),
       type_(*spec.type),
       is_volatile_(spec.qos.kind == TopicQos::Kind::kStream),
       writer_(participant, spec, [this](bool wanted, bool is_new) {

@@ -93,11 +93,13 @@ class ReusableWriter {
   void Detach();
 
   const dds_topic_descriptor_t& type() const { return type_; }
+  const std::string& topic() const { return topic_; }
   // REQUIRES: attached.
   DdsTopicWriter& writer() { return writer_; }
 
  private:
   RosParticipant& participant_;
+  const std::string topic_;
   const dds_topic_descriptor_t& type_;
   const bool is_volatile_;  // keeps no samples
   std::mutex mutex_;        // guards the two below

@@ -82,10 +82,11 @@ const BadScenario kAgainstTheSchema[] = {
     {"UnknownKey", Quoted("{'wolrd': 'office.world'}"),
      ":1:2: found the key 'wolrd', expected one of $schema, agent_deadline, controller, cover, design, expect, hosts, "
      "include, metrics, mode, models, name, network, on_agent_loss, override, places, properties, regions, "
-     "restart_agents, robots, robots_per_process, ros, ros_no_hit, scenario, seed, spawn, speed, ticks, vary, where, "
-     "without, world; did you mean 'world'?"},
+     "restart_agents, robots, robots_per_process, ros, ros_lockstep, ros_no_hit, scenario, seed, spawn, speed, ticks, "
+     "vary, where, without, world; did you mean 'world'?"},
     {"UnknownKeyOfARobot", Alone("'robots': [{'name': 'r0',\n  'position': [0, 0, 0]}]"),
-     ":3:3: found the key 'position', expected one of children, controller, model, name, pose, properties, ros_domain"},
+     ":3:3: found the key 'position', expected one of children, controller, model, name, pose, properties, ros_domain, "
+     "ros_lockstep"},
     {"UnknownKeyOfAController", Alone("'controller': {'name': 'idle', 'speed': 1}"),
      ":2:32: found the key 'speed', expected one of name, parameters"},
     {"HostWithoutAddress", Alone("'hosts': [{'name': 'h1'}]"),
@@ -168,6 +169,10 @@ const BadScenario kAgainstTheSchema[] = {
     {"OverrideOfNothing", Alone("'override': [{'match': {}, 'properties': {'color': 'red'}}]"),
      ":2:24: found an empty object, expected an object with 'name', 'type' or both"},
     {"RosNoHitIsUnknown", Alone("'ros_no_hit': 'nan'"), ":2:15: found the string 'nan', expected 'inf' or 'range-max'"},
+    {"RosLockstepHasNoNames", Alone("'ros_lockstep': {'period': 2}"),
+     ":2:17: found no 'names' in this object, expected an array of at most 1000 names"},
+    {"RosLockstepOfAnUnknownEnd", Alone("'ros_lockstep': {'names': ['driver'], 'at_limit': 'stop'}"),
+     ":2:51: found the string 'stop', expected 'end' or 'continue'"},
     {"RosDomainIsTooHigh", Alone("'robots': [{'name': 'r0', 'ros_domain': 231}]"),
      ":2:41: found the number 231, expected a ROS domain from 0 to 230, or {\"each\": the first one}"},
     {"RosDomainOfEachForOneRobot", Alone("'robots': [{'name': 'r0', 'ros_domain': {'each': 1}}]"),

@@ -85,7 +85,7 @@ struct AdmissionMessage {
 
 // Service to agents and observers: tick n is committed. Contains the whole state, so that any single frame brings any
 // replica up to date. A resent frame equals the first one, but for `last` (a run that is stopped resends its newest
-// frame with it set) and `awaited`.
+// frame with it set), `holds` and `awaited`.
 struct FrameMessage {
   RunId run = 0;
   WorldState state;
@@ -95,6 +95,7 @@ struct FrameMessage {
   // The run is paused: agents publish the state (ROS 2) and answer with a paused proposal. When the run resumes, the
   // same frame is sent again without `paused`.
   bool paused = false;
+  bool holds = false;  // it is paused only until nodes outside have answered the tick: the run plays
   // In a resent frame: the agents that have not answered; the others need not answer again. Empty: all are to answer.
   std::vector<AgentId> awaited;
   Edition edition = 0;
@@ -113,6 +114,7 @@ struct FrameMessage {
         Field{"state_hash", &FrameMessage::state_hash},
         Field{"last", &FrameMessage::last},
         Field{"paused", &FrameMessage::paused},
+        Field{"holds", &FrameMessage::holds},
         Field{"awaited", &FrameMessage::awaited},
         Field{"edition", &FrameMessage::edition},
         Field{"world_edition", &FrameMessage::world_edition},

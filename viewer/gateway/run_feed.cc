@@ -56,7 +56,7 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   const std::pair at(frame.edition, frame.state.tick);
   if (before != nullptr && at < std::pair(before->edition, before->state->tick)) return;
   ++content_.version;
-  content_.paused = frame.paused;
+  content_.paused = frame.paused && !frame.holds;
   content_.last = frame.last;
   if (before != nullptr && at == std::pair(before->edition, before->state->tick)) return;
   std::optional<std::uint64_t> listed_to;  // of states whose events are in the list, from the recording

@@ -38,6 +38,7 @@ Result<PreparedRun> LoadFile(const RunSource& source) {
   run.first_world = WorldOf(run.scene);
   run.options = source.service;
   run.options.settings = loaded.value().settings;
+  run.ros_lockstep = loaded.value().ros_lockstep;
   source.run.ApplyTo(run.options.settings);
   run.options.world_file = source.file;
   // Its agents know that it is not the service that they were started for.
@@ -58,6 +59,11 @@ Result<PreparedRun> Branch(const RunSource& source) {
   run.options.settings = branch.value().settings;
   run.options.world_file = branch.value().resumed.world_file.value_or("");
   run.options.resumed = std::move(branch.value().resumed);
+  if (run.options.settings.ros && source.ros.lockstep.names.empty()) {
+    // Ticks wait for those of the scenario, if it is still here.
+    Result<LoadedWorld> file = LoadWorld(run.options.world_file);
+    if (file.ok()) run.ros_lockstep = std::move(file.value().ros_lockstep);
+  }
   if (source.resume) run.options.resumed->incarnation = 1;  // as in LoadFile
   return run;
 }
@@ -131,7 +137,10 @@ Result<PreparedRun> Resume(Journal journal, const RunSource& source) {
   run.options.world_file = resumed.value().world_file.value_or(begin.file);
   // Models may be spawned from all files that the run was loaded from, if they are here.
   Result<LoadedWorld> file = LoadWorld(begin.file, source.overrides);
-  if (file.ok()) run.files = std::move(file.value().files);
+  if (file.ok()) {
+    run.files = std::move(file.value().files);
+    run.ros_lockstep = file.value().ros_lockstep;
+  }
   run.options.resumed = std::move(resumed).value();
   return run;
 }
@@ -159,6 +168,22 @@ pid_t Listener(const LocalAddress& address) {
   return found ? peer.pid : 0;
 }
 
+Status CheckLockstep(const RunSource& source, const RunSettings& settings, const RosLockstep& lockstep) {
+  if (lockstep.names.empty()) return {};
+  if (!settings.ros) {
+    if (source.ros.lockstep.names.empty()) return {};  // a scenario whose ROS the command line has switched off
+    return Error{{}, "--ros-lockstep: found a run without ROS, expected --ros"};
+  }
+  if (settings.mode == Mode::kRealtime) {
+    return Error{{}, "found ticks that wait for ROS in mode realtime, which waits for none; expected mode lockstep"};
+  }
+  if (source.ros.world.clock_rate > 0.0) {
+    return Error{{},
+                 "--ros-clock-rate: found times between ticks that wait for ROS, expected the times of ticks alone"};
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
@@ -169,6 +194,9 @@ Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
   ServiceOptions& options = run.value().options;
   options.overrides = source.overrides;
   RestrictRequests(source.permissions, run.value().world(), run.value().files, options);
+  RosLockstep& lockstep = run.value().ros_lockstep;
+  lockstep.ReplaceBy(source.ros.lockstep);
+  if (Status fault = CheckLockstep(source, options.settings, lockstep); !fault.ok()) return fault.error();
   if (!options.settings.ros) return run;
   options.check_world = [ros = source.ros, domain = source.domain](const WorldDescription& world) {
     return ros::CheckDomains(world, ros.network.domain, ros.names, domain);
@@ -180,7 +208,9 @@ Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
 Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
   RunObservers observers;
   if (run.options.settings.ros) {
-    run.gateway = MakeRosWorldGateway(source.ros, run.scene);
+    ros::RosOptions ros = source.ros;
+    ros.lockstep = run.ros_lockstep;
+    run.gateway = MakeRosWorldGateway(ros, run.scene);
     observers.push_back(run.gateway.get());
   }
   const std::optional<ResumedRun>& resumed = run.options.resumed;

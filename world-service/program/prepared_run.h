@@ -44,6 +44,7 @@ struct PreparedRun {
   Recorders recorders;
   std::unique_ptr<RunHistory> history;   // null: none
   std::unique_ptr<RunObserver> gateway;  // to ROS 2; null: none
+  RosLockstep ros_lockstep;              // of the scenario, with the values of the command line
 
   const WorldDescription& world() const { return scene->world(); }
 };

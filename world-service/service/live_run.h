@@ -74,6 +74,9 @@ struct LiveRun {
   // Written by TickEngine (presence, answers) and TickCoordinator (joins).
   Membership members;
 
+  // Written by TickCoordinator: an agent that has joined again has decided on the frame with which the run continues.
+  bool is_decided = false;
+
   // Written by WorldEditor: robots of the newest edit that have no agent yet.
   std::vector<RobotId> newcomers = {};
   // Written by TickCoordinator: by the name of a controller, whether it accepts goals, as its agents have said.

@@ -96,6 +96,13 @@ void RunControl::Pause(OpenRequest pause, double now) {
   const bool remains = run_.frame.paused && engine_.play_after_edits();
   engine_.SetPlayAfterEdits(false);
   if (remains) engine_.ReportProgress(now);
+  if (engine_.holding()) {
+    engine_.SetTicksToPause(0);
+    engine_.ResendHold();
+    engine_.ReportProgress(now);
+    awaiting_pause_.push_back(std::move(pause));
+    return Advance(now);
+  }
   if (quiescent() && queue_.empty()) return Accept(pause);
   if (!run_.frame.paused) engine_.SetTicksToPause(has_begun() ? 1 : 0);
   awaiting_pause_.push_back(std::move(pause));
@@ -111,7 +118,7 @@ void RunControl::Play(const OpenRequest& play, double now) {
   });
   engine_.SetPlayAfterEdits(edit_ || !queue_.empty());
   if (engine_.play_after_edits()) {
-    if (!run_.frame.paused) engine_.SetTicksToPause(1);
+    if (!run_.frame.paused || engine_.holding()) engine_.PlanPause();
   } else {
     engine_.SetTicksToPause(std::nullopt);
     if (run_.frame.paused && run_.phase == RunPhase::kRunning) engine_.Resume(now);
@@ -131,7 +138,7 @@ void RunControl::EnqueueEdit(OpenRequest edit, double now) {
   }
   if (!engine_.ticks_to_pause()) {
     engine_.SetPlayAfterEdits(true);
-    engine_.SetTicksToPause(1);
+    engine_.PlanPause();
   }
   Enqueue(std::move(edit), now);
 }
@@ -150,9 +157,12 @@ void RunControl::Advance(double now) {
 }
 
 void RunControl::ReplyToWaiting() {
-  for (const OpenRequest& open : std::exchange(awaiting_pause_, {})) {
+  for (OpenRequest& open : std::exchange(awaiting_pause_, {})) {
     const std::uint64_t made = run_.frame.state.tick - step_begun_;
-    if (open.request.command == ControlCommand::kStep && made < open.request.ticks) {
+    const bool is_step = open.request.command == ControlCommand::kStep;
+    if (is_step && made == open.request.ticks && !engine_.released()) {
+      awaiting_pause_.push_back(std::move(open));  // its last tick is still awaited
+    } else if (is_step && made < open.request.ticks) {
       Reply(open,
             Refusal("paused after " + std::to_string(made) + " of " + std::to_string(open.request.ticks) + " ticks"));
     } else {
@@ -170,6 +180,7 @@ void RunControl::ReplyToEdit() {
 
 void RunControl::StartQueued(double now) {
   while (!queue_.empty() && quiescent() && engine_.observers_ready()) {
+    if (queue_.front().request.command == ControlCommand::kStep && !engine_.released()) return;
     OpenRequest next = std::move(queue_.front());
     queue_.pop_front();
     if (next.request.command == ControlCommand::kStep) return StartStep(std::move(next), now);
@@ -276,7 +287,8 @@ RunState RunControl::State() const {
     case RunPhase::kGathering:
       return RunState::kStarting;
     case RunPhase::kRunning:
-      return run_.frame.paused && !engine_.play_after_edits() ? RunState::kPaused : RunState::kPlaying;
+      return run_.frame.paused && !engine_.holding() && !engine_.play_after_edits() ? RunState::kPaused
+                                                                                    : RunState::kPlaying;
     case RunPhase::kEnding:
     case RunPhase::kOver:
       break;

@@ -52,7 +52,8 @@ class RunControl {
   };
 
   bool quiescent() const {
-    return engine_.pause_answered() && editor_.robots_without_agent().empty() && !rewind_.is_running();
+    return engine_.pause_answered() && !engine_.holding() && editor_.robots_without_agent().empty() &&
+           !rewind_.is_running();
   }
   // Also of a run that is continued, before its agents are back.
   bool has_begun() const { return run_.started_at || run_.continues(); }

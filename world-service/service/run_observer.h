@@ -27,6 +27,14 @@ class WorldControl {
  public:
   virtual ~WorldControl() = default;
   virtual void Request(const ControlRequest& request, ControlReplyTo reply) = 0;
+  // Asks the observers again whether the run can continue: what one of them waited for has come.
+  virtual void Wake() {}
+};
+
+// What a shown tick waits for.
+struct TickRelease {
+  bool is_released = true;
+  std::vector<std::string> awaited = {};  // for people; not empty if it is not released
 };
 
 // The start of a run.
@@ -56,6 +64,13 @@ struct CommittedTick {
   bool is_recorded = false;                     // the recording has the state already: the copy of one from the past
 };
 
+// A robot, or another participant, for which ticks have waited.
+struct SlowRobot {
+  std::string robot;
+  std::uint64_t times_last = 0;  // ticks in which its proposal was the last to arrive
+  double waited_seconds = 0.0;   // wall time that the barrier waited for it alone
+};
+
 class RunObserver {
  public:
   virtual ~RunObserver() = default;
@@ -76,6 +91,17 @@ class RunObserver {
   // False while the observer cannot accept a tick: the run then waits before the next one, and asks again soon. Must be
   // quick.
   virtual bool IsReady() { return true; }
+  // The same for a wait of less than a tick's time, after which the observer calls WorldControl::Wake.
+  virtual bool IsPrepared() { return true; }
+  // Whether the agents are to publish this tick before they decide on it: the frame is then sent as in a pause first,
+  // and the run resumes once the tick is released. Hashes stay as they are, but for what comes from outside meanwhile.
+  virtual bool ShowsTick(Tick /*tick*/) { return false; }
+  // All agents have published a paused frame: once for each, also in a pause that stays.
+  virtual Status OnShown(const FrameMessage& /*frame*/) { return {}; }
+  // Whether agents may decide on the shown frame. An error ends the run, and makes it fail. Must be quick.
+  virtual Result<TickRelease> Release() { return TickRelease{}; }
+  // For the summary: those for which ticks have waited, longest first.
+  virtual std::vector<SlowRobot> SlowestAwaited() { return {}; }
   // The frames from the next one on are of another description, after an edit. As OnTick. An error is
   // returned by the OnTick that follows.
   virtual void OnWorldChange(const std::shared_ptr<const Scene>& /*scene*/, Edition /*edition*/) {}

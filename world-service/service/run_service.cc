@@ -108,6 +108,10 @@ class Driver final : public WorldControl, private ServiceHandler {
     Deliver([&](double) { Accept({request, std::move(reply)}); });
   }
 
+  void Wake() override {
+    Deliver([&](double now) { coordinator_.Poll(now); });
+  }
+
   // REQUIRES: Run has returned.
   Result<RunSummary> Finish() {
     endpoint_->Flush(kFlushTime);

@@ -22,12 +22,6 @@
 
 namespace troupe {
 
-struct SlowRobot {
-  std::string robot;
-  std::uint64_t times_last = 0;  // ticks in which its proposal was the last to arrive
-  double waited_seconds = 0.0;   // wall time that the barrier waited for it alone
-};
-
 // RunSummary: the outcome of a run.
 struct RunSummary {
   std::uint64_t ticks = 0;
@@ -41,6 +35,7 @@ struct RunSummary {
   std::uint64_t frames_repeated = 0;
   std::uint64_t state_hash = 0;
   std::vector<SlowRobot> slowest;  // at most five, slowest first
+  std::vector<SlowRobot> ros;      // nodes and topics of ROS for which ticks waited, slowest first
   std::vector<std::string> lost;   // robots without an agent at the end
   bool interrupted = false;
   double record_waited_seconds = 0.0;  // wall time that ticks waited for an observer, the recording

@@ -57,6 +57,10 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
   if (run_.phase == Phase::kOver) return;
   // An agent that is started again at the end of a run leaves with the others.
   if (run_.phase == Phase::kEnding) return run_.endpoint.SendFrame(run_.frame);
+  if (run_.phase == Phase::kGathering && join.memory &&
+      *join.memory == MemoryPlace{run_.frame.edition, run_.frame.state.tick, true}) {
+    run_.is_decided = true;
+  }
   std::optional<HistoryRequest> missing;
   if (run_.restores_memory()) missing = run_.memories.MissingFor(join, run_.frame);
   const JoinDecision decision = run_.members.Join(join, run_.next_place(), now, missing.has_value());
@@ -253,6 +257,9 @@ std::vector<std::string> RunStatistics::MissingRobots(double now) const {
   std::sort(robots.begin(), robots.end());
   std::vector<std::string> names;
   for (RobotId robot : robots) names.push_back(run_.world().robot(robot).name);
+  if (running && now - engine_.committed_at() > kUsualDelay) {
+    names.insert(names.end(), engine_.awaited().begin(), engine_.awaited().end());
+  }
   return names;
 }
 
@@ -303,6 +310,9 @@ RunSummary RunStatistics::MakeSummary() const {
   summary.frames_repeated = engine_.frames_resent();
   summary.state_hash = run_.frame.state_hash;
   summary.slowest = SlowestRobots();
+  for (RunObserver* observer : run_.observers) {
+    for (SlowRobot& slow : observer->SlowestAwaited()) summary.ros.push_back(std::move(slow));
+  }
   summary.lost = run_.lost_robots;
   summary.interrupted = run_.interrupted;
   summary.record_waited_seconds = engine_.observers_waited_seconds();

@@ -131,7 +131,7 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
     member->silent_since.reset();
     resend_timer_.Answered(now);
     arrived_at_ = now;
-    return;
+    return AdvanceShown(now);
   }
   Collect(*member, proposal, now);
   const double answer = now - committed_at_;
@@ -256,10 +256,16 @@ bool TickEngine::observers_ready() const {
                      [](RunObserver* observer) { return observer->IsReady(); });
 }
 
+bool TickEngine::observers_prepared() const {
+  return std::all_of(run_.observers.begin(), run_.observers.end(),
+                     [](RunObserver* observer) { return observer->IsPrepared(); });
+}
+
 bool TickEngine::ReadyToCommit(double now) {
   const bool due = run_.phase == RunPhase::kRunning && !run_.frame.paused && (run_.realtime() || barrier_.complete()) &&
                    now >= NextDue() && !halted();
-  if (!due || observers_ready()) return due;
+  if (!due || !observers_prepared()) return false;
+  if (observers_ready()) return true;
   if (!observers_wait_since_) observers_wait_since_ = now;
   return false;
 }
@@ -277,16 +283,46 @@ void TickEngine::Begin(double now) {
   pacer_.Start(now);
   FrameMessage first = run_.frame;
   first.events = run_.events.CompleteFrame(0, {});
-  first.paused = ticks_to_pause_ == 0U;
+  first.paused = ticks_to_pause_ == 0U || ShowsTick(0);
   Publish(std::move(first), {}, now);
+}
+
+bool TickEngine::ShowsTick(Tick tick) const {
+  return std::any_of(run_.observers.begin(), run_.observers.end(),
+                     [tick](RunObserver* observer) { return observer->ShowsTick(tick); });
+}
+
+void TickEngine::AdvanceShown(double now) {
+  if (!shows_ || !pause_answered() || halted()) return;
+  Status outcome;
+  if (!std::exchange(shown_, true)) {
+    outcome = CallObservers(run_.observers, [&](RunObserver& observer) { return observer.OnShown(run_.frame); });
+  }
+  awaited_.clear();
+  const Status asked = CallObservers(run_.observers, [&](RunObserver& observer) -> Status {
+    Result<TickRelease> release = observer.Release();
+    if (!release.ok()) return release.error();
+    const TickRelease& of_observer = release.value();
+    awaited_.insert(awaited_.end(), of_observer.awaited.begin(), of_observer.awaited.end());
+    return {};
+  });
+  if (outcome.ok()) outcome = asked;
+  if (!outcome.ok()) return Fail(outcome.error(), now);
+  if (!awaited_.empty()) return;
+  shows_ = false;
+  if (ticks_to_pause_ != 0U) SendUnpaused(false, now);
 }
 
 void TickEngine::Continue(double now) {
   FrameMessage& frame = run_.frame;
   pacer_.Resume(frame.state.tick, now);
-  frame.paused = ticks_to_pause_ == 0U;
+  // If an agent has decided on the frame already, the service before had released it.
+  shows_ = !run_.is_decided && ShowsTick(frame.state.tick);
+  shown_ = false;
+  frame.paused = ticks_to_pause_ == 0U || shows_;
   frame.last = IsLast(frame.state.tick);
-  if (frame.last) frame.paused = false;
+  if (frame.last) frame.paused = shows_ = false;
+  frame.holds = frame.paused && ticks_to_pause_ != 0U;
   if (!frame.paused) frame.commands = commands_.Sent();  // as of the service before: an agent may have answered it
   if (run_.members.present_members() == 0) halted_since_ = now;
   run_.endpoint.SendFrame(frame);
@@ -369,7 +405,7 @@ void TickEngine::Commit(double now) {
   run_.restoring = next.remembered = false;
   next.events = run_.events.CompleteFrame(next.state.tick, std::move(result.events));
   if (ticks_to_pause_) --*ticks_to_pause_;
-  next.paused = ticks_to_pause_ == 0U;
+  next.paused = ticks_to_pause_ == 0U || ShowsTick(next.state.tick);
   if (!next.paused) next.commands = commands_.ForNextTick(run_.world());
   pacer_.Committed(next.state.tick, now);
   Publish(std::move(next), {.proposals = proposals}, now);
@@ -382,12 +418,24 @@ void TickEngine::EnterPhase(TickPhase phase, Tick tick) {
 
 void TickEngine::Resume(double now) {
   if (run_.options.phase_times != nullptr) run_.options.phase_times->Restart();  // a pause is no wait
-  run_.frame.paused = false;
-  run_.frame.commands = commands_.ForNextTick(run_.world());
+  pacer_.Resume(run_.frame.state.tick, now);
+  if (!shows_) return SendUnpaused(true, now);
+  ResendHold();
   ReportProgress(now);
+  AdvanceShown(now);
+}
+
+void TickEngine::ResendHold() {
+  if (std::exchange(run_.frame.holds, holding()) != holding()) run_.endpoint.SendFrame(run_.frame);
+}
+
+// The progress has the commands that agents know, and the end of a pause.
+void TickEngine::SendUnpaused(bool ends_pause, double now) {
+  run_.frame.paused = run_.frame.holds = false;
+  run_.frame.commands = commands_.ForNextTick(run_.world());
+  if (ends_pause || !run_.frame.commands.empty()) ReportProgress(now);
   if (run_.phase != RunPhase::kRunning) return;
   run_.endpoint.SendFrame(run_.frame);
-  pacer_.Resume(run_.frame.state.tick, now);
   Opened(now);
 }
 
@@ -417,6 +465,9 @@ void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
   const Tick tick = next.state.tick;
   next.last = IsLast(tick);
   if (next.last) next.paused = false;
+  shows_ = next.paused && ShowsTick(tick);
+  next.holds = next.paused && ticks_to_pause_ != 0U;
+  shown_ = false;
   const auto committed = [&](const FrameMessage& frame, const FrameMessage& before) -> CommittedTick {
     if (origin.edit != nullptr) {
       return {.frame = frame,
@@ -468,6 +519,7 @@ void TickEngine::End(double now) {
 }
 
 void TickEngine::Poll(double now) {
+  AdvanceShown(now);
   if (ReadyToCommit(now)) return Commit(now);
   if (run_.phase == RunPhase::kEnding && now >= end_at_) run_.phase = RunPhase::kOver;
   if (run_.phase == RunPhase::kOver) return;
@@ -506,7 +558,8 @@ double TickEngine::NextPoll() const {
   if (run_.phase == RunPhase::kEnding) return std::min(end_at_, ResendDue());
   if (run_.phase != RunPhase::kRunning) return run_.created_at;
   const bool can_step = (run_.realtime() || barrier_.complete()) && !halted() && !run_.frame.paused;
-  const double step = can_step && observers_ready() ? NextDue() : kNever;  // observers are asked again at any poll
+  // Observers are asked again at any poll.
+  const double step = can_step && observers_ready() && observers_prepared() ? NextDue() : kNever;
   return std::min(step, ResendDue());
 }
 

@@ -57,8 +57,19 @@ class TickEngine {
   void ReportProgress(double now);
   // Every member has answered the paused frame.
   bool pause_answered() const { return run_.phase == RunPhase::kRunning && run_.frame.paused && barrier_.complete(); }
-  // Resends the frame without `paused`, so that the agents propose. REQUIRES: the frame is paused.
+  // Tells observers whether the paused frame only holds, after ticks_to_pause has changed.
+  void ResendHold();
+  // Resends the frame without `paused`, so that the agents propose; of a shown tick, as soon as it is released.
+  // REQUIRES: the frame is paused, and no pause is due.
   void Resume(double now);
+  // The frame is paused for the observers only, which have not released it: no pause is due.
+  bool holding() const { return run_.frame.paused && ticks_to_pause_ != 0U; }
+  // Nothing is awaited for the shown frame.
+  bool released() const { return !shows_; }
+  // Those for which the shown frame waits, for people.
+  const std::vector<std::string>& awaited() const { return awaited_; }
+  // A pause at the next occasion: at once if the frame is paused, else after the next tick.
+  void PlanPause() { SetTicksToPause(run_.frame.paused ? 0 : 1); }
 
   // A multiple of real time; nothing: no pacing. REQUIRES: it is finite and positive; in realtime mode there is one.
   void SetSpeed(std::optional<double> speed, double now);
@@ -94,10 +105,17 @@ class TickEngine {
   void Lose(Member& member, const std::string& reason, double now);
   // Tells that the first frame of the run is not answered, and fails after the start timeout.
   void AwaitFirstAnswers(double now);
+  bool observers_prepared() const;
   bool ReadyToCommit(double now);
   // When the next tick may be committed.
   double NextDue() const;
   void Commit(double now);
+  // Observers ask for the frame of this tick to be shown before it is decided on.
+  bool ShowsTick(Tick tick) const;
+  // Tells the observers that the agents have published the paused frame, and continues the run if they release it.
+  void AdvanceShown(double now);
+  // Sends the paused frame without `paused`. `ends_pause`: of the run.
+  void SendUnpaused(bool ends_pause, double now);
   // Publishes the newest frame of a run that is continued.
   void Continue(double now);
   // Reports the first state of a branch to the observers.
@@ -135,6 +153,9 @@ class TickEngine {
   bool play_after_edits_ = false;
   std::optional<std::uint64_t> ticks_to_pause_;
   Pace pace_ = Pace::kRun;
+  bool shows_ = false;  // the frame is paused and not released yet
+  bool shown_ = false;  // ... and the observers know that it is published
+  std::vector<std::string> awaited_;
   std::uint64_t steps_ = 0;
   std::uint64_t frames_resent_ = 0;
   double observers_waited_ = 0.0;  // s

@@ -10,6 +10,7 @@
 
 #include "common/base/paths.h"
 #include "common/image/image_file.h"
+#include "common/run/ros_lockstep.h"
 #include "common/run/run_settings.h"
 #include "troupe/polygon.h"
 #include "troupe/result.h"
@@ -35,6 +36,7 @@ struct LoadedWorld {
   int map_height = 0;
   // The first ROS domain of a model whose spawn rule gives each robot one: that of the rule's first robot.
   std::optional<std::uint32_t> ros_domains_from = {};
+  RosLockstep ros_lockstep = {};  // of a scenario
   std::vector<RegionOfScenario> regions = {};
 };
 

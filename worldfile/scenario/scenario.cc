@@ -141,6 +141,8 @@ void Complete(LoadedWorld& loaded, const ScenarioFile& file, const ScenarioPlan&
   if (file.name) loaded.world.name = *file.name;
   loaded.world.places = file.places;
   loaded.regions = file.regions;
+  loaded.ros_lockstep = file.ros_lockstep;
+  loaded.ros_lockstep.names.insert(loaded.ros_lockstep.names.end(), plan.ros_lockstep.begin(), plan.ros_lockstep.end());
   for (RobotDescription& robot : loaded.world.robots) {
     const auto controller = plan.controllers.find(robot.name);
     if (controller != plan.controllers.end()) robot.controller = controller->second;

@@ -29,6 +29,8 @@ class Reader {
   std::optional<ControllerEntry> ReadController(const JsonNode& object) const;
   std::vector<Property> ReadProperties(const JsonNode& object, const Refused& refused);
   std::optional<RosDomainEntry> ReadRosDomain(const JsonNode& object) const;
+  static std::vector<std::string> ReadLockstepNames(const JsonNode& object);
+  static RosLockstep ReadLockstep(const JsonNode& root);
   std::vector<NamedPlace> ReadPlaces(const JsonNode& root);
   std::vector<RegionOfScenario> ReadRegions(const JsonNode& root);
   PoseEntry ReadPose(const JsonNode& numbers) const;
@@ -138,6 +140,26 @@ std::vector<NamedPlace> Reader::ReadPlaces(const JsonNode& root) {
   return places;
 }
 
+std::vector<std::string> Reader::ReadLockstepNames(const JsonNode& object) {
+  std::vector<std::string> names;
+  const JsonNode* found = object.Find("ros_lockstep");
+  if (found != nullptr && found->is_object()) found = found->Find("names");
+  if (found == nullptr) return names;
+  for (const JsonNode& name : found->items) names.push_back(name.text);
+  return names;
+}
+
+RosLockstep Reader::ReadLockstep(const JsonNode& root) {
+  RosLockstep lockstep;
+  for (std::string& name : ReadLockstepNames(root)) lockstep.names.push_back({std::move(name)});
+  const JsonNode* const found = root.Find("ros_lockstep");
+  if (found == nullptr || !found->is_object()) return lockstep;
+  if (const JsonNode* const period = found->Find("period")) lockstep.period = period->ToInteger<std::uint64_t>();
+  if (const JsonNode* const limit = found->Find("limit")) lockstep.limit_seconds = limit->number;
+  if (const JsonNode* const at_limit = found->Find("at_limit")) lockstep.ends_at_limit = at_limit->text == "end";
+  return lockstep;
+}
+
 std::vector<RegionOfScenario> Reader::ReadRegions(const JsonNode& root) {
   std::vector<RegionOfScenario> regions;
   const JsonNode* const found = root.Find("regions");
@@ -172,6 +194,7 @@ ModelEntry Reader::ReadModel(const JsonNode& object) {
   if (const JsonNode* const found = object.Find("pose")) model.pose = ReadPose(*found);
   model.controller = ReadController(object);
   model.ros_domain = ReadRosDomain(object);
+  model.ros_lockstep = ReadLockstepNames(object);
   const Refused refused{{"name", "is expected as a key of the model itself"},
                         {"pose", "is expected as a key of the model itself"}};
   model.properties = ReadProperties(object, refused);
@@ -234,6 +257,7 @@ SpawnEntry Reader::ReadSpawn(const JsonNode& object) {
   }
   spawn.controller = ReadController(object);
   spawn.ros_domain = ReadRosDomain(object);
+  spawn.ros_lockstep = ReadLockstepNames(object);
   return spawn;
 }
 
@@ -347,6 +371,7 @@ Result<ScenarioFile> Reader::Read() {
   if (const JsonNode* const found = root.Find("name")) file.name = found->text;
   if (const JsonNode* const found = root.Find("seed")) file.seed = found->ToInteger<std::uint64_t>();
   file.settings = ReadSettings(root);
+  file.ros_lockstep = ReadLockstep(root);
   file.hosts = ReadHosts(root);
   file.controller = ReadController(root);
   file.properties = ReadProperties(root, {});

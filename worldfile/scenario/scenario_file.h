@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/run/ros_lockstep.h"
 #include "common/run/run_settings.h"
 #include "troupe/polygon.h"
 #include "troupe/pose.h"
@@ -47,6 +48,7 @@ struct ModelEntry {
   std::optional<PoseEntry> pose;
   std::optional<ControllerEntry> controller;
   std::optional<RosDomainEntry> ros_domain;
+  std::vector<std::string> ros_lockstep;  // of a robot
   std::vector<Property> properties;
   std::vector<ModelEntry> children;
   SourceLocation where;
@@ -62,6 +64,7 @@ struct SpawnEntry {
   std::optional<double> heading;          // rad; nothing: random
   std::optional<ControllerEntry> controller;
   std::optional<RosDomainEntry> ros_domain;
+  std::vector<std::string> ros_lockstep;  // of each robot
   SourceLocation where;
 };
 
@@ -78,6 +81,7 @@ struct ScenarioFile {
   std::vector<PlacedText> includes;
   std::optional<std::uint64_t> seed;
   RunSettings settings;
+  RosLockstep ros_lockstep;
   HostsOfScenario hosts;
   std::optional<ControllerEntry> controller;
   std::vector<Property> properties;  // of the world

@@ -67,7 +67,8 @@ class Adder {
       spawn.origin_at_start = first.Find("localization_origin") == nullptr;
     }
     if (default_controller) AddDefaultController(*default_controller);
-    return ScenarioPlan{std::move(tree_), std::move(spawns_), std::move(controllers_), std::move(ros_domains_)};
+    return ScenarioPlan{std::move(tree_), std::move(spawns_), std::move(controllers_), std::move(ros_domains_),
+                        std::move(ros_lockstep_)};
   }
 
  private:
@@ -171,6 +172,7 @@ class Adder {
       node = WithoutController(std::move(node));
       controllers_[name] = entry.controller->controller;
     }
+    for (const std::string& awaited : entry.ros_lockstep) ros_lockstep_.push_back({awaited, name});
     if (!entry.ros_domain) return Status();
     WarnOfPorts(*entry.ros_domain, 1);
     if (entry.ros_domain->each) {
@@ -251,6 +253,9 @@ class Adder {
       if (Status error = Add(std::move(node), FullName("", name), where); !error.ok()) return error;
       planned.names.push_back(FullName("", name));
     }
+    for (const std::string& robot : planned.names) {
+      for (const std::string& awaited : rule.ros_lockstep) ros_lockstep_.push_back({awaited, robot});
+    }
     Status domains = SetRosDomains(rule, prototype, planned.names);
     spawns_.push_back(std::move(planned));
     return domains;
@@ -274,6 +279,7 @@ class Adder {
   std::vector<PlannedSpawn> spawns_;
   std::map<std::string, ControllerDescription> controllers_;  // by robot
   std::map<std::string, std::uint32_t> ros_domains_;          // by robot
+  std::vector<RosLockstepName> ros_lockstep_;                 // of robots
   std::map<std::uint32_t, std::string> domain_owners_;        // robots, by ROS domain
 };
 

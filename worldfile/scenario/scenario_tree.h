@@ -25,6 +25,7 @@ struct ScenarioPlan {
   std::vector<PlannedSpawn> spawns;
   std::map<std::string, ControllerDescription> controllers;  // by robot
   std::map<std::string, std::uint32_t> ros_domains;          // of their own, by robot
+  std::vector<RosLockstepName> ros_lockstep;                 // of robots
 };
 
 // Adds the models, robots and spawned models of `file` to `tree`, and applies its overrides. `default_controller` is

@@ -293,6 +293,7 @@ FrameMessage RandomMessages::Frame() {
   frame.state_hash = Bits();
   frame.last = Coin();
   frame.paused = Coin();
+  frame.holds = Coin();
   frame.edition = static_cast<Edition>(Bits());
   frame.world_edition = static_cast<Edition>(Bits());
   frame.fresh_edition = static_cast<Edition>(Bits());

@@ -94,6 +94,13 @@ TEST(SessionTop, ShowsRobotsThatNeedAttentionFirst) {
   frame.events = {{0, EventType::kJoined, RobotId(3), {}, {}, {}}};
   top.OnFrame(std::make_shared<const FrameMessage>(frame));
   EXPECT_THAT(top.Text(20), Not(HasSubstr("no agent")));
+  EXPECT_THAT(top.Text(20), HasSubstr("the tick waits for c ("));
+  frame.paused = frame.holds = true;
+  top.OnFrame(std::make_shared<const FrameMessage>(frame));
+  EXPECT_THAT(top.Text(20), HasSubstr(", playing, "));
+  frame.holds = false;
+  top.OnFrame(std::make_shared<const FrameMessage>(frame));
+  EXPECT_THAT(top.Text(20), HasSubstr(", paused, "));
   top.OnServiceGone();
   EXPECT_THAT(top.Text(20), HasSubstr("waiting for a run"));
 }

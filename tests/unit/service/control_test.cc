@@ -228,6 +228,98 @@ TEST_F(ControlTest, DoesNotCatchUpTheTimeOfAPause) {
   EXPECT_EQ(tick(), 2u);
 }
 
+// Ticks wait for it, once all agents have shown them.
+class ReleaseTest : public ControlTest, protected RunObserver {
+ protected:
+  ReleaseTest() { observers = {this}; }
+  bool ShowsTick(Tick) override { return true; }
+  Status OnTick(const CommittedTick&) override { return {}; }
+  Status OnProgress(const RunProgress& progress) override {
+    ticks_to_pause = progress.ticks_to_pause;
+    return {};
+  }
+  Status OnShown(const FrameMessage& frame) override {
+    shown.push_back(frame.state.tick);
+    return {};
+  }
+  Result<TickRelease> Release() override {
+    if (has_failed) return Failure("waited too long for a node");
+    return is_released ? TickRelease{} : TickRelease{false, {"node"}};
+  }
+  bool holds() const { return endpoint.frames.back().holds; }
+
+  bool is_released = false;
+  bool has_failed = false;
+  std::vector<Tick> shown;
+  std::optional<std::uint64_t> ticks_to_pause;
+};
+
+TEST_F(ReleaseTest, ATickIsDecidedOnWhenItIsReleased) {
+  MakeAndStart(2);
+  EXPECT_TRUE(paused() && holds());
+  AnswerPaused(1);
+  EXPECT_THAT(shown, IsEmpty());
+  AnswerPaused(2);
+  EXPECT_THAT(shown, testing::ElementsAre(0));
+  Wait(1.0);
+  EXPECT_TRUE(paused() && holds());
+  EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, testing::ElementsAre("node"));
+  Ask(ControlCommand::kStatus);
+  EXPECT_EQ(replies.back().state, RunState::kPlaying);
+  is_released = true;
+  Wait(0.0);
+  EXPECT_FALSE(paused() || holds());
+  EXPECT_THAT(coordinator->MakeStatus(now + 1.0).waiting_for, testing::ElementsAre("r0", "r1"));
+  Propose(1);
+  Propose(2);
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_TRUE(paused() && holds());
+}
+
+TEST_F(ReleaseTest, AWaitBecomesAPauseAndGoesOnWaiting) {
+  MakeAndStart(1);
+  AnswerPaused(1);
+  Ask(ControlCommand::kPause);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_EQ(replies[0].state, RunState::kPaused);
+  EXPECT_TRUE(paused());
+  EXPECT_FALSE(holds());
+  EXPECT_EQ(ticks_to_pause, 0u);
+  Ask(ControlCommand::kPlay);
+  EXPECT_EQ(replies[1].state, RunState::kPlaying);
+  EXPECT_TRUE(paused() && holds());
+  EXPECT_EQ(ticks_to_pause, std::nullopt);
+  is_released = true;
+  Wait(0.0);
+  EXPECT_FALSE(paused());
+}
+
+TEST_F(ReleaseTest, AStepEndsWhenItsLastTickIsReleased) {
+  options.start_paused = true;
+  MakeAndStart(1);
+  is_released = true;
+  AnswerPaused(1);
+  EXPECT_FALSE(holds());
+  Ask(ControlCommand::kStep, 1);
+  is_released = false;
+  Propose(1);
+  AnswerPaused(1);
+  EXPECT_THAT(replies, IsEmpty());
+  is_released = true;
+  Wait(0.0);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_TRUE(replies[0].done);
+  EXPECT_EQ(replies[0].tick, 1u);
+}
+
+TEST_F(ReleaseTest, AFailedWaitEndsTheRun) {
+  MakeAndStart(1);
+  AnswerPaused(1);
+  has_failed = true;
+  Wait(0.0);
+  EXPECT_TRUE(endpoint.frames.back().last);
+}
+
 }  // namespace
 
 }  // namespace troupe::test

@@ -177,6 +177,7 @@ troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, 
   wire.state_hash = message.state_hash;
   wire.last = message.last;
   wire.paused = message.paused;
+  wire.holds = message.holds;
   wire.edition = message.edition;
   wire.world_edition = message.world_edition;
   wire.fresh_edition = message.fresh_edition;
@@ -209,6 +210,7 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   message.state_hash = wire.state_hash;
   message.last = wire.last;
   message.paused = wire.paused;
+  message.holds = wire.holds;
   message.edition = wire.edition;
   message.world_edition = wire.world_edition;
   message.fresh_edition = wire.fresh_edition;

@@ -176,7 +176,7 @@ const FrameMessage* ObserverProtocol::Next() {
   const FrameMessage& frame = follower_.frame();
   const auto world = world_editions_.find(frame.run);
   if (world == world_editions_.end() || world->second != frame.world_edition) return nullptr;
-  const FrameKey key(frame.run, frame.edition, frame.state.tick, frame.paused, frame.last);
+  const FrameKey key(frame.run, frame.edition, frame.state.tick, frame.paused && !frame.holds, frame.last);
   if (returned_ == key) return nullptr;
   returned_ = key;
   return &frame;

@@ -73,7 +73,7 @@ class ObserverProtocol {
   bool MayRequest(double now);
 
  private:
-  // Run, edition, tick, paused, last: two frames that agree in these are the same.
+  // Run, edition, tick, paused by a user, last: two frames that agree in these are the same.
   using FrameKey = std::tuple<RunId, Edition, Tick, bool, bool>;
 
   std::map<RunId, Edition> world_editions_;  // of the newest session of each run that has a live service

@@ -24,6 +24,7 @@
 #include "ros/messages/robot_frames.h"
 #include "transport/dds/binding/wire.h"
 #include "world-service/observers/ros/pose_commands.h"
+#include "world-service/observers/ros/ros_lockstep.h"
 #include "world-service/observers/ros/run_services.h"
 #include "world-service/observers/ros/simulation_context.h"
 #include "world-service/service/event_log.h"
@@ -184,10 +185,18 @@ class RosWorldGateway final : public RunObserver {
     if (options_.pose_topics.goals || options_.pose_topics.poses) {
       poses_.emplace(connection_, options_, scene_, start.control, [this](const std::string& text) { Warn(text); });
     }
+    if (!options_.lockstep.names.empty()) {
+      lockstep_.emplace(
+          connection_, options_, scene_, start.run, start.control,
+          RosLockstepWait::Hooks{[this](Tick tick, std::int64_t interval_ns) { clock_.Show(tick, interval_ns, true); },
+                                 [this](const std::string& line) { Warn(line); }});
+    }
     return Status();
   }
   Status OnEnd() override {
     poses_.reset();
+    if (lockstep_) slowest_awaited_ = lockstep_->SlowestAwaited();
+    lockstep_.reset();
     ExchangeServices(nullptr);
     return Status();
   }
@@ -198,9 +207,25 @@ class RosWorldGateway final : public RunObserver {
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
     if (poses_) poses_->ChangeWorld(scene);
+    if (lockstep_) lockstep_->OnWorldChange(scene);
     ReportNames();
     const std::lock_guard lock(mutex_);
     if (simulation_) simulation_->ChangeWorld(scene);
+  }
+
+  bool ShowsTick(Tick tick) override { return lockstep_ && lockstep_->ShowsTick(tick); }
+  Status OnCommit(const CommittedTick& tick, const RunProgress&) override {
+    if (lockstep_) lockstep_->OnCommit(tick.frame);
+    return Status();
+  }
+  Status OnShown(const FrameMessage& frame) override {
+    if (lockstep_) lockstep_->OnShown(frame);
+    return Status();
+  }
+  Result<TickRelease> Release() override { return lockstep_ ? lockstep_->Release() : TickRelease{}; }
+  bool IsPrepared() override { return !lockstep_ || lockstep_->IsPrepared(); }
+  std::vector<SlowRobot> SlowestAwaited() override {
+    return lockstep_ ? lockstep_->SlowestAwaited() : std::move(slowest_awaited_);
   }
 
   Status OnTick(const CommittedTick& tick) override {
@@ -209,7 +234,9 @@ class RosWorldGateway final : public RunObserver {
       const std::lock_guard lock(mutex_);
       if (simulation_) simulation_->Publish(frame);
     }
-    clock_.Show(frame.state.tick, scene_->world().interval_ns, frame.paused || frame.last);
+    // The time of a tick that waits for ROS follows all its messages.
+    const bool waits = frame.paused && ShowsTick(frame.state.tick);
+    if (!waits) clock_.Show(frame.state.tick, scene_->world().interval_ns, frame.paused || frame.last);
     if (!frame.events.empty() && events_.wanted()) {
       for (const Event& event : frame.events) {
         dds::WireArena arena;
@@ -268,6 +295,8 @@ class RosWorldGateway final : public RunObserver {
   ros::TypeDescriptionService type_descriptions_;
   std::mutex log_mutex_;
   ros::RosLog log_;
+  std::optional<RosLockstepWait> lockstep_;         // between OnBegin and OnEnd, if ticks wait for ROS
+  std::vector<SlowRobot> slowest_awaited_;          // of a lockstep that has ended
   std::optional<PoseCommands> poses_;               // between OnBegin and OnEnd, if the options ask for it
   std::mutex mutex_;                                // guards the pointer
   std::unique_ptr<SimulationServices> simulation_;  // between OnBegin and OnEnd

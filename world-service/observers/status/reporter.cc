@@ -108,6 +108,11 @@ class LauncherReporter final : public Reporter {
       slowest.push_back(
           {{"robot", slow.robot}, {"times_last", slow.times_last}, {"waited_seconds", slow.waited_seconds}});
     }
+    Json ros = Json::array();
+    for (const SlowRobot& awaited : summary.ros) {
+      ros.push_back(
+          {{"name", awaited.robot}, {"times_last", awaited.times_last}, {"waited_seconds", awaited.waited_seconds}});
+    }
     Json totals = Json::array();
     for (const RobotTotal& total : summary.totals) totals.push_back(FieldsToJson<Json>(total));
     Send({{"type", "end"},
@@ -122,6 +127,7 @@ class LauncherReporter final : public Reporter {
           {"frames_repeated", summary.frames_repeated},
           {"state_hash", fmt::format("{:016x}", summary.state_hash)},
           {"slowest", std::move(slowest)},
+          {"ros_lockstep", std::move(ros)},
           {"lost", summary.lost},
           {"interrupted", summary.interrupted},
           {"record_waited_seconds", summary.record_waited_seconds},

@@ -1,0 +1,34 @@
+// RosLockstep: the nodes of ROS for which ticks wait. docs/ros2-lockstep.md explains it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace troupe {
+
+// A topic ("/anna/cmd_vel", or "~/cmd_vel" below a robot), or the name by which a node answers on /world/tick_done.
+struct RosLockstepName {
+  std::string name;
+  std::string robot = {};  // in whose ROS domain, and of whom "~" is the namespace; empty: the run's, and all robots
+};
+
+struct RosLockstep {
+  static constexpr double kDefaultLimitSeconds = 10.0;
+
+  std::vector<RosLockstepName> names = {};
+  std::optional<std::uint64_t> period = {};  // ticks from one that waits to the next; nothing: 1
+  std::optional<double> limit_seconds = {};  // of wall time, of one that has answered before; 0: none
+  std::optional<bool> ends_at_limit = {};    // the run ends at the limit; false: it continues without that one
+
+  // The values of `other` replace those here, where it has some.
+  void ReplaceBy(const RosLockstep& other) {
+    if (!other.names.empty()) names = other.names;
+    if (other.period) period = other.period;
+    if (other.limit_seconds) limit_seconds = other.limit_seconds;
+    if (other.ends_at_limit) ends_at_limit = other.ends_at_limit;
+  }
+};
+
+}  // namespace troupe

@@ -1,0 +1,192 @@
+// A node of ROS for which ticks wait.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_network.h"
+#include "ros/connection/ros_participant.h"
+#include "tests/support/ros_client.h"
+#include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
+
+namespace troupe::test {
+
+// The way in which ticks wait for the node: for its commands, or for its answers on /world/tick_done.
+enum class Way { kTopic, kProtocol };
+
+struct NodeOptions {
+  Way way = Way::kProtocol;
+  std::string name = "driver";
+  std::string space = "/r0";  // of the robot's topics
+  int most_delay = 0;         // ms before an answer, drawn
+  unsigned seed = 1;          // of the delays
+  std::uint32_t domain = TestRosNetwork().domain;
+};
+
+// A node that drives a robot by its scan: the same scan gives the same command.
+class LockstepNode {
+ public:
+  explicit LockstepNode(const NodeOptions& options)
+      : options_(options), participant_(NetworkIn(options.domain)), thread_([this] { Run(); }) {}
+  ~LockstepNode() {
+    stop_ = true;
+    Notify();
+    thread_.join();
+  }
+  LockstepNode(const LockstepNode&) = delete;
+  LockstepNode& operator=(const LockstepNode&) = delete;
+
+  // It answers no tick from this one on, until Continue.
+  void HaltAt(Tick tick) { halt_at_ = tick; }
+  void Continue() {
+    halt_at_ = kNever;
+    Notify();
+  }
+  // Answers beside its own, which no tick may count.
+  void SendWrongAnswers() { is_wrong_ = true; }
+  Tick answered() const { return answered_; }  // the newest
+  std::size_t answers() const { return answers_; }
+  std::string lists() {
+    const std::lock_guard lock(mutex_);
+    return lists_;
+  }
+
+ private:
+  static constexpr Tick kNever = 1'000'000'000;
+
+  static ros::RosNetwork NetworkIn(std::uint32_t domain) {
+    ros::RosNetwork network = TestRosNetwork();
+    network.domain = domain;
+    return network;
+  }
+  void Notify() {
+    const std::lock_guard lock(mutex_);
+    arrived_ = true;
+    wake_.notify_one();
+  }
+  static ros::TwistMessage CommandFor(const ros::LaserScan& scan) {
+    const auto ranges = dds::Elements(scan.ranges);
+    double right = 0.0;
+    double left = 0.0;
+    double ahead = 8.0;
+    const std::size_t count = ranges.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const double range = std::min<double>(ranges[i], 8.0);
+      (2 * i < count ? right : left) += range;
+      if (3 * i >= count && 3 * i < 2 * count) ahead = std::min(ahead, range);
+    }
+    ros::TwistMessage twist{};
+    twist.linear.x = ahead > 0.7 ? 0.4 : 0.0;
+    twist.angular.z = std::clamp((left - right) / 20.0, -1.0, 1.0) + (ahead > 0.7 ? 0.0 : 0.5);
+    return twist;
+  }
+
+  void Run() {
+    const ros::RosNode node = ros::MakeNode(participant_, "/", options_.name);
+    const auto notify = [this] { Notify(); };
+    ros::RosReader<ros::LaserScan> scans(node, options_.space + "/scan", ros::Stream(10), ros::Part::kOnlyReader,
+                                         notify);
+    ros::RosReader<ros::Header> ticks(node, "/world/tick", ros::Latched(), ros::Part::kOnlyReader, notify);
+    ros::RosWriter<ros::TwistMessage> commands(node, options_.space + "/cmd_vel", ros::Stream(10));
+    ros::RosWriter<ros::Header> answers(node, "/world/tick_done", ros::Stream(10));
+    participant_.Announce();
+    std::mt19937 random(options_.seed);
+    std::optional<Tick> scanned;
+    ros::TwistMessage command{};
+    std::optional<Tick> shown;
+    std::optional<ros::Time> stamp;
+    bool has_scan = false;
+    std::optional<Tick> done;  // by this node
+    auto commanded_at = std::chrono::steady_clock::now();
+    while (!stop_) {
+      {
+        std::unique_lock lock(mutex_);
+        wake_.wait_for(lock, std::chrono::milliseconds(200), [this] { return arrived_ || stop_; });
+        arrived_ = false;
+      }
+      scans.Drain([&](const ros::LaserScan& scan) {
+        scanned = TickOf(scan.header.stamp);
+        command = CommandFor(scan);
+      });
+      ticks.Drain([&](const ros::Header& tick) {
+        shown = TickOf(tick.stamp);
+        stamp = tick.stamp;
+        const std::lock_guard lock(mutex_);
+        lists_ = dds::Text(tick.frame_id);
+        has_scan = (" " + lists_).find(" " + options_.space + "/scan:") != std::string::npos;
+        if (options_.way == Way::kProtocol && done == shown) done.reset();  // the tick again: it is answered again
+      });
+      if (!commands.wanted()) continue;
+      if (options_.way == Way::kTopic) {
+        if (!scanned) continue;
+        // The first one may be lost while the endpoints discover each other.
+        const bool repeats = std::chrono::steady_clock::now() - commanded_at > std::chrono::milliseconds(1000);
+        if (done == scanned && !repeats) continue;
+        if (*scanned >= halt_at_) continue;
+        if (done != scanned) Delay(random);
+        commands.Write(command);
+        commanded_at = std::chrono::steady_clock::now();
+        done = scanned;
+        answered_ = *done;
+        ++answers_;
+        continue;
+      }
+      if (!answers.wanted() || !shown || done == shown || *shown >= halt_at_) continue;
+      if (scanned != shown && (has_scan || !done)) continue;  // of the first tick the scan is repeated for this node
+      Delay(random);
+      if (is_wrong_) SendWrong(answers, *shown);
+      if (scanned == shown) commands.Write(command);
+      Answer(answers, options_.name, *stamp);
+      if (is_wrong_) Answer(answers, options_.name, *stamp);
+      done = shown;
+      answered_ = *done;
+      ++answers_;
+    }
+  }
+  void Delay(std::mt19937& random) const {
+    if (options_.most_delay == 0) return;
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(std::uniform_int_distribution<int>(0, options_.most_delay)(random)));
+  }
+  static void Answer(ros::RosWriter<ros::Header>& answers, const std::string& name, const ros::Time& stamp) {
+    dds::WireArena arena;
+    ros::Header header{};
+    header.stamp = stamp;
+    header.frame_id = arena.Copy(name);
+    answers.Write(header);
+  }
+  void SendWrong(ros::RosWriter<ros::Header>& answers, Tick tick) const {
+    const auto stamp_of = [](Tick of) {
+      return ros::Time{static_cast<std::int32_t>(of / 10), static_cast<std::uint32_t>(of % 10) * 100'000'000};
+    };
+    Answer(answers, options_.name, stamp_of(tick + 1));
+    if (tick > 0) Answer(answers, options_.name, stamp_of(tick - 1));
+    Answer(answers, options_.name, {-7, 4'000'000'000U});
+    Answer(answers, "", stamp_of(tick));
+    Answer(answers, std::string(300, '\x01'), stamp_of(tick));
+  }
+
+  const NodeOptions options_;
+  ros::RosParticipant participant_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool arrived_ = true;
+  std::string lists_;
+  std::atomic<bool> stop_ = false;
+  std::atomic<bool> is_wrong_ = false;
+  std::atomic<Tick> halt_at_ = kNever;
+  std::atomic<Tick> answered_ = 0;
+  std::atomic<std::size_t> answers_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace troupe::test

@@ -1,0 +1,408 @@
+// Ticks wait for nodes of ROS: runs with a node that drives a robot repeat, however slow the node is.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_network.h"
+#include "ros/connection/ros_participant.h"
+#include "tests/process/lockstep_node.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
+#include "tests/support/ros_client.h"
+#include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
+#include "transport/dds/tools/control_client.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::ContainsRegex;
+using testing::HasSubstr;
+
+class RosLockstepTest : public testing::Test {
+ protected:
+  std::vector<std::string> Arguments(const std::string& prefix, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = Words("--hash-log % --session %", {folder_.Path(prefix + "hashes"), session_});
+    if (std::find(more.begin(), more.end(), "--ticks") == more.end()) arguments = arguments + Words("--ticks 60");
+    return RosArguments(arguments + more);
+  }
+  // The hashes of a run with the driver.
+  std::string HashesOf(const NodeOptions& node, const std::vector<std::string>& more) {
+    const std::string prefix = std::to_string(runs_++) + "-";
+    LockstepNode driver(node);
+    OutputOf(RunPen(Arguments(prefix, more)));
+    return folder_.Read(prefix + "hashes");
+  }
+  ControlReply Call(const ControlRequest& request) const {
+    ControlClient client(NetworkOf(session_));
+    EXPECT_TRUE(client.WaitForService(kSeconds).ok());
+    const Result<ControlReply> reply = client.Call(request, kSeconds);
+    EXPECT_TRUE(reply.ok());
+    return reply.ok() ? reply.value() : ControlReply();
+  }
+  ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
+    ControlRequest request{.command = command, .ticks = ticks};
+    return Call(request);
+  }
+
+  TemporaryFolder folder_;
+  const std::string session_ = TestSession("lockstep");
+  int runs_ = 0;
+};
+
+TEST_F(RosLockstepTest, RunsRepeatAtAnySpeedHoweverSlowTheNodeIs) {
+  const NodeOptions protocol{.way = Way::kProtocol, .most_delay = 8, .seed = 1};
+  const std::string reference = HashesOf(protocol, {"--ros-lockstep", "driver"});
+  EXPECT_EQ(std::count(reference.begin(), reference.end(), '\n'), 61);
+  EXPECT_EQ(HashesOf({.way = Way::kProtocol, .most_delay = 20, .seed = 2}, Words("--ros-lockstep driver --speed 5")),
+            reference);
+  EXPECT_EQ(HashesOf({.way = Way::kProtocol}, Words("--ros-lockstep driver --in-process --speed max")), reference);
+  // Unchanged, with ticks that wait for its commands.
+  EXPECT_EQ(HashesOf({.way = Way::kTopic, .most_delay = 8, .seed = 3}, Words("--ros-lockstep /r0/cmd_vel")), reference);
+  EXPECT_EQ(HashesOf({.way = Way::kTopic, .most_delay = 20, .seed = 4}, Words("--ros-lockstep /r0/cmd_vel --speed 5")),
+            reference);
+  // Without waiting, ticks go on meanwhile.
+  const NodeOptions slow{.way = Way::kTopic, .most_delay = 20, .seed = 5};
+  const std::vector<std::string> free = Words("--speed 20");
+  EXPECT_NE(HashesOf(slow, free), reference);
+}
+
+TEST_F(RosLockstepTest, AnswersToOtherTicksTwiceOrWithoutSenseCountForNone) {
+  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  LockstepNode driver({});
+  driver.SendWrongAnswers();
+  Program run = RunPen(Arguments("wrong-", {"--ros-lockstep", "driver"}));
+  const std::string output = OutputOf(std::move(run));
+  EXPECT_EQ(folder_.Read("wrong-hashes"), reference);
+  EXPECT_THAT(output, HasSubstr("ignored the answer of 'driver' to"));
+}
+
+TEST_F(RosLockstepTest, ASilentNodeIsNamedAndEndsTheRunAtTheLimit) {
+  LockstepNode driver({});
+  driver.HaltAt(20);
+  Program run = RunPen(
+      Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 1.5 --summary %", {folder_.Path("summary")})));
+  EXPECT_EQ(run.Wait(), 3) << run.output();
+  EXPECT_THAT(run.output(), ContainsRegex("tick 20 has waited [0-9.]+ s for driver of ROS"));
+}
+
+TEST_F(RosLockstepTest, ARunContinuesWithoutASilentNodeIfAskedUntilItReturns) {
+  LockstepNode driver({});
+  driver.HaltAt(20);
+  Program run = RunPen(Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 0.5 --ros-lockstep-at-limit "
+                                           "continue --ticks 100000 --speed 20")));
+  run.WaitForLine("tick 20 continues after");
+  driver.Continue();
+  run.WaitForLine("ticks wait for driver again");
+  run.Interrupt();
+}
+
+TEST_F(RosLockstepTest, TheFirstAnswerHasNoLimitAndTheStatusNamesTheNode) {
+  Program run = RunPen(
+      Arguments("", Words("--ros-lockstep driver --ros-lockstep-limit 0.2 --summary %", {folder_.Path("summary")})));
+  run.WaitForLine("waiting for driver");
+  const LockstepNode driver({});
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  const auto summary = nlohmann::json::parse(folder_.Read("summary"));
+  ASSERT_EQ(summary["ros_lockstep"].size(), 1u);
+  EXPECT_EQ(summary["ros_lockstep"][0]["name"], "driver");
+  EXPECT_EQ(summary["ros_lockstep"][0]["times_last"], 60);
+}
+
+TEST_F(RosLockstepTest, StepsEndWhenTheNodeHasAnsweredTheirLastTick) {
+  LockstepNode driver({});
+  driver.HaltAt(5);
+  Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--paused", "--ros-lockstep-limit", "0"}));
+  EXPECT_TRUE(Call(ControlCommand::kStep, 4).done);
+  EXPECT_TRUE(Eventually([&] { return driver.answered() == 4; }));
+  std::atomic<bool> has_stepped = false;
+  std::thread stepper([&] {
+    EXPECT_TRUE(Call(ControlCommand::kStep, 1).done);
+    has_stepped = true;
+  });
+  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 5; }));
+  EXPECT_FALSE(has_stepped);
+  driver.Continue();
+  stepper.join();
+  EXPECT_TRUE(Eventually([&] { return driver.answered() == 5; }));
+  run.Interrupt();
+}
+
+TEST_F(RosLockstepTest, EditsAreExecutedWhileATickWaits) {
+  LockstepNode driver({});
+  driver.HaltAt(10);
+  Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0", "--ticks", "100000"}));
+  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 10; }));
+  EXPECT_EQ(Call(ControlCommand::kStatus).state, RunState::kPlaying);
+  EXPECT_TRUE(Call({.command = ControlCommand::kSetPose, .name = "r1", .pose = {0.0, 2.0, 0.0, 0.0}}).done);
+  EXPECT_TRUE(
+      Call({.command = ControlCommand::kSpawn, .name = "late", .source = "rover", .pose = {0, -2.2, 0, 0}}).done);
+  EXPECT_TRUE(Call({.command = ControlCommand::kDelete, .name = "late"}).done);
+  EXPECT_TRUE(Call(ControlCommand::kPause).done);
+  EXPECT_EQ(Call(ControlCommand::kStatus).state, RunState::kPaused);
+  EXPECT_EQ(Call(ControlCommand::kStatus).tick, 10u);
+  EXPECT_TRUE(Call(ControlCommand::kReset).done);
+  EXPECT_TRUE(Call(ControlCommand::kPlay).done);
+  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 10; }));
+  driver.Continue();
+  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick > 30; }));
+  run.Interrupt();
+}
+
+TEST_F(RosLockstepTest, ATickWaitsForATopicOfAnyTypeAndTellsOfItsMessages) {
+  ros::RosParticipant participant(TestRosNetwork());
+  const ros::RosNode node = ros::MakeNode(participant, "/", "planner");
+  ros::RosWriter<ros::Clock> plans(node, "/plan", ros::Stream(1));  // of a type that no agent reads
+  participant.Announce();
+  LockstepNode driver({});
+  Program run = RunPen(Arguments("", {"--ros-lockstep", "driver,/plan", "--ros-lockstep-limit", "0"}));
+  for (Tick tick = 0; tick <= 2; ++tick) {
+    EXPECT_TRUE(Eventually([&] { return driver.answered() == tick && Call(ControlCommand::kStatus).tick == tick; }));
+    // The first one may be lost while the endpoints discover each other.
+    EXPECT_TRUE(Eventually([&] { return plans.wanted(); }));
+    bool advances = false;
+    for (int trial = 0; trial < 5 && !advances; ++trial) {
+      EXPECT_EQ(Call(ControlCommand::kStatus).tick, tick);
+      plans.Write({});
+      advances = Eventually([&] { return Call(ControlCommand::kStatus).tick > tick; }, 4.0);
+    }
+    ASSERT_TRUE(advances);
+  }
+  // Topics without a reader have no messages.
+  EXPECT_TRUE(Eventually([&] { return driver.lists() == "/r0/scan:1"; })) << driver.lists();
+  run.Signal(SIGINT);
+  EXPECT_EQ(run.Wait(), 130);
+}
+
+TEST_F(RosLockstepTest, ARunWithAKilledServiceRepeatsAndReplays) {
+  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  for (const Way way : {Way::kProtocol, Way::kTopic}) {
+    const std::string prefix = way == Way::kTopic ? "topic-" : "protocol-";
+    const std::string recording = folder_.Path(prefix + "run.mcap");
+    LockstepNode driver({.way = way});
+    Program run = RunPen(Arguments(prefix, Words("--speed 10 --lease 1 --record % --ros-lockstep %",
+                                                 {recording, way == Way::kTopic ? "/r0/cmd_vel" : "driver"})));
+    ASSERT_TRUE(Eventually([&] { return driver.answered() >= 20; }));
+    for (const pid_t service : ChildrenWith(run, "world-service")) ASSERT_EQ(kill(service, SIGKILL), 0);
+    EXPECT_EQ(run.Wait(), 0) << run.output();
+    EXPECT_EQ(folder_.Read(prefix + "hashes"), reference) << run.output();
+    OutputOf(Troupe({"replay", recording, "--verify"}));
+  }
+}
+
+TEST_F(RosLockstepTest, ARobotInADomainOfItsOwnHasItsOwnTicks) {
+  const std::uint32_t domain = ReserveDomain();
+  std::ofstream(folder_.Path("own.json"))
+      << R"({"world": ")" << WorldPath("pen.world") << R"(", "ticks": 40, "ros": true, "ros_lockstep": ["driver"],
+           "robots": [{"name": "r0", "ros_domain": )"
+      << domain << R"(, "ros_lockstep": ["~/cmd_vel"]}]})";
+  std::string hashes;
+  for (const int delay : {0, 10}) {
+    LockstepNode of_run({.name = "driver", .space = "/r1", .most_delay = delay, .seed = 8});
+    LockstepNode of_robot({.way = Way::kTopic, .space = "", .most_delay = delay, .seed = 9, .domain = domain});
+    OutputOf(Troupe(Words("run % --headless --domain % --hash-log % --ros-interface lo --ros-domain %",
+                          {folder_.Path("own.json"), std::to_string(TestDomain()), folder_.Path("hashes"),
+                           std::to_string(TestRosNetwork().domain)})));
+    if (hashes.empty()) hashes = folder_.Read("hashes");
+    EXPECT_EQ(folder_.Read("hashes"), hashes);
+  }
+}
+
+// A node in a process of its own, which the test kills: this program again, with this test alone.
+TEST(RosLockstepNode, DISABLED_RunsUntilItIsKilled) {
+  const char* const domain = std::getenv("LOCKSTEP_DOMAIN");
+  ASSERT_NE(domain, nullptr);
+  const LockstepNode driver({.domain = static_cast<std::uint32_t>(std::stoul(domain))});
+  for (;;) pause();
+}
+
+Program NodeProcess() {
+  return Program({"/usr/bin/env", "LOCKSTEP_DOMAIN=" + std::to_string(TestRosNetwork().domain),
+                  std::filesystem::read_symlink("/proc/self/exe").string(), "--gtest_also_run_disabled_tests",
+                  "--gtest_filter=RosLockstepNode.DISABLED_RunsUntilItIsKilled"});
+}
+
+TEST_F(RosLockstepTest, ATickWaitsForTheSuccessorOfANodeThatIsKilled) {
+  const std::string reference = HashesOf({}, Words("--ros-lockstep driver --ticks 150"));
+  std::optional<Program> node(NodeProcess());
+  Program run =
+      RunPen(Arguments("killed-", Words("--ros-lockstep driver --ros-lockstep-limit 0 --speed 3 --ticks 150")));
+  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick >= 10; }));
+  node->Signal(SIGKILL);
+  node->Wait();
+  run.WaitForLine("waiting for driver");
+  const Tick waiting = Call(ControlCommand::kStatus).tick;
+  ASSERT_LT(waiting, 150u);
+  EXPECT_EQ(Call(ControlCommand::kStatus).tick, waiting);
+  const LockstepNode successor({});
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_EQ(folder_.Read("killed-hashes"), reference);
+}
+
+TEST_F(RosLockstepTest, RewoundTicksWaitAgainAndRepeat) {
+  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  LockstepNode driver({});
+  driver.HaltAt(30);
+  Program run = RunPen(Arguments(
+      "rewound-", Words("--ros-lockstep driver --ros-lockstep-limit 0 --record %", {folder_.Path("rewound.mcap")})));
+  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 30; }));
+  const std::size_t answers = driver.answers();
+  EXPECT_TRUE(Call({.command = ControlCommand::kRewind, .ticks = 12}).done);
+  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 30; }));
+  EXPECT_GE(driver.answers(), answers + 18);
+  driver.Continue();
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  const auto end_of = [](const std::string& hashes) { return hashes.substr(hashes.rfind('\n', hashes.size() - 2)); };
+  EXPECT_EQ(end_of(folder_.Read("rewound-hashes")), end_of(reference));
+}
+
+TEST_F(RosLockstepTest, ARunAtThePaceOfRealTimeKeepsItWhileNodesAnswerInTime) {
+  const LockstepNode driver({});
+  Program run =
+      RunPen(Arguments("", Words("--ros-lockstep driver --speed 1 --ticks 30 --summary %", {folder_.Path("summary")})));
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  const auto summary = nlohmann::json::parse(folder_.Read("summary"));
+  EXPECT_GE(summary["wall_seconds"], 2.9);
+}
+
+TEST_F(RosLockstepTest, ViewersSeeARunThatPlaysWhileItsTickWaits) {
+  LockstepNode driver({});
+  driver.HaltAt(10);
+  Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0"}));
+  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 10; }));
+  Program top = Troupe({"top", "--domain", std::to_string(TestDomain()), "--session", session_});
+  EXPECT_THAT(top.WaitForLine("tick 10"), HasSubstr(", playing, "));
+  EXPECT_THAT(top.WaitForLine("the tick waits for"), HasSubstr("driver"));
+  EXPECT_TRUE(Call(ControlCommand::kPause).done);
+  top.WaitForLine(", paused, tick 10");
+  EXPECT_TRUE(Call(ControlCommand::kPlay).done);
+  top.WaitForLineAfter(", paused, tick 10");
+  top.Signal(SIGINT);
+  driver.Continue();
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+}
+
+TEST_F(RosLockstepTest, ABranchWaitsForTheNodesOfItsScenario) {
+  const std::string scenario = folder_.Path("waits.json");
+  std::ofstream(scenario) << R"({"world": ")" << WorldPath("pen.world")
+                          << R"(", "ticks": 40, "ros": true, "ros_lockstep": ["driver"]})";
+  const std::vector<std::string> network =
+      Words("--headless --domain % --ros-interface lo --ros-domain %",
+            {std::to_string(TestDomain()), std::to_string(TestRosNetwork().domain)});
+  LockstepNode driver({});
+  OutputOf(Troupe(Words("run % --record % --hash-log %", {scenario, folder_.Path("run.mcap"), folder_.Path("hashes")}) +
+                  network));
+  driver.HaltAt(25);
+  Program branch = Troupe(Words("run % --from-tick 20 --ticks 40 --session %", {folder_.Path("run.mcap"), session_}) +
+                          Words("--hash-log %", {folder_.Path("branch-hashes")}) + network);
+  branch.WaitForLine("waiting for driver");
+  EXPECT_EQ(Call(ControlCommand::kStatus).tick, 25u);
+  driver.Continue();
+  EXPECT_EQ(branch.Wait(), 0) << branch.output();
+  const std::string hashes = folder_.Read("hashes");
+  const std::string of_branch = folder_.Read("branch-hashes");
+  EXPECT_EQ(of_branch.substr(of_branch.rfind('\n', of_branch.size() - 2)),
+            hashes.substr(hashes.rfind('\n', hashes.size() - 2)));
+}
+
+// Nodes that only answer, each with a thread and a participant of its own.
+class Answerer {
+ public:
+  explicit Answerer(std::string name)
+      : name_(std::move(name)), participant_(TestRosNetwork()), thread_([this] { Run(); }) {}
+  ~Answerer() {
+    stop_ = true;
+    thread_.join();
+  }
+  Answerer(const Answerer&) = delete;
+  Answerer& operator=(const Answerer&) = delete;
+
+ private:
+  void Run() {
+    const ros::RosNode node = ros::MakeNode(participant_, "/", name_);
+    std::mutex mutex;
+    std::condition_variable wake;
+    bool arrived = false;
+    ros::RosReader<ros::Header> ticks(node, "/world/tick", ros::Latched(), ros::Part::kOnlyReader, [&] {
+      const std::lock_guard lock(mutex);
+      arrived = true;
+      wake.notify_one();
+    });
+    ros::RosWriter<ros::Header> answers(node, "/world/tick_done", ros::Stream(10));
+    participant_.Announce();
+    std::optional<ros::Time> stamp;
+    while (!stop_) {
+      {
+        std::unique_lock lock(mutex);
+        wake.wait_for(lock, std::chrono::milliseconds(100), [&] { return std::exchange(arrived, false); });
+      }
+      ticks.Drain([&](const ros::Header& tick) { stamp = tick.stamp; });
+      if (!stamp || !answers.wanted()) continue;
+      dds::WireArena arena;
+      ros::Header header{};
+      header.stamp = *stamp;
+      header.frame_id = arena.Copy(name_);
+      answers.Write(header);
+      stamp.reset();
+    }
+  }
+
+  const std::string name_;
+  ros::RosParticipant participant_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+// The figures of docs/ros2-lockstep.md.
+TEST_F(RosLockstepTest, DISABLED_TicksPerSecond) {
+  for (const int count : {0, 1, 10, 50}) {
+    std::vector<std::unique_ptr<Answerer>> nodes;
+    std::string names;
+    for (int i = 0; i < count; ++i) {
+      nodes.push_back(std::make_unique<Answerer>("node" + std::to_string(i)));
+      names += (i == 0 ? "node" : ",node") + std::to_string(i);
+    }
+    std::vector<std::string> more = Words("--ticks 1000000 --speed max");
+    if (count > 0) more = more + std::vector<std::string>{"--ros-lockstep", names};
+    Program run = RunPen(Arguments("", more));
+    ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick > 20; }, 120.0));
+    const Tick from = Call(ControlCommand::kStatus).tick;
+    const auto began = std::chrono::steady_clock::now();
+    std::this_thread::sleep_for(std::chrono::seconds(5));
+    const Tick to = Call(ControlCommand::kStatus).tick;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    std::printf("%d nodes: %.0f ticks per second\n", count, static_cast<double>(to - from) / seconds);
+    run.Interrupt();
+  }
+}
+
+TEST_F(RosLockstepTest, RefusesWhatCannotWait) {
+  EXPECT_THAT(OutputOf(RunPen({"--ros-lockstep", "driver"}), 2), HasSubstr("found a run without ROS, expected --ros"));
+  EXPECT_THAT(OutputOf(RunPen(RosArguments(Words("--ros-lockstep driver --mode realtime"))), 2),
+              HasSubstr("in mode realtime"));
+  EXPECT_THAT(OutputOf(RunPen(RosArguments(Words("--ros-lockstep driver --ros-clock-rate 100"))), 2),
+              HasSubstr("--ros-clock-rate: found times between ticks"));
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,345 @@
+#include "world-service/observers/ros/ros_lockstep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <map>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "ros/connection/ros_network.h"
+#include "ros/connection/topic_types.h"
+#include "ros/messages/names.h"
+#include "transport/dds/binding/wire.h"
+
+namespace troupe {
+namespace {
+
+constexpr const char* kTickTopic = "/world/tick";
+constexpr const char* kDoneTopic = "/world/tick_done";
+constexpr std::int32_t kAnswerDepth = 1000;  // of many nodes
+constexpr std::int64_t kNsPerSecond = 1'000'000'000;
+
+// Wall times, s.
+constexpr double kFirstAnswers = 5.0;   // until a notice of those that have never answered
+constexpr double kLongestArming = 1.0;  // of a program that does not answer
+constexpr auto kLongestSilence = std::chrono::milliseconds(500);
+
+double SecondsSince(std::chrono::steady_clock::time_point time) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - time).count();
+}
+
+// "/scan" for "rt/scan"; empty for what nodes wait for in no case.
+std::string TopicOf(const std::string& on_dds) {
+  if (!on_dds.starts_with("rt/")) return {};
+  const std::string topic = on_dds.substr(2);
+  if (topic == "/clock" || topic == "/rosout" || topic == "/parameter_events" || topic == kTickTopic) return {};
+  return topic;
+}
+
+}  // namespace
+
+// One ROS domain.
+struct RosLockstepWait::Channel {
+  Channel(std::uint32_t domain_of_channel, std::unique_ptr<ros::HostConnection> own_connection,
+          ros::HostConnection& used)
+      : domain(domain_of_channel),
+        own(std::move(own_connection)),
+        connection(used),
+        ticks({&used, ros::kNoNode, "/"}, kTickTopic, ros::Latched()) {}
+
+  const std::uint32_t domain;
+  const std::unique_ptr<ros::HostConnection> own;  // null: that of the run
+  ros::HostConnection& connection;
+  ros::RosWriter<ros::Header> ticks;
+  std::optional<ros::RosReader<ros::Header>> answers;  // it tells of arrivals
+  std::vector<Awaited> awaited;
+  bool is_announced = false;  // the shown tick
+};
+
+RosLockstepWait::RosLockstepWait(ros::HostConnection& of_run, const ros::RosOptions& options,
+                                 std::shared_ptr<const Scene> scene, RunId run, WorldControl& control, Hooks hooks)
+    : of_run_(of_run),
+      options_(options),
+      run_(run),
+      period_(options.lockstep.period.value_or(1)),
+      limit_(options.lockstep.limit_seconds.value_or(RosLockstep::kDefaultLimitSeconds)),
+      ends_at_limit_(options.lockstep.ends_at_limit.value_or(true)),
+      control_(control),
+      hooks_(std::move(hooks)),
+      reports_(hooks_.report),
+      scene_(std::move(scene)),
+      thread_([this] { Run(); }) {}
+
+RosLockstepWait::~RosLockstepWait() {
+  {
+    const std::lock_guard lock(signal_mutex_);
+    stop_ = true;
+    signal_.notify_one();
+  }
+  thread_.join();
+  of_run_.WatchTopics({});
+}
+
+void RosLockstepWait::OnWorldChange(std::shared_ptr<const Scene> scene) {
+  {
+    const std::lock_guard lock(mutex_);
+    scene_ = std::move(scene);
+    follow_ = true;
+  }
+  const std::lock_guard lock(signal_mutex_);
+  is_signalled_ = true;
+  signal_.notify_one();
+}
+
+std::string RosLockstepWait::TextOf(Edition edition, Tick tick) const {
+  return fmt::format("{:016x} {} {}", run_, edition, tick);
+}
+
+// A message counts for a tick from before the agents see its frame on.
+void RosLockstepWait::OnCommit(const FrameMessage& frame) {
+  const std::lock_guard lock(mutex_);
+  is_shown_ = false;
+  if (frame.paused && ShowsTick(frame.state.tick)) Arm(TextOf(frame.edition, frame.state.tick));
+}
+
+void RosLockstepWait::OnShown(const FrameMessage& frame) {
+  if (!ShowsTick(frame.state.tick)) return;
+  const std::lock_guard lock(mutex_);
+  edition_ = frame.edition;
+  tick_ = frame.state.tick;
+  interval_ns_ = scene_->world().interval_ns;
+  shown_at_ = Clock::now();
+  is_shown_ = true;
+  Arm(TextOf(edition_, tick_));  // of a run that is continued
+  for (const auto& channel : channels_) {
+    channel->is_announced = false;
+    for (Awaited& awaited : channel->awaited) awaited.done = false;
+    channel->connection.Collect();
+  }
+}
+
+void RosLockstepWait::Arm(const std::string& text) {
+  if (armed_ == text) return;
+  armed_ = text;
+  armed_at_ = Clock::now();
+  for (const auto& channel : channels_) channel->connection.Arm(text);
+}
+
+bool RosLockstepWait::IsPrepared() {
+  const std::lock_guard lock(mutex_);
+  if (armed_.empty() || SecondsSince(armed_at_) > kLongestArming) return true;
+  return std::all_of(channels_.begin(), channels_.end(),
+                     [this](const auto& channel) { return channel->connection.watched().armed == armed_; });
+}
+
+Result<TickRelease> RosLockstepWait::Release() {
+  const std::lock_guard lock(mutex_);
+  TickRelease release;
+  if (!is_shown_) return release;
+  const double waited = SecondsSince(shown_at_);
+  bool is_told = !follow_;
+  for (const auto& channel : channels_) {
+    is_told = is_told && channel->is_announced;
+    for (Awaited& awaited : channel->awaited) {
+      if (awaited.done || awaited.is_dropped) continue;
+      if (limit_ > 0.0 && awaited.was_seen && waited > limit_) {
+        if (Status end = DropAtLimit(awaited, waited); !end.ok()) return end.error();
+        continue;
+      }
+      release.awaited.push_back(awaited.name);
+    }
+  }
+  if (!is_told && release.awaited.empty()) release.awaited.emplace_back("ROS");
+  release.is_released = release.awaited.empty();
+  if (release.is_released) {
+    is_shown_ = false;
+    told_first_ = true;
+    Arm(TextOf(edition_, (tick_ / period_ + 1) * period_));
+  } else if (is_told && waited > kFirstAnswers && !std::exchange(told_first_, true)) {
+    reports_.Add(fmt::format("tick {} waits for {}; docs/ros2-lockstep.md", tick_, fmt::join(release.awaited, ", ")));
+  }
+  return release;
+}
+
+Status RosLockstepWait::DropAtLimit(Awaited& awaited, double waited) {
+  if (ends_at_limit_) {
+    return Failure(
+        fmt::format("tick {} has waited {:.1f} s for {} of ROS (--ros-lockstep-limit)", tick_, waited, awaited.name));
+  }
+  awaited.is_dropped = true;
+  awaited.waited_seconds += waited;
+  reports_.Add(fmt::format("tick {} continues after {:.1f} s without {}, until that is heard of again", tick_, waited,
+                           awaited.name));
+  return {};
+}
+
+std::vector<SlowRobot> RosLockstepWait::SlowestAwaited() {
+  const std::lock_guard lock(mutex_);
+  std::vector<SlowRobot> slowest;
+  for (const auto& channel : channels_) {
+    for (const Awaited& awaited : channel->awaited) {
+      slowest.push_back({awaited.name, awaited.times_last, awaited.waited_seconds});
+    }
+  }
+  std::stable_sort(slowest.begin(), slowest.end(),
+                   [](const SlowRobot& a, const SlowRobot& b) { return a.waited_seconds > b.waited_seconds; });
+  return slowest;
+}
+
+void RosLockstepWait::Run() {
+  std::unique_lock signal_lock(signal_mutex_);
+  while (!stop_) {
+    signal_.wait_for(signal_lock, kLongestSilence, [this] { return stop_ || is_signalled_; });
+    if (stop_) break;
+    is_signalled_ = false;
+    signal_lock.unlock();
+    bool wakes = false;
+    try {
+      const std::lock_guard lock(mutex_);
+      if (std::exchange(follow_, false)) Follow(*scene_);
+      wakes = Advance();
+    } catch (const std::exception& exception) {  // of DDS, as without memory
+      reports_.Add(exception.what());
+    }
+    if (wakes) control_.Wake();
+    signal_lock.lock();
+  }
+  signal_lock.unlock();
+  const std::lock_guard lock(mutex_);
+  channels_.clear();
+}
+
+void RosLockstepWait::Follow(const Scene& scene) {
+  const auto robots = ros::FindRobotsInRos(scene.world(), options_.network.domain, options_.names);
+  std::vector<std::unique_ptr<Channel>> before = std::exchange(channels_, {});
+  const auto channel_of = [&](std::uint32_t domain) -> Channel& {
+    for (const auto& channel : channels_) {
+      if (channel->domain == domain) return *channel;
+    }
+    const auto kept = std::find_if(before.begin(), before.end(),
+                                   [domain](const auto& channel) { return channel && channel->domain == domain; });
+    if (kept != before.end()) {
+      channels_.push_back(std::move(*kept));
+      return *channels_.back();
+    }
+    std::unique_ptr<ros::HostConnection> own;
+    if (domain != options_.network.domain) {
+      own = std::make_unique<ros::HostConnection>(options_.network.distribution, options_.socket, domain,
+                                                  ros::HostConnection::Sending::kAtOnce);
+    }
+    ros::HostConnection& used = own ? *own : of_run_;
+    const auto notify = [this] {
+      const std::lock_guard lock(signal_mutex_);
+      is_signalled_ = true;
+      signal_.notify_one();
+    };
+    used.WatchTopics(notify);
+    channels_.push_back(std::make_unique<Channel>(domain, std::move(own), used));
+    channels_.back()->answers.emplace(ros::RosNode{&used, ros::kNoNode, "/"}, kDoneTopic, ros::Stream(kAnswerDepth),
+                                      ros::Part::kOnlyReader, notify);
+    return *channels_.back();
+  };
+  std::set<std::pair<std::uint32_t, std::string>> wanted;  // domain and name
+  const auto want = [&](std::uint32_t domain, const std::string& name) { wanted.emplace(domain, name); };
+  const auto want_of = [&](const auto& robot, const std::string& name) {
+    const std::string space = robot.node_namespace == "/" ? "" : robot.node_namespace;
+    want(robot.domain, name.starts_with("~/") ? space + name.substr(1) : name);
+  };
+  for (const RosLockstepName& name : options_.lockstep.names) {
+    if (name.robot.empty() && !name.name.starts_with("~/")) want(options_.network.domain, name.name);
+    for (const auto& [id, robot] : robots) {
+      const bool is_of_robot =
+          name.robot.empty() ? name.name.starts_with("~/") : scene.world().robot(id).name == name.robot;
+      if (is_of_robot) want_of(robot, name.name);
+    }
+  }
+  for (const auto& [domain, name] : wanted) {
+    Channel& channel = channel_of(domain);
+    const auto is_same = [&name = name](const Awaited& awaited) { return awaited.name == name; };
+    if (std::any_of(channel.awaited.begin(), channel.awaited.end(), is_same)) continue;
+    Awaited awaited{.name = name, .is_topic = name.starts_with("/")};
+    if (awaited.is_topic) awaited.watch = channel.connection.Watch("rt" + name);
+    channel.awaited.push_back(std::move(awaited));
+  }
+  for (const auto& channel : channels_) {
+    std::erase_if(channel->awaited, [&](const Awaited& awaited) {
+      if (wanted.contains({channel->domain, awaited.name})) return false;
+      if (awaited.is_topic) channel->connection.Unwatch(awaited.watch);
+      return true;
+    });
+    channel->connection.Announce();
+    if (!armed_.empty()) channel->connection.Arm(armed_);
+    if (is_shown_ && !channel->is_announced) channel->connection.Collect();
+  }
+}
+
+bool RosLockstepWait::Advance() {
+  bool wakes = is_shown_;  // also for the limit
+  for (const auto& channel : channels_) {
+    const ros::HostConnection::Watched watched = channel->connection.watched();
+    wakes = wakes || watched.armed == armed_;
+    if (is_shown_ && !channel->is_announced && watched.collected) Announce(*channel, *watched.collected);
+    for (Awaited& awaited : channel->awaited) {
+      if (awaited.is_topic && watched.armed == armed_ && watched.arrived.contains(awaited.watch)) Note(awaited);
+    }
+    ReadAnswers(*channel);
+  }
+  return wakes;
+}
+
+void RosLockstepWait::Announce(Channel& channel, const std::string& topics) {
+  channel.is_announced = true;
+  if (channel.domain == options_.network.domain) hooks_.show_clock(tick_, interval_ns_);
+  std::map<std::string, std::uint64_t> counts;  // of an edited tick there may be two lists
+  std::istringstream lines(topics);
+  std::string on_dds;
+  for (std::uint64_t count = 0; lines >> on_dds >> count;) {
+    if (const std::string topic = TopicOf(on_dds); !topic.empty()) counts[topic] += count;
+  }
+  std::string names;
+  for (const auto& [topic, count] : counts) names += fmt::format("{}{}:{}", names.empty() ? "" : " ", topic, count);
+  dds::WireArena arena;
+  const std::int64_t ns = static_cast<std::int64_t>(tick_) * interval_ns_;
+  ros::Header header{};
+  header.stamp = {static_cast<std::int32_t>(ns / kNsPerSecond), static_cast<std::uint32_t>(ns % kNsPerSecond)};
+  header.frame_id = arena.Copy(names);
+  channel.ticks.Write(header);
+}
+
+void RosLockstepWait::ReadAnswers(Channel& channel) {
+  const std::int64_t shown_ns = static_cast<std::int64_t>(tick_) * interval_ns_;
+  channel.answers->Drain([&](const ros::Header& answer) {
+    const std::string name = PlainLine(dds::Text(answer.frame_id), 200);
+    const auto found = std::find_if(channel.awaited.begin(), channel.awaited.end(),
+                                    [&](const Awaited& awaited) { return !awaited.is_topic && awaited.name == name; });
+    if (found == channel.awaited.end()) {
+      return reports_.Add(fmt::format("{}: ignored the answer of '{}', for which no tick waits", kDoneTopic, name));
+    }
+    const std::int64_t ns = std::int64_t{answer.stamp.sec} * kNsPerSecond + answer.stamp.nanosec;
+    found->was_seen = true;
+    if (std::exchange(found->is_dropped, false)) reports_.Add(fmt::format("ticks wait for {} again", name));
+    if (ns == shown_ns) {
+      if (channel.is_announced) Note(*found);  // else to the frame before an edit
+      return;
+    }
+    reports_.Add(fmt::format("{}: ignored the answer of '{}' to {}.{:09} s, which is not the awaited tick", kDoneTopic,
+                             name, answer.stamp.sec, answer.stamp.nanosec));
+  });
+}
+
+void RosLockstepWait::Note(Awaited& awaited) {
+  if (std::exchange(awaited.is_dropped, false)) reports_.Add(fmt::format("ticks wait for {} again", awaited.name));
+  awaited.was_seen = true;
+  if (!is_shown_ || std::exchange(awaited.done, true)) return;
+  awaited.waited_seconds += SecondsSince(shown_at_);
+  const bool is_last = std::all_of(channels_.begin(), channels_.end(), [](const auto& channel) {
+    return std::all_of(channel->awaited.begin(), channel->awaited.end(),
+                       [](const Awaited& other) { return other.done || other.is_dropped; });
+  });
+  if (is_last) ++awaited.times_last;
+}
+
+}  // namespace troupe
