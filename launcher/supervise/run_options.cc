@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "command_line/parse_command_line.h"
+#include "robot-agent/agent/agent_host.h"
 #include "ros/flags/ros_flags.h"
 #include "ros/link/host_program.h"
 #include "worldfile/scenario/scenario.h"
@@ -199,6 +200,11 @@ std::vector<std::string> AgentArguments(const RunOptions& options, const std::st
   std::vector<std::string> arguments = NetworkArguments(options);
   Append(arguments, "--service", service_address);
   Append(arguments, "--service-participant", options.network.service_participant);
+  // An agent that looks for the service must not give up before the service gives up the agent.
+  const double start_timeout = options.start_timeout_seconds;
+  if (start_timeout == 0.0 || start_timeout > AgentOptions().session_timeout_seconds) {
+    Append(arguments, "--session-timeout", fmt::format("{}", start_timeout));
+  }
   for (const std::string& robot : robots) Append(arguments, "--robot", robot);
   for (const std::string& library : libraries) Append(arguments, "--allow-controllers", library);
   // A robot that is spawned later may be the first with the controller of the command line.

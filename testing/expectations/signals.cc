@@ -240,11 +240,13 @@ void ReadAlive(const SignalUse& signal, const TickView& tick, SignalMemory& memo
   }
 }
 
-double ReadHeld(const TickView& tick, std::uint32_t robot, std::optional<std::size_t> object) {
+constexpr std::size_t kAnyObject = std::numeric_limits<std::size_t>::max();
+
+double ReadHeld(const TickView& tick, std::uint32_t robot, std::size_t object) {
   for (const GripperId gripper : tick.scene.grippers_of(RobotId(robot))) {
     const std::optional<ObjectId> clamped = tick.state.grippers[gripper.index()].clamped;
     if (!clamped || tick.state.objects[clamped->index()].holder != gripper) continue;
-    if (!object || clamped->index() == *object) return kInfinity;
+    if (object == kAnyObject || clamped->index() == object) return kInfinity;
   }
   return -kInfinity;
 }
@@ -335,8 +337,7 @@ void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& mem
       return for_each([&](std::uint32_t body) { return DepthIn(signal.region, PoseOf(state, body).translation()); });
     case SignalKind::kHolds:
       for (std::size_t i = 0; i < values.size(); ++i) {
-        const std::optional<std::size_t> held =
-            signal.others.empty() ? std::nullopt : std::optional<std::size_t>(signal.others[i] - state.robots.size());
+        const std::size_t held = signal.others.empty() ? kAnyObject : signal.others[i] - state.robots.size();
         values[i] = ReadHeld(tick, signal.subjects[i], held);
       }
       return;

@@ -138,6 +138,19 @@ TEST(RunOptions, ArePassedToTheServiceAndTheAgents) {
   EXPECT_THAT(agent, testing::Not(Contains(HasSubstr("--ros"))));
 }
 
+TEST(RunOptions, AgentsLookForTheServiceAsLongAsItWaitsForThem) {
+  const auto session_timeout = [](const std::string& start_timeout) {
+    const RunOptions options = Parse({"w.world", "--start-timeout", start_timeout}).options;
+    for (const std::string& word : AgentArguments(options, "127.0.0.1:7", {"r"}, {}, false)) {
+      if (word.starts_with("--session-timeout=")) return word;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(session_timeout("600"), "--session-timeout=600");
+  EXPECT_EQ(session_timeout("0"), "--session-timeout=0");
+  EXPECT_EQ(session_timeout("5"), "");  // an agent that was cut off has its 60 s all the same
+}
+
 TEST(RunOptions, AboutRosArePassedToTheServiceAndTheAgents) {
   RunOptions options =
       Parse(
