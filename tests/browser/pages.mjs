@@ -1,4 +1,5 @@
 // Pages in a headless Chromium with software rendering, and the problems that they report.
+import assert from 'node:assert/strict';
 import {existsSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {Program} from './programs.mjs';
@@ -53,6 +54,15 @@ export class Pages {
     page.setDefaultTimeout(120_000);  // ms: without a graphics card, beside other work
     await page.goto(url);
     return page;
+  }
+
+  // The serious findings of axe-core on the page, as texts. REQUIRES: it is among the packages.
+  async findings(page) {
+    await page.evaluate(this.loaded['axe-core'].source);
+    const {violations, passes} = await page.evaluate(() => window.axe.run());
+    assert.ok(passes.some(({id}) => id === 'color-contrast'), 'the rules were applied');
+    return violations.filter(({impact}) => impact === 'serious' || impact === 'critical')
+      .map(({id, nodes}) => `${id}: ${nodes.map(node => node.html.slice(0, 160)).join('\n  ')}`);
   }
 
   // Runs the tests one after the other, and ends the process: with 1 if one has failed. `path`: of a picture of a page
