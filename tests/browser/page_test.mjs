@@ -262,6 +262,11 @@ async function explainsWhatIsNotPossible() {
     await page.click(`#${id}`, {force: true});  // Playwright waits until it is enabled
     await page.locator('.toast.error:has-text("A recording cannot be changed")').last().waitFor();
   }
+  // Those of a gripper, too.
+  await page.evaluate(() => window.troupe.select('gino'));
+  await selected(page, 'gino');
+  await until('its gripper cannot be moved', () => page.$$eval('.gripper button', all =>
+    all.length === 4 && all.every(button => button.getAttribute('aria-disabled') === 'true')));
   assert.deepEqual(await pages.findings(page), []);
   await close(page, shown);
 }
