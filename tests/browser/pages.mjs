@@ -65,7 +65,8 @@ export class Pages {
       .map(({id, nodes}) => `${id}: ${nodes.map(node => node.html.slice(0, 160)).join('\n  ')}`);
   }
 
-  // Runs the tests one after the other, and ends the process: with 1 if one has failed. `path`: of a picture of a page
+  // Runs the tests one after the other, or those that the command line names after its three arguments, and ends the
+  // process: with 1 if one has failed. `path`: of a picture of a page
   // that a failed test leaves, by its name. `check`: looked at when all programs have ended.
   async runAll(tests, path, check) {
     let failed = false;
@@ -79,7 +80,9 @@ export class Pages {
         for (const program of Program.all) if (!program.ended) console.error(program.lines.join('\n'));
       }
     };
+    const chosen = process.argv.slice(5);
     for (const test of tests) {
+      if (chosen.length > 0 && !chosen.includes(test.name)) continue;
       this.mayComplain = false;
       await attempt(test.name, test);
       for (const [i, page] of this.browser.contexts().flatMap(context => context.pages()).entries()) {
