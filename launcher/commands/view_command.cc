@@ -22,6 +22,7 @@
 #include "launcher/commands/commands.h"
 #include "launcher/commands/recorded_states.h"
 #include "launcher/process/process.h"
+#include "launcher/supervise/run_again.h"
 #include "recording/recording.h"
 #include "recording/run_so_far.h"
 #include "transport/dds/tools/control_client.h"
@@ -46,14 +47,15 @@ struct ViewOptions {
   std::string listen;       // text for ParseListen; empty: the default
   std::optional<JournalFiles> journal;
   std::vector<std::string> run_command;  // for the page
+  bool runs_again = false;               // the launcher starts the run again when it is told to
   bool view_only = false;
 };
 
 // A run over DDS, as an observer and an operator of its session.
 class DdsRunLink : public RunLink {
  public:
-  DdsRunLink(const NetworkSettings& network, std::optional<JournalFiles> journal)
-      : network_(network), journal_(std::move(journal)), control_(network) {}
+  DdsRunLink(const NetworkSettings& network, std::optional<JournalFiles> journal, bool runs_again)
+      : network_(network), journal_(std::move(journal)), runs_again_(runs_again), control_(network) {}
 
   bool follows_always() const override { return !journal_; }
   // A run that has not begun has none.
@@ -69,6 +71,12 @@ class DdsRunLink : public RunLink {
     Result<std::unique_ptr<SessionObserver>> observer = ObserveSession(network_, handler);
     if (!observer.ok()) return observer.error();
     return std::unique_ptr<RunObservation>(std::make_unique<SessionObservation>(std::move(observer).value()));
+  }
+
+  bool can_run_again() const override { return runs_again_; }
+  void RunAgain(std::optional<std::uint64_t> seed) override {
+    fmt::print("{}\n", RunAgainLine(seed));
+    std::fflush(stdout);
   }
 
   bool has_recording() const override { return journal_.has_value(); }
@@ -95,6 +103,7 @@ class DdsRunLink : public RunLink {
 
   const NetworkSettings network_;
   const std::optional<JournalFiles> journal_;
+  const bool runs_again_;
   ControlClient control_;
 };
 
@@ -132,11 +141,15 @@ int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, Sig
 }
 
 int ServeRun(const ViewOptions& options, SignalWatch& signals) {
-  DdsRunLink link(options.network, options.journal);
+  DdsRunLink link(options.network, options.journal, options.runs_again);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
   gateway_options.session = options.network.session;
   gateway_options.token = TokenOf(options.network);
   gateway_options.command = options.run_command;
+  if (const std::optional<PageAddress> before = options.runs_again ? PageOfRunBefore() : std::nullopt) {
+    gateway_options.port = before->port;
+    gateway_options.token = before->token;
+  }
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, link), signals);
 }
 
@@ -212,6 +225,7 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
           },
           "")
       ->group("");
+  command->add_flag("--runs-again", options->runs_again, "")->group("");
   command->add_flag("--view-only", options->view_only, "Refuse requests that change the run");
   AddToolNetworkFlags(*command, options->network);
   command->final_callback([options, &exit_status] { exit_status = ViewCommand(*options); });

@@ -19,6 +19,7 @@
 #include "launcher/supervise/output_files.h"
 #include "launcher/supervise/reports.h"
 #include "launcher/supervise/restarts.h"
+#include "launcher/supervise/run_again.h"
 #include "launcher/supervise/run_ways.h"
 #include "launcher/supervise/service_process.h"
 #include "ros/link/host_program.h"
@@ -46,14 +47,6 @@ double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
-// The words of the command line of this process, as JSON.
-std::string OwnCommandLine() {
-  std::ifstream file("/proc/self/cmdline");
-  nlohmann::json words = nlohmann::json::array();
-  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
-  return words.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-}
-
 // `troupe view` as a process of its own, on the launcher's host.
 class ViewerProcess {
  public:
@@ -77,13 +70,16 @@ class ViewerProcess {
 Status ViewerProcess::Start(Host& host, const RunOptions& options, const std::string& service_address,
                             const RunKeys& keys, const std::vector<std::string>& journal) {
   const NetworkSettings& network = options.network;
-  std::vector<std::string> arguments = {"view",
-                                        network.session,
-                                        "--domain=" + std::to_string(network.domain),
-                                        "--interface=" + network.network_interface,
-                                        "--service=" + service_address,
-                                        "--security=" + keys.ForTools(),
-                                        "--run-command=" + OwnCommandLine()};
+  std::vector<std::string> arguments = {
+      "view",
+      network.session,
+      "--domain=" + std::to_string(network.domain),
+      "--interface=" + network.network_interface,
+      "--service=" + service_address,
+      "--security=" + keys.ForTools(),
+      "--run-command=" +
+          nlohmann::json(OwnCommandLine()).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)};
+  if (Progress::IsInteractive()) arguments.emplace_back("--runs-again");
   arguments.insert(arguments.end(), journal.begin(), journal.end());
   Result<std::unique_ptr<Child>> process = host.Start("troupe", arguments, false);
   if (!process.ok()) return process.error();
@@ -112,6 +108,8 @@ class DistributedRun {
       : options_(options), hosts_(options_), service_(options_, hosts_), agents_(options_, keys_) {}
 
   int Run(const ReportEnd& report);
+  // The run that its page has asked for at the end of Run.
+  const std::optional<NewRun>& again() const { return again_; }
 
  private:
   RunEnd Supervise();
@@ -122,6 +120,7 @@ class DistributedRun {
   Status StartRosProgram(const ReadyReport& ready);
   void AwaitProcesses();
   void StopViewer();
+  void AwaitStopOfViewer();
   // Waits for events, at most until kill_at_, and reacts to them.
   void ProcessEvents();
   void WaitForEvents();
@@ -135,6 +134,8 @@ class DistributedRun {
   void React(const EventReport& event) { progress_.TellEvent(event.tick, event.event, event.text); }
   void React(const RunSummary& summary) { summary_ = summary; }
   void PrintOutput();
+  // True for the request of the page to start the run again. Notes the address of the page, too.
+  bool NotePage(const std::string& line, const Host& host);
   // False for a line that does not report the failure of an output file.
   bool NoteOutputFailure(const std::string& line, const Host& host);
   void ReactToEnd(const AgentProcess& agent);
@@ -165,6 +166,8 @@ class DistributedRun {
   ServiceProcess service_;
   AgentFleet agents_;
   ViewerProcess viewer_;
+  std::string page_;  // address of the page; empty: none yet
+  std::optional<NewRun> again_;
   std::mutex ros_mutex_;                         // guards the lines
   std::vector<std::string> ros_lines_;           // about the program below, to be reported
   std::optional<ros::HostProgram> ros_program_;  // of this host
@@ -240,7 +243,7 @@ void DistributedRun::ProcessEvents() {
 void DistributedRun::PrintOutput() {
   for (const auto& host : hosts_.all()) {
     for (const std::string& line : host->ReadOutput()) {
-      if (NoteOutputFailure(line, *host)) continue;
+      if (NoteOutputFailure(line, *host) || NotePage(line, *host)) continue;
       // Before the start, one error represents those of all agents, which usually have the same cause.
       const bool error = line.starts_with("error: ") || line.find(": error: ") != std::string::npos;
       if (error && error_printed_ && !started_) continue;
@@ -250,6 +253,15 @@ void DistributedRun::PrintOutput() {
     if (hosts_.is_lost(*host)) continue;  // of an attempt to connect again
     if (const Status loss = host->PollLoss(); !loss.ok()) ReactToLoss(*host, loss.error());
   }
+}
+
+bool DistributedRun::NotePage(const std::string& line, const Host& host) {
+  if (!host.name().empty()) return false;
+  if (page_.empty() && line.starts_with(kPageLine)) page_ = line.substr(kPageLine.size());
+  if (!summary_ || page_.empty()) return false;
+  const std::optional<std::optional<std::uint64_t>> seed = ParseRunAgainLine(line);
+  if (seed) again_ = NewRun{*seed, page_};
+  return seed.has_value();
 }
 
 // The run goes on without its agents, as `on_agent_loss` says.
@@ -605,6 +617,11 @@ void DistributedRun::StopViewer() {
   PrintOutput();
 }
 
+void DistributedRun::AwaitStopOfViewer() {
+  progress_.Tell(kPageStaysOpen);
+  while (viewer_.running() && !again_ && !signals_.stop_requested()) ProcessEvents();
+}
+
 int DistributedRun::Run(const ReportEnd& report) {
   const RunEnd end = Supervise();
   const bool stays_open = viewer_.running() && StaysOpen(options_, end);
@@ -612,7 +629,7 @@ int DistributedRun::Run(const ReportEnd& report) {
   progress_.End();
   const int exit_status = report(end);
   if (!stays_open) return exit_status;
-  AwaitStopOfViewer(signals_, progress_);
+  AwaitStopOfViewer();
   StopViewer();
   return exit_status;
 }
@@ -638,7 +655,14 @@ RunEnd DistributedRun::Supervise() {
 
 int RunDistributed(const RunOptions& options, const ReportEnd& report) {
   signal(SIGPIPE, SIG_IGN);  // a connection to a host may be lost during a write
-  return DistributedRun(options).Run(report);
+  std::optional<NewRun> again;
+  int exit_status = kExitDone;
+  {
+    DistributedRun run(options);
+    exit_status = run.Run(report);
+    again = run.again();
+  }
+  return again ? StartAgain(*again) : exit_status;
 }
 
 bool StaysOpen(const RunOptions& options, const RunEnd& end) {
@@ -646,7 +670,7 @@ bool StaysOpen(const RunOptions& options, const RunEnd& end) {
 }
 
 void AwaitStopOfViewer(SignalWatch& signals, Progress& progress) {
-  progress.Tell("the run has ended; its page stays open until Ctrl-C");
+  progress.Tell(kPageStaysOpen);
   pollfd waited = {signals.descriptor(), POLLIN, 0};
   while (!signals.ReadStopRequest()) poll(&waited, 1, -1);
   progress.OnStopRequest();

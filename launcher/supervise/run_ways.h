@@ -26,6 +26,7 @@ int RunInProcess(const RunOptions& options, const MakeViewer& make_viewer, const
 
 // Whether the viewer of a run that has ended in this way stays open until the user ends it.
 bool StaysOpen(const RunOptions& options, const RunEnd& end);
+inline constexpr const char* kPageStaysOpen = "the run has ended; its page stays open until Ctrl-C";
 // Tells the user, and waits for a request to stop.
 void AwaitStopOfViewer(SignalWatch& signals, Progress& progress);
 

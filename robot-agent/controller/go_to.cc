@@ -87,7 +87,7 @@ class GoToController final : public Controller {
       if (next_ == route_.size() && repeats_ && !goal_) next_ = 0;
       if (repeats_ && !goal_) break;  // all of them may be here
     }
-    if (next_ == route_.size()) return TurnToHeading(X_ER.heading);
+    if (next_ == route_.size()) return Arrive(X_ER);
     if (observation.time < back_off_until_) return BackOff();
     const Vec2 p_R = Transform2(X_ER).InverseTransform(route_[next_]);
     const bool is_last = next_ + 1 == route_.size() && (goal_ || !repeats_);
@@ -118,6 +118,16 @@ class GoToController final : public Controller {
     next_ = 0;
   }
 
+  // Says once that a user's goal is reached.
+  Command Arrive(const Pose& X_ER) {
+    Command command = TurnToHeading(X_ER.heading);
+    if (goal_ && announced_ != goal_ && !route_.empty() && command.twist == Twist()) {
+      command.say = fmt::format("reached the goal ({:.2f}, {:.2f})", route_.back().x(), route_.back().y());
+      announced_ = goal_;
+    }
+    return command;
+  }
+
   Command TurnToHeading(double present) const {
     Command command;
     if (!heading_ || drive_.type == DriveType::kCar) return command;
@@ -143,7 +153,8 @@ class GoToController final : public Controller {
   DriveDescription drive_;
   Recovery recovery_;
   bool repeats_;
-  std::optional<std::uint32_t> goal_;  // the user's, while there is one
+  std::optional<std::uint32_t> goal_;       // the user's, while there is one
+  std::optional<std::uint32_t> announced_;  // the last that was reached
   std::vector<Vec2> route_;
   std::optional<double> heading_;
   std::size_t next_ = 0;         // in route_

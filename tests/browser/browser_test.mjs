@@ -382,6 +382,8 @@ async function namesEventsByTheWorldInWhichTheyHappened() {
 async function knowsWhatHappenedBefore() {
   const ticks = 240;
   const run_ = run('history', ['--ticks', String(ticks), '--speed', '4', '--poses', path('history.csv')]);
+  const control = async command => assert.equal(
+    await new Program(troupe, ['ctl', command, '--domain', domain, '--session', `${session}-history`]).end, 0);
   const url = await run_.line('viewer: ');
   await until('half of the run has passed', () => {
     try {
@@ -390,9 +392,11 @@ async function knowsWhatHappenedBefore() {
       return false;
     }
   });
+  await control('pause');  // a page that opens slowly would miss the end
   const page = await open(`${url}#robot=anna&smooth=0&tab=events`);
   const first = await stateOf(page, 'the past begins with the run', state => state.first === 0 && state.last >= ticks / 2);
   assert.ok(first.tick >= ticks / 2);
+  await control('play');
   await stateOf(page, 'the run is over', state => state.over);
 
   // The end: a card with each robot, and the way that it has come.
@@ -419,6 +423,35 @@ async function knowsWhatHappenedBefore() {
   assert.ok(stalls.some(text => Number(text.split(' ')[0]) < ticks / 2), 'some were before the page');
   pages.mayComplain = true;
   await page.close();
+}
+
+// A run on a terminal, which its page starts again: with its seed, then with another one.
+async function startsTheRunAgain() {
+  const hashes = path('again.hashes');
+  const terminal = new Program('script', ['-qefc', [
+    'exec', 'env', 'NO_COLOR=1', troupe, 'run', scenario, '--domain', domain, '--session', `${session}-again`, '--ticks', '60',
+    '--speed', '20', '--seed', '7', '--hash-log', hashes,
+  ].join(' '), '/dev/null'], 'pipe');
+  const addresses = () => terminal.lines.flatMap(line => line.match(/viewer: (http\S+)/)?.[1] ?? []);
+  const url = await until('the address is printed', () => addresses()[0]);
+  const page = await open(url);
+  const card = page.locator('#end-card');
+  const lastHash = () => [...readHashes(hashes)].at(-1).join(' ');
+  await card.waitFor();
+  const runs = [lastHash()];
+  pages.mayComplain = true;  // the page connects again
+  for (const button of ['Run again', 'Another seed']) {
+    await card.locator('button', {hasText: button}).click();
+    await card.waitFor({state: 'hidden'});
+    await card.waitFor();
+    runs.push(lastHash());
+    assert.deepEqual(addresses(), Array(runs.length).fill(url), 'each run has the address of the page');
+  }
+  assert.equal(runs[1], runs[0], 'the same seed');
+  assert.notEqual(runs[2], runs[0], 'another seed');
+  await page.close();
+  terminal.child.stdin.write('\x03');
+  assert.equal(await terminal.end, 0);
 }
 
 async function plotsAndSeeks() {
@@ -471,10 +504,19 @@ async function plotsAndSeeks() {
   const canvas = await page.locator('.plot-canvas').first().boundingBox();
   await page.mouse.click(canvas.x + canvas.width - 9, canvas.y + 40);
   await stateOf(page, 'the page is at the end', state => state.tick >= ticks - 2);
+  // The card of the last state, with each robot.
+  await page.focus('#timeline');
+  await page.keyboard.press('End');
+  await stateOf(page, 'the page shows the last state', state => state.tick === ticks);
+  await page.locator('#end-card', {hasText: 'The end of the recording'}).locator('.end-robot').first().waitFor();
+  assert.equal(await page.locator('.end-robot').count(), poses.get(ticks).size);
+  await page.locator('#end-card button', {hasText: 'Look back'}).click();
+  await page.keyboard.press('Home');
+  assert.ok(await page.isHidden('#end-card'));
   pages.mayComplain = true;
   await page.close();
   assert.equal(await viewer.stop(), 0);
 }
 
 await pages.runAll([showsTheRunAsItIs, editsTheRun, drivesARobot, showsThePast, namesEventsByTheWorldInWhichTheyHappened,
-  knowsWhatHappenedBefore, plotsAndSeeks], path);
+  knowsWhatHappenedBefore, startsTheRunAgain, plotsAndSeeks], path);

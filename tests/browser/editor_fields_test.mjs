@@ -9,7 +9,7 @@ import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
 const [programs, source, files] = process.argv.slice(2);
-const pages = await Pages.launch('editor_fields_test', source);
+const pages = await Pages.launch('editor_fields_test', source, ['axe-core']);
 const troupe = `${programs}/troupe`;
 rmSync(files, {recursive: true, force: true});
 mkdirSync(files, {recursive: true});
@@ -285,4 +285,36 @@ async function fitsItsWindow() {
   await close(editor);
 }
 
-await pages.runAll([makesAWorldWithARobot, editsControllersOfAScenario, editsTheText, importsAPlan, fitsItsWindow], path);
+// The rules of axe-core, in each of its views and both themes.
+async function hasNoSeriousFindings() {
+  cpSync(`${source}/worlds`, files, {recursive: true});
+  const editor = await edit('office.world');
+  const {page} = editor;
+  const look = async what => {
+    for (const theme of ['light', 'dark']) {
+      await page.emulateMedia({colorScheme: theme});
+      assert.deepEqual(await pages.findings(page), [], `${what}, ${theme}`);
+      await page.screenshot({path: path(`rules-${what}-${theme}.png`)});
+    }
+  };
+  await page.locator('.entity').first().waitFor();
+  await look('world');
+  await page.click('.entity:has-text("table2")');
+  await page.locator('#file-panel-name:has-text("table2")').waitFor();
+  await page.click('#file-text');
+  await page.locator('#text-area .cm-content').waitFor();
+  await look('text');
+  await page.click('#file-text');
+  await page.click('.palette-line:has-text("scout with mast") .plain');
+  await page.locator('#model-editor').waitFor();
+  await look('model');
+  await page.click('#model-close');
+  await page.setInputFiles('#plan-file', `${source}/worlds/bitmaps/office.png`);
+  await page.locator('#plan-import').waitFor();
+  await look('plan');
+  await page.keyboard.press('Escape');
+  await close(editor);
+}
+
+await pages.runAll([makesAWorldWithARobot, editsControllersOfAScenario, editsTheText, importsAPlan, fitsItsWindow,
+  hasNoSeriousFindings], path);

@@ -2,14 +2,12 @@
 // alone, and a robot that is driven by touch.
 //   node page_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
-import {mkdirSync, readFileSync} from 'node:fs';
-import {createRequire} from 'node:module';
+import {mkdirSync} from 'node:fs';
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
 const [programs, source, files] = process.argv.slice(2);
 const pages = await Pages.launch('page_test', source, ['axe-core']);
-const axe = readFileSync(createRequire(`${source}/viewer/web/package.json`).resolve('axe-core/axe.min.js'), 'utf8');
 const troupe = `${programs}/troupe`;
 const domain = String(161 + (process.pid % 19));
 mkdirSync(files, {recursive: true});
@@ -38,15 +36,6 @@ const robotOf = (page, name) => page.evaluate(
 const stateOf = page => page.evaluate(() => window.troupe.state());
 const isOn = (page, id) => page.$eval(`#${id}`, button => button.getAttribute('aria-pressed') === 'true');
 const selected = (page, name) => until(`${name} is selected`, async () => (await page.textContent('#panel-name')) === name);
-
-// The serious findings of axe-core, as texts.
-async function findings(page) {
-  await page.evaluate(axe);
-  const {violations, passes} = await page.evaluate(() => window.axe.run());
-  assert.ok(passes.some(({id}) => id === 'color-contrast'), 'the rules were applied');
-  return violations.filter(({impact}) => impact === 'serious' || impact === 'critical')
-    .map(({id, nodes}) => `${id}: ${nodes.map(node => node.html.slice(0, 160)).join('\n  ')}`);
-}
 
 // What is wrong with the place or the size of visible controls and texts. `least`: px that a finger needs, 0: a mouse.
 const layoutProblems = (page, least) => page.evaluate(smallest => {
@@ -110,7 +99,7 @@ async function fitsWindowsOfAllSizes() {
     for (const theme of ['light', 'dark']) {
       await page.emulateMedia({colorScheme: theme});
       assert.deepEqual(await layoutProblems(page, phone ? 44 : 0), [], `at ${width} x ${height}, ${theme}`);
-      assert.deepEqual(await findings(page), [], `at ${width} x ${height}, ${theme}`);
+      assert.deepEqual(await pages.findings(page), [], `at ${width} x ${height}, ${theme}`);
       await page.screenshot({path: path(`${width}x${height}-${theme}.png`)});
     }
     // The picture fills the place that bars and columns leave, and a selected robot comes to its middle.
@@ -119,7 +108,7 @@ async function fitsWindowsOfAllSizes() {
     assert.ok(Math.abs(canvas.width - scene.width) < 1 && Math.abs(canvas.height - scene.height) < 1);
     if (phone) assert.equal((await page.locator('#bottom').boundingBox()).height, 56);
     await page.click('#tab-events');
-    assert.deepEqual(await findings(page), [], `events at ${width} x ${height}`);
+    assert.deepEqual(await pages.findings(page), [], `events at ${width} x ${height}`);
     await page.click('#tab-state');
   }
   await close(page, shown);
@@ -273,7 +262,12 @@ async function explainsWhatIsNotPossible() {
     await page.click(`#${id}`, {force: true});  // Playwright waits until it is enabled
     await page.locator('.toast.error:has-text("A recording cannot be changed")').last().waitFor();
   }
-  assert.deepEqual(await findings(page), []);
+  // Those of a gripper, too.
+  await page.evaluate(() => window.troupe.select('gino'));
+  await selected(page, 'gino');
+  await until('its gripper cannot be moved', () => page.$$eval('.gripper button', all =>
+    all.length === 4 && all.every(button => button.getAttribute('aria-disabled') === 'true')));
+  assert.deepEqual(await pages.findings(page), []);
   await close(page, shown);
 }
 

@@ -1,4 +1,5 @@
 // Pages in a headless Chromium with software rendering, and the problems that they report.
+import assert from 'node:assert/strict';
 import {existsSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {Program} from './programs.mjs';
@@ -55,7 +56,17 @@ export class Pages {
     return page;
   }
 
-  // Runs the tests one after the other, and ends the process: with 1 if one has failed. `path`: of a picture of a page
+  // The serious findings of axe-core on the page, as texts. REQUIRES: it is among the packages.
+  async findings(page) {
+    await page.evaluate(this.loaded['axe-core'].source);
+    const {violations, passes} = await page.evaluate(() => window.axe.run());
+    assert.ok(passes.some(({id}) => id === 'color-contrast'), 'the rules were applied');
+    return violations.filter(({impact}) => impact === 'serious' || impact === 'critical')
+      .map(({id, nodes}) => `${id}: ${nodes.map(node => node.html.slice(0, 160)).join('\n  ')}`);
+  }
+
+  // Runs the tests one after the other, or those that the command line names after its three arguments, and ends the
+  // process: with 1 if one has failed. `path`: of a picture of a page
   // that a failed test leaves, by its name. `check`: looked at when all programs have ended.
   async runAll(tests, path, check) {
     let failed = false;
@@ -69,7 +80,9 @@ export class Pages {
         for (const program of Program.all) if (!program.ended) console.error(program.lines.join('\n'));
       }
     };
+    const chosen = process.argv.slice(5);
     for (const test of tests) {
+      if (chosen.length > 0 && !chosen.includes(test.name)) continue;
       this.mayComplain = false;
       await attempt(test.name, test);
       for (const [i, page] of this.browser.contexts().flatMap(context => context.pages()).entries()) {

@@ -18,9 +18,10 @@ export async function until(what, ask) {
 
 // A program of the project. Its lines are kept, and its end can be awaited.
 export class Program {
-  constructor(path, args) {
+  // `input`: 'pipe' for a program that is written to.
+  constructor(path, args, input = 'ignore') {
     this.lines = [];
-    this.child = spawn(path, args, {stdio: ['ignore', 'pipe', 'pipe']});
+    this.child = spawn(path, args, {stdio: [input, 'pipe', 'pipe']});
     for (const stream of [this.child.stdout, this.child.stderr]) {
       createInterface({input: stream}).on('line', line => this.lines.push(line));
     }

@@ -3,7 +3,8 @@
 //   "r0"
 //     the images of that robot's cameras are among them
 //   {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
-//   {"type": "control", "id": 8, "command": "spawn", "source": "scout", "controller": "wander", "pose": [x, y, z, heading]}:
+//   {"type": "control", "id": 8, "command": "spawn", "source": "scout", "controller": "wander", "pose": [x, y, z,
+//   heading]}:
 //     without a controller the robot has that of the model
 //   {"type": "control", "id": 8, "command": "speed", "speed": 2.5}, or "speed": "max"
 //   {"type": "control", "id": 9, "command": "rewind", "tick": 120}
@@ -17,6 +18,7 @@
 //   {"type": "series", "id": 11, "signals": [["r0", "x"], ...], "from": 0, "to": 500, "every": 1}: of signals
 //   (signals.h)
 //     between two positions; {"type": "totals", "id": 12}: of robots (past_reader.h)
+//   {"type": "run_again", "id": 13, "seed": 5}: starts a run that is over again; without a seed with its own
 //   {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (edit_operation.h)
 // The commands are those of `troupe ctl`, but for those that name files.
 #pragma once
@@ -84,8 +86,14 @@ struct TotalsRequest {
   bool operator==(const TotalsRequest&) const = default;
 };
 
-using PageRequest =
-    std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest, PageEdit, SeriesRequest, TotalsRequest>;
+struct RunAgainRequest {
+  std::uint64_t id = 0;  // repeated in the reply
+  std::optional<std::uint64_t> seed = {};
+  bool operator==(const RunAgainRequest&) const = default;
+};
+
+using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest, PageEdit, SeriesRequest,
+                                 TotalsRequest, RunAgainRequest>;
 
 // The error is of the page, or of a stranger: it is not a request. `longest`: bytes of an edit; others are shorter.
 Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest = kLongestPageRequest);

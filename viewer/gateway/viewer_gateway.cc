@@ -188,6 +188,7 @@ class Viewers final : public WebHandler {
   void Ask(WebLoop& loop, ViewerId id, std::uint64_t number, Question question);
   std::size_t LongestRequest() const { return options_.editor ? kLongestEditRequest : kLongestPageRequest; }
   void NameSession();
+  bool RunsAgain() const { return link_ != nullptr && link_->can_run_again() && run_.content.last; }
   bool SavesRecording() const { return link_ != nullptr && link_->has_recording() && run_.content.last; }
   void Execute(WebLoop& loop, ViewerId id, PageRequest request);
   void Seek(ViewerId id, std::uint64_t position);
@@ -195,6 +196,7 @@ class Viewers final : public WebHandler {
   // Why the request is refused; empty: it is not.
   std::string Refusal(const PageControl& control) const;
   std::string Refusal(const PageEdit& edit) const;
+  std::string RefusalToRunAgain() const;
 
   const ViewerGatewayOptions& options_;
   RunLink* const link_;  // null: a recording is shown
@@ -265,6 +267,12 @@ void Viewers::Execute(WebLoop& loop, ViewerId id, PageRequest request) {
     Ask(loop, id, series->id, std::move(*series));
   } else if (auto* const totals = std::get_if<TotalsRequest>(&request)) {
     Ask(loop, id, totals->id, *totals);
+  } else if (auto* const again = std::get_if<RunAgainRequest>(&request)) {
+    const std::string refusal = RefusalToRunAgain();
+    if (refusal.empty()) link_->RunAgain(again->seed);
+    Answer(
+        loop, id,
+        ReplyToEdit(again->id, refusal.empty() ? Result<nlohmann::json>(nlohmann::json::object()) : Failure(refusal)));
   } else if (auto* const edit = std::get_if<PageEdit>(&request)) {
     const std::uint64_t number = edit->id;
     std::string refusal = Refusal(*edit);
@@ -290,6 +298,11 @@ std::string Viewers::Refusal(const PageEdit& edit) const {
   const bool may = !options_.view_only || (operation.ok() && IsQuestion(operation.value()));
   if (!may) return "this page only shows the file (--view-only)";
   return operation.ok() ? "" : operation.error().message;
+}
+
+std::string Viewers::RefusalToRunAgain() const {
+  if (options_.view_only) return "this viewer only shows the run (--view-only)";
+  return RunsAgain() ? "" : "the run can only be started again by its command";
 }
 
 PageReply Viewers::Executed(RunLink& link, const Change& change) {
@@ -416,6 +429,7 @@ void Viewers::NameSession() {
                                   {"recording", is_recording_},
                                   {"editor", options_.editor},
                                   {"command", options_.command},
+                                  {"runs_again", RunsAgain() && !options_.view_only},
                                   {"saves_recording", SavesRecording()},
                                   {"problem", follower_ ? follower_->problem() : std::string()}};
   std::string text = JsonText(session);

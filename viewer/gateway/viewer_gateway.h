@@ -45,6 +45,11 @@ class RunLink {
   virtual std::optional<std::string> ReadRecording() { return std::nullopt; }
   virtual bool has_recording() const { return false; }
 
+  // Whether RunAgain has an effect: the run is started again, once it is over, by the program that has started it. With
+  // its own seed, or another one. On the thread of the server.
+  virtual bool can_run_again() const { return false; }
+  virtual void RunAgain(std::optional<std::uint64_t> seed) { (void)seed; }
+
   // Sends a request to the run's service and waits for the reply. Called on one thread, another one than Observe.
   virtual Result<ControlReply> Ask(const ControlRequest& request) = 0;
 

@@ -1,4 +1,5 @@
 // go_to, patrol and follow, each with a robot that moves as its drive allows.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,6 +39,7 @@ class DrivingTest : public ::testing::Test {
       observation.pose_estimate = pose_;
       observation.goal = goal_ ? &*goal_ : nullptr;
       Command command = controller_->Update(observation);
+      if (!command.say.empty()) said_.push_back(command.say);
       if (robot_.drive.type == DriveType::kCar) {
         command.twist = CarTwist(command.speed, command.steering, robot_.drive.wheelbase);
       }
@@ -68,6 +70,7 @@ class DrivingTest : public ::testing::Test {
   Pose pose_;
   Twist twist_;
   std::optional<Goal> goal_;
+  std::vector<std::string> said_;
   Vec2 leader_{0.0, 0.0};
   Tick tick_ = 0;
 };
@@ -112,6 +115,18 @@ TEST_F(DrivingTest, AGoalOfAUserComesFirstAndThenItsOwnRouteAgain) {
   EXPECT_TRUE(Drive(300, [&] { return StandsAt({-1.0, 2.0}, 0.1); }));
   goal_.reset();
   EXPECT_TRUE(Drive(300, [&] { return StandsAt({1.0, 0.0}, 0.1); }));
+}
+
+TEST_F(DrivingTest, SaysOnceThatAGoalOfAUserIsReached) {
+  Make("go_to", R"({"waypoints": [[1, 0]]})");
+  EXPECT_TRUE(Drive(300, [&] { return StandsAt({1.0, 0.0}, 0.1); }));
+  EXPECT_TRUE(said_.empty());
+  goal_ = Goal{.number = 7, .waypoints = {{1.0, 1.0}, {0.0, 2.0}}, .heading = 0.0};
+  EXPECT_FALSE(Drive(300, [] { return false; }));
+  EXPECT_THAT(said_, testing::ElementsAre("reached the goal (0.00, 2.00)"));
+  goal_ = Goal{.number = 8, .waypoints = {{-1.0, 2.0}}};
+  EXPECT_FALSE(Drive(300, [] { return false; }));
+  EXPECT_THAT(said_, testing::ElementsAre(testing::_, "reached the goal (-1.00, 2.00)"));
 }
 
 TEST_F(DrivingTest, WithoutAGoalOrWaypointsItStands) {

@@ -16,6 +16,7 @@
 #include "launcher/driving/robot_remote.h"
 #include "launcher/hosts/host.h"
 #include "launcher/supervise/reports.h"
+#include "launcher/supervise/run_again.h"
 #include "tests/support/small_world.h"
 #include "tests/support/values.h"
 
@@ -23,8 +24,10 @@ namespace troupe {
 namespace {
 
 using testing::ContainsRegex;
+using testing::Eq;
 using testing::HasSubstr;
 using testing::Not;
+using testing::Optional;
 
 StatusMessage WaitingStatus() {
   return {.tick = 312,
@@ -35,6 +38,24 @@ StatusMessage WaitingStatus() {
           .agents = 99,
           .waiting_for = {"a", "b", "c", "d", "e", "f"},
           .waiting_seconds = 1.25};
+}
+
+TEST(RunAgain, HasItsLineItsSeedAndItsPage) {
+  EXPECT_THAT(ParseRunAgainLine(RunAgainLine(std::nullopt)), Optional(Eq(std::nullopt)));
+  EXPECT_THAT(ParseRunAgainLine(RunAgainLine(7)), Optional(Optional(7U)));
+  for (const char* line : {"", "run again soon", "run again with seed ", "run again with seed -1", "a: run again"}) {
+    EXPECT_FALSE(ParseRunAgainLine(line)) << line;
+  }
+  const std::vector<std::string> words = {"troupe", "run", "--seed", "4", "a.json", "--seed=5", "--ticks", "9"};
+  EXPECT_EQ(WithSeed(words, 7), (std::vector<std::string>{"troupe", "run", "a.json", "--ticks", "9", "--seed=7"}));
+  const std::optional<PageAddress> page = ParsePageAddress("http://127.0.0.1:8471/?token=ab12");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->port, 8471);
+  EXPECT_EQ(page->token, "ab12");
+  EXPECT_EQ(ParsePageAddress("http://127.0.0.1:8470/")->token, "");
+  for (const char* address : {"", "http://", "http://127.0.0.1/", "http://127.0.0.1:99999/", "http://a:b/"}) {
+    EXPECT_FALSE(ParsePageAddress(address)) << address;
+  }
 }
 
 TEST(StatusText, ShowsProgressSpeedAndTheAwaitedRobots) {

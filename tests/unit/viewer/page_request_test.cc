@@ -106,6 +106,13 @@ TEST(PageRequestTest, ReadsSelections) {
   EXPECT_TRUE(std::get<SelectRequest>(test::ValueOf(ParsePageRequest(R"({"type": "select", "robots": "all"})"))).all);
 }
 
+TEST(PageRequestTest, ReadsRequestsForANewRun) {
+  EXPECT_EQ(std::get<RunAgainRequest>(test::ValueOf(ParsePageRequest(R"({"type": "run_again", "id": 3})"))),
+            (RunAgainRequest{3, std::nullopt}));
+  EXPECT_EQ(std::get<RunAgainRequest>(test::ValueOf(ParsePageRequest(R"({"type": "run_again", "id": 3, "seed": 5})"))),
+            (RunAgainRequest{3, 5}));
+}
+
 TEST(PageRequestTest, RefusesEverythingElse) {
   std::string many = R"({"type": "select", "robots": [)";
   for (std::size_t i = 0; i <= kMostSelected; ++i) many += i == 0 ? "\"r\"" : ",\"r\"";
@@ -125,6 +132,9 @@ TEST(PageRequestTest, RefusesEverythingElse) {
       R"({"type": "select", "robots": "some"})",
       R"({"type": "select", "robots": [1]})",
       R"({"type": "other"})",
+      R"({"type": "run_again"})",
+      R"({"type": "run_again", "id": 1, "seed": -1})",
+      R"({"type": "run_again", "id": 1, "seed": "one"})",
       R"({"type": "control", "command": "pause"})",
       R"({"type": "control", "id": -1, "command": "pause"})",
       R"({"type": "control", "id": "1", "command": "pause"})",
@@ -156,6 +166,8 @@ TEST(PageRequestTest, RefusesEverythingElse) {
       R"({"type": "control", "id": 1, "command": "spawn", "source": "x.json", "pose": [0, 0, 0, 0]})",
       R"({"type": "control", "id": 1, "command": "spawn", "source": "x#y", "pose": [0, 0, 0, 0]})",
       R"({"type": "control", "id": 1, "command": "spawn", "source": "x", "controller": "/tmp/x.so", "pose": [0, 0, 0, 0]})",
+      R"({"type": "control", "id": 1, "command": "spawn", "source": "x", "controller": "p.py:P", "pose": [0, 0, 0, 0]})",
+      R"({"type": "control", "id": 1, "command": "spawn", "source": "x", "controller": "p.py", "pose": [0, 0, 0, 0]})",
   };
   for (const std::string& text : texts) EXPECT_FALSE(ParsePageRequest(text).ok()) << text.substr(0, 100);
 }

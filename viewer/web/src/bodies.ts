@@ -304,9 +304,10 @@ export class Bodies {
 
 // The names of robots, as elements over the picture.
 
-// px around a name that no other name may have: names of a crowd would only cover each other.
-const WIDTH = 62;
-const HEIGHT = 17;
+// px that a name covers: no other name may have them, names of a crowd would only cover each other.
+const LETTER = 7;
+const EDGES = 14;
+const HEIGHT = 21;
 
 export class Labels {
   visible = true;
@@ -326,7 +327,7 @@ export class Labels {
 
   place(run: Run | null, bodies: Bodies | null, camera: Camera, selected: Entity | null): void {
     const shown = new Set<number>();
-    const taken: Array<[number, number]> = [];
+    const taken: Array<[number, number, number]> = [];  // left, top, width
     if (run && bodies) {
       for (let i = 0; i < run.world.robots.length; ++i) {
         const robot = run.world.robots[i];
@@ -340,9 +341,10 @@ export class Labels {
         if (z > 1 || Math.abs(x) > 1 || Math.abs(y) > 1) continue;
         const left = ((x + 1) / 2) * this.width;
         const top = ((1 - y) / 2) * this.height;
-        const isFree = !taken.some(([a, b]) => Math.abs(a - left) < WIDTH && Math.abs(b - top) < HEIGHT);
+        const wide = EDGES + LETTER * robot.name.length;
+        const isFree = !taken.some(([a, b, c]) => Math.abs(a - left) < (wide + c) / 2 && Math.abs(b - top) < HEIGHT);
         if (!isFree && !isSelected) continue;
-        taken.push([left, top]);
+        taken.push([left, top, wide]);
         shown.add(i);
         const element = this.elementOf(i, robot.name);
         element.style.transform = `translate(${left}px, ${top}px) translate(-50%, -135%)`;

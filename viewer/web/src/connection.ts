@@ -9,6 +9,7 @@ export interface SessionInfo {
   editor: boolean;  // the page edits a file
   problem: string;
   command: string[];  // that started the run; empty: it is not known
+  runs_again: boolean;  // the run, which is over, can be started again from the page
   saves_recording: boolean;  // the page can save the recording of the run, which is over
 }
 
@@ -92,6 +93,11 @@ export class Connection {
 
   totals(): Promise<TotalsReply> {
     return this.ask({type: 'totals'}) as Promise<unknown> as Promise<TotalsReply>;
+  }
+
+  // `seed`: null: that of the run.
+  runAgain(seed: number | null): Promise<Reply> {
+    return this.ask({type: 'run_again', ...(seed === null ? {} : {seed})});
   }
 
   send(value: object): boolean {

@@ -52,8 +52,8 @@ export function labelOf(id: string): HTMLElement {
 
 // A button whose action is not possible now stays where it is, and says why when it is pressed. `refusal`: why not; '': it
 // is possible.
-export function allow(id: string, refusal: string): void {
-  const button = byId(id);
+export function allow(target: string | HTMLElement, refusal: string): void {
+  const button = typeof target === 'string' ? byId(target) : target;
   if (button.dataset.refusal === refusal) return;
   button.dataset.title ??= button.title;
   button.dataset.refusal = refusal;

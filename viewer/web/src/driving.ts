@@ -3,7 +3,7 @@
 // the page is gone, and its controller continues. A robot whose controller accepts no goals is driven to a point in a
 // straight line, and stands there until it is released.
 import type {Connection} from './connection';
-import {byId, labelOf, make, setOn, setText, toast} from './dom';
+import {allow, byId, labelOf, make, setOn, setText, toast} from './dom';
 import {nameOf, type Run} from './run';
 
 const PERIOD = 100;  // ms from one command to the next
@@ -175,6 +175,7 @@ function keyOf(event: KeyboardEvent): string {
 // The buttons of the selected robot's grippers.
 export class GripperButtons {
   private readonly box = byId('panel-grippers');
+  private buttons: HTMLElement[] = [];
   private shown = '';
   private viewOnly = false;
 
@@ -191,6 +192,7 @@ export class GripperButtons {
     if (key === this.shown) return;
     this.shown = key;
     const name = robot >= 0 ? nameOf(run.world, {kind: 'robot', index: robot}) : '';
+    this.buttons = [];
     this.box.replaceChildren(...grippers.map((gripper, number) => {
       const row = make('div', 'gripper');
       const send = (order: object): void => void this.send(name, {gripper: number, ...order});
@@ -198,6 +200,7 @@ export class GripperButtons {
         const element = make('button', 'small', text);
         element.onclick = () => send(order);
         row.append(element);
+        this.buttons.push(element);
       };
       row.append(make('span', 'faint', gripper.name));
       button('Open', {opening: 100});
@@ -208,6 +211,11 @@ export class GripperButtons {
       }
       return row;
     }));
+  }
+
+  // Why they cannot be used now; empty: they can.
+  refuse(refusal: string): void {
+    for (const button of this.buttons) allow(button, refusal);
   }
 
   private async send(name: string, order: object): Promise<void> {

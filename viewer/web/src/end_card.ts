@@ -1,5 +1,5 @@
-// EndCard: what a run came to, when it is over: what each robot has done, and ways to go on. The past stays reachable
-// behind it.
+// EndCard: what a run came to, when it or its recording is over: what each robot has done, and ways to go on. The past
+// stays reachable behind it.
 import {EventType} from '../generated/rows';
 import {robotColor} from './colors';
 import type {Connection, SessionInfo} from './connection';
@@ -36,7 +36,8 @@ function quoted(word: string): string {
 
 export class EndCard {
   private readonly card = make('section', 'popup');
-  private readonly title = make('h2', '', 'The run is over');
+  private readonly title = make('h2', '');
+  private readonly titleText = make('span', '');
   private readonly facts = make('p', 'faint');
   private readonly rows = make('div', 'scroll end-rows');
   private readonly actions = make('div', 'row');
@@ -49,11 +50,10 @@ export class EndCard {
     this.card.id = 'end-card';
     this.card.hidden = true;
     this.card.setAttribute('role', 'dialog');
-    this.card.setAttribute('aria-label', 'The run is over');
     const close = make('button', 'plain', '×');
     close.title = close.ariaLabel = 'Close';
     close.onclick = () => this.set(false);
-    this.title.append(close);
+    this.title.append(this.titleText, close);
     this.command.hidden = true;
     this.card.append(this.title, this.facts, this.rows, this.actions, this.command);
     document.body.append(this.card);
@@ -63,10 +63,11 @@ export class EndCard {
     return !this.card.hidden;
   }
 
-  // Opens at the end of a run, and when the page returns to it; a past state hides it.
+  // Opens at the end of a run or of a recording, and when the page returns to it; a state before hides it.
   show(run: Run): void {
     this.run = run;
-    if (!run.over || run.past) {
+    const isAtEnd = this.host.info()?.recording ? run.position === run.last && run.first < run.last : run.over && !run.past;
+    if (!isAtEnd) {
       this.shownFor = '';
       this.card.hidden = true;
       return;
@@ -79,6 +80,9 @@ export class EndCard {
   set(open: boolean): void {
     this.card.hidden = !open;
     if (!open || !this.run) return;
+    const text = this.host.info()?.recording ? 'The end of the recording' : 'The run is over';
+    setText(this.titleText, text);
+    this.card.setAttribute('aria-label', text);
     this.offer();
     void this.sum();
   }
@@ -93,6 +97,7 @@ export class EndCard {
   private offer(): void {
     const info = this.host.info();
     const words = info?.command ?? [];
+    const starts = info?.runs_again ? 'Starts it again' : 'The command that starts it again';
     const replay = this.button('Replay', 'Play the run again from its start, as it was', () => {
       this.set(false);
       this.host.replay();
@@ -101,8 +106,8 @@ export class EndCard {
     const buttons = [replay, this.button('Look back', 'Close this, and drag the timeline', () => this.set(false))];
     if (words.length > 0) {
       buttons.push(
-        this.button('Run again', 'The command that runs it again', () => this.tell(words)),
-        this.button('Another seed', 'The command that runs it with another seed', () => this.tell(this.withOtherSeed(words))));
+        this.button('Run again', starts, () => void this.runAgain(words, null)),
+        this.button('Another seed', `${starts} with another seed`, () => void this.runAgain(words, Math.floor(1 + 1e6 * Math.random()))));
     }
     if (info?.saves_recording) {
       buttons.push(this.button('Save the recording', 'A file for troupe view, troupe replay and troupe export', () => {
@@ -116,10 +121,15 @@ export class EndCard {
     this.command.hidden = true;
   }
 
-  private withOtherSeed(words: string[]): string[] {
-    const seed = String(Math.floor(1 + 1e6 * Math.random()));
-    const rest = words.filter((word, i) => !word.startsWith('--seed') && words[i - 1] !== '--seed');
-    return [...rest, '--seed', seed];
+  // `seed`: null: that of the run. The page connects to the new run by itself.
+  private async runAgain(words: string[], seed: number | null): Promise<void> {
+    const withSeed = seed === null ? words
+      : [...words.filter((word, i) => !word.startsWith('--seed') && words[i - 1] !== '--seed'), '--seed', String(seed)];
+    if (!this.host.info()?.runs_again) return this.tell(withSeed);
+    const reply = await this.connection.runAgain(seed);
+    if (!reply.done) return this.tell(withSeed);
+    toast(seed === null ? 'The run starts again' : `The run starts again, with seed ${seed}`);
+    this.set(false);
   }
 
   private tell(words: string[]): void {

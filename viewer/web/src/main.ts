@@ -293,6 +293,7 @@ class Viewer {
     for (const id of ['move', 'add', 'undo', 'redo', 'rename', 'delete']) allow(id, refusal);
     const robot = this.selectedRobot >= 0 ? '' : 'Objects cannot be driven: select a robot.';
     for (const id of ['drive', 'send']) allow(id, refusal || robot);
+    this.grippers.refuse(refusal);
     allow('follow', this.selected ? '' : 'Select the robot or the object to follow.');
   }
 

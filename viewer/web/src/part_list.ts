@@ -75,7 +75,9 @@ export class PartList {
     byId('model-parts').replaceChildren(
       ...(report ? report.parts.map(part => this.row(part, [part.index]))
                  : [make('div', 'faint', 'Apply the model first, then add sensors, joints and grippers.')]));
-    byId('model-parts').querySelector('.part.selected')?.scrollIntoView({block: 'nearest'});
+    const shown = byId('model-parts').querySelector<HTMLElement>('.part.selected');
+    const isTall = shown !== null && shown.offsetHeight > byId('model-parts').parentElement!.clientHeight;
+    shown?.scrollIntoView({block: isTall ? 'start' : 'nearest'});
   }
 
   // The outline of a new part is drawn.

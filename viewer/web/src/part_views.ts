@@ -257,7 +257,10 @@ export class PartViews {
       const highest = Math.max(...bodies.map(({z}) => z[1]));
       lines.push(`z ${number(lowest)} to ${number(highest)} m`);
     }
+    const wide = Math.max(...lines.map(text => sheet.context.measureText(text).width));
+    sheet.context.fillStyle = color('--ground');
+    sheet.context.fillRect(4, 3, wide + 8, 15 * lines.length + 5);
     sheet.context.fillStyle = color('--text');
-    lines.forEach((text, i) => sheet.context.fillText(text, 8, 16 + 14 * i));
+    lines.forEach((text, i) => sheet.context.fillText(text, 8, 16 + 15 * i));
   }
 }

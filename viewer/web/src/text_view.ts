@@ -40,7 +40,7 @@ const colors = HighlightStyle.define([
   {tag: tags.string, color: 'var(--code-text)'},
   {tag: [tags.number, tags.bool, tags.null], color: 'var(--code-number)'},
   {tag: tags.keyword, color: 'var(--code-word)', fontWeight: '600'},
-  {tag: tags.typeName, color: 'var(--accent)', fontWeight: '600'},
+  {tag: tags.typeName, color: 'var(--code-type)', fontWeight: '600'},
   {tag: tags.propertyName, color: 'var(--text)'},
 ]);
 
@@ -55,6 +55,8 @@ const theme = EditorView.theme({
   '&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground': {
     backgroundColor: 'var(--accent-soft)',
   },
+  '.cm-selectionMatch, .cm-searchMatch': {backgroundColor: 'var(--accent-soft)'},
+  '.cm-searchMatch': {outline: '1px solid var(--accent)'},
   '.cm-errorLine': {backgroundColor: 'var(--code-error)'},
   '.cm-panels, .cm-tooltip': {backgroundColor: 'var(--menu)', color: 'var(--text)', border: '1px solid var(--line)'},
   '.cm-tooltip-autocomplete > ul > li[aria-selected]': {backgroundColor: 'var(--accent)', color: 'var(--on-accent)'},
@@ -98,7 +100,7 @@ export class TextView {
       highlightSelectionMatches(), search({top: true}), errorLine, theme, syntaxHighlighting(colors), ...this.language,
       autocompletion({override: [context => this.complete(context)]}),
       EditorState.readOnly.of(setting.readOnly),
-      EditorView.contentAttributes.of({'aria-label': 'Text of the file', 'spellcheck': 'false'}),
+      EditorView.contentAttributes.of({'aria-label': 'Text of the file', 'spellcheck': 'false', 'tabindex': '0'}),
       EditorView.updateListener.of(update => {
         if (update.docChanged) setting.changed();
       }),

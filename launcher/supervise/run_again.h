@@ -1,0 +1,44 @@
+// A run that is started again from its page: the viewer writes a line to the launcher, which replaces itself by a new
+// launcher with the same command line. The new viewer has the address of the one before, so that open pages connect to
+// it by themselves.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe {
+
+// The line with which a viewer tells the address of its page.
+inline constexpr std::string_view kPageLine = "viewer: ";
+
+// The line of a viewer whose page asks for the run again, with its own seed or another one.
+std::string RunAgainLine(std::optional<std::uint64_t> seed);
+// Nothing for any other line.
+std::optional<std::optional<std::uint64_t>> ParseRunAgainLine(std::string_view line);
+
+struct NewRun {
+  std::optional<std::uint64_t> seed;  // nothing: that of the run before
+  std::string page;                   // address of the page of the run before
+};
+
+// The words of the command line of this process.
+std::vector<std::string> OwnCommandLine();
+// The same command line with another seed.
+std::vector<std::string> WithSeed(const std::vector<std::string>& words, std::uint64_t seed);
+
+// Replaces this process by one with its command line. Returns, with an exit status, only if the system refuses.
+int StartAgain(const NewRun& run);
+
+struct PageAddress {
+  std::uint16_t port = 0;
+  std::string token;  // empty: none
+};
+// Of an address as ViewerGateway::Address has it.
+std::optional<PageAddress> ParsePageAddress(const std::string& address);
+// In a process of a run that was started again.
+std::optional<PageAddress> PageOfRunBefore();
+
+}  // namespace troupe
