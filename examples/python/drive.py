@@ -13,12 +13,10 @@ import troupe
 def main(world: str, picture: str) -> None:
     sim = troupe.Simulation(world, run_controllers=False)
     start = sim.poses
-    bearings = numpy.array([scan.pose.heading for scan in sim.read(0, "ranger").scans])  # of a ring of sonars
     for _ in range(300):
-        ranges = sim.ranges()  # (robots, rays), m
-        free = ranges.min(axis=1) > 0.6
-        turn = numpy.where((ranges * numpy.sin(bearings)).sum(axis=1) > 0, 0.8, -0.8)  # to the side with more room
-        sim.drive(numpy.column_stack([numpy.where(free, 0.4, 0.0), numpy.where(free, 0.0, turn)]))
+        ranges = sim.ranges()  # (robots, rays), m; of a ring of eight sonars, the first one ahead
+        free = ranges[:, [0, 1, 7]].min(axis=1) > 0.6
+        sim.drive(numpy.column_stack([numpy.where(free, 0.4, 0.0), numpy.where(free, 0.0, 0.8)]))
         sim.step()
     ways = numpy.hypot(*(sim.poses - start)[:, :2].T)
     print(f"{len(ways)} robots are {ways.mean():.2f} m from their starts on average; state {sim.state_hash:016x}")

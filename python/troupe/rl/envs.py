@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy
 
@@ -38,6 +38,7 @@ class Episodes:
         self._poses = numpy.zeros((*shape, 4))
         self._twists = numpy.zeros((*shape, 3))
         self._stalls = numpy.zeros(shape)
+        self._contacts = numpy.zeros(shape)
         self._ranges = numpy.zeros((*shape, sim.ranges(task.sensor).shape[1]))
         self._steps = numpy.zeros(count, int)
         self.seed(None)
@@ -49,15 +50,19 @@ class Episodes:
     def observation_size(self) -> int:
         return self._ranges.shape[2] + 3 + self.task.extra
 
-    def seed(self, seed: Optional[int]) -> None:
-        """Of the generators of all worlds; None: of the operating system's chance."""
-        self.generators = [numpy.random.default_rng(None if seed is None else [seed, i]) for i in range(len(self))]
+    def seed(self, seed: Union[None, int, Sequence[Optional[int]]]) -> None:
+        """Of the generators of all worlds: one each, or n for n, n + 1, ...; None: of the operating system's chance."""
+        seeds = [None if seed is None else seed + i for i in range(len(self))] if not isinstance(seed, Sequence) else seed
+        if len(seeds) != len(self):
+            raise ValueError(f"seed: found {len(seeds)} seeds, expected {len(self)}")
+        self.generators = [numpy.random.default_rng(each) for each in seeds]
 
     def begin(self, which: numpy.ndarray) -> None:
         """New episodes in the worlds of a mask."""
         numbers = numpy.nonzero(which)[0]
         self.worlds.reset(numbers, [self._starts[self.generators[i].integers(len(self._starts))] for i in numbers])
         self._steps[which] = 0
+        self._contacts[which] = 0.0
         self.task.begin(which, self._start_poses, self.generators, self._look())
 
     def observe(self) -> numpy.ndarray:
@@ -77,6 +82,7 @@ class Episodes:
         self.worlds.step(self.task.ticks_per_step)
         self._steps += 1
         seen = self._look()
+        self._contacts[:] = numpy.where(self._stalls > 0, numpy.where(actions[..., 0] < 0, -1.0, 1.0), 0.85 * self._contacts)
         return self.task.reward(seen), self.task.ended(seen), self._steps >= self.task.max_steps
 
     def _look(self) -> Situation:
@@ -84,7 +90,7 @@ class Episodes:
         self.worlds.twists(out=self._twists)
         self.worlds.stalls(out=self._stalls)
         self.worlds.ranges(self.task.sensor, out=self._ranges)
-        return Situation(self._poses, self._twists, self._stalls, self._ranges, self._steps,
+        return Situation(self._poses, self._twists, self._stalls, self._contacts, self._ranges, self._steps,
                          self._interval * self.task.ticks_per_step)
 
 
@@ -217,7 +223,7 @@ class VectorEnv:
             self._done[which] = False
             self._over[which] = False
 
-    def reset(self, *, seed: Optional[int] = None, options: Optional[dict] = None) -> Tuple[numpy.ndarray, dict]:
+    def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None, options: Optional[dict] = None) -> Tuple[numpy.ndarray, dict]:
         which = numpy.ones(self.num_envs, bool)
         if options and "reset_mask" in options:
             which = numpy.asarray(options["reset_mask"], bool)
