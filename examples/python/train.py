@@ -56,7 +56,7 @@ def train(iterations: int, report=print):
     return weights, curve
 
 
-def main(iterations: str = "150", table: str = "", picture: str = "") -> None:
+def main(iterations: str = "120", table: str = "", picture: str = "") -> None:
     weights, curve = train(int(iterations), lambda line: print(line, flush=True))
     task = rl.Navigation()
     learned = rl.evaluate(task, lambda seen: act(weights, seen), episodes=32, seed=1000)
@@ -68,8 +68,12 @@ def main(iterations: str = "150", table: str = "", picture: str = "") -> None:
         try:
             from matplotlib import pyplot
         except ImportError:
-            return print("no picture: matplotlib is not installed")
-        pyplot.plot([row[0] for row in curve], [row[2] for row in curve])
+            return print("no picture: matplotlib is not installed (python3-matplotlib)")
+        times, _, rewards = numpy.array(curve).T
+        pyplot.plot(times, rewards, linewidth=0.6, alpha=0.5, label="one iteration: other starts and goals")
+        smooth = numpy.convolve(rewards, numpy.ones(15) / 15, "valid")
+        pyplot.plot(times[len(times) - len(smooth):], smooth, label="mean of the last 15")
+        pyplot.legend()
         pyplot.xlabel("time (s)")
         pyplot.ylabel("mean reward of an episode")
         pyplot.grid(alpha=0.3)

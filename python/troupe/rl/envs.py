@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import tempfile
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
@@ -11,6 +12,14 @@ import numpy
 from .._troupe import Simulation, VectorSimulation
 from .spaces import Box
 from .tasks import Situation, Task
+
+
+def _base(module: str, name: str) -> type:
+    """The class of the package, if that is installed: its wrappers accept instances of it alone."""
+    try:
+        return getattr(importlib.import_module(module), name)
+    except ImportError:
+        return object
 
 
 class Episodes:
@@ -94,7 +103,7 @@ class Episodes:
                          self._interval * self.task.ticks_per_step)
 
 
-class ParallelEnv:
+class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
     """One world as PettingZoo's ParallelEnv: dictionaries by robot. A robot whose task is done leaves `agents`."""
 
     def __init__(self, task: Task, *, render_mode: Optional[str] = None) -> None:
@@ -186,7 +195,7 @@ def _autoreset_value(mode: str) -> Any:
     return AutoresetMode[mode.upper()]
 
 
-class VectorEnv:
+class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
     """Many worlds as Gymnasium's VectorEnv: one environment is one world, with the robots in the rows of its arrays.
 
     The reward of a world is the mean of its robots' rewards; it has terminated when the tasks of all robots are done.
