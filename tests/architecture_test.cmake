@@ -147,7 +147,7 @@ set(may_include_library
 
 # The package for Python, on the library and, for controllers, on what those may include.
 set(may_include_python/native common/base common/model include/troupe/controller.h include/troupe/sensor.h
-  include/troupe/simulation.h include/troupe/version.h)
+  include/troupe/simulation.h include/troupe/version.h testing/expectations)
 
 # The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.
 set(may_include_viewer/foxglove

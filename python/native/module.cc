@@ -7,4 +7,5 @@ PYBIND11_MODULE(_troupe, module) {
   module.attr("__version__") = troupe::VersionText();
   troupe::python::DefineSimulation(module);
   troupe::python::DefineVectorSimulation(module);
+  troupe::python::DefineMonitors(module);
 }

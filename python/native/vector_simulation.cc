@@ -111,19 +111,24 @@ class Worlds {
   // Calls write(world, row) with the place of each world in an array (worlds, ...) of `Number`.
   template <typename Number, typename Write>
   void Fill(Number* data, std::size_t per_world, const Write& write) {
-    ForEachWorldByIndex([&](std::size_t i, const std::atomic<bool>&) {
-      worlds_[i]->CheckRobots(robots());
-      write(*worlds_[i], data + i * per_world);
-    });
+    ForEachWorldByIndex([&](std::size_t i, const std::atomic<bool>&) { write(*worlds_[i], data + i * per_world); });
   }
 
-  template <typename Write>
+  // Of the table `table` of the states: (worlds, rows, columns), or (worlds, rows) for no columns.
+  template <auto table = &WorldState::robots, typename Write>
   py::array FillRows(const py::object& out, std::size_t columns, const char* what, const Write& write) {
     const Uses uses(worlds_);
-    std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(size()), static_cast<py::ssize_t>(robots())};
+    const std::size_t rows = (worlds_[0]->simulation().state().*table).size();
+    for (const std::shared_ptr<World>& world : worlds_) {
+      world->CheckRobots(robots());
+      if (const std::size_t found = (world->simulation().state().*table).size(); found != rows) {
+        throw py::value_error(fmt::format("a world has {} rows of this array, expected {}", found, rows));
+      }
+    }
+    std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(size()), static_cast<py::ssize_t>(rows)};
     if (columns > 0) shape.push_back(static_cast<py::ssize_t>(columns));
     py::array array = out.is_none() ? py::array(py::array_t<double>(shape)) : OutputArray(out, shape, what);
-    const std::size_t per_world = robots() * std::max<std::size_t>(columns, 1);
+    const std::size_t per_world = rows * std::max<std::size_t>(columns, 1);
     if (array.dtype().itemsize() == sizeof(float)) {
       Fill(static_cast<float*>(array.mutable_data()), per_world, write);
     } else {
@@ -360,6 +365,41 @@ which: a mask (worlds,) or numbers of worlds; None: all. snapshots: one for all,
             });
           },
           "out"_a = py::none(), "(worlds, robots): 1 where a contact ended the last motion, else 0.")
+      .def(
+          "object_poses",
+          [](const WorldsPointer& worlds, const py::object& out) {
+            return worlds->FillRows<&WorldState::objects>(out, 4, "out", [](World& world, auto* row) {
+              using Number = std::remove_pointer_t<decltype(row)>;
+              for (const ObjectState& object : world.simulation().state().objects) {
+                for (const double part : {object.X_WO.x, object.X_WO.y, object.X_WO.z, object.X_WO.heading}) {
+                  *row++ = static_cast<Number>(part);
+                }
+              }
+            });
+          },
+          "out"_a = py::none(), "(worlds, objects, 4): as `poses`.")
+      .def(
+          "joint_positions",
+          [](const WorldsPointer& worlds, const py::object& out) {
+            return worlds->FillRows<&WorldState::joints>(out, 0, "out", [](World& world, auto* row) {
+              using Number = std::remove_pointer_t<decltype(row)>;
+              for (const JointState& joint : world.simulation().state().joints) {
+                *row++ = static_cast<Number>(joint.position);
+              }
+            });
+          },
+          "out"_a = py::none(), "(worlds, joints): m or rad.")
+      .def(
+          "energy",
+          [](const WorldsPointer& worlds, const py::object& out) {
+            return worlds->FillRows<&WorldState::stores>(out, 0, "out", [](World& world, auto* row) {
+              using Number = std::remove_pointer_t<decltype(row)>;
+              for (const StoreState& store : world.simulation().state().stores) {
+                *row++ = static_cast<Number>(store.joules);
+              }
+            });
+          },
+          "out"_a = py::none(), "(worlds, stores): J, in the order of the file.")
       .def("ranges", Held(&Worlds::Ranges), "sensor"_a = "ranger", "out"_a = py::none(),
            "(worlds, robots, rays): the ranges of a ranger of each robot, m; see Simulation.ranges.")
       .def_property_readonly(

@@ -178,7 +178,7 @@ void World::StepOnce() {
   reports.insert(reports.end(), simulation_.reports().begin(), simulation_.reports().end());
 }
 
-void World::Step(Tick ticks) {
+void World::Step(Tick ticks, const std::function<bool(const Simulation&)>& goes_on) {
   const Use use(*this);
   events.clear();
   reports.clear();
@@ -186,6 +186,7 @@ void World::Step(Tick ticks) {
     auto last = std::chrono::steady_clock::now();
     for (Tick i = 0; i < ticks && !stopped; ++i) {
       StepOnce();
+      if (goes_on && !goes_on(simulation_)) break;
       if (calls_python_ || ticks == 1) continue;
       const auto now = std::chrono::steady_clock::now();
       if (now - last < kSignalPeriod) continue;

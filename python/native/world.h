@@ -63,7 +63,8 @@ class World {
   std::size_t FindSensor(RobotId robot, py::handle sensor);
   std::size_t sensor_count(RobotId robot) const { return sensor_counts_[robot.index()]; }
 
-  void Step(Tick ticks);
+  // Until goes_on(simulation), called after each tick without the interpreter's lock, is false.
+  void Step(Tick ticks, const std::function<bool(const Simulation&)>& goes_on = {});
   // Steps once, and collects events and reports. Without the interpreter's lock.
   void StepOnce();
   void Restore(const Snapshot& snapshot);
@@ -106,5 +107,6 @@ class World {
 
 void DefineSimulation(py::module_& module);
 void DefineVectorSimulation(py::module_& module);
+void DefineMonitors(py::module_& module);
 
 }  // namespace troupe::python

@@ -30,7 +30,7 @@ def __getattr__(name: str):
     import importlib
     if name.startswith("__"):
         raise AttributeError(name)
-    if name in ("records", "controller", "errors", "picture", "rl", "_troupe"):
+    if name in ("records", "controller", "errors", "picture", "rl", "testing", "_troupe"):
         return importlib.import_module(f"{__name__}.{name}")
     value = getattr(importlib.import_module(f"{__name__}.{_MODULES.get(name, 'records')}"), name, None)
     if value is None:

@@ -1,7 +1,7 @@
 """The native part of troupe. Units: m, rad, s. Frames: W world, R robot."""
 
 import os
-from typing import List, Optional, Sequence, Tuple, Union
+from typing import List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -136,9 +136,62 @@ class VectorSimulation:
         """(worlds, robots, 3): vx, vy (m/s), wz (rad/s)."""
     def stalls(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
         """(worlds, robots): 1 where a contact ended the last motion."""
+    def object_poses(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """(worlds, objects, 4), as poses."""
+    def joint_positions(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """(worlds, joints): m or rad."""
+    def energy(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """(worlds, stores): J."""
     def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
         """(worlds, robots, rays), m."""
     @property
     def state_hashes(self) -> NDArray[numpy.uint64]: ...
     @property
     def ticks(self) -> NDArray[numpy.int64]: ...
+
+_Regions = Optional[Mapping[str, Sequence[Tuple[float, float]]]]
+
+class Monitor:
+    """Judges an expectation, tick by tick: docs/testing.md."""
+
+    def __init__(self, simulation: Simulation, text: str, regions: _Regions = None) -> None:
+        """InputError with the column in `text`."""
+    def push(self, simulation: Simulation) -> None:
+        """Adds the present tick; the same tick twice counts once."""
+    def finish(self) -> None:
+        """The run has ended: decides what has been open."""
+    @property
+    def text(self) -> str: ...
+    @property
+    def formula(self) -> str: ...
+    @property
+    def verdict(self) -> Optional[bool]:
+        """None as long as later ticks can change it."""
+    @property
+    def decided_at(self) -> Optional[int]: ...
+    @property
+    def robustness(self) -> Tuple[float, float]:
+        """(min, max), equal when it is known."""
+    @property
+    def cause(self) -> Tuple[Optional[int], Tuple[str, ...]]:
+        """(tick, names): what decides the robustness so far."""
+    @property
+    def history(self) -> List[Tuple[int, float]]:
+        """(tick, robustness) of the formula below the outermost temporal operator."""
+
+class Metric:
+    """A number of a run: docs/testing.md."""
+
+    def __init__(self, simulation: Simulation, text: str, regions: _Regions = None) -> None: ...
+    def push(self, simulation: Simulation) -> None: ...
+    def finish(self) -> None: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def value(self) -> Optional[float]:
+        """After `finish`, in SI units; None if it does not exist."""
+
+def watch(simulation: Simulation, ticks: int, monitors: Sequence[Union[Monitor, Metric]], stop: bool = False) -> None:
+    """Steps, and adds each tick to the monitors, the present one first. stop: when an expectation is false."""

@@ -51,6 +51,16 @@ class Tour(unittest.TestCase):
                                   cwd=folder, capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertRegex(done.stdout, r"100 robots are [1-9]\.\d\d m from their starts")
+            done = subprocess.run([sys.executable, examples / "train.py", "1", "curve.csv"], cwd=folder,
+                                  capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn("score of 32 new episodes", done.stdout)
+            self.assertEqual(len((pathlib.Path(folder) / "curve.csv").read_text().splitlines()), 2)
+            code = "import sweep; sweep.COUNTS, sweep.SPEEDS, sweep.TICKS = (3,), (0.5,), 20; sweep.main('sweep.csv')"
+            done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True,
+                                  env={**os.environ, "PYTHONPATH": f"{examples}:{os.environ['PYTHONPATH']}"})
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertRegex(done.stdout, r"3 robots at 0.5 m/s: 0\.[1-9]")
             summary = os.path.join(folder, "summary")
             done = subprocess.run([PROGRAMS / "troupe", "run", examples / "patrol.json", "--headless", "--ticks", "100",
                                    "--in-process", "--summary", summary], capture_output=True, text=True)

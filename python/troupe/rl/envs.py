@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import tempfile
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy
 
 from .._troupe import Simulation, VectorSimulation
 from .spaces import Box
 from .tasks import Situation, Task
+
+
+def _base(module: str, name: str) -> type:
+    """The class of the package, if that is installed: its wrappers accept instances of it alone."""
+    try:
+        return getattr(importlib.import_module(module), name)
+    except ImportError:
+        return object
 
 
 class Episodes:
@@ -38,6 +47,7 @@ class Episodes:
         self._poses = numpy.zeros((*shape, 4))
         self._twists = numpy.zeros((*shape, 3))
         self._stalls = numpy.zeros(shape)
+        self._contacts = numpy.zeros(shape)
         self._ranges = numpy.zeros((*shape, sim.ranges(task.sensor).shape[1]))
         self._steps = numpy.zeros(count, int)
         self.seed(None)
@@ -49,15 +59,19 @@ class Episodes:
     def observation_size(self) -> int:
         return self._ranges.shape[2] + 3 + self.task.extra
 
-    def seed(self, seed: Optional[int]) -> None:
-        """Of the generators of all worlds; None: of the operating system's chance."""
-        self.generators = [numpy.random.default_rng(None if seed is None else [seed, i]) for i in range(len(self))]
+    def seed(self, seed: Union[None, int, Sequence[Optional[int]]]) -> None:
+        """Of the generators of all worlds: one each, or n for n, n + 1, ...; None: of the operating system's chance."""
+        seeds = [None if seed is None else seed + i for i in range(len(self))] if not isinstance(seed, Sequence) else seed
+        if len(seeds) != len(self):
+            raise ValueError(f"seed: found {len(seeds)} seeds, expected {len(self)}")
+        self.generators = [numpy.random.default_rng(each) for each in seeds]
 
     def begin(self, which: numpy.ndarray) -> None:
         """New episodes in the worlds of a mask."""
         numbers = numpy.nonzero(which)[0]
         self.worlds.reset(numbers, [self._starts[self.generators[i].integers(len(self._starts))] for i in numbers])
         self._steps[which] = 0
+        self._contacts[which] = 0.0
         self.task.begin(which, self._start_poses, self.generators, self._look())
 
     def observe(self) -> numpy.ndarray:
@@ -77,6 +91,7 @@ class Episodes:
         self.worlds.step(self.task.ticks_per_step)
         self._steps += 1
         seen = self._look()
+        self._contacts[:] = numpy.where(self._stalls > 0, numpy.where(actions[..., 0] < 0, -1.0, 1.0), 0.85 * self._contacts)
         return self.task.reward(seen), self.task.ended(seen), self._steps >= self.task.max_steps
 
     def _look(self) -> Situation:
@@ -84,11 +99,11 @@ class Episodes:
         self.worlds.twists(out=self._twists)
         self.worlds.stalls(out=self._stalls)
         self.worlds.ranges(self.task.sensor, out=self._ranges)
-        return Situation(self._poses, self._twists, self._stalls, self._ranges, self._steps,
+        return Situation(self._poses, self._twists, self._stalls, self._contacts, self._ranges, self._steps,
                          self._interval * self.task.ticks_per_step)
 
 
-class ParallelEnv:
+class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
     """One world as PettingZoo's ParallelEnv: dictionaries by robot. A robot whose task is done leaves `agents`."""
 
     def __init__(self, task: Task, *, render_mode: Optional[str] = None) -> None:
@@ -180,7 +195,7 @@ def _autoreset_value(mode: str) -> Any:
     return AutoresetMode[mode.upper()]
 
 
-class VectorEnv:
+class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
     """Many worlds as Gymnasium's VectorEnv: one environment is one world, with the robots in the rows of its arrays.
 
     The reward of a world is the mean of its robots' rewards; it has terminated when the tasks of all robots are done.
@@ -217,7 +232,7 @@ class VectorEnv:
             self._done[which] = False
             self._over[which] = False
 
-    def reset(self, *, seed: Optional[int] = None, options: Optional[dict] = None) -> Tuple[numpy.ndarray, dict]:
+    def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None, options: Optional[dict] = None) -> Tuple[numpy.ndarray, dict]:
         which = numpy.ones(self.num_envs, bool)
         if options and "reset_mask" in options:
             which = numpy.asarray(options["reset_mask"], bool)

@@ -29,6 +29,7 @@ class Situation(NamedTuple):
     poses: numpy.ndarray  # (worlds, robots, 4): x, y, z, heading
     twists: numpy.ndarray  # (worlds, robots, 3): vx, vy, wz
     stalls: numpy.ndarray  # (worlds, robots): 1 after a contact
+    contacts: numpy.ndarray  # (worlds, robots): after a contact 1 if the robot drove ahead, -1 if back; then fading
     ranges: numpy.ndarray  # (worlds, robots, rays): m
     steps: numpy.ndarray  # (worlds,): steps of the episode
     interval: float  # s, of a step
@@ -69,7 +70,8 @@ class Task:
 
     def observe(self, seen: Situation) -> numpy.ndarray:
         """(worlds, robots, numbers), float32, about -1 to 1."""
-        motion = numpy.stack([seen.twists[..., 0] / self.speed, seen.twists[..., 2] / self.turn_rate, seen.stalls], axis=-1)
+        motion = numpy.stack([seen.twists[..., 0] / self.speed, seen.twists[..., 2] / self.turn_rate,
+                              seen.contacts], axis=-1)
         near = numpy.minimum(seen.ranges / self.reach, 1.0)
         return numpy.concatenate([near, motion, self.features(seen)], axis=-1).astype(numpy.float32)
 
@@ -89,22 +91,21 @@ class Task:
 SONARS = 8  # of a scout, evenly around, the first one ahead, counter-clockwise
 
 
-def avoid(observations: numpy.ndarray, bearing: numpy.ndarray, clear: float = 0.14) -> numpy.ndarray:
-    """Actions towards a bearing (rad, in R), and around what is nearer than `clear` (in parts of the reach).
-
-    Of the directions with room the one nearest to the bearing is chosen.
-    """
+def avoid(observations: numpy.ndarray, bearing: numpy.ndarray, clear: float = 0.2) -> numpy.ndarray:
+    """Actions towards a bearing (rad, in R). What is nearer than `clear` (in parts of the reach) pushes away and to its left,
+    so that a robot passes it and follows walls; at a contact it backs off."""
     near = observations[..., :SONARS]
     angles = sonar_bearings()
-    turn_to = numpy.abs(wrap(angles - bearing[..., None]))
-    cost = turn_to + numpy.where(near < clear, 4.0, 0.0) + 0.3 * (1.0 - near)
-    chosen = angles[cost.argmin(axis=-1)]
-    exact = numpy.where(numpy.abs(wrap(chosen - bearing)) < numpy.pi / SONARS + 1e-6, bearing, chosen)
-    ahead = near[..., 0]
-    turn = numpy.clip(1.5 * exact, -1.0, 1.0)
-    forward = numpy.clip(numpy.cos(exact), 0.0, 1.0) ** 2 * numpy.clip((ahead - 0.05) * 6.0, 0.0, 1.0)
-    stalled = observations[..., SONARS + 2] > 0.5
-    forward = numpy.where(stalled & (ahead < 0.1), -0.4, forward)
+    push = numpy.maximum(0.0, clear - near) / clear
+    way = numpy.arctan2(numpy.sin(bearing) - (push * numpy.sin(angles + 0.9)).sum(axis=-1),
+                        numpy.cos(bearing) - (push * numpy.cos(angles + 0.9)).sum(axis=-1))
+    ahead = near[..., [0, 1, -1]].min(axis=-1)
+    turn = numpy.clip(1.5 * way, -1.0, 1.0)
+    forward = numpy.clip(numpy.cos(way), 0.0, 1.0) ** 2 * numpy.clip((ahead - 0.03) * 8.0, 0.0, 1.0)
+    contact = observations[..., SONARS + 2]
+    touched = numpy.abs(contact) > 0.5  # within four steps: away from it straight, then in a curve
+    forward = numpy.where(touched, -0.4 * numpy.sign(contact), forward)
+    turn = numpy.where(touched, numpy.where(numpy.abs(contact) > 0.9, 0.0, 0.8), turn)
     return numpy.stack([forward, turn], axis=-1).astype(numpy.float32)
 
 
@@ -117,7 +118,7 @@ def wrap(angle: numpy.ndarray) -> numpy.ndarray:
 
 
 class Navigation(Task):
-    """Each robot drives to a goal of its own, somewhere in the office.
+    """Each robot drives to a goal of its own in the office, 1 m to `far` away, perhaps behind a wall.
 
     Reward: metres of progress, 5 at the goal, -0.1 for each step at a contact. Extra observations: distance / 10 m, and
     cosine and sine of the goal's bearing.
@@ -126,6 +127,7 @@ class Navigation(Task):
     name = "navigation"
     extra = 3
     tolerance = 0.4  # m
+    far = 5.0  # m
 
     def begin(self, which, starts, generators, seen):
         if not hasattr(self, "goals") or self.goals.shape[:2] != seen.stalls.shape:
@@ -134,7 +136,10 @@ class Navigation(Task):
             self.arrived = numpy.zeros(seen.stalls.shape, bool)
         free = numpy.concatenate(starts)[:, :2]  # where robots start elsewhere there is room
         for world in numpy.nonzero(which)[0]:
-            self.goals[world] = free[generators[world].choice(len(free), self.robots, replace=False)]
+            for robot in range(self.robots):
+                ways = numpy.hypot(*(free - seen.poses[world, robot, :2]).T)
+                choice = numpy.nonzero((ways > 1.0) & (ways < self.far))[0]
+                self.goals[world, robot] = free[generators[world].choice(choice) if len(choice) else ways.argsort()[1]]
         self.left[which] = self._distance(seen)[which]
         self.arrived[which] = False
 
@@ -207,10 +212,10 @@ class Coverage(Task):
         return self._visit(seen) - 0.1 * seen.stalls
 
     def scripted(self, observations):
-        visited = observations[..., SONARS + 3:SONARS + 11]
         room = observations[..., :SONARS]  # in the same directions
+        fresh = (observations[..., SONARS + 3:SONARS + 11] < 0.5) & (room > 0.3)
         directions = wrap(numpy.arange(8) * (numpy.pi / 4))
-        value = 1.0 * (visited < 0.5) + 1.5 * room - 0.15 * numpy.abs(directions) - 4.0 * (room < 0.15)
+        value = 2.0 * fresh + 0.5 * room - 0.5 * numpy.abs(directions) - 4.0 * (room < 0.2)
         return avoid(observations, directions[value.argmax(axis=-1)])
 
 
