@@ -1,7 +1,6 @@
 #include "launcher/commands/case_session.h"
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,14 +10,14 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <tuple>
 
-#include "common/base/file.h"
 #include "common/base/print.h"
+#include "launcher/commands/case_work.h"
 #include "launcher/hosts/host.h"
 #include "launcher/process/process.h"
 #include "testing/cases/worker_pool.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
@@ -28,34 +27,6 @@ using std::chrono::steady_clock;
 
 constexpr std::size_t kMostExamined = 10;  // faults of a test that are shrunk and recorded
 constexpr std::size_t kMostPrinted = 20;   // faults of a test that are printed
-constexpr std::size_t kMostKept = 100;     // cases in a file of failing ones
-constexpr std::size_t kMostFailingBytes = 10'000'000;
-constexpr double kSecondsAfter = 2.0;  // simulated, of a recording after the tick that decides
-
-std::string FailingPath(const std::string& path) {
-  return std::filesystem::path(path).replace_extension(".failing").string();
-}
-
-// Runs `troupe` with these arguments to its end. The error has the last line that it printed.
-Status RunTroupe(const std::vector<std::string>& arguments) {
-  Result<std::string> program = FindProgram("troupe");
-  if (!program.ok()) return program.error();
-  std::vector<std::string> command = {program.value()};
-  command.insert(command.end(), arguments.begin(), arguments.end());
-  LinePipe output;
-  Result<Process> process = Process::Start(command, output.writing_end());
-  if (!process.ok()) return process.error();
-  output.CloseWritingEnd();
-  std::string last;
-  while (!output.at_end()) {
-    pollfd waited{output.reading_end(), POLLIN, 0};
-    poll(&waited, 1, -1);
-    for (const std::string& line : output.Read()) last = line;
-  }
-  while (!process.value().Poll()) poll(nullptr, 0, 1);  // its pipe has ended
-  if (process.value().end()->ok()) return {};
-  return Failure(fmt::format("troupe {}: {}: {}", arguments.front(), process.value().end()->ToString(), last));
-}
 
 // A folder for temporary files, which is removed at the end.
 class TemporaryFolder {
@@ -75,48 +46,6 @@ class TemporaryFolder {
  private:
   std::string path_;
 };
-
-// A case as a scenario that stands alone.
-Status WriteScenario(const TestFile& test, const TestCase& draws, const std::string& path) {
-  const Result<std::string> text = test.TextOf(draws);
-  if (!text.ok()) return text.error();
-  const Result<ScenarioText> parsed = ScenarioText::Parse(text.value(), test.scenario_path());
-  if (!parsed.ok()) return parsed.error();
-  const std::string folder = std::filesystem::absolute(test.scenario_path()).parent_path().string();
-  return WriteWholeFile(path, parsed.value().WithAbsolutePaths(folder));
-}
-
-// The case in processes has the hashes of the case in this one.
-Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::vector<std::uint64_t>& hashes) {
-  const TemporaryFolder folder;
-  if (folder.path().empty()) return Failure("cannot make a folder for temporary files");
-  const std::string scenario = folder.path() + "/scenario.json";
-  const std::string log = folder.path() + "/hashes";
-  if (Status error = WriteScenario(test, draws, scenario); !error.ok()) return error;
-  const std::string ticks = std::to_string(hashes.size() - 1);
-  if (Status error = RunTroupe({"run", scenario, "--headless", "--no-ros", "--mode", "lockstep", "--speed", "max",
-                                "--ticks", ticks, "--hash-log", log});
-      !error.ok()) {
-    return error;
-  }
-  const Result<std::string> text = ReadWholeFile(log, std::size_t{1} << 32);
-  if (!text.ok()) return text.error();
-  std::istringstream lines(text.value());
-  std::size_t compared = 0;
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::uint64_t tick = 0;
-    std::string hash;
-    if (!(words >> tick >> hash) || tick >= hashes.size())
-      return Failure("found the line '" + line + "' in a hash log");
-    if (std::stoull(hash, nullptr, 16) != hashes[tick]) {
-      return Failure(fmt::format("the run in processes differs from the run in one at tick {}", tick));
-    }
-    ++compared;
-  }
-  if (compared == hashes.size()) return {};
-  return Failure(fmt::format("the run in processes has {} states, the run in one {}", compared, hashes.size()));
-}
 
 }  // namespace
 
@@ -170,15 +99,15 @@ Status CaseSession::LoadTest(const std::string& path) {
     reported.units.push_back(monitors.metrics()[i].metric().unit());
   }
   report_.AddTest(reported);
-  if (options_.keep_failing && options_.fixed.empty()) ReadKept(test);
   if (options_.search > 0) {
     test.search = std::make_unique<CaseSearch>(test.file->design());
-    planned_ += options_.search + test.kept.size();
+    planned_ += options_.search;
   } else {
     const std::uint64_t size = design.size();
     const Shard& shard = options_.shard;
-    planned_ += test.kept.size() + size / shard.count + (size % shard.count >= shard.index ? 1 : 0);
+    planned_ += size / shard.count + (size % shard.count >= shard.index ? 1 : 0);
   }
+  if (options_.keep_failing && options_.fixed.empty()) ReadKept(test);
   if (design.impossible_pairs() > 0) {
     PrintPlain(stderr, "{}: warning: {} pairs of values meet no case that meets the constraints\n", path,
                design.impossible_pairs());
@@ -187,136 +116,60 @@ Status CaseSession::LoadTest(const std::string& path) {
   return {};
 }
 
-void CaseSession::ReadKept(LoadedTest& test) const {
-  if (options_.shard.index != 1) return;  // the first shard runs them
-  const std::string path = FailingPath(test.file->path());
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return;
-  const Result<std::string> text = ReadWholeFile(path, kMostFailingBytes);
-  if (!text.ok()) {
-    PrintPlain(stderr, "{}: warning: cannot read: {}\n", path, text.error().message);
-    return;
-  }
-  std::istringstream lines(text.value());
-  int number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    if (line.empty() || line.front() == '#') continue;
-    const Result<TestCase> draws = ParseCase(line);
-    if (draws.ok() && test.file->CanMake(draws.value())) {
-      test.kept.push_back(draws.value());
+// A kept case of the design is run once, in the shard that has it; the first shard runs those beside the design.
+void CaseSession::ReadKept(LoadedTest& test) {
+  std::vector<std::string> warnings;
+  Result<KeptCases> kept = KeptCases::Read(*test.file, warnings);
+  if (!kept.ok()) warnings.push_back("warning: " + kept.error().ToString());
+  for (const std::string& warning : warnings) PrintPlain(stderr, "{}\n", warning);
+  if (!kept.ok()) return;
+  const Shard& shard = options_.shard;
+  std::uint64_t beside = std::max(test.file->design().size(), options_.search);
+  for (const KeptCase& each : kept.value().cases()) {
+    Job job{tests_.size(), beside, true, each.draws, {}};
+    if (each.number && options_.search == 0) {
+      if (*each.number % shard.count != shard.index - 1) continue;
+      job.number = *each.number;
+      job.kept = false;
+      test.begun.insert(*each.number);
     } else {
-      PrintPlain(stderr, "{}:{}:1: warning: found {}, no case of the test any more; it is not run\n", path, number,
-                 line);
+      if (shard.index != 1) continue;
+      ++beside;
+      ++planned_;
     }
+    test.first.push_back(std::move(job));
   }
-}
-
-void CaseSession::WriteKept(const LoadedTest& test) const {
-  if (test.new_failing.empty() || options_.shard.count > 1) return;
-  const std::string path = FailingPath(test.file->path());
-  std::string text = "# Cases that have failed. 'troupe test' runs them first; remove a line to forget its case.\n";
-  std::vector<std::string> lines;
-  for (const TestCase& kept : test.kept) lines.push_back(CaseText(kept));
-  for (const std::string& line : test.new_failing) {
-    if (std::find(lines.begin(), lines.end(), line) == lines.end() && lines.size() < kMostKept) lines.push_back(line);
-  }
-  for (const std::string& line : lines) text += line + "\n";
-  if (const Status status = WriteWholeFile(path, text); !status.ok()) {
-    PrintPlain(stderr, "{}: warning: cannot write: {}\n", path, status.error().message);
-  }
+  test.kept = std::move(kept).value();
 }
 
 std::optional<CaseSession::Job> CaseSession::NextJob() {
+  const auto begun_now = [](Job job) {
+    job.began = steady_clock::now();
+    return job;
+  };
   for (; current_ < tests_.size(); ++current_) {
     LoadedTest& test = tests_[current_];
     const CaseDesign& design = test.file->design();
-    const std::uint64_t index = test.next++;
-    if (index < test.kept.size()) {
-      return Job{current_, std::max(design.size(), options_.search) + index, test.kept[index], steady_clock::now()};
+    if (!test.first.empty()) {
+      Job job = std::move(test.first.front());
+      test.first.pop_front();
+      return begun_now(std::move(job));
     }
-    const std::uint64_t place = index - test.kept.size();
     if (test.search) {
-      if (place < options_.search && test.faults == 0)
-        return Job{current_, place, test.search->Next(), steady_clock::now()};
-      if (test.faults > 0) planned_ -= options_.search - std::min(place, options_.search);  // found: the search ends
-    } else {
-      const std::uint64_t number = place * options_.shard.count + options_.shard.index - 1;
-      if (number < design.size()) return Job{current_, number, design.At(number), steady_clock::now()};
+      if (test.next < options_.search && test.faults == 0) {
+        return begun_now({current_, test.next++, false, test.search->Next(), {}});
+      }
+      if (test.faults > 0) planned_ -= options_.search - test.next;  // found: the search ends
+      continue;
+    }
+    const Shard& shard = options_.shard;
+    for (;;) {
+      const std::uint64_t number = test.next++ * shard.count + shard.index - 1;
+      if (number >= design.size()) break;
+      if (!test.begun.contains(number)) return begun_now({current_, number, false, design.At(number), {}});
     }
   }
   return std::nullopt;
-}
-
-std::string CaseSession::Answer(const std::string& text) const {
-  const json request = json::parse(text);
-  const std::string kind = request.at("kind");
-  if (kind == "shrink") return AnswerShrink(request).dump();
-  if (kind == "keep") return AnswerKeep(request).dump();
-  const LoadedTest& test = tests_[request.at("test")];
-  const TestCase draws = CaseFromJson(request.at("case"));
-  CaseRunOptions options;
-  std::vector<std::uint64_t> hashes;
-  if (options_.processes) {
-    options.on_tick = [&](const Simulation& simulation) {
-      hashes.push_back(simulation.state_hash());
-      return true;
-    };
-  }
-  CaseOutcome outcome = RunCase(*test.worlds, draws, options);
-  if (options_.processes && outcome.verdict != CaseVerdict::kError) {
-    if (const Status same = CompareProcesses(*test.file, draws, hashes); !same.ok()) {
-      outcome.verdict = CaseVerdict::kError;
-      outcome.error = same.error().message;
-    }
-  }
-  if (outcome.verdict == CaseVerdict::kPassed) {
-    for (ExpectationOutcome& expectation : outcome.expectations) expectation.history.clear();
-  }
-  return ToJson(outcome).dump();
-}
-
-json CaseSession::AnswerShrink(const json& request) const {
-  const LoadedTest& test = tests_[request.at("test")];
-  const ShrunkCase shrunk = ShrinkCase(*test.worlds, CaseFromJson(request.at("case")), request.at("expectation"));
-  return {{"case", CaseToJson(shrunk.draws)},
-          {"ticks", shrunk.outcome.ticks},
-          {"runs", shrunk.runs},
-          {"robots", shrunk.robots},
-          {"outcome", ToJson(shrunk.outcome)}};
-}
-
-// Writes the case as a scenario, its recording, and a picture of the tick that decides.
-json CaseSession::AnswerKeep(const json& request) const {
-  const LoadedTest& test = tests_[request.at("test")];
-  const TestCase draws = CaseFromJson(request.at("case"));
-  const std::filesystem::path folder(request.at("folder").get<std::string>());
-  const Tick tick = request.at("tick");
-  const Tick last = request.at("last");
-  json reply = {{"recording", ""}, {"picture", ""}, {"problem", ""}};
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  const std::string scenario = (folder / "scenario.json").string();
-  Status status = failure ? Status(Failure(failure.message())) : WriteScenario(*test.file, draws, scenario);
-  if (status.ok()) {
-    status =
-        RunTroupe({"run", scenario, "--in-process", "--headless", "--no-ros", "--mode", "lockstep", "--speed", "max",
-                   "--ticks", std::to_string(std::max<Tick>(last, 1)), "--record", (folder / "run.mcap").string()});
-    if (status.ok()) reply["recording"] = "run.mcap";
-  }
-  Status saved;
-  CaseRunOptions options;
-  options.on_tick = [&](const Simulation& simulation) {
-    if (simulation.tick() < tick) return true;
-    saved = simulation.SavePicture((folder / "violation.png").string());
-    return false;
-  };
-  RunCase(*test.worlds, draws, options);
-  if (saved.ok()) reply["picture"] = "violation.png";
-  for (const Status& each : {status, saved}) {
-    if (!each.ok()) reply["problem"] = each.error().message;
-  }
-  return reply;
 }
 
 std::string CaseSession::CommandOf(const LoadedTest& test, const TestCase& draws) const {
@@ -348,7 +201,7 @@ void CaseSession::Finish(const Job& job, CaseOutcome outcome) {
   ++done_;
   const double seconds = std::chrono::duration<double>(steady_clock::now() - job.began).count();
   if (test.search) test.search->Add(job.draws, outcome);
-  ReportedCase reported{job.number, job.draws, std::move(outcome), ""};
+  ReportedCase reported{job.number, job.kept, job.draws, std::move(outcome)};
   if (reported.outcome.verdict != CaseVerdict::kPassed) {
     reported.command = CommandOf(test, job.draws);
     if (++test.faults <= kMostPrinted) faults_.emplace_back(job.test, reported);
@@ -364,13 +217,25 @@ Result<bool> CaseSession::Run() {
     signals.ReadStopRequest();
     return signals.stop_requested();
   };
-  WorkerPool pool(options_.jobs, [this](const std::string& request) { return Answer(request); });
+  std::optional<TemporaryFolder> scratch;  // of this process: a worker that is terminated removes nothing
+  if (options_.processes) {
+    scratch.emplace();
+    if (scratch->path().empty()) return Failure("cannot make a folder for temporary files");
+  }
+  WorkerPool pool(options_.jobs, [this](const std::string& text) {
+    const json request = json::parse(text);
+    return PerformCaseWork(*tests_[request.at("test")].worlds, request).dump();
+  });
   std::map<std::string, Job> jobs;  // by request
   const auto next = [&]() -> std::optional<std::string> {
     std::optional<Job> job = NextJob();
     if (!job) return std::nullopt;
-    std::string request =
-        json{{"kind", "run"}, {"test", job->test}, {"number", job->number}, {"case", CaseToJson(job->draws)}}.dump();
+    std::string request = json{{"kind", "run"},
+                               {"test", job->test},
+                               {"number", job->number},
+                               {"case", CaseToJson(job->draws)},
+                               {"scratch", scratch ? scratch->path() : ""}}
+                              .dump();
     jobs.emplace(request, std::move(*job));
     return request;
   };
@@ -389,11 +254,15 @@ Result<bool> CaseSession::Run() {
   const Result<bool> ran = pool.Run(next, done, signals.descriptor(), stop);
   ShowProgress(true);
   if (!ran.ok()) return ran.error();
+  if (!ran.value() && options_.search == 0) {
+    const auto leave = [&](const Job& job) { report_.AddCase(job.test, {job.number, job.kept, job.draws}); };
+    for (const auto& [request, job] : jobs) leave(job);
+    while (const std::optional<Job> job = NextJob()) leave(*job);
+  }
   // In the order of their numbers, those that were kept first, whatever the order of their ends.
-  std::sort(faults_.begin(), faults_.end(), [this](const auto& a, const auto& b) {
-    const auto place = [this](const auto& fault) {
-      const bool kept = fault.second.number >= tests_[fault.first].file->design().size() && options_.search == 0;
-      return std::tuple(fault.first, !kept, fault.second.number);
+  std::sort(faults_.begin(), faults_.end(), [](const auto& a, const auto& b) {
+    const auto place = [](const auto& fault) {
+      return std::tuple(fault.first, !fault.second.kept, fault.second.number);
     };
     return place(a) < place(b);
   });
@@ -402,7 +271,10 @@ Result<bool> CaseSession::Run() {
   for (const LoadedTest& test : tests_) {
     if (test.faults > kMostPrinted)
       PrintPlain(stdout, "{}: {} more that did not pass\n", test.file->path(), test.faults - kMostPrinted);
-    if (options_.keep_failing && options_.fixed.empty()) WriteKept(test);
+    if (test.new_failing.empty() || options_.shard.count > 1) continue;
+    if (const Status status = test.kept.Write(*test.file, test.new_failing); !status.ok()) {
+      PrintPlain(stderr, "warning: {}\n", status.error().ToString());
+    }
   }
   return examined;
 }
@@ -414,76 +286,75 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, const std::function<bool()>&
     const bool failed = faults_[i].second.outcome.verdict == CaseVerdict::kFailed;
     if (failed && of_test[faults_[i].first]++ < kMostExamined) chosen.push_back(i);
   }
+  // Does one kind of work for each of these faults.
+  const auto for_each = [&](const auto& request_for, const auto& use) {
+    std::size_t place = 0;
+    const auto next = [&]() -> std::optional<std::string> {
+      if (place >= chosen.size()) return std::nullopt;
+      const std::size_t i = chosen[place++];
+      json request = request_for(i);
+      request["fault"] = i;
+      request["test"] = faults_[i].first;
+      return request.dump();
+    };
+    const auto done = [&](const std::string& request, const Result<std::string>& reply) {
+      auto& [test, fault] = faults_[json::parse(request).at("fault")];
+      std::string problem = reply.ok() ? "" : reply.error().message;
+      if (reply.ok()) problem = use(json::parse(request).at("fault"), json::parse(reply.value()));
+      if (!problem.empty()) PrintPlain(stderr, "warning: the case {}: {}\n", CaseText(fault.draws), problem);
+    };
+    return pool.Run(next, done, stop_descriptor, stop);
+  };
   // The cases to be recorded: shrunk ones, where there are any.
   std::map<std::size_t, std::pair<TestCase, CaseOutcome>> smallest;
   for (const std::size_t i : chosen) smallest[i] = {faults_[i].second.draws, faults_[i].second.outcome};
-  std::size_t place = 0;
   if (options_.shrink && options_.fixed.empty()) {
-    const auto next = [&]() -> std::optional<std::string> {
-      if (place >= chosen.size()) return std::nullopt;
-      const auto& [test, fault] = faults_[chosen[place]];
+    const auto request_for = [&](std::size_t i) {
+      const ReportedCase& fault = faults_[i].second;
       const auto& list = fault.outcome.expectations;
       const auto failed = std::find_if(list.begin(), list.end(), [](const auto& each) { return !each.holds; });
-      return json{{"kind", "shrink"},
-                  {"fault", chosen[place++]},
-                  {"test", test},
-                  {"case", CaseToJson(fault.draws)},
-                  {"expectation", failed - list.begin()}}
-          .dump();
+      return json{{"kind", "shrink"}, {"case", CaseToJson(fault.draws)}, {"expectation", failed - list.begin()}};
     };
-    const auto done = [&](const std::string& request, const Result<std::string>& reply) {
-      const std::size_t i = json::parse(request).at("fault");
-      if (!reply.ok()) return;
-      const json answer = json::parse(reply.value());
+    const auto use = [&](std::size_t i, const json& answer) -> std::string {
+      auto& [test, fault] = faults_[i];
       const TestCase draws = CaseFromJson(answer.at("case"));
       CaseOutcome outcome = OutcomeFromJson(answer.at("outcome"));
-      if (outcome.verdict != CaseVerdict::kFailed || draws == faults_[i].second.draws) return;
-      faults_[i].second.shrunk =
-          fmt::format("{} ({}, {}, after {})", CommandOf(tests_[faults_[i].first], draws),
+      if (outcome.verdict != CaseVerdict::kFailed) return "cannot shrink it: " + outcome.error;
+      if (draws == fault.draws) return "";
+      fault.shrunk =
+          fmt::format("{} ({}, {}, after {})", CommandOf(tests_[test], draws),
                       CountText(answer.at("robots").get<std::size_t>(), "robot"), CountText(outcome.ticks, "tick"),
                       CountText(answer.at("runs").get<std::size_t>(), "run"));
       smallest[i] = {draws, std::move(outcome)};
+      return "";
     };
-    Result<bool> shrunk = pool.Run(next, done, stop_descriptor, stop);
+    Result<bool> shrunk = for_each(request_for, use);
     if (!shrunk.ok() || !shrunk.value()) return shrunk;
   }
   if (options_.fixed.empty()) {
-    for (const auto& [i, small] : smallest) tests_[faults_[i].first].new_failing.push_back(CaseText(small.first));
+    for (const auto& [i, small] : smallest) tests_[faults_[i].first].new_failing.push_back(small.first);
   }
   if (options_.folder.empty()) return true;
 
-  place = 0;
-  const auto next = [&]() -> std::optional<std::string> {
-    if (place >= chosen.size()) return std::nullopt;
-    const std::size_t i = chosen[place++];
+  const auto request_for = [&](std::size_t i) {
     auto& [test, fault] = faults_[i];
     const auto& [draws, outcome] = smallest[i];
-    const auto& list = outcome.expectations;
-    const auto failed = std::find_if(list.begin(), list.end(), [](const auto& each) { return !each.holds; });
-    const Tick tick = failed->cause_tick.value_or(outcome.ticks);
-    const auto after = static_cast<Tick>(outcome.tick_seconds > 0.0 ? kSecondsAfter / outcome.tick_seconds : 0.0);
-    const Tick last = std::min(outcome.ticks, std::max(tick, failed->decided_at.value_or(tick)) + after);
     fault.folder =
         fmt::format("{}-{}", std::filesystem::path(tests_[test].file->path()).stem().stem().string(), fault.number);
     return json{{"kind", "keep"},
-                {"fault", i},
-                {"test", test},
                 {"case", CaseToJson(draws)},
-                {"tick", tick},
-                {"last", last},
-                {"folder", (std::filesystem::path(options_.folder) / fault.folder).string()}}
-        .dump();
+                {"outcome", ToJson(outcome)},
+                {"folder", (std::filesystem::path(options_.folder) / fault.folder).string()}};
   };
-  const auto done = [&](const std::string& request, const Result<std::string>& reply) {
-    auto& [test, fault] = faults_[json::parse(request).at("fault")];
-    const json answer = reply.ok() ? json::parse(reply.value()) : json{{"problem", reply.error().message}};
-    fault.recording = answer.value("recording", "");
-    fault.picture = answer.value("picture", "");
-    const std::string problem = answer.value("problem", "");
-    if (!problem.empty()) PrintPlain(stderr, "warning: cannot keep the case {}: {}\n", CaseText(fault.draws), problem);
-    report_.AddCase(test, fault, report_.SecondsOf(test, fault.number));
+  const auto use = [&](std::size_t i, const json& answer) -> std::string {
+    auto& [test, fault] = faults_[i];
+    fault.recording = answer.at("recording").get<std::string>();
+    fault.picture = answer.at("picture").get<std::string>();
+    report_.UpdateFault(test, fault);
+    const std::string problem = answer.at("problem");
+    return problem.empty() ? "" : "cannot keep it: " + problem;
   };
-  return pool.Run(next, done, stop_descriptor, stop);
+  return for_each(request_for, use);
 }
 
 void CaseSession::Print(const ReportedCase& fault, const LoadedTest& test) const {
@@ -507,10 +378,18 @@ void CaseSession::Print(const ReportedCase& fault, const LoadedTest& test) const
   if (!fault.picture.empty()) PrintPlain(stdout, "  picture: {}\n", (folder / fault.picture).string());
 }
 
-std::string CaseSession::Summary() const {
+std::vector<std::string> CaseSession::Summary() const {
   const double seconds = std::chrono::duration<double>(steady_clock::now() - began_).count();
-  return fmt::format("{} passed, {} failed, {} errors, {} not run in {:.1f} s", report_.Count(CaseVerdict::kPassed),
-                     report_.Count(CaseVerdict::kFailed), report_.Count(CaseVerdict::kError), not_run(), seconds);
+  const auto counts = [](const auto& count) {
+    return fmt::format("{} passed, {} failed, {} errors", count(CaseVerdict::kPassed), count(CaseVerdict::kFailed),
+                       count(CaseVerdict::kError));
+  };
+  std::vector<std::string> lines;
+  if (report_.HasKept())
+    lines.push_back("kept cases: " + counts([&](CaseVerdict verdict) { return report_.CountKept(verdict); }));
+  lines.push_back(fmt::format("{}, {} not run in {:.1f} s",
+                              counts([&](CaseVerdict verdict) { return report_.Count(verdict); }), not_run(), seconds));
+  return lines;
 }
 
 }  // namespace troupe

@@ -5,12 +5,13 @@
 #include <chrono>
 #include <deque>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "testing/cases/case_run.h"
+#include "testing/cases/kept_cases.h"
 #include "testing/cases/smaller_case.h"
 #include "testing/cases/test_file.h"
 #include "testing/reports/case_report.h"
@@ -35,11 +36,12 @@ struct CaseSessionOptions {
   bool keep_failing = true;  // reads and writes the files of failing cases, runs those first, and makes artifacts
   bool processes = false;    // each case is run by processes, too, and has to have the same hashes
   std::string folder;        // of recordings and pictures; empty: none are made
+  CaseDetail detail = CaseDetail::kCases;  // of the report
 };
 
 class CaseSession {
  public:
-  explicit CaseSession(CaseSessionOptions options) : options_(std::move(options)) {}
+  explicit CaseSession(CaseSessionOptions options) : options_(std::move(options)), report_(options_.detail) {}
 
   // Reads and checks the tests. The error is the first one; all are printed.
   Status Load(const std::vector<std::string>& paths);
@@ -47,36 +49,34 @@ class CaseSession {
   Result<bool> Run();
 
   const CaseReport& report() const { return report_; }
-  // "198 passed, 2 failed, 0 errors, 0 not run in 3.2 s"
-  std::string Summary() const;
+  // "198 passed, 2 failed, 0 errors, 0 not run in 3.2 s", behind a line of the kept cases, if any.
+  std::vector<std::string> Summary() const;
   std::uint64_t not_run() const { return planned_ > done_ ? planned_ - done_ : 0; }
 
  private:
-  struct LoadedTest {
-    std::unique_ptr<TestFile> file;
-    std::unique_ptr<CaseWorlds> worlds;
-    std::vector<TestCase> kept;  // that failed in earlier sessions
-    std::uint64_t next = 0;      // of the kept cases, then those of the design
-    std::unique_ptr<CaseSearch> search;
-    std::vector<std::string> new_failing;  // texts of cases for the file
-    std::size_t faults = 0;
-  };
   struct Job {
     std::size_t test = 0;
     std::uint64_t number = 0;
+    bool kept = false;  // beside the design
     TestCase draws;
     std::chrono::steady_clock::time_point began;
   };
+  struct LoadedTest {
+    std::unique_ptr<TestFile> file;
+    std::unique_ptr<CaseWorlds> worlds;
+    KeptCases kept;                 // that failed in earlier sessions
+    std::deque<Job> first;          // of them, those that have not begun
+    std::set<std::uint64_t> begun;  // of the design, the kept ones
+    std::uint64_t next = 0;         // of the other cases of the design's shard, or of the search
+    std::unique_ptr<CaseSearch> search;
+    std::vector<TestCase> new_failing;  // for the file
+    std::size_t faults = 0;
+  };
 
   Status LoadTest(const std::string& path);
-  void ReadKept(LoadedTest& test) const;
-  void WriteKept(const LoadedTest& test) const;
+  void ReadKept(LoadedTest& test);
   std::optional<Job> NextJob();
   void Finish(const Job& job, CaseOutcome outcome);
-  // In a worker.
-  std::string Answer(const std::string& request) const;
-  nlohmann::json AnswerShrink(const nlohmann::json& request) const;
-  nlohmann::json AnswerKeep(const nlohmann::json& request) const;
   // The smallest cases, recordings and pictures of the first faults. False: interrupted.
   Result<bool> Examine(class WorkerPool& pool, const std::function<bool()>& stop, int stop_descriptor);
   void Print(const ReportedCase& fault, const LoadedTest& test) const;

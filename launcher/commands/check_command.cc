@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -12,7 +13,11 @@
 #include "launcher/commands/commands.h"
 #include "recording/recording.h"
 #include "robot-agent/controller/create_controller.h"
+#include "testing/cases/case_run.h"
+#include "testing/cases/test_file.h"
 #include "worldfile/scenario/scenario.h"
+#include "worldfile/text/json_tree.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
@@ -141,8 +146,61 @@ int CheckRecording(const std::string& file) {
   return kExitDone;
 }
 
+// A file with keys of tests, in JSON that can be parsed.
+bool IsTest(const std::string& file) {
+  if (file.ends_with(".test.json")) return true;
+  if (!file.ends_with(".json")) return false;
+  const Result<std::string> text = ReadTextFile(file, {file, 0, 0});
+  if (!text.ok()) return false;
+  const Result<JsonTree> tree = JsonTree::Parse(text.value(), file);
+  if (!tree.ok() || !tree.value().root().is_object()) return false;
+  const JsonNode& root = tree.value().root();
+  return root.Find("expect") != nullptr || root.Find("cover") != nullptr || root.Find("metrics") != nullptr;
+}
+
+// The test, and the world of its first case. Every value of a list is checked in the place of that of the first case.
+int CheckTest(const std::string& file) {
+  constexpr std::uint64_t kMostValues = 50;  // of each list
+  const Result<TestFile> read = TestFile::Read(file);
+  if (!read.ok()) return Fail(read.error());
+  const TestFile& test = read.value();
+  const CaseWorlds worlds(test);
+  const CaseDesign& design = test.design();
+  const TestCase first = design.At(0);
+  if (const Status status = worlds.Check(first); !status.ok()) return Fail(status.error());
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("test: {} ({})", test.name(), CountText(design.size(), "case")));
+  for (std::size_t i = 0; i < design.variations().size(); ++i) {
+    const Variation& variation = design.variations()[i];
+    lines.push_back(fmt::format("  vary {}: {}", variation.path(), variation.Describe()));
+    for (std::uint64_t value = 0; value < std::min(variation.size(), kMostValues); ++value) {
+      TestCase draws = first;
+      draws[i].value = variation.At(value);
+      if (draws == first || !design.MeetsConstraints(draws)) continue;
+      if (const Status status = worlds.Check(draws); !status.ok()) return Fail(status.error());
+    }
+  }
+  const LoadedWorld loaded = worlds.Load(first).value();  // Check has loaded it
+  const CaseMonitors monitors = CaseMonitors::Make(test, loaded.world, loaded.regions).value();
+  for (std::size_t i = 0; i < test.expect().size(); ++i) {
+    const std::string formula = monitors.expectations()[i].expectation().formula();
+    lines.push_back(fmt::format("  expect {}: {}", test.expect()[i].name, formula));
+  }
+  for (const TestClause& clause : test.cover())
+    lines.push_back(fmt::format("  cover {}: {}", clause.name, clause.text));
+  for (std::size_t i = 0; i < test.metrics().size(); ++i) {
+    const Metric& metric = monitors.metrics()[i].metric();
+    const std::string unit = metric.unit().empty() ? "" : " (" + metric.unit() + ")";
+    lines.push_back(fmt::format("  metric {}{}: {}", test.metrics()[i].name, unit, metric.formula()));
+  }
+  for (const std::string& line : lines) PrintPlain(stdout, "{}\n", line);
+  fmt::print("{}", DescribeWorld(loaded));
+  return kExitDone;
+}
+
 int CheckCommand(const std::string& file) {
   if (IsRecordingPath(file)) return CheckRecording(file);
+  if (IsTest(file)) return CheckTest(file);
   if (const Status status = CheckControllers(file); !status.ok()) return Fail(status.error());
   LoadOverrides overrides;
   overrides.check_controller = CheckController;  // also of what a scenario adds to a world

@@ -154,16 +154,20 @@ int RunCases(const TestArguments& arguments, Purpose purpose) {
   if (!options.ok()) return Fail(options.error());
   if (const Status status = CheckOutputs(arguments); !status.ok()) return Fail(status.error());
   options.value().keep_failing = purpose == Purpose::kTest;
+  if (arguments.junit.empty() && arguments.report.empty()) options.value().detail = CaseDetail::kCounts;
   CaseSession session(std::move(options).value());
   if (const Status status = session.Load(arguments.files); !status.ok()) return ExitStatusOf(status.error());
   const Result<bool> whole = session.Run();
   if (!whole.ok()) return Fail(whole.error());
   for (const std::string& name : session.report().Uncovered()) PrintPlain(stdout, "not covered: {}\n", name);
   if (const Status status = WriteReports(session.report(), arguments); !status.ok()) return Fail(status.error());
-  PrintPlain(stdout, "{}\n", session.Summary());
+  for (const std::string& line : session.Summary()) PrintPlain(stdout, "{}\n", line);
   if (!whole.value()) return kExitInterrupted;
-  if (purpose == Purpose::kTest && session.report().Count(CaseVerdict::kFailed) > 0) return kExitExpectationFailed;
-  return session.report().Count(CaseVerdict::kError) > 0 ? kExitFailed : kExitDone;
+  const auto any = [&](CaseVerdict verdict) {
+    return session.report().Count(verdict) + session.report().CountKept(verdict) > 0;
+  };
+  if (purpose == Purpose::kTest && any(CaseVerdict::kFailed)) return kExitExpectationFailed;
+  return any(CaseVerdict::kError) ? kExitFailed : kExitDone;
 }
 
 int Merge(const TestArguments& arguments) {

@@ -196,16 +196,17 @@ Result<CaseMonitors> CaseMonitors::Make(const TestFile& test, const WorldDescrip
     }
     return {};
   };
-  if (only) {
-    if (Status error = add({test.expect()[*only]}, monitors.expectations_); !error.ok()) return error.error();
-    return monitors;
-  }
   if (Status error = add(test.expect(), monitors.expectations_); !error.ok()) return error.error();
   if (Status error = add(test.cover(), monitors.cover_); !error.ok()) return error.error();
   for (const TestClause& clause : test.metrics()) {
     const Result<Metric> metric = Metric::Parse(clause.text, scope);
     if (!metric.ok()) return test.At(clause, metric.error());
     monitors.metrics_.emplace_back(metric.value());
+  }
+  if (only) {  // the others have to fit the world, too
+    monitors.expectations_ = {monitors.expectations_[*only]};
+    monitors.cover_.clear();
+    monitors.metrics_.clear();
   }
   return monitors;
 }

@@ -89,7 +89,8 @@ CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseR
 // The clauses of a test on one run: for simulations and recordings.
 class CaseMonitors {
  public:
-  // The error is a clause that the world does not fit, at its place in the test's file. `only`: as above.
+  // The error is a clause that the world does not fit, at its place in the test's file. `only`: as above; the other
+  // clauses are checked.
   static Result<CaseMonitors> Make(const TestFile& test, const WorldDescription& world,
                                    const std::vector<RegionOfScenario>& regions, std::optional<std::size_t> only = {});
 

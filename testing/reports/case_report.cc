@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <sstream>
 
 #include "common/base/file.h"
@@ -54,41 +55,57 @@ json ToJson(const ReportedCase& reported) {
 }
 
 void CaseReport::AddTest(const ReportedTest& test) {
-  entries_.push_back({test, {}, {}});
+  entries_.push_back({test});
 }
 
 void CaseReport::AddCase(std::size_t test, ReportedCase reported, std::optional<double> seconds) {
   Entry& entry = entries_[test];
   const CaseOutcome& outcome = reported.outcome;
-  Row row{reported.draws,  outcome.verdict, outcome.ticks, outcome.state_hash, {},
+  ++(reported.kept ? entry.kept_counts : entry.counts)[static_cast<std::size_t>(outcome.verdict)];
+  entry.covered.resize(std::max(entry.covered.size(), outcome.covered.size()));
+  for (std::size_t i = 0; i < outcome.covered.size(); ++i) {
+    if (outcome.covered[i]) entry.covered[i] = true;
+  }
+  if (detail_ == CaseDetail::kCounts) return;
+  Row row{reported.kept,   reported.draws,  outcome.verdict, outcome.ticks, outcome.state_hash, {},
           outcome.covered, outcome.metrics, seconds};
   for (const ExpectationOutcome& each : outcome.expectations) row.robustness.push_back(each.robustness);
   entry.rows[reported.number] = std::move(row);
-  if (outcome.verdict == CaseVerdict::kPassed) return;
-  const std::uint64_t number = reported.number;
-  entry.faults[number] = std::move(reported);
+  if (outcome.verdict == CaseVerdict::kFailed || outcome.verdict == CaseVerdict::kError) {
+    const std::uint64_t number = reported.number;
+    entry.faults[number] = std::move(reported);
+  }
 }
 
-std::optional<double> CaseReport::SecondsOf(std::size_t test, std::uint64_t number) const {
-  const auto row = entries_[test].rows.find(number);
-  return row == entries_[test].rows.end() ? std::nullopt : row->second.seconds;
+void CaseReport::UpdateFault(std::size_t test, const ReportedCase& reported) {
+  if (detail_ == CaseDetail::kCases) entries_[test].faults[reported.number] = reported;
+}
+
+std::uint64_t CaseReport::Sum(const Counts& counts) {
+  return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 
 std::uint64_t CaseReport::Count(CaseVerdict verdict) const {
   std::uint64_t count = 0;
-  for (const Entry& entry : entries_) {
-    for (const auto& [number, row] : entry.rows) count += row.verdict == verdict ? 1U : 0U;
-  }
+  for (const Entry& entry : entries_) count += entry.counts[static_cast<std::size_t>(verdict)];
   return count;
+}
+
+std::uint64_t CaseReport::CountKept(CaseVerdict verdict) const {
+  std::uint64_t count = 0;
+  for (const Entry& entry : entries_) count += entry.kept_counts[static_cast<std::size_t>(verdict)];
+  return count;
+}
+
+bool CaseReport::HasKept() const {
+  return std::any_of(entries_.begin(), entries_.end(), [](const Entry& entry) { return Sum(entry.kept_counts) > 0; });
 }
 
 std::vector<std::string> CaseReport::Uncovered() const {
   std::vector<std::string> missing;
   for (const Entry& entry : entries_) {
     for (std::size_t i = 0; i < entry.test.cover.size(); ++i) {
-      const bool reached = std::any_of(entry.rows.begin(), entry.rows.end(), [&](const auto& row) {
-        return i < row.second.covered.size() && row.second.covered[i];
-      });
+      const bool reached = i < entry.covered.size() && entry.covered[i];
       if (!reached) missing.push_back(entry.test.name + ": " + entry.test.cover[i]);
     }
   }
@@ -108,6 +125,7 @@ std::string CaseReport::Lines() const {
       }
       json line = {{"test", entry.test.path},
                    {"number", number},
+                   {"kept", row.kept},
                    {"case", CaseToJson(row.draws)},
                    {"verdict", ToString(row.verdict)},
                    {"ticks", row.ticks},
@@ -156,6 +174,7 @@ Status CaseReport::AddLines(const std::string& file) {
       if (entry == entries_.end()) return Error{where, "found a case of an unknown test, expected its test before it"};
       ReportedCase reported;
       reported.number = value.at("number");
+      reported.kept = value.at("kept");
       reported.draws = CaseFromJson(value.at("case"));
       const std::string verdict = value.at("verdict");
       if (value.contains("fault")) {
@@ -169,7 +188,8 @@ Status CaseReport::AddLines(const std::string& file) {
         reported.recording = fault.at("recording").get<std::string>();
         reported.picture = fault.at("picture").get<std::string>();
       } else {
-        reported.outcome.verdict = CaseVerdict::kPassed;
+        reported.outcome.verdict =
+            verdict == ToString(CaseVerdict::kPassed) ? CaseVerdict::kPassed : CaseVerdict::kNotRun;
         reported.outcome.ticks = value.at("ticks");
         reported.outcome.state_hash = std::stoull(value.at("state_hash").get<std::string>(), nullptr, 16);
         reported.outcome.covered = value.at("covered").get<std::vector<bool>>();
@@ -207,6 +227,7 @@ std::string CaseReport::Csv(const Entry& entry) const {
   }
   csv += "\n";
   for (const auto& [number, row] : entry.rows) {
+    if (row.kept) continue;
     csv += std::to_string(number);
     for (std::size_t i = 0; i < entry.test.vary.size(); ++i)
       csv += "," + (i < row.draws.size() ? CsvField(row.draws[i].value) : "");
@@ -227,8 +248,8 @@ std::string CaseReport::Csv(const Entry& entry) const {
 
 std::string CaseReport::JUnit() const {
   const auto count = [](const Entry& entry, CaseVerdict verdict) {
-    return std::count_if(entry.rows.begin(), entry.rows.end(),
-                         [&](const auto& row) { return row.second.verdict == verdict; });
+    const auto i = static_cast<std::size_t>(verdict);
+    return entry.counts[i] + entry.kept_counts[i];
   };
   std::string suites;
   for (const Entry& entry : entries_) {
@@ -240,18 +261,19 @@ std::string CaseReport::JUnit() const {
         count(entry, CaseVerdict::kError), count(entry, CaseVerdict::kNotRun), total);
     for (const auto& [number, row] : entry.rows) {
       const std::string text = CaseText(row.draws);
-      suites += fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", Escaped(entry.test.name),
-                            Escaped(text.empty() ? "case" : text), row.seconds.value_or(0.0));
+      suites +=
+          fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", Escaped(entry.test.name),
+                      Escaped((row.kept ? "kept: " : "") + (text.empty() ? "case" : text)), row.seconds.value_or(0.0));
+      if (row.verdict == CaseVerdict::kNotRun) {
+        suites += "><skipped message=\"not run\"/></testcase>\n";
+        continue;
+      }
       const auto fault = entry.faults.find(number);
       if (fault == entry.faults.end()) {
         suites += "/>\n";
         continue;
       }
       suites += ">";
-      if (row.verdict == CaseVerdict::kNotRun) {
-        suites += "<skipped message=\"not run\"/></testcase>\n";
-        continue;
-      }
       const char* const element = row.verdict == CaseVerdict::kFailed ? "failure" : "error";
       const std::string problem = Problem(entry.test, fault->second);
       const std::string first = problem.substr(0, problem.find('\n'));
@@ -262,12 +284,13 @@ std::string CaseReport::JUnit() const {
     }
     suites += "  </testsuite>\n";
   }
+  const auto total = [&](CaseVerdict verdict) { return Count(verdict) + CountKept(verdict); };
   std::uint64_t tests = 0;
   for (const Entry& entry : entries_) tests += entry.rows.size();
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"{}\" failures=\"{}\" errors=\"{}\" "
       "skipped=\"{}\">\n{}</testsuites>\n",
-      tests, Count(CaseVerdict::kFailed), Count(CaseVerdict::kError), Count(CaseVerdict::kNotRun), suites);
+      tests, total(CaseVerdict::kFailed), total(CaseVerdict::kError), total(CaseVerdict::kNotRun), suites);
 }
 
 std::string CaseReport::NameOf(const Entry& entry) {

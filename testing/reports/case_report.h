@@ -3,6 +3,7 @@
 // The cases of a shard are in cases.jsonl, from which the reports of several shards are merged.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -32,10 +33,11 @@ struct ReportedTest {
 };
 
 struct ReportedCase {
-  std::uint64_t number = 0;  // in the design of the test; of a case that was kept, from that on
+  std::uint64_t number = 0;  // in the design of the test; of a case that was kept beside the design, from that on
+  bool kept = false;         // a case that failed in an earlier session, and is none of the design
   TestCase draws;
-  CaseOutcome outcome;
-  std::string command;         // that repeats it; empty for a case that passed
+  CaseOutcome outcome = {};
+  std::string command = {};    // that repeats it; empty for a case that passed
   std::string shrunk = {};     // the text of the smallest case that fails so; empty: none was made
   std::string folder = {};     // with its recording and picture, from the report's folder; empty: none
   std::string recording = {};  // file names in it; empty: none
@@ -45,30 +47,41 @@ struct ReportedCase {
 nlohmann::json ToJson(const ReportedTest& test);
 nlohmann::json ToJson(const ReportedCase& reported);
 
+// Without the cases a report has only counts, in constant memory.
+enum class CaseDetail : bool { kCounts, kCases };
+
 class CaseReport {
  public:
-  // The tests in their order; cases of each are added in any order, and reported by number.
+  explicit CaseReport(CaseDetail detail = CaseDetail::kCases) : detail_(detail) {}
+
+  // The tests in their order; cases of each are added in any order, each once, and reported by number.
   void AddTest(const ReportedTest& test);
   // `test`: its index. `seconds`: wall time of the case; nothing: unknown.
   void AddCase(std::size_t test, ReportedCase reported, std::optional<double> seconds = {});
-  // The wall time of a case that was added.
-  std::optional<double> SecondsOf(std::size_t test, std::uint64_t number) const;
+  // Replaces a case that was added, did not pass, and has been examined since.
+  void UpdateFault(std::size_t test, const ReportedCase& reported);
   // Adds the tests and cases of a cases.jsonl. The error: a file that is none, a test that differs from one of the same
   // path, or a case that is there already.
   Status AddLines(const std::string& file);
 
+  // Cases of the designs, and those that were kept beside them.
   std::uint64_t Count(CaseVerdict verdict) const;
+  std::uint64_t CountKept(CaseVerdict verdict) const;
+  bool HasKept() const;
   // Situations of `cover` that no case has reached, as "test: name".
   std::vector<std::string> Uncovered() const;
 
+  // REQUIRES of both: the report has the cases.
   // One suite for each test; failures and errors apart.
   std::string JUnit() const;
-  // Writes cases.jsonl, cases.csv, index.html and plots (*.svg) into a folder, which is made.
+  // Writes cases.jsonl, cases.csv, index.html and plots (*.svg) into a folder, which is made. Tables and plots have the
+  // cases of the design alone.
   Status Write(const std::string& folder) const;
 
  private:
   // What is kept of each case is small; only cases that did not pass are kept whole.
   struct Row {
+    bool kept = false;
     TestCase draws;
     CaseVerdict verdict = CaseVerdict::kNotRun;
     Tick ticks = 0;
@@ -78,11 +91,16 @@ class CaseReport {
     std::vector<std::optional<double>> metrics;
     std::optional<double> seconds;
   };
+  using Counts = std::array<std::uint64_t, 4>;  // by verdict
   struct Entry {
     ReportedTest test;
-    std::map<std::uint64_t, Row> rows;             // by number
-    std::map<std::uint64_t, ReportedCase> faults;  // that did not pass, whole
+    Counts counts{};
+    Counts kept_counts{};
+    std::vector<bool> covered = {};                     // by any case
+    std::map<std::uint64_t, Row> rows = {};             // by number
+    std::map<std::uint64_t, ReportedCase> faults = {};  // that failed or could not be run, whole
   };
+  static std::uint64_t Sum(const Counts& counts);
 
   std::string Lines() const;
   std::string Csv(const Entry& entry) const;
@@ -92,6 +110,7 @@ class CaseReport {
   static std::vector<std::pair<std::string, std::string>> Plots(const Entry& entry);  // file names and SVG
   static std::string NameOf(const Entry& entry);
 
+  const CaseDetail detail_;
   std::vector<Entry> entries_;
 };
 

@@ -53,8 +53,8 @@ std::string FaultText(const ReportedTest& test, const ReportedCase& fault) {
   const CaseOutcome& outcome = fault.outcome;
   const std::string text = CaseText(fault.draws);
   std::string html =
-      fmt::format("<details><summary><b class=\"{}\">{}</b> <code>{}</code></summary>\n", ClassOf(outcome.verdict),
-                  ToString(outcome.verdict), Escaped(text.empty() ? "the only case" : text));
+      fmt::format("<details><summary><b class=\"{}\">{}</b> {}<code>{}</code></summary>\n", ClassOf(outcome.verdict),
+                  ToString(outcome.verdict), fault.kept ? "kept " : "", Escaped(text.empty() ? "the only case" : text));
   if (!outcome.error.empty()) html += "<p>" + Escaped(outcome.error) + "</p>\n";
   if (!fault.command.empty()) html += "<p>Repeat: <code>" + Escaped(fault.command) + "</code></p>\n";
   if (!fault.shrunk.empty()) html += "<p>The smallest case found: <code>" + Escaped(fault.shrunk) + "</code></p>\n";
@@ -99,7 +99,7 @@ std::vector<std::pair<std::string, std::string>> CaseReport::Plots(const Entry& 
       if (test.vary[v] == "seed") continue;
       std::map<std::string, Statistics> by_value;
       for (const auto& [number, row] : entry.rows) {
-        if (v >= row.draws.size() || metric >= row.metrics.size() || !row.metrics[metric]) continue;
+        if (row.kept || v >= row.draws.size() || metric >= row.metrics.size() || !row.metrics[metric]) continue;
         by_value[row.draws[v].value].Add(*row.metrics[metric]);
       }
       if (by_value.empty()) continue;
@@ -123,7 +123,7 @@ std::vector<std::pair<std::string, std::string>> CaseReport::Plots(const Entry& 
 std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
   std::map<std::string, Statistics> groups;
   for (const auto& [number, row] : entry.rows) {
-    if (metric >= row.metrics.size() || !row.metrics[metric]) continue;
+    if (row.kept || metric >= row.metrics.size() || !row.metrics[metric]) continue;
     groups[GroupOf(row.draws)].Add(*row.metrics[metric]);
   }
   std::string html = fmt::format(
@@ -148,8 +148,10 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
 
 std::string CaseReport::PageOf(const Entry& entry) const {
   const ReportedTest& test = entry.test;
-  std::string html = fmt::format("<h2>{}</h2>\n<p><code>{}</code>, {} of {} cases of its design</p>\n",
-                                 Escaped(test.name), Escaped(test.path), entry.rows.size(), test.cases);
+  const std::uint64_t kept = Sum(entry.kept_counts);
+  std::string html = fmt::format("<h2>{}</h2>\n<p><code>{}</code>, {} of {} cases of its design{}</p>\n",
+                                 Escaped(test.name), Escaped(test.path), Sum(entry.counts), test.cases,
+                                 kept > 0 ? fmt::format(", and {} kept case{}", kept, kept == 1 ? "" : "s") : "");
   if (!test.expect.empty()) {
     html +=
         "<table><tr><th>expectation</th><th>formula</th><th>holds</th><th>fails</th><th>least robustness</th><th>in "
@@ -159,7 +161,7 @@ std::string CaseReport::PageOf(const Entry& entry) const {
       std::uint64_t fails = 0;
       const Row* nearest = nullptr;
       for (const auto& [number, row] : entry.rows) {
-        if (i >= row.robustness.size()) continue;
+        if (row.kept || i >= row.robustness.size()) continue;
         ++(std::signbit(row.robustness[i]) ? fails : holds);
         if (nearest == nullptr || row.robustness[i] < nearest->robustness[i]) nearest = &row;
       }
@@ -176,7 +178,7 @@ std::string CaseReport::PageOf(const Entry& entry) const {
     html += "<table><tr><th>situation</th><th>cases that reach it</th></tr>\n";
     for (std::size_t i = 0; i < test.cover.size(); ++i) {
       const auto reached = std::count_if(entry.rows.begin(), entry.rows.end(), [&](const auto& row) {
-        return i < row.second.covered.size() && row.second.covered[i];
+        return !row.second.kept && i < row.second.covered.size() && row.second.covered[i];
       });
       html += fmt::format("<tr><td>{}</td><td class=\"n {}\">{}</td></tr>\n", Escaped(test.cover[i]),
                           reached == 0 ? "failed" : "", reached);
@@ -209,14 +211,22 @@ std::string CaseReport::Page() const {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Cases</title>\n"
       "<meta name=\"viewport\" content=\"width=device-width\">\n<style>{}</style></head><body>\n<h1>",
       kStyle);
-  bool first = true;
-  for (const CaseVerdict verdict :
-       {CaseVerdict::kPassed, CaseVerdict::kFailed, CaseVerdict::kError, CaseVerdict::kNotRun}) {
-    const std::uint64_t count = Count(verdict);
-    if (count == 0 && verdict != CaseVerdict::kPassed) continue;
-    html +=
-        fmt::format("{}<span class=\"{}\">{} {}</span>", first ? "" : ", ", ClassOf(verdict), count, ToString(verdict));
-    first = false;
+  const auto list = [&](const auto& count_of) {
+    bool first = true;
+    for (const CaseVerdict verdict :
+         {CaseVerdict::kPassed, CaseVerdict::kFailed, CaseVerdict::kError, CaseVerdict::kNotRun}) {
+      const std::uint64_t count = count_of(verdict);
+      if (count == 0 && verdict != CaseVerdict::kPassed) continue;
+      html += fmt::format("{}<span class=\"{}\">{} {}</span>", first ? "" : ", ", ClassOf(verdict), count,
+                          ToString(verdict));
+      first = false;
+    }
+  };
+  list([&](CaseVerdict verdict) { return Count(verdict); });
+  if (HasKept()) {
+    html += "<br><small>kept cases: ";
+    list([&](CaseVerdict verdict) { return CountKept(verdict); });
+    html += "</small>";
   }
   html += "</h1>\n";
   for (const Entry& entry : entries_) html += PageOf(entry);

@@ -71,6 +71,12 @@ class FleetTests : public testing::Test {
     return {};
   }
 
+  static std::string Between(const std::string& text, const std::string& before, const std::string& after) {
+    const std::size_t begin = text.find(before);
+    if (begin == std::string::npos) return "none";
+    return text.substr(begin + before.size(), text.find(after, begin + before.size()) - begin - before.size());
+  }
+
   TemporaryFolder folder_;
   const std::string test_ = folder_.Write("row.test.json", kRow);
   const std::string report_ = folder_ / "report";
@@ -95,14 +101,18 @@ TEST_F(FleetTests, PrintWhatFailsWithItsSmallestCaseAndWhatShowsIt) {
   ASSERT_EQ(smallest.size(), 4U) << tested.output;
   EXPECT_THAT(smallest[3], AllOf(HasSubstr("without=[\"r0\",\"r1\",\"r3\",\"r4\",\"r5\"]"), HasSubstr("ticks="),
                                  HasSubstr("seed=1,")));
-  EXPECT_EQ(Run(smallest).exit_status, 1);
+  const Tested smaller = Run(smallest);
+  EXPECT_EQ(smaller.exit_status, 1);
 
   // The recording replays and has the violation; the page and the tables are there.
   const std::string recording = report_ + "/row-1/run.mcap";
   EXPECT_EQ(Run({"replay", recording, "--verify"}).exit_status, 0);
   const Tested on = Run({"test", test_, "--on", recording});
   EXPECT_EQ(on.exit_status, 1) << on.output;
-  EXPECT_THAT(on.output, HasSubstr("FAILS slow: robustness -"));
+  // The verdict of the live run, to the last digit that is printed.
+  const std::string tick = Between(smaller.output, "fails at tick ", " of r2");
+  const std::string robustness = Between(smaller.output, "of r2, robustness ", "\n");
+  EXPECT_THAT(on.output, HasSubstr("FAILS slow: robustness " + robustness + ", decided by tick " + tick + " and r2"));
   EXPECT_TRUE(std::filesystem::exists(report_ + "/row-1/violation.png"));
   EXPECT_THAT(TextOf(report_ + "/index.html"),
               AllOf(HasSubstr("3 failed"), HasSubstr("<svg"), Not(HasSubstr("http://localhost"))));
@@ -115,9 +125,28 @@ TEST_F(FleetTests, RunCasesThatHaveFailedFirst) {
   const std::string kept = folder_.Read("row.test.failing");
   EXPECT_THAT(kept, HasSubstr("seed=1,"));
   const Tested again = Run({"test", test_, "--report", report_, "--no-shrink"});
-  EXPECT_THAT(again.output, HasSubstr("not run in"));
   EXPECT_EQ(again.output.find("FAILED row: seed=1,robots[r2].controller.parameters.commands[0].vx=0.9,ticks="), 0U)
       << again.output;
+  // The smaller case, one of all three, is none of the nine.
+  EXPECT_THAT(again.output, HasSubstr("kept cases: 0 passed, 1 failed, 0 errors\n"));
+  EXPECT_THAT(again.output, HasSubstr("\n6 passed, 3 failed, 0 errors, 0 not run in"));
+  EXPECT_THAT(TextOf(report_ + "/index.html"), HasSubstr("9 of 9 cases of its design, and 1 kept case<"));
+  EXPECT_EQ(LinesOf(TextOf(report_ + "/cases.csv")).size(), 10U);
+}
+
+TEST_F(FleetTests, CountAKeptCaseOfTheDesignOnce) {
+  for (int i = 0; i < 2; ++i) {
+    const Tested tested = Run({"test", test_, "--no-shrink", "--report", report_, "--jobs", "1"});
+    EXPECT_THAT(tested.output, HasSubstr("\n6 passed, 3 failed, 0 errors, 0 not run in")) << tested.output;
+    EXPECT_THAT(tested.output, Not(HasSubstr("kept cases")));
+  }
+  // Each shard runs its own, and the merged report has each case once.
+  EXPECT_THAT(Run({"test", test_, "--no-shrink", "--report", folder_ / "a", "--shard", "1/2"}).output,
+              HasSubstr("4 passed, 1 failed, 0 errors, 0 not run in"));
+  EXPECT_THAT(Run({"test", test_, "--no-shrink", "--report", folder_ / "b", "--shard", "2/2"}).output,
+              HasSubstr("2 passed, 2 failed, 0 errors, 0 not run in"));
+  EXPECT_EQ(Run({"sweep", "--merge", folder_ / "a", folder_ / "b", "-o", folder_ / "merged"}).exit_status, 0);
+  EXPECT_EQ(folder_.Read("merged/cases.csv"), TextOf(report_ + "/cases.csv"));
 }
 
 TEST_F(FleetTests, SameVerdictsAndHashesWithAnyJobsShardsAndProcesses) {
@@ -167,17 +196,102 @@ TEST_F(FleetTests, EndWithTheStatusOfTheManual) {
   EXPECT_THAT(tested.output, HasSubstr("1 passed, 0 failed, 1 errors"));
 }
 
+TEST_F(FleetTests, ACaseWhoseProcessDiesIsAnErrorOfThatCase) {
+  const std::string path = folder_.Write("abort.test.json", R"({
+      "robots": [{"name": "a", "model": "position", "controller": ")" ABORTING_LIBRARY R"("}],
+      "vary": {"seed": [1, 2], "ticks": [10, 30]}, "expect": ["tick < 99"]})");
+  for (const char* const jobs : {"1", "2"}) {
+    const Tested tested = Run({"test", path, "--report", report_, "--junit", folder_ / "junit.xml", "--jobs", jobs});
+    EXPECT_EQ(tested.exit_status, 3) << tested.output;
+    EXPECT_THAT(tested.output,
+                HasSubstr("ERROR abort: seed=1,ticks=30\n  the process of the case was killed by signal 6"));
+    EXPECT_THAT(tested.output, HasSubstr("2 passed, 0 failed, 2 errors, 0 not run"));
+    EXPECT_THAT(folder_.Read("junit.xml"), HasSubstr("tests=\"4\" failures=\"0\" errors=\"2\""));
+  }
+}
+
+TEST_F(FleetTests, ProcessesFindAControllerThatIsNotRepeatable) {
+  const std::string path = folder_.Write("drift.test.json", R"({
+      "ticks": 40, "robots": [{"name": "a", "model": "position", "controller": {
+          "name": ")" DRIFTING_LIBRARY R"(", "parameters": {"drifts": false}}}],
+      "vary": {"robots[a].controller.parameters.drifts": [false, true]}, "expect": ["tick < 99"]})");
+  EXPECT_EQ(Run({"test", path, "--report", report_}).exit_status, 0);
+  const Tested tested = Run({"test", path, "--processes", "--report", report_, "--jobs", "2"});
+  EXPECT_EQ(tested.exit_status, 3) << tested.output;
+  EXPECT_THAT(tested.output, HasSubstr("the run in processes differs from the run in one at tick 31"));
+  EXPECT_THAT(tested.output, HasSubstr("1 passed, 0 failed, 1 errors"));
+}
+
 TEST_F(FleetTests, CtrlCKeepsTheCasesThatHaveFinished) {
-  std::string text = kRow;
-  text.replace(text.find("[1, 3]"), 6, "[1, 9000]");
-  const std::string path = folder_.Write("long.test.json", text);
-  Program program = Troupe({"sweep", path, "-o", folder_ / "sweep", "--jobs", "1"});
-  // Once a worker runs.
-  while (ChildrenOf(program.pid()).empty()) ASSERT_FALSE(program.HasEnded()) << program.output();
+  // The library is opened by the second case, behind the first; the third has no end.
+  const std::string mark = folder_ / "mark";
+  setenv("TROUPE_TEST_MARK", mark.c_str(), 1);
+  const std::string path = folder_.Write("long.test.json", R"({
+      "robots": [{"name": "a", "model": "position"}],
+      "vary": {"ticks": [5, 1000000000], "robots[a].controller": [
+                   {"name": "script", "parameters": {"commands": [{"at": 0, "vx": 0.1}]}}, ")" MARKING_LIBRARY R"("]},
+      "expect": ["tick < 99"]})");
+  Program program = Troupe({"test", path, "--report", report_, "--junit", folder_ / "junit.xml", "--jobs", "1"});
+  while (!std::filesystem::exists(mark)) ASSERT_FALSE(program.HasEnded()) << program.output();
+  unsetenv("TROUPE_TEST_MARK");
+  const std::vector<pid_t> workers = ChildrenOf(program.pid());
   program.Signal(SIGINT);
   EXPECT_EQ(program.Wait(), 130);
-  EXPECT_THAT(program.output(), HasSubstr(" not run in"));
-  EXPECT_NE(TextOf(folder_ / "sweep/cases.jsonl"), "");
+  EXPECT_THAT(program.output(), HasSubstr("1 passed, 0 failed, "));
+  EXPECT_THAT(TextOf(report_ + "/cases.jsonl"), HasSubstr("\"verdict\":\"passed\""));
+  EXPECT_THAT(folder_.Read("junit.xml"), AllOf(HasSubstr("tests=\"4\""), HasSubstr("<skipped message=\"not run\"/>")));
+  EXPECT_EQ(LinesOf(TextOf(report_ + "/cases.csv")).size(), 5U);
+  for (const pid_t worker : workers) EXPECT_TRUE(IsGoneSoon(worker));
+}
+
+TEST_F(FleetTests, CtrlCLeavesNoProcessAndNoFileOfProcesses) {
+  const std::string temporary = folder_ / "temporary";
+  std::filesystem::create_directory(temporary);
+  setenv("TMPDIR", temporary.c_str(), 1);
+  std::string text = kRow;
+  text.replace(text.find("[1, 3]"), 6, "[1, 9000]");
+  Program program = Troupe({"test", folder_.Write("long.test.json", text), "--processes", "--jobs", "1"});
+  unsetenv("TMPDIR");
+  std::vector<pid_t> runs;
+  while (runs.empty()) {
+    ASSERT_FALSE(program.HasEnded()) << program.output();
+    for (const pid_t worker : ChildrenOf(program.pid())) runs = ChildrenOf(worker);
+  }
+  program.Signal(SIGINT);
+  EXPECT_EQ(program.Wait(), 130);
+  for (const pid_t run : runs) EXPECT_TRUE(IsGoneSoon(run));
+  for (const auto& entry : std::filesystem::directory_iterator(temporary)) {
+    EXPECT_FALSE(entry.path().filename().string().starts_with("troupe-case-")) << entry.path();
+  }
+}
+
+// A smaller case without a robot that another expectation names would be none of the test.
+TEST_F(FleetTests, SmallestCasesKeepTheRobotsThatAnyExpectationNames) {
+  std::string text = kRow;
+  const std::string clause = R"({"name": "moves", )";
+  text.replace(text.find(clause), 0, R"({"name": "the other", "that": "always x(r4) < 3 m"},)");
+  const Tested tested = Run({"test", folder_.Write("named.test.json", text), "--report", report_});
+  EXPECT_THAT(tested.output, HasSubstr("without=[\"r0\",\"r1\",\"r3\",\"r5\"]")) << tested.output;
+  EXPECT_THAT(tested.output, HasSubstr("(2 robots, "));
+}
+
+TEST_F(FleetTests, CheckReadsTheKeysOfTests) {
+  const Tested good = Run({"check", test_});
+  EXPECT_EQ(good.exit_status, 0) << good.output;
+  EXPECT_THAT(good.output, AllOf(HasSubstr("test: row (9 cases)\n  vary seed: 1 to 3\n"),
+                                 HasSubstr("  expect slow: forall r: always x(r) < 2 m\n"),
+                                 HasSubstr("  metric farthest (m): "), HasSubstr("robots: 6\n")));
+  const auto expect_error = [&](const std::string& old, const std::string& by, const std::string& error) {
+    std::string text = kRow;
+    text.replace(text.find(old), old.size(), by);
+    const Tested bad = Run({"check", folder_.Write("bad.test.json", text)});
+    EXPECT_EQ(bad.exit_status, 2) << bad.output;
+    EXPECT_THAT(bad.output, HasSubstr(error));
+    EXPECT_EQ(LinesOf(bad.output).size(), 1U) << bad.output;
+  };
+  expect_error("always x(r) < 2 m", "always x(r) < 2 s", "bad.test.json:13:");
+  expect_error("[1, 3]", "[3, 1]", "bad.test.json:11:");
+  expect_error(R"("seed": {"range": [1, 3]})", R"("robots[r0].model": ["position", "none"])", "in the case robots[r0]");
 }
 
 }  // namespace

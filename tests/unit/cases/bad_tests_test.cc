@@ -37,6 +37,7 @@ std::string Expecting(const std::string& text) {
 
 class BadTests : public testing::TestWithParam<BadTest> {};
 
+// Its error is bad input, with which the program ends with status 2.
 std::string ErrorOf(const std::string& text) {
   const test::TemporaryFolder folder;
   folder.Write("scenario.json", "{\"spawn\": [], \"robots\": [{\"name\": \"anna\", \"model\": \"position\"}]}");
@@ -44,8 +45,10 @@ std::string ErrorOf(const std::string& text) {
   std::string error;
   const Result<TestFile> test = TestFile::Read(path);
   if (!test.ok()) {
+    EXPECT_EQ(test.error().code, ErrorCode::kBadInput);
     error = test.error().ToString();
   } else if (const Status status = CaseWorlds(test.value()).Check(test.value().design().At(0)); !status.ok()) {
+    EXPECT_EQ(status.error().code, ErrorCode::kBadInput);
     error = status.error().ToString();
   }
   return error.starts_with(path) ? error.substr(path.size()) : error;

@@ -86,6 +86,36 @@ TEST(CaseReport, JUnitKeepsFailuresAndErrorsApart) {
   EXPECT_THAT(xml, HasSubstr("classname=\"a&lt;b\" name=\"seed=2,n=5\""));
 }
 
+TEST(CaseReport, CountsKeptCasesApartAndLeavesThemOutOfTables) {
+  CaseReport report = ExampleReport(0, 1);
+  ReportedCase kept = ExampleCase(4, CaseVerdict::kFailed);
+  kept.kept = true;
+  report.AddCase(0, kept);
+  EXPECT_EQ(report.Count(CaseVerdict::kFailed), 1U);
+  EXPECT_EQ(report.CountKept(CaseVerdict::kFailed), 1U);
+  EXPECT_THAT(report.JUnit(), HasSubstr("<testsuites tests=\"5\" failures=\"2\" errors=\"1\" skipped=\"0\">"));
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(report.Write(folder / "all").ok());
+  ASSERT_TRUE(ExampleReport(0, 1).Write(folder / "design").ok());
+  EXPECT_EQ(folder.Read("all/cases.csv"), folder.Read("design/cases.csv"));
+  EXPECT_EQ(folder.Read("all/a_b-metric1-2.svg"), folder.Read("design/a_b-metric1-2.svg"));
+  CaseReport read;
+  ASSERT_TRUE(read.AddLines(folder / "all/cases.jsonl").ok());
+  EXPECT_EQ(read.CountKept(CaseVerdict::kFailed), 1U);
+}
+
+TEST(CaseReport, HasCasesThatWereNotRun) {
+  CaseReport report = ExampleReport(0, 1);
+  report.AddCase(0, {4, false, {{"seed", "4"}, {"n", "5"}}});
+  EXPECT_THAT(report.JUnit(),
+              HasSubstr("name=\"seed=4,n=5\" time=\"0.000\"><skipped message=\"not run\"/></testcase>"));
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(report.Write(folder / "all").ok());
+  CaseReport read;
+  ASSERT_TRUE(read.AddLines(folder / "all/cases.jsonl").ok());
+  EXPECT_EQ(read.Count(CaseVerdict::kNotRun), 1U);
+}
+
 TEST(CaseReport, ListsSituationsThatNoCaseReached) {
   EXPECT_THAT(ExampleReport(0, 1).Uncovered(), testing::ElementsAre("a<b: never"));
 }

@@ -1,0 +1,161 @@
+#include "launcher/commands/case_work.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/base/file.h"
+#include "launcher/process/process.h"
+#include "testing/cases/smaller_case.h"
+
+namespace troupe {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSecondsAfter = 2.0;  // simulated, of a recording after the tick that decides
+
+// Runs `troupe` with these arguments to its end. The error has the last line that it printed.
+Status RunTroupe(const std::vector<std::string>& arguments) {
+  Result<std::string> program = FindProgram("troupe");
+  if (!program.ok()) return program.error();
+  std::vector<std::string> command = {program.value()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  LinePipe output;
+  Result<Process> process = Process::Start(command, output.writing_end());
+  if (!process.ok()) return process.error();
+  output.CloseWritingEnd();
+  std::string last;
+  while (!output.at_end()) {
+    pollfd waited{output.reading_end(), POLLIN, 0};
+    poll(&waited, 1, -1);
+    for (const std::string& line : output.Read()) last = line;
+  }
+  while (!process.value().Poll()) poll(nullptr, 0, 1);  // its pipe has ended
+  if (process.value().end()->ok()) return {};
+  return Failure(fmt::format("troupe {}: {}: {}", arguments.front(), process.value().end()->ToString(), last));
+}
+
+// A case as a scenario that stands alone.
+Status WriteScenario(const TestFile& test, const TestCase& draws, const std::string& path) {
+  const Result<std::string> text = test.TextOf(draws);
+  if (!text.ok()) return text.error();
+  const Result<ScenarioText> parsed = ScenarioText::Parse(text.value(), test.scenario_path());
+  if (!parsed.ok()) return parsed.error();
+  const std::string folder = std::filesystem::absolute(test.scenario_path()).parent_path().string();
+  return WriteWholeFile(path, parsed.value().WithAbsolutePaths(folder));
+}
+
+// The case in processes has the hashes of the case in this one.
+Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::vector<std::uint64_t>& hashes,
+                        const std::string& scratch) {
+  const std::string base = fmt::format("{}/{}", scratch, getpid());
+  const std::string scenario = base + ".json";
+  const std::string log = base + ".hashes";
+  if (Status error = WriteScenario(test, draws, scenario); !error.ok()) return error;
+  const std::string ticks = std::to_string(hashes.size() - 1);
+  if (Status error = RunTroupe({"run", scenario, "--headless", "--no-ros", "--mode", "lockstep", "--speed", "max",
+                                "--ticks", ticks, "--hash-log", log});
+      !error.ok()) {
+    return error;
+  }
+  const Result<std::string> text = ReadWholeFile(log, std::size_t{1} << 32);
+  if (!text.ok()) return text.error();
+  std::istringstream lines(text.value());
+  std::size_t compared = 0;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::uint64_t tick = 0;
+    std::string hash;
+    if (!(words >> tick >> hash) || tick >= hashes.size())
+      return Failure("found the line '" + line + "' in a hash log");
+    if (std::stoull(hash, nullptr, 16) != hashes[tick]) {
+      return Failure(fmt::format("the run in processes differs from the run in one at tick {}", tick));
+    }
+    ++compared;
+  }
+  if (compared == hashes.size()) return {};
+  return Failure(fmt::format("the run in processes has {} states, the run in one {}", compared, hashes.size()));
+}
+
+json Run(const CaseWorlds& worlds, const json& request) {
+  const TestCase draws = CaseFromJson(request.at("case"));
+  const std::string scratch = request.at("scratch");
+  CaseRunOptions options;
+  std::vector<std::uint64_t> hashes;
+  if (!scratch.empty()) {
+    options.on_tick = [&](const Simulation& simulation) {
+      hashes.push_back(simulation.state_hash());
+      return true;
+    };
+  }
+  CaseOutcome outcome = RunCase(worlds, draws, options);
+  if (!scratch.empty() && outcome.verdict != CaseVerdict::kError) {
+    if (const Status same = CompareProcesses(worlds.test(), draws, hashes, scratch); !same.ok()) {
+      outcome.verdict = CaseVerdict::kError;
+      outcome.error = same.error().message;
+    }
+  }
+  if (outcome.verdict == CaseVerdict::kPassed) {
+    for (ExpectationOutcome& expectation : outcome.expectations) expectation.history.clear();
+  }
+  return ToJson(outcome);
+}
+
+json Shrink(const CaseWorlds& worlds, const json& request) {
+  const ShrunkCase shrunk = ShrinkCase(worlds, CaseFromJson(request.at("case")), request.at("expectation"));
+  return {{"case", CaseToJson(shrunk.draws)},
+          {"runs", shrunk.runs},
+          {"robots", shrunk.robots},
+          {"outcome", ToJson(shrunk.outcome)}};
+}
+
+json Keep(const CaseWorlds& worlds, const json& request) {
+  const TestCase draws = CaseFromJson(request.at("case"));
+  const std::filesystem::path folder(request.at("folder").get<std::string>());
+  const CaseOutcome outcome = OutcomeFromJson(request.at("outcome"));
+  const auto failed = std::find_if(outcome.expectations.begin(), outcome.expectations.end(),
+                                   [](const ExpectationOutcome& each) { return !each.holds; });
+  const Tick tick = failed->cause_tick.value_or(outcome.ticks);
+  const auto after = static_cast<Tick>(outcome.tick_seconds > 0.0 ? kSecondsAfter / outcome.tick_seconds : 0.0);
+  const Tick last = std::min(outcome.ticks, std::max(tick, failed->decided_at.value_or(tick)) + after);
+  json reply = {{"recording", ""}, {"picture", ""}, {"problem", ""}};
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  const std::string scenario = (folder / "scenario.json").string();
+  Status status = failure ? Status(Failure(failure.message())) : WriteScenario(worlds.test(), draws, scenario);
+  if (status.ok()) {
+    status =
+        RunTroupe({"run", scenario, "--in-process", "--headless", "--no-ros", "--mode", "lockstep", "--speed", "max",
+                   "--ticks", std::to_string(std::max<Tick>(last, 1)), "--record", (folder / "run.mcap").string()});
+    if (status.ok()) reply["recording"] = "run.mcap";
+  }
+  Status saved;
+  CaseRunOptions options;
+  options.on_tick = [&](const Simulation& simulation) {
+    if (simulation.tick() < tick) return true;
+    saved = simulation.SavePicture((folder / "violation.png").string());
+    return false;
+  };
+  RunCase(worlds, draws, options);
+  if (saved.ok()) reply["picture"] = "violation.png";
+  for (const Status& each : {status, saved}) {
+    if (!each.ok()) reply["problem"] = each.error().message;
+  }
+  return reply;
+}
+
+}  // namespace
+
+json PerformCaseWork(const CaseWorlds& worlds, const json& request) {
+  const std::string kind = request.at("kind");
+  if (kind == "shrink") return Shrink(worlds, request);
+  return kind == "keep" ? Keep(worlds, request) : Run(worlds, request);
+}
+
+}  // namespace troupe

@@ -1,0 +1,19 @@
+// What a worker of `troupe test` does with one case: runs it, looks for a smaller one, records it.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "testing/cases/case_run.h"
+
+namespace troupe {
+
+// By the request's "kind", for the draws "case":
+// - "run": the outcome. With a folder "scratch" the case also runs in processes of its own, as `troupe run` does; other
+//   hashes than in this process are an error of the case.
+// - "shrink": the smallest case in which the expectation number "expectation" fails: "case", its "outcome", "robots"
+//   and the "runs" that it took.
+// - "keep": writes scenario.json, run.mcap and violation.png of a failed case with this "outcome" into "folder": the
+//   names of the last two, empty if they could not be made, and the "problem".
+nlohmann::json PerformCaseWork(const CaseWorlds& worlds, const nlohmann::json& request);
+
+}  // namespace troupe
