@@ -45,6 +45,7 @@ struct ViewOptions {
   NetworkSettings network;  // session empty: the only one
   std::string file;         // of a recording; empty: a live run
   std::string listen;       // text for ParseListen; empty: the default
+  std::string token_file;   // empty: the run's token, or a random one
   std::optional<JournalFiles> journal;
   std::vector<std::string> run_command;  // for the page
   bool runs_again = false;               // the launcher starts the run again when it is told to
@@ -116,6 +117,23 @@ std::string TokenOf(const NetworkSettings& network) {
   return keys.value().token->Proof("the page of its viewer").substr(0, MakeToken().size());
 }
 
+// A token that its owner has made, so that a scraper can have it, too. It has to stay a token in a URL.
+Result<std::string> ReadToken(const std::string& file) {
+  constexpr std::size_t kShortest = 16;
+  constexpr std::size_t kLongest = 100;
+  const std::string_view allowed = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ-._~";
+  Result<std::string> token = ReadWholeFile(file, kLongest + 2);
+  if (!token.ok()) return Error{{file}, "cannot read: " + token.error().message};
+  std::string& text = token.value();
+  while (text.ends_with('\n') || text.ends_with('\r')) text.pop_back();
+  if (text.size() < kShortest || text.size() > kLongest || text.find_first_not_of(allowed) != std::string::npos) {
+    return Error{{file},
+                 fmt::format("found {} bytes, expected a token of {} to {} letters, digits and -._~", text.size(),
+                             kShortest, kLongest)};
+  }
+  return token;
+}
+
 ViewerGatewayOptions OptionsOfGateway(const ViewOptions& options) {
   ViewerGatewayOptions gateway_options;
   gateway_options.view_only = options.view_only;
@@ -140,11 +158,11 @@ int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, Sig
   return kExitDone;
 }
 
-int ServeRun(const ViewOptions& options, SignalWatch& signals) {
+int ServeRun(const ViewOptions& options, std::string token, SignalWatch& signals) {
   DdsRunLink link(options.network, options.journal, options.runs_again);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
   gateway_options.session = options.network.session;
-  gateway_options.token = TokenOf(options.network);
+  gateway_options.token = token.empty() ? TokenOf(options.network) : std::move(token);
   gateway_options.command = options.run_command;
   if (const std::optional<PageAddress> before = options.runs_again ? PageOfRunBefore() : std::nullopt) {
     gateway_options.port = before->port;
@@ -153,7 +171,7 @@ int ServeRun(const ViewOptions& options, SignalWatch& signals) {
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, link), signals);
 }
 
-int ServeRecording(const ViewOptions& options, SignalWatch& signals) {
+int ServeRecording(const ViewOptions& options, std::string token, SignalWatch& signals) {
   Result<Recording> recording = Recording::Open(options.file);
   if (!recording.ok()) return Fail(recording.error());
   WorldShelf shelf;
@@ -164,7 +182,7 @@ int ServeRecording(const ViewOptions& options, SignalWatch& signals) {
   if (damage) PrintPlain(stderr, "{}: warning: {}; it is shown up to there\n", options.file, *damage);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
   gateway_options.session = std::filesystem::path(options.file).filename().string();
-  gateway_options.token = MakeToken();
+  gateway_options.token = token.empty() ? MakeToken() : std::move(token);
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, *states.value()), signals);
 }
 
@@ -172,9 +190,12 @@ int ViewCommand(ViewOptions options) {
   SignalWatch signals;
   setpriority(PRIO_PROCESS, 0, kNiceness);
   try {
-    if (!options.file.empty()) return ServeRecording(options, signals);
+    Result<std::string> token = std::string();
+    if (!options.token_file.empty()) token = ReadToken(options.token_file);
+    if (!token.ok()) return Fail(token.error());
+    if (!options.file.empty()) return ServeRecording(options, std::move(token).value(), signals);
     if (const Status problem = SelectSession(options.network); !problem.ok()) return Fail(problem.error());
-    return ServeRun(options, signals);
+    return ServeRun(options, std::move(token).value(), signals);
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
   }
@@ -195,6 +216,12 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
       ->check(CLI::Validator(
           [](std::string& text) { return IsRecordingPath(text) ? std::string() : SessionName()(text); }, ""));
   AddListenOption(*command, options->listen);
+  command
+      ->add_option(
+          "--token-file", options->token_file,
+          "File with the token of the page's address, which programs can share (default: another one for each run)")
+      ->check(NotEmpty())
+      ->type_name("FILE");
   command
       ->add_option_function<std::string>(
           "--journal", [options](const std::string& file) { options->journal = JournalFiles::Of(file); },

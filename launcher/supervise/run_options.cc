@@ -49,6 +49,11 @@ std::vector<std::string> NetworkArguments(const RunOptions& options) {
   return arguments;
 }
 
+std::string CheckHostStart(const std::string& text) {
+  if (text.find("{command") != std::string::npos) return "";
+  return "found no '{command}' in '" + text + "', expected one, or '{command_text}'";
+}
+
 void AddOutputFlags(CLI::App& command, RunOptions& options) {
   const char* group = "Output files";
   AddHashLogFlag(command, options.hash_log, group);
@@ -113,6 +118,23 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       .add_flag("--journal-sync", options.journal_sync,
                 "Wait in each tick until the journal is on the disk, so that it survives a loss of power")
       ->group(processes);
+  CLI::Option* const hosts =
+      command
+          .add_option("--hosts", options.host_addresses,
+                      "Hosts of the robots, in place of the scenario's; the world service is here")
+          ->delimiter(',')
+          ->check(NotEmpty())
+          ->type_name("NAME,...")
+          ->allow_extra_args(false)  // which would be FILE
+          ->group(processes);
+  command
+      .add_option("--host-start", options.host_start,
+                  "Shell command that starts a process on one of --hosts, with {address} and {command} or "
+                  "{command_text} in it (default: by ssh)")
+      ->check(CLI::Validator(CheckHostStart, ""))
+      ->type_name("COMMAND")
+      ->needs(hosts)
+      ->group(processes);
   AddThreadsFlag(command, options.threads, "with --in-process all cores; otherwise 1, of the world service", processes);
   AddSessionFlag(command, options.network,
                  "Name of the run on the network (default: the world's name and the process id)", processes);
@@ -155,6 +177,16 @@ Status CompleteRunOptions(RunOptions& options) {
     if (!hosts.ok()) return hosts.error();
     options.hosts = std::move(hosts.value().hosts);
     if (network.network_profile.empty()) network.network_profile = hosts.value().network;
+  }
+  if (!options.in_process && !options.host_addresses.empty()) options.hosts.clear();
+  for (const std::string& address : options.in_process ? std::vector<std::string>() : options.host_addresses) {
+    for (const HostSettings& other : options.hosts) {
+      if (other.address == address)
+        return Error{{}, "option --hosts: found '" + address + "' twice, expected each host once"};
+    }
+    HostSettings& host = options.hosts.emplace_back();
+    host.name = host.address = address;
+    host.start = options.host_start;
   }
   // With security each process starts a program of its own, with its keys.
   const bool is_secured = options.ros.network.security.strategy != ros::SecurityStrategy::kOff;

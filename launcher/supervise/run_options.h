@@ -31,10 +31,12 @@ struct RunOptions {
   std::optional<std::uint32_t> threads;         // nothing: in one process all cores, else one
   std::optional<std::uint32_t> restart_agents;  // likewise
   OnServiceLoss on_service_loss = OnServiceLoss::kRestart;
-  std::string journal;              // file; empty: without a name, for this run alone
-  bool journal_sync = false;        // it survives a loss of power
-  NetworkSettings network;          // session or interface empty: CompleteRunOptions chooses one
-  std::vector<HostSettings> hosts;  // of the scenario; none: this host only
+  std::string journal;                      // file; empty: without a name, for this run alone
+  bool journal_sync = false;                // it survives a loss of power
+  NetworkSettings network;                  // session or interface empty: CompleteRunOptions chooses one
+  std::vector<std::string> host_addresses;  // in place of the scenario's hosts; empty: those
+  std::string host_start;                   // HostSettings::start of these
+  std::vector<HostSettings> hosts;          // none: this host only
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;
   bool paused = false;    // at the start
   bool headless = false;  // no viewer
@@ -58,7 +60,8 @@ struct RunOptions {
 // Declares the options, with the checks that need only their text. `options` must outlive the parsing.
 void AddRunOptions(CLI::App& command, RunOptions& options);
 
-// Reads the hosts of a scenario; chooses a session name and a network interface unless the options have them.
+// Determines the hosts, by the options or the scenario; chooses a session name and a network interface unless the
+// options have them.
 Status CompleteRunOptions(RunOptions& options);
 
 // The arguments of the program world-service for this run, without the report's descriptor and its journal.

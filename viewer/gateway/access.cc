@@ -73,6 +73,11 @@ Access AccessRules::ForProgram(std::string_view host, std::string_view origin, s
   return page;
 }
 
+Access AccessRules::ForDownload(std::string_view host, std::string_view given_token, std::string_view bearer) const {
+  if (bearer.empty() || token.empty()) return ForPage(host, given_token);
+  return AreEqual(token, bearer) ? Access::kGranted : Access::kWrongToken;
+}
+
 std::string MakeToken() {
   return fmt::format("{:016x}{:016x}", MakeRandomId(), MakeRandomId());
 }

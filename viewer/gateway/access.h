@@ -29,6 +29,9 @@ struct AccessRules {
   // For a program that the page did not come from (Foxglove). In a browser it is of another site, which only a token
   // tells apart from any other.
   Access ForProgram(std::string_view host, std::string_view origin, std::string_view given_token) const;
+  // For a file that is made on request. `bearer`: the token of the Authorization header, empty without one. No page of
+  // another site can send that, so the host may then have any name: a scraper knows the gateway by its own.
+  Access ForDownload(std::string_view host, std::string_view given_token, std::string_view bearer) const;
 };
 
 // 128 random bits, as 32 hexadecimal digits.

@@ -9,8 +9,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// For so long the run is observed without viewers: a page that is loaded again is gone for a moment, and one that is
-// loaded has no connection yet.
+// For so long the run is observed without viewers: a page that is loaded again is gone for a moment.
 constexpr auto kGraceTime = std::chrono::seconds(5);
 // Between two looks at the state of the observation.
 constexpr auto kPeriod = std::chrono::seconds(1);
@@ -20,6 +19,11 @@ constexpr auto kPeriod = std::chrono::seconds(1);
 std::deque<NumberedEvent>::const_iterator EventsAfter(const std::deque<NumberedEvent>& events, std::uint64_t number) {
   return std::partition_point(events.begin(), events.end(),
                               [&](const NumberedEvent& event) { return event.number <= number; });
+}
+
+std::pair<FeedHead, AgentLosses> RunFeed::Head() const {
+  const std::lock_guard lock(mutex_);
+  return {content_, losses_};
 }
 
 void RunFeed::Read(FeedContent& content) const {
@@ -65,6 +69,8 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
     ++content_.event_list;
     content_.status.reset();
     history_.kept().Clear();
+    losses_ = {};
+    without_agent_.clear();
     if (const std::shared_ptr<Recorded> recorded = history_.recorded()) {
       if (recorded->run() == frame.run) {
         history_.kept().SetNext(recorded->PositionOf(StatePlace{frame.edition, frame.state.tick}));
@@ -78,6 +84,10 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   content_.state = history_.kept().Add({0, announced_, {shared, &frame.state}, frame.state_hash, frame.edition});
   const bool is_behind_gap = content_.state->position > expected;
   lacks_states_ = lacks_states_ || (is_behind_gap && history_.recorded() != nullptr);
+  for (const Event& event : frame.events) {
+    if (event.type == EventType::kLeft && event.robot && without_agent_.insert(*event.robot).second) ++losses_.lost;
+    if (event.type == EventType::kJoined && event.robot) losses_.rejoined += without_agent_.erase(*event.robot);
+  }
   if (listed_to && content_.state->position <= *listed_to) return;
   for (const Event& event : frame.events) {
     const EventNames names = NamesIn(announced_->description(), event);
@@ -174,10 +184,10 @@ void Follower::SetWanted(bool wanted) {
   changed_.notify_all();
 }
 
-void Follower::Expect() {
+void Follower::Expect(std::chrono::seconds time) {
   {
     const std::lock_guard lock(mutex_);
-    wanted_until_ = Clock::now() + kGraceTime;
+    wanted_until_ = std::max(wanted_until_, Clock::now() + time);
   }
   changed_.notify_all();
 }
@@ -192,7 +202,7 @@ void Follower::Run() {
   std::unique_lock lock(mutex_);
   while (!ending_) {
     const auto now = Clock::now();
-    if (wanted_ || link_.follows_always()) wanted_until_ = now + kGraceTime;
+    if (wanted_ || link_.follows_always()) wanted_until_ = std::max(wanted_until_, now + kGraceTime);
     const bool open = now < wanted_until_ && !observation;
     const bool close = observation && now >= wanted_until_;
     lock.unlock();

@@ -9,8 +9,10 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "transport/protocol/transport.h"
 #include "viewer/gateway/past_states.h"
@@ -27,6 +29,12 @@ struct FeedHead {
   std::optional<StatusMessage> status;
   // Counts the lists of events: that of another run, or one that was completed by the journal.
   std::uint64_t event_list = 0;
+};
+
+// Counted since the run has been followed, robot by robot.
+struct AgentLosses {
+  std::uint64_t lost = 0;      // robots that have lost their agents
+  std::uint64_t rejoined = 0;  // of those, that have one again
 };
 
 struct FeedContent : FeedHead {
@@ -51,6 +59,8 @@ class RunFeed : public ObserverHandler {
   // States were not received, so that the journal should be read again.
   bool lacks_states() const;
 
+  // The newest content, and the losses of agents.
+  std::pair<FeedHead, AgentLosses> Head() const;
   // Copies the content to `content` unless it has the same version already.
   void Read(FeedContent& content) const;
   // The service has ended since the last call.
@@ -76,6 +86,8 @@ class RunFeed : public ObserverHandler {
   bool service_gone_ = false;
   bool lacks_states_ = false;
   std::uint64_t events_ = 0;
+  AgentLosses losses_;
+  std::set<RobotId> without_agent_;
   // The world of the frames that follow, of the newest session.
   std::shared_ptr<const ViewedWorld> announced_;
 };
@@ -94,8 +106,9 @@ class Follower {
 
   // Whether there are viewers. Does not wait.
   void SetWanted(bool wanted);
-  // A viewer will probably come within seconds: the discovery of the run takes part of one. Does not wait.
-  void Expect();
+  // Whoever asks about the run will do so again within this time: a viewer whose page is loaded, within seconds, for
+  // the discovery of the run takes part of one. Does not wait.
+  void Expect(std::chrono::seconds time);
   // The reason why the run cannot be observed; empty: it is, or is not wanted.
   std::string problem() const;
 

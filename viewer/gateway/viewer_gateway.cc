@@ -18,6 +18,7 @@
 #include "common/base/identity.h"
 #include "common/base/json.h"
 #include "viewer/gateway/foxglove_client.h"
+#include "viewer/gateway/metrics.h"
 #include "viewer/gateway/page_viewer.h"
 #include "viewer/gateway/past_reader.h"
 #include "viewer/gateway/run_feed.h"
@@ -111,6 +112,10 @@ class RequestQueue {
 // A page that is told of the end asks for a summary. The others are given up after this time.
 constexpr int kPeriodsAtEnd = 2 * kUpdatesPerSecond;
 constexpr std::string_view kRecordingPath = "/recording.mcap";
+constexpr std::string_view kMetricsPath = "/metrics";
+// A page that is loaded connects within this time; a scraper asks again within the other one.
+constexpr auto kPageTime = std::chrono::seconds(5);
+constexpr auto kScrapeTime = std::chrono::minutes(5);
 constexpr ViewerId kNoViewer = 0;
 // Between two readings of the journal, and at least so many times the time of one.
 constexpr auto kJournalPeriod = std::chrono::seconds(2);
@@ -163,9 +168,9 @@ class Viewers final : public WebHandler {
   bool have_seen_end() const { return have_seen_end_; }
 
   void OnPage() override {
-    if (follower_) follower_->Expect();
+    if (follower_) follower_->Expect(kPageTime);
   }
-  std::shared_ptr<const std::string> OnDownload(std::string_view path) override;
+  std::optional<WebDownload> OnDownload(std::string_view path) override;
   void OnOpened(WebLoop& loop, ViewerId id, std::string_view protocol) override;
   void OnClosed(WebLoop& loop, ViewerId id) override;
   bool OnMessage(WebLoop& loop, ViewerId id, std::string_view message, bool is_text) override;
@@ -174,14 +179,17 @@ class Viewers final : public WebHandler {
   void OnWake(WebLoop& loop) override;
 
  private:
-  using Change = std::variant<PageControl, PageEdit>;
+  struct AgentsRequest {};  // for the slowest robot
+  using Change = std::variant<PageControl, PageEdit, AgentsRequest>;
+  using Changed = std::variant<PageReply, std::optional<SlowestRobot>>;
   using Found = Result<std::shared_ptr<const ViewedState>>;
   // About the past, with one thread for all: a position to seek to, data for plots and the summary, or the journal.
   struct JournalRequest {};
   using Question = std::variant<std::uint64_t, SeriesRequest, TotalsRequest, JournalRequest>;
   using PastAnswer = std::variant<std::monostate, Found, PageReply>;
 
-  static PageReply Executed(RunLink& link, const Change& change);
+  static Changed Executed(RunLink& link, const Change& change);
+  std::string Metrics();
   PastAnswer Answered(const Question& question);
   void ReadJournal();
   void DescribeTimeline();
@@ -215,13 +223,28 @@ class Viewers final : public WebHandler {
   std::vector<TimeSpan> spans_;  // of run_.timeline
   RequestQueue<Question, PastAnswer> questions_;
   std::optional<Follower> follower_;  // of a live run, as the next
-  std::optional<RequestQueue<Change, PageReply>> changes_;
+  std::optional<SlowestRobot> slowest_;
+  bool asks_agents_ = false;
+  std::optional<RequestQueue<Change, Changed>> changes_;
 };
 
-std::shared_ptr<const std::string> Viewers::OnDownload(std::string_view path) {
-  if (path != kRecordingPath || !SavesRecording()) return nullptr;
+std::optional<WebDownload> Viewers::OnDownload(std::string_view path) {
+  if (path == kMetricsPath && follower_) {
+    return WebDownload{kMetricsType, std::make_shared<const std::string>(Metrics())};
+  }
+  if (path != kRecordingPath || !SavesRecording()) return std::nullopt;
   std::optional<std::string> content = link_->ReadRecording();
-  return content ? std::make_shared<const std::string>(std::move(*content)) : nullptr;
+  if (!content) return std::nullopt;
+  return WebDownload{"application/octet-stream", std::make_shared<const std::string>(std::move(*content))};
+}
+
+// Does not wait for the run: the slowest robot is that of the answer to the request before.
+std::string Viewers::Metrics() {
+  follower_->Expect(kScrapeTime);
+  const auto [head, losses] = feed_.Head();
+  if (head.state == nullptr) slowest_.reset();
+  if (head.state != nullptr && !head.last && !asks_agents_) asks_agents_ = changes_->Add(kNoViewer, AgentsRequest());
+  return MetricsText(options_.session, head, losses, slowest_);
 }
 
 void Viewers::OnOpened(WebLoop& loop, ViewerId id, std::string_view protocol) {
@@ -305,7 +328,13 @@ std::string Viewers::RefusalToRunAgain() const {
   return RunsAgain() ? "" : "the run can only be started again by its command";
 }
 
-PageReply Viewers::Executed(RunLink& link, const Change& change) {
+Viewers::Changed Viewers::Executed(RunLink& link, const Change& change) {
+  if (std::holds_alternative<AgentsRequest>(change)) {
+    ControlRequest request;
+    request.command = ControlCommand::kEntities;
+    const Result<ControlReply> reply = link.Ask(request);
+    return reply.ok() ? SlowestOf(reply.value().entities) : std::nullopt;
+  }
   if (const auto* edit = std::get_if<PageEdit>(&change)) {
     return ReplyToEdit(edit->id, link.Edit(edit->operation.value()));
   }
@@ -374,7 +403,14 @@ void Viewers::Answer(WebLoop& loop, ViewerId id, PageReply reply) {
 
 void Viewers::OnWake(WebLoop& loop) {
   if (changes_) {
-    for (auto& [id, reply] : changes_->DrainAnswers()) Answer(loop, id, std::move(reply));
+    for (auto& [id, changed] : changes_->DrainAnswers()) {
+      if (auto* const reply = std::get_if<PageReply>(&changed)) {
+        Answer(loop, id, std::move(*reply));
+      } else {
+        slowest_ = std::get<std::optional<SlowestRobot>>(std::move(changed));
+        asks_agents_ = false;
+      }
+    }
   }
   for (auto& [id, answer] : questions_.DrainAnswers()) {
     if (auto* const reply = std::get_if<PageReply>(&answer)) Answer(loop, id, std::move(*reply));

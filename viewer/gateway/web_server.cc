@@ -29,7 +29,6 @@ struct Connection {
   ViewerId viewer;       // 0: none
 };
 
-// A file that was made for one request.
 struct Download {
   std::shared_ptr<const std::string> content;
   PageFile file;
@@ -52,6 +51,13 @@ std::string TokenIn(lws* socket) {
   std::array<char, 128> text{};
   const char* value = lws_get_urlarg_by_name(socket, "token=", text.data(), static_cast<int>(text.size()));
   return value != nullptr ? value : "";
+}
+
+// The token of "Authorization: Bearer TOKEN", for programs that keep it out of addresses; empty without one.
+std::string BearerIn(lws* socket) {
+  constexpr std::string_view kScheme = "Bearer ";
+  const std::string header = Header(socket, WSI_TOKEN_HTTP_AUTHORIZATION);
+  return header.starts_with(kScheme) ? header.substr(kScheme.size()) : std::string();
 }
 
 int Refuse(lws* socket, unsigned status, const char* reason) {
@@ -107,8 +113,9 @@ class WebServer::Implementation final : public WebLoop {
   bool MakeRoom();
   int ConfirmUpgrade(lws* socket, const char* protocol);
   int ServeFile(lws* socket, Connection& connection, const std::string& path);
-  // Null: there is none.
-  const PageFile* FindFile(lws* socket, const std::string& path);
+  // A file of the page. Null: there is none.
+  const PageFile* FindFile(const std::string& path) const;
+  const PageFile* MakeDownload(lws* socket, const std::string& path);
   int WriteFile(lws* socket, Connection& connection);
   int Receive(lws* socket, Connection& connection, std::string_view part);
   int WritePiece(lws* socket, Connection& connection);
@@ -268,16 +275,18 @@ int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol)
   return written < 0 ? -1 : 1;
 }
 
-const PageFile* WebServer::Implementation::FindFile(lws* socket, const std::string& path) {
+const PageFile* WebServer::Implementation::FindFile(const std::string& path) const {
   const auto known = std::find_if(options_.files.begin(), options_.files.end(),
                                   [&](const PageFile& file) { return file.path == path; });
-  if (known != options_.files.end()) return &*known;
-  if (options_.access.ForPage(Header(socket, WSI_TOKEN_HOST), TokenIn(socket)) != Access::kGranted) return nullptr;
-  std::shared_ptr<const std::string> content = handler_->OnDownload(path);
-  if (content == nullptr) return nullptr;
+  return known != options_.files.end() ? &*known : nullptr;
+}
+
+const PageFile* WebServer::Implementation::MakeDownload(lws* socket, const std::string& path) {
+  std::optional<WebDownload> made = handler_->OnDownload(path);
+  if (!made) return nullptr;
   Download& download = downloads_[socket];
-  download.content = std::move(content);
-  download.file = {"", "application/octet-stream", *download.content};
+  download.content = std::move(made->content);
+  download.file = {"", made->type, *download.content};
   return &download.file;
 }
 
@@ -287,17 +296,19 @@ int WebServer::Implementation::ServeFile(lws* socket, Connection& connection, co
     return lws_http_transaction_completed(socket) != 0 ? -1 : 0;
   };
   if (lws_hdr_total_length(socket, WSI_TOKEN_GET_URI) <= 0) return finish(HTTP_STATUS_METHOD_NOT_ALLOWED, nullptr);
-  const PageFile* const file = FindFile(socket, path);
-  if (file == nullptr) return finish(HTTP_STATUS_NOT_FOUND, nullptr);
-  // Without the token a stranger learns nothing; the other files are the same for all runs.
+  const PageFile* file = FindFile(path);
+  // Without the token a stranger learns nothing; the files of the page but "/" are the same for all runs.
   const AccessRules& rules = options_.access;
   const std::string host = Header(socket, WSI_TOKEN_HOST);
-  const Access access = rules.ForPage(host, path == "/" ? TokenIn(socket) : rules.token);
+  const bool is_same_for_all = file != nullptr && path != "/";
+  const Access access = is_same_for_all   ? rules.ForPage(host, rules.token)
+                        : file != nullptr ? rules.ForPage(host, TokenIn(socket))
+                                          : rules.ForDownload(host, TokenIn(socket), BearerIn(socket));
   if (access != Access::kGranted) return finish(HTTP_STATUS_FORBIDDEN, ToString(access));
-  if (path == "/") {
-    std::erase(strangers_, socket);
-    handler_->OnPage();
-  }
+  if (!is_same_for_all) std::erase(strangers_, socket);
+  if (file == nullptr) file = MakeDownload(socket, path);
+  if (file == nullptr) return finish(HTTP_STATUS_NOT_FOUND, nullptr);
+  if (path == "/") handler_->OnPage();
 
   std::array<unsigned char, LWS_PRE + 1024> buffer{};
   unsigned char* const start = buffer.data() + LWS_PRE;

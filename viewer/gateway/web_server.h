@@ -39,6 +39,12 @@ struct WebMessage {
   bool is_text = false;
 };
 
+// A file that is made for one request.
+struct WebDownload {
+  std::string_view type;  // of the content, a constant
+  std::shared_ptr<const std::string> content;
+};
+
 using ViewerId = std::uint64_t;  // of a connection; never used twice
 
 // What a handler can do inside of its calls, and only there.
@@ -58,10 +64,10 @@ class WebHandler {
   virtual ~WebHandler() = default;
   // Someone with access loads the page, and will probably open a connection.
   virtual void OnPage() = 0;
-  // The content of a file that is made for the page at `path`; null: there is none.
-  virtual std::shared_ptr<const std::string> OnDownload(std::string_view path) {
+  // The file at `path` of the URL, for someone with access; nothing: there is none.
+  virtual std::optional<WebDownload> OnDownload(std::string_view path) {
     (void)path;
-    return nullptr;
+    return std::nullopt;
   }
   // `protocol`: one of WebServer::kProtocols.
   virtual void OnOpened(WebLoop& loop, ViewerId viewer, std::string_view protocol) = 0;

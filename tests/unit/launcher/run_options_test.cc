@@ -9,6 +9,7 @@
 
 #include "launcher/commands/check_command.h"
 #include "launcher/supervise/output_files.h"
+#include "tests/support/files.h"
 #include "tests/support/words.h"
 
 namespace troupe {
@@ -98,6 +99,36 @@ TEST(RunOptions, GivesEachRunItsOwnSession) {
   RunOptions options = Parse({"/some/folder/my cave*.world"}).options;
   ASSERT_TRUE(CompleteRunOptions(options).ok());
   EXPECT_EQ(options.network.session, "mycave-" + std::to_string(getpid()));
+}
+
+TEST(RunOptions, HostsOfTheCommandLineReplaceThoseOfTheScenario) {
+  const test::TemporaryFolder folder;
+  const std::string scenario =
+      folder.Write("s.json", R"({"world": "w.world", "hosts": ["alpha"], "network": "unicast"})");
+  const auto complete = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), scenario);
+    RunOptions options = Parse(words).options;
+    const Status failure = CompleteRunOptions(options);
+    EXPECT_TRUE(failure.ok()) << failure.error().ToString();
+    return options;
+  };
+  EXPECT_EQ(complete({}).hosts.at(0).address, "alpha");
+  EXPECT_TRUE(complete({"--hosts", "n1", "--in-process"}).hosts.empty());
+  const RunOptions options = complete({"--hosts", "n1,n2", "--host-start", "srun -w {address} {command}"});
+  ASSERT_EQ(options.hosts.size(), 2u);
+  EXPECT_EQ(options.hosts[1].name, "n2");
+  EXPECT_EQ(options.hosts[1].address, "n2");
+  EXPECT_EQ(options.hosts[1].start, "srun -w {address} {command}");
+  EXPECT_FALSE(options.hosts[0].service);
+  EXPECT_EQ(options.network.network_profile, "unicast");
+  EXPECT_EQ(options.network.network_interface, kAutomaticInterface);
+
+  EXPECT_THAT(Parse({"w.world", "--hosts", "n1", "--host-start", "srun"}).error, HasSubstr("expected one, or"));
+  EXPECT_THAT(Parse({"w.world", "--host-start", "srun {command}"}).error, HasSubstr("--hosts"));
+  RunOptions twice = Parse({"w.world", "--hosts", "n1,n1"}).options;
+  const Status failure = CompleteRunOptions(twice);
+  ASSERT_FALSE(failure.ok());
+  EXPECT_THAT(failure.error().ToString(), HasSubstr("found 'n1' twice"));
 }
 
 TEST(RunOptions, ARunWithAViewerIsWatched) {

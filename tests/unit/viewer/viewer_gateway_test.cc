@@ -39,6 +39,7 @@ class ScriptedLink : public RunLink {
     ControlReply reply;
     reply.done = request.command != ControlCommand::kSetPose;
     reply.problem = reply.done ? "" : "in a wall";
+    reply.entities = entities;
     return reply;
   }
   Result<nlohmann::json> Edit(const EditOperation& operation) override {
@@ -64,6 +65,7 @@ class ScriptedLink : public RunLink {
   ObserverHandler* observer = nullptr;
   int observed = 0;
   std::vector<ControlRequest> asked;
+  std::vector<EntityReport> entities;  // of each reply
   bool always = false;
 
  private:
@@ -606,6 +608,57 @@ TEST_F(ViewerGatewayTest, TheRunIsObservedOnlyWhileThereAreViewers) {
   link_.AwaitObserver();
   client.reset();
   link_.AwaitNoObserver();
+}
+
+// The first request starts the observation; the following ones have the figures.
+TEST_F(ViewerGatewayTest, MetricsAreThoseOfTheStatusAndTheEvents) {
+  Start();
+  const auto scrape = [this] {
+    WebClient client(port());
+    client.Send("GET /metrics HTTP/1.0\r\nHost: " + client.host() + "\r\n\r\n");
+    return client.ReadAll().value_or("");
+  };
+  const std::string first = scrape();
+  EXPECT_THAT(first, testing::HasSubstr("text/plain; version=0.0.4"));
+  EXPECT_THAT(first, testing::EndsWith("troupe_up{session=\"s\"} 0\n"));
+
+  run_ = &link_.AwaitObserver();
+  world_ = LaserWorld();
+  run_->OnSession(world_);
+  auto frame = std::make_shared<FrameMessage>(*FrameAt(world_, 41));
+  frame->events = {{.tick = 41, .type = EventType::kLeft, .robot = RobotId(0)},
+                   {.tick = 41, .type = EventType::kLeft, .robot = RobotId(1)},
+                   {.tick = 41, .type = EventType::kJoined, .robot = RobotId(1)}};
+  run_->OnFrame(frame);
+  EXPECT_THAT(scrape(), testing::EndsWith("troupe_up{session=\"s\"} 0\n")) << "without a status";
+  StatusMessage status{.run = world_.run, .tick = 41, .real_time_factor = 2.5, .robots = 2, .agents = 1};
+  status.waiting_for = {"r0"};
+  status.waiting_seconds = 1.5;
+  status.incarnation = 3;
+  status.phases.step = 0.25;
+  run_->OnStatus(status);
+  {
+    const std::lock_guard lock(link_.mutex);
+    for (const auto& [name, seconds] : {std::pair("r0", 0.0), std::pair("r\"1", 0.125), std::pair("r2", 0.0625)}) {
+      link_.entities.push_back({.name = name, .kind = EntityKind::kRobot});
+      link_.entities.back().agent = AgentReport{.host = "h", .present = true, .answer_seconds = seconds};
+    }
+  }
+  std::string metrics;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(test::kWebDeadline);
+  while (metrics.find("slowest") == std::string::npos && std::chrono::steady_clock::now() < deadline) {
+    metrics = scrape();  // the slowest robot is asked for at the request before
+  }
+  for (const char* line :
+       {"troupe_up{session=\"s\"} 1", "# TYPE troupe_tick gauge\ntroupe_tick{session=\"s\"} 41",
+        "troupe_ticks_per_second{session=\"s\"} 25", "troupe_real_time_factor{session=\"s\"} 2.5",
+        "troupe_robots{session=\"s\"} 2", "troupe_agents{session=\"s\"} 1", "troupe_awaited_robots{session=\"s\"} 1",
+        "troupe_waiting_seconds{session=\"s\"} 1.5", "troupe_phase_seconds{session=\"s\",phase=\"step\"} 0.25",
+        R"(troupe_slowest_answer_seconds{session="s",robot="r\"1",host="h"} 0.125)",
+        "# TYPE troupe_service_restarts_total counter\ntroupe_service_restarts_total{session=\"s\"} 3",
+        "troupe_agents_lost_total{session=\"s\"} 2", "troupe_agents_rejoined_total{session=\"s\"} 1"}) {
+    EXPECT_THAT(metrics, testing::HasSubstr(std::string("\n") + line + "\n")) << line;
+  }
 }
 
 TEST_F(ViewerGatewayTest, AnEditedWorldIsSentAgain) {

@@ -30,6 +30,11 @@ constexpr PageFile kFiles[] = {{"/", "text/html", "the page", false}, {"/viewer.
 class EchoHandler : public WebHandler {
  public:
   void OnPage() override { ++pages; }
+  std::optional<WebDownload> OnDownload(std::string_view path) override {
+    if (path != "/made") return std::nullopt;
+    ++made;
+    return WebDownload{"text/plain", std::make_shared<const std::string>("made")};
+  }
   void OnOpened(WebLoop&, ViewerId viewer, std::string_view) override {
     ++open;
     const std::lock_guard lock(mutex);
@@ -64,6 +69,7 @@ class EchoHandler : public WebHandler {
 
   std::shared_ptr<const std::string> message;
   std::atomic<int> pages = 0;
+  std::atomic<int> made = 0;
   std::atomic<int> open = 0;
   std::atomic<int> closed = 0;
   std::atomic<int> asked = 0;
@@ -261,6 +267,35 @@ TEST_F(WebServerTest, WithoutTheTokenThereIsNeitherPageNorSocket) {
   EXPECT_EQ(handler_.pages, 1);
   WebClient viewer(server_->port());
   viewer.Upgrade("/socket?token=secret");
+}
+
+// A scraper keeps the token out of the address, and knows the server by any name.
+TEST_F(WebServerTest, AFileThatIsMadeOnRequestNeedsTheTokenInTheAddressOrInAHeader) {
+  Serve("secret");
+  const auto get = [this](const std::string& path, const std::string& host, const std::string& header) {
+    return WebClient(server_->port()).Get(path, "Host: " + host + "\r\n" + header);
+  };
+  const std::string bearer = "Authorization: Bearer ";
+  for (const std::string& refused :
+       {get("/made", "localhost", ""), get("/made?token=secreT", "localhost", ""),
+        get("/made", "localhost", bearer + "secreT\r\n"), get("/made", "localhost", "Authorization: secret\r\n"),
+        get("/made?token=secret", "world.example", ""), get("/", "world.example", bearer + "secret\r\n")}) {
+    EXPECT_THAT(refused, HasSubstr(" 403 "));
+  }
+  EXPECT_EQ(handler_.made, 0) << "a request without a token starts nothing";
+  for (const std::string& granted :
+       {get("/made?token=secret", "localhost", ""), get("/made", "world.example:8470", bearer + "secret\r\n")}) {
+    EXPECT_THAT(granted, StartsWith("HTTP/1.1 200"));
+    EXPECT_THAT(granted, HasSubstr("content-type: text/plain"));
+  }
+  EXPECT_EQ(handler_.made, 2);
+  EXPECT_THAT(get("/other", "localhost", bearer + "secret\r\n"), HasSubstr(" 404 "));
+}
+
+TEST_F(WebServerTest, ABearerOpensNothingWhereNoTokenIsNeeded) {
+  Serve();
+  WebClient client(server_->port());
+  EXPECT_THAT(client.Get("/made", "Host: world.example\r\nAuthorization: Bearer x\r\n"), HasSubstr(" 403 "));
 }
 
 TEST_F(WebServerTest, AMessageOf100MegabytesEndsTheConnectionAtOnce) {
