@@ -69,6 +69,20 @@ const layoutProblems = (page, least) => page.evaluate(smallest => {
   return problems;
 }, least);
 
+// Of each colour of texts, on cards and on what is selected: whatever happens in the run, which axe-core may not see.
+const poorContrasts = page => page.evaluate(() => {
+  const luminance = name => {
+    const hex = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    const [r, g, b] = [1, 3, 5].map(i => parseInt(hex.slice(i, i + 2), 16) / 255)
+      .map(value => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const contrast = (a, b) => (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+  return ['--text', '--faint', '--accent', '--moving', '--holding', '--stalled', '--lost'].flatMap(text =>
+    ['--card', '--accent-soft', '--hover'].filter(ground => !(contrast(luminance(text), luminance(ground)) >= 4.5))
+      .map(ground => `${text} on ${ground}`));
+});
+
 const SIZES = [[1280, 720], [1920, 1080], [1024, 768], [390, 844], [844, 390]];
 
 async function fitsWindowsOfAllSizes() {
@@ -98,6 +112,7 @@ async function fitsWindowsOfAllSizes() {
     await page.evaluate(() => new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve))));
     for (const theme of ['light', 'dark']) {
       await page.emulateMedia({colorScheme: theme});
+      assert.deepEqual(await poorContrasts(page), [], theme);
       assert.deepEqual(await layoutProblems(page, phone ? 44 : 0), [], `at ${width} x ${height}, ${theme}`);
       assert.deepEqual(await pages.findings(page), [], `at ${width} x ${height}, ${theme}`);
       await page.screenshot({path: path(`${width}x${height}-${theme}.png`)});
