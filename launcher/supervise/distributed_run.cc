@@ -619,6 +619,7 @@ void DistributedRun::StopViewer() {
 
 void DistributedRun::AwaitStopOfViewer() {
   progress_.Tell(kPageStaysOpen);
+  kill_at_.reset();  // of the agents, which have ended
   while (viewer_.running() && !again_ && !signals_.stop_requested()) ProcessEvents();
 }
 

@@ -37,7 +37,8 @@ std::optional<std::optional<std::uint64_t>> ParseRunAgainLine(std::string_view l
   const std::string start = std::string(kRunAgain) + " with seed ";
   if (!line.starts_with(start)) return std::nullopt;
   const std::optional<std::uint64_t> seed = ParseNumber<std::uint64_t>(line.substr(start.size()));
-  return seed ? std::optional(seed) : std::nullopt;
+  if (!seed) return std::nullopt;
+  return seed;
 }
 
 std::vector<std::string> OwnCommandLine() {

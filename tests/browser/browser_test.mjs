@@ -439,6 +439,8 @@ async function startsTheRunAgain() {
   const lastHash = () => [...readHashes(hashes)].at(-1).join(' ');
   await card.waitFor();
   const runs = [lastHash()];
+  await page.waitForTimeout(6000);  // longer than the launcher waits for agents that hang
+  assert.ok(await connected(page), 'the page stays open');
   pages.mayComplain = true;  // the page connects again
   for (const button of ['Run again', 'Another seed']) {
     await card.locator('button', {hasText: button}).click();
@@ -481,7 +483,7 @@ async function plotsAndSeeks() {
   // The export has the values of the file of poses, all of them.
   await page.click('#tab-state');
   await page.evaluate(() => window.troupe.select('anna'));
-  await page.locator('.plot-canvas').first().waitFor();
+  await page.locator('.plot-name', {hasText: 'anna speed'}).waitFor();
   await page.selectOption('.plot-window', 'Infinity');
   await page.evaluate(() => window.troupe.plot(['x', 'y', 'heading', 'stalled']));
   const [head, ...lines] = (await page.evaluate(() => window.troupe.csv())).trim().split('\n');

@@ -76,8 +76,8 @@ export class PartList {
       ...(report ? report.parts.map(part => this.row(part, [part.index]))
                  : [make('div', 'faint', 'Apply the model first, then add sensors, joints and grippers.')]));
     const shown = byId('model-parts').querySelector<HTMLElement>('.part.selected');
-    const isTall = shown !== null && shown.offsetHeight > byId('model-parts').parentElement!.clientHeight;
-    shown?.scrollIntoView({block: isTall ? 'start' : 'nearest'});
+    const isCut = shown !== null && shown.getBoundingClientRect().top < byId('part-tools').getBoundingClientRect().bottom;
+    shown?.scrollIntoView({block: isCut ? 'start' : 'nearest'});
   }
 
   // The outline of a new part is drawn.

@@ -257,10 +257,12 @@ export class PartViews {
       const highest = Math.max(...bodies.map(({z}) => z[1]));
       lines.push(`z ${number(lowest)} to ${number(highest)} m`);
     }
-    const wide = Math.max(...lines.map(text => sheet.context.measureText(text).width));
-    sheet.context.fillStyle = color('--ground');
-    sheet.context.fillRect(4, 3, wide + 8, 15 * lines.length + 5);
-    sheet.context.fillStyle = color('--text');
-    lines.forEach((text, i) => sheet.context.fillText(text, 8, 16 + 15 * i));
+    // With an edge, as it lies on the labels of the grid.
+    const {context} = sheet;
+    context.fillStyle = color('--text');
+    context.strokeStyle = color('--ground');
+    context.lineWidth = 5;
+    context.lineJoin = 'round';
+    for (const draw of ['strokeText', 'fillText'] as const) lines.forEach((text, i) => context[draw](text, 8, 16 + 15 * i));
   }
 }
