@@ -26,7 +26,7 @@ if(TARGET python_package)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Troupe for Python: worlds as arrays of numpy, many worlds at once, and robot controllers
 as classes in Python.")
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/lib)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/lib)
   math(EXPR next_minor "${TROUPE_PYTHON_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "troupe (= ${PROJECT_VERSION}), python3-numpy, python3 (>= 3.${TROUPE_PYTHON_MINOR}), python3 (<< 3.${next_minor})")

@@ -35,6 +35,11 @@ py::object Number(const std::optional<Id<Tag>>& id) {
   return id ? py::object(py::int_(id->index())) : py::none();
 }
 
+template <typename Value>
+py::object Optional(const std::optional<Value>& value) {
+  return value ? py::cast(*value) : py::none();
+}
+
 py::object Name(const std::optional<SeenModel>& model) {
   return model ? py::object(py::str(model->name.data(), model->name.size())) : py::none();
 }
@@ -281,8 +286,8 @@ py::object ToRecord(const RobotInfo& info) {
                 joint->position.min, joint->position.max, joint->max_speed);
   });
   py::tuple grippers = ToTuple(info.grippers, [](const GripperInfo& gripper) {
-    return Make("GripperInfo", gripper.description->name, gripper.left, gripper.right, py::cast(gripper.lift),
-                py::cast(gripper.beams));
+    return Make("GripperInfo", gripper.description->name, gripper.left, gripper.right, Optional(gripper.lift),
+                Optional(gripper.beams));
   });
   py::tuple lights = ToTuple(info.lights, [](const LightInfo& light) { return Text(light.name); });
   return Make("RobotInfo", info.robot->name, info.id.index(),
@@ -315,7 +320,7 @@ py::object ToRecord(const Observation& seen) {
   if (seen.goal != nullptr) {
     py::tuple points =
         ToTuple(seen.goal->waypoints, [](const Vec2& point) { return py::make_tuple(point.x(), point.y()); });
-    goal = Make("Goal", seen.goal->number, std::move(points), py::cast(seen.goal->heading));
+    goal = Make("Goal", seen.goal->number, std::move(points), Optional(seen.goal->heading));
   }
   return Make("Observation", seen.tick, seen.time, seen.interval, ToRecord(seen.pose_estimate), ToRecord(seen.twist),
               seen.stalled, std::move(sensors), std::move(joints), std::move(grippers), std::move(lights),

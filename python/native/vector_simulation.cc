@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <memory>
@@ -234,6 +235,24 @@ auto Held(Value (Worlds::*method)(Arguments...) const) {
       [method](const WorldsPointer& worlds, Arguments... arguments) { return (worlds.get()->*method)(arguments...); };
 }
 
+// A method that writes parts(row) of each row of a table of the states: (worlds, rows, columns); for no columns, which
+// is one part, (worlds, rows).
+template <auto table, typename Parts>
+auto Rows(std::size_t columns, const Parts& parts) {
+  return [columns, parts](const WorldsPointer& worlds, const py::object& out) {
+    return worlds->FillRows<table>(out, columns, "out", [&](World& world, auto* next) {
+      using Number = std::remove_pointer_t<decltype(next)>;
+      for (const auto& row : world.simulation().state().*table) {
+        for (const double part : parts(row)) *next++ = static_cast<Number>(part);
+      }
+    });
+  };
+}
+
+std::array<double, 4> PartsOf(const Pose& pose) {
+  return {pose.x, pose.y, pose.z, pose.heading};
+}
+
 std::vector<std::uint64_t> SeedsOf(const py::object& seeds, std::size_t count, std::uint64_t first) {
   std::vector<std::uint64_t> list;
   if (seeds.is_none()) {
@@ -328,78 +347,25 @@ seeds: one for each; by default the file's, and the numbers after it. threads: 0
 
 which: a mask (worlds,) or numbers of worlds; None: all. snapshots: one for all, or one for each world of `which`.)")
       .def("save", Held(&Worlds::Save), "A list of a Snapshot of each world.")
-      .def(
-          "poses",
-          [](const WorldsPointer& worlds, const py::object& out) {
-            return worlds->FillRows(out, 4, "out", [](World& world, auto* row) {
-              using Number = std::remove_pointer_t<decltype(row)>;
-              for (const RobotState& robot : world.simulation().state().robots) {
-                for (const double part : {robot.X_WR.x, robot.X_WR.y, robot.X_WR.z, robot.X_WR.heading}) {
-                  *row++ = static_cast<Number>(part);
-                }
-              }
-            });
-          },
-          "out"_a = py::none(), "(worlds, robots, 4): x, y, z (m), heading (rad).")
-      .def(
-          "twists",
-          [](const WorldsPointer& worlds, const py::object& out) {
-            return worlds->FillRows(out, 3, "out", [](World& world, auto* row) {
-              using Number = std::remove_pointer_t<decltype(row)>;
-              for (const RobotState& robot : world.simulation().state().robots) {
-                for (const double part : {robot.twist.vx, robot.twist.vy, robot.twist.wz}) {
-                  *row++ = static_cast<Number>(part);
-                }
-              }
-            });
-          },
-          "out"_a = py::none(), "(worlds, robots, 3): vx, vy (m/s), wz (rad/s), executed in the last tick.")
-      .def(
-          "stalls",
-          [](const WorldsPointer& worlds, const py::object& out) {
-            return worlds->FillRows(out, 0, "out", [](World& world, auto* row) {
-              using Number = std::remove_pointer_t<decltype(row)>;
-              for (const RobotState& robot : world.simulation().state().robots) {
-                *row++ = static_cast<Number>(robot.stalled ? 1 : 0);
-              }
-            });
-          },
-          "out"_a = py::none(), "(worlds, robots): 1 where a contact ended the last motion, else 0.")
-      .def(
-          "object_poses",
-          [](const WorldsPointer& worlds, const py::object& out) {
-            return worlds->FillRows<&WorldState::objects>(out, 4, "out", [](World& world, auto* row) {
-              using Number = std::remove_pointer_t<decltype(row)>;
-              for (const ObjectState& object : world.simulation().state().objects) {
-                for (const double part : {object.X_WO.x, object.X_WO.y, object.X_WO.z, object.X_WO.heading}) {
-                  *row++ = static_cast<Number>(part);
-                }
-              }
-            });
-          },
-          "out"_a = py::none(), "(worlds, objects, 4): as `poses`.")
-      .def(
-          "joint_positions",
-          [](const WorldsPointer& worlds, const py::object& out) {
-            return worlds->FillRows<&WorldState::joints>(out, 0, "out", [](World& world, auto* row) {
-              using Number = std::remove_pointer_t<decltype(row)>;
-              for (const JointState& joint : world.simulation().state().joints) {
-                *row++ = static_cast<Number>(joint.position);
-              }
-            });
-          },
-          "out"_a = py::none(), "(worlds, joints): m or rad.")
-      .def(
-          "energy",
-          [](const WorldsPointer& worlds, const py::object& out) {
-            return worlds->FillRows<&WorldState::stores>(out, 0, "out", [](World& world, auto* row) {
-              using Number = std::remove_pointer_t<decltype(row)>;
-              for (const StoreState& store : world.simulation().state().stores) {
-                *row++ = static_cast<Number>(store.joules);
-              }
-            });
-          },
-          "out"_a = py::none(), "(worlds, stores): J, in the order of the file.")
+      .def("poses", Rows<&WorldState::robots>(4, [](const RobotState& robot) { return PartsOf(robot.X_WR); }),
+           "out"_a = py::none(), "(worlds, robots, 4): x, y, z (m), heading (rad).")
+      .def("twists",
+           Rows<&WorldState::robots>(3,
+                                     [](const RobotState& robot) {
+                                       return std::array{robot.twist.vx, robot.twist.vy, robot.twist.wz};
+                                     }),
+           "out"_a = py::none(), "(worlds, robots, 3): vx, vy (m/s), wz (rad/s), executed in the last tick.")
+      .def("stalls",
+           Rows<&WorldState::robots>(0, [](const RobotState& robot) { return std::array{robot.stalled ? 1.0 : 0.0}; }),
+           "out"_a = py::none(), "(worlds, robots): 1 where a contact ended the last motion, else 0.")
+      .def("object_poses",
+           Rows<&WorldState::objects>(4, [](const ObjectState& object) { return PartsOf(object.X_WO); }),
+           "out"_a = py::none(), "(worlds, objects, 4): as `poses`.")
+      .def("joint_positions",
+           Rows<&WorldState::joints>(0, [](const JointState& joint) { return std::array{joint.position}; }),
+           "out"_a = py::none(), "(worlds, joints): m or rad.")
+      .def("energy", Rows<&WorldState::stores>(0, [](const StoreState& store) { return std::array{store.joules}; }),
+           "out"_a = py::none(), "(worlds, stores): J, in the order of the file.")
       .def("ranges", Held(&Worlds::Ranges), "sensor"_a = "ranger", "out"_a = py::none(),
            "(worlds, robots, rays): the ranges of a ranger of each robot, m; see Simulation.ranges.")
       .def_property_readonly(

@@ -1,5 +1,7 @@
 import json
 import os
+import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -7,7 +9,7 @@ import textwrap
 import unittest
 
 import troupe
-from support import ROOT, logged, run
+from support import PROGRAMS, ROOT, logged, run
 
 SEEK = """
 import math
@@ -34,6 +36,13 @@ class Seek:
             return 0.0, 0.9 if side == "left" else -0.9
         return self.speed, 0.1 * math.sin(sum(self.past[-self.patience:]))
 """
+
+
+def agents_of(pid):
+    """The processes of robots that the process has started."""
+    with open(f"/proc/{pid}/task/{pid}/children") as file:
+        children = [int(child) for child in file.read().split()]
+    return [child for child in children if b"robot-agent" in pathlib.Path(f"/proc/{child}/cmdline").read_bytes()]
 
 
 class Controllers(unittest.TestCase):
@@ -72,6 +81,42 @@ class Controllers(unittest.TestCase):
             found = logged(scenario, self.folder.name, *arguments)
             for tick, digest in own.items():
                 self.assertEqual(found[tick], digest, f"{arguments} tick {tick}")
+
+    def test_agents_that_are_killed_and_rewound_change_no_hash(self):
+        self.write("seek.py", SEEK)
+        scenario = self.scenario("./seek.py:Seek", {"speed": 0.5})
+        expected = logged(scenario, self.folder.name, "--in-process")
+        session = f"python-rebuild-{os.getpid()}"
+        command = [PROGRAMS / "troupe", "run", scenario, "--headless", "--robots-per-process", "2", "--paused",
+                   "--on-agent-loss", "rebuild", "--lease", "1", "--hash-log", self.path("killed"), "--session", session]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+            lines = []
+
+            def await_line(text):
+                for line in process.stdout:
+                    lines.append(line)
+                    if text in line:
+                        return
+                self.fail("".join(lines))
+
+            def control(*words):
+                done = subprocess.run([PROGRAMS / "troupe", "ctl", *words, "--session", session], capture_output=True,
+                                      text=True, timeout=60)
+                self.assertEqual(done.returncode, 0, done.stderr + "".join(lines))
+
+            await_line("ready")
+            control("step", "25")
+            os.kill(agents_of(process.pid)[0], signal.SIGKILL)
+            await_line("restart ")
+            control("step", "10")  # of the rebuilt robots
+            control("rewind", "12")
+            control("play")
+            lines += process.stdout
+            self.assertEqual(process.wait(timeout=60), 0, "".join(lines))
+        with open(self.path("killed")) as file:
+            found = [(int(tick), int(digest, 16)) for tick, digest in map(str.split, file)]
+        self.assertEqual([tick for tick, _ in found], [*range(36), *range(12, 61)])
+        self.assertEqual([digest for _, digest in found], [expected[tick] for tick, _ in found])
 
     def test_the_option_of_the_command_line_names_a_class(self):
         self.write("seek.py", SEEK)

@@ -71,6 +71,20 @@ class Reading(unittest.TestCase):
         for i in (0, 7, 99):
             self.assertTrue((together[i] == self.sim.read(i, 0).ranges).all())
 
+    def test_robots_with_grippers(self):
+        sim = troupe.Simulation(SCENARIOS / "stacking.json", run_controllers=False)
+        info = sim.robot("builder")
+        gripper = info.grippers[0]
+        self.assertEqual([info.joints[i].type for i in (gripper.left, gripper.right, gripper.lift)], ["prismatic"] * 3)
+        self.assertEqual(info.sensors[gripper.beams].type, "break_beam")
+        self.assertEqual(sim.held("builder"), [None])
+        for robot in range(len(sim.robots)):
+            self.assertEqual(sim.robot(robot).name, sim.robots[robot])
+        before = sim.joint_positions
+        sim.drive(troupe.Command(grippers=[troupe.GripperCommand(0, "close", lift=50)]), "builder")
+        sim.step(20)
+        self.assertTrue((sim.joint_positions != before).any())
+
     def test_kinds_of_sensors(self):
         sim = troupe.Simulation(SCENARIOS / "sensors.json")
         sim.step(10)

@@ -5,7 +5,7 @@ import unittest
 import numpy
 
 import troupe
-from support import LAB, SWARM
+from support import LAB, SCENARIOS, SWARM
 
 
 class VectorSimulation(unittest.TestCase):
@@ -77,6 +77,22 @@ class VectorSimulation(unittest.TestCase):
                 self.assertTrue((twists[i] == vector[i].twists.astype(kind)).all())
                 self.assertTrue((stalls[i] == vector[i].stalls).all())
                 self.assertTrue((ranges[i] == vector[i].ranges().astype(kind)).all())
+
+    def test_tables_of_objects_joints_and_energy(self):
+        for name, tables in (("stacking", ("object_poses", "joint_positions")), ("foraging_energy", ("energy",))):
+            vector = troupe.VectorSimulation(SCENARIOS / f"{name}.json", 2)
+            vector.step(60)
+            for table in tables:
+                found = getattr(vector, table)()
+                self.assertGreater(found.size, 0)
+                for i in range(2):
+                    self.assertTrue((found[i] == getattr(vector[i], table)).all())
+                out = numpy.zeros(found.shape, numpy.float32)
+                self.assertIs(getattr(vector, table)(out=out), out)
+                self.assertTrue((out == found.astype(numpy.float32)).all())
+        vector[1].restore(troupe.Simulation(LAB).save())  # a world with another number of stores
+        with self.assertRaises(ValueError):
+            vector.energy()
 
     def test_dlpack(self):
         vector = troupe.VectorSimulation(SWARM, 2)

@@ -10,7 +10,7 @@ A task is a small class of functions on arrays over all worlds and robots: `Task
 
 from .envs import Episodes, ParallelEnv, VectorEnv, evaluate
 from .spaces import Box
-from .tasks import Coverage, Flocking, Navigation, Situation, Task
+from .tasks import Coverage, Flocking, Foraging, Navigation, Situation, Task
 
-__all__ = ["Box", "Coverage", "Episodes", "Flocking", "Navigation", "ParallelEnv", "Situation", "Task", "VectorEnv",
+__all__ = ["Box", "Coverage", "Episodes", "Flocking", "Foraging", "Navigation", "ParallelEnv", "Situation", "Task", "VectorEnv",
            "evaluate"]

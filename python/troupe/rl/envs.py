@@ -49,6 +49,7 @@ class Episodes:
         self._stalls = numpy.zeros(shape)
         self._contacts = numpy.zeros(shape)
         self._ranges = numpy.zeros((*shape, sim.ranges(task.sensor).shape[1]))
+        self._energy = numpy.zeros((count, len(sim.energy)))
         self._steps = numpy.zeros(count, int)
         self.seed(None)
 
@@ -99,7 +100,8 @@ class Episodes:
         self.worlds.twists(out=self._twists)
         self.worlds.stalls(out=self._stalls)
         self.worlds.ranges(self.task.sensor, out=self._ranges)
-        return Situation(self._poses, self._twists, self._stalls, self._contacts, self._ranges, self._steps,
+        self.worlds.energy(out=self._energy)
+        return Situation(self._poses, self._twists, self._stalls, self._contacts, self._ranges, self._energy, self._steps,
                          self._interval * self.task.ticks_per_step)
 
 

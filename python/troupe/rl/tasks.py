@@ -31,6 +31,7 @@ class Situation(NamedTuple):
     stalls: numpy.ndarray  # (worlds, robots): 1 after a contact
     contacts: numpy.ndarray  # (worlds, robots): after a contact 1 if the robot drove ahead, -1 if back; then fading
     ranges: numpy.ndarray  # (worlds, robots, rays): m
+    energy: numpy.ndarray  # (worlds, stores): J, in the order of the file
     steps: numpy.ndarray  # (worlds,): steps of the episode
     interval: float  # s, of a step
 
@@ -270,3 +271,84 @@ class Flocking(Task):
         pull = numpy.where(nearest * self.radius < 1.0, -1.5, 0.8)
         bearing = numpy.arctan2(sin + pull * y, cos + 0.2 + pull * x)
         return avoid(observations, numpy.where(some > 0.5, bearing, 0.0))
+
+
+class Foraging(Task):
+    """The robots bring units from a mine to a depot, and charge before their stores of energy are empty.
+
+    Reward: 1 for a unit at the mine, 3 for it at the depot, -5 for an empty store, which ends the robot's task, and -0.1 for
+    each step at a contact. Extra observations: whether the robot carries a unit, its energy / capacity, and distance / 10 m,
+    cosine and sine of the bearing of the place where it must go, and of the nearest point of the charger.
+    """
+
+    name = "foraging"
+    extra = 8
+    max_steps = 600
+    places = numpy.array([[-5.0, 3.0], [5.0, 3.0]])  # m: the mine, the depot
+    radius = 0.8  # m
+    capacity = 6000.0  # J
+    charger = ((-4.2, 4.2), -4.1)  # m: its middle line, x from and to, and y
+
+    def scenario(self):
+        def model(name: str, pose: List[float], size: List[float], **properties: Any) -> Dict[str, Any]:
+            return {"name": name, "model": "model", "pose": pose, "properties": {"size": size, **properties}}
+
+        walls = [model("north", [0, 5, 0], [14.1, 0.1, 1]), model("south", [0, -5, 0], [14.1, 0.1, 1]),
+                 model("east", [7, 0, 0], [0.1, 9.9, 1]), model("west", [-7, 0, 0], [0.1, 9.9, 1]),
+                 model("screen", [0, 1.5, 0], [0.1, 2, 1]), model("crate", [-3, -1, 20], [0.8, 0.8, 0.6]),
+                 model("chest", [3, 0, 0], [0.8, 0.8, 0.6])]
+        places = [model(name, [x, y, 0], [2 * self.radius, 2 * self.radius, 0.01], color=color, obstacle_return=0)
+                  for name, color, (x, y) in zip(("mine", "depot"), ("green", "red"), self.places)]
+        charger = model("charger", [0, -4.1, 0], [9, 0.8, 0.02], color="light green", obstacle_return=0, joules=-1,
+                        give_watts=400 * self.robots)
+        return {"name": self.name, "include": [str(worlds_folder() / "include/robots.inc")], "seed": 1,
+                "models": [*walls, *places, charger],
+                "spawn": [{"model": "scout", "count": self.robots, "region": [-6, -3, 6, 4], "spacing": 0.8,
+                           "heading": "random", "name_prefix": "robot"}],
+                "override": [{"match": {"type": "scout"}, "properties": {
+                    "joules": self.capacity, "watts": 5, "mass": 8, "take_watts": 400}}]}
+
+    def begin(self, which, starts, generators, seen):
+        if not hasattr(self, "carries") or self.carries.shape != seen.stalls.shape:
+            self.carries = numpy.zeros(seen.stalls.shape, bool)
+            self.empty = numpy.zeros(seen.stalls.shape, bool)
+        self.carries[which] = False
+        self.empty[which] = False
+
+    def _energy(self, seen: Situation) -> numpy.ndarray:
+        return seen.energy[:, -self.robots:]  # the charger's store is before those of the robots
+
+    def _to_target(self, seen: Situation) -> numpy.ndarray:
+        return self.places[self.carries.astype(int)] - seen.poses[..., :2]
+
+    def features(self, seen):
+        (left, right), y = self.charger
+        x = numpy.clip(seen.poses[..., 0], left, right)
+        to_charger = numpy.stack([x, numpy.full_like(x, y)], axis=-1) - seen.poses[..., :2]
+        columns = [self.carries, self._energy(seen) / self.capacity]
+        for way in (self._to_target(seen), to_charger):
+            bearing = numpy.arctan2(way[..., 1], way[..., 0]) - seen.poses[..., 3]
+            distance = numpy.hypot(way[..., 0], way[..., 1])
+            columns += [numpy.minimum(distance / 10.0, 1.0), numpy.cos(bearing), numpy.sin(bearing)]
+        return numpy.stack(columns, axis=-1)
+
+    def reward(self, seen):
+        way = self._to_target(seen)
+        there = (numpy.hypot(way[..., 0], way[..., 1]) < self.radius) & ~self.empty
+        reward = numpy.where(there, numpy.where(self.carries, 3.0, 1.0), 0.0) - 0.1 * seen.stalls * ~self.empty
+        self.carries ^= there
+        empty = self._energy(seen) <= 0.0
+        reward -= 5.0 * (empty & ~self.empty)
+        self.empty |= empty
+        return reward
+
+    def ended(self, seen):
+        return self.empty.copy()
+
+    def scripted(self, observations):
+        energy, away = observations[..., -7], 10.0 * observations[..., -3]
+        charges = (energy < 0.4) | ((energy < 0.95) & (away < 0.6))
+        to_target = numpy.arctan2(observations[..., -4], observations[..., -5])
+        to_charger = numpy.arctan2(observations[..., -1], observations[..., -2])
+        actions = avoid(observations, numpy.where(charges, to_charger, to_target))
+        return numpy.where((charges & (away < 0.3))[..., None], 0.0, actions)
