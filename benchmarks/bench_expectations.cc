@@ -24,7 +24,7 @@ constexpr const char* kTen[] = {
     "forall r: always abs(turn_rate(r)) < 180 deg/s",
     "within(cave)",
     "always (count r: stalled(r)) < 90",
-    "always[10 s, end] (mean r: speed(r)) > 1 mm/s or true",
+    "always[10 s, end] (mean r: speed(r)) > 0.001 m/s or true",
     "forall r: always (event(stall_began, r) -> once[0, 5 s] speed(r) > 0.1 m/s)",
 };
 

@@ -69,11 +69,13 @@ class Shrinker {
     } else if (listed != nullptr) {
       for (const JsonNode& name : listed->items) removed_.push_back(name.text);
     }
+    before_ = removed_;
     if (may_remove_) std::erase_if(draws_, [](const DrawnValue& draw) { return draw.path == "without"; });
     const bool ended =
         may_end_ && std::erase_if(draws_, [](const DrawnValue& draw) { return draw.path == "ticks"; }) > 0;
     if (const Result<LoadedWorld> world = worlds_.Load(all); world.ok()) {
       entities_ = EntitiesOf(world.value().world);
+      all_ = entities_;
       ticks_ = world.value().settings.ticks.value_or(0);
       scenario_ticks_ = ended ? std::numeric_limits<Tick>::max() : ticks_;
     }
@@ -117,8 +119,8 @@ class Shrinker {
     bool changed = false;
     const auto try_keeping = [&](const Names& kept) {
       if (kept.empty() || kept.size() >= entities_.size()) return false;
-      Names removed = removed_;
-      for (const std::string& name : entities_) {
+      Names removed = before_;
+      for (const std::string& name : all_) {
         if (std::find(kept.begin(), kept.end(), name) == kept.end()) removed.push_back(name);
       }
       if (!Try(draws_, removed)) return false;
@@ -178,7 +180,9 @@ class Shrinker {
   Tick ticks_ = 0;
   Tick scenario_ticks_ = 0;   // that a case without a draw of them has
   bool known_early_ = false;  // the verdict does not depend on the end of the run
-  Names entities_;            // that are left
+  Names before_;              // that the whole case leaves out
+  Names all_;                 // that it has
+  Names entities_;            // of them, those that are left
   Names causes_;
 };
 

@@ -12,6 +12,7 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t kMostFaults = 100;  // that the page shows in full
+constexpr std::size_t kFirstFaults = 10;  // of them, those that are not behind one more click
 constexpr std::size_t kMostGroups = 200;  // rows of a table of metrics
 
 constexpr const char* kStyle =
@@ -49,12 +50,12 @@ bool IsNumber(const std::string& value) {
   return nlohmann::json::parse(value, nullptr, false).is_number();
 }
 
-std::string FaultText(const ReportedTest& test, const ReportedCase& fault) {
+std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool open) {
   const CaseOutcome& outcome = fault.outcome;
   const std::string text = CaseText(fault.draws);
-  std::string html =
-      fmt::format("<details><summary><b class=\"{}\">{}</b> {}<code>{}</code></summary>\n", ClassOf(outcome.verdict),
-                  ToString(outcome.verdict), fault.kept ? "kept " : "", Escaped(text.empty() ? "the only case" : text));
+  std::string html = fmt::format("<details{}><summary><b class=\"{}\">{}</b> {}<code>{}</code></summary>\n",
+                                 open ? " open" : "", ClassOf(outcome.verdict), ToString(outcome.verdict),
+                                 fault.kept ? "kept " : "", Escaped(text.empty() ? "the only case" : text));
   if (!outcome.error.empty()) html += "<p>" + Escaped(outcome.error) + "</p>\n";
   if (!fault.command.empty()) html += "<p>Repeat: <code>" + Escaped(fault.command) + "</code></p>\n";
   if (!fault.shrunk.empty()) html += "<p>The smallest case found: <code>" + Escaped(fault.shrunk) + "</code></p>\n";
@@ -122,16 +123,20 @@ std::vector<std::pair<std::string, std::string>> CaseReport::Plots(const Entry& 
 
 std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
   std::map<std::string, Statistics> groups;
+  std::vector<std::string> names;  // in the order of the cases
   for (const auto& [number, row] : entry.rows) {
     if (row.kept || metric >= row.metrics.size() || !row.metrics[metric]) continue;
-    groups[GroupOf(row.draws)].Add(*row.metrics[metric]);
+    const std::string group = GroupOf(row.draws);
+    if (!groups.contains(group)) names.push_back(group);
+    groups[group].Add(*row.metrics[metric]);
   }
   std::string html = fmt::format(
       "<h3>{}</h3>\n<table><tr><th>case</th><th>runs</th><th>mean</th><th>95 % confidence</th>"
       "<th>deviation</th><th>least</th><th>greatest</th></tr>\n",
       Escaped(WithUnit(entry.test.metrics[metric], entry.test.units[metric])));
   std::size_t shown = 0;
-  for (const auto& [group, statistics] : groups) {
+  for (const std::string& group : names) {
+    const Statistics& statistics = groups.at(group);
     if (++shown > kMostGroups) {
       html += fmt::format("<tr><td colspan=\"7\">{} more: see the CSV file</td></tr>\n", groups.size() - kMostGroups);
       break;
@@ -199,8 +204,11 @@ std::string CaseReport::PageOf(const Entry& entry) const {
       html += fmt::format("<p>{} more: see cases.jsonl</p>\n", entry.faults.size() - kMostFaults);
       break;
     }
-    html += FaultText(test, fault);
+    if (shown == kFirstFaults + 1)
+      html += fmt::format("<details><summary>{} more</summary>\n", entry.faults.size() - kFirstFaults);
+    html += FaultText(test, fault, shown == 1);
   }
+  if (shown > kFirstFaults) html += "</details>\n";
   for (std::size_t i = 0; i < test.metrics.size(); ++i) html += MetricTable(entry, i);
   for (const auto& [name, svg] : Plots(entry)) html += svg;
   return html;

@@ -8,6 +8,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/spatial/body_index.h"
@@ -88,20 +89,36 @@ class NaiveEvaluator {
     for (std::size_t robot = 0; robot < kRobots; ++robot) {
       bool used = false;
       for (std::size_t i = 0; i < next; ++i) used = used || bindings_[f.variables[i]] == robot;
-      if (used) continue;
+      if (used || (f.pattern && !Matches(*f.pattern, "r" + std::to_string(robot)))) continue;
       bindings_[f.variables[next]] = robot;
       ForEachBinding(f, next + 1, visit);
     }
+  }
+
+  // * is any characters, ? one.
+  static bool Matches(std::string_view pattern, std::string_view name) {
+    if (pattern.empty()) return name.empty();
+    if (pattern[0] == '*')
+      return Matches(pattern.substr(1), name) || (!name.empty() && Matches(pattern, name.substr(1)));
+    return !name.empty() && (pattern[0] == '?' || pattern[0] == name[0]) && Matches(pattern.substr(1), name.substr(1));
   }
 
   double Number(const Syntax& f, int t) {
     if (f.kind == SyntaxKind::kNumber) return f.number.value;
     if (f.kind == SyntaxKind::kCall && f.name == "x") return Robot(f, t).X_WR.x;
     if (f.kind == SyntaxKind::kCall && f.name == "y") return Robot(f, t).X_WR.y;
-    if (f.kind == SyntaxKind::kCall) return std::abs(Number(f.children[0], t));
+    if (f.kind == SyntaxKind::kCall && f.name == "sqrt") return std::sqrt(Number(f.children[0], t));
+    if (f.kind == SyntaxKind::kCall && f.name == "abs") return std::abs(Number(f.children[0], t));
+    if (f.kind == SyntaxKind::kCall) {
+      const double a = Number(f.children[0], t);
+      const double b = Number(f.children[1], t);
+      return f.name == "min" ? std::min(a, b) : std::max(a, b);
+    }
     if (f.kind == SyntaxKind::kBound) {
       double result = f.name == "min" ? kNothing : f.name == "max" ? -kNothing : 0.0;
+      int count = 0;
       ForEachBinding(f, 0, [&] {
+        ++count;
         if (f.name == "count") {
           result += IsFalse(Truth(f.children[0], t)) ? 0.0 : 1.0;
           return;
@@ -109,12 +126,12 @@ class NaiveEvaluator {
         const double value = Number(f.children[0], t);
         result = f.name == "min" ? std::min(result, value) : f.name == "max" ? std::max(result, value) : result + value;
       });
-      return result;
+      return f.name == "mean" ? result / count : result;
     }
     if (f.children.size() == 1) return -Number(f.children[0], t);
     const double a = Number(f.children[0], t);
     const double b = Number(f.children[1], t);
-    return f.name == "+" ? a + b : f.name == "-" ? a - b : a * b;
+    return f.name == "+" ? a + b : f.name == "-" ? a - b : f.name == "*" ? a * b : a / b;
   }
 
   double Temporal(const Syntax& f, int t) {
@@ -208,6 +225,7 @@ class RandomFormula {
     variables.insert(variables.end(), names.begin(), names.end());
     std::string text = Below(2) == 0 ? "forall " : "exists ";
     for (std::size_t i = 0; i < names.size(); ++i) text += (i > 0 ? ", " : "") + names[i];
+    if (names.size() == 1 && Below(4) == 0) text += Pattern();
     text += ": (" + Truth(depth - 1, variables) + ")";
     for (const std::string& name : names) text += (Below(2) == 0 ? " and (" : " or (") + Atom({name}) + ")";
     return "(" + text + ")";
@@ -215,7 +233,7 @@ class RandomFormula {
 
   std::string Number(const std::vector<std::string>& variables) {
     const std::string& variable = variables[static_cast<std::size_t>(Below(static_cast<int>(variables.size())))];
-    switch (Below(6)) {
+    switch (Below(12)) {
       case 0:
         return "x(" + variable + ") - y(" + variable + ")";
       case 1:
@@ -224,9 +242,25 @@ class RandomFormula {
         return "(min q: x(q) + y(" + variable + "))";
       case 3:
         return "2 * x(" + variable + ")";
+      case 4:
+        return "(max q: y(q) - x(" + variable + "))";
+      case 5:
+        return "(sum q: x(q) - y(" + variable + ")) / 2";
+      case 6:
+        return "(mean q" + Pattern() + ": x(q) + y(" + variable + "))";
+      case 7:
+        return "sqrt(x(" + variable + ") * x(" + variable + ") + y(" + variable + ") * y(" + variable + "))";
+      case 8:
+        return std::string(Below(2) == 0 ? "min" : "max") + "(x(" + variable + "), -y(" + variable + "))";
       default:
         return (Below(2) == 0 ? "x(" : "y(") + variable + ")";
     }
+  }
+
+  // Of one robot or of all.
+  std::string Pattern() {
+    const char* const patterns[] = {"r1*", "?2", "*"};
+    return std::string(" in \"") + patterns[Below(3)] + "\"";
   }
 
   std::string Atom(const std::vector<std::string>& variables) {
