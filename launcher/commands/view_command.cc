@@ -52,6 +52,10 @@ struct ViewOptions {
   bool view_only = false;
 };
 
+Result<ParticipantKeys> KeysOf(const NetworkSettings& network) {
+  return FindKeys(network.security, network.domain, network.session, Role::Observer());
+}
+
 // A run over DDS, as an observer and an operator of its session.
 class DdsRunLink : public RunLink {
  public:
@@ -69,9 +73,12 @@ class DdsRunLink : public RunLink {
   }
 
   Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override {
+    Result<ParticipantKeys> keys = KeysOf(network_);  // before: those of the observer are no older
+    if (!keys.ok()) return keys.error();
     Result<std::unique_ptr<SessionObserver>> observer = ObserveSession(network_, handler);
     if (!observer.ok()) return observer.error();
-    return std::unique_ptr<RunObservation>(std::make_unique<SessionObservation>(std::move(observer).value()));
+    return std::unique_ptr<RunObservation>(
+        std::make_unique<SessionObservation>(network_, std::move(keys).value(), std::move(observer).value()));
   }
 
   bool can_run_again() const override { return runs_again_; }
@@ -97,9 +104,20 @@ class DdsRunLink : public RunLink {
   }
 
  private:
-  struct SessionObservation : RunObservation {
-    explicit SessionObservation(std::unique_ptr<SessionObserver> observer) : observer_(std::move(observer)) {}
-    std::unique_ptr<SessionObserver> observer_;
+  class SessionObservation : public RunObservation {
+   public:
+    SessionObservation(const NetworkSettings& network, ParticipantKeys keys, std::unique_ptr<SessionObserver> observer)
+        : network_(network), keys_(std::move(keys)), observer_(std::move(observer)) {}
+    // The keys of a run disappear with it, while its last frames may be on their way.
+    bool IsOutdated() override {
+      const Result<ParticipantKeys> now = KeysOf(network_);
+      return now.ok() && now.value() != ParticipantKeys() && now.value() != keys_;
+    }
+
+   private:
+    const NetworkSettings& network_;
+    const ParticipantKeys keys_;
+    const std::unique_ptr<SessionObserver> observer_;
   };
 
   const NetworkSettings network_;
@@ -112,7 +130,7 @@ class DdsRunLink : public RunLink {
 // its page. The same for all viewers of a run with a token, so that a page connects to the next viewer, too.
 std::string TokenOf(const NetworkSettings& network) {
   if (network.security == kSecurityOff) return "";
-  const Result<ParticipantKeys> keys = FindKeys(network.security, network.domain, network.session, Role::Observer());
+  const Result<ParticipantKeys> keys = KeysOf(network);
   if (!keys.ok() || !keys.value().token) return MakeToken();
   return keys.value().token->Proof("the page of its viewer").substr(0, MakeToken().size());
 }

@@ -17,7 +17,7 @@ import sys
 import tempfile
 import xml.etree.ElementTree
 
-from engine import DEPLOY, ROOT, await_that, main, require, require_same_files, run, skip, terminate
+from engine import DEPLOY, ROOT, Wrong, await_that, main, require, require_same_files, run, skip, terminate
 
 sys.path.insert(0, str(ROOT / "scripts"))
 from virtual_network import Network, obstacle_to_hosts  # noqa: E402
@@ -50,7 +50,7 @@ def check_types(objects, cache):
         folder.mkdir(parents=True, exist_ok=True)
         try:
             run("npm", "install", "--no-audit", "--no-fund", "--prefix", folder, *TYPES, timeout=300)
-        except (OSError, subprocess.TimeoutExpired, Exception) as problem:
+        except (OSError, subprocess.TimeoutExpired, Wrong) as problem:
             print(f"not checked against the published types: {problem}")
             return
 
@@ -143,7 +143,7 @@ class Pods:
                               stdin=subprocess.DEVNULL, capture_output=True).returncode == 0
 
 
-def make_secrets(pods, world, robots):
+def make_secrets(pods, robots):
     """As docs/deploy.md says."""
     keys = pods.folder / "keys"
     run(pods.programs / "troupe", "keys", "make", keys, "--robots", ",".join(robots))
@@ -157,7 +157,7 @@ def make_secrets(pods, world, robots):
 def run_pods(pods, objects):
     world, robot = pod(objects["StatefulSet", "world"]), pod(objects["StatefulSet", "robot"])
     robots = [f"robot-{i}" for i in range(objects["StatefulSet", "robot"]["spec"]["replicas"])]
-    make_secrets(pods, world, robots)
+    make_secrets(pods, robots)
     service, viewer = world["containers"]
     for name, spec in [("world-0", world), *((name, robot) for name in robots)]:
         pods.finish(name, spec["initContainers"][0]["command"])

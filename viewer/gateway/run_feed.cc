@@ -206,8 +206,9 @@ void Follower::Run() {
     const bool open = now < wanted_until_ && !observation;
     const bool close = observation && now >= wanted_until_;
     lock.unlock();
-    // The next run of the session may have other keys.
-    if (close || (feed_.ConsumeServiceGone() && observation)) {
+    const bool is_gone = feed_.ConsumeServiceGone();
+    const bool is_over = observation && (is_gone || observation->IsOutdated());
+    if (close || is_over) {
       observation.reset();
       feed_.Clear();  // its state is not the newest for long
     }

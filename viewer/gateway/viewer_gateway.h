@@ -22,6 +22,9 @@ namespace troupe {
 class RunObservation {
  public:
   virtual ~RunObservation() = default;
+  // The run has other keys than this observation began with, for instance because it began later: another observation
+  // is needed. Does not wait.
+  virtual bool IsOutdated() { return false; }
 };
 
 // RunLink: the gateway's connection to a run, over any transport.

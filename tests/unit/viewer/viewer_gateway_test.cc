@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -67,10 +68,12 @@ class ScriptedLink : public RunLink {
   std::vector<ControlRequest> asked;
   std::vector<EntityReport> entities;  // of each reply
   bool always = false;
+  std::atomic<bool> outdated = false;
 
  private:
   struct End : RunObservation {
     explicit End(ScriptedLink& of) : link(of) {}
+    bool IsOutdated() override { return link.outdated.exchange(false); }
     ~End() override {
       const std::lock_guard lock(link.mutex);
       link.observer = nullptr;
@@ -659,6 +662,16 @@ TEST_F(ViewerGatewayTest, MetricsAreThoseOfTheStatusAndTheEvents) {
         "troupe_agents_lost_total{session=\"s\"} 2", "troupe_agents_rejoined_total{session=\"s\"} 1"}) {
     EXPECT_THAT(metrics, testing::HasSubstr(std::string("\n") + line + "\n")) << line;
   }
+}
+
+TEST_F(ViewerGatewayTest, ARunThatHasItsKeysLaterIsObservedAgain) {
+  Start();
+  auto client = Connect();
+  link_.AwaitObserver();
+  link_.outdated = true;
+  std::unique_lock lock(link_.mutex);
+  EXPECT_TRUE(link_.changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline),
+                                     [&] { return link_.observed == 2 && link_.observer != nullptr; }));
 }
 
 TEST_F(ViewerGatewayTest, AnEditedWorldIsSentAgain) {
