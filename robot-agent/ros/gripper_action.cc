@@ -37,6 +37,13 @@ GripperAction::GripperAction(const ros::RosNode& node, const std::string& name, 
   server_.Start();
 }
 
+GripperAction::~GripperAction() {
+  const std::lock_guard lock(mutex_);
+  goals_.AbortAll();
+  WriteStatus();
+  AnswerCallers();
+}
+
 std::optional<GripperGoals::Order> GripperAction::Begin(Tick tick) {
   const std::lock_guard lock(mutex_);
   return goals_.Begin(tick);

@@ -80,6 +80,10 @@ class GripperAction {
  public:
   // `name`: of the action. REQUIRES: the world outlives the action.
   GripperAction(const ros::RosNode& node, const std::string& name, const WorldDescription& world, GripperId gripper);
+  // Aborts the goals that have not ended, as at a reset: nobody would wait for their end in vain.
+  ~GripperAction();
+  GripperAction(const GripperAction&) = delete;
+  GripperAction& operator=(const GripperAction&) = delete;
 
   // As in GripperGoals.
   std::optional<GripperGoals::Order> Begin(Tick tick);

@@ -31,7 +31,8 @@ bool IsPressed(const SensorReading& reading) {
 
 RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RobotTopics& settings, const Scene& scene, RobotId robot,
                          const ros::RobotInRos& in_ros)
-    : scene_(&scene),
+    : connection_(*node.connection),
+      scene_(&scene),
       id_(robot),
       map_to_odom_(settings.map_to_odom),
       odom_to_base_(settings.odom_to_base),
@@ -85,9 +86,14 @@ void RobotOutput::AddMotion(const RobotView& robot) {
   odometry_error_.AddMotion(robot.state().twist, scene_->world().interval_seconds());
 }
 
+bool RobotOutput::IsNew(std::optional<Motion>& last, Tick tick, const RobotView& robot) const {
+  const Motion motion{tick, robot.pose_estimate(), robot.state().twist};
+  return std::exchange(last, motion) != motion || connection_.addresses_newcomers();
+}
+
 void RobotOutput::Publish(Tick tick, const RobotView& robot) {
   const RobotState& state = robot.state();
-  if (odom_.is_addressed()) {
+  if (odom_.is_addressed() && IsNew(last_odometry_, tick, robot)) {
     dds::WireArena arena;
     odom_.Write(ros::MakeOdometry(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), state.twist,
                                   odometry_error_.covariance(), arena));
@@ -170,8 +176,9 @@ void RobotOutput::PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar) 
 }
 
 std::vector<ros::TransformStamped> RobotOutput::MovingTransforms(Tick tick, const RobotView& robot,
-                                                                 dds::WireArena& arena) const {
+                                                                 dds::WireArena& arena) {
   std::vector<ros::TransformStamped> transforms;
+  if (!IsNew(last_transforms_, tick, robot)) return transforms;
   if (odom_to_base_) {
     transforms.push_back(ros::MakeTransform(Stamp(tick), frames_.odom, frames_.base, robot.pose_estimate(), arena));
   }

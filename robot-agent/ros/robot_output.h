@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -74,7 +75,9 @@ class RobotOutput {
   void Publish(Tick tick, const RobotView& robot);
 
   // The transforms of the robot in its odometry frame, and of the links that its joints move.
-  std::vector<ros::TransformStamped> MovingTransforms(Tick tick, const RobotView& robot, dds::WireArena& arena) const;
+  // Empty if they are those of the last call, as after an edit that left the robot as it was: tf2 takes a repeated
+  // stamp for an error.
+  std::vector<ros::TransformStamped> MovingTransforms(Tick tick, const RobotView& robot, dds::WireArena& arena);
   // The transforms of the sensors on their links; with plain names, of base_footprint; if the settings ask for it, of
   // the odometry frame in the map. `robot`: at the first tick.
   std::vector<ros::TransformStamped> StaticTransforms(const RobotView& robot, dds::WireArena& arena) const;
@@ -91,7 +94,17 @@ class RobotOutput {
     std::unique_ptr<ros::RosWriter<ros::PointCloud2>> points;
   };
 
+  struct Motion {
+    Tick tick = 0;
+    Pose estimate;
+    Twist twist;
+
+    bool operator==(const Motion&) const = default;
+  };
+
   ros::Time Stamp(Tick tick) const;
+  // Whether readers lack a message of this motion, of which `last` is the last one.
+  bool IsNew(std::optional<Motion>& last, Tick tick, const RobotView& robot) const;
   const RobotDescription& description() const { return scene_->world().robot(id_); }
   bool Due(Tick tick, std::size_t sensor) const;
   void PublishLaser(Tick tick, const RobotView& robot, Laser& laser);
@@ -99,8 +112,12 @@ class RobotOutput {
   void PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar);
   void PublishJoints(Tick tick, const RobotView& robot);
   void PublishBattery(Tick tick, const RobotView& robot);
+
+  const ros::RosConnection& connection_;
   const Scene* scene_;
   RobotId id_;
+  std::optional<Motion> last_odometry_;
+  std::optional<Motion> last_transforms_;
   bool map_to_odom_;
   bool odom_to_base_;
   bool infinite_ranges_;

@@ -69,7 +69,8 @@ class RobotGroup {
 };
 
 constexpr std::int32_t kTransformDepth = 100;
-// In a domain with more robots, their nodes have no parameter services, which are twelve endpoints each.
+// In a domain with more robots, their nodes have no service for parameters but the one that lists them, because the
+// six are twelve endpoints each.
 constexpr std::size_t kMostRobotsWithParameters = 10;
 constexpr const char* kNodeName = "robot";
 
@@ -80,7 +81,7 @@ class RobotGroup::Transforms {
       : moving_(node, prefix + "tf", ros::Stream(kTransformDepth)),
         fixed_(node, prefix + "tf_static", ros::Latched()) {}
 
-  void Write(Tick tick, const std::vector<std::pair<const RobotView*, const RobotOutput*>>& robots);
+  void Write(Tick tick, const std::vector<std::pair<const RobotView*, RobotOutput*>>& robots);
 
  private:
   ros::RosWriter<ros::TfMessage> moving_;
@@ -88,8 +89,7 @@ class RobotGroup::Transforms {
   bool fixed_written_ = false;
 };
 
-void RobotGroup::Transforms::Write(Tick tick,
-                                   const std::vector<std::pair<const RobotView*, const RobotOutput*>>& robots) {
+void RobotGroup::Transforms::Write(Tick tick, const std::vector<std::pair<const RobotView*, RobotOutput*>>& robots) {
   if (!fixed_written_) {
     // One message for all robots, because only the last one is kept for late readers.
     fixed_written_ = true;
@@ -121,12 +121,14 @@ struct RobotGroup::Member {
         manipulator(node, scene, robot.id),
         radios(node, scene, robot.id) {
     if (options.names.namespaced_tf) transforms = std::make_unique<Transforms>(node, "");
-    if (!robot.in_ros.alone && scene.world().robots.size() > kMostRobotsWithParameters) return;
-    parameters =
-        std::make_unique<ros::ParameterServices>(node, kNodeName,
-                                                 ros::Parameters{{"use_sim_time", true},
-                                                                 {"command_timeout", options.robots.command_timeout},
-                                                                 {"robot", scene.world().robot(robot.id).name}});
+    const bool has_all = robot.in_ros.alone || scene.world().robots.size() <= kMostRobotsWithParameters;
+    parameters = std::make_unique<ros::ParameterServices>(
+        node, kNodeName,
+        ros::Parameters{{"use_sim_time", true},
+                        {"command_timeout", options.robots.command_timeout},
+                        {"robot", scene.world().robot(robot.id).name}},
+        has_all ? ros::ParameterServices::Which::kAll : ros::ParameterServices::Which::kList);
+    if (!has_all) return;
     type_descriptions = std::make_unique<ros::TypeDescriptionService>(node, kNodeName);
   }
 
@@ -136,9 +138,8 @@ struct RobotGroup::Member {
   ManipulatorPort manipulator;
   RadioPort radios;
   std::unique_ptr<Transforms> transforms;  // null where robots share them
-  // Null where there are many robots.
   std::unique_ptr<ros::ParameterServices> parameters;
-  std::unique_ptr<ros::TypeDescriptionService> type_descriptions;
+  std::unique_ptr<ros::TypeDescriptionService> type_descriptions;  // null where there are many robots
 };
 
 RobotGroup::RobotGroup(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotInGroup>& robots)
@@ -216,7 +217,7 @@ void RobotGroup::ShowRobots(Tick tick, std::span<const RobotView* const> robots)
     if (Member* const member = Find(robot->id())) shown.emplace_back(robot, member);
   }
   // First the transforms: a node that transforms a scan at its stamp need not wait for them.
-  std::vector<std::pair<const RobotView*, const RobotOutput*>> together;
+  std::vector<std::pair<const RobotView*, RobotOutput*>> together;
   for (const auto& [robot, member] : shown) {
     if (member->transforms) {
       member->transforms->Write(tick, {{robot, &member->output}});

@@ -130,7 +130,8 @@ class ActionServer {
     callers_.emplace_back(id, caller);
     if (callers_.size() > kMostCallers) callers_.erase(callers_.begin());
   }
-  // Answers the callers whose goal has ended or is not known. `describe(goal, arena)` makes the result of a goal.
+  // Answers the callers whose goal has ended or is not known; that of a process before has been aborted with it.
+  // `describe(goal, arena)` makes the result of a goal.
   template <typename Goal, typename Describe>
   void AnswerResults(const ActionGoals<Goal>& goals, const Describe& describe) {
     std::erase_if(callers_, [&](const auto& waiting) {
@@ -139,7 +140,8 @@ class ActionServer {
       dds::WireArena arena;
       GetResultResponse response{};
       response.result = describe(goal != nullptr ? *goal : Goal{}, arena);
-      if (goal != nullptr) response.status = static_cast<std::int8_t>(goal->status);
+      const GoalStatus of_unknown = waiting.second.is_repeated ? GoalStatus::kAborted : GoalStatus::kUnknown;
+      response.status = static_cast<std::int8_t>(goal != nullptr ? goal->status : of_unknown);
       get_result_.Respond(waiting.second, response);
       return true;
     });

@@ -192,7 +192,7 @@ void DdsService::Deliver(Batch& batch, std::size_t i) {
   const auto sample = batch.samples[i];
   if (sample.info().valid()) {
     if (!HasReaderOf(writer_.handle(), reader_.handle(), sample.info().publication_handle())) return;
-    handler_(&sample.data());
+    handler_(&sample.data(), false);
   }
   batch.handled[i] = true;
 }

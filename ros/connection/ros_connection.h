@@ -116,8 +116,9 @@ struct CallHeader {
 
 class ServiceServer {
  public:
-  // Called on a thread of the connection with each request. It calls Respond, at once or later.
-  using Handler = std::function<void(const void* request)>;
+  // Called on a thread of the connection with each request. It calls Respond, at once or later. `is_repeated`: a
+  // process before had the request, and has ended without a response; it may have executed it.
+  using Handler = std::function<void(const void* request, bool is_repeated)>;
 
   ServiceServer() = default;
   virtual ~ServiceServer() = default;
@@ -170,6 +171,7 @@ class RosConnection {
   // From now on writers are wanted only if a reader has come since that time; without one, all that have a reader. For
   // samples that other readers have already.
   void AddressReadersSince(std::optional<std::chrono::steady_clock::time_point> time) { readers_since_ = time; }
+  bool addresses_newcomers() const { return readers_since_.has_value(); }
   bool Addresses(const TopicWriter& writer) const {
     return writer.wanted() && (!readers_since_ || writer.newest_reader() >= *readers_since_);
   }

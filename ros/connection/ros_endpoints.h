@@ -64,8 +64,10 @@ class RosReader {
 // Whether the constructor of a service starts it, or Start, once all that its handler needs exists.
 enum class Serving : std::uint8_t { kAtOnce, kWhenStarted };
 
-// The address of a response.
-using RosCaller = CallHeader;
+// The address of a response, and whether the request is repeated: see ServiceServer.
+struct RosCaller : CallHeader {
+  bool is_repeated = false;
+};
 
 // RosService<Request, Response>: a service of a node.
 template <typename Request, typename Response>
@@ -80,13 +82,14 @@ class RosService {
   RosService(const RosNode& node, const std::string& name, Handler handler, const TopicQos& qos = Service(),
              Serving serving = Serving::kAtOnce)
       : connection_(node.connection),
-        server_(connection_->MakeService(node.index,
-                                         {node.Resolve(name), dds::TopicTraits<Request>::descriptor(),
-                                          dds::TopicTraits<Response>::descriptor(), qos},
-                                         [handle = std::move(handler)](const void* sample) {
-                                           const Request& request = *static_cast<const Request*>(sample);
-                                           handle({request.client_guid, request.sequence_number}, request);
-                                         })) {
+        server_(
+            connection_->MakeService(node.index,
+                                     {node.Resolve(name), dds::TopicTraits<Request>::descriptor(),
+                                      dds::TopicTraits<Response>::descriptor(), qos},
+                                     [handle = std::move(handler)](const void* sample, bool is_repeated) {
+                                       const Request& request = *static_cast<const Request*>(sample);
+                                       handle({{request.client_guid, request.sequence_number}, is_repeated}, request);
+                                     })) {
     if (serving == Serving::kAtOnce) Start();
   }
 

@@ -64,6 +64,7 @@ class HostConnection::Writer final : public TopicWriter {
   }
 
   std::uint32_t id() const { return id_; }
+  const dds_topic_descriptor_t& type() const { return type_; }
   void React(const WantedContent& content) {
     SetWanted(content.wanted);
     if (content.wanted) owner_.NoteWanted();
@@ -97,6 +98,8 @@ class HostConnection::Reader final : public TopicReader {
     if (on_arrival_) on_arrival_();
   }
   void Miss() { SetMissedWriter(); }
+  void Forget() { waiting_.clear(); }
+  std::uint32_t id() const { return id_; }
 
  private:
   void Take(const Consume& consume) override {
@@ -156,9 +159,9 @@ class HostConnection::Service final : public ServiceServer {
   }
 
   // REQUIRES: handling_ is held, and mutex_ is not.
-  void Handle(const Bytes& bytes) const {
+  void Handle(const Request& request) const {
     const wire::UntypedSample sample(request_);
-    if (wire::SampleFromCdr(bytes, request_, sample.data()).ok()) handler_(sample.data());
+    if (wire::SampleFromCdr(request.bytes, request_, sample.data()).ok()) handler_(sample.data(), request.is_repeated);
   }
 
  private:
@@ -246,8 +249,8 @@ void HostConnection::AwaitSent() {
 }
 
 void HostConnection::WatchTopics(std::function<void()> changed) {
-  const std::lock_guard lock(mutex_);
-  watched_changed_ = std::move(changed);
+  const std::lock_guard lock(changing_);
+  changed_ = std::move(changed);
 }
 
 std::uint32_t HostConnection::Watch(const std::string& topic) {
@@ -273,9 +276,17 @@ void HostConnection::Arm(const std::string& text) {
 
 void HostConnection::Collect() {
   const std::lock_guard lock(mutex_);
-  ++collects_;
-  watched_.collected.reset();
   Send(LinkKind::kCollect, 0);
+}
+
+void HostConnection::Tell(const TopicWriter& writer, const void* header, const TopicReader& answers) {
+  const auto& of_connection = static_cast<const Writer&>(writer);
+  const std::lock_guard lock(mutex_);
+  newest_tell_ = {LinkKind::kTell, of_connection.id(), wire::SampleToCdr(header, of_connection.type())};
+  answers_ = static_cast<const Reader&>(answers).id();
+  ++tells_;
+  watched_.is_told = false;
+  Send(newest_tell_.kind, newest_tell_.id, newest_tell_.content);
   FlushNow();
 }
 
@@ -316,6 +327,7 @@ void HostConnection::Serve() {
         if (broken_) return Close();
       }
       HandleRequests();
+      ReportArrivals();
     } catch (const std::bad_alloc&) {
       const std::lock_guard lock(mutex_);
       return Close();
@@ -335,8 +347,11 @@ bool HostConnection::Open() {
   for (const auto& [id, bytes] : latched_) Send(LinkKind::kWrite, id, bytes);
   if (announced_) Send(LinkKind::kAnnounce, 0);
   if (!arm_.empty()) Send(LinkKind::kArm, 0, BytesOf(arm_));
-  collects_ = std::min(collects_, 1);
-  if (collects_ > 0) Send(LinkKind::kCollect, 0);
+  tells_ = std::min(tells_, 1);
+  if (tells_ > 0) {
+    Send(LinkKind::kCollect, 0);
+    Send(newest_tell_.kind, newest_tell_.id, newest_tell_.content);
+  }
   FlushNow();
   return true;
 }
@@ -351,14 +366,23 @@ void HostConnection::HandleRequests() {
     const std::lock_guard handling(handling_);
     std::unique_lock lock(mutex_);
     if (requests_.empty()) return;
-    const auto [id, bytes] = std::move(requests_.front());
+    const Request request = std::move(requests_.front());
     requests_.pop_front();
-    const auto found = services_.find(id);
+    const auto found = services_.find(request.service);
     if (found == services_.end()) continue;
     const Service& service = *found->second;
     lock.unlock();
-    service.Handle(bytes);
+    service.Handle(request);
   }
+}
+
+void HostConnection::ReportArrivals() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(has_arrived_, false)) return;
+  }
+  const std::lock_guard lock(changing_);
+  if (changed_) changed_();
 }
 
 void HostConnection::Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
@@ -400,6 +424,7 @@ void HostConnection::Remove(std::uint32_t id) {
 }
 
 void HostConnection::Process(const LinkMessage& message) {
+  has_arrived_ = true;
   switch (message.kind) {
     case LinkKind::kWanted: {
       const auto found = writers_.find(message.id);
@@ -416,7 +441,9 @@ void HostConnection::Process(const LinkMessage& message) {
       if (const auto found = readers_.find(message.id); found != readers_.end()) found->second->Miss();
       return;
     case LinkKind::kRequest:
-      requests_.emplace_back(message.id, Bytes(message.content.begin(), message.content.end()));
+    case LinkKind::kRepeated:
+      requests_.push_back(
+          {message.id, message.kind == LinkKind::kRepeated, Bytes(message.content.begin(), message.content.end())});
       if (requests_.size() > kMostRequests) requests_.pop_front();
       wake_.Signal();
       return;
@@ -425,7 +452,7 @@ void HostConnection::Process(const LinkMessage& message) {
       return;
     case LinkKind::kArmed:
     case LinkKind::kArrived:
-    case LinkKind::kCollected:
+    case LinkKind::kTold:
       return ProcessWatched(message);
     default:
       return;
@@ -434,16 +461,15 @@ void HostConnection::Process(const LinkMessage& message) {
 
 void HostConnection::ProcessWatched(const LinkMessage& message) {
   const std::string text(reinterpret_cast<const char*>(message.content.data()), message.content.size());
-  if (message.kind == LinkKind::kCollected) {
-    collected_ += (collected_.empty() || text.empty() ? "" : "\n") + text;
-    if (--collects_ > 0) return;
-    watched_.collected = std::exchange(collected_, {});
-  } else {
-    if (watched_.armed != text) watched_.arrived.clear();
-    watched_.armed = text;
-    if (message.kind == LinkKind::kArrived) watched_.arrived.insert(message.id);
+  if (message.kind == LinkKind::kTold) {
+    if (writers_.contains(message.id)) latched_[message.id] = Bytes(message.content.begin(), message.content.end());
+    watched_.is_told = --tells_ <= 0;
+    if (const auto found = readers_.find(answers_); found != readers_.end()) found->second->Forget();
+    return;
   }
-  if (watched_changed_) watched_changed_();
+  if (watched_.armed != text) watched_.arrived.clear();
+  watched_.armed = text;
+  if (message.kind == LinkKind::kArrived) watched_.arrived.insert(message.id);
 }
 
 void HostConnection::ReceiveNow() {

@@ -53,8 +53,9 @@ class HostConnection final : public RosConnection {
   // Waits until all that was written has been passed to the program, or for a second: it may be dead.
   void AwaitSent();
 
-  // For a process whose ticks wait for ROS. `changed` is called on a thread of the connection whenever watched() has
-  // changed; it calls no function of the connection. Call it first, once.
+  // For a process whose ticks wait for ROS. `changed` is called on the thread of the connection after messages have
+  // arrived: watched() may have changed, and readers may have samples. Call it first; with {} it returns after the last
+  // call of the one before.
   void WatchTopics(std::function<void()> changed);
   // Notes messages of any type on the topic ("rt/anna/cmd_vel") from the next Arm on. Returns its id, for Unwatch.
   std::uint32_t Watch(const std::string& topic);
@@ -63,11 +64,14 @@ class HostConnection final : public RosConnection {
   void Arm(const std::string& text);
   // Has all that other processes of this host have passed to the program by now written to ROS.
   void Collect();
-  // The state of these. Lost with the program; then Arm, Collect and Watch are repeated by the connection.
+  // Writes a std_msgs/Header by a latched writer of this connection, with the topics as its text that have had messages
+  // since the last one. The reader loses what has arrived before that: it is no answer.
+  void Tell(const TopicWriter& writer, const void* header, const TopicReader& answers);
+  // The state of these. Lost with the program; then Arm, Collect, Tell and Watch are repeated by the connection.
   struct Watched {
-    std::string armed;                     // the newest text that the program knows
-    std::set<std::uint32_t> arrived;       // watches with a message for that text
-    std::optional<std::string> collected;  // the answer to the newest Collect: kCollected
+    std::string armed;                // the newest text that the program knows
+    std::set<std::uint32_t> arrived;  // watches with a message for that text
+    bool is_told = false;             // the newest Tell has been performed
   };
   Watched watched();
 
@@ -89,6 +93,7 @@ class HostConnection final : public RosConnection {
   // On the thread: connects, and sends all that has been made so far. False: nothing accepts.
   bool Open();
   void HandleRequests();
+  void ReportArrivals();
 
   // REQUIRES of those below: mutex_ is held.
   void Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
@@ -109,7 +114,9 @@ class HostConnection final : public RosConnection {
   const Sending sending_;
   const WakeEvent wake_;
   std::atomic<bool> stop_ = false;
-  std::mutex handling_;         // held while a handler runs, and by the end of a service
+  std::mutex handling_;  // held while a handler runs, and by the end of a service
+  std::mutex changing_;  // guards the one below, and is held while it runs
+  std::function<void()> changed_;
   std::mutex mutex_;            // guards all below
   std::unique_ptr<Link> link_;  // null: not connected. Only the thread replaces it
   bool broken_ = false;         // the thread is to close the link
@@ -119,14 +126,20 @@ class HostConnection final : public RosConnection {
   std::map<std::uint32_t, Writer*> writers_;
   std::map<std::uint32_t, Reader*> readers_;
   std::map<std::uint32_t, Service*> services_;
-  std::map<std::uint32_t, Bytes> latched_;                // by writer, the last sample
-  std::map<std::uint32_t, Bytes> held_;                   // by writer of a stream, the newest sample that is to be sent
-  std::deque<std::pair<std::uint32_t, Bytes>> requests_;  // by service
+  std::map<std::uint32_t, Bytes> latched_;  // by writer, the last sample
+  std::map<std::uint32_t, Bytes> held_;     // by writer of a stream, the newest sample that is to be sent
+  struct Request {
+    std::uint32_t service;
+    bool is_repeated;
+    Bytes bytes;
+  };
+  std::deque<Request> requests_;
   std::vector<std::string> mismatches_;
-  std::function<void()> watched_changed_;
-  std::string arm_;        // the newest
-  int collects_ = 0;       // calls of Collect that are not answered yet
-  std::string collected_;  // by the answers before the last
+  bool has_arrived_ = false;  // a message, since the last call of changed_
+  std::string arm_;           // the newest
+  int tells_ = 0;             // calls of Tell that are not answered yet
+  Setup newest_tell_ = {};
+  std::uint32_t answers_ = 0;  // its reader
   Watched watched_;
   std::thread thread_;  // last, because it uses all other members
 };

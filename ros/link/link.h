@@ -35,18 +35,21 @@ enum class LinkKind : std::uint8_t {
   // Of a process whose ticks wait for ROS (TopicWatch).
   kWatch,    // a topic's name on DDS
   kArm,      // any text: the next message on each watched topic is to be told, unless that was done for this text
-  kCollect,  // performs all that the other agents of the domain have sent, and then answers with kCollected
+  kCollect,  // performs all that the other agents of the domain have sent
+  kTell,     // a std_msgs/Header as CDR: writes it with the topics as its text that have had messages since kArm or the
+             // last one: "/anna/scan:1 /tf:2"; the answer is kTold
   // To the agent.
-  kWanted,     // a WantedContent: of a writer
-  kSample,     // of a reader, as CDR
-  kMissed,     // a reader needs another one for best-effort writers
-  kRequest,    // of a service, as CDR
-  kMismatch,   // a line for the log of the run
-  kArmed,      // the text of kArm
-  kArrived,    // of a watch: a message has arrived since the text was armed, which is the content
-  kCollected,  // the topics with messages since kArm and the one before: "rt/anna/scan 1", a line each
+  kWanted,    // a WantedContent: of a writer
+  kSample,    // of a reader, as CDR
+  kMissed,    // a reader needs another one for best-effort writers
+  kRequest,   // of a service, as CDR
+  kRepeated,  // a request that an agent before had, which has ended without a response
+  kMismatch,  // a line for the log of the run
+  kArmed,     // the text of kArm
+  kArrived,   // of a watch: a message has arrived since the text was armed, which is the content
+  kTold,      // of a writer: the sample of kTell that was written, as CDR
 };
-inline constexpr LinkKind kLastLinkKind = LinkKind::kCollected;
+inline constexpr LinkKind kLastLinkKind = LinkKind::kTold;
 
 struct LinkMessage {
   LinkKind kind;

@@ -8,6 +8,8 @@
 #include "common/base/identity.h"
 #include "common/base/text.h"
 #include "ros/connection/topic_types.h"
+#include "ros/messages/messages.h"
+#include "transport/dds/binding/wire.h"
 #include "transport/wire/cdr.h"
 
 namespace troupe::ros {
@@ -19,11 +21,21 @@ constexpr std::size_t kMostPending = std::size_t{4} << 20;
 // For which an endpoint of an agent that has ended waits for the next one: the time of an edit, or of the restart of an
 // agent.
 constexpr auto kKept = std::chrono::seconds(2);
+constexpr auto kKeptWithCalls = std::chrono::seconds(30);  // a service whose clients wait
+
+std::chrono::seconds KeptTime(const ReusableService& service) {
+  return service.has_unanswered() ? kKeptWithCalls : kKept;
+}
+template <typename Endpoint>
+std::chrono::seconds KeptTime(const Endpoint&) {
+  return kKept;
+}
 
 template <typename Used, typename Pool>
 void Retire(Used& used, Pool& pool) {
   used.endpoint->Detach();
-  pool.Keep(std::move(used.text), std::move(used.endpoint), std::chrono::steady_clock::now() + kKept);
+  const auto until = std::chrono::steady_clock::now() + KeptTime(*used.endpoint);
+  pool.Keep(std::move(used.text), std::move(used.endpoint), until);
 }
 
 template <typename Endpoints, typename Pool>
@@ -44,6 +56,14 @@ void RetireOne(Endpoints& endpoints, std::uint32_t id, Pool& pool) {
 std::string TextForAll(EndpointText endpoint) {
   endpoint.node = 0;
   return ToText(endpoint);
+}
+
+// "/scan" for "rt/scan"; empty for what nodes wait for in no case.
+std::string TopicToTell(const std::string& on_dds) {
+  if (!on_dds.starts_with("rt/")) return {};
+  std::string topic = on_dds.substr(2);
+  if (topic == "/clock" || topic == "/rosout" || topic == "/parameter_events") topic.clear();
+  return topic;
 }
 
 std::string TextOf(std::span<const std::byte> bytes) {
@@ -154,6 +174,8 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
       return Send(LinkKind::kArmed, 0, message.content);
     case LinkKind::kCollect:
       return Collect();
+    case LinkKind::kTell:
+      return Tell(message);
     default:
       return Refuse("found a message for agents");
   }
@@ -176,11 +198,26 @@ void AgentEndpoints::Collect() {
     }
     must_announce_ = agent->ConsumeAnnouncement() || must_announce_;
   }
+}
+
+void AgentEndpoints::Tell(const LinkMessage& message) {
+  const auto found = writers_.find(message.id);
+  const dds_topic_descriptor_t& type = *dds::TopicTraits<Header>::descriptor();
+  if (found == writers_.end() || &found->second.endpoint->type() != &type) return Refuse("found a header of no writer");
+  const wire::UntypedSample sample(type);
+  const Status decoded = wire::SampleFromCdr(message.content, type, sample.data());
+  if (!decoded.ok()) return Refuse(decoded.error().message);
   std::string topics;
-  for (const auto& [topic, count] : std::exchange(domain_->written, {})) {
-    topics += fmt::format("{}{} {}", topics.empty() ? "" : "\n", topic, count);
+  for (const auto& [on_dds, count] : std::exchange(domain_->written, {})) {
+    const std::string topic = TopicToTell(on_dds);
+    if (!topic.empty()) topics += fmt::format("{}{}:{}", topics.empty() ? "" : " ", topic, count);
   }
-  Send(LinkKind::kCollected, 0, std::as_bytes(std::span(topics)));
+  dds::WireArena arena;
+  Header header = *static_cast<const Header*>(sample.data());
+  header.frame_id = arena.Copy(topics);
+  // First, because an answer may arrive at once.
+  Send(LinkKind::kTold, message.id, wire::SampleToCdr(&header, type));
+  if (!found->second.endpoint->writer().Write(&header)) domain_->participant.CountLost();
 }
 
 void AgentEndpoints::Make(LinkKind kind, std::uint32_t id, const EndpointText& endpoint) {
@@ -241,7 +278,9 @@ void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const Endpo
                                                 ServiceSpec{endpoint.name, request, response, endpoint.qos},
                                                 domain_->number, domain_->fast_dds, domain_->on_cyclone);
   }
-  service->Attach(node, [this, id](std::span<const std::byte> bytes) { Send(LinkKind::kRequest, id, bytes); });
+  service->Attach(node, [this, id](std::span<const std::byte> bytes, bool is_repeated) {
+    Send(is_repeated ? LinkKind::kRepeated : LinkKind::kRequest, id, bytes);
+  });
   services_[id] = {std::move(text), std::move(service)};
 }
 
@@ -281,7 +320,7 @@ const dds_topic_descriptor_t* AgentEndpoints::TypeOf(const std::string& name) {
 }
 
 void AgentEndpoints::Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
-  const bool may_be_dropped = kind == LinkKind::kSample || kind == LinkKind::kRequest;
+  const bool may_be_dropped = kind == LinkKind::kSample || kind == LinkKind::kRequest || kind == LinkKind::kRepeated;
   if (may_be_dropped && link_.pending() > kMostPending) return;
   link_.Add(kind, id, content);
   // At once, so that an acknowledged command is with the agent.

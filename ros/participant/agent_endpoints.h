@@ -86,7 +86,7 @@ struct HostDomain {
   TopicReaders readers;                          // of agents
   std::optional<TopicWatch> watch;               // once an agent watches topics
   std::optional<std::string> armed;              // the text of the newest kArm; none: no messages are counted
-  std::map<std::string, std::uint64_t> written;  // messages by topic, since that and since the last kCollect
+  std::map<std::string, std::uint64_t> written;  // messages by topic, since that and since the last kTell
   bool has_new_readers = false;                  // since the last check
   Time announce_at = Time::max();                // the nodes have changed
   std::optional<Time> unused_until = {};         // it ends then; none: it has agents
@@ -136,6 +136,7 @@ class AgentEndpoints {
   void Watch(std::uint32_t id, const std::string& topic);
   // Performs what the other agents have sent by now.
   void Collect();
+  void Tell(const LinkMessage& message);
   void Make(LinkKind kind, std::uint32_t id, const EndpointText& endpoint);
   void MakeWriter(std::uint32_t id, std::size_t node, const EndpointText& endpoint);
   void MakeReader(std::uint32_t id, std::size_t node, const EndpointText& endpoint);

@@ -18,7 +18,7 @@
 namespace troupe::ros {
 namespace {
 
-constexpr std::size_t kMostWaiting = 100;  // requests to a service without an agent
+constexpr std::size_t kMostWaiting = 100;  // requests to a service without an agent, or without a response
 
 // A process that dies again and again is started ever more rarely, but each time: clients wait for it.
 constexpr auto kFirstDelay = std::chrono::milliseconds(100);
@@ -102,7 +102,8 @@ ReusableService::ReusableService(RosParticipant& participant, const ServiceSpec&
                                  FastDdsSide* fast_dds, bool on_cyclone)
     : participant_(participant), request_(*spec.request), response_(*spec.response), fast_dds_(fast_dds) {
   if (on_cyclone) {
-    cyclone_.emplace(participant, spec, [this](const void* request) { Pass(wire::SampleToCdr(request, request_)); });
+    cyclone_.emplace(participant, spec,
+                     [this](const void* request, bool) { Pass(wire::SampleToCdr(request, request_)); });
   }
   if (fast_dds_ == nullptr) return;
   fast_id_ = fast_dds_->Add({domain, spec.name, request_.m_typename, response_.m_typename},
@@ -134,9 +135,21 @@ void ReusableService::Detach() {
 
 void ReusableService::Pass(std::span<const std::byte> request) {
   const std::lock_guard lock(mutex_);
-  if (passes_) return sink_(request);
-  waiting_.emplace_back(request.begin(), request.end());
-  if (waiting_.size() > kMostWaiting) waiting_.pop_front();
+  Bytes bytes(request.begin(), request.end());
+  if (!passes_) {
+    waiting_.push_back(std::move(bytes));
+    if (waiting_.size() > kMostWaiting) waiting_.pop_front();
+    return;
+  }
+  sink_(request, false);
+  KeepUnanswered(std::move(bytes));
+}
+
+void ReusableService::KeepUnanswered(Bytes request) {
+  const wire::UntypedSample sample(request_);
+  if (!wire::SampleFromCdr(request, request_, sample.data()).ok()) return;
+  unanswered_.emplace_back(*static_cast<const CallHeader*>(sample.data()), std::move(request));
+  if (unanswered_.size() > kMostWaiting) unanswered_.pop_front();
 }
 
 // Fast DDS pads samples to a multiple of 4 bytes, without stating it in their fourth byte. Any bytes are safe.
@@ -155,15 +168,23 @@ void ReusableService::Start() {
   {
     const std::lock_guard lock(mutex_);
     passes_ = true;
-    for (const std::vector<std::byte>& request : waiting_) sink_(request);
+    for (const auto& [caller, request] : unanswered_) sink_(request, true);
+    for (Bytes& request : waiting_) {
+      sink_(request, false);
+      KeepUnanswered(std::move(request));
+    }
     waiting_.clear();
   }
   if (!std::exchange(started_, true) && cyclone_) cyclone_->Start();
 }
 
 bool ReusableService::Respond(const void* response, std::span<const std::byte> bytes) {
-  const std::uint64_t client = static_cast<const CallHeader*>(response)->client_guid;
-  if (fast_dds_ != nullptr && fast_dds_->Respond(fast_id_, client, bytes)) return true;
+  const CallHeader& caller = *static_cast<const CallHeader*>(response);
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(unanswered_, [&caller](const auto& request) { return request.first == caller; });
+  }
+  if (fast_dds_ != nullptr && fast_dds_->Respond(fast_id_, caller.client_guid, bytes)) return true;
   return !cyclone_ || cyclone_->Respond(response);
 }
 

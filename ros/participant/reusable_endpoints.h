@@ -137,8 +137,8 @@ class ReusableReader {
 
 class ReusableService {
  public:
-  // Receives a request as its CDR bytes.
-  using Sink = std::function<void(std::span<const std::byte> request)>;
+  // Receives a request as its CDR bytes. `is_repeated`: an agent before had it.
+  using Sink = std::function<void(std::span<const std::byte> request, bool is_repeated)>;
 
   // `fast_dds`: serves it too; null: there is none.
   ReusableService(RosParticipant& participant, const ServiceSpec& spec, std::uint32_t domain, FastDdsSide* fast_dds,
@@ -149,24 +149,35 @@ class ReusableService {
 
   void Attach(std::size_t node, Sink sink);
   void Detach();
-  // Passes the requests on that arrive from now on, and those that wait since the last Detach.
+  // Passes the requests on that arrive from now on, those that wait since the last Detach, and those that the agent
+  // before has not answered: no client waits without end.
   void Start();
 
+  // Whether a client waits for a response of the agent.
+  bool has_unanswered() const {
+    const std::lock_guard lock(mutex_);
+    return !unanswered_.empty();
+  }
   const dds_topic_descriptor_t& response() const { return response_; }
   // `bytes`: CDR of the response. False: it could not be written.
   bool Respond(const void* response, std::span<const std::byte> bytes);
 
  private:
+  using Bytes = std::vector<std::byte>;
+
   void Pass(std::span<const std::byte> request);
   void PassOfFastDds(std::span<const std::byte> request);
+  // REQUIRES: mutex_ is held.
+  void KeepUnanswered(Bytes request);
 
   RosParticipant& participant_;
   const dds_topic_descriptor_t& request_;
   const dds_topic_descriptor_t& response_;
-  std::mutex mutex_;  // guards the three below
+  mutable std::mutex mutex_;  // guards the four below
   Sink sink_;
   bool passes_ = false;
-  std::deque<std::vector<std::byte>> waiting_;  // requests
+  std::deque<Bytes> waiting_;                            // requests
+  std::deque<std::pair<CallHeader, Bytes>> unanswered_;  // that an agent was passed
   bool started_ = false;
   FastDdsSide* const fast_dds_;
   std::uint32_t fast_id_ = 0;          // with fast_dds_

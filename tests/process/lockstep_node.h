@@ -1,5 +1,7 @@
-// A node of ROS for which ticks wait.
+// A node of ROS for which ticks wait, and runs that wait for it.
 #pragma once
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
@@ -10,13 +12,18 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/ros_participant.h"
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "transport/dds/binding/wire.h"
+#include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
 
@@ -187,6 +194,38 @@ class LockstepNode {
   std::atomic<Tick> answered_ = 0;
   std::atomic<std::size_t> answers_ = 0;
   std::thread thread_;
+};
+
+// Runs whose ticks wait for a node.
+class LockstepRunTest : public testing::Test {
+ protected:
+  std::vector<std::string> Arguments(const std::string& prefix, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = Words("--hash-log % --session %", {folder_.Path(prefix + "hashes"), session_});
+    if (std::find(more.begin(), more.end(), "--ticks") == more.end()) arguments = arguments + Words("--ticks 60");
+    return RosArguments(arguments + more);
+  }
+  // The hashes of a run with the driver.
+  std::string HashesOf(const NodeOptions& node, const std::vector<std::string>& more) {
+    const std::string prefix = std::to_string(runs_++) + "-";
+    LockstepNode driver(node);
+    OutputOf(RunPen(Arguments(prefix, more)));
+    return folder_.Read(prefix + "hashes");
+  }
+  ControlReply Call(const ControlRequest& request) const {
+    ControlClient client(NetworkOf(session_));
+    EXPECT_TRUE(client.WaitForService(kSeconds).ok());
+    const Result<ControlReply> reply = client.Call(request, kSeconds);
+    EXPECT_TRUE(reply.ok());
+    return reply.ok() ? reply.value() : ControlReply();
+  }
+  ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
+    ControlRequest request{.command = command, .ticks = ticks};
+    return Call(request);
+  }
+
+  TemporaryFolder folder_;
+  const std::string session_ = TestSession("lockstep");
+  int runs_ = 0;
 };
 
 }  // namespace troupe::test

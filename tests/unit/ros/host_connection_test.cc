@@ -314,6 +314,42 @@ TEST_F(HostConnectionTest, ACallDuringAResetIsAnswered) {
   EXPECT_TRUE(Eventually([&] { return client.Receive([](const Response&) {}); }));
 }
 
+// No client waits without end, and no call is executed twice unnoticed.
+TEST_F(HostConnectionTest, ACallThatAnAgentHasNotAnsweredIsRepeatedForTheNextOne) {
+  using Request = simulation_interfaces_srv_dds__GetSimulationState_Request_;
+  using Response = simulation_interfaces_srv_dds__GetSimulationState_Response_;
+  struct Server {
+    explicit Server(std::unique_ptr<HostConnection> to) : connection(std::move(to)) {
+      connection->Announce();
+      service.Start();
+    }
+    std::unique_ptr<HostConnection> connection;
+    std::atomic<bool> answers = true;
+    std::atomic<int> calls = 0;
+    std::atomic<int> repeats = 0;
+    RosService<Request, Response> service{MakeNode(*connection, "/a", "robot"), "state",
+                                          [this](const RosCaller& caller, const Request&) {
+                                            ++(caller.is_repeated ? repeats : calls);
+                                            if (!answers) return;
+                                            Response response{};
+                                            response.result.error_message = const_cast<char*>("");
+                                            service.Respond(caller, response);
+                                          },
+                                          Service(), Serving::kWhenStarted};
+  };
+  auto server = std::make_unique<Server>(Connect());
+  test::Client<Request, Response> client(participant_, "/a/state");
+  client.Call({}, [](const Response&) {});
+  server->answers = false;
+  client.Send({});
+  EXPECT_TRUE(Eventually([&] { return server->calls == 2; }));
+  server.reset();
+  server = std::make_unique<Server>(Connect());
+  EXPECT_TRUE(Eventually([&] { return client.Receive([](const Response&) {}); }));
+  EXPECT_EQ(server->repeats, 1) << "not the one that was answered";
+  EXPECT_EQ(server->calls, 0);
+}
+
 TEST_F(HostConnectionTest, APublisherOfAnotherTypeIsReportedToAnAgentThatComesLater) {
   const auto mismatches_of = [](HostConnection& connection) {
     std::vector<std::string> all;

@@ -271,5 +271,19 @@ TEST_F(ManipulatorPortTest, ACommandOnTheTopicEndsAGoal) {
   EXPECT_EQ(ResultAfterTicks().status, 6);
 }
 
+// As by a reset.
+TEST_F(ManipulatorPortTest, AGoalThatIsUnderWayIsAbortedWhenTheRobotEnds) {
+  ASSERT_TRUE(SendGoalOf(0.0, 1));
+  AskForResultOf(1);
+  action_msgs_srv_dds__CancelGoal_Request_ unknown{};
+  unknown.goal_info.goal_id = IdOf(9);
+  cancel_goal_.Call(unknown, [](const auto&) {});  // so that the call before has arrived
+  Tick();
+  replica_.reset();
+  control_msgs_action_dds__GripperCommand_GetResult_Response_ result{};
+  EXPECT_TRUE(Eventually([&] { return get_result_.Receive([&](const auto& response) { result = response; }); }));
+  EXPECT_EQ(ros::GoalStatus(result.status), ros::GoalStatus::kAborted);
+}
+
 }  // namespace
 }  // namespace troupe::test

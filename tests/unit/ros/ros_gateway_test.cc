@@ -5,6 +5,9 @@
 
 #include <cstring>
 #include <limits>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "robot-agent/agent/replica.h"
 #include "ros/connection/ros_endpoints.h"
@@ -205,6 +208,45 @@ TEST_F(RosGatewayTest, PublishesOdometryGroundTruthAndStall) {
     EXPECT_EQ(message.pose.pose.position.x, 3.0);
   });
   TickUntilReceived(stalled, [](const ros::Bool& message) { EXPECT_TRUE(message.data); });
+}
+
+// tf2 and filters take a repeated stamp for an error. The scan may have changed by the edit.
+TEST_F(RosGatewayTest, APauseAfterATickRepeatsNoOdometryOfARobotThatStays) {
+  MakeReplica({.network = test::TestRosNetwork()});
+  auto odom = Reader<ros::OdometryMessage>("/a/odom");
+  auto transforms = Reader<ros::TfMessage>("/tf");
+  std::vector<ros::Time> stamps;
+  std::vector<ros::Time> of_transforms;
+  const auto drain = [&] {
+    odom.Drain([&](const auto& message) { stamps.push_back(message.header.stamp); });
+    transforms.Drain([&](const auto& message) {
+      for (const auto& transform : dds::Elements(message.transforms)) {
+        if (std::strcmp(transform.child_frame_id, "a/base_link") == 0) of_transforms.push_back(transform.header.stamp);
+      }
+    });
+  };
+  EXPECT_TRUE(Eventually([&] {
+    Tick();
+    drain();
+    return !stamps.empty() && !of_transforms.empty();
+  }));
+  for (int edit = 0; edit < 3; ++edit) {
+    (void)replica_->Pause(state_);
+    replica_->Publish(state_);
+  }
+  const ros::Time last = ros::ToTime(state_.tick + 1, replica_->world().interval_ns);
+  ++state_.tick;
+  Tick();
+  const auto is_last = [&](const ros::Time& stamp) { return stamp.sec == last.sec && stamp.nanosec == last.nanosec; };
+  EXPECT_TRUE(Eventually([&] {
+    drain();
+    return is_last(stamps.back()) && is_last(of_transforms.back());
+  }));
+  for (const auto& all : {stamps, of_transforms}) {
+    std::set<std::pair<std::int32_t, std::uint32_t>> different;
+    for (const ros::Time& stamp : all) different.emplace(stamp.sec, stamp.nanosec);
+    EXPECT_EQ(different.size(), all.size());
+  }
 }
 
 TEST_F(RosGatewayTest, PublishesScansAndRanges) {

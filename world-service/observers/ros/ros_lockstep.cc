@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <exception>
-#include <map>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "ros/connection/ros_network.h"
@@ -25,18 +23,13 @@ constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 // Wall times, s.
 constexpr double kFirstAnswers = 5.0;   // until a notice of those that have never answered
 constexpr double kLongestArming = 1.0;  // of a program that does not answer
-constexpr auto kLongestSilence = std::chrono::milliseconds(500);
 
 double SecondsSince(std::chrono::steady_clock::time_point time) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - time).count();
 }
 
-// "/scan" for "rt/scan"; empty for what nodes wait for in no case.
-std::string TopicOf(const std::string& on_dds) {
-  if (!on_dds.starts_with("rt/")) return {};
-  const std::string topic = on_dds.substr(2);
-  if (topic == "/clock" || topic == "/rosout" || topic == "/parameter_events" || topic == kTickTopic) return {};
-  return topic;
+ros::TopicSpec SpecOf(const char* topic, const ros::TopicQos& qos) {
+  return {std::string("rt") + topic, dds::TopicTraits<ros::Header>::descriptor(), qos};
 }
 
 }  // namespace
@@ -48,15 +41,19 @@ struct RosLockstepWait::Channel {
       : domain(domain_of_channel),
         own(std::move(own_connection)),
         connection(used),
-        ticks({&used, ros::kNoNode, "/"}, kTickTopic, ros::Latched()) {}
+        ticks(used.MakeWriter(ros::kNoNode, SpecOf(kTickTopic, ros::Latched()))),
+        answers(
+            used.MakeReader(ros::kNoNode, SpecOf(kDoneTopic, ros::Stream(kAnswerDepth)), ros::Part::kOnlyReader, {})) {}
 
   const std::uint32_t domain;
   const std::unique_ptr<ros::HostConnection> own;  // null: that of the run
   ros::HostConnection& connection;
-  ros::RosWriter<ros::Header> ticks;
-  std::optional<ros::RosReader<ros::Header>> answers;  // it tells of arrivals
+  const std::unique_ptr<ros::TopicWriter> ticks;
+  const std::unique_ptr<ros::TopicReader> answers;
   std::vector<Awaited> awaited;
-  bool is_announced = false;  // the shown tick
+  // The shown tick: the connection is to announce it; it has, before all that arrives from then on.
+  bool is_passed_on = false;
+  bool is_announced = false;
 };
 
 RosLockstepWait::RosLockstepWait(ros::HostConnection& of_run, const ros::RosOptions& options,
@@ -70,28 +67,29 @@ RosLockstepWait::RosLockstepWait(ros::HostConnection& of_run, const ros::RosOpti
       control_(control),
       hooks_(std::move(hooks)),
       reports_(hooks_.report),
-      scene_(std::move(scene)),
-      thread_([this] { Run(); }) {}
+      scene_(std::move(scene)) {
+  of_run_.WatchTopics([this] { OnArrival(); });
+  thread_ = std::thread([this] { Run(); });
+}
 
 RosLockstepWait::~RosLockstepWait() {
   {
-    const std::lock_guard lock(signal_mutex_);
+    const std::lock_guard lock(mutex_);
     stop_ = true;
-    signal_.notify_one();
+    changed_.notify_one();
   }
   thread_.join();
   of_run_.WatchTopics({});
+  std::vector<std::unique_ptr<Channel>> ended;  // without the mutex: their threads may wait for it
+  const std::lock_guard lock(mutex_);
+  ended.swap(channels_);
 }
 
 void RosLockstepWait::OnWorldChange(std::shared_ptr<const Scene> scene) {
-  {
-    const std::lock_guard lock(mutex_);
-    scene_ = std::move(scene);
-    follow_ = true;
-  }
-  const std::lock_guard lock(signal_mutex_);
-  is_signalled_ = true;
-  signal_.notify_one();
+  const std::lock_guard lock(mutex_);
+  scene_ = std::move(scene);
+  follow_ = true;
+  changed_.notify_one();
 }
 
 std::string RosLockstepWait::TextOf(Edition edition, Tick tick) const {
@@ -115,9 +113,9 @@ void RosLockstepWait::OnShown(const FrameMessage& frame) {
   is_shown_ = true;
   Arm(TextOf(edition_, tick_));  // of a run that is continued
   for (const auto& channel : channels_) {
-    channel->is_announced = false;
+    channel->is_passed_on = channel->is_announced = false;
     for (Awaited& awaited : channel->awaited) awaited.done = false;
-    channel->connection.Collect();
+    Announce(*channel);
   }
 }
 
@@ -128,11 +126,19 @@ void RosLockstepWait::Arm(const std::string& text) {
   for (const auto& channel : channels_) channel->connection.Arm(text);
 }
 
+// Where no topic is watched, nothing can be noted for the wrong tick.
+bool RosLockstepWait::IsArmed() const {
+  return std::all_of(channels_.begin(), channels_.end(), [this](const auto& channel) {
+    return std::none_of(channel->awaited.begin(), channel->awaited.end(),
+                        [](const Awaited& awaited) { return awaited.is_topic; }) ||
+           channel->connection.watched().armed == armed_;
+  });
+}
+
 bool RosLockstepWait::IsPrepared() {
   const std::lock_guard lock(mutex_);
-  if (armed_.empty() || SecondsSince(armed_at_) > kLongestArming) return true;
-  return std::all_of(channels_.begin(), channels_.end(),
-                     [this](const auto& channel) { return channel->connection.watched().armed == armed_; });
+  awaits_armed_ = !armed_.empty() && SecondsSince(armed_at_) <= kLongestArming && !IsArmed();
+  return !awaits_armed_;
 }
 
 Result<TickRelease> RosLockstepWait::Release() {
@@ -190,29 +196,36 @@ std::vector<SlowRobot> RosLockstepWait::SlowestAwaited() {
 }
 
 void RosLockstepWait::Run() {
-  std::unique_lock signal_lock(signal_mutex_);
-  while (!stop_) {
-    signal_.wait_for(signal_lock, kLongestSilence, [this] { return stop_ || is_signalled_; });
-    if (stop_) break;
-    is_signalled_ = false;
-    signal_lock.unlock();
-    bool wakes = false;
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return stop_ || follow_; });
+    if (stop_) return;
+    follow_ = false;
+    std::vector<std::unique_ptr<Channel>> unused;
     try {
-      const std::lock_guard lock(mutex_);
-      if (std::exchange(follow_, false)) Follow(*scene_);
-      wakes = Advance();
+      unused = Follow(*scene_);
     } catch (const std::exception& exception) {  // of DDS, as without memory
       reports_.Add(exception.what());
     }
-    if (wakes) control_.Wake();
-    signal_lock.lock();
+    lock.unlock();
+    unused.clear();
+    control_.Wake();
+    lock.lock();
   }
-  signal_lock.unlock();
-  const std::lock_guard lock(mutex_);
-  channels_.clear();
 }
 
-void RosLockstepWait::Follow(const Scene& scene) {
+void RosLockstepWait::OnArrival() {
+  bool wakes = false;
+  try {
+    const std::lock_guard lock(mutex_);
+    wakes = Advance();
+  } catch (const std::exception& exception) {  // of DDS, as without memory
+    reports_.Add(exception.what());
+  }
+  if (wakes) control_.Wake();
+}
+
+std::vector<std::unique_ptr<RosLockstepWait::Channel>> RosLockstepWait::Follow(const Scene& scene) {
   const auto robots = ros::FindRobotsInRos(scene.world(), options_.network.domain, options_.names);
   std::vector<std::unique_ptr<Channel>> before = std::exchange(channels_, {});
   const auto channel_of = [&](std::uint32_t domain) -> Channel& {
@@ -230,16 +243,9 @@ void RosLockstepWait::Follow(const Scene& scene) {
       own = std::make_unique<ros::HostConnection>(options_.network.distribution, options_.socket, domain,
                                                   ros::HostConnection::Sending::kAtOnce);
     }
+    if (own) own->WatchTopics([this] { OnArrival(); });
     ros::HostConnection& used = own ? *own : of_run_;
-    const auto notify = [this] {
-      const std::lock_guard lock(signal_mutex_);
-      is_signalled_ = true;
-      signal_.notify_one();
-    };
-    used.WatchTopics(notify);
     channels_.push_back(std::make_unique<Channel>(domain, std::move(own), used));
-    channels_.back()->answers.emplace(ros::RosNode{&used, ros::kNoNode, "/"}, kDoneTopic, ros::Stream(kAnswerDepth),
-                                      ros::Part::kOnlyReader, notify);
     return *channels_.back();
   };
   std::set<std::pair<std::uint32_t, std::string>> wanted;  // domain and name
@@ -272,46 +278,45 @@ void RosLockstepWait::Follow(const Scene& scene) {
     });
     channel->connection.Announce();
     if (!armed_.empty()) channel->connection.Arm(armed_);
-    if (is_shown_ && !channel->is_announced) channel->connection.Collect();
+    if (is_shown_ && !channel->is_passed_on) Announce(*channel);
   }
+  std::erase(before, nullptr);
+  return before;
 }
 
 bool RosLockstepWait::Advance() {
-  bool wakes = is_shown_;  // also for the limit
+  bool is_complete = is_shown_;
   for (const auto& channel : channels_) {
     const ros::HostConnection::Watched watched = channel->connection.watched();
-    wakes = wakes || watched.armed == armed_;
-    if (is_shown_ && !channel->is_announced && watched.collected) Announce(*channel, *watched.collected);
+    if (is_shown_ && channel->is_passed_on && watched.is_told) channel->is_announced = true;
     for (Awaited& awaited : channel->awaited) {
       if (awaited.is_topic && watched.armed == armed_ && watched.arrived.contains(awaited.watch)) Note(awaited);
     }
     ReadAnswers(*channel);
+    is_complete = is_complete && channel->is_announced &&
+                  std::all_of(channel->awaited.begin(), channel->awaited.end(),
+                              [](const Awaited& awaited) { return awaited.done || awaited.is_dropped; });
   }
-  return wakes;
+  return is_complete || (awaits_armed_ && IsArmed());
 }
 
-void RosLockstepWait::Announce(Channel& channel, const std::string& topics) {
-  channel.is_announced = true;
+// Behind all messages of the tick, and so is the time.
+void RosLockstepWait::Announce(Channel& channel) {
+  channel.is_passed_on = true;
+  channel.connection.Collect();
   if (channel.domain == options_.network.domain) hooks_.show_clock(tick_, interval_ns_);
-  std::map<std::string, std::uint64_t> counts;  // of an edited tick there may be two lists
-  std::istringstream lines(topics);
-  std::string on_dds;
-  for (std::uint64_t count = 0; lines >> on_dds >> count;) {
-    if (const std::string topic = TopicOf(on_dds); !topic.empty()) counts[topic] += count;
-  }
-  std::string names;
-  for (const auto& [topic, count] : counts) names += fmt::format("{}{}:{}", names.empty() ? "" : " ", topic, count);
-  dds::WireArena arena;
   const std::int64_t ns = static_cast<std::int64_t>(tick_) * interval_ns_;
   ros::Header header{};
+  dds::WireArena arena;
   header.stamp = {static_cast<std::int32_t>(ns / kNsPerSecond), static_cast<std::uint32_t>(ns % kNsPerSecond)};
-  header.frame_id = arena.Copy(names);
-  channel.ticks.Write(header);
+  header.frame_id = arena.Copy("");
+  channel.connection.Tell(*channel.ticks, &header, *channel.answers);
 }
 
 void RosLockstepWait::ReadAnswers(Channel& channel) {
   const std::int64_t shown_ns = static_cast<std::int64_t>(tick_) * interval_ns_;
-  channel.answers->Drain([&](const ros::Header& answer) {
+  channel.answers->Drain([&](const void* sample) {
+    const auto& answer = *static_cast<const ros::Header*>(sample);
     const std::string name = PlainLine(dds::Text(answer.frame_id), 200);
     const auto found = std::find_if(channel.awaited.begin(), channel.awaited.end(),
                                     [&](const Awaited& awaited) { return !awaited.is_topic && awaited.name == name; });

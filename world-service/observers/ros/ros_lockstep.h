@@ -2,7 +2,8 @@
 //
 // A tick that waits is shown first: the agents publish it while the run is paused for it. Then each ROS domain is told
 // with /world/tick, behind all messages of the tick, and the run continues when all named ones have answered: a topic
-// by a message, a node by /world/tick_done. A thread of its own passes on what arrives.
+// by a message, a node by /world/tick_done. The threads of the connections note the answers; a thread of its own makes
+// and ends connections when the world has changed, because no tick may wait for that.
 #pragma once
 
 #include <chrono>
@@ -30,7 +31,7 @@ class RosLockstepWait {
  public:
   struct Hooks {
     std::function<void(Tick tick, std::int64_t interval_ns)>
-        show_clock;                                       // writes /clock of the run's domain; on any thread
+        show_clock;                                       // writes /clock of the run's domain; one call at a time
     std::function<void(const std::string& line)> report;  // for people; on any thread
   };
 
@@ -68,13 +69,17 @@ class RosLockstepWait {
   };
 
   void Run();
+  // On the thread of a connection: something has arrived.
+  void OnArrival();
   // REQUIRES of those below: mutex_ is held.
-  void Follow(const Scene& scene);
+  // Returns the channels that nothing uses any more. They end without the mutex: their threads may wait for it.
+  std::vector<std::unique_ptr<Channel>> Follow(const Scene& scene);
   void Arm(const std::string& text);
   std::string TextOf(Edition edition, Tick tick) const;
-  // Continues what the channels have answered. True: the run is to ask again.
+  bool IsArmed() const;
+  // Notes what has arrived. True: the run is to ask again.
   bool Advance();
-  void Announce(Channel& channel, const std::string& topics);
+  void Announce(Channel& channel);
   void ReadAnswers(Channel& channel);
   void Note(Awaited& awaited);
   Status DropAtLimit(Awaited& awaited, double waited);
@@ -89,19 +94,17 @@ class RosLockstepWait {
   const Hooks hooks_;
   FloodLimiter reports_;
 
-  std::mutex signal_mutex_;  // guards the two below; held for no call
-  std::condition_variable signal_;
-  bool is_signalled_ = true;
-  bool stop_ = false;
-
   std::mutex mutex_;  // guards all below
+  std::condition_variable changed_;
+  bool stop_ = false;
   std::shared_ptr<const Scene> scene_;
   bool follow_ = true;  // the world is new
   std::vector<std::unique_ptr<Channel>> channels_;
   std::string armed_;  // the newest text
   Clock::time_point armed_at_ = {};
-  bool is_shown_ = false;  // a tick waits
-  Edition edition_ = 0;    // of that
+  bool awaits_armed_ = false;  // the run asks again when the channels know the text
+  bool is_shown_ = false;      // a tick waits
+  Edition edition_ = 0;        // of that
   Tick tick_ = 0;
   std::int64_t interval_ns_ = 0;
   Clock::time_point shown_at_ = {};

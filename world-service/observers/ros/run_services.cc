@@ -128,11 +128,12 @@ using ros::RosCaller;
 
 TROUPE_ACTION_TYPES(SimulateStepsTypes, simulation_interfaces_action_dds__SimulateSteps);
 
+// The values are those of a goal that is not known.
 struct StepGoal : ros::ActionGoal {
   std::uint64_t steps = 0;
   std::uint64_t completed = 0;
   ResultCode code = ResultCode::kOperationFailed;
-  std::string problem;
+  std::string problem = "no such goal; one of a world service that has died is aborted, while its steps go on";
 };
 
 }  // namespace
@@ -215,6 +216,11 @@ class StepAction::Server : public std::enable_shared_from_this<Server> {
     StepGoal goal;
     goal.id = ros::ToGoalId(request.goal_id);
     goal.steps = request.goal.steps;
+    if (caller.is_repeated) {  // the service before has begun its steps perhaps
+      const std::lock_guard lock(mutex_);
+      if (action_) action_->AnswerGoal(caller, false, 0);
+      return;
+    }
     Ask(ControlCommand::kStatus,
         [caller, goal](Server& self, const ControlReply& status) { self.Begin(caller, goal, status); });
   }

@@ -36,6 +36,9 @@ inline constexpr std::uint8_t kNoWorldLoaded = 101;
 // The problem of a request that would wait for the end of steps that another request has asked for.
 inline constexpr const char* kIsStepping = "the run is making the steps of another request";
 
+// Likewise of a call that the world service before has not answered.
+inline constexpr const char* kServiceHasDied = "the world service has died and returned; the call may have had effect";
+
 // `code`: of ResultCode, or one that a service adds, from 101 on.
 inline simulation_interfaces_msg_dds__Result_ MakeResult(std::uint8_t code, const std::string& problem,
                                                          dds::WireArena& arena) {
@@ -215,7 +218,15 @@ class ServiceSet {
     slot->Open(
         node_, name.starts_with("/") ? name : prefix_ + name,
         [handle, context = context_, weak = std::weak_ptr(slot)](const ros::RosCaller& caller, const Request& request) {
-          handle(*context, Call<Request, Response>(weak.lock(), caller), request);
+          const Call<Request, Response> call(weak.lock(), caller);
+          if (!caller.is_repeated) return handle(*context, call, request);
+          // It was executed perhaps, and is not a second time.
+          if constexpr (requires { Response().result.result; }) {
+            call.Answer(ResultCode::kOperationFailed, kServiceHasDied);
+          } else {
+            Response response{};
+            call.Respond(response);
+          }
         });
   }
 

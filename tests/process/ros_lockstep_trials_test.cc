@@ -1,0 +1,100 @@
+// Nodes that are slow, silent, or answer nonsense, and the longer runs of ticks that wait for nodes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <random>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "tests/process/lockstep_node.h"
+
+namespace troupe::test {
+namespace {
+
+using testing::HasSubstr;
+
+class RosLockstepTrials : public LockstepRunTest {};
+
+// Lines of a log of hashes.
+std::string FirstLines(const std::string& text, std::size_t count) {
+  std::size_t end = 0;
+  for (std::size_t line = 0; line < count && end < text.size(); ++line) end = text.find('\n', end) + 1;
+  return text.substr(0, end);
+}
+
+// The outcomes are those of docs/ros2-lockstep.md. LOCKSTEP_TRIALS: another number of trials.
+TEST_F(RosLockstepTrials, NoNodeThatMisbehavesMakesAWrongTick) {
+  enum Kind { kSlow, kHalted, kReplaced, kWrong, kSilent, kSilentWithoutEnd, kKinds };
+  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  const char* const trials = std::getenv("LOCKSTEP_TRIALS");
+  std::mt19937 random(36);
+  for (int trial = 0; trial < (trials != nullptr ? std::atoi(trials) : 200); ++trial) {
+    const int kind = trial % kKinds;
+    const Tick at = std::uniform_int_distribution<Tick>(2, 50)(random);
+    SCOPED_TRACE("trial " + std::to_string(trial) + " of kind " + std::to_string(kind) + " at tick " +
+                 std::to_string(at));
+    const std::string prefix = "trial" + std::to_string(trial) + "-";
+    const NodeOptions options{.most_delay = kind == kSlow ? 30 : 2, .seed = static_cast<unsigned>(trial)};
+    std::optional<LockstepNode> driver(options);
+    if (kind == kWrong) driver->SendWrongAnswers();
+    if (kind == kHalted || kind >= kSilent) driver->HaltAt(at);
+    std::vector<std::string> more = {"--ros-lockstep", "driver", "--ros-lockstep-limit", kind < kSilent ? "0" : "0.5"};
+    if (kind == kSilentWithoutEnd) more = more + Words("--ros-lockstep-at-limit continue");
+    Program run = RunPen(Arguments(prefix, more));
+    if (kind == kHalted) {
+      EXPECT_TRUE(Eventually([&] { return driver->answered() == at - 1; }));
+      driver->Continue();
+    } else if (kind == kReplaced) {
+      EXPECT_TRUE(Eventually([&] { return driver->answered() >= at; }));
+      driver.reset();
+      driver.emplace(options);
+    }
+    EXPECT_EQ(run.Wait(), kind == kSilent ? 3 : 0) << run.output();
+    const std::string hashes = folder_.Read(prefix + "hashes");
+    if (kind < kSilent) {
+      EXPECT_EQ(hashes, reference);
+    } else if (kind == kSilent) {
+      EXPECT_THAT(run.output(), HasSubstr(" s for driver of ROS"));
+      EXPECT_EQ(hashes, reference.substr(0, hashes.size()));
+    } else {
+      const std::string output = run.output();
+      std::smatch continues;
+      ASSERT_TRUE(std::regex_search(output, continues, std::regex("tick ([0-9]+) continues after"))) << output;
+      const std::size_t equal = std::stoul(continues[1]) + 1;
+      EXPECT_EQ(FirstLines(hashes, equal), FirstLines(reference, equal));
+    }
+  }
+}
+
+TEST_F(RosLockstepTrials, RewoundTicksWaitAgainAndRepeat) {
+  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  LockstepNode driver({});
+  driver.HaltAt(30);
+  Program run = RunPen(Arguments(
+      "rewound-", Words("--ros-lockstep driver --ros-lockstep-limit 0 --record %", {folder_.Path("rewound.mcap")})));
+  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 30; }));
+  const std::size_t answers = driver.answers();
+  EXPECT_TRUE(Call({.command = ControlCommand::kRewind, .ticks = 12}).done);
+  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 30; }));
+  EXPECT_GE(driver.answers(), answers + 18);
+  driver.Continue();
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  const auto end_of = [](const std::string& hashes) { return hashes.substr(hashes.rfind('\n', hashes.size() - 2)); };
+  EXPECT_EQ(end_of(folder_.Read("rewound-hashes")), end_of(reference));
+}
+
+TEST_F(RosLockstepTrials, ARunAtThePaceOfRealTimeKeepsItWhileNodesAnswerInTime) {
+  const LockstepNode driver({});
+  Program run =
+      RunPen(Arguments("", Words("--ros-lockstep driver --speed 1 --ticks 30 --summary %", {folder_.Path("summary")})));
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  const auto summary = nlohmann::json::parse(folder_.Read("summary"));
+  EXPECT_GE(summary["wall_seconds"], 2.9);
+}
+
+}  // namespace
+}  // namespace troupe::test
