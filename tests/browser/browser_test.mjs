@@ -430,14 +430,19 @@ async function startsTheRunAgain() {
   const hashes = path('again.hashes');
   const terminal = new Program('script', ['-qefc', [
     'exec', 'env', 'NO_COLOR=1', troupe, 'run', scenario, '--domain', domain, '--session', `${session}-again`, '--ticks', '60',
-    '--speed', '20', '--seed', '7', '--hash-log', hashes,
+    '--speed', '20', '--seed', '7', '--paused', '--hash-log', hashes,
   ].join(' '), '/dev/null'], 'pipe');
   const addresses = () => terminal.lines.flatMap(line => line.match(/viewer: (http\S+)/)?.[1] ?? []);
   const url = await until('the address is printed', () => addresses()[0]);
   const page = await open(url);
   const card = page.locator('#end-card');
   const lastHash = () => [...readHashes(hashes)].at(-1).join(' ');
-  await card.waitFor();
+  const play = async () => {
+    await stateOf(page, 'the run can begin', state => state.paused && state.tick === 0);
+    await page.click('#play');
+    await card.waitFor();
+  };
+  await play();
   const runs = [lastHash()];
   await page.waitForTimeout(6000);  // longer than the launcher waits for agents that hang
   assert.ok(await connected(page), 'the page stays open');
@@ -445,7 +450,7 @@ async function startsTheRunAgain() {
   for (const button of ['Run again', 'Another seed']) {
     await card.locator('button', {hasText: button}).click();
     await card.waitFor({state: 'hidden'});
-    await card.waitFor();
+    await play();
     runs.push(lastHash());
     assert.deepEqual(addresses(), Array(runs.length).fill(url), 'each run has the address of the page');
   }

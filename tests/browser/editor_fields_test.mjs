@@ -66,8 +66,11 @@ async function makesAWorldWithARobot() {
   // Typed values: one number of the pose, the drive, a pair of limits.
   await fill(page, 'input[data-property=pose][data-element=heading]', '45');
   await fileIs(page, 'it is turned', now => now.undo === 'the pose of scout1');
-  await page.selectOption('#file-properties select[data-property=drive]', 'omni');
-  await fileIs(page, 'it has another drive', now => now.undo === 'the drive of scout1');
+  // Again if the panel was just being filled anew, with the pose.
+  await until('it has another drive', async () => {
+    await page.selectOption('#file-properties select[data-property=drive]', 'omni');
+    return (await documentOf(page)).undo === 'the drive of scout1';
+  });
   await fill(page, 'input[data-property=velocity_bounds][data-element=xmax]', '1.5');
   await fileIs(page, 'it is faster', now => now.undo === 'the velocity_bounds of scout1');
   await save(page);
