@@ -266,7 +266,7 @@ Result<bool> CaseSession::Run() {
     };
     return place(a) < place(b);
   });
-  Result<bool> examined = ran.value() && options_.keep_failing ? Examine(pool, stop, signals.descriptor()) : ran;
+  Result<bool> examined = options_.keep_failing ? Examine(pool, ran.value(), stop, signals.descriptor()) : ran;
   for (const auto& [test, fault] : faults_) Print(fault, tests_[test]);
   for (const LoadedTest& test : tests_) {
     if (test.faults > kMostPrinted)
@@ -279,7 +279,8 @@ Result<bool> CaseSession::Run() {
   return examined;
 }
 
-Result<bool> CaseSession::Examine(WorkerPool& pool, const std::function<bool()>& stop, int stop_descriptor) {
+Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::function<bool()>& stop,
+                                  int stop_descriptor) {
   std::vector<std::size_t> chosen;  // faults that failed, the first of each test
   std::map<std::size_t, std::size_t> of_test;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
@@ -308,7 +309,8 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, const std::function<bool()>&
   // The cases to be recorded: shrunk ones, where there are any.
   std::map<std::size_t, std::pair<TestCase, CaseOutcome>> smallest;
   for (const std::size_t i : chosen) smallest[i] = {faults_[i].second.draws, faults_[i].second.outcome};
-  if (options_.shrink && options_.fixed.empty()) {
+  Result<bool> examined = going_on;
+  if (going_on && options_.shrink && options_.fixed.empty()) {
     const auto request_for = [&](std::size_t i) {
       const ReportedCase& fault = faults_[i].second;
       const auto& list = fault.outcome.expectations;
@@ -328,12 +330,12 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, const std::function<bool()>&
       smallest[i] = {draws, std::move(outcome)};
       return "";
     };
-    Result<bool> shrunk = for_each(request_for, use);
-    if (!shrunk.ok() || !shrunk.value()) return shrunk;
+    examined = for_each(request_for, use);
   }
   if (options_.fixed.empty()) {
     for (const auto& [i, small] : smallest) tests_[faults_[i].first].new_failing.push_back(small.first);
   }
+  if (!examined.ok() || !examined.value()) return examined;
   if (options_.folder.empty()) return true;
 
   const auto request_for = [&](std::size_t i) {

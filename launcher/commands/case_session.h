@@ -77,8 +77,9 @@ class CaseSession {
   void ReadKept(LoadedTest& test);
   std::optional<Job> NextJob();
   void Finish(const Job& job, CaseOutcome outcome);
-  // The smallest cases, recordings and pictures of the first faults. False: interrupted.
-  Result<bool> Examine(class WorkerPool& pool, const std::function<bool()>& stop, int stop_descriptor);
+  // The smallest cases, recordings and pictures of the first faults, unless it was interrupted (`going_on` is false);
+  // the cases are kept all the same. False: interrupted.
+  Result<bool> Examine(class WorkerPool& pool, bool going_on, const std::function<bool()>& stop, int stop_descriptor);
   void Print(const ReportedCase& fault, const LoadedTest& test) const;
   std::string CommandOf(const LoadedTest& test, const TestCase& draws) const;
   void ShowProgress(bool end);

@@ -230,17 +230,18 @@ TEST_F(FleetTests, CtrlCKeepsTheCasesThatHaveFinished) {
       "robots": [{"name": "a", "model": "position"}],
       "vary": {"ticks": [5, 1000000000], "robots[a].controller": [
                    {"name": "script", "parameters": {"commands": [{"at": 0, "vx": 0.1}]}}, ")" MARKING_LIBRARY R"("]},
-      "expect": ["tick < 99"]})");
+      "expect": ["always tick < 4"]})");
   Program program = Troupe({"test", path, "--report", report_, "--junit", folder_ / "junit.xml", "--jobs", "1"});
   while (!std::filesystem::exists(mark)) ASSERT_FALSE(program.HasEnded()) << program.output();
   unsetenv("TROUPE_TEST_MARK");
   const std::vector<pid_t> workers = ChildrenOf(program.pid());
   program.Signal(SIGINT);
   EXPECT_EQ(program.Wait(), 130);
-  EXPECT_THAT(program.output(), HasSubstr("1 passed, 0 failed, "));
-  EXPECT_THAT(TextOf(report_ + "/cases.jsonl"), HasSubstr("\"verdict\":\"passed\""));
+  EXPECT_THAT(program.output(), HasSubstr("0 passed, 1 failed, "));
+  EXPECT_THAT(TextOf(report_ + "/cases.jsonl"), HasSubstr("\"verdict\":\"failed\""));
   EXPECT_THAT(folder_.Read("junit.xml"), AllOf(HasSubstr("tests=\"4\""), HasSubstr("<skipped message=\"not run\"/>")));
   EXPECT_EQ(LinesOf(TextOf(report_ + "/cases.csv")).size(), 5U);
+  EXPECT_THAT(folder_.Read("long.test.failing"), HasSubstr("\nticks=5,robots[a].controller={"));
   for (const pid_t worker : workers) EXPECT_TRUE(IsGoneSoon(worker));
 }
 
