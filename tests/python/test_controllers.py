@@ -284,8 +284,11 @@ class Controllers(unittest.TestCase):
 
     def test_ctrl_c_stops_the_run_and_no_robot(self):
         self.write("seek.py", SEEK)
-        code = f"import troupe; s = troupe.Simulation({self.scenario('./seek.py:Seek')!r}); print('on', flush=True)\n" \
-               "try:\n s.step(10**9)\nexcept KeyboardInterrupt:\n s.step(1); print('stopped', s.failures)"
+        # Shells start background jobs with the signal ignored.
+        code = "import signal, troupe; signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
+               f"s = troupe.Simulation({self.scenario('./seek.py:Seek')!r})\n" \
+               "try:\n print('on', flush=True); s.step(10**9)\n" \
+               "except KeyboardInterrupt:\n s.step(1); print('stopped', s.failures)"
         child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
         self.assertEqual(child.stdout.readline(), "on\n")
         child.send_signal(2)

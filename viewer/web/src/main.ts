@@ -209,6 +209,7 @@ class Viewer {
       if (name && !this.wantedName) this.wantedName = name;
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
       this.file?.worldChanged();
+      this.timeBar.show(this.run);  // its buttons are those of this run, not of one that is over
       return;
     }
     if (!this.run || message.update.world !== this.run.world.number) return;
@@ -220,6 +221,7 @@ class Viewer {
       if (this.file && !this.selected) this.wantedName = '';
       if (this.wantedTick !== undefined) this.timeBar.timeline.seekTick(this.wantedTick);
       this.wantedTick = undefined;
+      this.timeBar.show(this.run);
     }
     this.scene.show(this.run, this.selected);
     this.panel.note(this.run, this.selected);
