@@ -42,7 +42,7 @@ endfunction()
 #             [DEFINITIONS d ...] [PROPERTIES name value ...])
 # The tests in these sources (or headers), run by CTest as one test. DEPENDS: libraries; NEEDS: what they run or load;
 # PROPERTIES: of CTest, for instance COST: about how many seconds it takes, if many (the longest begin first), or
-# PROCESSORS: how many of the places for tests, two for each core, it takes. Labels: slow (not in scripts/test), process
+# PROCESSORS: how many of the places for tests, three for each core, it takes. Labels: slow (not in scripts/test), process
 # (drives the programs), determinism (whole runs), threads (runs under the thread sanitizer too), addresses (under the
 # address sanitizer; all that have none of the first three have it). In a unity build the sources of a folder are
 # compiled together, up to 12 at a time.
@@ -104,7 +104,8 @@ macro(troupe_add_test)
       math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # they slow programs down several times
       list(APPEND environment ${TROUPE_SANITIZER_ENVIRONMENT})
     endif()
-    # With two places for each core, a test that drives processes, which mostly waits, takes half a core.
+    # With three places for each core (scripts/test), tests that calculate run one a core, and beside each of them one that
+    # drives processes, which mostly waits.
     set(processors 2)
     if("process" IN_LIST arg_LABELS AND NOT TROUPE_SANITIZER)
       set(processors 1)
