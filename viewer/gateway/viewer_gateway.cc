@@ -112,9 +112,8 @@ class RequestQueue {
 constexpr int kPeriodsAtEnd = 2 * kUpdatesPerSecond;
 constexpr std::string_view kRecordingPath = "/recording.mcap";
 constexpr ViewerId kNoViewer = 0;
-// Between two readings of the journal, and at least so many times the time of one.
+// At least between two readings of the journal.
 constexpr auto kJournalPeriod = std::chrono::seconds(2);
-constexpr int kJournalShare = 10;
 
 constexpr std::size_t kMostAwaited = 50;  // names in a status
 
