@@ -11,7 +11,7 @@ using Clock = std::chrono::steady_clock;
 
 // For so long the run is observed without viewers: a page that is loaded again is gone for a moment.
 constexpr auto kGraceTime = std::chrono::seconds(5);
-// Between two looks at the state of the observation.
+// Between two looks at the state of the observation, and at least between two readings of the journal.
 constexpr auto kPeriod = std::chrono::seconds(1);
 
 }  // namespace
@@ -138,6 +138,11 @@ void RunFeed::SetRecorded(const std::shared_ptr<Recorded>& recorded) {
   CompleteEvents(*recorded);
 }
 
+bool RunFeed::has_state() const {
+  const std::lock_guard lock(mutex_);
+  return content_.state != nullptr;
+}
+
 bool RunFeed::lacks_states() const {
   const std::lock_guard lock(mutex_);
   return lacks_states_;
@@ -199,6 +204,7 @@ std::string Follower::problem() const {
 
 void Follower::Run() {
   std::unique_ptr<RunObservation> observation;
+  Clock::time_point journal_at;  // it is not read again earlier
   std::unique_lock lock(mutex_);
   while (!ending_) {
     const auto now = Clock::now();
@@ -212,10 +218,15 @@ void Follower::Run() {
       observation.reset();
       feed_.Clear();  // its state is not the newest for long
     }
+    // Before the observation: a frame of the run has its position by the journal. And later: a run that ends before the
+    // observation has found it sends no frame, and its journal may have been read when it was not whole.
+    if (open || (observation && !feed_.has_state() && now >= journal_at)) {
+      feed_.SetRecorded(link_.ReadJournal(feed_.shelf()));
+      const auto end = Clock::now();
+      journal_at = end + std::max<Clock::duration>(kPeriod, kJournalShare * (end - now));
+    }
     std::string problem;
     if (open) {
-      // First: a frame of the run has its position by the journal.
-      feed_.SetRecorded(link_.ReadJournal(feed_.shelf()));
       Result<std::unique_ptr<RunObservation>> opened = link_.Observe(feed_);
       if (opened.ok()) {
         observation = std::move(opened).value();

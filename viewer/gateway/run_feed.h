@@ -20,6 +20,9 @@
 
 namespace troupe {
 
+// Between two readings of the journal is at least so many times the time of one.
+inline constexpr int kJournalShare = 10;
+
 // A copy of the newest content of a feed, but for the events.
 struct FeedHead {
   std::uint64_t version = 0;                 // of the whole content; 0: nothing yet
@@ -56,6 +59,8 @@ class RunFeed : public ObserverHandler {
   // Completes the past and the events by the run's journal as it is now; null: there is none. A run that has ended
   // without having been followed is then shown at its end. On any thread.
   void SetRecorded(const std::shared_ptr<Recorded>& recorded);
+  // A run is in view.
+  bool has_state() const;
   // States were not received, so that the journal should be read again.
   bool lacks_states() const;
 
@@ -94,6 +99,7 @@ class RunFeed : public ObserverHandler {
 
 // Without viewers, and while none is expected, the gateway has no DDS participant and receives nothing, so that it
 // costs a run nothing. It follows a run all the time whose past it would not know otherwise (RunLink::follows_always).
+// While it finds no run it reads the journal now and then, because a run may end before it is found.
 //
 // Threads: any.
 class Follower {

@@ -117,9 +117,8 @@ constexpr std::string_view kMetricsPath = "/metrics";
 constexpr auto kPageTime = std::chrono::seconds(5);
 constexpr auto kScrapeTime = std::chrono::minutes(5);
 constexpr ViewerId kNoViewer = 0;
-// Between two readings of the journal, and at least so many times the time of one.
+// At least between two readings of the journal.
 constexpr auto kJournalPeriod = std::chrono::seconds(2);
-constexpr int kJournalShare = 10;
 
 constexpr std::size_t kMostAwaited = 50;  // names in a status
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -48,6 +49,7 @@ class ScriptedLink : public RunLink {
   }
 
   bool follows_always() const override { return always; }
+  std::shared_ptr<Recorded> ReadJournal(WorldShelf&) override { return journal ? journal() : nullptr; }
 
   ObserverHandler& AwaitObserver() {
     std::unique_lock lock(mutex);
@@ -69,6 +71,7 @@ class ScriptedLink : public RunLink {
   std::vector<EntityReport> entities;  // of each reply
   bool always = false;
   std::atomic<bool> outdated = false;
+  std::function<std::shared_ptr<Recorded>()> journal;
 
  private:
   struct End : RunObservation {
@@ -441,8 +444,9 @@ class ScriptedRecording : public Recorded {
   std::deque<NumberedEvent> Events() const override { return {}; }
   RunId run() const override { return session.run; }
   std::uint64_t PositionOf(StatePlace place) const override { return place.tick; }
-  bool is_whole() const override { return true; }
+  bool is_whole() const override { return whole; }
 
+  bool whole = true;
   SessionMessage session = LaserWorld();
   std::shared_ptr<const ViewedWorld> world = MakeViewedWorld(session, 1);
 };
@@ -530,6 +534,22 @@ TEST_F(ViewerGatewayTest, AViewerHasThePastOfARunThatWasFollowedBefore) {
   client_ = Connect();
   client_->SendText(R"({"type": "seek", "tick": 1})");
   EXPECT_EQ(AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.is_past(); }).tick, 1u);
+}
+
+TEST_F(ViewerGatewayTest, ARunThatEndsBeforeItIsFoundIsShownAtItsEnd) {
+  // The journal is finished after it has been read once, and no frame comes.
+  link_.journal = [readings = 0]() mutable {
+    auto journal = std::make_shared<ScriptedRecording>();
+    journal->whole = readings++ > 0;
+    return journal;
+  };
+  Start();
+  auto client = Connect();
+  ASSERT_EQ(ReadBinary(*client)[0], 1);
+  const ParsedUpdate end(ReadBinary(*client));
+  EXPECT_EQ(end.tick, 9u);
+  EXPECT_NE(end.flags & 2, 0) << "the run has ended";
+  EXPECT_EQ(end.first, 0u);
 }
 
 TEST_F(ViewerGatewayTest, AViewOnlyGatewayAsksTheRunForNothingButAnswers) {
