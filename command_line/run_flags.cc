@@ -120,7 +120,8 @@ Status CheckBranchFlags(const std::string& file, BranchFlags& flags, std::option
 
 void AddAllowControllersFlag(CLI::App& app, std::vector<std::string>& paths, const std::string& group) {
   app.add_option("--allow-controllers", paths,
-                 "Controller library or Python file, or a folder with such, that a world loaded during the run may name; repeatable. "
+                 "Controller library or Python file, or a folder with such, that a world loaded during the run may "
+                 "name; repeatable. "
                  "The libraries of the run's own file are allowed")
       ->check(NotEmpty())
       ->type_name("PATH")

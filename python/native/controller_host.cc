@@ -169,7 +169,7 @@ Controller* Create(const RobotInfo& info, const std::string& file) {
 }  // namespace
 }  // namespace troupe::python
 
-extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {
+extern "C" __attribute__((visibility("default"))) int troupe_python_controller_abi() {
   return TROUPE_CONTROLLER_ABI;
 }
 

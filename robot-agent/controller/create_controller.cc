@@ -56,20 +56,22 @@ Error LibraryError(const std::string& path, const std::string& message) {
   return {{}, fmt::format("controller library {}: {}", path, message)};
 }
 
-// Opens a library and returns its function `factory`, of another type. The library stays open until the program ends,
-// because exceptions and objects of its types may live as long. `path` is for messages.
-Result<void*> OpenLibrary(const std::string& file, const char* factory, const std::string& path) {
+// Opens a library and returns its function `factory`, of another type; its function `abi` returns the version of the
+// interface. The library stays open until the program ends, because exceptions and objects of its types may live as
+// long. `path` is for messages.
+Result<void*> OpenLibrary(const std::string& file, const char* abi, const char* factory, const std::string& path) {
   void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library == nullptr) return LibraryError(path, fmt::format("cannot be opened: {}", dlerror()));
   using AbiFunction = int();
-  auto* abi = reinterpret_cast<AbiFunction*>(dlsym(library, "troupe_controller_abi"));
+  auto* version = reinterpret_cast<AbiFunction*>(dlsym(library, abi));
   void* create = dlsym(library, factory);
-  if (abi == nullptr || create == nullptr) {
+  if (version == nullptr || create == nullptr) {
     return LibraryError(path,
-                        "is not a controller: it lacks troupe_controller_abi or troupe_create_controller, expected "
-                        "TROUPE_CONTROLLER(Type) in its source");
+                        fmt::format("is not a controller: it lacks {} or {}, expected TROUPE_CONTROLLER(Type) in its "
+                                    "source",
+                                    abi, factory));
   }
-  if (const int found = abi(); found != TROUPE_CONTROLLER_ABI) {
+  if (const int found = version(); found != TROUPE_CONTROLLER_ABI) {
     return LibraryError(path, fmt::format("found interface version {}, expected {}: build it against this version of "
                                           "Troupe",
                                           found, TROUPE_CONTROLLER_ABI));
@@ -98,7 +100,8 @@ Result<std::unique_ptr<Controller>> CreatePythonController(const std::string& na
   if (host.empty()) {
     return LibraryError(name, "needs the package for Python, expected python3-troupe to be installed");
   }
-  const Result<void*> factory = OpenLibrary(host, "troupe_create_python_controller", host);
+  const Result<void*> factory =
+      OpenLibrary(host, "troupe_python_controller_abi", "troupe_create_python_controller", host);
   if (!factory.ok()) return factory.error();
   using CreateFunction = Controller*(const RobotInfo&, const char*);
   auto* create = reinterpret_cast<CreateFunction*>(factory.value());
@@ -121,7 +124,7 @@ Result<std::unique_ptr<Controller>> CreateLibraryController(const std::string& n
   const std::string absolute = std::filesystem::absolute(*resolved, ignored).string();
   if (!std::filesystem::exists(absolute, ignored)) return LibraryError(path, "no such file: " + absolute);
   if (path != name) return CreatePythonController(name, absolute, info);
-  const Result<void*> factory = OpenLibrary(absolute, "troupe_create_controller", path);
+  const Result<void*> factory = OpenLibrary(absolute, "troupe_controller_abi", "troupe_create_controller", path);
   if (!factory.ok()) return factory.error();
   using CreateFunction = Controller*(const RobotInfo&);
   auto* create = reinterpret_cast<CreateFunction*>(factory.value());

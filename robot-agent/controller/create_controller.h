@@ -1,6 +1,6 @@
-// Controllers by name: a built-in one ("wander"), the path of a shared library (it contains a slash or ends in ".so"), or
-// a class in Python ("patrol.py:Patrol"), which runs in the package troupe for Python (python/native/controller_host.cc):
-// that library, and the interpreter, are opened only for such a controller.
+// Controllers by name: a built-in one ("wander"), the path of a shared library (it contains a slash or ends in ".so"),
+// or a class in Python ("patrol.py:Patrol"), which runs in the package troupe for Python
+// (python/native/controller_host.cc): that library, and the interpreter, are opened only for such a controller.
 #pragma once
 
 #include <memory>

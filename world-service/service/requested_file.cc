@@ -112,7 +112,8 @@ Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& 
       loads ? LoadWorld(source, overrides) : LoadSpawnable(options.world_file, source, overrides);
   if (!loaded.ok()) return FlattenPlace(loaded.error());
   if (!loads) {
-    if (const Status status = SetController(options, request, loaded.value().world); !status.ok()) return status.error();
+    if (const Status status = SetController(options, request, loaded.value().world); !status.ok())
+      return status.error();
   }
   if (const Status status = CheckLibraries(loaded.value().world, options.libraries); !status.ok())
     return status.error();
