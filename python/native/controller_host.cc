@@ -52,7 +52,8 @@ class PythonController final : public Controller {
   PythonController(py::object instance, std::string file)
       : file_(std::move(file)), instance_(std::move(instance)), update_(instance_.attr("update")) {}
 
-  ~PythonController() override {
+  // Without memory for the state of a thread Python ends the process by itself.
+  ~PythonController() override {    // NOLINT(bugprone-exception-escape)
     if (Py_IsInitialized() == 0) {  // the interpreter has ended with the process
       (void)instance_.release();
       (void)update_.release();
