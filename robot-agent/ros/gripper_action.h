@@ -80,7 +80,7 @@ class GripperAction {
  public:
   // `name`: of the action. REQUIRES: the world outlives the action.
   GripperAction(const ros::RosNode& node, const std::string& name, const WorldDescription& world, GripperId gripper);
-  // Aborts the goals that have not ended, as at a reset: nobody would wait for their end in vain.
+  // Aborts the goals that have not ended, as at a reset: their clients would wait in vain.
   ~GripperAction();
   GripperAction(const GripperAction&) = delete;
   GripperAction& operator=(const GripperAction&) = delete;

@@ -22,7 +22,7 @@
 
 namespace troupe::ros {
 
-// TopicReaders: the topics that agents read, and what is to be told of their messages. From any thread.
+// TopicReaders: the topics that agents read, and the observer of their messages. From any thread.
 class TopicReaders {
  public:
   void Add(const std::string& topic) {

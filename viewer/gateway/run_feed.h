@@ -112,8 +112,8 @@ class Follower {
 
   // Whether there are viewers. Does not wait.
   void SetWanted(bool wanted);
-  // Whoever asks about the run will do so again within this time: a viewer whose page is loaded, within seconds, for
-  // the discovery of the run takes part of one. Does not wait.
+  // Another request for the run is expected within this time: of a page that is loaded, within seconds, as the
+  // discovery of the run takes part of one. Does not wait.
   void Expect(std::chrono::seconds time);
   // The reason why the run cannot be observed; empty: it is, or is not wanted.
   std::string problem() const;

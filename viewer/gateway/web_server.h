@@ -64,7 +64,7 @@ class WebHandler {
   virtual ~WebHandler() = default;
   // Someone with access loads the page, and will probably open a connection.
   virtual void OnPage() = 0;
-  // The file at `path` of the URL, for someone with access; nothing: there is none.
+  // The file at `path` of the URL, for a client with access; nothing: there is none.
   virtual std::optional<WebDownload> OnDownload(std::string_view path) {
     (void)path;
     return std::nullopt;

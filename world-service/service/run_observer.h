@@ -94,7 +94,7 @@ class RunObserver {
   // The same for a wait of less than a tick's time, after which the observer calls WorldControl::Wake.
   virtual bool IsPrepared() { return true; }
   // Whether the agents are to publish this tick before they decide on it: the frame is then sent as in a pause first,
-  // and the run resumes once the tick is released. Hashes stay as they are, but for what comes from outside meanwhile.
+  // and the run resumes once the tick is released. Hashes change by inputs from outside alone.
   virtual bool ShowsTick(Tick /*tick*/) { return false; }
   // All agents have published a paused frame: once for each, also in a pause that stays.
   virtual Status OnShown(const FrameMessage& /*frame*/) { return {}; }

@@ -35,7 +35,7 @@ class RosLockstepWait {
     std::function<void(const std::string& line)> report;  // for people; on any thread
   };
 
-  // `of_run`: the connection in the domain of the run, of which nobody else uses WatchTopics. All outlive this.
+  // `of_run`: the connection in the domain of the run; its WatchTopics has no other user. All outlive this.
   RosLockstepWait(ros::HostConnection& of_run, const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
                   RunId run, WorldControl& control, Hooks hooks);
   // After it no call into the control runs.
