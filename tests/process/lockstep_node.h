@@ -23,7 +23,6 @@
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
 #include "transport/dds/binding/wire.h"
-#include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
 
@@ -211,13 +210,7 @@ class LockstepRunTest : public testing::Test {
     OutputOf(RunPen(Arguments(prefix, more)));
     return folder_.Read(prefix + "hashes");
   }
-  ControlReply Call(const ControlRequest& request) const {
-    ControlClient client(NetworkOf(session_));
-    EXPECT_TRUE(client.WaitForService(kSeconds).ok());
-    const Result<ControlReply> reply = client.Call(request, kSeconds);
-    EXPECT_TRUE(reply.ok());
-    return reply.ok() ? reply.value() : ControlReply();
-  }
+  ControlReply Call(const ControlRequest& request) const { return CallRun(session_, request); }
   ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
     ControlRequest request{.command = command, .ticks = ticks};
     return Call(request);

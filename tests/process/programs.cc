@@ -12,6 +12,7 @@
 #include "command_line/parse_command_line.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/files.h"
+#include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
 namespace {
@@ -175,6 +176,14 @@ std::string OutputOf(const Finished& finished, int exit_status, const Caller& wh
 
 std::string OutputOf(Program program, int exit_status, const Caller& where) {
   return OutputOf(Finish(std::move(program)), exit_status, where);
+}
+
+ControlReply CallRun(const std::string& session, const ControlRequest& request) {
+  ControlClient client(NetworkOf(session));
+  EXPECT_TRUE(client.WaitForService(kSeconds).ok());
+  const Result<ControlReply> reply = client.Call(request, kSeconds);
+  EXPECT_TRUE(reply.ok());
+  return reply.ok() ? reply.value() : ControlReply();
 }
 
 Finished Ctl(const std::string& session, const std::vector<std::string>& action) {

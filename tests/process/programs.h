@@ -11,6 +11,7 @@
 #include "common/run/run_settings.h"
 #include "launcher/process/process.h"
 #include "tests/support/words.h"
+#include "transport/protocol/messages.h"
 
 namespace troupe::test {
 
@@ -85,6 +86,9 @@ Finished Finish(Program program);
 // The output of a program that has to end with this exit status.
 std::string OutputOf(const Finished& finished, int exit_status = 0, const Caller& where = Caller::Here());
 std::string OutputOf(Program program, int exit_status = 0, const Caller& where = Caller::Here());
+// The reply of a run of TestDomain(), by a client of its own: the service may be another than before. Without a reply
+// the test fails.
+ControlReply CallRun(const std::string& session, const ControlRequest& request);
 // `troupe ctl` on a run of TestDomain().
 Finished Ctl(const std::string& session, const std::vector<std::string>& action);
 

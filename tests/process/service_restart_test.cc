@@ -10,7 +10,6 @@
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/files.h"
-#include "transport/dds/tools/control_client.h"
 
 namespace troupe::test {
 namespace {
@@ -60,14 +59,7 @@ class ServiceRestartTest : public testing::Test {
     ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
     for (int i = 0; i < times; ++i) run.WaitForLineAfter("the world service has been started again");
   }
-  // Calls with a client of its own: the service may be another than before.
-  ControlReply Call(const ControlRequest& request) const {
-    ControlClient client(NetworkOf(session_));
-    EXPECT_TRUE(client.WaitForService(kSeconds).ok());
-    const Result<ControlReply> reply = client.Call(request, kSeconds);
-    EXPECT_TRUE(reply.ok());
-    return reply.ok() ? reply.value() : ControlReply();
-  }
+  ControlReply Call(const ControlRequest& request) const { return CallRun(session_, request); }
   ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
     ControlRequest request{.command = command, .ticks = ticks};
     return Call(request);

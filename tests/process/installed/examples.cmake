@@ -1,14 +1,7 @@
 # Builds the examples against the installed package alone, and runs them.
 cmake_minimum_required(VERSION 3.25)
 
-function(run_in folder)
-  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${folder} OUTPUT_VARIABLE text ERROR_VARIABLE text RESULT_VARIABLE failed)
-  if(failed)
-    list(JOIN ARGN " " command)
-    message(FATAL_ERROR "${command}\n${text}")
-  endif()
-  set(text "${text}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run_in.cmake)
 
 file(REMOVE_RECURSE ${FOLDER})
 foreach(example hello_world own_controller)
