@@ -51,9 +51,8 @@ std::string StyledLine(std::string_view line, bool has_styles) {
     const std::string_view text = word.substr(0, word.size() - 1);
     return std::string(line.substr(0, at)) + Styled(style, text, true) + std::string(line.substr(at + text.size()));
   }
-  constexpr std::string_view kViewer = "viewer: ";
-  if (!line.starts_with(kViewer)) return std::string(line);
-  return std::string(kViewer) + Styled(TerminalStyle::kLink, line.substr(kViewer.size()), true);
+  if (!line.starts_with(kPageLine)) return std::string(line);
+  return std::string(kPageLine) + Styled(TerminalStyle::kLink, line.substr(kPageLine.size()), true);
 }
 
 void ClearLine() {

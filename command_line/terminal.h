@@ -16,6 +16,9 @@ bool HasStyles(std::FILE* stream);
 // The text in the style, if `has_styles`.
 std::string Styled(TerminalStyle style, std::string_view text, bool has_styles);
 
+// The line in which a viewer states the address of its page begins with it.
+inline constexpr std::string_view kPageLine = "viewer: ";
+
 // A line of a program for people: the words "error:" and "warning:" and the address of a viewer have their styles.
 std::string StyledLine(std::string_view line, bool has_styles);
 

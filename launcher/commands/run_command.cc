@@ -120,7 +120,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
       return {};
     }
     gateway_ = std::move(gateway).value();
-    fmt::print("{}\n", StyledLine("viewer: " + gateway_->Address(), HasStyles(stdout)));
+    fmt::print("{}\n", StyledLine(std::string(kPageLine) + gateway_->Address(), HasStyles(stdout)));
     std::fflush(stdout);
     return {};
   }

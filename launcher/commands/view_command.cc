@@ -165,7 +165,7 @@ ViewerGatewayOptions OptionsOfGateway(const ViewOptions& options) {
 
 int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, SignalWatch& signals) {
   if (!gateway.ok()) return Fail(gateway.error());
-  fmt::print("{}\n", StyledLine("viewer: " + gateway.value()->Address(), HasStyles(stdout)));
+  fmt::print("{}\n", StyledLine(std::string(kPageLine) + gateway.value()->Address(), HasStyles(stdout)));
   std::fflush(stdout);
   pollfd waited = {signals.descriptor(), POLLIN, 0};
   while (!signals.ReadStopRequest()) poll(&waited, 1, -1);

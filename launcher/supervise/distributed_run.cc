@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "command_line/terminal.h"
 #include "common/trace/tick_trace.h"
 #include "launcher/hosts/connect_hosts.h"
 #include "launcher/process/process.h"

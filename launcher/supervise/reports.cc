@@ -29,6 +29,22 @@ void ReadHash(const Json& object, const char* name, std::uint64_t& value) {
   std::from_chars(text.data(), text.data() + text.size(), value, 16);
 }
 
+// `name`: the member with the name of each.
+std::vector<SlowRobot> ReadSlow(const Json& object, const char* list, const char* name) {
+  std::vector<SlowRobot> read;
+  for (const Json& entry : object.value(list, Json::array())) {
+    SlowRobot& slow = read.emplace_back();
+    ReadMember(entry, name, slow.robot);
+    ReadMember(entry, "times_last", slow.times_last);
+    ReadMember(entry, "waited_seconds", slow.waited_seconds);
+  }
+  return read;
+}
+
+nlohmann::ordered_json ToJson(const SlowRobot& slow, const char* name) {
+  return {{name, slow.robot}, {"times_last", slow.times_last}, {"waited_seconds", slow.waited_seconds}};
+}
+
 ReadyReport ParseReady(const Json& json) {
   ReadyReport report;
   ReadMember(json, "robots", report.robots);
@@ -68,20 +84,8 @@ RunSummary ParseEnd(const Json& json) {
   ReadMember(json, "rejected", summary.rejected);
   ReadMember(json, "frames_repeated", summary.frames_repeated);
   ReadHash(json, "state_hash", summary.state_hash);
-  for (const Json& entry : json.value("slowest", Json::array())) {
-    SlowRobot slow;
-    ReadMember(entry, "robot", slow.robot);
-    ReadMember(entry, "times_last", slow.times_last);
-    ReadMember(entry, "waited_seconds", slow.waited_seconds);
-    summary.slowest.push_back(slow);
-  }
-  for (const Json& entry : json.value("ros_lockstep", Json::array())) {
-    SlowRobot slow;
-    ReadMember(entry, "name", slow.robot);
-    ReadMember(entry, "times_last", slow.times_last);
-    ReadMember(entry, "waited_seconds", slow.waited_seconds);
-    summary.ros.push_back(slow);
-  }
+  summary.slowest = ReadSlow(json, "slowest", "robot");
+  summary.ros = ReadSlow(json, "ros_lockstep", "name");
   ReadMember(json, "lost", summary.lost);
   ReadMember(json, "interrupted", summary.interrupted);
   ReadMember(json, "record_waited_seconds", summary.record_waited_seconds);
@@ -344,15 +348,11 @@ std::string SummaryJson(const RunOutcome& outcome) {
   const RunSummary& run = outcome.run;
   nlohmann::ordered_json slowest = nlohmann::ordered_json::array();
   for (const SlowRobot& slow : run.slowest) {
-    slowest.push_back(
-        {{"robot", slow.robot}, {"times_last", slow.times_last}, {"waited_seconds", slow.waited_seconds}});
+    slowest.push_back(ToJson(slow, "robot"));
     if (auto host = outcome.hosts.find(slow.robot); host != outcome.hosts.end()) slowest.back()["host"] = host->second;
   }
   nlohmann::ordered_json ros = nlohmann::ordered_json::array();
-  for (const SlowRobot& awaited : run.ros) {
-    ros.push_back(
-        {{"name", awaited.robot}, {"times_last", awaited.times_last}, {"waited_seconds", awaited.waited_seconds}});
-  }
+  for (const SlowRobot& awaited : run.ros) ros.push_back(ToJson(awaited, "name"));
   nlohmann::ordered_json totals = nlohmann::ordered_json::array();
   for (const RobotTotal& total : run.totals) totals.push_back(FieldsToJson<nlohmann::ordered_json>(total));
   nlohmann::ordered_json json = {

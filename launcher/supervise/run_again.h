@@ -11,9 +11,6 @@
 
 namespace troupe {
 
-// The line with which a viewer tells the address of its page.
-inline constexpr std::string_view kPageLine = "viewer: ";
-
 // The line of a viewer whose page asks for the run again, with its own seed or another one.
 std::string RunAgainLine(std::optional<std::uint64_t> seed);
 // Nothing for any other line.
