@@ -22,6 +22,14 @@ async function fill(page, selector, value) {
   await field.press('Enter');
 }
 
+// Playwright chooses nothing, without an error, if the panel is filled anew in that instant.
+function choose(page, selector, value) {
+  return until(`${value} can be chosen`, async () => {
+    const chosen = await page.selectOption(`#file-properties ${selector}`, value);
+    return chosen.length > 0;
+  });
+}
+
 // A new world becomes one with a robot that drives: all by mouse and fields.
 async function makesAWorldWithARobot() {
   const editor = await edit('yard.world');
@@ -42,7 +50,7 @@ async function makesAWorldWithARobot() {
   assert.equal(read('yard.world'), begun);
 
   // Its controller from the list, with a parameter; a value beyond its limits is marked.
-  await page.selectOption('#file-properties select[data-property=controller]', 'wander');
+  await choose(page, 'select[data-property=controller]', 'wander');
   await fileIs(page, 'it wanders', now => now.undo === 'the ctrl of scout1');
   await save(page);
   const wandering = begun.replace(' )', ' ctrl "wander" )');
@@ -66,11 +74,8 @@ async function makesAWorldWithARobot() {
   // Typed values: one number of the pose, the drive, a pair of limits.
   await fill(page, 'input[data-property=pose][data-element=heading]', '45');
   await fileIs(page, 'it is turned', now => now.undo === 'the pose of scout1');
-  // Again if the panel was just being filled anew, with the pose.
-  await until('it has another drive', async () => {
-    await page.selectOption('#file-properties select[data-property=drive]', 'omni');
-    return (await documentOf(page)).undo === 'the drive of scout1';
-  });
+  await choose(page, 'select[data-property=drive]', 'omni');
+  await fileIs(page, 'it has another drive', now => now.undo === 'the drive of scout1');
   await fill(page, 'input[data-property=velocity_bounds][data-element=xmax]', '1.5');
   await fileIs(page, 'it is faster', now => now.undo === 'the velocity_bounds of scout1');
   await save(page);
@@ -155,7 +160,7 @@ async function editsControllersOfAScenario() {
 
   await page.evaluate(() => window.troupe.select('b'));
   await page.locator('#file-panel-name:text-is("b")').waitFor();
-  await page.selectOption('#file-properties select[data-property=controller]', 'script');
+  await choose(page, 'select[data-property=controller]', 'script');
   await fileIs(page, 'b has a script', now => now.undo === 'the change of controller');
   await save(page);
   assert.equal(read('two.json'), first.replace('[2, 0, 0]}',
