@@ -129,7 +129,8 @@ class LockstepNode {
         const std::lock_guard lock(mutex_);
         lists_ = dds::Text(tick.frame_id);
         has_scan = (" " + lists_).find(" " + options_.space + "/scan:") != std::string::npos;
-        if (options_.way == Way::kProtocol && done == shown) done.reset();  // the tick again: it is answered again
+        // The tick again is answered again. After an earlier one, as of a next run, the node knows nothing.
+        if (options_.way == Way::kProtocol && done && *done >= *shown) done.reset();
       });
       if (!commands.wanted()) continue;
       if (options_.way == Way::kTopic) {
