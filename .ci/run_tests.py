@@ -64,11 +64,23 @@ def run(build, options):
     return ctest.returncode, closing, skipped
 
 
-def skips(build, skipped):
-    """What was skipped, with the reason, according to the log of the last run."""
+def outputs(build):
+    """The name, output and result of each test, according to the log of the last run."""
     log = (pathlib.Path(build) / "Testing/Temporary/LastTest.log").read_text(errors="replace")
-    entry = r"^\d+/\d+ Testing: (\S+)$.*?^Output:\n-+\n(.*?)^<end of output>$"
-    for test, output in re.findall(entry, log, re.M | re.S):
+    entry = r"^\d+/\d+ Testing: (\S+)$.*?^Output:\n-+\n(.*?)^<end of output>$.*?^Test ([A-Z]\w+)"
+    return re.findall(entry, log, re.M | re.S)
+
+
+def print_failures(build):
+    """The end of what each failed test printed, once more: what is above the closing lines survives where logs are cut."""
+    for test, output, result in outputs(build):
+        if result.startswith(("Failed", "Timeout")):
+            print(f"--- {test} failed; the end of its output:", *output.rstrip().split("\n")[-30:], sep="\n")
+
+
+def skips(build, skipped):
+    """What was skipped, with the reason."""
+    for test, output, _ in outputs(build):
         if test in skipped:
             yield test, (output.split("\n")[-2:] or [""])[0] if output.strip() else "no reason"
         for name, reason in re.findall(r"^SKIPPED (\S+): (.*)$", output, re.M):
@@ -87,6 +99,7 @@ def main():
         else:
             print(f"error: unexpected skip of {test}: {reason or 'without a reason'} (see .ci/run_tests.py)")
             status = status or 1
+    print_failures(build)
     print(f"{sum(expected.values())} tests skipped")
     for reason, count in sorted(expected.items()):
         print(f"  {count}: {reason}")
