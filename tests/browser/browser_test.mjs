@@ -150,13 +150,12 @@ async function showsTheRunAsItIs() {
 
   // Without its gateway the run continues, and the page connects to the next one.
   const [gateway] = viewed.children('view');
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(page);
   process.kill(gateway, 'SIGKILL');
   await until('the page knows', async () => !(await page.evaluate(() => window.troupe.connected())));
   const second = new Program(troupe, ['view', `${session}-viewed`, '--domain', domain, '--listen', new URL(url).host]);
   await second.line('viewer: ');
   await connected(page);
-  pages.mayComplain = false;
   await sample(page);
   await page.click('#play');
   await stateOf(page, 'the run plays', state => state.tick > paused.tick);
@@ -220,7 +219,7 @@ async function editsTheRun() {
   assert.equal(reply.done, false);
   assert.match(reply.problem, /view-only/);
   assert.ok(await watching.isDisabled('#play'));
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(watching, page);
   await watching.close();
   assert.equal(await only.stop(), 0);
   await page.close();
@@ -277,10 +276,9 @@ async function drivesARobot() {
   await until('bela is deleted', async () => !(await bela()));
   await page.click('#undo');
   await until('bela is there again', bela);
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(page);
   await page.close();
   await driven.stop();
-  pages.mayComplain = false;
 }
 
 async function showsThePast() {
@@ -307,12 +305,11 @@ async function showsThePast() {
   samples.push(await look(live, 'anna'));
   assert.match(live.url(), /tick=/);
   await live.click('#live');
+  pages.expectLossOfGateway(live);  // with the end of the run
   await stateOf(live, 'the page returns to the live run', state => !state.past && state.tick > past.tick);
   await stateOf(live, 'the run is over', state => state.over);
   assert.equal(await recorded.end, 0, recorded.lines.join('\n'));
-  pages.mayComplain = true;
   await live.close();
-  pages.mayComplain = false;
 
   const replayed = new Program(troupe, ['view', path('past.mcap'), '--listen', '127.0.0.1:0']);
   const page = await open(`${await replayed.line('viewer: ')}#tick=333&smooth=0`);
@@ -328,10 +325,9 @@ async function showsThePast() {
   await stateOf(page, 'the recording plays backwards', state => state.tick < 120);
   await page.click('#back');
   assert.equal((await page.evaluate(() => window.troupe.request('pause'))).done, false);
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(page);
   await page.close();
   assert.equal(await replayed.stop(), 0);
-  pages.mayComplain = false;
 
   const poses = readPoses(path('past.csv'));
   const hashes = readHashes(path('past.hash'));
@@ -363,17 +359,16 @@ async function namesEventsByTheWorldInWhichTheyHappened() {
   const late = await open(url);
   await until('the late page has the events of both worlds', async () => both(await events(late)));
   assert.deepEqual(await events(late), shown);
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(late, page);
   await late.close();
   await page.close();
   await loaded.stop();
-  pages.mayComplain = false;
 
   const replayed = new Program(troupe, ['view', path('loaded.mcap'), '--listen', '127.0.0.1:0']);
   const replay = await open(await replayed.line('viewer: '));
   await until('the page of the recording has the events', async () => both(await events(replay)));
   assert.deepEqual(await events(replay), shown);
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(replay);
   await replay.close();
   assert.equal(await replayed.stop(), 0);
 }
@@ -396,6 +391,7 @@ async function knowsWhatHappenedBefore() {
   const page = await open(`${url}#robot=anna&smooth=0&tab=events`);
   const first = await stateOf(page, 'the past begins with the run', state => state.first === 0 && state.last >= ticks / 2);
   assert.ok(first.tick >= ticks / 2);
+  pages.expectLossOfGateway(page);  // with the end of the run
   await control('play');
   await stateOf(page, 'the run is over', state => state.over);
 
@@ -421,7 +417,6 @@ async function knowsWhatHappenedBefore() {
   const listed = events.filter(({text}) => text.includes(' stalls at ')).map(({tick, text}) => `${tick} ${text.split(' ')[0]}`);
   assert.deepEqual(listed.sort(), stalls.sort());
   assert.ok(stalls.some(text => Number(text.split(' ')[0]) < ticks / 2), 'some were before the page');
-  pages.mayComplain = true;
   await page.close();
 }
 
@@ -446,7 +441,7 @@ async function startsTheRunAgain() {
   const runs = [lastHash()];
   await page.waitForTimeout(6000);  // longer than the launcher waits for agents that hang
   assert.ok(await connected(page), 'the page stays open');
-  pages.mayComplain = true;  // the page connects again
+  pages.expectLossOfGateway(page);  // the page connects again
   for (const button of ['Run again', 'Another seed']) {
     await card.locator('button', {hasText: button}).click();
     await card.waitFor({state: 'hidden'});
@@ -520,7 +515,7 @@ async function plotsAndSeeks() {
   await page.locator('#end-card button', {hasText: 'Look back'}).click();
   await page.keyboard.press('Home');
   assert.ok(await page.isHidden('#end-card'));
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(page);
   await page.close();
   assert.equal(await viewer.stop(), 0);
 }

@@ -25,10 +25,9 @@ async function open(url, width, height, more) {
 }
 
 async function close(page, program) {
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(page);
   await page.close();
   await program.stop();
-  pages.mayComplain = false;
 }
 
 const robotOf = (page, name) => page.evaluate(
@@ -268,9 +267,8 @@ async function drivesByTouch() {
     await tap(page, '#time-more', () => page.isVisible('#speed'));
     await page.tap('#step-ten', {trial: true, force: true});
     assert.ok(await page.isVisible('#speed'));
-    pages.mayComplain = true;
+    pages.expectLossOfGateway(page);
     await page.close();
-    pages.mayComplain = false;
   }
   await shown.stop();
 }

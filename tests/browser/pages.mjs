@@ -34,17 +34,17 @@ export class Pages {
   }
 
   constructor(browser, loaded) {
-    Object.assign(this, {browser, loaded, problems: [], mayComplain: false});
+    Object.assign(this, {browser, loaded, problems: [], mayLoseGateway: new Set()});
   }
 
-  // A page at the address. Its errors, and requests to other hosts, are kept in `problems`; messages on its console are
-  // not while `mayComplain` is true, which it is no longer when a test begins.
+  // A page at the address. Its errors, the complaints on its console, and requests to other hosts are kept in `problems`.
   // `more`: further options of the browser's page, such as a touch screen.
   async open(url, width, height, more = {}) {
     const page = await this.browser.newPage({viewport: {width, height}, ...more});
     page.on('console', message => {
       const isComplaint = ['error', 'warning'].includes(message.type()) && !message.text().includes('GPU stall');
-      if (isComplaint && !this.mayComplain) this.problems.push(message.text());
+      const isLoss = this.mayLoseGateway.has(page) && /WebSocket|ERR_[A-Z_]+/.test(message.text());
+      if (isComplaint && !isLoss) this.problems.push(message.text());
     });
     page.on('pageerror', error => this.problems.push(error.message));
     page.on('request', request => {
@@ -54,6 +54,11 @@ export class Pages {
     page.setDefaultTimeout(120_000);  // ms: without a graphics card, beside other work
     await page.goto(url);
     return page;
+  }
+
+  // The gateway of the pages ends from here on: failed connections are no problems, however late the browser tells of them.
+  expectLossOfGateway(...opened) {
+    for (const page of opened) this.mayLoseGateway.add(page);
   }
 
   // The serious findings of axe-core on the page, as texts. REQUIRES: it is among the packages.
@@ -83,7 +88,6 @@ export class Pages {
     const chosen = process.argv.slice(5);
     for (const test of tests) {
       if (chosen.length > 0 && !chosen.includes(test.name)) continue;
-      this.mayComplain = false;
       await attempt(test.name, test);
       for (const [i, page] of this.browser.contexts().flatMap(context => context.pages()).entries()) {
         await page.screenshot({path: path(`left-${test.name}-${i}.png`)}).catch(() => {});

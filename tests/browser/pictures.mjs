@@ -49,7 +49,7 @@ async function ofEnd(name, world, ticks) {
   const run = new Program(troupe, ['run', world, '--ticks', String(ticks), '--speed', '10', '--session', `pictures-${process.pid}`]);
   const page = await pages.open(`${await run.line('viewer: ')}#quality=full&smooth=0`, 1280, 720);
   await page.locator('.end-robot').first().waitFor();
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(page);
   await take(page, name);
   await page.close();
   await run.stop();

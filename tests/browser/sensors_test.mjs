@@ -107,11 +107,10 @@ const canvasOf = (page, sensor) => page.$eval(`[data-sensor="${sensor}"] canvas`
 const textOf = (page, sensor) => page.textContent(`[data-sensor="${sensor}"]`);
 
 async function end(page, run, what) {
-  pages.mayComplain = true;
+  pages.expectLossOfGateway(page);
   await page.click('#play');
   assert.equal(await run.end, 0, `${what}: ${run.lines.join('\n')}`);
   await page.close();
-  pages.mayComplain = false;
 }
 
 async function showsAllKindsOfSensors() {
