@@ -71,7 +71,8 @@ Result<LoadedWorld> BuildOne(const std::string& path, const std::string& name, c
   Result<WorldNode> model = MakeModel(tree, name);
   if (!model.ok()) return model.error();
   const bool controlled = model.value().Find("ctrl") != nullptr;
-  tree.world.children = {std::move(model).value()};
+  tree.world.children = {};
+  tree.world.children.Add(std::move(model).value());
   LoadOverrides build = overrides;
   build.controller.reset();
   Result<LoadedWorld> loaded = BuildWorld(tree, build);

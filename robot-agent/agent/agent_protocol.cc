@@ -8,6 +8,7 @@
 
 #include "common/base/identity.h"
 #include "common/base/text.h"
+#include "common/model/robots_by_name.h"
 #include "robot-agent/robot/robot.h"
 
 namespace troupe {
@@ -134,7 +135,8 @@ JoinMessage AgentProtocol::MakeJoin() {
     if (run_.edited_hash == 0) run_.edited_hash = Hash(edited->world);
     join.world_hash = run_.edited_hash;
     join.world_edition = edited->world_edition;
-    std::erase_if(join.robots, [&](const std::string& name) { return !FindRobot(edited->world, name); });
+    std::erase_if(join.robots,
+                  [robots = RobotsByName(edited->world)](const std::string& name) { return !robots.Find(name); });
   }
   return join;
 }

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <exception>
 
+#include "common/model/robots_by_name.h"
+
 namespace troupe {
 namespace {
 
@@ -24,8 +26,10 @@ Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std
     }
     return ids;
   }
+  const RobotsByName robots(world);
+  std::vector<bool> is_named(world.robots.size());
   for (const std::string& name : names) {
-    const std::optional<RobotId> id = FindRobot(world, name);
+    const std::optional<RobotId> id = robots.Find(name);
     if (!id) {
       std::vector<std::string> known;
       for (std::size_t i = 0; i < world.robots.size(); ++i) {
@@ -35,9 +39,8 @@ Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std
       known.resize(std::min(known.size(), kMostNamed + 1));
       return Error{{}, fmt::format("the world has no robot '{}', expected one of: {}", name, fmt::join(known, ", "))};
     }
-    if (std::find(ids.begin(), ids.end(), *id) != ids.end()) {
-      return Error{{}, fmt::format("robot '{}' is named twice", name)};
-    }
+    if (is_named[id->index()]) return Error{{}, fmt::format("robot '{}' is named twice", name)};
+    is_named[id->index()] = true;
     ids.push_back(*id);
   }
   std::sort(ids.begin(), ids.end());
@@ -135,9 +138,10 @@ Status Replica::MakeNewGateway() {
 Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition) {
   const std::vector<RobotId> before = Ids();
   std::vector<RobotId> ids;
+  const RobotsByName robots(world);
   for (const RobotId id : before) {
     if (fresh) {
-      if (const auto found = FindRobot(world, scene_->world().robot(id).name)) ids.push_back(*found);
+      if (const auto found = robots.Find(scene_->world().robot(id).name)) ids.push_back(*found);
     } else if (RobotExists(world, id)) {
       ids.push_back(id);
     }
@@ -179,9 +183,10 @@ Status Replica::FollowWorld(const Scene& before) {
 
 Status Replica::AddRobots(const std::vector<std::string>& names) {
   const std::vector<RobotId> before = Ids();
+  const RobotsByName robots(scene_->world());
   for (const std::string& name : names) {
-    const std::optional<RobotId> id = FindRobot(scene_->world(), name);
-    if (!id || std::find(before.begin(), before.end(), *id) != before.end()) continue;
+    const std::optional<RobotId> id = robots.Find(name);
+    if (!id || std::binary_search(before.begin(), before.end(), *id)) continue;
     Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, *id, options_);
     if (!robot.ok()) return robot.error();
     robots_.push_back(std::move(robot).value());

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/identity.h"
+#include "common/model/robots_by_name.h"
 #include "robot-agent/robot/robot.h"
 
 namespace troupe {
@@ -38,7 +39,8 @@ Status ReplicaTask::Make(SessionMessage& session, const AgentOptions& options, c
   }
   std::vector<std::string> names = options.robots;
   if (options.skip_deleted) {
-    std::erase_if(names, [&](const std::string& name) { return !FindRobot(session.world, name); });
+    std::erase_if(names,
+                  [by_name = RobotsByName(session.world)](const std::string& name) { return !by_name.Find(name); });
     if (names.empty()) return {};
   }
   robots.world_hash = Hash(session.world);

@@ -124,8 +124,15 @@ TEST(BadSyntax, ExpansionOfMacrosHasALimit) {
   folder.Write("w.world", MacroTower(40, 2));
   EXPECT_EQ(
       folder.ErrorOf("w.world"),
-      "w.world:40:19: error: found more than 4000000 models and properties once all defines are applied, expected "
+      "w.world:20:26: error: found more than 4000000 models and properties once all defines are applied, expected "
       "fewer");
+}
+
+TEST(BadSyntax, AMacroIsAppliedWithTheDefinesBeforeItsUse) {
+  const LoadedWorld loaded = WorldFolder().LoadText(
+      "define a model( size [1 1 1] )\na( name \"x\" )\ndefine model position( )\na( name \"y\" pose [3 0 0 0] )\n");
+  ASSERT_EQ(loaded.world.robots.size(), 1u);
+  EXPECT_EQ(loaded.world.robots[0].name, "y");
 }
 
 TEST(BadSyntax, ExpansionOfIncludesHasALimit) {

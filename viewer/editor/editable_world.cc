@@ -48,7 +48,6 @@ void AddShelf(WorldTree& tree, const std::string& path, std::set<const WorldNode
   }
   std::sort(defines.begin(), defines.end(), [](const auto& a, const auto& b) { return a.first.line < b.first.line; });
   const double metre = 1.0 / UnitsOf(tree.world).metres;
-  std::vector<WorldNode> added;
   double x = 0.0;
   for (const auto& [where, name] : defines) {
     Result<WorldNode> made = Instantiate(tree, name, where);
@@ -58,11 +57,9 @@ void AddShelf(WorldTree& tree, const std::string& path, std::set<const WorldNode
     node.Set({"name", Value{name, where}, where});
     node.Set(NumbersProperty("pose", {x + 0.5 * width, 0.0, 0.0, 0.0}, where));
     x += width + kShelfGap * metre;
-    added.push_back(std::move(node));
+    tree.world.children.Add(std::move(node));
+    shelf.insert(&tree.world.children.back());
   }
-  const std::size_t first = tree.world.children.size();
-  for (WorldNode& node : added) tree.world.children.push_back(std::move(node));
-  for (std::size_t i = first; i < tree.world.children.size(); ++i) shelf.insert(&tree.world.children[i]);
 }
 
 struct Names {
@@ -242,7 +239,7 @@ Result<LoadedWorld> BuildAlone(const WorldTree& tree, const std::string& model, 
   WorldNode made = std::move(node).value();
   made.Set({"name", Value{model, {}}, {}});
   made.Set(NumbersProperty("pose", {0.0, 0.0, 0.0, 0.0}, {}));
-  alone.world.children.push_back(std::move(made));
+  alone.world.children.Add(std::move(made));
   LoadOverrides overrides;
   overrides.allowed = files.allowed;
   return BuildWorld(alone, overrides, {.images = files.images});
@@ -281,27 +278,25 @@ Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& mode
   const TreeBuilder builder(tree);
 
   WorldTree test = WithoutModels(tree);
-  std::vector<WorldNode>& children = test.world.children;
+  ChildNodes& children = test.world.children;
   const double side = 2.0 * half + 2.0 * kWall;
   const double middle = half + 0.5 * kWall;
-  children.push_back(builder.Make("model", "wall:north", {side, kWall, kWallHeight}, {0, middle, 0, 0}, "gray60"));
-  children.push_back(builder.Make("model", "wall:south", {side, kWall, kWallHeight}, {0, -middle, 0, 0}, "gray60"));
-  children.push_back(builder.Make("model", "wall:east", {kWall, 2.0 * half, kWallHeight}, {middle, 0, 0, 0}, "gray60"));
-  children.push_back(
-      builder.Make("model", "wall:west", {kWall, 2.0 * half, kWallHeight}, {-middle, 0, 0, 0}, "gray60"));
+  children.Add(builder.Make("model", "wall:north", {side, kWall, kWallHeight}, {0, middle, 0, 0}, "gray60"));
+  children.Add(builder.Make("model", "wall:south", {side, kWall, kWallHeight}, {0, -middle, 0, 0}, "gray60"));
+  children.Add(builder.Make("model", "wall:east", {kWall, 2.0 * half, kWallHeight}, {middle, 0, 0, 0}, "gray60"));
+  children.Add(builder.Make("model", "wall:west", {kWall, 2.0 * half, kWallHeight}, {-middle, 0, 0, 0}, "gray60"));
   WorldNode tested = std::move(made).value();
   const bool is_robot = tested.type == "position";
   TreeBuilder::SetText(tested, "name", model == kProbe ? "tested" : model);
   builder.SetPose(tested, {0, 0, 0, 0});
   if (is_robot && HasRanger(tested) && tested.Find("ctrl") == nullptr) TreeBuilder::SetText(tested, "ctrl", "wander");
-  children.push_back(std::move(tested));
+  children.Add(std::move(tested));
   if (is_robot) {
-    children.push_back(builder.Make("model", "box:1", {0.4, 0.4, 0.4}, {0.6 * half, 0.5 * half, 0, 0}, "tan"));
-    children.push_back(builder.Make("model", "box:2", {0.4, 0.4, 0.4}, {-0.5 * half, -0.6 * half, 0, 0.5}, "tan"));
+    children.Add(builder.Make("model", "box:1", {0.4, 0.4, 0.4}, {0.6 * half, 0.5 * half, 0, 0}, "tan"));
+    children.Add(builder.Make("model", "box:2", {0.4, 0.4, 0.4}, {-0.5 * half, -0.6 * half, 0, 0.5}, "tan"));
   } else {
-    children.push_back(builder.Make("position", kProbe,
-                                    {kProbeWidth, kProbeWidth, std::clamp(probe_height, 0.01, 100.0)},
-                                    {-half + kProbeWidth, 0, 0, 0}, "SteelBlue"));
+    children.Add(builder.Make("position", kProbe, {kProbeWidth, kProbeWidth, std::clamp(probe_height, 0.01, 100.0)},
+                              {-half + kProbeWidth, 0, 0, 0}, "SteelBlue"));
   }
   LoadOverrides overrides;
   overrides.allowed = files.allowed;

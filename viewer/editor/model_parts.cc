@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <span>
 
 #include "worldfile/stage/stage_world.h"
 
@@ -24,7 +23,6 @@ class PartFinder {
   std::vector<ModelPart> Find(const Statement& holder, const WorldNode* node, const std::string& name,
                               const PartPath& path) const {
     const std::vector<std::string> given = node != nullptr ? ChildNames(*node) : std::vector<std::string>();
-    const std::span<const WorldNode> children = node != nullptr ? node->children : std::span<const WorldNode>();
     std::vector<ModelPart> parts;
     for (const Statement& statement : holder.statements) {
       if (statement.kind != StatementKind::kEntry || statement.name == "block") continue;
@@ -33,7 +31,7 @@ class PartFinder {
       part.path.push_back(parts.size());
       part.statement = &statement;
       for (std::size_t i = 0; i < given.size(); ++i) {
-        const WorldNode& child = children[i];
+        const WorldNode& child = node->children[i];
         const SourceLocation& where = child.where;
         if (where.file != path_ || where.line != statement.line || where.column != statement.column) continue;
         part.node = &child;

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include "common/base/text.h"
+#include "common/model/robots_by_name.h"
 
 namespace troupe {
 namespace {
@@ -85,12 +88,12 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
 }
 
 void TickCoordinator::NoteGoals(const JoinMessage& join) {
+  const RobotsByName robots(run_.world());
+  const std::set<std::string_view> accepting(join.accept_goals.begin(), join.accept_goals.end());
   for (const std::string& name : join.robots) {
-    const std::optional<RobotId> robot = FindRobot(run_.world(), name);
+    const std::optional<RobotId> robot = robots.Find(name);
     if (!robot) continue;
-    const auto& accepting = join.accept_goals;
-    run_.accepts_goals[run_.world().robot(*robot).controller.name] =
-        std::find(accepting.begin(), accepting.end(), name) != accepting.end();
+    run_.accepts_goals[run_.world().robot(*robot).controller.name] = accepting.contains(name);
   }
 }
 

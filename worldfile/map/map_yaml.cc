@@ -279,7 +279,7 @@ WorldTree MapYamlTree(const std::string& path) {
   map.where = where;
   map.properties = {property("name", "map"), property("map_yaml", std::filesystem::path(path).filename().string()),
                     property("color", "gray30")};
-  tree.world.children.push_back(std::move(map));
+  tree.world.children.Add(std::move(map));
   return tree;
 }
 

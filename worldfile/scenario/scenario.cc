@@ -5,6 +5,7 @@
 #include <set>
 
 #include "common/base/glob.h"
+#include "common/model/robots_by_name.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/scenario/scenario_tree.h"
 #include "worldfile/stage/stage_world.h"
@@ -81,22 +82,28 @@ class Overrider {
  public:
   explicit Overrider(const OverrideEntry& rule) : rule_(rule) {}
 
-  // Changes the nodes below `parent` that the rule matches.
-  void Visit(WorldNode& parent, const std::string& parent_name) {
+  // The node with the changes of the rule below it; nothing if the rule matches none of the nodes there.
+  std::optional<WorldNode> Visit(const WorldNode& parent, const std::string& parent_name) {
+    std::optional<WorldNode> result;
     const std::vector<std::string> names = ChildNames(parent);
     for (std::size_t i = 0; i < parent.children.size(); ++i) {
-      WorldNode& child = parent.children[i];
+      const WorldNode& child = parent.children[i];
       if (child.type == "block" || child.type == "window") continue;
       const std::string name = names[i].empty() ? "" : FullName(parent_name, names[i]);
       if (!name.empty()) names_.push_back(name);
       types_.insert(child.type);
       types_.insert(child.macros.begin(), child.macros.end());
+      std::optional<WorldNode> changed = Visit(child, name);
       if (Matches(child, name)) {
         ++matches_;
-        for (const Property& property : rule_.properties) child.Set(property);
+        if (!changed) changed = child;
+        for (const Property& property : rule_.properties) changed->Set(property);
       }
-      Visit(child, name);
+      if (!changed) continue;
+      if (!result) result = parent;
+      result->children.Change(i) = std::move(*changed);
     }
+    return result;
   }
 
   Status Outcome() const {
@@ -163,11 +170,11 @@ Status RemoveEntities(WorldTree& tree, const std::vector<PlacedText>& names) {
     }
     removed.insert(name.text);
   }
-  std::vector<WorldNode> kept;
+  std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < known.size(); ++i) {
-    if (!removed.contains(known[i])) kept.push_back(std::move(tree.world.children[i]));
+    if (!removed.contains(known[i])) kept.push_back(i);
   }
-  tree.world.children = std::move(kept);
+  tree.world.children = tree.world.children.Selected(kept);
   return Status();
 }
 
@@ -179,8 +186,9 @@ void CopyPlaces(const WorldDescription& from, WorldDescription& to) {
     if (const auto found = models.find(model.name); !model.parent && found != models.end())
       model.X_PM = found->second->X_PM;
   }
+  const RobotsByName robots(from);
   for (RobotDescription& robot : to.robots) {
-    if (const auto found = FindRobot(from, robot.name)) robot.localization = from.robot(*found).localization;
+    if (const auto found = robots.Find(robot.name)) robot.localization = from.robot(*found).localization;
   }
 }
 
@@ -276,9 +284,9 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
 
 Result<WorldNode> ApplyOverride(const OverrideEntry& rule, WorldNode world) {
   Overrider overrider(rule);
-  overrider.Visit(world, "");
+  std::optional<WorldNode> changed = overrider.Visit(world, "");
   if (Status error = overrider.Outcome(); !error.ok()) return error.error();
-  return world;
+  return std::move(changed).value_or(std::move(world));
 }
 
 }  // namespace troupe

@@ -107,7 +107,7 @@ class Adder {
     for (const ModelEntry& child : entry.children) {
       Result<WorldNode> made = Make(child);
       if (!made.ok()) return made.error();
-      node.children.push_back(std::move(made).value());
+      node.children.Add(std::move(made).value());
     }
     return node;
   }
@@ -117,7 +117,7 @@ class Adder {
     if (!top_level_.emplace(name, tree_.world.children.size()).second) {
       return Error{name_where, "found the name " + Quoted(name) + " again, expected one that is not in the world yet"};
     }
-    tree_.world.children.push_back(std::move(node));
+    tree_.world.children.Add(std::move(node));
     return Status();
   }
 
@@ -158,7 +158,7 @@ class Adder {
       }
     }
     const std::string name = entry.name ? FullName("", entry.name->text) : NameOf(tree_.world.children.back());
-    WorldNode& node = tree_.world.children[top_level_.at(name)];
+    WorldNode& node = tree_.world.children.Change(top_level_.at(name));
     if (node.type != "position") {
       return Error{entry.model ? entry.model->where : entry.name->where,
                    "found a model of type " + Quoted(node.type) + ", expected a robot: a model of type 'position'"};
@@ -283,6 +283,10 @@ class Adder {
   std::map<std::uint32_t, std::string> domain_owners_;        // robots, by ROS domain
 };
 
+bool HasBitmap(const WorldNode& node) {
+  return node.Find("bitmap") != nullptr || std::any_of(node.children.begin(), node.children.end(), HasBitmap);
+}
+
 // The node or define with bitmaps that do not depend on the folder of their file.
 template <typename NodeOrDefine>
 NodeOrDefine WithAnchoredBitmaps(const std::filesystem::path& directory, NodeOrDefine node) {
@@ -290,7 +294,11 @@ NodeOrDefine WithAnchoredBitmaps(const std::filesystem::path& directory, NodeOrD
     std::string* path = std::get_if<std::string>(&property.value.content);
     if (property.name == "bitmap" && path != nullptr) *path = (directory / *path).lexically_normal().string();
   }
-  for (WorldNode& child : node.children) child = WithAnchoredBitmaps(directory, std::move(child));
+  for (std::size_t i = 0; i < node.children.size(); ++i) {
+    if (!HasBitmap(node.children[i])) continue;
+    WorldNode& child = node.children.Change(i);
+    child = WithAnchoredBitmaps(directory, std::move(child));
+  }
   return node;
 }
 
@@ -309,8 +317,8 @@ WorldTree Merged(WorldTree tree, WorldTree include, const SourceLocation& where)
       tree.warnings.push_back({where, "the define " + Quoted(name) + " is there already: the first one counts"});
     }
   }
-  for (WorldNode& node : include.world.children) {
-    tree.world.children.push_back(WithAnchoredBitmaps(directory, std::move(node)));
+  for (std::size_t i = 0; i < include.world.children.size(); ++i) {
+    tree.world.children.Add(WithAnchoredBitmaps(directory, std::move(include.world.children.Change(i))));
   }
   for (Property& property : include.world.properties) {
     if (tree.world.Find(property.name) == nullptr) tree.world.Set(std::move(property));

@@ -19,6 +19,10 @@ Error TooDeep(const SourceLocation& where) {
   return {where, "found more than " + std::to_string(kMaxNesting) + " models inside each other, expected fewer"};
 }
 
+Error TooLong(const SourceLocation& where) {
+  return {where, "found more than " + std::to_string(kMaxNesting) + " macros made from each other, expected fewer"};
+}
+
 // Equal for two paths to one file.
 std::string Identity(const std::string& path) {
   std::error_code error;
@@ -27,63 +31,90 @@ std::string Identity(const std::string& path) {
 }
 
 // Applies defines: from a node as written (its type may be a macro) to one with all properties and children of its
-// macros.
+// macros. A macro is applied once: the nodes made from it share its children.
 class MacroExpander {
  public:
   // `defines` must outlive the expander, and may grow between calls.
   MacroExpander(const std::map<std::string, Define>& defines, std::size_t max_items)
       : defines_(defines), max_items_(max_items) {}
 
-  Result<WorldNode> Expand(WorldNode written, int depth = 1) {
+  // `depth`: of the node, 1 at the top level.
+  Result<WorldNode> Expand(const WorldNode& written, int depth = 1) {
     if (depth > kMaxNesting) return TooDeep(written.where);
+    deepest_ = std::max(deepest_, depth);
     WorldNode result;
-    result.where = std::move(written.where);
-
-    // From the macro that was written down to the base type.
-    const std::size_t active_before = active_.size();
-    std::vector<const Define*> chain;
-    std::string name = std::move(written.type);
-    for (auto found = defines_.find(name); found != defines_.end(); found = defines_.find(name)) {
-      if (std::find(active_.begin(), active_.end(), name) != active_.end()) {
-        return Error{result.where, "found macro " + Quoted(name) + " inside itself, expected no loop of defines"};
-      }
-      if (chain.size() == kMaxNesting) {
-        return Error{result.where,
-                     "found more than " + std::to_string(kMaxNesting) + " macros made from each other, expected fewer"};
-      }
-      active_.push_back(name);
-      result.macros.push_back(name);
-      chain.push_back(&found->second);
-      name = found->second.base;
+    if (defines_.contains(written.type)) {
+      Result<const Applied*> applied = Apply(written.type, written.where, depth, 1);
+      if (!applied.ok()) return applied.error();
+      result = applied.value()->node;
+    } else {
+      result.type = written.type;
     }
-    result.type = std::move(name);
-    if (Status error = Count(1 + chain.size(), result.where); !error.ok()) return error.error();
-
-    for (; !chain.empty(); chain.pop_back()) {
-      const Define& define = *chain.back();
-      if (Status error = AddBody(define.properties, define.children, depth, result); !error.ok()) return error.error();
-      active_.pop_back();  // now the bodies of the macros further out
-    }
-    active_.resize(active_before);
-    Status error = AddBody(std::move(written.properties), std::move(written.children), depth, result);
-    if (!error.ok()) return error.error();
-    result.properties = LastOfEachName(std::move(result.properties));
+    result.where = written.where;
+    ++nodes_;
+    if (Status error = Count(1, result.where); !error.ok()) return error.error();
+    if (Status error = AddBody(written, depth, result); !error.ok()) return error.error();
     return result;
   }
 
  private:
-  // Adds these properties to the node, and these children expanded.
-  Status AddBody(std::vector<Property> properties, std::vector<WorldNode> children, int depth, WorldNode& node) {
-    if (Status error = Count(properties.size(), node.where); !error.ok()) return error;
-    if (node.properties.empty()) {
-      node.properties = std::move(properties);
-    } else {
-      std::move(properties.begin(), properties.end(), std::back_inserter(node.properties));
+  // A node made from a macro, with nothing in its body.
+  struct Applied {
+    WorldNode node;
+    std::size_t below = 0;  // nodes
+    int levels = 0;         // of nodes inside each other, below this one
+  };
+
+  // The macro `name`, of a node at `where`, or of the macro that is made from it: `length` of them so far.
+  Result<const Applied*> Apply(const std::string& name, const SourceLocation& where, int depth, std::size_t length) {
+    if (known_ != defines_.size()) applied_.clear();  // a base may be a macro by now
+    known_ = defines_.size();
+    if (std::find(active_.begin(), active_.end(), name) != active_.end()) {
+      return Error{where, "found macro " + Quoted(name) + " inside itself, expected no loop of defines"};
     }
-    for (WorldNode& child : children) {
-      Result<WorldNode> expanded = Expand(std::move(child), depth + 1);
+    if (const auto found = applied_.find(name); found != applied_.end()) {
+      const Applied& applied = found->second;
+      if (length + applied.node.macros.size() > kMaxNesting + 1) return TooLong(where);
+      if (depth + applied.levels > kMaxNesting) return TooDeep(where);
+      deepest_ = std::max(deepest_, depth + applied.levels);
+      nodes_ += applied.below;
+      const std::size_t items = applied.below + applied.node.properties.size();
+      if (Status error = Count(items, where); !error.ok()) return error.error();
+      return &applied;
+    }
+    if (length > kMaxNesting) return TooLong(where);
+    const std::size_t nodes_before = nodes_;
+    const int deepest_before = std::exchange(deepest_, depth);
+    active_.push_back(name);
+    const Define& define = defines_.at(name);
+    Applied applied;
+    if (defines_.contains(define.base)) {
+      Result<const Applied*> base = Apply(define.base, where, depth, length + 1);
+      if (!base.ok()) return base;
+      applied.node = base.value()->node;
+    } else {
+      applied.node.type = define.base;
+    }
+    applied.node.macros.insert(applied.node.macros.begin(), name);
+    applied.node.where = where;
+    if (Status error = AddBody(define, depth, applied.node); !error.ok()) return error.error();
+    active_.pop_back();
+    applied.below = nodes_ - nodes_before;
+    applied.levels = deepest_ - depth;
+    deepest_ = std::max(deepest_, deepest_before);
+    return &applied_.insert_or_assign(name, std::move(applied)).first->second;
+  }
+
+  // Adds the properties of this node or define to the node, and its children expanded.
+  template <typename NodeOrDefine>
+  Status AddBody(const NodeOrDefine& body, int depth, WorldNode& node) {
+    if (Status error = Count(body.properties.size(), node.where); !error.ok()) return error;
+    node.properties.insert(node.properties.end(), body.properties.begin(), body.properties.end());
+    node.properties = LastOfEachName(std::move(node.properties));
+    for (const WorldNode& child : body.children) {
+      Result<WorldNode> expanded = Expand(child, depth + 1);
       if (!expanded.ok()) return expanded.error();
-      node.children.push_back(std::move(expanded).value());
+      node.children.Add(std::move(expanded).value());
     }
     return {};
   }
@@ -97,8 +128,12 @@ class MacroExpander {
 
   const std::map<std::string, Define>& defines_;
   const std::size_t max_items_;
-  std::size_t items_ = 0;
-  std::vector<std::string> active_;  // the macros whose bodies are being applied
+  std::size_t items_ = 0;  // nodes, and properties that are not shared
+  std::size_t nodes_ = 0;
+  int deepest_ = 0;                         // node since the macro that is being applied began
+  std::vector<std::string> active_;         // the macros whose bodies are being applied
+  std::map<std::string, Applied> applied_;  // with the defines known so far
+  std::size_t known_ = 0;                   // defines
 };
 
 std::string FromLatin1(std::string_view text) {
@@ -127,7 +162,7 @@ Value::Scalar ScalarOf(const StageTree& file, const TextSpan& span, double numbe
 // The statements between the brackets of an entry or a define, or of a whole file, with those of includes.
 struct Body {
   std::vector<Property> properties;
-  std::vector<WorldNode> children;
+  ChildNodes children;
 };
 
 // Where a body is: the name of its entry or define, and the number of entries around its statements. At the top level
@@ -209,12 +244,12 @@ class WorldReader {
                    std::move(read.value().children),
                    file.Where(statement)};
     if (level.depth > 0) {
-      body.children.push_back(std::move(node));
+      body.children.Add(std::move(node));
       return {};
     }
-    Result<WorldNode> expanded = expander_.Expand(std::move(node));
+    Result<WorldNode> expanded = expander_.Expand(node);
     if (!expanded.ok()) return expanded.error();
-    tree_.world.children.push_back(std::move(expanded).value());
+    tree_.world.children.Add(std::move(expanded).value());
     return {};
   }
 
@@ -331,7 +366,7 @@ Result<WorldNode> Instantiate(const WorldTree& tree, const std::string& name, co
   WorldNode written;
   written.type = name;
   written.where = where;
-  return MacroExpander(tree.defines, StageItemCount().most).Expand(std::move(written));
+  return MacroExpander(tree.defines, StageItemCount().most).Expand(written);
 }
 
 }  // namespace troupe

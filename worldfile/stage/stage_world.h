@@ -16,8 +16,8 @@ struct ParseOptions {
   // If not null: the only files that includes find, by name. The disk is not touched.
   const std::map<std::string, std::string>* memory_files = nullptr;
   AllowedPaths allowed = AllowedPaths::All();  // files that includes may open
-  // Statements of all files, and models and properties of the world after all defines are applied: a few lines can
-  // expand to any number.
+  // Statements of all files, and models and properties of the world after all defines are applied, without properties
+  // that nodes share: a few lines can expand to any number.
   std::size_t max_items = StageItemCount().most;
 };
 

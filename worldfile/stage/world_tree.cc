@@ -3,8 +3,24 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
+#include <utility>
 
 namespace troupe {
+
+WorldNode& ChildNodes::Change(std::size_t i) {
+  if (nodes_[i].use_count() > 1) nodes_[i] = std::make_shared<WorldNode>(*nodes_[i]);
+  return *nodes_[i];
+}
+
+void ChildNodes::Add(WorldNode node) {
+  nodes_.push_back(std::make_shared<WorldNode>(std::move(node)));
+}
+
+ChildNodes ChildNodes::Selected(const std::vector<std::size_t>& indices) const {
+  ChildNodes selected;
+  for (const std::size_t i : indices) selected.nodes_.push_back(nodes_[i]);
+  return selected;
+}
 
 const Property* WorldNode::Find(const std::string& property_name) const {
   const auto found = std::find_if(properties.begin(), properties.end(),

@@ -3,7 +3,10 @@
 // (build_world.h).
 #pragma once
 
+#include <cstddef>
+#include <iterator>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -35,13 +38,60 @@ struct Property {
   SourceLocation where;
 };
 
+struct WorldNode;
+
+// The children of a node, in their order. Nodes that are made from one macro share its children: 100,000 robots with
+// twelve rays each would be millions of nodes otherwise. A child that is changed becomes one of its node alone.
+class ChildNodes {
+ public:
+  class Iterator {
+   public:
+    using iterator_category = std::forward_iterator_tag;
+    using value_type = WorldNode;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const WorldNode*;
+    using reference = const WorldNode&;
+
+    Iterator() = default;
+    explicit Iterator(std::vector<std::shared_ptr<WorldNode>>::const_iterator at) : at_(at) {}
+    reference operator*() const { return **at_; }
+    pointer operator->() const { return at_->get(); }
+    Iterator& operator++() {
+      ++at_;
+      return *this;
+    }
+    Iterator operator++(int) { return Iterator(at_++); }
+    bool operator==(const Iterator&) const = default;
+
+   private:
+    std::vector<std::shared_ptr<WorldNode>>::const_iterator at_;
+  };
+
+  Iterator begin() const { return Iterator(nodes_.begin()); }
+  Iterator end() const { return Iterator(nodes_.end()); }
+  std::size_t size() const { return nodes_.size(); }
+  bool empty() const { return nodes_.empty(); }
+  const WorldNode& operator[](std::size_t i) const { return *nodes_[i]; }
+  const WorldNode& front() const { return *nodes_.front(); }
+  const WorldNode& back() const { return *nodes_.back(); }
+
+  WorldNode& Change(std::size_t i);
+  void Add(WorldNode node);
+  void Add(const ChildNodes& shared) { nodes_.insert(nodes_.end(), shared.nodes_.begin(), shared.nodes_.end()); }
+  // Only the children whose indices, in ascending order, these are.
+  ChildNodes Selected(const std::vector<std::size_t>& indices) const;
+
+ private:
+  std::vector<std::shared_ptr<WorldNode>> nodes_;
+};
+
 // A model, a sensor, a block, or (the root) the world. Defines are already applied: the macro's properties and children
 // precede the instance's own; of two properties with one name the later one counts.
 struct WorldNode {
   std::string type;                  // the base type: "position", "sensor", "block", ...
   std::vector<std::string> macros;   // names of the defines it was made from, outermost first
   std::vector<Property> properties;  // names are unique
-  std::vector<WorldNode> children;
+  ChildNodes children;
   SourceLocation where;
 
   const Property* Find(const std::string& name) const;
@@ -63,7 +113,7 @@ std::vector<Property> LastOfEachName(std::vector<Property> properties);
 struct Define {
   std::string base;
   std::vector<Property> properties;
-  std::vector<WorldNode> children;  // types may be macros
+  ChildNodes children;  // types may be macros
   SourceLocation where;
 };
 

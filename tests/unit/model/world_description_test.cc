@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "common/model/robots_by_name.h"
 #include "common/model/states.h"
 #include "tests/support/small_world.h"
 #include "tests/support/test_world.h"
@@ -46,6 +47,21 @@ TEST(FindRobot, FindsByName) {
   EXPECT_EQ(FindRobot(world, "m2"), RobotId(0));
   EXPECT_EQ(FindRobot(world, "m0"), std::nullopt) << "a model, but no robot";
   EXPECT_EQ(FindRobot(world, ""), std::nullopt);
+}
+
+TEST(RobotsByName, FindsThoseThatExist) {
+  test::TestWorld test;
+  std::vector<RobotId> robots;
+  for (int i = 0; i < 12; ++i) robots.push_back(test.AddRobot(test::Square(0.4), {0.0, 0.5}, {1.0 * i, 0.0, 0.0, 0.0}));
+  test.world.models[test.world.robot(robots[3]).root.index()].removed = true;
+  const RobotsByName by_name(test.world);
+  for (const RobotId id : robots) {
+    const std::string& name = test.world.robot(id).name;
+    EXPECT_EQ(by_name.Find(name), FindRobot(test.world, name)) << name;
+    EXPECT_EQ(by_name.Find(name).has_value(), id != robots[3]) << name;
+  }
+  EXPECT_EQ(by_name.Find("m"), std::nullopt);
+  EXPECT_EQ(by_name.Find(""), std::nullopt);
 }
 
 TEST(WorldHash, ChangesWithEveryField) {

@@ -184,6 +184,21 @@ TEST(Scenario, OverridesChangeModelsByNameAndType) {
   }
 }
 
+// Robots of one macro share its nodes until one is changed.
+TEST(Scenario, AnOverrideBelowOneRobotLeavesTheOthersAlone) {
+  const LoadedWorld loaded = MustLoad(R"({
+    "include": ["../include/robots.inc"],
+    "robots": [{"name": "a", "model": "scout", "pose": [0, 0, 0]}, {"name": "b", "model": "scout", "pose": [3, 0, 0]},
+               {"name": "c", "model": "scout", "pose": [6, 0, 0]}],
+    "override": [{"match": {"name": "b.ranger:0"}, "properties": {"color": "blue"}},
+                 {"match": {"name": "c"}, "properties": {"color": "green"}}]})");
+  const auto color = [&](const std::string& name) { return Model(loaded, name).color; };
+  EXPECT_NE(color("b.ranger:0"), color("a.ranger:0"));
+  EXPECT_EQ(color("c.ranger:0"), color("a.ranger:0"));
+  EXPECT_EQ(color("b"), color("a"));
+  EXPECT_NE(color("c"), color("a"));
+}
+
 TEST(Scenario, ItsWorldMayBeARosMap) {
   const std::string path = testing::TempDir() + "scenario_test_map.yaml";
   std::ofstream(path) << "image: " << WorldsFolder() << "/bitmaps/office.png\nresolution: 0.05\norigin: [-12, -8, 0]\n"
