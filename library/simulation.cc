@@ -113,10 +113,14 @@ Result<Simulation> Simulation::Make(WorldDescription world, const SimulationOpti
       return {other, shared.data()};
     });
   }
+  return AtState(scene, std::make_shared<const WorldState>(InitialState(*scene)), {});
+}
+
+Result<Simulation> Simulation::AtState(const std::shared_ptr<const Scene>& scene,
+                                       std::shared_ptr<const WorldState> state, std::vector<Event> events) {
   Result<std::vector<std::unique_ptr<Robot>>> robots = CreateRobots(*scene);
   if (!robots.ok()) return robots.error();
-  Snapshot::Content start{
-      scene, std::make_shared<const WorldState>(InitialState(*scene)), {}, std::move(robots).value(), {}, {}};
+  Snapshot::Content start{scene, std::move(state), std::move(events), std::move(robots).value(), {}, {}};
   start.commands.resize(start.robots.size());
   return Simulation(std::make_unique<Impl>(std::move(start)));
 }
@@ -180,6 +184,10 @@ const WorldState& Simulation::state() const {
 
 std::shared_ptr<const WorldState> Simulation::shared_state() const {
   return impl_->now.state;
+}
+
+std::shared_ptr<const Scene> Simulation::scene() const {
+  return impl_->now.scene;
 }
 
 std::uint64_t Simulation::state_hash() const {

@@ -145,9 +145,17 @@ set(may_include_library
   include/troupe/simulation.h robot-agent/controller robot-agent/drive robot-agent/robot testing/expectations
   world-service/core)
 
+# For programs that link the library, too: recorded runs, and the page of a simulation, whose states travel as messages.
+set(may_include_include/troupe/recorded_simulation.h common/base include/troupe/simulation.h)
+set(may_include_include/troupe/simulation_page.h common/base include/troupe/simulation.h)
+set(may_include_library/runs
+  common/base common/model common/spatial include/troupe/recorded_simulation.h include/troupe/simulation.h
+  include/troupe/simulation_page.h recording transport/protocol transport/wire world-service/replay)
+
 # The package for Python, on the library and, for controllers, on what those may include.
 set(may_include_python/native common/base common/model include/troupe/controller.h include/troupe/sensor.h
-  include/troupe/simulation.h include/troupe/version.h testing/expectations)
+  include/troupe/recorded_simulation.h include/troupe/simulation.h include/troupe/simulation_page.h include/troupe/version.h
+  testing/expectations)
 
 # The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.
 set(may_include_viewer/foxglove
@@ -180,7 +188,7 @@ set(may_include_launcher/commands
   common/base command_line transport/dds/tools common/geometry common/model common/picture transport/protocol
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/models worldfile/scenario
-  worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library
+  worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
   testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base command_line launcher/commands)
 

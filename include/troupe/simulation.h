@@ -27,6 +27,7 @@
 
 namespace troupe {
 
+class Scene;
 class Simulation;
 struct TickView;  // testing/expectations/tick_view.h
 
@@ -147,9 +148,14 @@ class Simulation {
                   CameraImage image = CameraImage::kColors) const;
 
  private:
+  friend class RecordedSimulation;
+  friend class SimulationPage;
   struct Impl;
   explicit Simulation(std::unique_ptr<Impl> impl);
   static Result<Simulation> Make(WorldDescription world, const SimulationOptions& options);
+  static Result<Simulation> AtState(const std::shared_ptr<const Scene>& scene, std::shared_ptr<const WorldState> state,
+                                    std::vector<Event> events);
+  std::shared_ptr<const Scene> scene() const;
   void StepOnce();
 
   std::unique_ptr<Impl> impl_;  // null only after a move

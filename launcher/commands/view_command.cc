@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -21,6 +22,7 @@
 #include "common/base/print.h"
 #include "launcher/commands/commands.h"
 #include "launcher/commands/recorded_states.h"
+#include "launcher/commands/streamed_run.h"
 #include "launcher/process/process.h"
 #include "launcher/supervise/run_again.h"
 #include "recording/recording.h"
@@ -50,6 +52,7 @@ struct ViewOptions {
   std::vector<std::string> run_command;  // for the page
   bool runs_again = false;               // the launcher starts the run again when it is told to
   bool view_only = false;
+  bool states = false;  // of a simulation, from the standard input
 };
 
 Result<ParticipantKeys> KeysOf(const NetworkSettings& network) {
@@ -204,6 +207,15 @@ int ServeRecording(const ViewOptions& options, std::string token, SignalWatch& s
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, *states.value()), signals);
 }
 
+int ServeStates(const ViewOptions& options, SignalWatch& signals) {
+  const Result<std::unique_ptr<StreamedRun>> run = StreamedRun::Open(STDIN_FILENO);
+  if (!run.ok()) return Fail(run.error());
+  ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
+  gateway_options.session = "simulation";
+  gateway_options.view_only = true;
+  return ServeUntilStopped(ViewerGateway::Start(gateway_options, *run.value()), signals);
+}
+
 int ViewCommand(ViewOptions options) {
   SignalWatch signals;
   setpriority(PRIO_PROCESS, 0, kNiceness);
@@ -211,6 +223,7 @@ int ViewCommand(ViewOptions options) {
     Result<std::string> token = std::string();
     if (!options.token_file.empty()) token = ReadToken(options.token_file);
     if (!token.ok()) return Fail(token.error());
+    if (options.states) return ServeStates(options, signals);
     if (!options.file.empty()) return ServeRecording(options, std::move(token).value(), signals);
     if (const Status problem = SelectSession(options.network); !problem.ok()) return Fail(problem.error());
     return ServeRun(options, std::move(token).value(), signals);
@@ -271,6 +284,8 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
           "")
       ->group("");
   command->add_flag("--runs-again", options->runs_again, "")->group("");
+  // Of a library, which starts the program (include/troupe/simulation_page.h).
+  command->add_flag("--states", options->states, "")->group("");
   command->add_flag("--view-only", options->view_only, "Refuse requests that change the run");
   AddToolNetworkFlags(*command, options->network);
   command->final_callback([options, &exit_status] { exit_status = ViewCommand(*options); });

@@ -8,4 +8,5 @@ PYBIND11_MODULE(_troupe, module) {
   troupe::python::DefineSimulation(module);
   troupe::python::DefineVectorSimulation(module);
   troupe::python::DefineMonitors(module);
+  troupe::python::DefineRecording(module);
 }

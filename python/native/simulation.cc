@@ -156,8 +156,9 @@ py::object Picture(const WorldPointer& world, const PictureOptions& options, boo
 
 std::string Represent(const WorldPointer& world) {
   const World::Use use(*world);
-  return fmt::format("<troupe.Simulation '{}': {} robots, tick {}, hash {:016x}>", use->world().name,
-                     use->world().robots.size(), use->tick(), use->state_hash());
+  return fmt::format("<troupe.{} '{}': {} robots, tick {}, hash {:016x}>",
+                     dynamic_cast<const SteppedWorld*>(world.get()) == nullptr ? "State" : "Simulation",
+                     use->world().name, use->world().robots.size(), use->tick(), use->state_hash());
 }
 
 template <typename Rows, typename NameOf>
@@ -179,31 +180,14 @@ void DefineSimulation(py::module_& module) {
         return fmt::format("<troupe.Snapshot at tick {}>", snapshot->tick());
       });
 
-  py::class_<World, WorldPointer> simulation(module, "Simulation", R"(A world in this process.
-
-Robots decide and the step moves them by the code of a distributed run, so that after the same number of ticks the state
-hash is that of `troupe run` of the same file. One thread at a time may use a simulation; another one gets a
-RuntimeError. Several simulations are independent, and step at the same time in several threads.
+  py::class_<World, WorldPointer> state(
+      module, "State",
+      R"(A world at a tick: what can be read of it. A Simulation is one, and so is each state of a Recording.
 
 Arrays of the state are views without a copy of the state at the tick at which they were taken: they can only be read,
-and they stay as they are when the simulation steps on or ends. Numbers of robots, joints and objects are places in the
-tuples `robots`, `joints` and `objects`. Robots and sensors may be named by name or number.)");
-  simulation
-      .def(py::init([](const py::object& file, const py::object& seed, std::optional<std::string> controller,
-                       bool run_controllers) {
-             return World::Load(PathOf(file), OptionsOf(seed, std::move(controller), run_controllers));
-           }),
-           "file"_a, py::kw_only(), "seed"_a = py::none(), "controller"_a = py::none(), "run_controllers"_a = true,
-           R"(Loads a Stage world (.world), a scenario (.json) or a ROS map (.yaml).
-
-seed: of all random numbers, in place of the file's. controller: for robots to which the file gives none; by default they
-stand still. run_controllers=False: no robot has a controller, each stands still until it is driven.
-
-Raises InputError with file, line and column.)")
-      .def(
-          "step", [](const WorldPointer& world, std::int64_t ticks) { world->Step(ToTicks(ticks)); }, "ticks"_a = 1,
-          "Advances by `ticks` ticks of `interval` seconds. Other threads run meanwhile; Ctrl-C ends it between two "
-          "ticks.")
+and they stay as they are when the simulation steps on or ends. Numbers of robots, joints, grippers and objects are places in
+the tuples `robots`, `joints`, `grippers` and `objects`. Robots and sensors may be named by name or number.)");
+  state
       .def_property_readonly(
           "tick", [](const WorldPointer& world) { return World::Use(*world)->tick(); },
           "The number of the present tick.")
@@ -221,13 +205,6 @@ Raises InputError with file, line and column.)")
           "state_hash", [](const WorldPointer& world) { return World::Use(*world)->state_hash(); },
           "The hash of the whole state: equal states have equal hashes, on every machine.")
       .def_property_readonly(
-          "warnings",
-          [](const WorldPointer& world) {
-            const World::Use use(*world);
-            return NamesOf(use->warnings(), [](const Warning& warning) { return warning.ToString(); });
-          },
-          "What the author of the file should know: a tuple of texts.")
-      .def_property_readonly(
           "robots",
           [](const WorldPointer& world) {
             const World::Use use(*world);
@@ -243,6 +220,15 @@ Raises InputError with file, line and column.)")
             });
           },
           "The names of the joints, a tuple.")
+      .def_property_readonly(
+          "grippers",
+          [](const WorldPointer& world) {
+            const World::Use use(*world);
+            return NamesOf(use->world().grippers, [&](const GripperDescription& gripper) {
+              return use->world().robot(gripper.robot).name + "." + gripper.name;
+            });
+          },
+          "The names of the grippers, a tuple.")
       .def_property_readonly(
           "objects",
           [](const WorldPointer& world) {
@@ -290,26 +276,15 @@ different numbers of rays.)")
             return held;
           },
           "robot"_a, "The name of the object that each gripper of the robot holds, or None.")
-      .def("drive", Drive, "motion"_a, "robot"_a = py::none(),
-           R"(Drives robots in place of their controllers, until `release`.
-
-motion: for one robot (vx, wz), (vx, vy, wz) or a Command; for all an array (robots, 3) of vx, vy (m/s), wz (rad/s) in R,
-or (robots, 2) of vx, wz. The drive bounds it. A car follows the twist as far as it can. Commands to grippers and joints are executed once.)")
-      .def("release", Release, "robot"_a = py::none(), "Returns a robot, or all, to its controller.")
-      .def(
-          "save", [](const WorldPointer& world) { return ValueOf(World::Use(*world)->Save()); },
-          "A Snapshot of the whole simulation. Raises RunError if a controller cannot be copied.")
-      .def(
-          "restore", [](const WorldPointer& world, const SnapshotPointer& snapshot) { world->Restore(*snapshot); },
-          py::arg("snapshot").none(false),
-          "Continues from a snapshot, of this or of another simulation: the same steps give the same hashes.")
       .def(
           "copy",
           [](const WorldPointer& world) {
             const World::Use use(*world);
-            return std::make_shared<World>(ValueOf(Simulation::Continue(ValueOf(use->Save()))));
+            return std::make_shared<SteppedWorld>(ValueOf(Simulation::Continue(ValueOf(use->Save()))));
           },
-          "A further simulation that continues from here; constant parts of the world are shared.")
+          "A Simulation that continues from here; constant parts of the world are shared. That of a recorded state has "
+          "no "
+          "controllers.")
       .def_property_readonly(
           "events",
           [](const WorldPointer& world) {
@@ -317,16 +292,6 @@ or (robots, 2) of vx, wz. The drive bounds it. A car follows the twist as far as
             return ToList(use->world(), world->events);
           },
           "The events of the last call of `step`, a list of Event.")
-      .def_property_readonly(
-          "reports",
-          [](const WorldPointer& world) {
-            const World::Use use(*world);
-            return world->reports;
-          },
-          "What controllers reported in the last call of `step`, a list of lines.")
-      .def_property_readonly(
-          "failures", [](const WorldPointer& world) { return World::Use(*world)->failures(); },
-          "A line for each controller that has failed; its robot stands still from then on.")
       .def(
           "picture",
           [](const WorldPointer& world, const std::string& view, bool rays, std::optional<int> width,
@@ -343,6 +308,75 @@ world, a place (x, y) in m and a length along x. format: "png" or "svg".)")
       .def("__repr__", Represent)
       .def("__copy__", [](const py::object& self) { return self.attr("copy")(); })
       .def("__deepcopy__", [](const py::object& self, const py::object&) { return self.attr("copy")(); });
+
+  py::class_<SteppedWorld, World, std::shared_ptr<SteppedWorld>> simulation(module, "Simulation",
+                                                                            R"(A world in this process.
+
+Robots decide and the step moves them by the code of a distributed run, so that after the same number of ticks the state
+hash is that of `troupe run` of the same file. One thread at a time may use a simulation; another one gets a
+RuntimeError. Several simulations are independent, and step at the same time in several threads.)");
+  simulation
+      .def(py::init([](const py::object& file, const py::object& seed, std::optional<std::string> controller,
+                       bool run_controllers) {
+             return World::Load(PathOf(file), OptionsOf(seed, std::move(controller), run_controllers));
+           }),
+           "file"_a, py::kw_only(), "seed"_a = py::none(), "controller"_a = py::none(), "run_controllers"_a = true,
+           R"(Loads a Stage world (.world), a scenario (.json) or a ROS map (.yaml).
+
+seed: of all random numbers, in place of the file's. controller: for robots to which the file gives none; by default they
+stand still. run_controllers=False: no robot has a controller, each stands still until it is driven.
+
+Raises InputError with file, line and column.)")
+      .def(
+          "step", [](const WorldPointer& world, std::int64_t ticks) { world->Step(ToTicks(ticks)); }, "ticks"_a = 1,
+          "Advances by `ticks` ticks of `interval` seconds. Other threads run meanwhile; Ctrl-C ends it between two "
+          "ticks.")
+      .def_property_readonly(
+          "warnings",
+          [](const WorldPointer& world) {
+            const World::Use use(*world);
+            return NamesOf(use->warnings(), [](const Warning& warning) { return warning.ToString(); });
+          },
+          "What the author of the file should know: a tuple of texts.")
+      .def("drive", Drive, "motion"_a, "robot"_a = py::none(),
+           R"(Drives robots in place of their controllers, until `release`.
+
+motion: for one robot (vx, wz), (vx, vy, wz) or a Command; for all an array (robots, 3) of vx, vy (m/s), wz (rad/s) in R,
+or (robots, 2) of vx, wz. The drive bounds it. A car follows the twist as far as it can. Commands to grippers and joints are executed once.)")
+      .def("release", Release, "robot"_a = py::none(), "Returns a robot, or all, to its controller.")
+      .def(
+          "save", [](const WorldPointer& world) { return ValueOf(World::Use(*world)->Save()); },
+          "A Snapshot of the whole simulation. Raises RunError if a controller cannot be copied.")
+      .def(
+          "restore", [](const WorldPointer& world, const SnapshotPointer& snapshot) { world->Restore(*snapshot); },
+          py::arg("snapshot").none(false),
+          "Continues from a snapshot, of this or of another simulation: the same steps give the same hashes.")
+      .def_property_readonly(
+          "reports",
+          [](const WorldPointer& world) {
+            const World::Use use(*world);
+            return world->reports;
+          },
+          "What controllers reported in the last call of `step`, a list of lines.")
+      .def_property_readonly(
+          "failures", [](const WorldPointer& world) { return World::Use(*world)->failures(); },
+          "A line for each controller that has failed; its robot stands still from then on.")
+      .def(
+          "view",
+          [](const WorldPointer& world, const std::string& address, std::uint16_t port, const py::object& program) {
+            SimulationPageOptions options{.address = address, .port = port};
+            if (!program.is_none()) options.program = PathOf(program);
+            return world->OpenPage(options);
+          },
+          py::kw_only(), "address"_a = "127.0.0.1", "port"_a = 0, "program"_a = py::none(),
+          R"(Opens the page of `troupe view` on this simulation, and returns its address, for a browser.
+
+The page follows the steps, at most 60 times a second, until `close_view` or the end of the simulation. Called again, it
+returns the same address. port: 0 is any. program: the program troupe of the same version; by default that of the package.
+Raises RunError if there is none, InputError for an address that is none.)")
+      .def(
+          "close_view", [](const WorldPointer& world) { world->ClosePage(); },
+          "Closes the page; it shows that the run is over.");
 }
 
 }  // namespace troupe::python

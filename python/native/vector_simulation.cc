@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,9 +63,10 @@ class Worlds {
     });
   }
 
-  // (worlds, robots, 2 or 3)
-  void Drive(const py::object& motion) {
+  // (worlds, robots, 2 or 3), and of grippers (worlds, grippers, 2)
+  void Drive(const py::object& motion, const py::object& grippers) {
     const Uses uses(worlds_);
+    if (!grippers.is_none()) CommandGrippers(grippers);
     const auto twists = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(motion);
     if (!twists) PyErr_Clear();
     if (!twists || twists.ndim() != 3 || twists.shape(0) != static_cast<py::ssize_t>(size()) ||
@@ -80,6 +82,19 @@ class Worlds {
         RaiseIfBad(world->simulation().DriveBy(RobotId(i), {row[0], columns == 3 ? row[1] : 0.0, row[columns - 1]}));
       }
     }
+  }
+
+  // Writes the number of the object that each gripper holds, or -1.
+  py::array Held(const py::object& out) {
+    return FillRows<&WorldState::grippers>(out, 0, "out", [](World& world, auto* next) {
+      using Number = std::remove_pointer_t<decltype(next)>;
+      const WorldState& state = world.simulation().state();
+      for (std::size_t i = 0; i < state.grippers.size(); ++i) {
+        const std::optional<ObjectId> object = state.grippers[i].clamped;
+        const bool holds = object && state.objects[object->index()].holder == GripperId(i);
+        *next++ = holds ? static_cast<Number>(object->index()) : Number{-1};
+      }
+    });
   }
 
   // Restores the starts of the chosen worlds, or the snapshots given for them.
@@ -159,6 +174,39 @@ class Worlds {
   }
 
  private:
+  // Opening and lift of each gripper of each world, percent; not a number: it keeps its last command.
+  void CommandGrippers(const py::object& percents) {
+    const auto rows = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(percents);
+    if (!rows) PyErr_Clear();
+    const std::size_t count = worlds_[0]->simulation().world().grippers.size();
+    if (!rows || rows.ndim() != 3 || rows.shape(0) != static_cast<py::ssize_t>(size()) ||
+        rows.shape(1) != static_cast<py::ssize_t>(count) || rows.shape(2) != 2) {
+      throw py::value_error(
+          fmt::format("grippers: expected an array ({}, {}, 2) of opening and lift, percent", size(), count));
+    }
+    const double* row = rows.data();
+    for (const std::shared_ptr<World>& world : worlds_) {
+      Simulation& simulation = world->simulation();
+      const std::vector<GripperDescription>& grippers = simulation.world().grippers;
+      if (grippers.size() != count) {
+        throw py::value_error(fmt::format("a world has {} grippers, expected {}", grippers.size(), count));
+      }
+      std::vector<Command> commands(simulation.world().robots.size());
+      std::vector<std::size_t> counts(commands.size());  // the grippers of a robot are in the order of the world's
+      for (const GripperDescription& gripper : grippers) {
+        const std::size_t robot = gripper.robot.index();
+        GripperCommand command{.gripper = counts[robot]++};
+        if (!std::isnan(row[0])) command.opening = row[0];
+        if (!std::isnan(row[1])) command.lift = row[1];
+        if (command.opening || command.lift) commands[robot].grippers.push_back(command);
+        row += 2;
+      }
+      for (std::size_t i = 0; i < commands.size(); ++i) {
+        if (!commands[i].grippers.empty()) RaiseIfBad(simulation.Drive(RobotId(i), std::move(commands[i])));
+      }
+    }
+  }
+
   std::vector<std::size_t> Choose(const py::object& which) const {
     std::vector<std::size_t> chosen;
     if (which.is_none()) {
@@ -297,7 +345,7 @@ WorldsPointer Load(const py::object& file, std::int64_t count, const py::object&
     if (same != worlds.end()) {
       const Snapshot start = starts[static_cast<std::size_t>(same - worlds.begin())];
       starts.push_back(start);
-      worlds.push_back(std::make_shared<World>(ValueOf(Simulation::Continue(start))));
+      worlds.push_back(std::make_shared<SteppedWorld>(ValueOf(Simulation::Continue(start))));
       continue;
     }
     options.seed = seed;
@@ -339,9 +387,13 @@ seeds: one for each; by default the file's, and the numbers after it. threads: 0
             worlds->Step(static_cast<Tick>(ticks));
           },
           "ticks"_a = 1, "Advances all worlds. After a KeyboardInterrupt they may be at different ticks.")
-      .def("drive", Held(&Worlds::Drive), "motion"_a,
-           "Drives all robots: an array (worlds, robots, 3) of vx, vy (m/s), wz (rad/s), or (worlds, robots, 2) of vx, "
-           "wz.")
+      .def(
+          "drive", Held(&Worlds::Drive), "motion"_a, "grippers"_a = py::none(),
+          R"(Drives all robots: an array (worlds, robots, 3) of vx, vy (m/s), wz (rad/s), or (worlds, robots, 2) of vx, wz.
+
+grippers: (worlds, grippers, 2): opening, 0 to 100 percent, where 0 closes, and lift, percent; nan: as commanded last.)")
+      .def("held", Held(&Worlds::Held), "out"_a = py::none(),
+           "(worlds, grippers): the number of the object that each gripper holds, -1: none.")
       .def("reset", Held(&Worlds::Reset), "which"_a = py::none(), "snapshots"_a = py::none(),
            R"(Sets worlds back to their start, or to a snapshot.
 

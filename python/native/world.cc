@@ -71,17 +71,23 @@ void RunInterruptibly(bool calls_python, const std::function<void(const std::ato
   if (interrupt) std::rethrow_exception(interrupt);
 }
 
-std::shared_ptr<World> World::Load(const std::string& file, const SimulationOptions& options) {
+std::shared_ptr<SteppedWorld> World::Load(const std::string& file, const SimulationOptions& options) {
   std::optional<Result<Simulation>> loaded;
   {
     const py::gil_scoped_release release;
     loaded.emplace(Simulation::Load(file, options));
   }
-  return std::make_shared<World>(ValueOf(*std::move(loaded)));
+  return std::make_shared<SteppedWorld>(ValueOf(*std::move(loaded)));
 }
 
 World::World(Simulation simulation) : simulation_(std::move(simulation)) {
   Prepare();
+}
+
+World::~World() {
+  if (!page_ || PyGILState_Check() == 0) return;
+  const py::gil_scoped_release release;  // browsers are shown the end
+  page_.reset();
 }
 
 void World::Prepare() {
@@ -176,6 +182,7 @@ void World::StepOnce() {
   simulation_.Step();
   events.insert(events.end(), simulation_.events().begin(), simulation_.events().end());
   reports.insert(reports.end(), simulation_.reports().begin(), simulation_.reports().end());
+  if (page_) page_->Show(simulation_);
 }
 
 void World::Step(Tick ticks, const std::function<bool(const Simulation&)>& goes_on) {
@@ -203,6 +210,26 @@ void World::Restore(const Snapshot& snapshot) {
   events = simulation_.events();
   reports.clear();
   Prepare();
+  if (page_) page_->Show(simulation_);
+}
+
+std::string World::OpenPage(const SimulationPageOptions& options) {
+  const Use use(*this);
+  if (page_ && page_->is_open()) return page_->address();
+  std::optional<Result<SimulationPage>> page;
+  {
+    const py::gil_scoped_release release;
+    page_.reset();
+    page.emplace(SimulationPage::Open(simulation_, options));
+  }
+  page_.emplace(ValueOf(*std::move(page)));
+  return page_->address();
+}
+
+void World::ClosePage() {
+  const Use use(*this);
+  const py::gil_scoped_release release;
+  page_.reset();
 }
 
 }  // namespace troupe::python

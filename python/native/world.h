@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "troupe/simulation.h"
+#include "troupe/simulation_page.h"
 
 namespace troupe::python {
 
@@ -38,10 +39,16 @@ void RunInterruptibly(bool calls_python, const std::function<void(const std::ato
 
 using SnapshotPointer = std::shared_ptr<Snapshot>;
 
+class SteppedWorld;
+
+// A simulation at a tick: a troupe.State, which can be read.
 class World {
  public:
-  static std::shared_ptr<World> Load(const std::string& file, const SimulationOptions& options);
+  static std::shared_ptr<SteppedWorld> Load(const std::string& file, const SimulationOptions& options);
   explicit World(Simulation simulation);
+  virtual ~World();  // Python knows the class of an instance by it
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
 
   // The simulation, for one call: another thread that uses it is an error.
   class Use {
@@ -68,6 +75,9 @@ class World {
   // Steps once, and collects events and reports. Without the interpreter's lock.
   void StepOnce();
   void Restore(const Snapshot& snapshot);
+  // Opens the page, if it is not open, and returns its address.
+  std::string OpenPage(const SimulationPageOptions& options);
+  void ClosePage();
   // Of the last call of Step.
   std::vector<Event> events;
   std::vector<std::string> reports;
@@ -103,10 +113,18 @@ class World {
   std::vector<std::size_t> sensor_counts_;                         // by robot
   std::map<std::string, std::vector<std::size_t>> named_sensors_;  // of FindSensors, by name: it is slow
   bool calls_python_ = false;                                      // a robot's controller does
+  std::optional<SimulationPage> page_;
+};
+
+// A troupe.Simulation, which can be stepped.
+class SteppedWorld final : public World {
+ public:
+  using World::World;
 };
 
 void DefineSimulation(py::module_& module);
 void DefineVectorSimulation(py::module_& module);
 void DefineMonitors(py::module_& module);
+void DefineRecording(py::module_& module);
 
 }  // namespace troupe::python

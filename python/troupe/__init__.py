@@ -6,7 +6,7 @@
     sim.poses          # (robots, 4): x, y, z (m), heading (rad)
 
 `Simulation` runs a world in this process, with the state hashes of `troupe run`; `VectorSimulation` runs many copies of
-one on all cores; `Controller` decides for one robot, wherever a controller is named. Units are metres, seconds and
+one on all cores; `Recording` has the states of a recorded run; `Controller` decides for one robot, wherever a controller is named. Units are metres, seconds and
 radians; x points forward, y to the left, z up. docs/python.md is a tour.
 """
 
@@ -15,13 +15,15 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from ._troupe import Simulation, Snapshot, VectorSimulation
+    from ._troupe import Simulation, Snapshot, State, VectorSimulation
     from .controller import Controller
     from .errors import Error, InputError, RunError
     from .picture import Picture
+    from .recording import Recording
     from .records import *  # noqa: F403
 
-_MODULES = {"Simulation": "_troupe", "VectorSimulation": "_troupe", "Snapshot": "_troupe", "Controller": "controller",
+_MODULES = {"Simulation": "_troupe", "VectorSimulation": "_troupe", "Snapshot": "_troupe", "State": "_troupe",
+            "Recording": "recording", "Controller": "controller",
             "Error": "errors", "InputError": "errors", "RunError": "errors", "Picture": "picture"}
 
 
@@ -30,7 +32,7 @@ def __getattr__(name: str):
     import importlib
     if name.startswith("__"):
         raise AttributeError(name)
-    if name in ("records", "controller", "errors", "picture", "rl", "testing", "_troupe"):
+    if name in ("records", "controller", "errors", "picture", "recording", "rl", "testing", "_troupe"):
         return importlib.import_module(f"{__name__}.{name}")
     value = getattr(importlib.import_module(f"{__name__}.{_MODULES.get(name, 'records')}"), name, None)
     if value is None:

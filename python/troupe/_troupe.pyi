@@ -21,19 +21,12 @@ class Snapshot:
     @property
     def tick(self) -> int: ...
 
-class Simulation:
-    """A world in this process. One thread at a time may use it; another one gets a RuntimeError.
+class State:
+    """A world at a tick: what can be read of it. A Simulation is one, and so is each state of a Recording.
 
     Arrays of the state are views of the state at the tick at which they were taken: they can only be read, and stay as
     they are when the simulation steps on or ends.
     """
-
-    def __init__(self, file: _File, *, seed: Optional[int] = None, controller: Optional[str] = None,
-                 run_controllers: bool = True) -> None:
-        """Loads a .world, a scenario (.json) or a ROS map (.yaml). Raises InputError with file, line and column."""
-
-    def step(self, ticks: int = 1) -> None:
-        """Advances. Other threads run meanwhile; Ctrl-C ends it between two ticks."""
 
     @property
     def tick(self) -> int: ...
@@ -51,11 +44,11 @@ class Simulation:
     def state_hash(self) -> int:
         """Equal states have equal hashes, on every machine."""
     @property
-    def warnings(self) -> Tuple[str, ...]: ...
-    @property
     def robots(self) -> Tuple[str, ...]: ...
     @property
     def joints(self) -> Tuple[str, ...]: ...
+    @property
+    def grippers(self) -> Tuple[str, ...]: ...
     @property
     def objects(self) -> Tuple[str, ...]: ...
     def robot(self, robot: _Robot) -> RobotInfo: ...
@@ -83,6 +76,28 @@ class Simulation:
         """(robots, rays), m. ValueError if the numbers of rays differ."""
     def held(self, robot: _Robot) -> List[Optional[str]]:
         """The object that each gripper holds."""
+    def copy(self) -> "Simulation":
+        """A Simulation from here; constant parts are shared. That of a recorded state has no controllers."""
+    @property
+    def events(self) -> List[Event]:
+        """Of the last call of step; of a recorded state: of its tick."""
+    def picture(self, *, view: str = "top", rays: bool = False, width: Optional[int] = None,
+                center: Optional[Tuple[float, float]] = None, meters: Optional[float] = None,
+                format: str = "png") -> Picture:
+        """InputError for options out of bounds."""
+    def _repr_png_(self) -> bytes: ...
+
+class Simulation(State):
+    """A world in this process. One thread at a time may use it; another one gets a RuntimeError."""
+
+    def __init__(self, file: _File, *, seed: Optional[int] = None, controller: Optional[str] = None,
+                 run_controllers: bool = True) -> None:
+        """Loads a .world, a scenario (.json) or a ROS map (.yaml). Raises InputError with file, line and column."""
+
+    def step(self, ticks: int = 1) -> None:
+        """Advances. Other threads run meanwhile; Ctrl-C ends it between two ticks."""
+    @property
+    def warnings(self) -> Tuple[str, ...]: ...
     def drive(self, motion: Union[ArrayLike, Command], robot: Optional[_Robot] = None) -> None:
         """One robot by (vx, wz), (vx, vy, wz) or a Command; all by an array (robots, 2 or 3). Until `release`."""
     def release(self, robot: Optional[_Robot] = None) -> None:
@@ -91,22 +106,31 @@ class Simulation:
         """RunError if a controller cannot be copied."""
     def restore(self, snapshot: Snapshot) -> None:
         """The same steps from it give the same hashes."""
-    def copy(self) -> "Simulation":
-        """A further simulation from here; constant parts are shared."""
-    @property
-    def events(self) -> List[Event]:
-        """Of the last call of step."""
     @property
     def reports(self) -> List[str]:
         """Of the last call of step."""
     @property
     def failures(self) -> List[str]:
         """A line for each controller that has failed."""
-    def picture(self, *, view: str = "top", rays: bool = False, width: Optional[int] = None,
-                center: Optional[Tuple[float, float]] = None, meters: Optional[float] = None,
-                format: str = "png") -> Picture:
-        """InputError for options out of bounds."""
-    def _repr_png_(self) -> bytes: ...
+    def view(self, *, address: str = "127.0.0.1", port: int = 0, program: Optional[_File] = None) -> str:
+        """Opens the page on this simulation, and returns its address. RunError without the program troupe."""
+    def close_view(self) -> None:
+        """The page shows that the run is over."""
+
+class RecordedStates:
+    """The native part of troupe.Recording."""
+
+    def __init__(self, file: _File) -> None: ...
+    def __len__(self) -> int: ...
+    def at(self, position: int) -> State: ...
+    @property
+    def ticks(self) -> NDArray[numpy.int64]: ...
+    @property
+    def damage(self) -> Optional[str]: ...
+    @property
+    def program_version(self) -> str: ...
+    @property
+    def world_file(self) -> str: ...
 
 class VectorSimulation:
     """Many copies of one world, each with a seed of its own, stepped together by all cores."""
@@ -124,8 +148,13 @@ class VectorSimulation:
     @property
     def threads(self) -> int: ...
     def step(self, ticks: int = 1) -> None: ...
-    def drive(self, motion: ArrayLike) -> None:
-        """(worlds, robots, 3) of vx, vy (m/s), wz (rad/s), or (worlds, robots, 2) of vx, wz."""
+    def drive(self, motion: ArrayLike, grippers: Optional[ArrayLike] = None) -> None:
+        """(worlds, robots, 3) of vx, vy (m/s), wz (rad/s), or (worlds, robots, 2) of vx, wz.
+
+        grippers: (worlds, grippers, 2) of opening (0 closes) and lift, percent; nan: as commanded last.
+        """
+    def held(self, out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """(worlds, grippers): the number of the object that each holds, or -1."""
     def reset(self, which: Optional[ArrayLike] = None,
               snapshots: Union[None, Snapshot, Sequence[Snapshot]] = None) -> None:
         """which: a mask (worlds,) or numbers; None: all. To their start, or to the snapshots."""
@@ -154,9 +183,9 @@ _Regions = Optional[Mapping[str, Sequence[Tuple[float, float]]]]
 class Monitor:
     """Judges an expectation, tick by tick: docs/testing.md."""
 
-    def __init__(self, simulation: Simulation, text: str, regions: _Regions = None) -> None:
+    def __init__(self, simulation: State, text: str, regions: _Regions = None) -> None:
         """InputError with the column in `text`."""
-    def push(self, simulation: Simulation) -> None:
+    def push(self, simulation: State) -> None:
         """Adds the present tick; the same tick twice counts once."""
     def finish(self) -> None:
         """The run has ended: decides what has been open."""
@@ -182,8 +211,8 @@ class Monitor:
 class Metric:
     """A number of a run: docs/testing.md."""
 
-    def __init__(self, simulation: Simulation, text: str, regions: _Regions = None) -> None: ...
-    def push(self, simulation: Simulation) -> None: ...
+    def __init__(self, simulation: State, text: str, regions: _Regions = None) -> None: ...
+    def push(self, simulation: State) -> None: ...
     def finish(self) -> None: ...
     @property
     def text(self) -> str: ...

@@ -7,9 +7,10 @@ import numpy
 
 from troupe import rl
 
-TASKS = (rl.Navigation, rl.Coverage, rl.Flocking, rl.Foraging)
+TASKS = (rl.Navigation, rl.Coverage, rl.Flocking, rl.Foraging, rl.Carrying, rl.Stacking)
 # What the mean of rl.evaluate(task(), task.scripted, episodes=8, seed=0) exceeds; docs/python.md has the scores.
-REFERENCE = {rl.Navigation: 3.5, rl.Coverage: 17.0, rl.Flocking: 80.0, rl.Foraging: 4.0}
+REFERENCE = {rl.Navigation: 3.5, rl.Coverage: 17.0, rl.Flocking: 80.0, rl.Foraging: 4.0,
+             rl.Carrying: 9.0, rl.Stacking: 14.0}
 
 
 class Short(rl.Navigation):
@@ -26,7 +27,7 @@ class Parallel(unittest.TestCase):
             self.assertEqual(env.num_agents, env.max_num_agents)
             self.assertEqual(set(observations), set(env.agents))
             self.assertEqual(set(infos), set(env.agents))
-            self.assertIsNot(observations[env.agents[0]], observations[env.agents[1]])
+            self.assertEqual(len(set(map(id, observations.values()))), len(env.agents))
             for agent in env.agents:
                 self.assertIs(env.observation_space(agent), env.observation_space(agent))
                 self.assertIs(env.action_space(agent), env.action_space(agent))
@@ -146,8 +147,45 @@ class Vector(unittest.TestCase):
             self.assertGreater(scores.mean(), expected, kind)
             task = kind()
             task.max_steps = 50
-            idle = rl.evaluate(task, lambda seen: numpy.zeros((*seen.shape[:2], 2)), episodes=4, seed=0)
+            idle = rl.evaluate(task, lambda seen: numpy.zeros((*seen.shape[:2], 4 if task.gripper else 2)), episodes=4, seed=0)
             self.assertLessEqual(idle.mean(), 0.0, kind)
+
+    def test_grippers(self):
+        """Each number of an action moves its part, and what is carried and put down is what the scores say."""
+        env = rl.ParallelEnv(rl.Stacking())
+        sim = env.simulation
+        env.reset(seed=1)
+        name, = env.agents
+        self.assertEqual(env.action_space(name).shape, (4,))
+        lift, left = (sim.joints.index(f"{name}.{sim.robot(name).joints[number].name}")
+                      for number in (sim.robot(name).grippers[0].lift, sim.robot(name).grippers[0].left))
+
+        def act(count, *action):
+            for _ in range(count):
+                env.step({name: numpy.array(action)})
+            return sim.joint_positions[lift], sim.joint_positions[left]
+
+        start = act(1, 0, 0, 0, 0)
+        up = act(3, 0, 0, 0, 1)
+        self.assertAlmostEqual(up[0] - start[0], 3 * 0.2 * 0.4, 2)  # steps of 0.2 s at 0.4 m/s
+        self.assertEqual(up[1], start[1])
+        closed = act(3, 0, 0, -1, 0)
+        self.assertAlmostEqual(closed[0], up[0], 6)
+        self.assertNotEqual(closed[1], up[1])
+        half = act(2, 0, 0, 0, -0.5)
+        self.assertAlmostEqual(closed[0] - half[0], 2 * 0.5 * 0.2 * 0.4, 2)
+        self.assertAlmostEqual(act(5, 0, 0, 1, 0)[1], start[1], 6)
+
+        observations, _ = env.reset(seed=2)
+        total = 0.0
+        while env.agents:
+            observations, rewards, terminations, _, _ = env.step(
+                {name: env.task.scripted(observations[name][None, None])[0, 0]})
+            total += rewards[name]
+        self.assertTrue(terminations[name])
+        self.assertAlmostEqual(total, 3 * (1.0 + 4.0), 1)
+        numpy.testing.assert_allclose(sorted(sim.object_poses[:, 2]), [0.0, 0.2, 0.4], atol=1e-3)
+        self.assertLess(numpy.ptp(sim.object_poses[:, :2], axis=0).max(), 0.2)
 
     def test_seeds(self):
         env = rl.VectorEnv(rl.Navigation(), 3)

@@ -1,8 +1,11 @@
-"""Runs the code of docs/python.md, and the examples."""
+"""Runs the code of docs/python.md, and the examples. Without the program troupe, as after `pip install`, the code that needs it
+is left out."""
 import json
 import os
 import pathlib
 import re
+import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -13,8 +16,11 @@ from support import PROGRAMS, ROOT
 
 def blocks(text):
     """(language, file or "", code, line) of each block of code."""
-    for match in re.finditer(r"^```(python|json)(?: file=(\S+))?\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
-        yield match[1], match[2] or "", match[3], text.count("\n", 0, match.start()) + 1
+    program = shutil.which("troupe", path=f"{PROGRAMS}:{os.environ['PATH']}")
+    pattern = r"^```(python|json|sh)(?: file=(\S+)| needs=(troupe))?\n(.*?)^```"
+    for match in re.finditer(pattern, text, re.MULTILINE | re.DOTALL):
+        if program or not match[3]:
+            yield match[1], match[2] or "", match[4], text.count("\n", 0, match.start()) + 1
 
 
 class Tour(unittest.TestCase):
@@ -28,6 +34,10 @@ class Tour(unittest.TestCase):
             for language, file, text, line in found:
                 if file:
                     (pathlib.Path(folder) / file).write_text(text)
+                elif language == "sh":
+                    for command in filter(re.compile("troupe run ").match, text.splitlines() if PROGRAMS.exists() else []):
+                        subprocess.run([PROGRAMS / "troupe", *shlex.split(command)[1:]], cwd=folder, check=True,
+                                       stdout=subprocess.DEVNULL)
                 elif language == "python":
                     code += "\n" * (line - code.count("\n")) + text
             script = os.path.join(folder, "tour.py")
@@ -36,6 +46,8 @@ class Tour(unittest.TestCase):
             self.assertEqual(done.returncode, 0, f"lines are those of {page}\n{done.stdout}{done.stderr}")
             self.assertIn("<troupe.Simulation 'swarm': 100 robots, tick 100", done.stdout)
             self.assertIn("worlds/none.world", done.stdout)
+            self.assertEqual("http://127.0.0.1:" in done.stdout, any("needs=troupe" in line for line in page.read_text().splitlines())
+                             and PROGRAMS.exists())
             for picture in ("swarm.png", "swarm.svg"):
                 self.assertGreater(os.path.getsize(os.path.join(folder, picture)), 1000)
 

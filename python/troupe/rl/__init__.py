@@ -9,8 +9,9 @@ A task is a small class of functions on arrays over all worlds and robots: `Task
 """
 
 from .envs import Episodes, ParallelEnv, VectorEnv, evaluate
+from .grippers import Carrying, Manipulation, Stacking
 from .spaces import Box
 from .tasks import Coverage, Flocking, Foraging, Navigation, Situation, Task
 
-__all__ = ["Box", "Coverage", "Episodes", "Flocking", "Foraging", "Navigation", "ParallelEnv", "Situation", "Task", "VectorEnv",
-           "evaluate"]
+__all__ = ["Box", "Carrying", "Coverage", "Episodes", "Flocking", "Foraging", "Manipulation", "Navigation", "ParallelEnv",
+           "Situation", "Stacking", "Task", "VectorEnv", "evaluate"]

@@ -22,6 +22,23 @@ def _base(module: str, name: str) -> type:
         return object
 
 
+class _Travel:
+    """The positions of a joint of each robot's gripper, 0 at its minimum and 1 at its maximum."""
+
+    def __init__(self, sim: Simulation, part: str) -> None:
+        infos = [sim.robot(name) for name in sim.robots]
+        if len(sim.grippers) != len(infos) or any(not info.grippers for info in infos):
+            raise ValueError("found another number of grippers, expected one for each robot")
+        joints = [info.joints[getattr(info.grippers[0], part)] for info in infos]
+        self.columns = [sim.joints.index(f"{info.name}.{joint.name}") for info, joint in zip(infos, joints)]
+        self.low = numpy.array([joint.min for joint in joints])
+        self.range = numpy.array([joint.max - joint.min for joint in joints])
+        self.speed = numpy.array([joint.max_speed for joint in joints]) / self.range  # 1/s
+
+    def __call__(self, positions: numpy.ndarray) -> numpy.ndarray:
+        return (positions[:, self.columns] - self.low) / self.range
+
+
 class Episodes:
     """Copies of a task's world, and the episodes in them. Both environments are made of it.
 
@@ -48,7 +65,12 @@ class Episodes:
         self._twists = numpy.zeros((*shape, 3))
         self._stalls = numpy.zeros(shape)
         self._contacts = numpy.zeros(shape)
-        self._ranges = numpy.zeros((*shape, sim.ranges(task.sensor).shape[1]))
+        self._ranges = numpy.zeros((*shape, sim.ranges(task.sensor).shape[1] if task.sensor else 0))
+        self._objects = numpy.zeros((count, len(sim.objects), 4))
+        self._joints = numpy.zeros((count, len(sim.joints)))
+        self._held = numpy.full((count, len(sim.grippers)), -1.0)
+        if task.gripper:
+            self._lifts, self._fingers = (_Travel(sim, part) for part in ("lift", "left"))
         self._energy = numpy.zeros((count, len(sim.energy)))
         self._steps = numpy.zeros(count, int)
         self.seed(None)
@@ -67,6 +89,10 @@ class Episodes:
             raise ValueError(f"seed: found {len(seeds)} seeds, expected {len(self)}")
         self.generators = [numpy.random.default_rng(each) for each in seeds]
 
+    @property
+    def action_size(self) -> int:
+        return 4 if self.task.gripper else 2
+
     def begin(self, which: numpy.ndarray) -> None:
         """New episodes in the worlds of a mask."""
         numbers = numpy.nonzero(which)[0]
@@ -81,28 +107,45 @@ class Episodes:
 
     def step(self, actions: numpy.ndarray, frozen: Optional[numpy.ndarray] = None
              ) -> Tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-        """One step of all worlds by actions (worlds, robots, 2) in [-1, 1]; robots of the mask `frozen` stand.
+        """One step of all worlds by actions (worlds, robots, 2 or 4) in [-1, 1]; robots of the mask `frozen` stand.
 
         Returns rewards (worlds, robots), ended (worlds, robots) and truncated (worlds,).
         """
         actions = numpy.clip(numpy.nan_to_num(numpy.asarray(actions, float)), -1.0, 1.0)
         if frozen is not None:
             actions = numpy.where(frozen[..., None], 0.0, actions)
-        self.worlds.drive(actions * [self.task.speed, self.task.turn_rate])
+        self.worlds.drive(actions[..., :2] * [self.task.speed, self.task.turn_rate],
+                          self._percents(actions) if self.task.gripper else None)
         self.worlds.step(self.task.ticks_per_step)
         self._steps += 1
         seen = self._look()
         self._contacts[:] = numpy.where(self._stalls > 0, numpy.where(actions[..., 0] < 0, -1.0, 1.0), 0.85 * self._contacts)
         return self.task.reward(seen), self.task.ended(seen), self._steps >= self.task.max_steps
 
+    def _percents(self, actions: numpy.ndarray) -> numpy.ndarray:
+        """Of opening and lift of each gripper, (worlds, grippers, 2); nan: as before."""
+        fingers, lift = actions[..., 2], actions[..., 3]
+        # As far as the lift moves in a step at its speed.
+        way = 100.0 * self._interval * self.task.ticks_per_step * self._lifts.speed
+        return numpy.stack([numpy.where(fingers > 0.3, 100.0, numpy.where(fingers < -0.3, 0.0, numpy.nan)),
+                            numpy.where(lift == 0.0, numpy.nan,
+                                        numpy.clip(100.0 * self._lifts(self._joints) + way * lift, 0.0, 100.0))], axis=-1)
+
     def _look(self) -> Situation:
         self.worlds.poses(out=self._poses)
         self.worlds.twists(out=self._twists)
         self.worlds.stalls(out=self._stalls)
-        self.worlds.ranges(self.task.sensor, out=self._ranges)
         self.worlds.energy(out=self._energy)
+        self.worlds.object_poses(out=self._objects)
+        if self.task.sensor:
+            self.worlds.ranges(self.task.sensor, out=self._ranges)
+        lifts = openings = self._held
+        if self.task.gripper:
+            self.worlds.joint_positions(out=self._joints)
+            self.worlds.held(out=self._held)
+            lifts, openings = self._lifts(self._joints), 1.0 - self._fingers(self._joints)
         return Situation(self._poses, self._twists, self._stalls, self._contacts, self._ranges, self._energy, self._steps,
-                         self._interval * self.task.ticks_per_step)
+                         self._interval * self.task.ticks_per_step, self._objects, self._held, openings, lifts)
 
 
 class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
@@ -117,7 +160,8 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
         self.agents: List[str] = []
         size = self._episodes.observation_size
         self.observation_spaces = {name: Box(-numpy.inf, numpy.inf, (size,)) for name in self.possible_agents}
-        self.action_spaces = {name: Box(-1.0, 1.0, (2,)) for name in self.possible_agents}
+        actions = self._episodes.action_size
+        self.action_spaces = {name: Box(-1.0, 1.0, (actions,)) for name in self.possible_agents}
         self._seeded = False
 
     @property
@@ -146,7 +190,7 @@ class ParallelEnv(_base("pettingzoo", "ParallelEnv")):  # type: ignore[misc]
         return self._by_name(self._episodes.observe()[0]), {name: {} for name in self.agents}
 
     def step(self, actions: Dict[str, Any]) -> Tuple[dict, dict, dict, dict, dict]:
-        motion = numpy.zeros((1, len(self.possible_agents), 2))
+        motion = numpy.zeros((1, len(self.possible_agents), self._episodes.action_size))
         for i, name in enumerate(self.possible_agents):
             if name in self.agents and name in actions:
                 motion[0, i] = actions[name]
@@ -217,10 +261,11 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         self.metadata = {"autoreset_mode": _autoreset_value(autoreset), "render_modes": []}
         self._episodes = Episodes(task, num_envs, threads=threads)
         robots, size = len(self._episodes.robots), self._episodes.observation_size
+        actions = self._episodes.action_size
         self.single_observation_space = Box(-numpy.inf, numpy.inf, (robots, size))
-        self.single_action_space = Box(-1.0, 1.0, (robots, 2))
+        self.single_action_space = Box(-1.0, 1.0, (robots, actions))
         self.observation_space = Box(-numpy.inf, numpy.inf, (num_envs, robots, size))
-        self.action_space = Box(-1.0, 1.0, (num_envs, robots, 2))
+        self.action_space = Box(-1.0, 1.0, (num_envs, robots, actions))
         self._over = numpy.zeros(num_envs, bool)  # worlds whose episodes have ended
         self._done = numpy.zeros((num_envs, robots), bool)
 
@@ -284,7 +329,7 @@ def evaluate(task: Task, policy: Callable[[numpy.ndarray], numpy.ndarray], *, ep
              ) -> numpy.ndarray:
     """The score of a policy, the sum of each episode's rewards, mean over the robots: (episodes,).
 
-    policy: from observations (worlds, robots, numbers) to actions (worlds, robots, 2); `task.scripted` is the reference.
+    policy: from observations (worlds, robots, numbers) to actions (worlds, robots, 2 or 4); `task.scripted` is the reference.
     """
     env = VectorEnv(task, episodes, autoreset="disabled")
     observations, _ = env.reset(seed=seed)

@@ -1,13 +1,14 @@
 """Tasks: what robots are to do, as functions on arrays over all worlds and robots.
 
 Shapes begin with (worlds, robots). Units are m, rad, s. Actions are (forward, turn) in [-1, 1], of `Task.speed` and
-`Task.turn_rate`.
+`Task.turn_rate`; with `Task.gripper` also (fingers, lift): above 0.3 they open, below -0.3 they close, and the lift moves up
+or down at that share of its speed.
 """
 
 from __future__ import annotations
 
 import pathlib
-from typing import Any, Dict, List, NamedTuple
+from typing import Any, Dict, List, NamedTuple, Optional
 
 import numpy
 
@@ -34,6 +35,10 @@ class Situation(NamedTuple):
     energy: numpy.ndarray  # (worlds, stores): J, in the order of the file
     steps: numpy.ndarray  # (worlds,): steps of the episode
     interval: float  # s, of a step
+    objects: numpy.ndarray  # (worlds, objects, 4): x, y, z, heading of what grippers can hold
+    held: numpy.ndarray  # (worlds, grippers): the object that each holds, -1: none; this and the next two with `gripper`
+    openings: numpy.ndarray  # (worlds, grippers): of the fingers, 0 to 1
+    lifts: numpy.ndarray  # (worlds, grippers): 0 to 1
 
 
 class Task:
@@ -49,6 +54,8 @@ class Task:
     ticks_per_step = 2
     max_steps = 400  # then the episode is truncated
     extra = 0  # numbers of an observation after ranges and motion
+    gripper = False  # each robot has one, with a lift: actions have four numbers
+    sensor: Optional[str] = "ranger"  # whose ranges robots see; None: none
 
     def __init__(self, robots: int = 4) -> None:
         self.robots = robots
@@ -58,8 +65,6 @@ class Task:
         return {"name": self.name, "world": str(worlds_folder() / "office.world"), "seed": 1,
                 "spawn": [{"model": "scout", "count": self.robots, "region": [-11, -7, 11, 7], "spacing": 0.8,
                            "heading": "random", "name_prefix": "robot"}]}
-
-    sensor = "ranger"
 
     def begin(self, which: numpy.ndarray, starts: List[numpy.ndarray], generators: List[numpy.random.Generator],
               seen: Situation) -> None:

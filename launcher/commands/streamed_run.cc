@@ -1,0 +1,78 @@
+#include "launcher/commands/streamed_run.h"
+
+#include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "common/base/identity.h"
+#include "library/runs/state_stream.h"
+
+namespace troupe {
+
+class StreamedRun::Observation final : public RunObservation {
+ public:
+  explicit Observation(StreamedRun& run) : run_(run) {}
+  ~Observation() override {
+    const std::lock_guard lock(run_.mutex_);
+    run_.handler_ = nullptr;
+  }
+  Observation(const Observation&) = delete;
+  Observation& operator=(const Observation&) = delete;
+
+ private:
+  StreamedRun& run_;
+};
+
+Result<std::unique_ptr<StreamedRun>> StreamedRun::Open(int input) {
+  const std::string expected = VersionText();
+  const Result<std::optional<StreamedMessage>> first = ReceiveState(input);
+  const std::string* version = nullptr;
+  if (first.ok() && first.value()) version = std::get_if<std::string>(&*first.value());
+  if (version == nullptr) return Error{{}, "found no states on the standard input, expected those of a simulation"};
+  if (*version != expected) {
+    return Error{{}, "found the states of troupe " + *version + ", expected those of " + expected};
+  }
+  return std::unique_ptr<StreamedRun>(new StreamedRun(input));
+}
+
+StreamedRun::StreamedRun(int input) : input_(input), thread_([this] { Run(); }) {}
+
+StreamedRun::~StreamedRun() {
+  shutdown(input_, SHUT_RDWR);
+  thread_.join();
+}
+
+void StreamedRun::Run() {
+  for (;;) {
+    Result<std::optional<StreamedMessage>> message = ReceiveState(input_);
+    if (!message.ok() || !message.value()) break;
+    const std::lock_guard lock(mutex_);
+    if (auto* const session = std::get_if<SessionMessage>(&*message.value())) {
+      session_ = std::move(*session);
+      if (handler_ != nullptr) handler_->OnSession(*session_);
+    } else if (auto* const frame = std::get_if<FrameMessage>(&*message.value())) {
+      frame_ = std::make_shared<const FrameMessage>(std::move(*frame));
+      if (handler_ != nullptr) handler_->OnFrame(frame_);
+    }
+  }
+  kill(getpid(), SIGTERM);
+}
+
+Result<std::unique_ptr<RunObservation>> StreamedRun::Observe(ObserverHandler& handler) {
+  const std::lock_guard lock(mutex_);
+  handler_ = &handler;
+  if (session_) handler.OnSession(*session_);
+  if (frame_ != nullptr) handler.OnFrame(frame_);
+  return std::unique_ptr<RunObservation>(std::make_unique<Observation>(*this));
+}
+
+Result<ControlReply> StreamedRun::Ask(const ControlRequest& request) {
+  (void)request;
+  return Failure("this page shows a simulation within a program, which steps it; the page cannot change it");
+}
+
+}  // namespace troupe

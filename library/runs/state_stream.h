@@ -1,0 +1,24 @@
+// The states of a simulation on their way to the program that shows them: messages over a socket, each with its length.
+// First comes the version of the program, then sessions (a world) and frames (a state of it).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "transport/protocol/messages.h"
+#include "troupe/result.h"
+
+namespace troupe {
+
+// Writes a whole message to a socket. False: nobody reads any more.
+bool SendVersion(int socket, std::string_view version);
+bool SendState(int socket, const SessionMessage& session);
+bool SendState(int socket, const FrameMessage& frame);
+
+using StreamedMessage = std::variant<std::string, SessionMessage, FrameMessage>;  // the first: a version
+// Waits for the next message. Nothing: the end. Any bytes are safe; the error is one that is no message.
+Result<std::optional<StreamedMessage>> ReceiveState(int socket);
+
+}  // namespace troupe
