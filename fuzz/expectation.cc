@@ -1,4 +1,5 @@
-// Feeds any bytes to the language of expectations: as an expectation and as a metric of a small world.
+// Feeds any bytes to the language of expectations of a small world: as an expectation, or behind a space as a metric.
+// One reading an execution: what costs is the reading, and most texts are neither.
 #include "troupe/expectation.h"
 
 #include <span>
@@ -46,38 +47,51 @@ void CheckError(const Error& error, const std::string& text) {
   Check(error.where.column >= 1 && static_cast<std::size_t>(error.where.column) <= text.size() + 1);
 }
 
+// The world at rest, of which only the tick changes.
+class Ticks {
+ public:
+  Ticks() : scene_(SmallWorld()), state_(PlacedState(scene_.world())), bodies_(scene_) { bodies_.Assign(state_); }
+
+  const WorldDescription& world() const { return scene_.world(); }
+  template <typename AnyMonitor>
+  void PushTo(AnyMonitor& monitor) {
+    for (state_.tick = 0; state_.tick < 4; ++state_.tick) {
+      Check(monitor.Push(TickView{scene_, bodies_, state_, {}}).ok());
+    }
+    monitor.Finish();
+  }
+
+ private:
+  Scene scene_;
+  WorldState state_;
+  BodyIndex bodies_;
+};
+
 }  // namespace
 
 void Expectation(Bytes bytes) {
-  static const Scene scene(SmallWorld());
+  static Ticks ticks;
   static const NamedRegion door{"door", {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}}};
-  const ExpectationScope scope{scene.world(), std::span(&door, 1)};
+  static const ExpectationScope scope{ticks.world(), std::span(&door, 1)};
   const std::string text = TextOf(bytes);
-  WorldState state = PlacedState(scene.world());
-  BodyIndex bodies(scene);
-  bodies.Assign(state);
 
-  const Result<troupe::Expectation> expectation = troupe::Expectation::Parse(text, scope);
-  if (expectation.ok()) {
-    // What is printed is the same formula; it may be longer or deeper than what is accepted.
-    const std::string formula = expectation.value().formula();
-    const Result<Syntax> again = ParseFormula(formula);
-    Check(!again.ok() || ToString(again.value()) == formula);
-    Monitor monitor(expectation.value());
-    for (state.tick = 0; state.tick < 4; ++state.tick) Check(monitor.Push(TickView{scene, bodies, state, {}}).ok());
-    monitor.Finish();
-    Check(monitor.verdict() != Verdict::kUndecided);
-    const Interval bounds = monitor.robustness_bounds();
-    Check(bounds.min == bounds.max);
-  } else {
-    CheckError(expectation.error(), text);
+  if (text.starts_with(' ')) {
+    const Result<Metric> metric = Metric::Parse(text, scope);
+    if (!metric.ok()) return CheckError(metric.error(), text);
+    MetricMonitor monitor(metric.value());
+    return ticks.PushTo(monitor);
   }
-
-  const Result<Metric> metric = Metric::Parse(text, scope);
-  if (!metric.ok()) return CheckError(metric.error(), text);
-  MetricMonitor monitor(metric.value());
-  for (state.tick = 0; state.tick < 4; ++state.tick) Check(monitor.Push(TickView{scene, bodies, state, {}}).ok());
-  monitor.Finish();
+  const Result<troupe::Expectation> expectation = troupe::Expectation::Parse(text, scope);
+  if (!expectation.ok()) return CheckError(expectation.error(), text);
+  // What is printed is the same formula; it may be longer or deeper than what is accepted.
+  const std::string formula = expectation.value().formula();
+  const Result<Syntax> again = ParseFormula(formula);
+  Check(!again.ok() || ToString(again.value()) == formula);
+  Monitor monitor(expectation.value());
+  ticks.PushTo(monitor);
+  Check(monitor.verdict() != Verdict::kUndecided);
+  const Interval bounds = monitor.robustness_bounds();
+  Check(bounds.min == bounds.max);
 }
 
 }  // namespace troupe::fuzz

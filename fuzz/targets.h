@@ -18,7 +18,7 @@ void Image(Bytes bytes);      // an image, to the body of a model
 void MapYaml(Bytes bytes);    // a ROS map's YAML, and behind a zero byte its image
 void Recording(Bytes bytes);  // a recorded run: behind a zero byte a file, behind another one its messages
 
-// The language of expectations: a text, as an expectation and as a metric.
+// The language of expectations: a text, as an expectation, or behind a space as a metric.
 void Expectation(Bytes bytes);
 
 // Messages of the types in idl/, as CDR.

@@ -69,9 +69,9 @@ class RobotGroup {
 };
 
 constexpr std::int32_t kTransformDepth = 100;
-// In a domain with more robots, their nodes have no service for parameters but the one that lists them, because the
-// six are twelve endpoints each.
-constexpr std::size_t kMostRobotsWithParameters = 10;
+// In a domain with more robots, their nodes have no services for parameters and types: those are fourteen endpoints
+// each, which every tool discovers. One service alone is of no use: tools wait for all six of a node.
+constexpr std::size_t kMostRobotsWithParameters = 100;
 constexpr const char* kNodeName = "robot";
 
 // The topics tf and tf_static: of one robot, or of all robots of the group.
@@ -121,14 +121,12 @@ struct RobotGroup::Member {
         manipulator(node, scene, robot.id),
         radios(node, scene, robot.id) {
     if (options.names.namespaced_tf) transforms = std::make_unique<Transforms>(node, "");
-    const bool has_all = robot.in_ros.alone || scene.world().robots.size() <= kMostRobotsWithParameters;
-    parameters = std::make_unique<ros::ParameterServices>(
-        node, kNodeName,
-        ros::Parameters{{"use_sim_time", true},
-                        {"command_timeout", options.robots.command_timeout},
-                        {"robot", scene.world().robot(robot.id).name}},
-        has_all ? ros::ParameterServices::Which::kAll : ros::ParameterServices::Which::kList);
-    if (!has_all) return;
+    if (!robot.in_ros.alone && scene.world().robots.size() > kMostRobotsWithParameters) return;
+    parameters =
+        std::make_unique<ros::ParameterServices>(node, kNodeName,
+                                                 ros::Parameters{{"use_sim_time", true},
+                                                                 {"command_timeout", options.robots.command_timeout},
+                                                                 {"robot", scene.world().robot(robot.id).name}});
     type_descriptions = std::make_unique<ros::TypeDescriptionService>(node, kNodeName);
   }
 
@@ -138,8 +136,9 @@ struct RobotGroup::Member {
   ManipulatorPort manipulator;
   RadioPort radios;
   std::unique_ptr<Transforms> transforms;  // null where robots share them
+  // Null where there are many robots.
   std::unique_ptr<ros::ParameterServices> parameters;
-  std::unique_ptr<ros::TypeDescriptionService> type_descriptions;  // null where there are many robots
+  std::unique_ptr<ros::TypeDescriptionService> type_descriptions;
 };
 
 RobotGroup::RobotGroup(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotInGroup>& robots)

@@ -74,12 +74,14 @@ std::string ReasonOfRefusal(const std::string& type, const std::string& hash, bo
 
 }  // namespace
 
-// All but that of the list.
-struct ParameterServices::Values {
-  Values(const RosNode& node, const std::string& name, const Parameters& given)
-      : parameters(given),
+struct ParameterServices::Services {
+  Services(const RosNode& node, const std::string& name, Parameters given)
+      : parameters(std::move(given)),
         node_name((node.node_namespace == "/" ? "" : node.node_namespace) + "/" + name),
         events(node, "/parameter_events", Stream(kDepth)),
+        list(
+            node, name + "/list_parameters", [this](const RosCaller& caller, const auto&) { List(caller); },
+            Service(kDepth)),
         get(
             node, name + "/get_parameters",
             [this](const RosCaller& caller, const auto& request) { Get(caller, dds::Strings(request.names)); },
@@ -121,6 +123,14 @@ struct ParameterServices::Values {
   const ParameterValue* Find(const std::string& name) const {
     const auto found = parameters.find(name);
     return found == parameters.end() ? nullptr : &found->second;
+  }
+
+  void List(const RosCaller& caller) {
+    dds::WireArena arena;
+    rcl_interfaces_srv_dds__ListParameters_Response_ response{};
+    char** name = arena.Fill(response.result.names, parameters.size());
+    for (const auto& [key, value] : parameters) *name++ = arena.Copy(key);
+    list.Respond(caller, response);
   }
 
   void Get(const RosCaller& caller, const std::vector<std::string>& names) {
@@ -197,9 +207,10 @@ struct ParameterServices::Values {
     set_atomically.Respond(caller, response);
   }
 
-  const Parameters& parameters;
+  const Parameters parameters;
   const std::string node_name;
   RosWriter<rcl_interfaces_msg_dds__ParameterEvent_> events;
+  RosService<rcl_interfaces_srv_dds__ListParameters_Request_, rcl_interfaces_srv_dds__ListParameters_Response_> list;
   RosService<rcl_interfaces_srv_dds__GetParameters_Request_, rcl_interfaces_srv_dds__GetParameters_Response_> get;
   RosService<rcl_interfaces_srv_dds__GetParameterTypes_Request_, rcl_interfaces_srv_dds__GetParameterTypes_Response_>
       types;
@@ -211,30 +222,8 @@ struct ParameterServices::Values {
       set_atomically;
 };
 
-struct ParameterServices::Services {
-  Services(const RosNode& node, const std::string& name, Parameters given, Which which)
-      : parameters(std::move(given)),
-        list(
-            node, name + "/list_parameters", [this](const RosCaller& caller, const auto&) { List(caller); },
-            Service(kDepth)) {
-    if (which == Which::kAll) values = std::make_unique<Values>(node, name, parameters);
-  }
-
-  void List(const RosCaller& caller) {
-    dds::WireArena arena;
-    rcl_interfaces_srv_dds__ListParameters_Response_ response{};
-    char** name = arena.Fill(response.result.names, parameters.size());
-    for (const auto& [key, value] : parameters) *name++ = arena.Copy(key);
-    list.Respond(caller, response);
-  }
-
-  const Parameters parameters;
-  RosService<rcl_interfaces_srv_dds__ListParameters_Request_, rcl_interfaces_srv_dds__ListParameters_Response_> list;
-  std::unique_ptr<Values> values;  // may be null
-};
-
-ParameterServices::ParameterServices(const RosNode& node, const std::string& name, Parameters parameters, Which which)
-    : services_(std::make_unique<Services>(node, name, std::move(parameters), which)) {}
+ParameterServices::ParameterServices(const RosNode& node, const std::string& name, Parameters parameters)
+    : services_(std::make_unique<Services>(node, name, std::move(parameters))) {}
 
 ParameterServices::~ParameterServices() = default;
 

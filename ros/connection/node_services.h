@@ -19,15 +19,11 @@ using Parameters = std::map<std::string, ParameterValue>;  // by name
 
 class ParameterServices {
  public:
-  // The services: all, or the one that lists the parameters, for which `ros2 param list` waits at each node.
-  enum class Which : std::uint8_t { kAll, kList };
-
   // `name`: of the node in the service names, as in /anna/robot/list_parameters.
-  ParameterServices(const RosNode& node, const std::string& name, Parameters parameters, Which which = Which::kAll);
+  ParameterServices(const RosNode& node, const std::string& name, Parameters parameters);
   ~ParameterServices();
 
  private:
-  struct Values;
   struct Services;
   std::unique_ptr<Services> services_;
 };

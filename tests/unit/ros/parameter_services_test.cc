@@ -46,14 +46,6 @@ TEST_F(ParameterServicesTest, ListsAndGets) {
   });
 }
 
-TEST_F(ParameterServicesTest, OneOfManyRobotsListsOnly) {
-  const ParameterServices services(MakeNode(*server_, "/r1", "robot"), "robot", {{"who", "r1"}},
-                                   ParameterServices::Which::kList);
-  Client<rcl_interfaces_srv_dds__ListParameters_Request_, rcl_interfaces_srv_dds__ListParameters_Response_> list(
-      client_, "/r1/robot/list_parameters");
-  list.Call({}, [](const auto& response) { EXPECT_THAT(dds::Strings(response.result.names), ElementsAre("who")); });
-}
-
 TEST_F(ParameterServicesTest, DescribesAndListsTypes) {
   dds::WireArena arena;
   Client<rcl_interfaces_srv_dds__GetParameterTypes_Request_, rcl_interfaces_srv_dds__GetParameterTypes_Response_> types(
