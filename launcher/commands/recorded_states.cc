@@ -131,9 +131,13 @@ Status RecordedStates::Advance() {
 
 void RecordedStates::Keep() {
   if (kept_.contains(*position_)) return;
-  auto state = std::make_shared<const ViewedState>(ViewedState{*position_, WorldOf(world_->scene()),
-                                                               std::make_shared<const WorldState>(world_->state()),
-                                                               world_->state_hash(), places_[*position_].edition});
+  auto state = std::make_shared<ViewedState>(ViewedState{*position_,
+                                                         WorldOf(world_->scene()),
+                                                         std::make_shared<const WorldState>(world_->state()),
+                                                         world_->state_hash(),
+                                                         places_[*position_].edition,
+                                                         {}});
+  if (!tick_.events.empty()) state->events = std::make_shared<const std::vector<Event>>(tick_.events);
   kept_bytes_ += SizeOf(*state);
   kept_.emplace(*position_, std::move(state));
   // The farthest ones are dropped.
