@@ -7,9 +7,11 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "common/base/text.h"
 #include "common/model/proposal.h"
 #include "common/model/states.h"
 #include "common/spatial/body_index.h"
@@ -165,6 +167,15 @@ void Simulation::StepOnce() {
                         .robot = robot.id(),
                         .detail = status.error().message});
     }
+    const auto report = [&](const std::string& line) {  // that begins with "robot NAME: "
+      const std::size_t name = std::string_view("robot : ").size() + world().robot(robot.id()).name.size();
+      events.push_back({.tick = state.tick + 1,
+                        .type = EventType::kReported,
+                        .robot = robot.id(),
+                        .detail = PlainLine(std::string_view(line).substr(name))});
+    };
+    if (worked && !robot.failure().empty()) report(robot.failure());
+    if (!robot.report().empty()) report(robot.report());
   }
   StepResult next = troupe::Step(*now.scene, state, impl_->proposals, impl_->bodies);
   now.state = std::make_shared<const WorldState>(std::move(next.state));

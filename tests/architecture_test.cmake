@@ -161,8 +161,8 @@ set(may_include_python/native common/base common/model include/troupe/controller
 set(may_include_viewer/foxglove
   common/base common/geometry common/model common/spatial include/troupe/sensor.h)
 set(may_include_viewer/gateway
-  common/base common/geometry common/model common/picture transport/protocol common/sensing common/spatial viewer/foxglove
-  worldfile/edit worldfile/text)
+  common/base common/geometry common/model common/picture transport/protocol common/sensing common/spatial
+  testing/expectations viewer/foxglove worldfile/edit worldfile/text)
 
 # The editor shows a file as if it were a paused run, and tests it by the library.
 set(may_include_viewer/editor

@@ -85,6 +85,8 @@ const char* ToString(EventType type) {
       return "out_of_energy";
     case EventType::kSaid:
       return "said";
+    case EventType::kReported:
+      return "reported";
   }
   return "unknown";
 }

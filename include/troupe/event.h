@@ -22,9 +22,10 @@ enum class EventType : std::uint8_t {
   kUnstable = 9,      // likewise, but its centre is not above a support
   kOutOfEnergy = 10,  // the robot's store is empty: it stops
   kSaid = 11,         // the robot's controller says `detail`
+  kReported = 12,     // the robot's controller or agent reports `detail`, for people; not of the step
 };
 constexpr EventType LastOf(EventType) {
-  return EventType::kSaid;
+  return EventType::kReported;
 }
 
 struct Event {

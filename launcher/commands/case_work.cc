@@ -41,14 +41,23 @@ Status RunTroupe(const std::vector<std::string>& arguments) {
   return Failure(fmt::format("troupe {}: {}: {}", arguments.front(), process.value().end()->ToString(), last));
 }
 
-// A case as a scenario that stands alone.
+// A case as a scenario that stands alone, with the expectations of the test.
 Status WriteScenario(const TestFile& test, const TestCase& draws, const std::string& path) {
   const Result<std::string> text = test.TextOf(draws);
   if (!text.ok()) return text.error();
   const Result<ScenarioText> parsed = ScenarioText::Parse(text.value(), test.scenario_path());
   if (!parsed.ok()) return parsed.error();
   const std::string folder = std::filesystem::absolute(test.scenario_path()).parent_path().string();
-  return WriteWholeFile(path, parsed.value().WithAbsolutePaths(folder));
+  std::string scenario = parsed.value().WithAbsolutePaths(folder);
+  const JsonTree& tree = parsed.value().tree();
+  if (!test.expect().empty() && tree.root().Find("expect") == nullptr) {
+    nlohmann::ordered_json expect = nlohmann::ordered_json::array();
+    for (const TestClause& clause : test.expect()) expect.push_back({{"name", clause.name}, {"that", clause.text}});
+    const std::size_t last = scenario.find_last_not_of(" \r\n", scenario.rfind('}') - 1) + 1;
+    const char* const separator = tree.root().items.empty() ? "" : ",";
+    scenario.insert(last, fmt::format("{}\n  \"expect\": {}", separator, expect.dump()));
+  }
+  return WriteWholeFile(path, scenario);
 }
 
 // The case in processes has the hashes of the case in this one.

@@ -41,19 +41,23 @@ std::uint64_t RecordedStates::PositionOf(StatePlace place) const {
 Result<std::shared_ptr<const ViewedState>> RecordedStates::At(std::uint64_t position) {
   position = std::min<std::uint64_t>(position, reader_->places().size() - 1);
   if (const auto kept = kept_.find(position); kept != kept_.end()) return kept->second;
-  Status failure = reader_->Seek(position, [this](const ReplayedWorld& world) { Keep(world); });
+  Status failure = reader_->Seek(position, [this](const auto& world, const auto& tick) { Keep(world, tick); });
   if (!failure.ok()) return failure.error();
   if (const auto kept = kept_.find(position); kept != kept_.end()) return kept->second;
-  Keep(reader_->world());
+  Keep(reader_->world(), reader_->tick());
   return kept_.at(position);
 }
 
-void RecordedStates::Keep(const ReplayedWorld& world) {
+void RecordedStates::Keep(const ReplayedWorld& world, const RecordedTick& tick) {
   const std::uint64_t position = world.number();
   if (kept_.contains(position)) return;
-  auto state = std::make_shared<const ViewedState>(
-      ViewedState{position, WorldOf(world), std::make_shared<const WorldState>(world.state()), world.state_hash(),
-                  reader_->places()[position].edition});
+  auto state = std::make_shared<ViewedState>(ViewedState{position,
+                                                         WorldOf(world),
+                                                         std::make_shared<const WorldState>(world.state()),
+                                                         world.state_hash(),
+                                                         reader_->places()[position].edition,
+                                                         {}});
+  if (!tick.events.empty()) state->events = std::make_shared<const std::vector<Event>>(tick.events);
   kept_bytes_ += SizeOf(*state);
   kept_.emplace(position, std::move(state));
   // The farthest ones are dropped.

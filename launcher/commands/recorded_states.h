@@ -40,7 +40,7 @@ class RecordedStates final : public Recorded {
 
  private:
   explicit RecordedStates(WorldShelf& shelf) : shelf_(shelf) {}
-  void Keep(const ReplayedWorld& world);
+  void Keep(const ReplayedWorld& world, const RecordedTick& tick);
   std::shared_ptr<const ViewedWorld> WorldOf(const ReplayedWorld& world);
 
   WorldShelf& shelf_;

@@ -18,6 +18,7 @@
 #include "common/base/print.h"
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/commands.h"
+#include "launcher/commands/shown_expectations.h"
 #include "launcher/supervise/output_files.h"
 #include "launcher/supervise/reports.h"
 #include "launcher/supervise/run_options.h"
@@ -99,8 +100,9 @@ class MemoryObservation : public RunObservation {
 // destroyed, and prints its address. Without a viewer, for want of a port, the run is the same.
 class InProcessViewer final : public RunObserver, private RunLink {
  public:
-  // `session`: for the page. The transport outlives the run.
-  InProcessViewer(Transport& transport, std::string session) : transport_(transport), session_(std::move(session)) {}
+  // `session`, `file` of the run: for the page. The transport outlives the run.
+  InProcessViewer(Transport& transport, std::string session, std::string file)
+      : transport_(transport), session_(std::move(session)), file_(std::move(file)) {}
 
   ~InProcessViewer() override {
     if (gateway_ == nullptr) return;
@@ -113,6 +115,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
     control_ = &start.control;
     ViewerGatewayOptions options;
     options.session = session_;
+    options.expectations = ExpectationsOfRun(file_);
     options.token = MakeToken();
     Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(options, *this);
     if (!gateway.ok()) {
@@ -152,6 +155,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
 
   Transport& transport_;
   const std::string session_;
+  const std::string file_;
   std::mutex control_mutex_;
   WorldControl* control_ = nullptr;  // null: the run has not begun, or has ended
   std::unique_ptr<ViewerGateway> gateway_;
@@ -176,7 +180,7 @@ int RunCommand(RunOptions options) {
   if (options.in_process && enclave.empty()) enclave = ros::kWorldEnclave;
   if (const Status status = CheckRosOptions(options); !status.ok()) return Fail(status.error());
   const MakeViewer make_viewer = [&options](Transport& transport) {
-    return std::make_unique<InProcessViewer>(transport, options.network.session);
+    return std::make_unique<InProcessViewer>(transport, options.network.session, options.file);
   };
   const ReportEnd report = [&options](const RunEnd& end) {
     if (end.error) fmt::print(stderr, "{}\n", StyledLine(PlainLine(end.error->ToString()), HasStyles(stderr)));

@@ -22,6 +22,7 @@
 #include "common/base/print.h"
 #include "launcher/commands/commands.h"
 #include "launcher/commands/recorded_states.h"
+#include "launcher/commands/shown_expectations.h"
 #include "launcher/commands/streamed_run.h"
 #include "launcher/process/process.h"
 #include "launcher/supervise/run_again.h"
@@ -48,6 +49,8 @@ struct ViewOptions {
   std::string file;         // of a recording; empty: a live run
   std::string listen;       // text for ParseListen; empty: the default
   std::string token_file;   // empty: the run's token, or a random one
+  std::string expect;       // file with the expectations to show; empty: those of the run's scenario
+  std::string scenario;     // of the run; empty: it is not known
   std::optional<JournalFiles> journal;
   std::vector<std::string> run_command;  // for the page
   bool runs_again = false;               // the launcher starts the run again when it is told to
@@ -179,9 +182,11 @@ int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, Sig
   return kExitDone;
 }
 
-int ServeRun(const ViewOptions& options, std::string token, SignalWatch& signals) {
+int ServeRun(const ViewOptions& options, std::string token, ShownExpectations expectations, SignalWatch& signals) {
   DdsRunLink link(options.network, options.journal, options.runs_again);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
+  if (options.expect.empty() && !options.scenario.empty()) expectations = ExpectationsOfRun(options.scenario);
+  gateway_options.expectations = std::move(expectations);
   gateway_options.session = options.network.session;
   gateway_options.token = token.empty() ? TokenOf(options.network) : std::move(token);
   gateway_options.command = options.run_command;
@@ -192,9 +197,11 @@ int ServeRun(const ViewOptions& options, std::string token, SignalWatch& signals
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, link), signals);
 }
 
-int ServeRecording(const ViewOptions& options, std::string token, SignalWatch& signals) {
+int ServeRecording(const ViewOptions& options, std::string token, ShownExpectations expectations,
+                   SignalWatch& signals) {
   Result<Recording> recording = Recording::Open(options.file);
   if (!recording.ok()) return Fail(recording.error());
+  if (options.expect.empty()) expectations = ExpectationsOf(recording.value());
   WorldShelf shelf;
   const Result<std::unique_ptr<RecordedStates>> states =
       RecordedStates::Create({std::move(recording).value(), {}, true}, shelf);
@@ -202,6 +209,7 @@ int ServeRecording(const ViewOptions& options, std::string token, SignalWatch& s
   const std::optional<std::string>& damage = states.value()->damage();
   if (damage) PrintPlain(stderr, "{}: warning: {}; it is shown up to there\n", options.file, *damage);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
+  gateway_options.expectations = std::move(expectations);
   gateway_options.session = std::filesystem::path(options.file).filename().string();
   gateway_options.token = token.empty() ? MakeToken() : std::move(token);
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, *states.value()), signals);
@@ -224,9 +232,14 @@ int ViewCommand(ViewOptions options) {
     if (!options.token_file.empty()) token = ReadToken(options.token_file);
     if (!token.ok()) return Fail(token.error());
     if (options.states) return ServeStates(options, signals);
-    if (!options.file.empty()) return ServeRecording(options, std::move(token).value(), signals);
+    Result<ShownExpectations> expectations = ShownExpectations();
+    if (!options.expect.empty()) expectations = ReadExpectations(options.expect);
+    if (!expectations.ok()) return Fail(expectations.error());
+    if (!options.file.empty()) {
+      return ServeRecording(options, std::move(token).value(), std::move(expectations).value(), signals);
+    }
     if (const Status problem = SelectSession(options.network); !problem.ok()) return Fail(problem.error());
-    return ServeRun(options, std::move(token).value(), signals);
+    return ServeRun(options, std::move(token).value(), std::move(expectations).value(), signals);
   } catch (const std::exception& exception) {
     return Fail(FailureOf(exception));
   }
@@ -259,7 +272,13 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
           "Journal of the run, as of troupe run --journal: for its past from its start")
       ->check(NotEmpty())
       ->type_name("FILE");
-  // The option of a launcher, whose journals have no names.
+  command
+      ->add_option("--expect", options->expect,
+                   "Test or scenario whose expectations the page judges (default: those of the run's scenario)")
+      ->check(NotEmpty())
+      ->type_name("FILE");
+  // The options of a launcher: its journals have no names, and its scenario need not have expectations.
+  command->add_option("--scenario", options->scenario, "")->group("");
   command
       ->add_option_function<std::vector<std::string>>(
           "--journal-tail",
@@ -270,7 +289,7 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
       ->expected(2)
       ->needs("--journal")
       ->group("");
-  // Of a launcher, too: the words of its command, as JSON.
+  // The words of its command, as JSON.
   command
       ->add_option_function<std::string>(
           "--run-command",

@@ -80,6 +80,7 @@ Status ViewerProcess::Start(Host& host, const RunOptions& options, const std::st
       "--security=" + keys.ForTools(),
       "--run-command=" +
           nlohmann::json(OwnCommandLine()).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)};
+  arguments.push_back("--scenario=" + options.file);
   if (Progress::IsInteractive()) arguments.emplace_back("--runs-again");
   arguments.insert(arguments.end(), journal.begin(), journal.end());
   Result<std::unique_ptr<Child>> process = host.Start("troupe", arguments, false);

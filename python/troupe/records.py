@@ -40,7 +40,7 @@ class Event(NamedTuple):
     """A change during a tick. Models are named by their full names."""
 
     tick: int
-    type: str  # "stall_began", "stall_ended", "gripped", "released", "blocked", "landed", "said", ...
+    type: str  # "stall_began", "stall_ended", "gripped", "released", "blocked", "landed", "said", "reported", ...
     robot: Optional[str]
     other: Optional[str]  # the obstacle or support; None for the ground
     object: Optional[str]  # the object of a gripper, or the one that has landed
@@ -399,5 +399,5 @@ class Command(NamedTuple):
     messages: Sequence[RadioMessage] = ()
     lights: Sequence[LightCommand] = ()
     cameras: Sequence[CameraCommand] = ()
-    report: str = ""  # a line for the log
+    report: str = ""  # an event of the run, for people
     say: str = ""  # a text for people, an event of the run

@@ -138,6 +138,33 @@ const SCENARIO = `{
 }
 `;
 
+// A change that arrives meanwhile leaves the list with the focus where it is: an open one would be closed.
+async function keepsTheListThatIsOpen() {
+  const world = 'define rover position( size [0.4 0.3 0.2] )\nrover( name "rob" pose [1 2 0 0] drive "omni" )\n';
+  writeFileSync(path('list.world'), world);
+  const editor = await edit('list.world');
+  const {page} = editor;
+  await page.click('.entity:has-text("rob")');
+  await page.locator('#file-panel-name:has-text("rob")').waitFor();
+  await fill(page, 'input[data-property=pose][data-element=x]', '3');
+  await fileIs(page, 'it is moved', now => now.undo === 'the pose of rob');
+  await page.focus('#file-properties select[data-property=drive]');
+  await page.evaluate(() => {
+    window.list = document.activeElement;
+    document.getElementById('undo').click();
+  });
+  await until('x is as before', () =>
+    page.evaluate(() => document.querySelector('#file-properties input[data-property=pose][data-element=x]').value === '1'));
+  assert.ok(await page.evaluate(() => window.list.isConnected && document.activeElement === window.list), 'the list is still there');
+  assert.equal(await page.locator('#file-properties select[data-property=drive]').count(), 1);
+  // It acts on the file as it is now.
+  await choose(page, 'select[data-property=drive]', 'car');
+  await fileIs(page, 'it has another drive', now => now.undo === 'the drive of rob');
+  await save(page);
+  assert.equal(read('list.world'), world.replace('omni', 'car'));
+  await close(editor);
+}
+
 async function editsControllersOfAScenario() {
   writeFileSync(path('hall.world'), 'model( name "post" pose [4 4 0 0] )\n');
   writeFileSync(path('two.json'), SCENARIO);
@@ -324,5 +351,5 @@ async function hasNoSeriousFindings() {
   await close(editor);
 }
 
-await pages.runAll([makesAWorldWithARobot, editsControllersOfAScenario, editsTheText, importsAPlan, fitsItsWindow,
+await pages.runAll([makesAWorldWithARobot, keepsTheListThatIsOpen, editsControllersOfAScenario, editsTheText, importsAPlan, fitsItsWindow,
   hasNoSeriousFindings], path);

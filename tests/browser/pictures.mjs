@@ -190,6 +190,24 @@ scout( name "scout1" pose [1 0.5 0 90] ctrl "wander speed=0.6" )
       await page.locator('.plot-canvas').nth(1).scrollIntoViewIfNeeded();
     },
   }),
+  viewer_expectations: () => {
+    const file = `${files}/watched.json`;
+    writeFileSync(file, JSON.stringify({
+      world: `${source}/worlds/robotics_lab.world`,
+      robots: [
+        {name: 'rover', model: 'scout', pose: [0.6, -6.5, 0], controller: {name: 'script', parameters: {commands: [{at: 0, vx: 0.4}]}}},
+        {name: 'guard', model: 'scout', pose: [0.3, -4.6, 180], controller: {name: 'wander'}},
+      ],
+      expect: [
+        {name: 'rover never stalls', that: 'always not stalled(rover)'},
+        {name: 'rover drives a metre', that: 'eventually x(rover) > 1 m'},
+        {name: 'they keep apart', that: 'always distance(rover, guard) > 0.5 m'},
+        {name: 'guard leaves the room', that: 'eventually y(guard) > 6 m'},
+      ],
+    }));
+    return ofRun('viewer_expectations', {world: file, tick: 100, hash: '&tab=events&robot=rover', at: [480, 330], steps: 3,
+                                         prepare: page => page.locator('.expect-row').first().waitFor()});
+  },
   viewer_end: () => ofEnd('viewer_end', `${scenarios}/demo.json`, 300),
   viewer_cave: () => ofRun('viewer_cave', {world: `${stage}/benchmark/cave.world`, tick: 600, hash: '&view=top'}),
 };

@@ -301,13 +301,18 @@ Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest)
     if (!id) return Malformed("no id", "a whole number");
     return PageRequest(TotalsRequest{*id});
   }
+  if (type == "expectations") {
+    const auto id = WholeNumberIn(object, "id");
+    if (!id) return Malformed("no id", "a whole number");
+    return PageRequest(ExpectationsRequest{*id});
+  }
   if (type == "run_again") {
     const auto id = WholeNumberIn(object, "id");
     const auto seed = WholeNumberIn(object, "seed");
     if (!id || (object.contains("seed") && !seed)) return Malformed("a new run", "an id, and a whole number as seed");
     return PageRequest(RunAgainRequest{*id, seed});
   }
-  return Malformed("type '" + type + "'", "select, control, seek, live, series, totals or run_again");
+  return Malformed("type '" + type + "'", "select, control, seek, live, series, totals, expectations or run_again");
 }
 
 bool IsQuestion(ControlCommand command) {

@@ -17,7 +17,8 @@
 //   {"type": "live"}
 //   {"type": "series", "id": 11, "signals": [["r0", "x"], ...], "from": 0, "to": 500, "every": 1}: of signals
 //   (signals.h)
-//     between two positions; {"type": "totals", "id": 12}: of robots (past_reader.h)
+//     between two positions; {"type": "totals", "id": 12}: of robots (past_reader.h); {"type": "expectations", "id":
+//     14}: their verdicts (expectation_rows.h)
 //   {"type": "run_again", "id": 13, "seed": 5}: starts a run that is over again; without a seed with its own
 //   {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (edit_operation.h)
 // The commands are those of `troupe ctl`, but for those that name files.
@@ -86,6 +87,11 @@ struct TotalsRequest {
   bool operator==(const TotalsRequest&) const = default;
 };
 
+struct ExpectationsRequest {
+  std::uint64_t id = 0;  // repeated in the reply
+  bool operator==(const ExpectationsRequest&) const = default;
+};
+
 struct RunAgainRequest {
   std::uint64_t id = 0;  // repeated in the reply
   std::optional<std::uint64_t> seed = {};
@@ -93,7 +99,7 @@ struct RunAgainRequest {
 };
 
 using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRequest, PageEdit, SeriesRequest,
-                                 TotalsRequest, RunAgainRequest>;
+                                 TotalsRequest, ExpectationsRequest, RunAgainRequest>;
 
 // The error is of the page, or of a stranger: it is not a request. `longest`: bytes of an edit; others are shorter.
 Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest = kLongestPageRequest);

@@ -4,9 +4,11 @@
 // Threads: one at a time, that of PastStates::At.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,12 @@
 #include "viewer/gateway/signals.h"
 
 namespace troupe {
+
+// Of the answer to one question about the past: seeks wait for it.
+inline constexpr auto kLongestPastAnswer = std::chrono::milliseconds(40);
+
+// JSON has no infinite numbers.
+nlohmann::json NumberOrNull(double value);
 
 class PastReader {
  public:

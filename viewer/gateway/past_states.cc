@@ -37,7 +37,8 @@ std::shared_ptr<const ViewedWorld> WorldShelf::Of(const SessionMessage& session)
 }
 
 std::size_t SizeOf(const ViewedState& viewed) {
-  return sizeof viewed + MemoryOf(*viewed.state);
+  const std::size_t events = viewed.events == nullptr ? 0 : viewed.events->size() * sizeof(Event);
+  return sizeof viewed + MemoryOf(*viewed.state) + events;
 }
 
 EventNames NamesIn(const WorldDescription& world, const Event& event) {

@@ -54,6 +54,7 @@ struct ViewedState {
   std::shared_ptr<const WorldState> state;
   std::uint64_t state_hash = 0;
   Edition edition = 0;
+  std::shared_ptr<const std::vector<Event>> events = {};  // of its tick; null: none
 };
 
 // About as many bytes as it takes, without its world.

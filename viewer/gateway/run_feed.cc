@@ -81,7 +81,8 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
     }
   }
   const std::uint64_t expected = NextPosition();
-  content_.state = history_.kept().Add({0, announced_, {shared, &frame.state}, frame.state_hash, frame.edition});
+  content_.state = history_.kept().Add(
+      {0, announced_, {shared, &frame.state}, frame.state_hash, frame.edition, {shared, &frame.events}});
   const bool is_behind_gap = content_.state->position > expected;
   lacks_states_ = lacks_states_ || (is_behind_gap && history_.recorded() != nullptr);
   for (const Event& event : frame.events) {

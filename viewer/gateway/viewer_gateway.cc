@@ -3,111 +3,25 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <deque>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <set>
-#include <thread>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "common/base/identity.h"
-#include "common/base/json.h"
 #include "viewer/gateway/foxglove_client.h"
 #include "viewer/gateway/metrics.h"
+#include "viewer/gateway/page_texts.h"
 #include "viewer/gateway/page_viewer.h"
-#include "viewer/gateway/past_reader.h"
+#include "viewer/gateway/past_answers.h"
+#include "viewer/gateway/request_queue.h"
 #include "viewer/gateway/run_feed.h"
 
 namespace troupe {
 namespace {
-
-// RequestQueue: performs the requests of viewers one after another, on a thread of its own: each may take long.
-// Threads: any.
-template <typename Request, typename Answer>
-class RequestQueue {
- public:
-  static constexpr std::size_t kMostWaiting = 32;  // requests; more are refused
-
-  // Both functions are called on the thread of the queue; `on_answer` when DrainAnswers has some.
-  RequestQueue(std::function<Answer(const Request&)> perform, std::function<void()> on_answer)
-      : perform_(std::move(perform)), on_answer_(std::move(on_answer)), thread_([this] { Run(); }) {}
-  ~RequestQueue() {
-    {
-      const std::lock_guard lock(mutex_);
-      ending_ = true;
-    }
-    changed_.notify_all();
-    thread_.join();
-  }
-  RequestQueue(const RequestQueue&) = delete;
-  RequestQueue& operator=(const RequestQueue&) = delete;
-
-  // False if too many requests wait.
-  bool Add(ViewerId viewer, Request request) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (waiting_.size() >= kMostWaiting) return false;
-      waiting_.emplace_back(viewer, std::move(request));
-    }
-    changed_.notify_all();
-    return true;
-  }
-  // In place of the request of this kind and this viewer that waits, if there is one; else before all others.
-  void Replace(ViewerId viewer, Request request) {
-    {
-      const std::lock_guard lock(mutex_);
-      const auto same = std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& waiting) {
-        return waiting.first == viewer && waiting.second.index() == request.index();
-      });
-      if (same != waiting_.end()) {
-        same->second = std::move(request);
-      } else {
-        waiting_.emplace_front(viewer, std::move(request));
-      }
-    }
-    changed_.notify_all();
-  }
-  // Forgets the requests of a viewer that wait.
-  void Remove(ViewerId viewer) {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(waiting_, [&](const auto& waiting) { return waiting.first == viewer; });
-  }
-
-  std::vector<std::pair<ViewerId, Answer>> DrainAnswers() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(answers_, {});
-  }
-
- private:
-  void Run() {
-    std::unique_lock lock(mutex_);
-    for (;;) {
-      changed_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
-      if (ending_) return;
-      const auto [viewer, request] = std::move(waiting_.front());
-      waiting_.pop_front();
-      lock.unlock();
-      Answer answer = perform_(request);
-      lock.lock();
-      answers_.emplace_back(viewer, std::move(answer));
-      on_answer_();
-    }
-  }
-
-  const std::function<Answer(const Request&)> perform_;
-  const std::function<void()> on_answer_;
-  std::mutex mutex_;  // guards the next three
-  std::deque<std::pair<ViewerId, Request>> waiting_;
-  std::vector<std::pair<ViewerId, Answer>> answers_;
-  bool ending_ = false;
-  std::condition_variable changed_;
-  std::thread thread_;  // last
-};
 
 // A page that is told of the end asks for a summary. The others are given up after this time.
 constexpr int kPeriodsAtEnd = 2 * kUpdatesPerSecond;
@@ -117,30 +31,6 @@ constexpr std::string_view kMetricsPath = "/metrics";
 constexpr auto kPageTime = std::chrono::seconds(5);
 constexpr auto kScrapeTime = std::chrono::minutes(5);
 constexpr ViewerId kNoViewer = 0;
-// At least between two readings of the journal.
-constexpr auto kJournalPeriod = std::chrono::seconds(2);
-
-constexpr std::size_t kMostAwaited = 50;  // names in a status
-
-// The status message of the page: the fields of the status, and `waiting_count`, because it names only some robots.
-std::shared_ptr<const std::string> StatusText(std::optional<StatusMessage> status) {
-  if (!status) return nullptr;
-  const std::size_t count = status->waiting_for.size();
-  status->waiting_for.resize(std::min(count, kMostAwaited));
-  auto text = FieldsToJson<nlohmann::ordered_json>(*status);
-  text["type"] = "status";
-  text["waiting_count"] = count;
-  return std::make_shared<const std::string>(JsonText(text));
-}
-
-// The spans of the past: those that are new tell more than the page knows by the ends of the timeline in each update.
-std::shared_ptr<const std::string> TimelineText(const std::vector<TimeSpan>& spans) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (const TimeSpan& span : spans) rows.push_back({span.first, span.last, span.tick});
-  const nlohmann::json text = {{"type", "timeline"}, {"spans", std::move(rows)}};
-  return std::make_shared<const std::string>(JsonText(text));
-}
-
 // The viewers of a run or of a recording, and their requests. The web server calls it, on its thread.
 class Viewers final : public WebHandler {
  public:
@@ -150,8 +40,8 @@ class Viewers final : public WebHandler {
         link_(link),
         is_recording_(recording != nullptr),
         past_(recording != nullptr ? static_cast<PastStates&>(*recording) : feed_.history()),
-        reader_(past_),
-        questions_([this](const Question& question) { return Answered(question); }, wake) {
+        answers_(past_, link, feed_, options.expectations),
+        questions_([this](const PastQuestion& question) { return answers_.Answer(question); }, wake) {
     if (recording != nullptr) {
       run_.content.events = recording->Events();
       run_.timeline = TimelineText(recording->Spans());
@@ -181,18 +71,11 @@ class Viewers final : public WebHandler {
   struct AgentsRequest {};  // for the slowest robot
   using Change = std::variant<PageControl, PageEdit, AgentsRequest>;
   using Changed = std::variant<PageReply, std::optional<SlowestRobot>>;
-  using Found = Result<std::shared_ptr<const ViewedState>>;
-  // About the past, with one thread for all: a position to seek to, data for plots and the summary, or the journal.
-  struct JournalRequest {};
-  using Question = std::variant<std::uint64_t, SeriesRequest, TotalsRequest, JournalRequest>;
-  using PastAnswer = std::variant<std::monostate, Found, PageReply>;
 
   static Changed Executed(RunLink& link, const Change& change);
   std::string Metrics();
-  PastAnswer Answered(const Question& question);
-  void ReadJournal();
   void DescribeTimeline();
-  void Ask(WebLoop& loop, ViewerId id, std::uint64_t number, Question question);
+  void Ask(WebLoop& loop, ViewerId id, std::uint64_t number, PastQuestion question);
   std::size_t LongestRequest() const { return options_.editor ? kLongestEditRequest : kLongestPageRequest; }
   void NameSession();
   bool RunsAgain() const { return link_ != nullptr && link_->can_run_again() && run_.content.last; }
@@ -214,14 +97,12 @@ class Viewers final : public WebHandler {
   PageReadings readings_;
   std::map<ViewerId, std::unique_ptr<Viewer>> viewers_;
   std::atomic<bool> have_seen_end_ = true;
-  std::set<ViewerId> summed_up_;                      // that have the totals of the whole past
-  int periods_at_end_ = 0;                            // since all viewers know the end
-  PastReader reader_;                                 // on the thread of the questions, as the next two
-  std::chrono::steady_clock::time_point journal_at_;  // it is not read again earlier
-  std::atomic<bool> reads_journal_ = false;
-  std::vector<TimeSpan> spans_;  // of run_.timeline
-  RequestQueue<Question, PastAnswer> questions_;
-  std::optional<Follower> follower_;  // of a live run, as the next
+  std::set<ViewerId> summed_up_;  // that have the totals of the whole past
+  int periods_at_end_ = 0;        // since all viewers know the end
+  std::vector<TimeSpan> spans_;   // of run_.timeline
+  PastAnswers answers_;
+  RequestQueue<PastQuestion, PastAnswer> questions_;  // with one thread for all
+  std::optional<Follower> follower_;                  // of a live run, as the next
   std::optional<SlowestRobot> slowest_;
   bool asks_agents_ = false;
   std::optional<RequestQueue<Change, Changed>> changes_;
@@ -289,6 +170,8 @@ void Viewers::Execute(WebLoop& loop, ViewerId id, PageRequest request) {
     Ask(loop, id, series->id, std::move(*series));
   } else if (auto* const totals = std::get_if<TotalsRequest>(&request)) {
     Ask(loop, id, totals->id, *totals);
+  } else if (auto* const expectations = std::get_if<ExpectationsRequest>(&request)) {
+    Ask(loop, id, expectations->id, *expectations);
   } else if (auto* const again = std::get_if<RunAgainRequest>(&request)) {
     const std::string refusal = RefusalToRunAgain();
     if (refusal.empty()) link_->RunAgain(again->seed);
@@ -346,36 +229,9 @@ void Viewers::Seek(ViewerId id, std::uint64_t position) {
   questions_.Replace(id, position);
 }
 
-void Viewers::Ask(WebLoop& loop, ViewerId id, std::uint64_t number, Question question) {
+void Viewers::Ask(WebLoop& loop, ViewerId id, std::uint64_t number, PastQuestion question) {
   if (questions_.Add(id, std::move(question))) return;
   Answer(loop, id, ReplyToControl(number, Failure("too many questions about the past wait")));
-}
-
-Viewers::PastAnswer Viewers::Answered(const Question& question) {
-  if (const auto* series = std::get_if<SeriesRequest>(&question)) return reader_.Series(*series);
-  if (const auto* totals = std::get_if<TotalsRequest>(&question)) return reader_.Totals(*totals);
-  if (std::holds_alternative<JournalRequest>(question)) {
-    if (link_ != nullptr) ReadJournal();
-    reads_journal_ = false;
-    return std::monostate();
-  }
-  const std::uint64_t position = std::get<std::uint64_t>(question);
-  Found found = past_.At(position);
-  // A state that is not kept any more may be in the journal by now.
-  if (link_ != nullptr && found.ok() && found.value()->position != position) {
-    ReadJournal();
-    found = past_.At(position);
-  }
-  return found;
-}
-
-// Rarely: the whole journal is read, on and on.
-void Viewers::ReadJournal() {
-  const auto start = std::chrono::steady_clock::now();
-  if (start < journal_at_) return;
-  feed_.SetRecorded(link_->ReadJournal(feed_.shelf()));
-  const auto end = std::chrono::steady_clock::now();
-  journal_at_ = end + std::max<std::chrono::steady_clock::duration>(kJournalPeriod, kJournalShare * (end - start));
 }
 
 void Viewers::DescribeTimeline() {
@@ -413,7 +269,7 @@ void Viewers::OnWake(WebLoop& loop) {
   }
   for (auto& [id, answer] : questions_.DrainAnswers()) {
     if (auto* const reply = std::get_if<PageReply>(&answer)) Answer(loop, id, std::move(*reply));
-    auto* const found = std::get_if<Found>(&answer);
+    auto* const found = std::get_if<FoundState>(&answer);
     const auto known = viewers_.find(id);
     if (found == nullptr || known == viewers_.end() || !known->second->in_past()) continue;
     if (!found->ok()) {
@@ -439,7 +295,7 @@ void Viewers::OnPeriod(WebLoop& loop) {
   NameSession();
   if (!is_recording_) {
     DescribeTimeline();
-    if (feed_.lacks_states() && !reads_journal_.exchange(true)) questions_.Add(kNoViewer, JournalRequest());
+    if (feed_.lacks_states() && answers_.WantsJournal()) questions_.Add(kNoViewer, JournalRequest());
   }
   readings_.BeginPeriod();
   bool all_know = true;
@@ -457,17 +313,11 @@ void Viewers::OnPeriod(WebLoop& loop) {
 }
 
 void Viewers::NameSession() {
-  const nlohmann::json session = {{"type", "session"},
-                                  {"session", options_.session},
-                                  {"view_only", options_.view_only},
-                                  {"connected", run_.content.state != nullptr || is_recording_},
-                                  {"recording", is_recording_},
-                                  {"editor", options_.editor},
-                                  {"command", options_.command},
-                                  {"runs_again", RunsAgain() && !options_.view_only},
-                                  {"saves_recording", SavesRecording()},
-                                  {"problem", follower_ ? follower_->problem() : std::string()}};
-  std::string text = JsonText(session);
+  std::string text = SessionText(options_, {.connected = run_.content.state != nullptr || is_recording_,
+                                            .recording = is_recording_,
+                                            .runs_again = RunsAgain() && !options_.view_only,
+                                            .saves_recording = SavesRecording(),
+                                            .problem = follower_ ? follower_->problem() : std::string()});
   if (run_.session && text == *run_.session) return;
   run_.session = std::make_shared<const std::string>(std::move(text));
 }

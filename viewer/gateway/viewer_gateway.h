@@ -13,6 +13,7 @@
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
 #include "viewer/gateway/edit_operation.h"
+#include "viewer/gateway/expectation_rows.h"
 #include "viewer/gateway/past_states.h"
 #include "viewer/gateway/web_server.h"
 
@@ -74,6 +75,7 @@ struct ViewerGatewayOptions {
   bool view_only = false;                 // refuses requests that change the run
   bool editor = false;                    // the page edits a file: requests may be as long as its text
   std::vector<std::string> command = {};  // that started the run, for the page; empty: it is not known
+  ShownExpectations expectations = {};    // of the run's scenario, for rows under the timeline
   std::string token = {};                 // of the page's address; empty: none on a loopback address, else a random one
   std::span<const PageFile> files = PageFiles();
 };

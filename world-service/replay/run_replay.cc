@@ -16,7 +16,7 @@ constexpr std::uint64_t kTicksPerReport = 64;
 // Events of the run, which a replay does not repeat, as those of agents.
 bool IsOfStep(const Event& event) {
   return event.type != EventType::kJoined && event.type != EventType::kLeft &&
-         event.type != EventType::kProposalRejected;
+         event.type != EventType::kProposalRejected && event.type != EventType::kReported;
 }
 
 bool IsSame(const Event& a, const Event& b) {

@@ -57,14 +57,14 @@ std::optional<std::uint64_t> StateReader::PositionOf(Tick tick) const {
 Status StateReader::Seek(std::uint64_t position, const StateVisitor& visit) {
   if (!position_ || *position_ > position || position - *position_ > kStepOn) {
     if (Status failure = Restart(position); !failure.ok()) return failure;
-    if (position_ && visit) visit(*world_);
+    if (position_ && visit) visit(*world_, tick_);
   }
   while (!position_ || *position_ < position) {
     if (Status failure = Advance(); !failure.ok()) {
       position_.reset();
       return Error{{run_.recording.name()}, failure.error().message};
     }
-    if (visit) visit(*world_);
+    if (visit) visit(*world_, tick_);
   }
   return {};
 }

@@ -26,8 +26,8 @@ class StateReader {
   // Called with each tick in its order, its position and the world of its events.
   using TickVisitor =
       std::function<void(const RecordedTick& tick, std::uint64_t position, const WorldDescription& world)>;
-  // Called with each state on the way to a position: a reader that goes backwards may keep it.
-  using StateVisitor = std::function<void(const ReplayedWorld& world)>;
+  // Called with each state on the way to a position, and its tick: a reader that goes backwards may keep it.
+  using StateVisitor = std::function<void(const ReplayedWorld& world, const RecordedTick& tick)>;
 
   // Reads all ticks, but steps none. The error is a recording of another version of the step, or one without a readable
   // tick.
@@ -47,6 +47,7 @@ class StateReader {
   Status Seek(std::uint64_t position, const StateVisitor& visit = {});
   // At the position of the last Seek. REQUIRES: it has succeeded.
   const ReplayedWorld& world() const { return *world_; }
+  const RecordedTick& tick() const { return tick_; }
 
  private:
   explicit StateReader(RunSoFar run) : run_(std::move(run)) {}

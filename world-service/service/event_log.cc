@@ -40,7 +40,20 @@ bool EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reaso
   return true;
 }
 
+void EventLog::Report(Tick tick, std::optional<RobotId> robot, std::string_view text) {
+  const bool enters_frame = reports_between_frames_ < kMostReports;
+  const bool is_told = unreported_reports_ < kMostReports;
+  if (!enters_frame && !is_told) return;
+  const Event event{
+      .tick = tick, .type = EventType::kReported, .robot = robot, .detail = PlainLine(text, kLongestReport)};
+  if (enters_frame) between_frames_.push_back(event);
+  if (is_told) unreported_.push_back(event);
+  reports_between_frames_ += enters_frame;
+  unreported_reports_ += is_told;
+}
+
 std::vector<Event> EventLog::CompleteFrame(Tick tick, std::vector<Event> of_step) {
+  reports_between_frames_ = 0;
   for (const Event& event : of_step) stalls_ += event.type == EventType::kStallBegan;
   unreported_.insert(unreported_.end(), of_step.begin(), of_step.end());
   if (between_frames_.empty()) return of_step;
@@ -54,6 +67,7 @@ std::vector<Event> EventLog::CompleteFrame(Tick tick, std::vector<Event> of_step
 }
 
 std::vector<Event> EventLog::DrainUnreported() {
+  unreported_reports_ = 0;
   return std::exchange(unreported_, {});
 }
 
@@ -98,6 +112,8 @@ std::string EventText(const WorldDescription& world, const Event& event) {
       break;
     case EventType::kSaid:
       return text + robot + " says: " + event.detail;
+    case EventType::kReported:
+      return text + (event.robot ? "robot " + robot + ": " : "") + event.detail;
   }
   if (!event.detail.empty()) text += " (" + event.detail + ")";
   return text;

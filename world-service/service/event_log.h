@@ -26,6 +26,10 @@ class EventLog {
   // a hostile peer cannot hide other events. Returns whether this one is reported itself.
   bool Reject(Tick tick, std::optional<RobotId> robot, std::string reason, double now);
 
+  // An agent reports a line: a plain one of at most kLongestReport bytes. Drops it when many are waiting: a hostile
+  // peer may send any number in a tick.
+  void Report(Tick tick, std::optional<RobotId> robot, std::string_view text);
+
   // Returns the events of frame `tick`: those since the frame before, by robot, then those of the step.
   std::vector<Event> CompleteFrame(Tick tick, std::vector<Event> of_step);
 
@@ -33,7 +37,10 @@ class EventLog {
   std::vector<Event> DrainUnreported();
 
   // An edit has changed the meaning of ids: no event from before enters a frame.
-  void DiscardPending() { between_frames_.clear(); }
+  void DiscardPending() {
+    between_frames_.clear();
+    reports_between_frames_ = 0;
+  }
 
   // Restores the counts so far of a run that is continued.
   void RestoreCounts(std::uint64_t stalls, std::uint64_t rejected) {
@@ -44,8 +51,13 @@ class EventLog {
   std::uint64_t rejected() const { return rejected_; }
 
  private:
+  static constexpr std::size_t kMostReports = 100;  // of a frame, and of those that were not reported yet
+  static constexpr std::size_t kLongestReport = 1000;
+
   std::vector<Event> between_frames_;
   std::vector<Event> unreported_;
+  std::size_t reports_between_frames_ = 0;  // of between_frames_, as the next
+  std::size_t unreported_reports_ = 0;
   std::uint64_t stalls_ = 0;
   std::uint64_t rejected_ = 0;
   double second_began_ = 0.0;  // wall time, of the rejections counted below

@@ -152,7 +152,22 @@ void TickEngine::Collect(Member& member, const ProposalMessage& message, double 
   for (const Rejection& rejection : proposals_.Collect(member, message, run_.frame.state)) {
     run_.events.Reject(run_.frame.state.tick, rejection.robot, rejection.reason, now);
   }
-  for (const std::string& report : message.reports) run_.notices.AddFromPeer(Describe(member) + ": " + report);
+  for (const std::string& report : message.reports) Report(member, report);
+}
+
+// Reports are lines that begin with the name of their robot, if they have one.
+void TickEngine::Report(const Member& member, std::string_view report) {
+  std::optional<RobotId> robot;
+  std::string_view text = report;
+  for (const RobotId id : member.robots) {
+    const std::string prefix = "robot " + run_.world().robot(id).name + ": ";
+    if (!report.starts_with(prefix) || report.size() - prefix.size() > text.size()) continue;
+    robot = id;
+    text = report.substr(prefix.size());
+  }
+  const Tick tick = run_.frame.state.tick;
+  if (robot) return run_.events.Report(tick, robot, text);
+  run_.events.Report(tick, robot, Describe(member) + ": " + std::string(report));
 }
 
 void TickEngine::Reject(std::string reason, double now) {

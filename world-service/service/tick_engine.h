@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "transport/protocol/tick_barrier.h"
@@ -99,6 +100,7 @@ class TickEngine {
 
  private:
   void Collect(Member& member, const ProposalMessage& message, double now);
+  void Report(const Member& member, std::string_view report);
   void Reject(std::string reason, double now);
   void RejectUnknown(AgentId agent, double now);
   void AskToJoin(Member& member, double now);

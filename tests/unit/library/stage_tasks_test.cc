@@ -241,6 +241,18 @@ TEST_F(StageControllersWorld, TheMapIsMadeAndTheNoiseMeasured) {
   EXPECT_THAT(simulation_.reports(),
               testing::Contains(testing::AllOf(testing::StartsWith("robot meter: 50 readings, 31 of 31 rays"),
                                                testing::HasSubstr("standard deviation 0.0"))));
+  // Each is an event of its tick, too.
+  std::size_t events = 0;
+  for (int i = 0; i < 200 && events == 0; ++i) {
+    simulation_.Step();
+    for (const Event& event : simulation_.events()) {
+      if (event.type != EventType::kReported || event.robot != simulation_.FindRobot("meter")) continue;
+      EXPECT_EQ("robot meter: " + event.detail, simulation_.reports().at(0));
+      EXPECT_EQ(event.tick, simulation_.tick());
+      ++events;
+    }
+  }
+  EXPECT_EQ(events, 1u);
 }
 
 TEST_F(StageControllersWorld, TheObstacleMovesToAndFro) {

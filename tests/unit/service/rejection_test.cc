@@ -123,8 +123,17 @@ TEST_F(RejectionTest, AllOfAHostilePeerAreCountedAndFewReported) {
 TEST_F(RejectionTest, ReportsWithoutEndDoNotGrowTheService) {
   ProposalMessage proposal = ProposalOf(1, 0.0);
   proposal.reports.assign(100000, "again");
+  coordinator->DrainEvents();
   coordinator->OnProposal(proposal, now);
-  EXPECT_LE(coordinator->DrainNotices().size(), 100u);
+  Propose(2);
+  EXPECT_EQ(coordinator->DrainEvents().size(), 100u);
+  EXPECT_EQ(endpoint.frames.back().events.size(), 100u);
+  // The next tick has room again.
+  Propose(1);
+  proposal = ProposalOf(2, 0.0);
+  proposal.reports = {"robot r1: once"};
+  coordinator->OnProposal(proposal, now);
+  EXPECT_EQ(endpoint.frames.back().events.size(), 1u);
 }
 
 TEST_F(RejectionTest, ProposalsBeforeTheStartAreIgnored) {

@@ -387,13 +387,27 @@ TEST_F(TickCoordinatorTest, ARunningServiceIsNotStoppedByARival) {
   EXPECT_EQ(coordinator->phase(), Phase::kRunning);
 }
 
-TEST_F(TickCoordinatorTest, PassesOnTheReportsOfControllers) {
-  MakeAndStart(1);
-  ProposalMessage proposal = ProposalOf(1, 0.0);
-  proposal.reports = {"r0: the controller failed"};
+TEST_F(TickCoordinatorTest, ReportsOfAgentsAreEventsOfTheirRobots) {
+  MakeAndStart(2);
+  coordinator->DrainEvents();
+  ProposalMessage proposal = ProposalOf(2, 0.0);
+  proposal.reports = {"robot r1: 3 units delivered", "robot r0: not its own", "no robot"};
   coordinator->OnProposal(proposal, now);
-  EXPECT_THAT(coordinator->DrainNotices(), ElementsAre("host1, pid 1: r0: the controller failed"));
-  EXPECT_THAT(coordinator->DrainNotices(), IsEmpty());
+  Propose(1, 0.0);
+  const FrameMessage& frame = endpoint.frames.back();
+  const auto report = [&](std::optional<RobotId> robot, const std::string& text) -> Event {
+    return {.tick = 1, .type = EventType::kReported, .robot = robot, .detail = text};
+  };
+  // Those without a robot are first.
+  EXPECT_THAT(frame.events, ElementsAre(report({}, "host2, pid 2: robot r0: not its own"),
+                                        report({}, "host2, pid 2: no robot"), report(RobotId(1), "3 units delivered")));
+  const std::vector<Event> told = coordinator->DrainEvents();
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_EQ(EventText(scene->world(), told[0]), "tick 0: robot r1: 3 units delivered");
+  EXPECT_THAT(coordinator->DrainEvents(), IsEmpty());
+  Propose(1, 0.0);
+  Propose(2, 0.0);
+  EXPECT_THAT(endpoint.frames.back().events, IsEmpty());
 }
 
 }  // namespace

@@ -196,7 +196,12 @@ struct ParsedUpdate {
 class ViewerGatewayTest : public testing::Test {
  protected:
   void Start(bool view_only = false, const std::string& token = "", bool editor = false) {
-    ViewerGatewayOptions options{.session = "s", .port = 0, .view_only = view_only, .editor = editor, .token = token};
+    ViewerGatewayOptions options{.session = "s",
+                                 .port = 0,
+                                 .view_only = view_only,
+                                 .editor = editor,
+                                 .expectations = expectations_,
+                                 .token = token};
     gateway_ = test::ValueOf(ViewerGateway::Start(options, link_));
   }
   std::uint16_t port() const {
@@ -239,6 +244,7 @@ class ViewerGatewayTest : public testing::Test {
     }
   }
 
+  ShownExpectations expectations_;
   ScriptedLink link_;
   std::unique_ptr<ViewerGateway> gateway_;
   std::unique_ptr<WebClient> client_;
@@ -435,7 +441,7 @@ class ScriptedRecording : public Recorded {
   std::optional<Range> range() const override { return Range{0, 9}; }
   std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }
   Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override {
-    if (position == 8) return Failure("the chunk is damaged");
+    if (position == damaged) return Failure("the chunk is damaged");
     const SharedFrame frame = FrameAt(session, position);
     return std::make_shared<const ViewedState>(
         ViewedState{position, world, {frame, &frame->state}, frame->state_hash, 0});
@@ -447,6 +453,7 @@ class ScriptedRecording : public Recorded {
   bool is_whole() const override { return whole; }
 
   bool whole = true;
+  std::uint64_t damaged = 8;
   SessionMessage session = LaserWorld();
   std::shared_ptr<const ViewedWorld> world = MakeViewedWorld(session, 1);
 };
@@ -514,6 +521,84 @@ TEST_F(ViewerGatewayTest, SignalsAreThoseOfTheStates) {
   EXPECT_EQ(reply["robots"][0]["name"], "r0");
   EXPECT_NEAR(reply["robots"][0]["distance"].get<double>(), 0.006, 1e-12);
   EXPECT_EQ(reply["robots"][1]["distance"], 0.0);
+}
+
+// Robot r0 is at x = tick mm.
+TEST_F(ViewerGatewayTest, ExpectationsHaveTheSameRowsInARunAndInItsRecording) {
+  expectations_.list = {{"slow", "always x(r0) < 4.5 mm"},
+                        {"arrives", "eventually x(r0) > 2.5 mm"},
+                        {"near", "always x(r0) < 1 m"},
+                        {"far", "eventually x(r0) > 1 m"},
+                        {"wrong", "always x(r7) < 1 m"}};
+  StartRun();
+  EXPECT_EQ(ReadText(*client_, "session")["expectations"], 5);
+  const auto ask = [](WebClient& client) {
+    client.SendText(R"({"type": "expectations", "id": 5})");
+    return ReadText(client, "reply");
+  };
+  for (Tick tick = 0; tick <= 3; ++tick) OnFrame(tick);
+  AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.tick == 3; });
+  const nlohmann::json early = ask(*client_);
+  EXPECT_EQ(early["to"], 3);
+  EXPECT_EQ(early["rows"][0]["verdict"], "undecided");
+  EXPECT_EQ(early["rows"][0]["at_end"], true);
+  EXPECT_EQ(early["rows"][1]["decided"], 3);
+  for (Tick tick = 4; tick <= 9; ++tick) OnFrame(tick);
+  AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.tick == 9; });
+  const nlohmann::json reply = ask(*client_);
+  EXPECT_EQ(reply["complete"], true) << reply;
+  EXPECT_EQ(reply["problem_at"], "");
+  const nlohmann::json& rows = reply["rows"];
+  ASSERT_EQ(rows.size(), 5u);
+  EXPECT_EQ(rows[0]["verdict"], "false");
+  EXPECT_EQ(rows[0]["decided"], 5);
+  EXPECT_EQ(rows[0]["spans"], nlohmann::json::parse("[[0, 1], [5, 2]]"));
+  EXPECT_EQ(rows[0]["names"].size(), 0u) << "no quantifier";
+  EXPECT_EQ(rows[1]["verdict"], "true");
+  EXPECT_EQ(rows[1]["spans"], nlohmann::json::parse("[[0, 0], [3, 1]]"));
+  EXPECT_EQ(rows[2]["verdict"], "undecided");
+  EXPECT_EQ(rows[2]["at_end"], true);
+  EXPECT_EQ(rows[2]["cause"], 9);
+  EXPECT_EQ(rows[2]["robustness"][0], nullptr);
+  EXPECT_NEAR(rows[2]["robustness"][1].get<double>(), 0.991, 1e-12);
+  EXPECT_EQ(rows[3]["at_end"], false);
+  EXPECT_EQ(rows[3]["spans"], nlohmann::json::parse("[[0, 0]]"));
+  EXPECT_THAT(rows[4]["problem"].get<std::string>(), testing::HasSubstr("r7"));
+
+  ScriptedRecording recording;
+  recording.damaged = 100;
+  const std::unique_ptr<ViewerGateway> of_run = std::move(gateway_);
+  ViewerGatewayOptions options;
+  options.port = 0;
+  options.expectations = expectations_;
+  gateway_ = test::ValueOf(ViewerGateway::Start(options, recording));
+  const auto client = Connect();
+  EXPECT_EQ(ask(*client), reply);
+}
+
+TEST_F(ViewerGatewayTest, ExpectationsOfAnEditedRunAreJudgedUpToTheEdit) {
+  expectations_.list = {{"slow", "always x(r0) < 4.5 mm"}};
+  StartRun();
+  for (Tick tick = 0; tick <= 3; ++tick) OnFrame(tick);
+  world_ = LaserWorld(1);
+  run_->OnSession(world_);
+  for (Tick tick = 3; tick <= 7; ++tick) OnFrame(tick);
+  AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.tick == 7; });
+  client_->SendText(R"({"type": "expectations", "id": 5})");
+  nlohmann::json reply = ReadText(*client_, "reply");
+  EXPECT_EQ(reply["problem_at"], "the world was changed at tick 3");
+  EXPECT_EQ(reply["rows"][0]["verdict"], "undecided");
+  // A reset begins anew.
+  world_ = LaserWorld(2);
+  run_->OnSession(world_);
+  for (Tick tick = 0; tick <= 6; ++tick) OnFrame(tick);
+  AwaitUpdate(*client_, [](const ParsedUpdate& update) { return update.tick == 6; });
+  client_->SendText(R"({"type": "expectations", "id": 6})");
+  reply = ReadText(*client_, "reply");
+  EXPECT_EQ(reply["problem_at"], "");
+  EXPECT_EQ(reply["rows"][0]["verdict"], "false");
+  EXPECT_EQ(reply["from"], 9);
+  EXPECT_EQ(reply["rows"][0]["decided"], 14);
 }
 
 TEST_F(ViewerGatewayTest, TheTimelineHasTheGapsOfThePast) {

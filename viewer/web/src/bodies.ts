@@ -22,6 +22,7 @@ interface Link {
   parts: Part[];
   batch: Batch | null;  // null: nothing to draw
   instance: number;
+  color: Color | null;  // that the instance has; null: another one
 }
 
 interface Body {
@@ -35,6 +36,7 @@ interface Batch {
   geometry: BufferGeometry;
   owners: Entity[];  // by instance
   mesh: InstancedMesh | null;
+  isRecolored: boolean;  // since it was drawn
 }
 
 const PLAIN = new Color(1, 1, 1);
@@ -91,6 +93,7 @@ export class Bodies {
 
   setStalledColor(color: Color): void {
     this.stalled.copy(color).multiplyScalar(-1);
+    for (const {links} of this.bodies) for (const link of links) link.color = null;
   }
 
   // True for models of bodies, which are no part of the static map.
@@ -104,17 +107,24 @@ export class Bodies {
       if (!links) continue;
       const stalled = body.entity.kind === 'robot' && run.robots[body.entity.index].stalled;
       const color = stalled ? this.stalled : sameEntity(body.entity, selected) ? SELECTED : PLAIN;
-      body.links.forEach((link, i) => {
-        if (!link.batch?.mesh) return;
-        link.batch.mesh.setMatrixAt(link.instance, toMatrix(links[i], this.matrix));
-        const isDark = link.light >= 0 && !run.isLit(this.world.lights[link.light]);
-        link.batch.mesh.setColorAt(link.instance, isDark ? DARK : color);
-      });
+      for (let i = 0; i < links.length; ++i) {
+        const link = body.links[i];
+        const {batch} = link;
+        if (!batch?.mesh) continue;
+        batch.mesh.setMatrixAt(link.instance, toMatrix(links[i], this.matrix));
+        const shown = link.light >= 0 && !run.isLit(this.world.lights[link.light]) ? DARK : color;
+        if (link.color === shown) continue;
+        link.color = shown;
+        batch.mesh.setColorAt(link.instance, shown);
+        batch.isRecolored = true;
+      }
     }
-    for (const {mesh} of this.batches.values()) {
+    for (const batch of this.batches.values()) {
+      const {mesh} = batch;
       if (!mesh) continue;
       mesh.instanceMatrix.needsUpdate = true;
-      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+      if (mesh.instanceColor && batch.isRecolored) mesh.instanceColor.needsUpdate = true;
+      batch.isRecolored = false;
       mesh.boundingSphere = null;  // else picking would use the poses of before
     }
   }
@@ -205,9 +215,9 @@ export class Bodies {
   }
 
   private addBody(entity: Entity, root: number): void {
-    const links: Link[] = [{joint: -1, light: -1, parent: 0, pose: IDENTITY, parts: [], batch: null, instance: 0}];
+    const links: Link[] = [{joint: -1, light: -1, parent: 0, pose: IDENTITY, parts: [], batch: null, instance: 0, color: null}];
     const addLink = (joint: number, light: number, parent: number, pose: Pose): number =>
-      links.push({joint, light, parent, pose, parts: [], batch: null, instance: 0}) - 1;
+      links.push({joint, light, parent, pose, parts: [], batch: null, instance: 0, color: null}) - 1;
     const body: Body = {entity, links, radius: 0.05, top: 0};
     const models = this.world.models;
     const places = new Map<number, {link: number; pose: Pose}>([[root, {link: 0, pose: IDENTITY}]]);
@@ -244,7 +254,7 @@ export class Bodies {
     if (!batch) {
       const geometry = this.makeGeometry(link, withNose);
       if (!geometry) return;
-      batch = {geometry, owners: [], mesh: null};
+      batch = {geometry, owners: [], mesh: null, isRecolored: false};
       this.batches.set(key, batch);
     }
     link.batch = batch;

@@ -1,8 +1,20 @@
 // Colours: those of meanings are variables of viewer.css, and each robot has a hue of its own for its trail and its plots.
 import {Color} from 'three';
 
+// Kept, because the browser computes the styles of the page for each question.
+const known = new Map<string, string>();
+let themeOfKnown: string | undefined;
+
 export function color(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const {theme} = document.documentElement.dataset;
+  if (theme !== themeOfKnown) known.clear();
+  themeOfKnown = theme;
+  let value = known.get(name);
+  if (value === undefined) {
+    value = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    known.set(name, value);
+  }
+  return value;
 }
 
 export function isDark(): boolean {

@@ -1,5 +1,5 @@
 // Connection: the WebSocket to the gateway. It connects again by itself, for instance when the gateway was restarted.
-import {decode, type Message, type RunStatus, type SeriesReply, type TimeSpan, type TotalsReply} from './protocol';
+import {decode, type ExpectationsReply, type Message, type RunStatus, type SeriesReply, type TimeSpan, type TotalsReply} from './protocol';
 
 export interface SessionInfo {
   session: string;
@@ -10,6 +10,7 @@ export interface SessionInfo {
   problem: string;
   command: string[];  // that started the run; empty: it is not known
   runs_again: boolean;  // the run, which is over, can be started again from the page
+  expectations: number;  // of the run's scenario
   saves_recording: boolean;  // the page can save the recording of the run, which is over
 }
 
@@ -93,6 +94,10 @@ export class Connection {
 
   totals(): Promise<TotalsReply> {
     return this.ask({type: 'totals'}) as Promise<unknown> as Promise<TotalsReply>;
+  }
+
+  expectations(): Promise<ExpectationsReply> {
+    return this.ask({type: 'expectations'}) as Promise<unknown> as Promise<ExpectationsReply>;
   }
 
   // `seed`: null: that of the run.

@@ -18,6 +18,44 @@ export function setText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
+// Leaves a list that has these options already as it is: it may be open.
+export function setOptions(list: HTMLSelectElement, options: HTMLOptionElement[]): void {
+  const texts = (all: Iterable<HTMLOptionElement>): string => [...all].map(({value, text}) => `${value} ${text}`).join();
+  if (texts(list.options) !== texts(options)) list.replaceChildren(...options);
+}
+
+// Replaces the children of an element. A list for a choice that has the focus stays in the page, in the place of the new
+// one with its label: an open list that leaves the page is closed.
+export function refill(parent: HTMLElement, children: HTMLElement[]): void {
+  const kept = document.activeElement;
+  const fresh = kept instanceof HTMLSelectElement && parent.contains(kept)
+    ? children.flatMap(child => [...child.querySelectorAll('select')]).find(each => each.ariaLabel === kept.ariaLabel && !each.disabled)
+    : undefined;
+  if (!fresh || !(kept instanceof HTMLSelectElement)) return parent.replaceChildren(...children);
+  const way = (from: Element, to: Element | null): Element[] => {
+    const nodes = [from];
+    while (nodes[0].parentElement && nodes[0].parentElement !== to) nodes.unshift(nodes[0].parentElement);
+    return nodes;
+  };
+  const [old, now] = [way(kept, parent), way(fresh, null)];
+  if (old.length !== now.length || old.some((each, i) => each.tagName !== now[i].tagName)) return parent.replaceChildren(...children);
+  old.forEach((each, i) => {
+    const siblings = i === 0 ? children : [...now[i - 1].childNodes];
+    for (const sibling of [...each.parentNode!.childNodes]) if (sibling !== each) sibling.remove();
+    const at = siblings.indexOf(now[i] as HTMLElement);
+    each.before(...siblings.slice(0, at));
+    each.after(...siblings.slice(at + 1));
+    for (const {name, value} of now[i].attributes) each.setAttribute(name, value);
+  });
+  const {value} = fresh;
+  setOptions(kept, [...fresh.options].map(option => option.cloneNode(true) as HTMLOptionElement));
+  if (kept.value !== value) kept.value = value;
+  kept.onchange = event => {
+    fresh.value = kept.value;
+    fresh.onchange?.(event);
+  };
+}
+
 export function fixed(value: number, digits: number): string {
   const text = value.toFixed(digits);
   return Number(text) === 0 ? (0).toFixed(digits) : text;

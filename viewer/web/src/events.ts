@@ -24,6 +24,7 @@ export function eventText({type, robot, other, object, detail}: RunEvent): strin
     case EventType.Unstable: return `${object || 'an object'} rests unstably on ${other || 'the ground'}`;
     case EventType.OutOfEnergy: return `${robot} is out of energy`;
     case EventType.Said: return `${robot} says: ${detail}`;
+    case EventType.Reported: return robot ? `${robot}: ${detail}` : detail;
   }
 }
 
@@ -35,7 +36,7 @@ interface Kind {
 const KINDS: Kind[] = [
   {name: 'Contacts', types: [EventType.StallBegan, EventType.StallEnded, EventType.Blocked]},
   {name: 'Objects', types: [EventType.Gripped, EventType.Released, EventType.Landed, EventType.Unstable]},
-  {name: 'Messages', types: [EventType.Said]},
+  {name: 'Messages', types: [EventType.Said, EventType.Reported]},
   {name: 'Energy', types: [EventType.OutOfEnergy]},
   {name: 'Agents', types: [EventType.Joined, EventType.Left, EventType.ProposalRejected]},
 ];
@@ -99,7 +100,11 @@ export class EventList {
     this.list.before(this.chips);
   }
 
-  // `selected`: the name of the selected robot or object; '': none.
+  count(run: Run): void {
+    setText(byId('event-count'), run.events.length > 0 ? String(run.events.length) : '');
+  }
+
+  // While the list is seen. `selected`: the name of the selected robot or object; '': none.
   show(run: Run, selected: string): void {
     this.run = run;
     this.selected = selected;
@@ -110,7 +115,6 @@ export class EventList {
       setText(button, `${kind.name} ${count}`);
       button.hidden = count === 0;
     }
-    setText(byId('event-count'), run.events.length > 0 ? String(run.events.length) : '');
     this.render();
   }
 

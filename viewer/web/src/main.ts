@@ -10,6 +10,7 @@ import {save, Video} from './graphics';
 import type {Message, RunEvent, TimeSpan} from './protocol';
 import {EndCard} from './end_card';
 import {EventList} from './events';
+import {Expectations} from './expectations';
 import {Plots} from './plots';
 import {RobotList} from './robot_list';
 import {findEntity, nameOf, Run, sameEntity, type Entity} from './run';
@@ -115,6 +116,8 @@ class Viewer {
   private readonly plots = new Plots(
     byId('plots'), this.connection, position => this.timeBar.timeline.seek(position),
     robot => this.agents.of(robot)?.answer_seconds ?? null, () => this.fileName());
+  private readonly expectations = new Expectations(
+    this.connection, position => this.timeBar.timeline.seek(position), () => this.refresh());
   private readonly endCard = new EndCard(this.connection, {
     info: () => this.info,
     select: name => {
@@ -277,10 +280,12 @@ class Viewer {
     this.panel.show(this.run, this.selected, this.agentOf(this.selectedRobot));
     this.grippers.show(this.run, this.selectedRobot);
     this.showRefusals();
-    this.events.show(this.run, this.selected ? nameOf(this.run.world, this.selected) : '');
+    this.events.count(this.run);
+    if (this.dock.tab === 'events') this.events.show(this.run, this.selected ? nameOf(this.run.world, this.selected) : '');
     setText(byId('world-name'), this.run.world.name);
     if (this.file) return;
     this.plots.show(this.run, this.selectedRobot);
+    this.expectations.show(this.run, this.info);
     this.endCard.show(this.run);
   }
 

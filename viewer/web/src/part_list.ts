@@ -1,5 +1,5 @@
 // PartList: the parts of a model as a list, with their properties, and the tools that add parts and build grippers.
-import {byId, make, toast} from './dom';
+import {byId, make, refill, setOptions, toast} from './dom';
 import type {EditorHelp, GripperRole, ModelPart, ModelReport} from './file_client';
 import {isBelow, pathKey, type PartShape, type PlacedPart, type Size} from './part_geometry';
 import {showProperties} from './property_rows';
@@ -72,9 +72,9 @@ export class PartList {
     const locked = !report?.here;
     for (const id of ['part-add', 'part-draw']) byId<HTMLButtonElement>(id).disabled = locked;
     this.showParents();
-    byId('model-parts').replaceChildren(
-      ...(report ? report.parts.map(part => this.row(part, [part.index]))
-                 : [make('div', 'faint', 'Apply the model first, then add sensors, joints and grippers.')]));
+    refill(
+      byId('model-parts'), report ? report.parts.map(part => this.row(part, [part.index]))
+        : [make('div', 'faint', 'Apply the model first, then add sensors, joints and grippers.')]);
     const shown = byId('model-parts').querySelector<HTMLElement>('.part.selected');
     const isCut = shown !== null && shown.getBoundingClientRect().top < byId('part-tools').getBoundingClientRect().bottom;
     shown?.scrollIntoView({block: isCut ? 'start' : 'nearest'});
@@ -150,10 +150,10 @@ export class PartList {
     const carriers = this.parts.filter(({part}) => CARRIERS.includes(part.model ?? ''));
     const selected = carriers.find(({path}) => pathKey(path) === this.selected);
     const kept = this.selected === '' ? '' : this.parent.value;
-    this.parent.replaceChildren(
-      new Option('the model', ''),
-      ...carriers.map(({part, path}) => new Option(part.name || part.type, pathKey(path))));
-    this.parent.value = selected?.part.model === 'gripper' ? this.selected : kept;
+    setOptions(this.parent, [
+      new Option('the model', ''), ...carriers.map(({part, path}) => new Option(part.name || part.type, pathKey(path)))]);
+    const value = selected?.part.model === 'gripper' ? this.selected : kept;
+    if (this.parent.value !== value) this.parent.value = value;
     if (this.parent.selectedIndex < 0) this.parent.value = '';
   }
 
@@ -191,7 +191,7 @@ export class PartList {
       const candidates = this.candidates(role, path);
       const select = document.createElement('select');
       select.dataset.role = role;
-      select.setAttribute('aria-label', label);
+      select.setAttribute('aria-label', `${label} of ${part.name}`);
       const none = role.endsWith('finger') ? 'own paddles' : role.endsWith('pad') ? 'the finger' : 'none';
       select.append(
         new Option(none, ''), ...candidates.map(each => new Option(each.part.name, pathKey(each.path))));

@@ -1,6 +1,6 @@
 // The properties of an entity, a model, a part or the file, as groups of fields: all that its type has, those that the
 // file gives first.
-import {make} from './dom';
+import {make, refill} from './dom';
 import type {EditorHelp, HelpRow} from './file_client';
 import {showController, type ControllerTarget} from './controller_form';
 import {fieldOf, helpText, type FileUnits} from './property_fields';
@@ -163,7 +163,7 @@ export function showProperties(parent: HTMLElement, shown: ShownProperty[], help
     }
     return box;
   });
-  parent.replaceChildren(...boxes.filter(box => box.childElementCount > 1));
+  refill(parent, boxes.filter(box => box.childElementCount > 1));
   if (!focused) return;
   const again = [...parent.querySelectorAll<HTMLElement>('[data-property], [data-parameter]')].find(
     each => [each.dataset.property, each.dataset.element, each.dataset.parameter].every((value, i) => value === focused[i]));

@@ -162,6 +162,30 @@ export interface TotalsReply {
   robots?: Array<{name: string; distance: number; energy?: number}>;
 }
 
+// The verdicts of expectations over the past (viewer/gateway/expectation_rows.h).
+export interface ExpectationRow {
+  name: string;
+  text: string;
+  problem: string;  // why it is not judged; the others are missing then
+  verdict?: 'true' | 'false' | 'undecided';
+  at_end?: boolean;  // it holds if the run ends at the last judged state
+  decided?: number | null;  // positions
+  cause?: number | null;
+  names?: string[];
+  robustness?: [number | null, number | null];  // null: infinite
+  spans?: Array<[number, number]>;  // from a position on: 0: not decided, 1: it holds so far, 2: violated
+}
+export interface ExpectationsReply {
+  done: boolean;
+  problem: string;
+  complete: boolean;
+  from: number;  // positions
+  from_tick: number;
+  to: number;
+  problem_at: string;  // why later states are not judged
+  rows: ExpectationRow[];
+}
+
 export interface Scan {
   pose: Pose;  // in the robot
   fov: number;

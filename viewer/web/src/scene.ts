@@ -162,7 +162,9 @@ export class WorldScene {
 
   show(run: Run, selected: Entity | null): void {
     if (!this.setting || run.world !== this.setting.world) return;
+    const isFirst = this.run === null;
     this.run = run;
+    if (isFirst && this.framed) this.home();  // robots and objects may be far from their starts
     this.selected = selected;
     this.motion.update(run, performance.now());
     this.trails.show(run);
@@ -213,7 +215,7 @@ export class WorldScene {
     this.invalidate();
   }
 
-  // The whole world in the picture.
+  // The whole world in the picture, as it is now.
   home(): void {
     if (this.setting) this.frame(this.contentBox(this.setting.world, this.setting.map));
   }
@@ -388,10 +390,9 @@ export class WorldScene {
 
   private contentBox(world: World, map: StaticMap): Box3 {
     const box = new Box3().setFromObject(map.group);
-    for (const root of [...world.robots.filter(r => r.present).map(r => r.root), ...world.objects]) {
-      const {x, y, z} = world.models[root].pose;
-      box.expandByPoint(new Vector3(x, y, z));
-    }
+    const add = ({x, y, z}: Pose): Box3 => box.expandByPoint(new Vector3(x, y, z));
+    world.robots.forEach(({present, root}, i) => present && add(this.run?.robots[i]?.pose ?? world.models[root].pose));
+    world.objects.forEach((root, i) => add(this.run?.objects[i]?.pose ?? world.models[root].pose));
     const reach = this.leastReach;
     if (reach > 0) box.expandByPoint(new Vector3(-reach, -reach, 0)).expandByPoint(new Vector3(reach, reach, 0));
     if (box.isEmpty()) box.set(new Vector3(-5, -5, 0), new Vector3(5, 5, 1));

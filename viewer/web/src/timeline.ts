@@ -34,6 +34,10 @@ export class Timeline {
     byId('back').onclick = () => this.play(this.playing < 0 ? 0 : -1);
     byId('step-back').onclick = () => this.step(-1);
     byId('continue').onclick = () => void this.continueHere();
+    // A run that stands has no news that would draw the axis anew.
+    new ResizeObserver(() => {
+      if (this.run) this.draw(this.run);
+    }).observe(this.axis);
   }
 
   get inPast(): boolean {

@@ -1,0 +1,46 @@
+#include "launcher/commands/shown_expectations.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "testing/cases/case_run.h"
+#include "testing/cases/test_file.h"
+
+namespace troupe {
+namespace {
+
+ShownExpectations ExpectationsIn(const std::string& file) {
+  if (!file.ends_with(".json")) return {};
+  Result<ShownExpectations> expectations = ReadExpectations(file);
+  return expectations.ok() ? std::move(expectations).value() : ShownExpectations();
+}
+
+}  // namespace
+
+Result<ShownExpectations> ReadExpectations(const std::string& file) {
+  const Result<TestFile> test = TestFile::Read(file);
+  if (!test.ok()) return test.error();
+  ShownExpectations shown;
+  for (const TestClause& clause : test.value().expect()) shown.list.push_back({clause.name, clause.text});
+  if (shown.list.empty()) return Error{{file}, "found no 'expect', expected a test or a scenario with expectations"};
+  const CaseWorlds worlds(test.value());
+  const Result<LoadedWorld> loaded = worlds.Load(test.value().design().At(0));
+  if (!loaded.ok()) return loaded.error();
+  for (const RegionOfScenario& region : loaded.value().regions) shown.regions.push_back({region.name, region.outline});
+  return shown;
+}
+
+ShownExpectations ExpectationsOfRun(const std::string& file) {
+  if (!IsRecordingPath(file)) return ExpectationsIn(file);
+  const Result<Recording> recording = Recording::Open(file);
+  return recording.ok() ? ExpectationsOf(recording.value()) : ShownExpectations();
+}
+
+ShownExpectations ExpectationsOf(const Recording& recording) {
+  const std::filesystem::path named = recording.run().file;
+  const std::filesystem::path beside = std::filesystem::path(recording.name()).parent_path() / named.filename();
+  std::error_code failure;
+  return ExpectationsIn((std::filesystem::exists(named, failure) ? named : beside).string());
+}
+
+}  // namespace troupe

@@ -1,0 +1,22 @@
+// The expectations of the scenario of a run, for the rows under the timeline of the viewer's page.
+#pragma once
+
+#include <string>
+
+#include "recording/recording.h"
+#include "troupe/result.h"
+#include "viewer/gateway/expectation_rows.h"
+
+namespace troupe {
+
+// Of a test or of a scenario with `expect`. The error is any other file.
+Result<ShownExpectations> ReadExpectations(const std::string& file);
+
+// Of the file of a run, which may be a recording that it continues. None: it has none that could be read.
+ShownExpectations ExpectationsOfRun(const std::string& file);
+
+// Of the scenario that the recording names: as it was named, or with the same name beside the recording, as of a
+// failing case. None: likewise.
+ShownExpectations ExpectationsOf(const Recording& recording);
+
+}  // namespace troupe

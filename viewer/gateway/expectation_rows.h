@@ -1,0 +1,72 @@
+// ExpectationRows: the verdicts of expectations over the past of a run, for the rows under the timeline of the page.
+// They are computed from its states, a bounded part in each call: the page asks for the rest. So a live run, its
+// recording and a viewer that seeks see the same.
+//
+// Threads: one at a time, that of PastStates::At.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/spatial/body_index.h"
+#include "troupe/expectation.h"
+#include "viewer/gateway/page_request.h"
+#include "viewer/gateway/past_states.h"
+
+namespace troupe {
+
+struct ShownExpectation {
+  std::string name;
+  std::string text;  // in the language of expectations
+};
+struct ShownExpectations {
+  std::vector<ShownExpectation> list;
+  std::vector<NamedRegion> regions;  // that they name
+};
+
+class ExpectationRows {
+ public:
+  // The past outlives the rows.
+  ExpectationRows(PastStates& past, ShownExpectations expectations);
+
+  // {"complete", "from": position and "from_tick": of the first state, "to": position of the last judged one,
+  // "problem_at": why later states are not judged, or "", "rows": [{"name", "text", "problem": why it is not judged, or
+  // "", "verdict": "true", "false" or "undecided", "at_end": whether it holds if the run ends there, "decided":
+  // position after which the verdict was known, or null, "cause": position that decides the robustness, or null,
+  // "names": of the robots that do, "robustness": [least, greatest], null: infinite, "spans": [[position, mark],
+  // ...]}]}. A mark counts from its position to the next one: 0: not decided, and what is awaited has not happened; 1:
+  // it holds if the run ends there; 2: violated. Not complete: ask again.
+  PageReply Answer(const ExpectationsRequest& request);
+
+ private:
+  struct Row {
+    ShownExpectation shown;
+    std::optional<Monitor> monitor = {};
+    std::string problem = {};
+    std::vector<std::uint8_t> marks = {};                // at every stride_-th state, until it is decided
+    std::optional<std::uint64_t> decided_position = {};  // nothing: it is open
+  };
+
+  // Whether what was judged is a part of the past as it is now.
+  bool Continues(const PastStates::Range& range);
+  void Begin(const std::shared_ptr<const ViewedState>& state);
+  void Add(const std::shared_ptr<const ViewedState>& state);
+  void Push(Row& row, const ViewedState& state);
+  nlohmann::json Describe(const Row& row) const;
+
+  PastStates& past_;
+  std::vector<NamedRegion> regions_;
+  std::vector<Row> rows_;
+  std::optional<BodyIndex> bodies_;           // of the world of last_
+  std::shared_ptr<const ViewedState> first_;  // that is judged; null: none
+  std::shared_ptr<const ViewedState> last_;
+  std::uint64_t next_ = 0;    // position
+  std::uint64_t stride_ = 1;  // states from one mark to the next
+  std::string stopped_;       // why the states from next_ on are not judged; empty: they are
+};
+
+}  // namespace troupe

@@ -1,0 +1,48 @@
+#include "viewer/gateway/page_texts.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/json.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kMostAwaited = 50;  // names in a status
+
+}  // namespace
+
+std::string SessionText(const ViewerGatewayOptions& options, const SessionFacts& facts) {
+  return JsonText(nlohmann::json{{"type", "session"},
+                                 {"session", options.session},
+                                 {"view_only", options.view_only},
+                                 {"connected", facts.connected},
+                                 {"recording", facts.recording},
+                                 {"editor", options.editor},
+                                 {"command", options.command},
+                                 {"runs_again", facts.runs_again},
+                                 {"saves_recording", facts.saves_recording},
+                                 {"expectations", options.expectations.list.size()},
+                                 {"problem", facts.problem}});
+}
+
+std::shared_ptr<const std::string> StatusText(std::optional<StatusMessage> status) {
+  if (!status) return nullptr;
+  const std::size_t count = status->waiting_for.size();
+  status->waiting_for.resize(std::min(count, kMostAwaited));
+  auto text = FieldsToJson<nlohmann::ordered_json>(*status);
+  text["type"] = "status";
+  text["waiting_count"] = count;
+  return std::make_shared<const std::string>(JsonText(text));
+}
+
+std::shared_ptr<const std::string> TimelineText(const std::vector<TimeSpan>& spans) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const TimeSpan& span : spans) rows.push_back({span.first, span.last, span.tick});
+  const nlohmann::json text = {{"type", "timeline"}, {"spans", std::move(rows)}};
+  return std::make_shared<const std::string>(JsonText(text));
+}
+
+}  // namespace troupe

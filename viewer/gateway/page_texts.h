@@ -1,0 +1,31 @@
+// The messages to the page that are JSON: the session, the status and the timeline. Replies are in page_request.h.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "transport/protocol/messages.h"
+#include "viewer/gateway/past_states.h"
+#include "viewer/gateway/viewer_gateway.h"
+
+namespace troupe {
+
+// What the page is told about its session beside the options of the gateway.
+struct SessionFacts {
+  bool connected = false;
+  bool recording = false;
+  bool runs_again = false;
+  bool saves_recording = false;
+  std::string problem = {};
+};
+std::string SessionText(const ViewerGatewayOptions& options, const SessionFacts& facts);
+
+// The fields of the status, and `waiting_count`, because it names only some robots. Null: there is none.
+std::shared_ptr<const std::string> StatusText(std::optional<StatusMessage> status);
+
+// The spans of the past: those that are new tell more than the page knows by the ends of the timeline in each update.
+std::shared_ptr<const std::string> TimelineText(const std::vector<TimeSpan>& spans);
+
+}  // namespace troupe
