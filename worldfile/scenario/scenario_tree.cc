@@ -309,6 +309,7 @@ WorldTree Merged(WorldTree tree, WorldTree include, const SourceLocation& where)
       tree.warnings.push_back({where, "the define " + Quoted(name) + " is there already: the first one counts"});
     }
   }
+  if (tree.site == nullptr) tree.site = std::move(include.site);
   for (WorldNode& node : include.world.children) {
     tree.world.children.push_back(WithAnchoredBitmaps(directory, std::move(node)));
   }
