@@ -64,7 +64,9 @@ void AddDataSharingFlag(CLI::App& app, NetworkSettings& settings, const std::str
 }  // namespace
 
 CLI::Option* AddWorldFile(CLI::App& app, std::string& file) {
-  return app.add_option("FILE", file, "A Stage world (.world), a scenario (.json) or a ROS map (.yaml)")
+  return app
+      .add_option("FILE", file,
+                  "A Stage world (.world), a scenario (.json), a building (.building.yaml) or a ROS map (.yaml)")
       ->required()
       ->check(NotEmpty())
       ->type_name("");

@@ -16,6 +16,7 @@ void World(Bytes bytes);      // a Stage world
 void Scenario(Bytes bytes);   // a JSON scenario
 void Image(Bytes bytes);      // an image, to the body of a model
 void MapYaml(Bytes bytes);    // a ROS map's YAML, and behind a zero byte its image
+void Building(Bytes bytes);   // a building of Open-RMF
 void Recording(Bytes bytes);  // a recorded run: behind a zero byte a file, behind another one its messages
 
 // The language of expectations: a text, as an expectation, or behind a space as a metric.

@@ -1,10 +1,14 @@
 // Feeds any bytes to the reader of Stage worlds. Includes find a few files in memory; no file is read.
 #include <map>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "fuzz/targets.h"
 #include "worldfile/models/build_world.h"
 #include "worldfile/scenario/scenario.h"
+#include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
 
 namespace troupe::fuzz {
@@ -24,6 +28,16 @@ const std::map<std::string, std::string>& MemoryFiles() {
 void CheckMessage(const SourceLocation& where, const std::string& message) {
   Check(!message.empty() && !where.file.empty() && where.line >= 1 && where.column >= 1);
   Check(message.find('\n') == std::string::npos);
+}
+
+// A tree becomes a valid world, or an error.
+void CheckBuilt(const WorldTree& tree) {
+  BuildOptions build;
+  build.without_bitmaps = true;
+  const Result<LoadedWorld> loaded = BuildWorld(tree, {}, build);
+  if (!loaded.ok()) return CheckMessage(loaded.error().where, loaded.error().message);
+  for (const Warning& warning : loaded.value().warnings) CheckMessage(warning.where, warning.message);
+  Check(Validate(loaded.value().world).ok());  // a loaded world is valid
 }
 
 // Feeds any bytes to the reader of scenarios. The world that they may name is a small one in memory; no file is read.
@@ -58,12 +72,16 @@ void World(Bytes bytes) {
   parse.max_items = 500;
   const Result<WorldTree> tree = ParseStageText(TextOf(bytes), "w.world", parse);
   if (!tree.ok()) return CheckMessage(tree.error().where, tree.error().message);
-  BuildOptions build;
-  build.without_bitmaps = true;
-  const Result<LoadedWorld> loaded = BuildWorld(tree.value(), {}, build);
-  if (!loaded.ok()) return CheckMessage(loaded.error().where, loaded.error().message);
-  for (const Warning& warning : loaded.value().warnings) CheckMessage(warning.where, warning.message);
-  Check(Validate(loaded.value().world).ok());  // a loaded world is valid
+  CheckBuilt(tree.value());
+}
+
+// Feeds any bytes to the reader of buildings.
+void Building(Bytes bytes) {
+  Result<Site> site = ReadBuildingText(TextOf(bytes), "fuzz/s.building.yaml");
+  if (!site.ok()) return CheckMessage(site.error().where, site.error().message);
+  const Result<WorldTree> tree = SiteTree(std::make_shared<const Site>(std::move(site).value()));
+  if (!tree.ok()) return CheckMessage(tree.error().where, tree.error().message);
+  CheckBuilt(tree.value());
 }
 
 void Scenario(Bytes bytes) {

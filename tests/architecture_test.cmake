@@ -24,12 +24,15 @@ set(may_include_common/image common/base common/bitmap)
 set(may_include_common/model common/base common/bitmap common/geometry)
 set(may_include_common/spatial common/base common/bitmap common/geometry common/model)
 set(may_include_common/sensing common/base common/geometry common/model common/spatial include/troupe/sensor.h)
+set(may_include_common/crowd common/base common/geometry)
 set(may_include_common/picture common/base common/bitmap common/geometry common/model)
 set(may_include_common/run common/base)
 set(may_include_worldfile/text common/base)
 set(may_include_worldfile/stage common/base worldfile/text)
 set(may_include_worldfile/map
   common/base common/geometry common/model common/bitmap common/image worldfile/stage worldfile/text)
+set(may_include_worldfile/sites
+  common/base common/geometry common/model worldfile/stage worldfile/text)
 set(may_include_worldfile/models/properties
   common/base common/geometry common/model worldfile/map worldfile/stage worldfile/text)
 set(may_include_worldfile/models/types
@@ -37,16 +40,16 @@ set(may_include_worldfile/models/types
   worldfile/text)
 set(may_include_worldfile/models
   common/base common/geometry common/image common/model common/run common/spatial worldfile/models/properties
-  worldfile/models/types worldfile/stage worldfile/text)
+  worldfile/models/types worldfile/sites worldfile/stage worldfile/text)
 set(may_include_worldfile/scenario
   common/base common/geometry common/model common/bitmap common/run common/spatial
-  worldfile/models worldfile/models/types worldfile/map worldfile/stage
+  worldfile/models worldfile/models/types worldfile/map worldfile/sites worldfile/stage
   worldfile/text)
 set(may_include_worldfile/edit
   common/base common/geometry worldfile/stage worldfile/text)
 set(may_include_worldfile
   common/base common/geometry common/model
-  worldfile/models worldfile/models/types worldfile/map worldfile/scenario
+  worldfile/models worldfile/models/types worldfile/map worldfile/scenario worldfile/sites
   worldfile/stage worldfile/text)
 set(may_include_transport/protocol common/base common/geometry common/model)
 set(may_include_transport/shared_memory common/base common/geometry common/model transport/protocol)
@@ -188,7 +191,7 @@ set(may_include_launcher/commands
   common/base command_line transport/dds/tools common/geometry common/model common/picture transport/protocol
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/models worldfile/scenario
-  worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
+  worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
   testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base command_line launcher/commands)
 

@@ -8,6 +8,8 @@
 #include "worldfile/models/start_overlap.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/scenario/scenario.h"
+#include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/stage/world_tree.h"
 #include "worldfile/text/text_file.h"
@@ -21,14 +23,22 @@ Result<LoadedWorld> LoadStageWorld(const std::string& path, const LoadOverrides&
   return BuildWorld(tree.value(), overrides);
 }
 
+Result<LoadedWorld> LoadBuilding(const std::string& path, const LoadOverrides& overrides) {
+  const Result<WorldTree> tree = ReadSiteTree(path, overrides.allowed);
+  if (!tree.ok()) return tree.error();
+  return BuildWorld(tree.value(), overrides);
+}
+
 Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& overrides) {
   const std::string ending = std::filesystem::path(path).extension().string();
+  if (IsBuildingPath(path)) return LoadBuilding(path, overrides);
   if (ending == ".world") return LoadStageWorld(path, overrides);
   if (ending == ".json") return LoadScenario(path, overrides);
   if (ending == ".yaml" || ending == ".yml") return BuildWorld(MapYamlTree(path), overrides);
-  return Error{
-      {path},
-      "found a file ending in " + Quoted(ending) + ", expected .world (Stage), .json (scenario) or .yaml (ROS map)"};
+  return Error{{path},
+               "found a file ending in " + Quoted(ending) +
+                   ", expected .world (Stage), .json (scenario), .yaml (ROS map) or "
+                   ".building.yaml (Open-RMF)"};
 }
 
 std::string EndingOf(const std::string& path) {

@@ -9,7 +9,8 @@
 
 namespace troupe {
 
-// Loads a Stage world (.world), a JSON scenario (.json) or a ROS map (.yaml), by the file's ending.
+// Loads a Stage world (.world), a JSON scenario (.json), a building of Open-RMF (.building.yaml) or a ROS map (.yaml),
+// by the file's ending.
 Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides = {});
 
 // Models that can be added to a running world: those of its world file, and files with one model.

@@ -134,9 +134,11 @@ Caption MakeCaption(const WorldDescription& world, const WorldState& state, Pict
   const double seconds = static_cast<double>(state.tick) * world.interval_seconds();
   char time[48];
   std::snprintf(time, sizeof time, "%.*f s", seconds < 1e5 && world.interval_ns % 100'000'000 != 0 ? 3 : 1, seconds);
+  std::size_t robots = 0;
+  for (std::size_t i = 0; i < world.robots.size(); ++i) robots += RobotExists(world, RobotId(i)) ? 1 : 0;
   Caption caption;
   caption.title = world.name;
-  caption.detail = "tick " + std::to_string(state.tick) + ", " + time + ", " + Count(world.robots.size(), "robot");
+  caption.detail = "tick " + std::to_string(state.tick) + ", " + time + ", " + Count(robots, "robot");
   if (view == PictureView::kSide) caption.detail += ", seen along +y";
   const auto stalled =
       std::count_if(state.robots.begin(), state.robots.end(), [](const RobotState& robot) { return robot.stalled; });
@@ -153,7 +155,7 @@ void KeepSlice(const PictureOptions& options, std::vector<Solid>& solids, std::v
   const double reach = 0.5 * *options.meters;
   const auto outside = [&](const Rectangle& box) { return box.max_y < middle - reach || box.min_y > middle + reach; };
   std::erase_if(solids, [&](const Solid& solid) { return outside(solid.box); });
-  for (RobotExtent& extent : extents) extent.shown = !outside(extent.box);
+  for (RobotExtent& extent : extents) extent.shown = extent.shown && !outside(extent.box);
 }
 
 cairo_status_t AppendBytes(void* bytes, const unsigned char* data, unsigned int size) {
@@ -173,7 +175,7 @@ Result<std::string> DrawPicture(const WorldDescription& world, const WorldState&
                                 const std::vector<Mark>& marks) {
   if (const Status problem = CheckPictureOptions(options); !problem.ok()) return problem.error();
   std::vector<Solid> solids = CollectSolids(world, state);
-  std::vector<RobotExtent> extents = RobotExtents(solids, state);
+  std::vector<RobotExtent> extents = RobotExtents(solids, world, state);
   const bool top = options.view == PictureView::kTop;
   if (!top && options.meters) KeepSlice(options, solids, extents);
   const Drawing drawing{world, state, fans, marks, solids, extents};

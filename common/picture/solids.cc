@@ -92,10 +92,12 @@ std::vector<Solid> CollectSolids(const WorldDescription& world, const WorldState
   return solids;
 }
 
-std::vector<RobotExtent> RobotExtents(const std::vector<Solid>& solids, const WorldState& state) {
+std::vector<RobotExtent> RobotExtents(const std::vector<Solid>& solids, const WorldDescription& world,
+                                      const WorldState& state) {
   std::vector<RobotExtent> extents;
   for (const RobotState& robot : state.robots) {
-    RobotExtent extent{Rectangle::Nothing(), {robot.X_WR.z, robot.X_WR.z}, true};
+    const bool exists = RobotExists(world, RobotId(extents.size()));
+    RobotExtent extent{Rectangle::Nothing(), {robot.X_WR.z, robot.X_WR.z}, exists};
     extent.box.Extend(robot.X_WR.translation());
     extents.push_back(extent);
   }

@@ -34,12 +34,13 @@ struct Solid {
 // All blocks and bitmaps, in the order of models and blocks.
 std::vector<Solid> CollectSolids(const WorldDescription& world, const WorldState& state);
 
-// Around all solids of each robot, m, frame W; a robot without a body is a point.
+// Around all solids of each robot, m, frame W; a robot without a body is a point, a removed one is not shown.
 struct RobotExtent {
   Rectangle box;
   ZRange z;
   bool shown = true;
 };
-std::vector<RobotExtent> RobotExtents(const std::vector<Solid>& solids, const WorldState& state);
+std::vector<RobotExtent> RobotExtents(const std::vector<Solid>& solids, const WorldDescription& world,
+                                      const WorldState& state);
 
 }  // namespace troupe

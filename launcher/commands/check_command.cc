@@ -5,7 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <memory>
+#include <set>
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
@@ -16,6 +18,7 @@
 #include "testing/cases/case_run.h"
 #include "testing/cases/test_file.h"
 #include "worldfile/scenario/scenario.h"
+#include "worldfile/sites/site.h"
 #include "worldfile/text/json_tree.h"
 #include "worldfile/text/text_file.h"
 
@@ -100,6 +103,48 @@ std::string DescribeSettings(const LoadedWorld& loaded) {
   return fmt::format("run: {}, {} s a tick, seed {}, {}, {}, on_agent_loss {}, {} per process\n", ticks,
                      static_cast<double>(loaded.world.interval_ns) / 1e9, loaded.world.seed, ToString(settings.mode),
                      speed, ToString(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));
+}
+
+std::string DescribeLevel(const SiteLevel& level) {
+  std::set<std::uint32_t> graphs;
+  for (const SiteLane& lane : level.lanes) graphs.insert(lane.graph);
+  std::string text = fmt::format("  level {}: elevation {:g} m", level.name, level.elevation);
+  if (!level.drawing.empty()) text += fmt::format(", drawing {} of {:.5g} m a pixel", level.drawing, level.scale);
+  text +=
+      fmt::format(", {}, {}, {}, {} in {}, {}", Count(level.walls.size(), "wall"), Count(level.doors.size(), "door"),
+                  Count(level.floors.size(), "floor"), Count(level.lanes.size(), "lane"), Count(graphs.size(), "graph"),
+                  fmt::format("{} vertices", level.vertices.size()));
+  if (!level.human_lanes.empty()) text += ", " + Count(level.human_lanes.size(), "lane") + " of people";
+  return PlainLine(text) + "\n";
+}
+
+// The levels and lifts of a building, and its places by their roles; nothing for other worlds.
+std::string DescribeSite(const LoadedWorld& loaded) {
+  if (loaded.site == nullptr) return "";
+  const Site& site = *loaded.site;
+  std::string text = PlainLine(fmt::format("building: {}, {}, {}", site.name, Count(site.levels.size(), "level"),
+                                           Count(site.lifts.size(), "lift"))) +
+                     "\n";
+  for (const SiteLevel& level : site.levels) text += DescribeLevel(level);
+  for (const SiteLift& lift : site.lifts) {
+    std::string line = fmt::format("  lift {}: {:g} x {:g} m, at", lift.name, lift.width, lift.depth);
+    for (std::size_t i = 0; i < site.levels.size(); ++i) {
+      if (!lift.doors_at[i].empty()) line += " " + site.levels[i].name;
+    }
+    text += PlainLine(line) + "\n";
+  }
+  std::map<std::string, std::size_t> roles;
+  for (const NamedPlace& place : loaded.world.places) {
+    for (std::size_t i = 1; i < place.tags.size(); ++i) ++roles[place.tags[i].substr(0, place.tags[i].find(':'))];
+  }
+  std::string places = fmt::format("  places: {}", loaded.world.places.size());
+  for (const auto& [role, count] : roles) places += fmt::format(", {} {}", count, role);
+  text += PlainLine(places) + "\n";
+  if (site.crowd.people() > 0) {
+    text += fmt::format("  crowd: {} people in {}{}\n", site.crowd.people(), Count(site.crowd.groups.size(), "group"),
+                        site.crowd.is_enabled ? "" : ", off");
+  }
+  return text;
 }
 
 // Models, robots, objects and settings.
@@ -216,6 +261,7 @@ std::string DescribeWorld(const LoadedWorld& loaded) {
   std::string text = fmt::format("world: {} ({})\n", loaded.world.name, Count(loaded.files.size(), "file"));
   text += loaded.map_width == 0 ? std::string("map: none\n")
                                 : fmt::format("map: {} x {} pixels\n", loaded.map_width, loaded.map_height);
+  text += DescribeSite(loaded);
   text += DescribeContent(loaded);
   text += fmt::format("warnings: {}\n", loaded.warnings.size());
   for (const Warning& warning : loaded.warnings) text += "  " + warning.ToString() + "\n";

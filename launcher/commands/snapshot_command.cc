@@ -41,6 +41,27 @@ PictureOptions ToPictureOptions(const SnapshotOptions& options) {
   return picture;
 }
 
+// The world without the bodies of models whose base is not at one of these heights, m: a level of a building.
+WorldDescription AtHeights(WorldDescription world, const WorldState& state, double min, double max) {
+  std::vector<std::optional<double>> moving(world.models.size());  // m, of the models of robots and objects
+  for (std::size_t i = 0; i < world.robots.size(); ++i) moving[world.robots[i].root.index()] = state.robots[i].X_WR.z;
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    moving[world.objects[i].index()] = state.objects[i].X_WO.z;
+  }
+  const ShapeId nothing(world.shapes.size());
+  world.shapes.emplace_back();
+  std::vector<double> heights(world.models.size());
+  for (std::size_t i = 0; i < world.models.size(); ++i) {
+    ModelDescription& model = world.models[i];
+    if (model.parent && moving[model.parent->index()]) moving[i] = moving[model.parent->index()];
+    heights[i] = moving[i] ? *moving[i] : model.X_PM.z + (model.parent ? heights[model.parent->index()] : 0.0);
+    if (heights[i] >= min && heights[i] < max) continue;
+    model.shape = nothing;
+    model.removed = moving[i].has_value();  // then no name of a robot is shown either
+  }
+  return world;
+}
+
 // A camera of a world.
 struct FoundCamera {
   RobotId robot;
@@ -68,6 +89,12 @@ Result<FoundCamera> FindCamera(const WorldDescription& world, const std::string&
 // The picture of a state, or the view of a camera in it.
 Status SaveState(const Scene& scene, const BodyIndex& bodies, const WorldState& state, const SnapshotOptions& options,
                  const PictureOptions& picture, PictureRays rays) {
+  if (!options.heights.empty()) {
+    const Scene part(AtHeights(scene.world(), state, options.heights[0], options.heights[1]));
+    BodyIndex bodies_of_part(part);
+    bodies_of_part.Assign(state);
+    return SavePicture(part, bodies_of_part, state, options.output, picture, rays);
+  }
   if (options.camera.empty()) return SavePicture(scene, bodies, state, options.output, picture, rays);
   const Result<FoundCamera> camera = FindCamera(scene.world(), options.camera);
   if (!camera.ok()) return camera.error();
@@ -88,7 +115,10 @@ Status CheckCameraOptions(const SnapshotOptions& options) {
   if (format.ok() && format.value() != PictureFormat::kPng) {
     return Error{{options.output}, "found a camera's picture as .svg, expected .png"};
   }
-  if (!options.rays && options.view == "top" && !options.width && options.center.empty() && !options.meters) return {};
+  if (!options.rays && options.view == "top" && !options.width && options.center.empty() && !options.meters &&
+      options.heights.empty()) {
+    return {};
+  }
   return Error{{}, "found --camera beside an option of the world's picture, expected one of the two"};
 }
 
@@ -186,7 +216,7 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<SnapshotOptions>();  // lives as long as the command
   command
       ->add_option("FILE", options->file,
-                   "A Stage .world file, a JSON scenario, a ROS map .yaml or a recording (.mcap)")
+                   "A Stage .world file, a JSON scenario, a .building.yaml, a ROS map .yaml or a recording (.mcap)")
       ->required()
       ->check(NotEmpty());
   command->add_option("-o,--output", options->output, "The picture; its ending, .png or .svg, selects the format")
@@ -212,6 +242,12 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
       ->group(part);
   command->add_option("--meters", options->meters, "Its width, m; a side view shows as much to the front and back")
       ->type_name("W")
+      ->group(part);
+  command
+      ->add_option("--heights", options->heights,
+                   "Only models whose base is from MIN m to below MAX m, as those of a level of a building")
+      ->expected(2)
+      ->type_name("MIN MAX")
       ->group(part);
   command->add_option("--width", options->width, "Width of the picture (default: up to 1000 pixels)")
       ->check(WholeNumber(kMinPictureWidth, kMaxPictureWidth))
@@ -259,6 +295,13 @@ int SnapshotCommand(const SnapshotOptions& options) {
   simulation.Step(options.tick);
   for (const std::string& failure : simulation.failures()) PrintPlain(stderr, "warning: {}\n", failure);
   const CameraImage image = options.depths ? CameraImage::kDepths : CameraImage::kColors;
+  if (!options.heights.empty()) {
+    const Scene scene(simulation.world());
+    BodyIndex bodies(scene);
+    bodies.Assign(simulation.state());
+    const Status saved = SaveState(scene, bodies, simulation.state(), options, picture_options, rays);
+    return saved.ok() ? kExitDone : Fail(saved.error());
+  }
   const Status saved = camera ? simulation.SaveView(options.output, camera->robot, camera->sensor, image)
                               : simulation.SavePicture(options.output, picture_options, rays);
   return saved.ok() ? kExitDone : Fail(saved.error());

@@ -21,6 +21,7 @@ struct SnapshotOptions {
   std::optional<int> width;      // pixels
   std::vector<double> center;    // x and y, m
   std::optional<double> meters;  // m
+  std::vector<double> heights;   // m, the least and the first one above: only models whose base is between
   std::optional<std::uint64_t> seed;
   std::optional<std::string> controller;
 };

@@ -21,6 +21,7 @@ struct Target {
 
 constexpr Target kTargets[] = {
     {"admissions", Admissions},
+    {"building", Building},
     {"changes", Changes},
     {"control", Control},
     {"control_reply", ControlReply},

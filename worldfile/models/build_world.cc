@@ -9,6 +9,7 @@
 #include "worldfile/models/properties/color_names.h"
 #include "worldfile/models/properties/property_reader.h"
 #include "worldfile/models/types/model_types.h"
+#include "worldfile/sites/site_tree.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
@@ -332,6 +333,8 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
   std::sort(loaded.world.grippers.begin(), loaded.world.grippers.end(),
             [](const GripperDescription& a, const GripperDescription& b) { return a.model < b.model; });
   loaded.placed_alone = builder.placed_alone();
+  loaded.site = tree.site;
+  if (tree.site != nullptr) loaded.world.places = PlacesOf(*tree.site);
   loaded.files = tree.files;
   const std::vector<std::string> bitmaps = context.bitmaps.Paths();
   loaded.files.insert(loaded.files.end(), bitmaps.begin(), bitmaps.end());

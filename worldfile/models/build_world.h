@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,7 @@ struct LoadedWorld {
   std::optional<std::uint32_t> ros_domains_from = {};
   RosLockstep ros_lockstep = {};  // of a scenario
   std::vector<RegionOfScenario> regions = {};
+  std::shared_ptr<const Site> site = {};  // of a building; null for other files
 };
 
 // Settings of the program that loads a world.

@@ -8,6 +8,8 @@
 #include "common/model/robots_by_name.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/scenario/scenario_tree.h"
+#include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/json_tree.h"
 #include "worldfile/text/text_file.h"
@@ -146,7 +148,11 @@ void Complete(LoadedWorld& loaded, const ScenarioFile& file, const ScenarioPlan&
   const bool has_speed = loaded.settings.speed || !loaded.settings.watched_speed;
   if (!has_speed) loaded.settings.watched_speed = of_world.watched_speed;
   if (file.name) loaded.world.name = *file.name;
-  loaded.world.places = file.places;
+  // A place of the scenario is in the stead of the building's place of that name.
+  std::erase_if(loaded.world.places, [&](const NamedPlace& place) {
+    return std::any_of(file.places.begin(), file.places.end(), [&](const auto& own) { return own.name == place.name; });
+  });
+  loaded.world.places.insert(loaded.world.places.end(), file.places.begin(), file.places.end());
   loaded.regions = file.regions;
   loaded.ros_lockstep = file.ros_lockstep;
   loaded.ros_lockstep.names.insert(loaded.ros_lockstep.names.end(), plan.ros_lockstep.begin(), plan.ros_lockstep.end());
@@ -195,6 +201,7 @@ void CopyPlaces(const WorldDescription& from, WorldDescription& to) {
 }  // namespace
 
 Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
+  if (IsBuildingPath(path)) return ReadSiteTree(path, allowed);
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path, allowed);
   // The tree only names the map: an unreadable one would be found too late to name the right line.

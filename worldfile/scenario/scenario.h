@@ -41,7 +41,7 @@ Result<WorldTree> ReadScenarioTree(const std::string& text, const std::string& p
 // The machines that a scenario names.
 Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path);
 
-// The tree of a Stage world or include file, or (by its ending) of a ROS map.
+// The tree of a Stage world or include file, or (by its ending) of a ROS map or a building.
 Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
 
 // The means of loading a scenario, for callers that load many or must not touch the disk.

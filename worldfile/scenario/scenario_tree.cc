@@ -317,6 +317,7 @@ WorldTree Merged(WorldTree tree, WorldTree include, const SourceLocation& where)
       tree.warnings.push_back({where, "the define " + Quoted(name) + " is there already: the first one counts"});
     }
   }
+  if (tree.site == nullptr) tree.site = std::move(include.site);
   for (std::size_t i = 0; i < include.world.children.size(); ++i) {
     tree.world.children.Add(WithAnchoredBitmaps(directory, std::move(include.world.children.Change(i))));
   }

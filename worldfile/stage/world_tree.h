@@ -16,6 +16,8 @@
 
 namespace troupe {
 
+struct Site;  // worldfile/sites/site.h
+
 // A number, with its text for messages.
 struct NumberValue {
   double value = 0.0;
@@ -123,6 +125,7 @@ struct WorldTree {
   std::vector<std::string> files;         // every file that was read, the top one first
   std::vector<Warning> warnings;
   std::string directory;  // of the top file: relative bitmaps and includes start here
+  std::shared_ptr<const Site> site = {};  // that the tree was made from; null for other files
 };
 
 // The factors from the units of a world's files to metres and radians.

@@ -106,6 +106,25 @@ TEST_F(SnapshotCommandTest, WritesTheViewOfACamera) {
   EXPECT_NE(Read("first.png"), Read("depths.png"));
 }
 
+// The picture of a world without what is above.
+TEST_F(SnapshotCommandTest, DrawsOnlyModelsAtTheGivenHeights) {
+  const std::string below =
+      "name \"w\"\nmodel( size [1 1 1] color \"red\" pose [2 0 0 0] )\n"
+      "position( name \"r\" size [0.4 0.4 0.3] color \"blue\" pose [0 1 0 0] )\n";
+  Write("below.world", below);
+  Write("both.world",
+        below +
+            "model( size [1 1 1] color \"red\" pose [0 0 5 0] model( size [0.2 0.2 0.2] color \"green\" ) )\n"
+            "position( name \"up\" size [0.4 0.4 0.3] color \"blue\" pose [1 1 5 0] )\n");
+  const std::string part = " --center 1 0 --meters 6 --width 300";
+  EXPECT_EQ(RunLine(Path("below.world") + " -o " + Path("below.png") + part), 0) << message_;
+  EXPECT_EQ(RunLine(Path("both.world") + " -o " + Path("both.png") + part), 0) << message_;
+  EXPECT_EQ(RunLine(Path("both.world") + " -o " + Path("cut.png") + " --heights -1 3" + part), 0) << message_;
+  EXPECT_EQ(Read("cut.png"), Read("below.png"));
+  EXPECT_NE(Read("both.png"), Read("below.png"));
+  EXPECT_EQ(RunLine(Path("good.world") + " -o " + Path("eye.png") + " --camera r0 --heights 0 1"), 2);
+}
+
 TEST_F(SnapshotCommandTest, ReadsItsOptionsFromTheCommandLine) {
   const std::string files = Path("good.world") + " -o " + Path("part.png");
   EXPECT_EQ(RunLine(files + " --tick 5 --view side --rays --center 0 -1 --meters 3 --width 300 --seed 7"), 0)

@@ -19,6 +19,7 @@
 #include "launcher/supervise/run_again.h"
 #include "tests/support/small_world.h"
 #include "tests/support/values.h"
+#include "worldfile/sites/site.h"
 
 namespace troupe {
 namespace {
@@ -315,6 +316,36 @@ TEST(DescribeWorld, DescribesTheContentOfAWorld) {
                               "    gripper hand: fingers left and right, lift lift, 2 beams, autosnatch\n"
                               "objects: 1 (gravity 9.81 m/s^2)\n  box: 0.5 x 0 x 0 m\n"));
   EXPECT_THAT(text, HasSubstr("warnings: 1\n  w.world:3:1: warning: unknown property \"fancy\"\n"));
+}
+
+TEST(DescribeWorld, CountsThePartsOfABuilding) {
+  Site site;
+  site.name = "house";
+  site.levels.resize(2);
+  site.levels[0].name = "L1";
+  site.levels[0].drawing = "plan.png";
+  site.levels[0].scale = 0.05;
+  site.levels[0].walls.resize(1);
+  site.levels[0].lanes.resize(3);
+  site.levels[0].lanes[2].graph = 4;
+  site.levels[0].human_lanes.resize(2);
+  site.levels[1].name = "L2";
+  site.levels[1].elevation = 4.5;
+  site.lifts.push_back({.name = "up", .width = 1.5, .depth = 2.0, .doors_at = {{}, {0}}});
+  site.crowd.groups = {{.count = 3}, {.count = 1, .robots = {"r0"}}};
+  LoadedWorld loaded;
+  loaded.site = std::make_shared<const Site>(site);
+  loaded.world.places = {{.name = "a", .tags = {"L1", "charger", "dock:d1"}}, {.name = "b", .tags = {"L1", "charger"}}};
+  EXPECT_THAT(
+      DescribeWorld(loaded),
+      HasSubstr("building: house, 2 levels, 1 lift\n"
+                "  level L1: elevation 0 m, drawing plan.png of 0.05 m a pixel, 1 wall, 0 doors, 0 floors, 3 lanes "
+                "in 2 graphs, 0 vertices, 2 lanes of people\n"
+                "  level L2: elevation 4.5 m, 0 walls, 0 doors, 0 floors, 0 lanes in 0 graphs, 0 vertices\n"
+                "  lift up: 1.5 x 2 m, at L2\n"
+                "  places: 2, 2 charger, 1 dock\n"
+                "  crowd: 3 people in 2 groups, off\n"
+                "models: 0"));
 }
 
 TEST(PoseText, HasThreeOrFourNumbersAsInScenarios) {

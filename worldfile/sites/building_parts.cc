@@ -1,0 +1,95 @@
+#include "worldfile/sites/building_parts.h"
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+
+namespace troupe {
+namespace {
+
+std::uint32_t ReadGraph(YamlReader& yaml, const YAML::Node& params) {
+  return static_cast<std::uint32_t>(yaml.Number(yaml.Parameter(params, "graph_idx"), "'graph_idx'", 0.0, 0.0, 1e6));
+}
+
+}  // namespace
+
+Vec2 ReadPoint(YamlReader& yaml, const YAML::Node& list, const std::string& what) {
+  const double x = yaml.Number(list[0], "the x of " + what, 0.0);
+  const double y = yaml.Number(list[1], "the y of " + what, 0.0);
+  return {x, y};
+}
+
+SiteVertex ReadVertex(YamlReader& yaml, const YAML::Node& node) {
+  SiteVertex vertex;
+  if (!yaml.HasItems(node, 2, "a vertex")) return vertex;
+  vertex.where = yaml.At(node);
+  vertex.position = ReadPoint(yaml, node, "a vertex");
+  if (node.size() > 3) vertex.name = yaml.Text(node[3], "a vertex's name");
+  if (node.size() < 5) return vertex;
+  const YAML::Node params = node[4];
+  const auto flag = [&](const char* key) { return yaml.Flag(yaml.Parameter(params, key), Quoted(key), false); };
+  const auto text = [&](const char* key) { return yaml.Text(yaml.Parameter(params, key), Quoted(key)); };
+  vertex.is_charger = flag("is_charger");
+  vertex.is_parking_spot = flag("is_parking_spot");
+  vertex.is_holding_point = flag("is_holding_point");
+  vertex.is_cleaning_zone = flag("is_cleaning_zone");
+  vertex.is_passthrough_point = flag("is_passthrough_point");
+  vertex.dock = text("dock_name");
+  vertex.lift_cabin = text("lift_cabin");
+  vertex.pickup_dispenser = text("pickup_dispenser");
+  vertex.dropoff_ingestor = text("dropoff_ingestor");
+  vertex.mutex = text("mutex");
+  vertex.human_goal_set = text("human_goal_set_name");
+  vertex.robot_type = text("spawn_robot_type");
+  vertex.robot_name = text("spawn_robot_name");
+  yaml.WarnOfUnknownKeys(params, "a vertex",
+                         {"is_charger", "is_parking_spot", "is_holding_point", "is_cleaning_zone",
+                          "is_passthrough_point", "dock_name", "lift_cabin", "pickup_dispenser", "dropoff_ingestor",
+                          "mutex", "human_goal_set_name", "spawn_robot_type", "spawn_robot_name"});
+  return vertex;
+}
+
+SiteDoor ReadDoor(YamlReader& yaml, const SiteEdge& edge, const YAML::Node& params) {
+  SiteDoor door;
+  door.edge = edge;
+  door.name = yaml.Text(yaml.Parameter(params, "name"), "a door's name");
+  const YAML::Node kind = yaml.Parameter(params, "type");
+  const std::string text = yaml.Text(kind, "the type of door " + Quoted(door.name), "hinged");
+  const std::map<std::string, SiteDoorKind> kinds{
+      {"hinged", SiteDoorKind::kHinged},     {"double_hinged", SiteDoorKind::kDoubleHinged},
+      {"sliding", SiteDoorKind::kSliding},   {"double_sliding", SiteDoorKind::kDoubleSliding},
+      {"telescope", SiteDoorKind::kSliding}, {"double_telescope", SiteDoorKind::kDoubleSliding}};
+  if (const auto found = kinds.find(text); found != kinds.end()) {
+    door.kind = found->second;
+  } else {
+    yaml.Fail(kind,
+              "found the door type " + Quoted(text) + ", expected hinged, double_hinged, sliding or double_sliding");
+  }
+  door.swing = std::numbers::pi / 180.0 *
+               yaml.Number(yaml.Parameter(params, "motion_degrees"), "'motion_degrees'", 90.0, -360.0, 360.0);
+  door.opens_clockwise = yaml.Number(yaml.Parameter(params, "motion_direction"), "'motion_direction'", 1.0) >= 0.0;
+  door.hinge_at_end = yaml.Text(yaml.Parameter(params, "motion_axis"), "'motion_axis'", "start") == "end";
+  door.right_left_ratio = yaml.Number(yaml.Parameter(params, "right_left_ratio"), "'right_left_ratio'", 1.0, 1e-3, 1e3);
+  door.is_operated = yaml.Text(yaml.Parameter(params, "plugin"), "'plugin'", "normal") != "none";
+  return door;
+}
+
+SiteLane ReadLane(YamlReader& yaml, const SiteEdge& edge, const YAML::Node& params) {
+  SiteLane lane;
+  lane.edge = edge;
+  lane.graph = ReadGraph(yaml, params);
+  YAML::Node both_ways = yaml.Parameter(params, "bidirectional");
+  if (!both_ways) both_ways = yaml.Parameter(params, "is_bidirectional");
+  lane.is_bidirectional = yaml.Flag(both_ways, "'bidirectional'", false);
+  lane.orientation = yaml.Text(yaml.Parameter(params, "orientation"), "'orientation'");
+  lane.speed_limit = std::max(0.0, yaml.Number(yaml.Parameter(params, "speed_limit"), "'speed_limit'", 0.0));
+  lane.mutex = yaml.Text(yaml.Parameter(params, "mutex"), "'mutex'");
+  return lane;
+}
+
+SiteHumanLane ReadHumanLane(YamlReader& yaml, const SiteEdge& edge, const YAML::Node& params) {
+  const double width = yaml.Number(yaml.Parameter(params, "width"), "'width'", 0.0, 0.0);
+  return {edge, ReadGraph(yaml, params), width};
+}
+
+}  // namespace troupe

@@ -1,0 +1,21 @@
+// Open-RMF's building files (`.building.yaml`, of rmf_traffic_editor) to a Site.
+#pragma once
+
+#include <string>
+
+#include "common/base/paths.h"
+#include "troupe/result.h"
+#include "worldfile/sites/site.h"
+
+namespace troupe {
+
+// True if a file of this name is a building: it ends in ".building.yaml".
+bool IsBuildingPath(const std::string& path);
+
+// Reads a building. What has no effect, and what is not simulated, is named once in the site's warnings.
+Result<Site> ReadBuilding(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
+
+// The same from text; `path` names it in messages.
+Result<Site> ReadBuildingText(const std::string& text, const std::string& path);
+
+}  // namespace troupe

@@ -1,0 +1,400 @@
+#include "worldfile/sites/site_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "troupe/deterministic_math.h"
+#include "troupe/rectangle.h"
+#include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/door_leaves.h"
+#include "worldfile/sites/site_robots.h"
+#include "worldfile/stage/stage_world.h"
+#include "worldfile/text/text_file.h"
+
+namespace troupe {
+namespace {
+
+// As in the worlds that Open-RMF generates; m.
+constexpr double kWallHeight = 2.5;
+constexpr double kWallThickness = 0.1;
+constexpr double kFloorThickness = 0.1;
+constexpr double kDoorHeight = 2.2;
+constexpr double kDoorThickness = 0.03;
+constexpr double kDoorSill = 0.01;  // below the leaves
+constexpr double kCabinHeight = 2.5;
+constexpr double kCabinThickness = 0.05;
+constexpr double kShaftGap = 0.05;
+constexpr double kCabinDoorInset = 0.025;
+
+constexpr double kLaneWidth = 0.06;  // of the stripe that shows a lane
+constexpr double kLaneHeight = 0.005;
+
+struct SiteBlock {
+  std::vector<Vec2> outline;
+  double min_z = 0.0;
+  double max_z = 0.0;
+};
+
+class NodeMaker {
+ public:
+  NodeMaker(std::string type, const SourceLocation& where) {
+    node.type = std::move(type);
+    node.where = where;
+  }
+
+  NodeMaker& Text(const std::string& name, const std::string& text) { return Add(name, text); }
+  NodeMaker& Number(const std::string& name, double value) { return Add(name, NumberOf(value)); }
+  NodeMaker& Numbers(const std::string& name, const std::vector<double>& values) {
+    Value::Tuple tuple;
+    for (const double value : values) tuple.push_back(NumberOf(value));
+    return Add(name, std::move(tuple));
+  }
+  NodeMaker& At(const Pose& pose) { return Numbers("pose", {pose.x, pose.y, pose.z, RadiansToDegrees(pose.heading)}); }
+  NodeMaker& Child(WorldNode child) {
+    node.children.push_back(std::move(child));
+    return *this;
+  }
+
+  WorldNode node;
+
+ private:
+  static Value::Number NumberOf(double value) { return {value, NumberText(value)}; }
+  NodeMaker& Add(const std::string& name, decltype(Value::content) content) {
+    node.Set({name, {std::move(content), node.where}, node.where});
+    return *this;
+  }
+};
+
+// A model whose blocks are in its parent's frame.
+NodeMaker BlocksModel(const std::string& name, const std::vector<SiteBlock>& blocks, const std::string& color,
+                      const SourceLocation& where) {
+  NodeMaker model("model", where);
+  Rectangle box = Rectangle::Nothing();
+  double min_z = blocks.front().min_z;
+  double max_z = blocks.front().max_z;
+  for (const SiteBlock& block : blocks) {
+    for (const Vec2& p : block.outline) box.Extend(p);
+    min_z = std::min(min_z, block.min_z);
+    max_z = std::max(max_z, block.max_z);
+    NodeMaker node("block", where);
+    node.Number("points", static_cast<double>(block.outline.size()));
+    for (std::size_t i = 0; i < block.outline.size(); ++i) {
+      node.Numbers("point[" + std::to_string(i) + "]", {block.outline[i].x(), block.outline[i].y()});
+    }
+    model.Child(node.Numbers("z", {block.min_z, block.max_z}).node);
+  }
+  // A model's blocks fill its size, so this is theirs.
+  const Vec2 center = box.center();
+  model.Text("name", name).Text("color", color).Numbers("pose", {center.x(), center.y(), 0.0, 0.0});
+  return model.Numbers("size", {box.max_x - box.min_x, box.max_y - box.min_y, max_z - min_z});
+}
+
+// A model without a body of its own.
+NodeMaker Group(const std::string& name, const Pose& pose, const SourceLocation& where) {
+  NodeMaker group("model", where);
+  return group.Text("name", name).At(pose).Number("noblocks", 1).Number("stack_children", 0);
+}
+
+// A rectangle along the line from `a` to `b`, longer by `extra` m at both ends.
+std::vector<Vec2> Bar(const Vec2& a, const Vec2& b, double width, double extra) {
+  const Vec2 along = (b - a).normalized();
+  const Vec2 left = 0.5 * width * Vec2(-along.y(), along.x());
+  const Vec2 from = a - extra * along;
+  const Vec2 to = b + extra * along;
+  return {from - left, to - left, to + left, from + left};
+}
+
+std::vector<Vec2> Box(double min_x, double min_y, double max_x, double max_y) {
+  return {{min_x, min_y}, {max_x, min_y}, {max_x, max_y}, {min_x, max_y}};
+}
+
+WorldNode LeafNode(const std::string& name, const DoorLeaf& leaf, bool is_open, double height,
+                   const SourceLocation& where) {
+  NodeMaker node("model", where);
+  node.Text("name", name).Text("color", "peru").At(is_open ? leaf.X_WH_open() : leaf.X_WH);
+  node.Numbers("size", {leaf.max_x - leaf.min_x, kDoorThickness, height});
+  return node.Numbers("origin", {0.5 * (leaf.min_x + leaf.max_x), 0.0, kDoorSill, 0.0}).node;
+}
+
+// The models of one door, "NAME.right" at the start of its edge and "NAME.left" at its end.
+WorldNode DoorNode(const std::string& name, const std::vector<DoorLeaf>& leaves, bool is_open, double height,
+                   const SourceLocation& where) {
+  const double floor = leaves.front().X_WH.z;
+  NodeMaker door = Group(name, {0.0, 0.0, floor, 0.0}, where);
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    DoorLeaf leaf = leaves[i];
+    leaf.X_WH.z -= floor;
+    door.Child(LeafNode(i == 0 ? "right" : "left", leaf, is_open, height, where));
+  }
+  return std::move(door.node);
+}
+
+class TreeMaker {
+ public:
+  TreeMaker(const Site& site, WorldTree& tree) : site_(site), tree_(tree) {}
+
+  Status Make() {
+    for (const SiteLevel& level : site_.levels) AddLevel(level);
+    for (const SiteLift& lift : site_.lifts) AddLift(lift);
+    for (const SiteLevel& level : site_.levels) {
+      if (Status error = AddRobots(level); !error.ok()) return error;
+    }
+    if (open_ > 0) {
+      tree_.warnings.push_back({open_where_, "found " + CountText(open_, "door") + "; " +
+                                                 (open_ == 1 ? "it stands open" : "they stand open")});
+    }
+    return Status();
+  }
+
+ private:
+  void Warn(const SourceLocation& where, const std::string& message) { tree_.warnings.push_back({where, message}); }
+  void AddToWorld(WorldNode node) { tree_.world.children.push_back(std::move(node)); }
+
+  static const Vec2& StartOf(const SiteLevel& level, const SiteEdge& edge) {
+    return level.vertices[edge.start].position;
+  }
+  static const Vec2& EndOf(const SiteLevel& level, const SiteEdge& edge) { return level.vertices[edge.end].position; }
+
+  // False, with a warning, for an edge from a place to itself.
+  bool HasLength(const SiteLevel& level, const SiteEdge& edge, const char* what) {
+    if ((EndOf(level, edge) - StartOf(level, edge)).norm() > 1e-6) return true;
+    Warn(edge.where, "found a " + std::string(what) + " without length, expected two places; it is left out");
+    return false;
+  }
+
+  void AddLevel(const SiteLevel& level) {
+    NodeMaker group = Group(level.name, {0.0, 0.0, level.elevation, 0.0}, level.where);
+    std::vector<SiteBlock> walls;
+    for (const SiteEdge& wall : level.walls) {
+      if (!HasLength(level, wall, "wall")) continue;
+      walls.push_back(
+          {Bar(StartOf(level, wall), EndOf(level, wall), kWallThickness, 0.5 * kWallThickness), 0.0, kWallHeight});
+    }
+    std::vector<SiteBlock> floors;
+    for (const SiteFloor& floor : level.floors) {
+      Polygon outline;
+      for (const std::size_t vertex : floor.vertices) outline.push_back(level.vertices[vertex].position);
+      const Result<Polygon> normalized = Normalized(std::move(outline));
+      if (normalized.ok()) {
+        floors.push_back({normalized.value(), -kFloorThickness, 0.0});
+      } else {
+        Warn(floor.where,
+             "found a floor that is no simple polygon: " + normalized.error().message + "; it is left out");
+      }
+    }
+    if (!floors.empty()) group.Child(BlocksModel("floors", floors, "gray90", level.where).node);
+    AddLanes(level, group);
+    if (!walls.empty()) group.Child(BlocksModel("walls", walls, "gray40", level.where).node);
+    AddToWorld(std::move(group.node));
+    for (const SiteDoor& door : level.doors) {
+      if (!HasLength(level, door.edge, "door")) continue;
+      CountIfOpen(door.is_operated, door.edge.where);
+      AddToWorld(DoorNode(door.name.empty() ? level.name + "_door" : door.name,
+                          LeavesOf(door, level.vertices, level.elevation), door.is_operated, kDoorHeight,
+                          door.edge.where));
+    }
+  }
+
+  // Stripes on the floor, which nothing hits.
+  void AddLanes(const SiteLevel& level, NodeMaker& group) {
+    const char* const kColors[] = {"RoyalBlue", "OrangeRed", "SeaGreen", "DarkViolet", "goldenrod", "DeepPink"};
+    std::map<std::uint32_t, std::vector<SiteBlock>> graphs;
+    for (const SiteLane& lane : level.lanes) {
+      if (!HasLength(level, lane.edge, "lane")) continue;
+      graphs[lane.graph].push_back(
+          {Bar(StartOf(level, lane.edge), EndOf(level, lane.edge), kLaneWidth, 0.0), 0.0, kLaneHeight});
+    }
+    for (const auto& [graph, stripes] : graphs) {
+      NodeMaker lanes =
+          BlocksModel("lanes_" + std::to_string(graph), stripes, kColors[graph % std::size(kColors)], level.where);
+      group.Child(lanes.Number("obstacle_return", 0).Number("ranger_return", -1).node);
+    }
+  }
+
+  void CountIfOpen(bool is_open, const SourceLocation& where) {
+    if (!is_open) return;
+    if (open_++ == 0) open_where_ = where;
+  }
+
+  // A side of the cabin: its doors' intervals leave parts of the wall.
+  struct CabinSide {
+    bool along_x = true;
+    double outside = 0.0;                         // of the other coordinate, m, frame C
+    std::vector<std::pair<double, double>> gaps;  // m, along the side
+  };
+
+  void AddLift(const SiteLift& lift) {
+    const double w = 0.5 * lift.width;
+    const double d = 0.5 * lift.depth;
+    CabinSide sides[] = {{true, d, {}}, {true, -d, {}}, {false, -w, {}}, {false, w, {}}};
+    for (std::size_t i = 0; i < lift.doors.size(); ++i) AddLiftDoor(lift, i, sides);
+    std::vector<SiteBlock> blocks{{Box(-w, -d, w, d), -kCabinThickness, 0.0}};
+    for (CabinSide& side : sides) {
+      std::sort(side.gaps.begin(), side.gaps.end());
+      const double half = side.along_x ? w : d - kCabinThickness;
+      side.gaps.push_back({half, half});
+      const double inside = side.outside - std::copysign(kCabinThickness, side.outside);
+      const double low = std::min(side.outside, inside);
+      const double high = std::max(side.outside, inside);
+      double from = -half;
+      for (const auto& [begin, end] : side.gaps) {
+        const double to = std::min(begin, half);
+        if (to - from > 1e-3) {
+          blocks.push_back({side.along_x ? Box(from, low, to, high) : Box(low, from, high, to), 0.0, kCabinHeight});
+        }
+        from = std::max(from, end);
+      }
+    }
+    NodeMaker cabin = Group(lift.name, lift.X_WC, lift.where);
+    AddToWorld(cabin.Child(BlocksModel("cabin", blocks, "LightSteelBlue", lift.where).node).node);
+  }
+
+  // The doors of the cabin and of the shaft, and the gap in the cabin's wall.
+  void AddLiftDoor(const SiteLift& lift, std::size_t number, CabinSide (&sides)[4]) {
+    const SiteLiftDoor& door = lift.doors[number];
+    const double w = 0.5 * lift.width;
+    const double d = 0.5 * lift.depth;
+    const bool at_end_of_x = std::fabs(std::fabs(door.position.x()) - w) <= std::fabs(std::fabs(door.position.y()) - d);
+    const double across = at_end_of_x ? door.position.x() : door.position.y();
+    const double along = at_end_of_x ? door.position.y() : door.position.x();
+    sides[at_end_of_x ? (across > 0.0 ? 3 : 2) : (across > 0.0 ? 0 : 1)].gaps.push_back(
+        {along - 0.5 * door.width, along + 0.5 * door.width});
+    // `outwards`: m from the cabin's wall
+    const auto add = [&](const std::string& name, double outwards, const Pose& X_WC, bool is_open) {
+      const double distance = std::copysign((at_end_of_x ? w : d) + outwards, across);
+      const Pose X_CD{at_end_of_x ? distance : along, at_end_of_x ? along : distance, 0.0, WrapAngle(door.heading)};
+      const Pose X_WD = X_WC * X_CD;
+      const double half = 0.5 * door.width;
+      AddToWorld(DoorNode(name,
+                          {SlidingLeaf(X_WD, 0.5 * half, half, half), SlidingLeaf(X_WD, -0.5 * half, half, -half)},
+                          is_open, kCabinHeight, lift.where));
+    };
+    const auto opens_at = [&](std::size_t level) {
+      return std::count(lift.doors_at[level].begin(), lift.doors_at[level].end(), number) > 0;
+    };
+    const bool is_open = lift.is_operated && opens_at(lift.initial_level);
+    add("CabinDoor_" + lift.name + "_" + door.name, -kCabinDoorInset, lift.X_WC, is_open);
+    for (std::size_t i = 0; i < site_.levels.size(); ++i) {
+      if (!opens_at(i)) continue;
+      Pose X_WC = lift.X_WC;
+      X_WC.z = site_.levels[i].elevation;
+      const std::string name = "ShaftDoor_" + lift.name + "_" + site_.levels[i].name + "_" + door.name;
+      add(name, kShaftGap, X_WC, is_open && i == lift.initial_level);
+    }
+  }
+
+  // The define that the file's name of a robot model stands for: "TinyRobot" for "Open-RMF/TinyRobot".
+  std::optional<std::string> DefineOf(const std::string& type) const {
+    const auto lower = [](std::string text) {
+      for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+      return text;
+    };
+    const std::string wanted = lower(type.substr(type.rfind('/') + 1));
+    for (const auto& [name, define] : tree_.defines) {
+      if (define.base == "position" && lower(name) == wanted) return name;
+    }
+    return std::nullopt;
+  }
+
+  Status AddRobots(const SiteLevel& level) {
+    for (std::size_t i = 0; i < level.vertices.size(); ++i) {
+      const SiteVertex& vertex = level.vertices[i];
+      if (vertex.robot_type.empty()) continue;
+      const std::optional<std::string> define = DefineOf(vertex.robot_type);
+      if (!define && !unknown_robots_[vertex.robot_type]) {
+        unknown_robots_[vertex.robot_type] = true;
+        Warn(vertex.where, "found the robot model " + Quoted(vertex.robot_type) +
+                               ", which is not known; a box of 0.6 m, 'SiteRobot', is used");
+      }
+      Result<WorldNode> robot = Instantiate(tree_, define.value_or("SiteRobot"), vertex.where);
+      if (!robot.ok()) return robot.error();
+      NodeMaker maker("position", vertex.where);
+      maker.node = std::move(robot).value();
+      maker.Text("name", vertex.robot_name.empty() ? vertex.robot_type : vertex.robot_name);
+      maker.At({vertex.position.x(), vertex.position.y(), level.elevation, HeadingAt(level, i)});
+      AddToWorld(std::move(maker.node));
+    }
+    return Status();
+  }
+
+  // A robot stands along the first lane of its vertex.
+  static double HeadingAt(const SiteLevel& level, std::size_t vertex) {
+    for (const SiteLane& lane : level.lanes) {
+      if (lane.edge.start != vertex && lane.edge.end != vertex) continue;
+      const Vec2 along = EndOf(level, lane.edge) - StartOf(level, lane.edge);
+      return WrapAngle(Atan2(along.y(), along.x()) + (lane.orientation == "backward" ? kPi : 0.0));
+    }
+    return 0.0;
+  }
+
+  const Site& site_;
+  WorldTree& tree_;
+  std::size_t open_ = 0;  // doors that would be operated
+  SourceLocation open_where_;
+  std::map<std::string, bool> unknown_robots_;  // those that were named in a warning
+};
+
+// What a vertex is for.
+std::vector<std::string> RolesOf(const SiteVertex& vertex) {
+  std::vector<std::string> roles;
+  const auto add = [&](bool is, const std::string& role) {
+    if (is) roles.push_back(role);
+  };
+  add(vertex.is_charger, "charger");
+  add(vertex.is_parking_spot, "parking_spot");
+  add(vertex.is_holding_point, "holding_point");
+  add(vertex.is_cleaning_zone, "cleaning_zone");
+  add(vertex.is_passthrough_point, "passthrough_point");
+  add(!vertex.dock.empty(), "dock:" + vertex.dock);
+  add(!vertex.lift_cabin.empty(), "lift:" + vertex.lift_cabin);
+  add(!vertex.pickup_dispenser.empty(), "dispenser:" + vertex.pickup_dispenser);
+  add(!vertex.dropoff_ingestor.empty(), "ingestor:" + vertex.dropoff_ingestor);
+  add(!vertex.human_goal_set.empty(), "people:" + vertex.human_goal_set);
+  add(!vertex.robot_name.empty(), "robot:" + vertex.robot_name);
+  return roles;
+}
+
+}  // namespace
+
+Result<WorldTree> SiteTree(std::shared_ptr<const Site> site) {
+  Result<WorldTree> tree = ParseStageText(kSiteRobots, site->file);
+  if (!tree.ok()) return tree;
+  WorldTree& made = tree.value();
+  made.world.where = {site->file, 1, 1};
+  made.files = {site->file};
+  made.directory = DirectoryOf(site->file);
+  made.warnings = site->warnings;
+  made.world.Set({"name", {site->name, made.world.where}, made.world.where});
+  if (Status error = TreeMaker(*site, made).Make(); !error.ok()) return error.error();
+  made.site = std::move(site);
+  return tree;
+}
+
+Result<WorldTree> ReadSiteTree(const std::string& path, const AllowedPaths& allowed) {
+  Result<Site> site = ReadBuilding(path, allowed);
+  if (!site.ok()) return site.error();
+  return SiteTree(std::make_shared<const Site>(std::move(site).value()));
+}
+
+std::vector<NamedPlace> PlacesOf(const Site& site) {
+  std::vector<NamedPlace> places;
+  FreeNames names;
+  for (const SiteLevel& level : site.levels) {
+    for (std::size_t i = 0; i < level.vertices.size(); ++i) {
+      const SiteVertex& vertex = level.vertices[i];
+      NamedPlace place;
+      place.tags = RolesOf(vertex);
+      if (vertex.name.empty() && place.tags.empty()) continue;
+      place.name = names.Add(vertex.name.empty() ? level.name + "." + std::to_string(i) : vertex.name);
+      place.tags.insert(place.tags.begin(), level.name);
+      place.X_WN = {vertex.position.x(), vertex.position.y(), level.elevation, 0.0};
+      places.push_back(std::move(place));
+    }
+  }
+  return places;
+}
+
+}  // namespace troupe

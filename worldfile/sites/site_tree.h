@@ -1,0 +1,26 @@
+// From a Site to the models of a world, and to its named places.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/paths.h"
+#include "troupe/result.h"
+#include "troupe/world_description.h"
+#include "worldfile/sites/site.h"
+#include "worldfile/stage/world_tree.h"
+
+namespace troupe {
+
+// Doors stand open but for those that nothing operates and those of levels at which a lift is not. The tree has a
+// define for each robot model that building files name, and refers to the site.
+Result<WorldTree> SiteTree(std::shared_ptr<const Site> site);
+
+// Reads a building file and makes its tree.
+Result<WorldTree> ReadSiteTree(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
+
+// The vertices with a name or a role, tagged with their roles and level.
+std::vector<NamedPlace> PlacesOf(const Site& site);
+
+}  // namespace troupe
