@@ -54,7 +54,7 @@ class NodeMaker {
   }
   NodeMaker& At(const Pose& pose) { return Numbers("pose", {pose.x, pose.y, pose.z, RadiansToDegrees(pose.heading)}); }
   NodeMaker& Child(WorldNode child) {
-    node.children.push_back(std::move(child));
+    node.children.Add(std::move(child));
     return *this;
   }
 
@@ -151,7 +151,7 @@ class TreeMaker {
 
  private:
   void Warn(const SourceLocation& where, const std::string& message) { tree_.warnings.push_back({where, message}); }
-  void AddToWorld(WorldNode node) { tree_.world.children.push_back(std::move(node)); }
+  void AddToWorld(WorldNode node) { tree_.world.children.Add(std::move(node)); }
 
   static const Vec2& StartOf(const SiteLevel& level, const SiteEdge& edge) {
     return level.vertices[edge.start].position;
