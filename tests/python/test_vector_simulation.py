@@ -124,6 +124,7 @@ class VectorSimulation(unittest.TestCase):
         vector.reset()
         vector.poses()
 
+    @unittest.skipIf("/sanitized/" in sys.executable, "the sanitizer needs memory of its own")
     def test_a_copy_is_small(self):
         code = f"""
 import resource, troupe
