@@ -116,7 +116,7 @@ class LockstepNode {
     while (!stop_) {
       {
         std::unique_lock lock(mutex_);
-        wake_.wait_for(lock, std::chrono::milliseconds(200), [this] { return arrived_ || stop_; });
+        wake_.wait_for(lock, std::chrono::milliseconds(20), [this] { return arrived_ || stop_; });
         arrived_ = false;
       }
       scans.Drain([&](const ros::LaserScan& scan) {
@@ -209,6 +209,11 @@ class LockstepRunTest : public testing::Test {
     LockstepNode driver(node);
     OutputOf(RunPen(Arguments(prefix, more)));
     return folder_.Read(prefix + "hashes");
+  }
+  // The hashes that each run with a driver has whose ticks wait for it.
+  const std::string& Reference() {
+    static const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+    return reference;
   }
   ControlReply Call(const ControlRequest& request) const { return CallRun(session_, request); }
   ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
