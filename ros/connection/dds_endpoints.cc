@@ -10,7 +10,6 @@ namespace troupe::ros {
 namespace {
 
 constexpr std::size_t kMostWaiting = 100;
-constexpr dds_duration_t kAcknowledgeTime = DDS_MSECS(200);  // twice that until a writer asks for it
 
 // 16 random bytes as ROS writes them, "01.0f.10...".
 std::string NewServiceId() {
@@ -71,8 +70,6 @@ DdsTopicWriter::DdsTopicWriter(RosParticipant& owner, const TopicSpec& spec, OnM
 
 DdsTopicWriter::~DdsTopicWriter() {
   owner_.RemoveEndpoint(writer_.handle());
-  // Else the end of a writer waits for a second if its readers have not acknowledged its last sample yet.
-  dds_wait_for_acks(writer_.handle(), kAcknowledgeTime);
   writer_.close();  // before the members that its listener uses
 }
 
