@@ -116,7 +116,7 @@ class LockstepNode {
     while (!stop_) {
       {
         std::unique_lock lock(mutex_);
-        wake_.wait_for(lock, std::chrono::milliseconds(20), [this] { return arrived_ || stop_; });
+        wake_.wait_for(lock, std::chrono::milliseconds(200), [this] { return arrived_ || stop_; });
         arrived_ = false;
       }
       scans.Drain([&](const ros::LaserScan& scan) {
