@@ -211,6 +211,11 @@ class LockstepRunTest : public testing::Test {
     OutputOf(RunPen(Arguments(prefix, more)));
     return folder_.Read(prefix + "hashes");
   }
+  // The hashes that each run with a driver has whose ticks wait for it.
+  const std::string& Reference() {
+    static const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+    return reference;
+  }
   ControlReply Call(const ControlRequest& request) const { return CallRun(session_, request); }
   ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
     ControlRequest request{.command = command, .ticks = ticks};

@@ -3,10 +3,16 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
+#include <map>
+#include <string>
+
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
 #include "tests/support/own_network.h"
 #include "tests/support/ros_domain.h"
+#include "tests/support/ros_graph.h"
 #include "tests/support/ros_tool.h"
 
 namespace troupe::test {
@@ -37,6 +43,36 @@ TEST(RosDiscovery, OfJazzyOnLocalhost) {
   unsetenv("ROS_LOCALHOST_ONLY");
   setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST", 1);
   ExpectRunFoundBy(kJazzyLocalhost);
+}
+
+// The endpoints of services that end so.
+std::size_t CountServices(RosGraph& graph, const std::string& ending) {
+  const std::multimap<std::string, std::string> all = graph.UserData();
+  return static_cast<std::size_t>(
+      std::count_if(all.begin(), all.end(), [&](const auto& endpoint) { return endpoint.first.ends_with(ending); }));
+}
+
+// Tools of Jazzy wait for all six of a node.
+TEST(RosDiscovery, TheNodesOfAHundredRobotsHaveAllParameterServicesAndThoseOfMoreHaveNone) {
+  for (const std::size_t robots : {100u, 101u}) {
+    const TemporaryFolder folder;
+    const std::string file = folder.Write(
+        "many.json", R"({"world": ")" + WorldPath("pen.world") + R"(", "spawn": [{"model": "rover", "count": )" +
+                         std::to_string(robots - 4) + R"(, "region": [4, -40, 80, 40]}]})");
+    Program run =
+        Troupe(Words("run % --headless --paused --in-process --domain %", {file, std::to_string(TestDomain())}) +
+               RosArguments({"--ros-services", "cyclone", "--ros-distro", "jazzy"}));
+    run.WaitForLine(", ready");
+    RosGraph graph;
+    EXPECT_TRUE(Eventually([&] { return CountServices(graph, "/odom") == robots; }));
+    for (const char* service : {"/list_parameters", "/get_parameters", "/get_parameter_types", "/describe_parameters",
+                                "/set_parameters", "/set_parameters_atomically", "/get_type_description"}) {
+      const std::size_t expected = (robots > 100 ? 0 : robots) + 1;  // that of the world
+      EXPECT_TRUE(Eventually([&] { return CountServices(graph, service + std::string("Request")) == expected; }))
+          << service << " of " << robots;
+    }
+    run.Interrupt();
+  }
 }
 
 TEST(RosDiscovery, AnEnvironmentThatIsNotValidIsAnErrorUnlessAnOptionReplacesIt) {

@@ -59,7 +59,7 @@ TEST_F(RosLockstepTest, RunsRepeatAtAnySpeedHoweverSlowTheNodeIs) {
 }
 
 TEST_F(RosLockstepTest, AnswersToOtherTicksTwiceOrWithoutSenseCountForNone) {
-  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  const std::string& reference = Reference();
   LockstepNode driver({});
   driver.SendWrongAnswers();
   Program run = RunPen(Arguments("wrong-", {"--ros-lockstep", "driver"}));
@@ -166,7 +166,7 @@ TEST_F(RosLockstepTest, ATickWaitsForATopicOfAnyTypeAndTellsOfItsMessages) {
 }
 
 TEST_F(RosLockstepTest, ARunWithAKilledServiceRepeatsAndReplays) {
-  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  const std::string& reference = Reference();
   for (const Way way : {Way::kProtocol, Way::kTopic}) {
     const std::string prefix = way == Way::kTopic ? "topic-" : "protocol-";
     const std::string recording = folder_.Path(prefix + "run.mcap");
@@ -214,7 +214,7 @@ Program NodeProcess() {
 }
 
 TEST_F(RosLockstepTest, ATickWaitsForTheSuccessorOfANodeThatIsKilled) {
-  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  const std::string& reference = Reference();
   std::optional<Program> node(NodeProcess());
   Program run = RunPen(Arguments("killed-", Words("--ros-lockstep driver --ros-lockstep-limit 0 --speed 3")));
   ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick >= 10; }));

@@ -1,13 +1,16 @@
 // Nodes that are slow, silent, or answer nonsense, and the longer runs of ticks that wait for nodes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
 #include <regex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/process/lockstep_node.h"
@@ -29,7 +32,7 @@ std::string FirstLines(const std::string& text, std::size_t count) {
 // The outcomes are those of docs/ros2-lockstep.md. LOCKSTEP_TRIALS: another number of trials.
 TEST_F(RosLockstepTrials, NoNodeThatMisbehavesMakesAWrongTick) {
   enum Kind { kSlow, kHalted, kReplaced, kWrong, kSilent, kSilentWithoutEnd, kKinds };
-  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  const std::string& reference = Reference();
   const char* const trials = std::getenv("LOCKSTEP_TRIALS");
   std::mt19937 random(36);
   for (int trial = 0; trial < (trials != nullptr ? std::atoi(trials) : 200); ++trial) {
@@ -70,8 +73,34 @@ TEST_F(RosLockstepTrials, NoNodeThatMisbehavesMakesAWrongTick) {
   }
 }
 
+TEST_F(RosLockstepTrials, AServiceKilledAtTwentyInstantsRepeatsAndReplays) {
+  const std::string& reference = Reference();
+  std::mt19937 random(20);
+  for (int trial = 0; trial < 20; ++trial) {
+    const auto at = static_cast<Tick>(1 + 5 * trial / 2);
+    // Between the phases of a tick: the scans, the answer, the step, the journal.
+    const std::chrono::microseconds later(std::uniform_int_distribution<int>(0, 5000)(random));
+    SCOPED_TRACE("trial " + std::to_string(trial) + " at tick " + std::to_string(at));
+    const bool by_topic = trial % 2 == 1;
+    const std::string prefix = "killed" + std::to_string(trial) + "-";
+    const std::string recording = folder_.Path(prefix + "run.mcap");
+    LockstepNode driver({.way = by_topic ? Way::kTopic : Way::kProtocol});
+    Program run = RunPen(Arguments(prefix, Words("--speed 10 --lease 1 --record % --ros-lockstep %",
+                                                 {recording, by_topic ? "/r0/cmd_vel" : "driver"})));
+    run.WaitForLine(", ready");
+    const std::vector<pid_t> services = ChildrenWith(run, "world-service");
+    ASSERT_EQ(services.size(), 1u);
+    ASSERT_TRUE(Eventually([&] { return driver.answered() >= at; }));
+    std::this_thread::sleep_for(later);
+    ASSERT_EQ(kill(services.front(), SIGKILL), 0);
+    EXPECT_EQ(run.Wait(), 0) << run.output();
+    EXPECT_EQ(folder_.Read(prefix + "hashes"), reference) << run.output();
+    OutputOf(Troupe({"replay", recording, "--verify"}));
+  }
+}
+
 TEST_F(RosLockstepTrials, RewoundTicksWaitAgainAndRepeat) {
-  const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
+  const std::string& reference = Reference();
   LockstepNode driver({});
   driver.HaltAt(30);
   Program run = RunPen(Arguments(
