@@ -337,6 +337,7 @@ class Viewer {
     const system = this.systemTheme.matches ? 'dark' : 'light';
     document.documentElement.dataset.theme = chosen === 'light' || chosen === 'dark' ? chosen : system;
     this.scene.applyTheme();
+    this.refresh();  // drawings have the colours of the theme
   }
 
   private toggleTheme(): void {
