@@ -135,6 +135,7 @@ std::vector<Layer> SortedLayers(const Drawing& drawing) {
     layers.push_back({solid.z.max, solid.z.min, &solid, std::nullopt});
   }
   for (std::size_t i = 0; i < drawing.extents.size(); ++i) {
+    if (!drawing.extents[i].shown) continue;
     layers.push_back({drawing.extents[i].z.max, drawing.extents[i].z.max, nullptr, RobotId(i)});
   }
   std::stable_sort(layers.begin(), layers.end(), [](const Layer& a, const Layer& b) {
@@ -289,7 +290,9 @@ void DrawRays(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) 
 Rectangle TopContents(const Drawing& drawing) {
   Rectangle contents = Rectangle::Nothing();
   for (const Solid& solid : drawing.solids) contents.Extend(solid.box);
-  for (const RobotExtent& extent : drawing.extents) contents.Extend(extent.box);
+  for (const RobotExtent& extent : drawing.extents) {
+    if (extent.shown) contents.Extend(extent.box);
+  }
   return contents;
 }
 
@@ -307,7 +310,7 @@ void DrawTopView(Canvas& canvas, const Viewport& viewport, const Drawing& drawin
 
   const double u = viewport.unit;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    if (!drawing.state.robots[i].stalled) continue;
+    if (!drawing.extents[i].shown || !drawing.state.robots[i].stalled) continue;
     const Vec2 center = boxes[i].center();
     const double radius = 0.58 * std::max(boxes[i].width(), boxes[i].height()) + 2.0 * u;
     canvas.StrokeCircle(center, radius, 3.4 * u, {1.0, 1.0, 1.0, 0.75});
