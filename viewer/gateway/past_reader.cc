@@ -31,6 +31,13 @@ Json NumberOrNull(double value) {
 
 }  // namespace
 
+std::shared_ptr<const std::string> TimelineText(const std::vector<TimeSpan>& spans) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const TimeSpan& span : spans) rows.push_back({span.first, span.last, span.tick});
+  const nlohmann::json text = {{"type", "timeline"}, {"spans", std::move(rows)}};
+  return std::make_shared<const std::string>(JsonText(text));
+}
+
 PageReply PastReader::Series(const SeriesRequest& request) {
   const std::optional<PastStates::Range> range = past_.range();
   if (!range) return Reply(request.id, Json::object(), "there is no past state");

@@ -16,6 +16,10 @@
 
 namespace troupe {
 
+// The spans of the past as a message of the page: those that are new tell more than it knows by the ends of the
+// timeline in each update.
+std::shared_ptr<const std::string> TimelineText(const std::vector<TimeSpan>& spans);
+
 class PastReader {
  public:
   // The past outlives the reader.

@@ -133,14 +133,6 @@ std::shared_ptr<const std::string> StatusText(std::optional<StatusMessage> statu
   return std::make_shared<const std::string>(JsonText(text));
 }
 
-// The spans of the past: those that are new tell more than the page knows by the ends of the timeline in each update.
-std::shared_ptr<const std::string> TimelineText(const std::vector<TimeSpan>& spans) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (const TimeSpan& span : spans) rows.push_back({span.first, span.last, span.tick});
-  const nlohmann::json text = {{"type", "timeline"}, {"spans", std::move(rows)}};
-  return std::make_shared<const std::string>(JsonText(text));
-}
-
 // The viewers of a run or of a recording, and their requests. The web server calls it, on its thread.
 class Viewers final : public WebHandler {
  public:
