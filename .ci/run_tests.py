@@ -43,6 +43,8 @@ EXPECTED = (
     (r"no slurmctld", is_missing("/usr/sbin/slurmctld")),
     (r"no buildah", is_missing("/usr/bin/buildah")),
     (r"no module yaml", is_missing("/usr/lib/python3/dist-packages/yaml")),
+    (r"no emscripten", lambda: not shutil.which("em++")),
+    (r"no WebAssembly module", is_missing("build/wasm/bin/troupe-core.wasm")),
     (r"debootstrap makes no base image", lambda: True),  # without a mirror of Debian
     (r"forbidden here", lambda: True),  # personality(), in some containers
 )

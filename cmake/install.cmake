@@ -19,6 +19,10 @@ set(TROUPE_WORLDS_DIR ${CMAKE_INSTALL_DATADIR}/troupe/worlds)
 # Programs in the build folder find them as installed ones do (InstalledWorldsFolder).
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/troupe)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/worlds ${CMAKE_BINARY_DIR}/share/troupe/worlds SYMBOLIC)
+# The WebAssembly module (preset wasm), where it was built (troupe view --static).
+set(module_folder ${PROJECT_SOURCE_DIR}/build/wasm/bin)
+file(CREATE_LINK ${module_folder} ${CMAKE_BINARY_DIR}/share/troupe/module SYMBOLIC)
+install(DIRECTORY ${module_folder}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe/module OPTIONAL)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/TroupeConfig.cmake.in
   ${CMAKE_BINARY_DIR}/package/TroupeConfig.cmake
   INSTALL_DESTINATION ${package_folder} PATH_VARS TROUPE_WORLDS_DIR)

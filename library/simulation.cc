@@ -111,7 +111,7 @@ Result<Simulation> Simulation::Make(WorldDescription world, const SimulationOpti
     const std::shared_ptr<const Scene>& other = options.share_with->impl_->now.scene;
     scene->ShareMap([&](std::span<const std::byte> bytes) -> std::shared_ptr<const std::byte> {
       const std::span<const std::byte> shared = other->static_index().ray_map().bytes();
-      if (!std::ranges::equal(bytes, shared)) return nullptr;
+      if (!std::equal(bytes.begin(), bytes.end(), shared.begin(), shared.end())) return nullptr;
       return {other, shared.data()};
     });
   }

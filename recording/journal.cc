@@ -142,7 +142,7 @@ std::optional<TailRecord> ParseRecord(std::span<const std::byte> content, RunId 
 }
 
 // More than the tail of any run.
-constexpr std::size_t kMostTailBytes = std::size_t{1} << 32;
+constexpr std::size_t kMostTailBytes = std::numeric_limits<std::size_t>::max() / 2;
 
 // Empty if there is no file.
 Result<std::string> ReadFile(const std::string& path) {

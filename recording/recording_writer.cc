@@ -4,7 +4,6 @@
 #include <string>
 
 #include "common/base/identity.h"
-#include "recording/recording.h"
 
 namespace troupe {
 namespace {
@@ -14,10 +13,12 @@ constexpr std::size_t kChunkSize = std::size_t{1} << 20;  // bytes
 
 }  // namespace
 
-Result<RecordingWriter> RecordingWriter::Create(std::unique_ptr<mcap::ByteSink> sink, const RecordedRun& run) {
+Result<RecordingWriter> RecordingWriter::Create(std::unique_ptr<mcap::ByteSink> sink, const RecordedRun& run,
+                                                Chunks chunks) {
   Result<mcap::Writer> file =
       mcap::Writer::Create(std::move(sink), kRecordingProfile, std::string("troupe ") + VersionText());
   if (!file.ok()) return file.error();
+  if (chunks == Chunks::kPlain) file.value().LeaveUncompressed();
   RecordingWriter writer(std::move(file).value(), run.run, run.world.interval_ns);
   for (std::size_t i = 0; i < kRecordingChannels; ++i) {
     const std::uint16_t schema = writer.writer_.AddSchema(SchemaOf(kChannelTypes[i]));
@@ -66,6 +67,23 @@ Status RecordingWriter::Add(const RecordedTick& tick) {
   }
   for (const TickMessage& message : MessagesOf(tick, run_)) Add(message.channel, message.data, tick);
   return writer_.open_size() < kChunkSize ? Status() : EndChunk();
+}
+
+Result<std::vector<std::byte>> PlainCopy(const Recording& recording) {
+  std::vector<std::byte> bytes;
+  Result<RecordingWriter> writer =
+      RecordingWriter::Create(mcap::MakeMemorySink(bytes), recording.run(), RecordingWriter::Chunks::kPlain);
+  if (!writer.ok()) return writer.error();
+  TickReader reader(recording);
+  RecordedTick tick;
+  for (bool is_first = true;; is_first = false) {
+    const Result<bool> more = reader.Next(tick);
+    if (!more.ok() && is_first) return more.error();
+    if (!more.ok() || !more.value()) break;
+    if (Status failure = writer.value().Add(tick); !failure.ok()) return failure.error();
+  }
+  if (Status failure = writer.value().Close(); !failure.ok()) return failure.error();
+  return bytes;
 }
 
 }  // namespace troupe

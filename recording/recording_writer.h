@@ -6,18 +6,22 @@
 #include <cstdint>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "recording/mcap/byte_stream.h"
 #include "recording/mcap/writer.h"
 #include "recording/recorded_run.h"
+#include "recording/recording.h"
 #include "troupe/result.h"
 
 namespace troupe {
 
 class RecordingWriter {
  public:
+  enum class Chunks : bool { kCompressed, kPlain };
   // Writes the start of the run.
-  static Result<RecordingWriter> Create(std::unique_ptr<mcap::ByteSink> sink, const RecordedRun& run);
+  static Result<RecordingWriter> Create(std::unique_ptr<mcap::ByteSink> sink, const RecordedRun& run,
+                                        Chunks chunks = Chunks::kCompressed);
 
   // Continues a recording of the run, whose last tick has this log time and ticks last `interval_ns`: the sink appends
   // to its written part.
@@ -47,5 +51,9 @@ class RecordingWriter {
   std::uint64_t next_number_ = 0;
   std::uint64_t first_unwritten_ = 0;
 };
+
+// The bytes of the recording with chunks that are not compressed, up to its first damage. The error is one before the
+// first tick.
+Result<std::vector<std::byte>> PlainCopy(const Recording& recording);
 
 }  // namespace troupe

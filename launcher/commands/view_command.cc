@@ -23,6 +23,7 @@
 #include "launcher/commands/commands.h"
 #include "launcher/commands/recorded_states.h"
 #include "launcher/commands/shown_expectations.h"
+#include "launcher/commands/static_page.h"
 #include "launcher/commands/streamed_run.h"
 #include "launcher/process/process.h"
 #include "launcher/supervise/run_again.h"
@@ -56,6 +57,8 @@ struct ViewOptions {
   bool runs_again = false;               // the launcher starts the run again when it is told to
   bool view_only = false;
   bool states = false;  // of a simulation, from the standard input
+  bool is_static = false;  // a file is written in place of a gateway that serves
+  StaticPageOptions page;
 };
 
 Result<ParticipantKeys> KeysOf(const NetworkSettings& network) {
@@ -224,7 +227,22 @@ int ServeStates(const ViewOptions& options, SignalWatch& signals) {
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, *run.value()), signals);
 }
 
+int WriteFile(const ViewOptions& options) {
+  if (options.file.empty()) {
+    fmt::print(stderr, "error: --static: found no recording, expected FILE.mcap\n");
+    return kExitBadInput;
+  }
+  const Result<Recording> recording = Recording::Open(options.file);
+  if (!recording.ok()) return Fail(recording.error());
+  if (const std::optional<mcap::Damage>& damage = recording.value().damage()) {
+    PrintPlain(stderr, "{}: warning: {}; it is shown up to there\n", options.file, damage->problem);
+  }
+  const Status written = WriteStaticPage(recording.value(), options.page);
+  return written.ok() ? kExitDone : Fail(written.error());
+}
+
 int ViewCommand(ViewOptions options) {
+  if (options.is_static) return WriteFile(options);
   SignalWatch signals;
   setpriority(PRIO_PROCESS, 0, kNiceness);
   try {
@@ -306,6 +324,17 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
   // Of a library, which starts the program (include/troupe/simulation_page.h).
   command->add_flag("--states", options->states, "")->group("");
   command->add_flag("--view-only", options->view_only, "Refuse requests that change the run");
+  CLI::Option* const is_static = command->add_flag("--static", options->is_static,
+                                                   "Write a page that needs no server: one file with the recording and "
+                                                   "the simulation, which computes and proves it");
+  command->add_option("-o,--output", options->page.output, "File of --static")
+      ->needs(is_static)
+      ->type_name("FILE");
+  is_static->needs("--output");
+  command
+      ->add_option("--module", options->page.module, "Folder with the WebAssembly module (default: the installed one)")
+      ->needs(is_static)
+      ->type_name("FOLDER");
   AddToolNetworkFlags(*command, options->network);
   command->final_callback([options, &exit_status] { exit_status = ViewCommand(*options); });
 }

@@ -37,7 +37,14 @@ Compressor::~Compressor() = default;
 Compressor::Compressor(Compressor&& other) noexcept = default;
 Compressor& Compressor::operator=(Compressor&& other) noexcept = default;
 
+Compressor Compressor::None() {
+  Compressor none;
+  none.context_.reset();
+  return none;
+}
+
 void Compressor::Compress(std::span<const std::byte> from, std::vector<std::byte>& to) {
+  if (context_ == nullptr) return to.assign(from.begin(), from.end());
   to.resize(ZSTD_compressBound(from.size()));
   const std::size_t size = ZSTD_compressCCtx(context_->zstd, to.data(), to.size(), from.data(), from.size(), kLevel);
   TROUPE_CHECK(ZSTD_isError(size) == 0);  // fails for a buffer that is too small only

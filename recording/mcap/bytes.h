@@ -76,7 +76,7 @@ class ByteWriter {
   }
   void Add(std::string_view text) {
     Add(static_cast<std::uint32_t>(text.size()));
-    Add(std::as_bytes(std::span(text)));
+    Add(std::as_bytes(std::span<const char>(text)));
   }
 
   // Adds a record; `content` adds its values.
@@ -121,12 +121,16 @@ class Compressor {
   Compressor(Compressor&& other) noexcept;
   Compressor& operator=(Compressor&& other) noexcept;
 
+  // One that copies.
+  static Compressor None();
+  bool compresses() const { return context_ != nullptr; }
+
   // Replaces `to`.
   void Compress(std::span<const std::byte> from, std::vector<std::byte>& to);
 
  private:
   struct Context;
-  std::unique_ptr<Context> context_;
+  std::unique_ptr<Context> context_;  // null: of None()
 };
 
 // The bytes that zstd has compressed. The error is corrupt input, or another size than `size`. Memory grows only as

@@ -99,16 +99,17 @@ void Writer::Add(const Message& message) {
 Status Writer::EndChunk() {
   if (records_.empty() || !status_.ok()) return status_;
   compressor_.Compress(records_, compressed_);
+  const char* const compression = compressor_.compresses() ? kZstd : kUncompressed;
   IndexedChunk chunk;
   ChunkInfo& info = chunk.info;
-  info = {written_.size, 0, start_time_, end_time_, kZstd, compressed_.size(), records_.size(), {}};
+  info = {written_.size, 0, start_time_, end_time_, compression, compressed_.size(), records_.size(), {}};
   ByteWriter out(buffer_);
   out.AddRecord(Opcode::kChunk, [&] {
     out.Add(start_time_);
     out.Add(end_time_);
     out.Add(std::uint64_t{records_.size()});
     out.Add(Crc32(records_));
-    out.Add(std::string_view(kZstd));
+    out.Add(std::string_view(compression));
     out.AddWithLength<std::uint64_t>([&] { out.Add(std::span<const std::byte>(compressed_)); });
   });
   info.length = out.size();

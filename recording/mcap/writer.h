@@ -21,6 +21,9 @@ class Writer {
   // Begins the file. `profile` and `library` are for its header.
   static Result<Writer> Create(std::unique_ptr<ByteSink> sink, const std::string& profile, const std::string& library);
 
+  // The chunks from now on are not compressed.
+  void LeaveUncompressed() { compressor_ = Compressor::None(); }
+
   // Continues a file; the sink appends to its part.
   static Writer Continue(std::unique_ptr<ByteSink> sink, WrittenPart part);
 

@@ -146,6 +146,25 @@ TEST(Recording, ReturnsTheRunAndItsTicks) {
   EXPECT_TRUE(whole);
 }
 
+TEST(Recording, HasAPlainCopyWithoutCompression) {
+  const RecordedRun run = MakeRun();
+  const std::vector<RecordedTick> ticks = MakeTicks(run.world);
+  const std::vector<std::byte> packed = Write(run, ticks);
+  const Recording original = Open(packed).value();
+  const Result<std::vector<std::byte>> plain = PlainCopy(original);
+  ASSERT_TRUE(plain.ok());
+  EXPECT_GT(plain.value().size(), packed.size());
+  const Recording copy = Open(plain.value()).value();
+  EXPECT_EQ(copy.run().world, run.world);
+  EXPECT_EQ(copy.keyframes(), original.keyframes());
+  bool whole = false;
+  EXPECT_EQ(CountEqualTicks(copy, ticks, whole), ticks.size());
+  EXPECT_TRUE(whole);
+  const auto source = mcap::Reader::Open(mcap::MakeMemorySource("copy", plain.value()));
+  ASSERT_TRUE(source.ok());
+  for (const mcap::ChunkInfo& chunk : source.value().chunks()) EXPECT_EQ(chunk.compression, mcap::kUncompressed);
+}
+
 TEST(Recording, FindsTheStatesOfATickAndTheKeyframeBefore) {
   const RecordedRun run = MakeRun();
   const std::vector<RecordedTick> ticks = MakeTicks(run.world);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -80,7 +81,8 @@ constexpr bool IsCellOf() {
   if constexpr (kIsId<Part>) return std::is_same_v<Cell, std::uint32_t>;
   if constexpr (std::is_same_v<Part, std::string>) return std::is_same_v<Cell, char*>;
   if constexpr (std::is_same_v<Part, bool> || std::is_enum_v<Part>) return std::is_same_v<Cell, std::uint8_t>;
-  if constexpr (std::is_same_v<Part, std::uint64_t>) {
+  // An index has the width of the machine, and its column 32 bits everywhere.
+  if constexpr (std::is_same_v<Part, std::uint64_t> || std::is_same_v<Part, std::size_t>) {
     return std::is_same_v<Cell, std::uint32_t> || std::is_same_v<Cell, std::uint64_t>;
   }
   return std::is_same_v<Cell, Part>;

@@ -1,5 +1,6 @@
-// Connection: the WebSocket to the gateway. It connects again by itself, for instance when the gateway was restarted.
+// Connection: the requests of the page, and the messages to it.
 import {decode, type ExpectationsReply, type Message, type RunStatus, type SeriesReply, type TimeSpan, type TotalsReply} from './protocol';
+import {makeTransport, type Transport} from './transport';
 
 export interface SessionInfo {
   session: string;
@@ -39,6 +40,15 @@ export interface EditReply {
   [member: string]: any;
 }
 
+// What the page itself has found out about its recording (`troupe view --static`).
+export interface Proof {
+  done: boolean;
+  equal: number;  // states that were computed again, with the recorded hash
+  states: number;  // that are recorded
+  problem: string;  // the first difference, or damage; empty: none so far
+  tick?: number;  // of the problem
+}
+
 export interface ConnectionHandler {
   onOpen(): void;
   onClosed(): void;
@@ -46,19 +56,24 @@ export interface ConnectionHandler {
   onStatus(status: RunStatus): void;
   onTimeline(spans: TimeSpan[]): void;
   onMessage(message: Message): void;
+  onProof(proof: Proof): void;
 }
 
-const SHORTEST_WAIT = 300;  // ms, before a new attempt
-const LONGEST_WAIT = 3000;
-
 export class Connection {
-  private socket: WebSocket | null = null;
-  private wait = SHORTEST_WAIT;
+  private readonly transport: Transport;
   private lastId = 0;
   private readonly open = new Map<number, (reply: Reply) => void>();
 
   constructor(private readonly handler: ConnectionHandler) {
-    this.connect();
+    this.transport = makeTransport({
+      onOpen: () => handler.onOpen(),
+      onClosed: () => {
+        for (const resolve of this.open.values()) resolve({done: false, problem: 'the connection to the viewer is lost'});
+        this.open.clear();
+        handler.onClosed();
+      },
+      onData: data => this.receive(data),
+    });
   }
 
   // Whose readings the gateway sends. `pictures`: the robot whose camera images are among them.
@@ -106,29 +121,7 @@ export class Connection {
   }
 
   send(value: object): boolean {
-    if (!this.socket || this.socket.readyState !== WebSocket.OPEN) return false;
-    this.socket.send(JSON.stringify(value));
-    return true;
-  }
-
-  private connect(): void {
-    const scheme = location.protocol === 'https:' ? 'wss:' : 'ws:';
-    const socket = new WebSocket(`${scheme}//${location.host}/socket${location.search}`, 'troupe');
-    socket.binaryType = 'arraybuffer';
-    socket.onopen = () => {
-      this.socket = socket;
-      this.wait = SHORTEST_WAIT;
-      this.handler.onOpen();
-    };
-    socket.onmessage = event => this.receive(event.data as ArrayBuffer | string);
-    socket.onclose = () => {
-      this.socket = null;
-      for (const resolve of this.open.values()) resolve({done: false, problem: 'the connection to the viewer is lost'});
-      this.open.clear();
-      this.handler.onClosed();
-      setTimeout(() => this.connect(), this.wait);
-      this.wait = Math.min(2 * this.wait, LONGEST_WAIT);
-    };
+    return this.transport.send(JSON.stringify(value));
   }
 
   private receive(data: ArrayBuffer | string): void {
@@ -140,6 +133,7 @@ export class Connection {
     if (text.type === 'session') this.handler.onSession(text as SessionInfo);
     if (text.type === 'status') this.handler.onStatus(text as RunStatus);
     if (text.type === 'timeline') this.handler.onTimeline(text.spans as TimeSpan[]);
+    if (text.type === 'proof') this.handler.onProof(text as Proof);
     if (text.type === 'reply') {
       this.open.get(text.id)?.(text as Reply);
       this.open.delete(text.id);

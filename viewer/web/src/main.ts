@@ -1,5 +1,5 @@
 // The page of `troupe view`.
-import {Connection, type AgentInfo, type SessionInfo} from './connection';
+import {Connection, type AgentInfo, type Proof, type SessionInfo} from './connection';
 import {Dock, isTab, type Tab} from './dock';
 import {allow, byId, setOn, setText, tellRefusals, throttled, toast} from './dom';
 import {Driving, GripperButtons} from './driving';
@@ -61,6 +61,19 @@ export function writeFragment(fragment: Fragment): void {
   history.replaceState(null, '', text ? `#${text}` : location.pathname + location.search);
 }
 
+// The badge of a page that computes its recording itself.
+function showProof(proof: Proof): void {
+  const badge = byId('proof');
+  badge.hidden = false;
+  badge.classList.toggle('idle', !proof.done);
+  badge.classList.toggle('lost', proof.problem !== '');
+  const equal = proof.equal.toLocaleString('en');
+  setText(badge, proof.problem ? (proof.tick === undefined ? 'not equal' : `differs at tick ${proof.tick}`)
+    : proof.done ? `${equal} states: all equal` : `${equal} of ${proof.states.toLocaleString('en')} states equal`);
+  badge.title = proof.problem ||
+    'This page has computed these states again from the recorded inputs: each has the recorded hash.';
+}
+
 class Viewer {
   // First, so that the world is on its way while the graphics start.
   private readonly connection = new Connection({
@@ -85,6 +98,7 @@ class Viewer {
       this.refresh();
     },
     onMessage: message => this.onMessage(message),
+    onProof: proof => showProof(proof),
   });
   private run: Run | null = null;
   private spans: TimeSpan[] = [];

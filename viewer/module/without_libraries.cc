@@ -1,0 +1,50 @@
+// What needs a library that the module does not have: YAML, JPEG and pictures. Each answers that it is not there.
+#include "common/image/image_reader.h"
+#include "library/save_picture.h"
+#include "worldfile/map/map_yaml.h"
+#include "worldfile/sites/building_yaml.h"
+
+namespace troupe {
+namespace {
+
+Error NotHere(const std::string& path, const std::string& what) {
+  return {{path}, what + " in the WebAssembly module of Troupe", ErrorCode::kBadInput};
+}
+
+}  // namespace
+
+Result<MapYaml> ReadMapYamlText(const std::string& /*text*/, const std::string& path) {
+  return NotHere(path, "ROS maps are not read");
+}
+
+bool IsBuildingPath(const std::string& path) {
+  return path.ends_with(".building.yaml");
+}
+
+Result<Site> ReadBuilding(const std::string& path, const AllowedPaths& /*allowed*/) {
+  return NotHere(path, "buildings are not read");
+}
+
+Result<Bitmap> ReadJpeg(const ImageFile& file, const PixelRule& /*rule*/) {
+  return NotHere(file.path, "JPEG images are not read");
+}
+
+Result<std::string> EncodeGreyPng(const GreyImage& /*image*/) {
+  return NotHere({}, "PNG images are not written");
+}
+
+Result<std::string> DrawPicture(const Scene& /*scene*/, const BodyIndex& /*bodies*/, const WorldState& /*state*/,
+                                const PictureOptions& /*options*/, PictureRays /*rays*/) {
+  return NotHere({}, "no pictures are drawn");
+}
+
+Status SavePicture(const Scene& /*scene*/, const BodyIndex& /*bodies*/, const WorldState& /*state*/,
+                   const std::string& file, const PictureOptions& /*options*/, PictureRays /*rays*/) {
+  return NotHere(file, "no pictures are drawn");
+}
+
+Status SaveView(const CameraReading& /*reading*/, const std::string& file, CameraImage /*image*/) {
+  return NotHere(file, "no pictures are drawn");
+}
+
+}  // namespace troupe
