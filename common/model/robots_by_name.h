@@ -9,7 +9,8 @@
 
 namespace troupe {
 
-// An index of the robots that exist, for a search of many: FindRobot reads all names for each. The world must outlive it.
+// An index of the robots that exist, for a search of many: FindRobot reads all names for each. The world must outlive
+// it.
 class RobotsByName {
  public:
   explicit RobotsByName(const WorldDescription& world);

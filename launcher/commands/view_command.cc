@@ -56,7 +56,7 @@ struct ViewOptions {
   std::vector<std::string> run_command;  // for the page
   bool runs_again = false;               // the launcher starts the run again when it is told to
   bool view_only = false;
-  bool states = false;  // of a simulation, from the standard input
+  bool states = false;     // of a simulation, from the standard input
   bool is_static = false;  // a file is written in place of a gateway that serves
   StaticPageOptions page;
 };
@@ -327,9 +327,7 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
   CLI::Option* const is_static = command->add_flag("--static", options->is_static,
                                                    "Write a page that needs no server: one file with the recording and "
                                                    "the simulation, which computes and proves it");
-  command->add_option("-o,--output", options->page.output, "File of --static")
-      ->needs(is_static)
-      ->type_name("FILE");
+  command->add_option("-o,--output", options->page.output, "File of --static")->needs(is_static)->type_name("FILE");
   is_static->needs("--output");
   command
       ->add_option("--module", options->page.module, "Folder with the WebAssembly module (default: the installed one)")

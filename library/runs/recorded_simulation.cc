@@ -115,7 +115,8 @@ Result<Simulation> RecordedSimulation::At(std::size_t position) {
     return position >= impl_->first_kept && position - impl_->first_kept < impl_->kept.size();
   };
   if (!is_kept()) {
-    Status failure = impl_->reader->Seek(position, [this](const ReplayedWorld& world, const RecordedTick&) { impl_->Keep(world); });
+    Status failure =
+        impl_->reader->Seek(position, [this](const ReplayedWorld& world, const RecordedTick&) { impl_->Keep(world); });
     if (!failure.ok()) return failure.error();
     if (!is_kept()) impl_->Keep(impl_->reader->world());  // the reader was there
   }
