@@ -86,8 +86,9 @@ World::World(Simulation simulation) : simulation_(std::move(simulation)) {
 
 World::~World() {
   if (!page_ || PyGILState_Check() == 0) return;
-  const py::gil_scoped_release release;  // browsers are shown the end
+  PyThreadState* const thread = PyEval_SaveThread();  // browsers are shown the end; gil_scoped_release might throw
   page_.reset();
+  PyEval_RestoreThread(thread);
 }
 
 void World::Prepare() {
