@@ -225,6 +225,13 @@ TEST(SiteDoors, LeavesCloseTheDoorwayAndOpenByTheirKind) {
   }
 }
 
+TEST(SiteDoors, ANegativeSwingOpensToTheOtherSide) {
+  const Site site = Read(OneLevel("    doors: [[0, 1, {type: [1, hinged], motion_degrees: [2, -90]}]]\n" + kMeasured));
+  SiteDoor door = DoorOf(SiteDoorKind::kHinged);
+  door.swing = site.levels[0].doors[0].swing;
+  ExpectNear(CornersOf(door, true)[0].at_end, {1.0, -2.0}, 0.006);
+}
+
 TEST(Guesthouse, HasTheLevelsDoorsLanesAndPeopleOfItsFile) {
   const LoadedWorld loaded = LoadGuesthouse();
   ASSERT_NE(loaded.site, nullptr);
