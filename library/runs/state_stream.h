@@ -12,7 +12,7 @@
 
 namespace troupe {
 
-// Writes a whole message to a socket. False: nobody reads any more.
+// Writes a whole message to a socket. False: it has no reader any more.
 bool SendVersion(int socket, std::string_view version);
 bool SendState(int socket, const SessionMessage& session);
 bool SendState(int socket, const FrameMessage& frame);

@@ -55,7 +55,7 @@ function inputOf(setting: FieldSetting, label: string, shown: string): HTMLInput
   return input;
 }
 
-// A number in its unit. `least` and `most`: a value beyond them has a visible warning, and is refused by nobody here.
+// A number in its unit. `least` and `most`: a value beyond them has a visible warning, and is not refused here.
 export function numberField(
     input: HTMLInputElement, unit: string, range: {least?: number; most?: number}, set: (text: string) => void): HTMLElement {
   const box = make('span', 'field-number');
