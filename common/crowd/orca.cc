@@ -11,9 +11,6 @@ namespace {
 constexpr double kParallel = 1e-9;  // lines whose directions' cross product is less are parallel
 constexpr double kCovered = 1e-9;   // m/s
 
-double Det(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 double Square(double value) {
   return value * value;
 }
@@ -31,7 +28,7 @@ Vec2 Unit(const Vec2& v) {
 
 // How far a velocity is outside, m/s; negative inside.
 double Excess(const VelocityHalfPlane& plane, const Vec2& velocity) {
-  return Det(plane.direction, plane.point - velocity);
+  return Cross(plane.direction, plane.point - velocity);
 }
 
 // What the linear programs look for: the velocity nearest to `optimum`, or the farthest in its direction.
@@ -51,8 +48,8 @@ bool BestOnLine(std::span<const VelocityHalfPlane> planes, std::size_t index, do
   double least = -middle - std::sqrt(discriminant);
   double most = -middle + std::sqrt(discriminant);
   for (const VelocityHalfPlane& other : planes.first(index)) {
-    const double denominator = Det(line.direction, other.direction);
-    const double numerator = Det(other.direction, line.point - other.point);
+    const double denominator = Cross(line.direction, other.direction);
+    const double numerator = Cross(other.direction, line.point - other.point);
     if (std::fabs(denominator) <= kParallel) {
       if (numerator < 0.0) return false;
       continue;
@@ -97,13 +94,13 @@ void LeastOutside(std::span<const VelocityHalfPlane> planes, std::size_t hard, s
     projected.assign(planes.begin(), planes.begin() + static_cast<std::ptrdiff_t>(hard));
     for (std::size_t k = hard; k < i; ++k) {
       const VelocityHalfPlane& other = planes[k];
-      const double det = Det(plane.direction, other.direction);
+      const double det = Cross(plane.direction, other.direction);
       VelocityHalfPlane between;
       if (std::fabs(det) <= kParallel) {
         if (plane.direction.dot(other.direction) > 0.0) continue;
         between.point = 0.5 * (plane.point + other.point);
       } else {
-        between.point = plane.point + Det(other.direction, plane.point - other.point) / det * plane.direction;
+        between.point = plane.point + Cross(other.direction, plane.point - other.point) / det * plane.direction;
       }
       between.direction = Unit(other.direction - plane.direction);
       projected.push_back(between);
@@ -143,7 +140,7 @@ void Orca::AddNeighbor(const Walker& walker, const WalkerNeighbor& neighbor) {
     plane.direction = RightOf(outwards);
     change = (radius / horizon - from_center.norm()) * outwards;
   } else {
-    const bool is_left = Det(to, from_center) > 0.0;
+    const bool is_left = Cross(to, from_center) > 0.0;
     plane.direction = is_left ? LeftTangent(to, radius) : Vec2(-RightTangent(to, radius));
     change = relative.dot(plane.direction) * plane.direction - relative;
   }
@@ -156,7 +153,7 @@ void Orca::AddWall(const Walker& walker, const WallSegment& wall) {
   const double rate = 1.0 / horizons_.walls;
   Vec2 a = wall.a - walker.position;
   Vec2 b = wall.b - walker.position;
-  if (Det(b - a, -a) > 0.0) std::swap(a, b);  // the walker is on the right
+  if (Cross(b - a, -a) > 0.0) std::swap(a, b);  // the walker is on the right
   const auto covers = [&](const VelocityHalfPlane& plane) {
     return Excess(plane, rate * a) >= rate * radius - kCovered && Excess(plane, rate * b) >= rate * radius - kCovered;
   };

@@ -38,8 +38,8 @@ class ExpectationRows {
   // "", "verdict": "true", "false" or "undecided", "at_end": whether it holds if the run ends there, "decided":
   // position after which the verdict was known, or null, "cause": position that decides the robustness, or null,
   // "names": of the robots that do, "robustness": [least, greatest], null: infinite, "spans": [[position, mark],
-  // ...]}]}. A mark counts from its position to the next one: 0: not decided, and what is awaited has not happened; 1:
-  // it holds if the run ends there; 2: violated. Not complete: ask again.
+  // ...]}]}. A mark counts from its position to the next one: 0: not decided, and the awaited event has not happened;
+  // 1: it holds if the run ends there; 2: violated. Not complete: ask again.
   PageReply Answer(const ExpectationsRequest& request);
 
  private:

@@ -12,7 +12,7 @@ namespace troupe {
 // True if a file of this name is a building: it ends in ".building.yaml".
 bool IsBuildingPath(const std::string& path);
 
-// Reads a building. What has no effect, and what is not simulated, is named once in the site's warnings.
+// Reads a building. The site's warnings name once each part without effect or simulation.
 Result<Site> ReadBuilding(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
 
 // The same from text; `path` names it in messages.
