@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "common/base/file.h"
 #include "launcher/process/process.h"
@@ -45,19 +46,18 @@ Status RunTroupe(const std::vector<std::string>& arguments) {
 Status WriteScenario(const TestFile& test, const TestCase& draws, const std::string& path) {
   const Result<std::string> text = test.TextOf(draws);
   if (!text.ok()) return text.error();
-  const Result<ScenarioText> parsed = ScenarioText::Parse(text.value(), test.scenario_path());
+  Result<ScenarioText> parsed = ScenarioText::Parse(text.value(), test.scenario_path());
   if (!parsed.ok()) return parsed.error();
-  const std::string folder = std::filesystem::absolute(test.scenario_path()).parent_path().string();
-  std::string scenario = parsed.value().WithAbsolutePaths(folder);
-  const JsonTree& tree = parsed.value().tree();
-  if (!test.expect().empty() && tree.root().Find("expect") == nullptr) {
+  if (!test.expect().empty() && parsed.value().tree().root().Find("expect") == nullptr) {
     nlohmann::ordered_json expect = nlohmann::ordered_json::array();
     for (const TestClause& clause : test.expect()) expect.push_back({{"name", clause.name}, {"that", clause.text}});
-    const std::size_t last = scenario.find_last_not_of(" \r\n", scenario.rfind('}') - 1) + 1;
-    const char* const separator = tree.root().items.empty() ? "" : ",";
-    scenario.insert(last, fmt::format("{}\n  \"expect\": {}", separator, expect.dump()));
+    Result<std::string> with = parsed.value().With({DrawnValue{"expect", expect.dump()}});
+    if (!with.ok()) return with.error();
+    parsed = ScenarioText::Parse(std::move(with).value(), test.scenario_path());
+    if (!parsed.ok()) return parsed.error();
   }
-  return WriteWholeFile(path, scenario);
+  const std::string folder = std::filesystem::absolute(test.scenario_path()).parent_path().string();
+  return WriteWholeFile(path, parsed.value().WithAbsolutePaths(folder));
 }
 
 // The case in processes has the hashes of the case in this one.

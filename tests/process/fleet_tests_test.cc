@@ -114,6 +114,8 @@ TEST_F(FleetTests, PrintWhatFailsWithItsSmallestCaseAndWhatShowsIt) {
   const std::string robustness = Between(smaller.output, "of r2, robustness ", "\n");
   EXPECT_THAT(on.output, HasSubstr("FAILS slow: robustness " + robustness + ", decided by tick " + tick + " and r2"));
   EXPECT_TRUE(std::filesystem::exists(report_ + "/row-1/violation.png"));
+  // The scenario of the case stands alone, with the expectations: the page shows a row for each.
+  EXPECT_THAT(Run({"check", report_ + "/row-1/scenario.json"}).output, HasSubstr("  expect slow: "));
   EXPECT_THAT(TextOf(report_ + "/index.html"),
               AllOf(HasSubstr("3 failed"), HasSubstr("<svg"), Not(HasSubstr("http://localhost"))));
   EXPECT_EQ(LinesOf(TextOf(report_ + "/cases.csv")).size(), 10U);
