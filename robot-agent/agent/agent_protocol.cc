@@ -8,7 +8,7 @@
 
 #include "common/base/identity.h"
 #include "common/base/text.h"
-#include "common/model/robots_by_name.h"
+#include "common/model/find_robots.h"
 #include "robot-agent/robot/robot.h"
 
 namespace troupe {
@@ -135,8 +135,7 @@ JoinMessage AgentProtocol::MakeJoin() {
     if (run_.edited_hash == 0) run_.edited_hash = Hash(edited->world);
     join.world_hash = run_.edited_hash;
     join.world_edition = edited->world_edition;
-    std::erase_if(join.robots,
-                  [robots = RobotsByName(edited->world)](const std::string& name) { return !robots.Find(name); });
+    join.robots = NamesThatExist(edited->world, join.robots);
   }
   return join;
 }

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <iterator>
 
-#include "common/model/robots_by_name.h"
+#include "common/model/find_robots.h"
 
 namespace troupe {
 namespace {
@@ -18,7 +19,7 @@ constexpr std::size_t kRobotsPerThread = 16;
 // Robots that a thread claims at a time.
 constexpr std::size_t kShare = 4;
 
-Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std::vector<std::string>& names) {
+Result<std::vector<RobotId>> RobotsNamed(const WorldDescription& world, const std::vector<std::string>& names) {
   std::vector<RobotId> ids;
   if (names.empty()) {
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
@@ -26,14 +27,15 @@ Result<std::vector<RobotId>> FindRobots(const WorldDescription& world, const std
     }
     return ids;
   }
-  const RobotsByName robots(world);
+  const std::vector<std::optional<RobotId>> found = FindRobots(world, names);
   std::vector<bool> is_named(world.robots.size());
-  for (const std::string& name : names) {
-    const std::optional<RobotId> id = robots.Find(name);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string& name = names[i];
+    const std::optional<RobotId>& id = found[i];
     if (!id) {
       std::vector<std::string> known;
-      for (std::size_t i = 0; i < world.robots.size(); ++i) {
-        if (RobotExists(world, RobotId(i))) known.push_back(world.robots[i].name);
+      for (std::size_t k = 0; k < world.robots.size(); ++k) {
+        if (RobotExists(world, RobotId(k))) known.push_back(world.robots[k].name);
       }
       if (known.size() > kMostNamed) known[kMostNamed] = fmt::format("... ({} in all)", known.size());
       known.resize(std::min(known.size(), kMostNamed + 1));
@@ -89,7 +91,7 @@ Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const s
                                                  const RobotOptions& options, std::shared_ptr<ThreadPool> pool,
                                                  const MakeGateway& make_gateway, TickTrace* trace,
                                                  const FindEqualMemory& find_map) {
-  const Result<std::vector<RobotId>> ids = FindRobots(world, robots);
+  const Result<std::vector<RobotId>> ids = RobotsNamed(world, robots);
   if (!ids.ok()) return ids.error();
   std::unique_ptr<Replica> replica(new Replica(std::move(world), options, make_gateway, find_map));
   if (Status status = replica->MakeRobots(ids.value()); !status.ok()) return status.error();
@@ -138,13 +140,13 @@ Status Replica::MakeNewGateway() {
 Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition) {
   const std::vector<RobotId> before = Ids();
   std::vector<RobotId> ids;
-  const RobotsByName robots(world);
-  for (const RobotId id : before) {
-    if (fresh) {
-      if (const auto found = robots.Find(scene_->world().robot(id).name)) ids.push_back(*found);
-    } else if (RobotExists(world, id)) {
-      ids.push_back(id);
+  if (fresh) {
+    for (const std::optional<RobotId>& found : FindRobots(world, RobotNames())) {
+      if (found) ids.push_back(*found);
     }
+  } else {
+    std::copy_if(before.begin(), before.end(), std::back_inserter(ids),
+                 [&](RobotId id) { return RobotExists(world, id); });
   }
   std::sort(ids.begin(), ids.end());
   const std::shared_ptr<const Scene> before_scene = scene_;
@@ -183,9 +185,7 @@ Status Replica::FollowWorld(const Scene& before) {
 
 Status Replica::AddRobots(const std::vector<std::string>& names) {
   const std::vector<RobotId> before = Ids();
-  const RobotsByName robots(scene_->world());
-  for (const std::string& name : names) {
-    const std::optional<RobotId> id = robots.Find(name);
+  for (const std::optional<RobotId>& id : FindRobots(scene_->world(), names)) {
     if (!id || std::binary_search(before.begin(), before.end(), *id)) continue;
     Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, *id, options_);
     if (!robot.ok()) return robot.error();

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/base/identity.h"
-#include "common/model/robots_by_name.h"
+#include "common/model/find_robots.h"
 #include "robot-agent/robot/robot.h"
 
 namespace troupe {
@@ -39,8 +39,7 @@ Status ReplicaTask::Make(SessionMessage& session, const AgentOptions& options, c
   }
   std::vector<std::string> names = options.robots;
   if (options.skip_deleted) {
-    std::erase_if(names,
-                  [by_name = RobotsByName(session.world)](const std::string& name) { return !by_name.Find(name); });
+    names = NamesThatExist(session.world, names);
     if (names.empty()) return {};
   }
   robots.world_hash = Hash(session.world);

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/base/text.h"
-#include "common/model/robots_by_name.h"
+#include "common/model/find_robots.h"
 
 namespace troupe {
 namespace {
@@ -88,12 +88,11 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
 }
 
 void TickCoordinator::NoteGoals(const JoinMessage& join) {
-  const RobotsByName robots(run_.world());
+  const std::vector<std::optional<RobotId>> robots = FindRobots(run_.world(), join.robots);
   const std::set<std::string_view> accepting(join.accept_goals.begin(), join.accept_goals.end());
-  for (const std::string& name : join.robots) {
-    const std::optional<RobotId> robot = robots.Find(name);
-    if (!robot) continue;
-    run_.accepts_goals[run_.world().robot(*robot).controller.name] = accepting.contains(name);
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (!robots[i]) continue;
+    run_.accepts_goals[run_.world().robot(*robots[i]).controller.name] = accepting.contains(join.robots[i]);
   }
 }
 

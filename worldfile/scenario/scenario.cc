@@ -5,7 +5,7 @@
 #include <set>
 
 #include "common/base/glob.h"
-#include "common/model/robots_by_name.h"
+#include "common/model/find_robots.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/scenario/scenario_tree.h"
 #include "worldfile/sites/building_yaml.h"
@@ -192,9 +192,11 @@ void CopyPlaces(const WorldDescription& from, WorldDescription& to) {
     if (const auto found = models.find(model.name); !model.parent && found != models.end())
       model.X_PM = found->second->X_PM;
   }
-  const RobotsByName robots(from);
-  for (RobotDescription& robot : to.robots) {
-    if (const auto found = robots.Find(robot.name)) robot.localization = from.robot(*found).localization;
+  std::vector<std::string> names;
+  for (const RobotDescription& robot : to.robots) names.push_back(robot.name);
+  const std::vector<std::optional<RobotId>> robots = FindRobots(from, names);
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (robots[i]) to.robots[i].localization = from.robot(*robots[i]).localization;
   }
 }
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <set>
 
-#include "common/model/robots_by_name.h"
+#include "common/model/find_robots.h"
 #include "common/model/states.h"
 #include "tests/support/small_world.h"
 #include "tests/support/test_world.h"
@@ -49,19 +49,22 @@ TEST(FindRobot, FindsByName) {
   EXPECT_EQ(FindRobot(world, ""), std::nullopt);
 }
 
-TEST(RobotsByName, FindsThoseThatExist) {
+TEST(FindRobots, FindsThoseThatExist) {
   test::TestWorld test;
   std::vector<RobotId> robots;
   for (int i = 0; i < 12; ++i) robots.push_back(test.AddRobot(test::Square(0.4), {0.0, 0.5}, {1.0 * i, 0.0, 0.0, 0.0}));
   test.world.models[test.world.robot(robots[3]).root.index()].removed = true;
-  const RobotsByName by_name(test.world);
-  for (const RobotId id : robots) {
-    const std::string& name = test.world.robot(id).name;
-    EXPECT_EQ(by_name.Find(name), FindRobot(test.world, name)) << name;
-    EXPECT_EQ(by_name.Find(name).has_value(), id != robots[3]) << name;
+  std::vector<std::string> names = {"m", ""};
+  for (const RobotId id : robots) names.insert(names.begin(), test.world.robot(id).name);
+  names.push_back(names.front());
+  const std::vector<std::optional<RobotId>> found = FindRobots(test.world, names);
+  ASSERT_EQ(found.size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool exists = !names[i].empty() && names[i] != "m" && names[i] != test.world.robot(robots[3]).name;
+    EXPECT_EQ(found[i], FindRobot(test.world, names[i])) << names[i];
+    EXPECT_EQ(found[i].has_value(), exists) << names[i];
   }
-  EXPECT_EQ(by_name.Find("m"), std::nullopt);
-  EXPECT_EQ(by_name.Find(""), std::nullopt);
+  EXPECT_EQ(NamesThatExist(test.world, {"m", names[0], "", names[1]}), (std::vector<std::string>{names[0], names[1]}));
 }
 
 TEST(WorldHash, ChangesWithEveryField) {
