@@ -17,10 +17,6 @@ Result<MapYaml> ReadMapYamlText(const std::string& /*text*/, const std::string& 
   return NotHere(path, "ROS maps are not read");
 }
 
-bool IsBuildingPath(const std::string& path) {
-  return path.ends_with(".building.yaml");
-}
-
 Result<Site> ReadBuilding(const std::string& path, const AllowedPaths& /*allowed*/) {
   return NotHere(path, "buildings are not read");
 }

@@ -3,9 +3,29 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
+#include <set>
+#include <utility>
 
 namespace troupe {
 namespace {
+
+constexpr std::pair<const char*, bool SiteVertex::*> kVertexFlags[] = {
+    {"is_charger", &SiteVertex::is_charger},
+    {"is_parking_spot", &SiteVertex::is_parking_spot},
+    {"is_holding_point", &SiteVertex::is_holding_point},
+    {"is_cleaning_zone", &SiteVertex::is_cleaning_zone},
+    {"is_passthrough_point", &SiteVertex::is_passthrough_point},
+};
+constexpr std::pair<const char*, std::string SiteVertex::*> kVertexTexts[] = {
+    {"dock_name", &SiteVertex::dock},
+    {"lift_cabin", &SiteVertex::lift_cabin},
+    {"pickup_dispenser", &SiteVertex::pickup_dispenser},
+    {"dropoff_ingestor", &SiteVertex::dropoff_ingestor},
+    {"mutex", &SiteVertex::mutex},
+    {"human_goal_set_name", &SiteVertex::human_goal_set},
+    {"spawn_robot_type", &SiteVertex::robot_type},
+    {"spawn_robot_name", &SiteVertex::robot_name},
+};
 
 std::uint32_t ReadGraph(YamlReader& yaml, const YAML::Node& params) {
   return static_cast<std::uint32_t>(yaml.Number(yaml.Parameter(params, "graph_idx"), "'graph_idx'", 0.0, 0.0, 1e6));
@@ -27,25 +47,16 @@ SiteVertex ReadVertex(YamlReader& yaml, const YAML::Node& node) {
   if (node.size() > 3) vertex.name = yaml.Text(node[3], "a vertex's name");
   if (node.size() < 5) return vertex;
   const YAML::Node params = node[4];
-  const auto flag = [&](const char* key) { return yaml.Flag(yaml.Parameter(params, key), Quoted(key), false); };
-  const auto text = [&](const char* key) { return yaml.Text(yaml.Parameter(params, key), Quoted(key)); };
-  vertex.is_charger = flag("is_charger");
-  vertex.is_parking_spot = flag("is_parking_spot");
-  vertex.is_holding_point = flag("is_holding_point");
-  vertex.is_cleaning_zone = flag("is_cleaning_zone");
-  vertex.is_passthrough_point = flag("is_passthrough_point");
-  vertex.dock = text("dock_name");
-  vertex.lift_cabin = text("lift_cabin");
-  vertex.pickup_dispenser = text("pickup_dispenser");
-  vertex.dropoff_ingestor = text("dropoff_ingestor");
-  vertex.mutex = text("mutex");
-  vertex.human_goal_set = text("human_goal_set_name");
-  vertex.robot_type = text("spawn_robot_type");
-  vertex.robot_name = text("spawn_robot_name");
-  yaml.WarnOfUnknownKeys(params, "a vertex",
-                         {"is_charger", "is_parking_spot", "is_holding_point", "is_cleaning_zone",
-                          "is_passthrough_point", "dock_name", "lift_cabin", "pickup_dispenser", "dropoff_ingestor",
-                          "mutex", "human_goal_set_name", "spawn_robot_type", "spawn_robot_name"});
+  std::set<std::string> known;
+  for (const auto& [key, member] : kVertexFlags) {
+    vertex.*member = yaml.Flag(yaml.Parameter(params, key), Quoted(key), false);
+    known.insert(key);
+  }
+  for (const auto& [key, member] : kVertexTexts) {
+    vertex.*member = yaml.Text(yaml.Parameter(params, key), Quoted(key));
+    known.insert(key);
+  }
+  yaml.WarnOfUnknownKeys(params, "a vertex", known);
   return vertex;
 }
 

@@ -333,10 +333,6 @@ class BuildingReader {
 
 }  // namespace
 
-bool IsBuildingPath(const std::string& path) {
-  return path.ends_with(".building.yaml") || path.ends_with(".building.yml");
-}
-
 Result<Site> ReadBuildingText(const std::string& text, const std::string& path) {
   if (text.size() > kMaxBuildingBytes) {
     return Error{

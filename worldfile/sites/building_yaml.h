@@ -9,8 +9,10 @@
 
 namespace troupe {
 
-// True if a file of this name is a building: it ends in ".building.yaml".
-bool IsBuildingPath(const std::string& path);
+// True if a file of this name is a building.
+inline bool IsBuildingPath(const std::string& path) {
+  return path.ends_with(".building.yaml") || path.ends_with(".building.yml");
+}
 
 // Reads a building. The site's warnings name once each part without effect or simulation.
 Result<Site> ReadBuilding(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
