@@ -72,12 +72,16 @@ Result<std::string> ProgramFolder() {
   return program.parent_path().string();
 }
 
-std::string InstalledWorldsFolder() {
+std::string InstalledFolder(const std::string& name) {
   const Result<std::string> programs = ProgramFolder();
   if (!programs.ok()) return {};
-  const std::filesystem::path worlds = std::filesystem::path(programs.value()).parent_path() / "share/troupe/worlds";
+  return (std::filesystem::path(programs.value()).parent_path() / "share/troupe" / name).string();
+}
+
+std::string InstalledWorldsFolder() {
+  std::string worlds = InstalledFolder("worlds");
   std::error_code failure;
-  return std::filesystem::is_directory(worlds, failure) ? worlds.string() : std::string();
+  return std::filesystem::is_directory(worlds, failure) ? worlds : std::string();
 }
 
 Status CheckEnclave(const std::string& folder) {

@@ -39,7 +39,11 @@ class AllowedPaths {
 // Where the running program is.
 Result<std::string> ProgramFolder();
 
-// "PREFIX/share/troupe/worlds" for a program in PREFIX/bin; empty if there is no such folder.
+// "PREFIX/share/troupe/NAME" for a program in PREFIX/bin, whether it is there or not; empty if the program's is
+// unknown.
+std::string InstalledFolder(const std::string& name);
+
+// The one called "worlds"; empty if there is no such folder.
 std::string InstalledWorldsFolder();
 
 // An enclave: the folder with the keys of a DDS participant. Its files have the names that ROS 2's own tools use.

@@ -11,9 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/base64.h"
 #include "common/base/file.h"
 #include "common/base/paths.h"
 #include "recording/recording_writer.h"
+#include "testing/reports/svg_plot.h"
 #include "viewer/gateway/web_server.h"
 
 namespace troupe {
@@ -65,36 +67,13 @@ std::string Unpacked(const PageFile& file) {
   return bytes;
 }
 
-std::string Base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= bytes.size() - i ? kDigits[(group >> (18 - 6 * k)) & 63u] : '=';
-    }
-  }
-  return text;
-}
-
 struct Module {
   std::string wasm;
   std::string worker;  // JavaScript
 };
 
-// "PREFIX/share/troupe/module" for a program in PREFIX/bin.
-std::string InstalledModuleFolder() {
-  const Result<std::string> programs = ProgramFolder();
-  if (!programs.ok()) return {};
-  return (std::filesystem::path(programs.value()).parent_path() / "share/troupe/module").string();
-}
-
 Result<Module> ReadModule(std::string folder) {
-  if (folder.empty()) folder = InstalledModuleFolder();
+  if (folder.empty()) folder = InstalledFolder("module");
   const auto read = [&](const char* name) {
     return ReadWholeFile((std::filesystem::path(folder) / name).string(), kMostModuleBytes);
   };
@@ -107,19 +86,6 @@ Result<Module> ReadModule(std::string folder) {
                  "libstb-dev; cmake --preset wasm; cmake --build --preset wasm), or its folder by --module"};
   }
   return Module{std::move(wasm).value(), loader.value() + "\n" + worker.value()};
-}
-
-// The attribute of an element.
-std::string Escaped(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&' || c == '"' || c == '<') {
-      escaped += fmt::format("&#{};", static_cast<int>(c));
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
 }
 
 std::string Element(const char* id, std::string_view bytes, const std::string& name = {}) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <variant>
 
+#include "common/base/base64.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/occupancy_grid.h"
 
@@ -114,21 +115,6 @@ void AppendTransform(const std::string& parent, const std::string& child, const 
                       R"("translation":{{"x":{},"y":{},"z":{}}},"rotation":{{"x":0,"y":0,"z":{},"w":{}}}}})",
                       text.back() == '[' ? "" : ",", time / kSecond, time % kSecond, Dump(parent), Dump(child), pose.x,
                       pose.y, pose.z, sine, cosine);
-}
-
-std::string Base64(const std::string& bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += i + k <= bytes.size() ? kDigits[bits >> (18 - 6 * k) & 63U] : '=';
-    }
-  }
-  return text;
 }
 
 constexpr const char* kSceneSchema = R"({"title":"foxglove.SceneUpdate","type":"object","properties":{
