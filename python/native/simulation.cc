@@ -168,6 +168,12 @@ py::tuple NamesOf(const Rows& rows, const NameOf& name_of) {
   return names;
 }
 
+// "robot.part" of each.
+template <typename Parts>
+py::tuple NamesOfParts(const WorldDescription& world, const Parts& parts) {
+  return NamesOf(parts, [&](const auto& part) { return world.robot(part.robot).name + "." + part.name; });
+}
+
 }  // namespace
 
 void DefineSimulation(py::module_& module) {
@@ -215,18 +221,14 @@ the tuples `robots`, `joints`, `grippers` and `objects`. Robots and sensors may 
           "joints",
           [](const WorldPointer& world) {
             const World::Use use(*world);
-            return NamesOf(use->world().joints, [&](const JointDescription& joint) {
-              return use->world().robot(joint.robot).name + "." + joint.name;
-            });
+            return NamesOfParts(use->world(), use->world().joints);
           },
           "The names of the joints, a tuple.")
       .def_property_readonly(
           "grippers",
           [](const WorldPointer& world) {
             const World::Use use(*world);
-            return NamesOf(use->world().grippers, [&](const GripperDescription& gripper) {
-              return use->world().robot(gripper.robot).name + "." + gripper.name;
-            });
+            return NamesOfParts(use->world(), use->world().grippers);
           },
           "The names of the grippers, a tuple.")
       .def_property_readonly(
