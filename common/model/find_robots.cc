@@ -8,13 +8,15 @@ namespace troupe {
 std::vector<std::optional<RobotId>> FindRobots(const WorldDescription& world, const std::vector<std::string>& names) {
   std::vector<std::size_t> sorted(names.size());
   std::iota(sorted.begin(), sorted.end(), std::size_t{0});
-  const auto name_of = [&](std::size_t i) -> const std::string& { return names[i]; };
-  std::ranges::sort(sorted, {}, name_of);
+  std::ranges::sort(sorted, {}, [&](std::size_t i) -> const std::string& { return names[i]; });
   std::vector<std::optional<RobotId>> found(names.size());
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    const auto same = std::ranges::equal_range(sorted, world.robots[i].name, {}, name_of);
-    if (same.empty() || !RobotExists(world, RobotId(i))) continue;
-    for (const std::size_t name : same) found[name] = RobotId(i);
+    const std::string& name = world.robots[i].name;
+    auto same = std::lower_bound(sorted.begin(), sorted.end(), name,
+                                 [&](std::size_t left, const std::string& right) { return names[left] < right; });
+    for (; same != sorted.end() && names[*same] == name && RobotExists(world, RobotId(i)); ++same) {
+      found[*same] = RobotId(i);
+    }
   }
   return found;
 }
