@@ -68,7 +68,7 @@ def main():
                 if failure:
                     failed = True
                     print(f"error: {failure}", file=sys.stderr)
-    print("\n" + report.text(options.output))
+    print("", report.text_of_targets(options.output), report.text_of_growth(options.output), sep="\n\n")
     drawn = plots.draw_all(options.output)
     for path in drawn:
         print(f"drawn: {path}")

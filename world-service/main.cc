@@ -46,7 +46,7 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
 // with data sharing and without DDS Security: elsewhere a frame is written once for each group. A service that
 // continues a run has at least as many as the one before it, whose ports are given.
 std::size_t CountAgentGroups(const ServiceCommandLine& line, const PreparedRun& run, bool secured) {
-  // docs/performance.md has the trials. A group costs the service a participant with its threads.
+  // docs/performance-trials.md has the trials. A group costs the service a participant with its threads.
   constexpr std::size_t kAgentsOfGroup = 64;
   constexpr std::size_t kMostGroups = 32;
   const NetworkSettings& network = line.network;

@@ -77,7 +77,7 @@ def processes(setting):
 
 def robots(setting):
     """Growth in one process: robots with 12 infrared rays, 8.4 m2 for each."""
-    counts = [10, 100] if setting.quick else [10, 100, 1000, 10_000]
+    counts = [10, 100] if setting.quick else [10, 100, 1000, 10_000, 100_000]
     for number in range(setting.rounds):
         for count in counts:
             side = max(20.0, round((8.4 * count) ** 0.5, -1))

@@ -26,8 +26,8 @@ struct ProcessEnd {
 };
 
 // The address layout of a program. The processor predicts branches by address, so many processes of one program that
-// run in turn are faster with equal addresses; docs/performance.md has figures. Random addresses make attacks harder,
-// so REQUIRES: kSame only where other hosts cannot send to the process.
+// run in turn are faster with equal addresses; docs/performance-trials.md has figures. Random addresses make attacks
+// harder, so REQUIRES: kSame only where other hosts cannot send to the process.
 enum class Addresses : bool { kRandom, kSame };
 
 // Process: a child program that cannot outlive this one. The kernel sends it SIGKILL when the thread that started it

@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kMaxStartDelay = 0.5;  // s, with --shuffle-start
 
-// Limits of agents per host that are started and have not joined. docs/performance.md has figures. When several agents
-// request the same discovery data at once, Cyclone sends it to all agents of their group that have joined, so that on
-// one machine, where an agent joins quickly, few start at a time. With security, an agent waits a third of a second for
-// timers of the handshake, without work.
+// Limits of agents per host that are started and have not joined. docs/performance-trials.md has figures. When several
+// agents request the same discovery data at once, Cyclone sends it to all agents of their group that have joined, so
+// that on one machine, where an agent joins quickly, few start at a time. With security, an agent waits a third of a
+// second for timers of the handshake, without work.
 constexpr std::size_t kMaxStarting = 16;
 constexpr std::size_t kMaxStartingOnOneMachine = 6;
 constexpr std::size_t kMaxStartingSecured = 64;
