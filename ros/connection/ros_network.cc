@@ -101,6 +101,7 @@ dds::DomainConfig NetworkConfig(const RosNetwork& network) {
   config.network_interface = network.network_interface;
   config.data_multicast = false;  // as ROS by default: not every network has multicast
   config.key_hashes = true;
+  config.heartbeat_seconds = 0.1;  // only a heartbeat reveals the loss of a last message, or that a writer may end
   const bool is_humble = network.distribution == Distribution::kHumble;
   const std::uint32_t indices = IndicesSearched(network.distribution);
   switch (network.discovery) {
