@@ -180,6 +180,21 @@ TEST_F(RosFastDds, ASideThatIsKilledIsStartedAgain) {
   End(run);
 }
 
+TEST_F(RosFastDds, AGoalGoesOnWhileTheSideIsKilledAndIsAnsweredToANewCall) {
+  Program run = Run({"--paused"});
+  run.WaitForLine(", ready");
+  Program caller = Caller({"simulate", "30"});
+  caller.WaitForLine("asked");
+  std::vector<pid_t> sides;
+  EXPECT_TRUE(Eventually([&] { return (sides = SidesOf(run)).size() == 1; }));
+  for (const pid_t side : sides) kill(side, SIGKILL);
+  EXPECT_EQ(caller.Wait(), 0) << caller.output();
+  EXPECT_THAT(caller.output(),
+              HasSubstr(R"({"accepted":true,"feedback":30,"result":1,"status":4,"topic":"simulated"})"));
+  run.WaitForLine("the Fast DDS side (process ");
+  End(run);
+}
+
 // The reads of Fast DDS 2.9 that end the process: statistics with bytes behind them (84 bytes in all), a heartbeat from
 // 0 on, and numbers so large that their successor overflows. Then each kind of submessage with any flags and lengths.
 TEST_F(RosFastDds, DatagramsOfAStrangerDoNotEndTheSide) {

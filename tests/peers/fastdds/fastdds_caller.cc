@@ -97,7 +97,13 @@ void Simulate(Peer& peer, std::uint64_t steps) {
   const bool accepted = send_goal.Call(goal).accepted();
   action::SimulateSteps_GetResult_Request_ ask;
   ask.goal_id(goal.goal_id());
-  const auto ended = get_result.Call(ask);
+  std::int64_t asked = get_result.Send(ask);
+  Print({{"topic", "asked"}});
+  while (!get_result.IsAnswered(asked, 1)) {  // its server may have died
+    get_result.WaitForService();
+    asked = get_result.Send(ask);
+  }
+  const auto ended = get_result.Await(asked);
   Until([&] { return feedback == steps; });
   Print({{"topic", "simulated"},
          {"accepted", accepted},
