@@ -43,6 +43,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} 
 
 # Manual pages, from the programs' help texts. A subcommand that is missing here is found by the test installed_test.
 set(pages)
+list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
 function(troupe_manual_page program subcommand)
   set(page ${CMAKE_BINARY_DIR}/man/${program}.1)
   if(subcommand)
@@ -50,7 +51,7 @@ function(troupe_manual_page program subcommand)
   endif()
   add_custom_command(OUTPUT ${page}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/man
-    COMMAND ${PROJECT_SOURCE_DIR}/cmake/man_page $<TARGET_FILE:${program}> ${subcommand} > ${page}
+    COMMAND ${CMAKE_COMMAND} -E env "EMULATOR=${emulator}" ${PROJECT_SOURCE_DIR}/cmake/man_page $<TARGET_FILE:${program}> ${subcommand} > ${page}
     DEPENDS ${program} ${PROJECT_SOURCE_DIR}/cmake/man_page VERBATIM)
   list(APPEND pages ${page})
   set(pages ${pages} PARENT_SCOPE)

@@ -12,6 +12,10 @@ set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "A world service arbitrates all collisions 
 and exchanges its state over DDS in lockstep ticks. The package holds the programs, the library libtroupe with its
 headers and CMake package, worlds, configurations and manual pages.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+if(CMAKE_CROSSCOMPILING)
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_SYSROOT}/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE})
+endif()
 # The headers need Eigen's, and pictures a font.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4), fonts-dejavu-core")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, g++, openssh-client")

@@ -104,6 +104,9 @@ macro(troupe_add_test)
       math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # they slow programs down several times
       list(APPEND environment ${TROUPE_SANITIZER_ENVIRONMENT})
     endif()
+    if(CMAKE_CROSSCOMPILING)
+      math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 20")  # an emulator, too
+    endif()
     # With three places for each core (scripts/test), tests that calculate run one a core, and beside each of them one that
     # drives processes, which mostly waits.
     set(processors 2)
