@@ -27,6 +27,31 @@ ChannelIds FindChannels(const mcap::Reader& file) {
   return ids;
 }
 
+// REQUIRES: all channels were found.
+Result<std::array<std::optional<LayoutChange>, kRecordingChannels>> FindLayouts(const mcap::Reader& file,
+                                                                                const ChannelIds& ids) {
+  std::array<std::optional<LayoutChange>, kRecordingChannels> layouts;
+  for (std::size_t i = 0; i < kRecordingChannels; ++i) {
+    const mcap::Schema& schema = file.schemas().at(file.channels().at(*ids[i]).schema);
+    const mcap::Schema today = SchemaOf(kChannelTypes[i]);
+    if (LayoutChange::IsNone(schema.data, today.data)) continue;
+    Result<LayoutChange> change = LayoutChange::Between(schema.data, today.data, kChannelTypes[i].type);
+    if (!change.ok()) return change.error();
+    layouts[i] = std::move(change).value();
+  }
+  return layouts;
+}
+
+// The bytes of a message in the layout of today: itself, or in `changed`.
+Result<std::span<const std::byte>> InLayoutOfToday(const std::optional<LayoutChange>& layout,
+                                                   std::span<const std::byte> data, std::vector<std::byte>& changed) {
+  if (!layout) return data;
+  Result<std::vector<std::byte>> applied = layout->Apply(data);
+  if (!applied.ok()) return applied.error();
+  changed = std::move(applied).value();
+  return std::span<const std::byte>(changed);
+}
+
 std::uint64_t EndTime(const mcap::Reader& file) {
   std::uint64_t end = 0;
   for (const mcap::ChunkInfo& chunk : file.chunks()) end = std::max(end, chunk.end_time);
@@ -39,8 +64,40 @@ bool IsRecordingPath(const std::string& path) {
   return path.ends_with(".mcap");
 }
 
-Recording::Recording(mcap::Reader file, RecordedRun run, ChannelIds ids)
-    : file_(std::move(file)), run_(std::move(run)), ids_(ids), places_(run_.world.interval_ns, EndTime(file_)) {}
+Recording::Recording(mcap::Reader file, RecordedRun run, ChannelIds ids, Layouts layouts)
+    : file_(std::move(file)),
+      run_(std::move(run)),
+      ids_(ids),
+      layouts_(std::move(layouts)),
+      places_(run_.world.interval_ns, EndTime(file_)) {}
+
+Result<mcap::Chunk> Recording::ReadChunk(std::size_t chunk) const {
+  Result<mcap::Chunk> read = file_.ReadChunk(chunk + 1);
+  if (!read.ok() || std::all_of(layouts_.begin(), layouts_.end(), [](const auto& layout) { return !layout; })) {
+    return read;
+  }
+  std::vector<std::vector<std::byte>> changed(read.value().messages.size());
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    mcap::Message& message = read.value().messages[i];
+    const std::optional<RecordingChannel> channel = ChannelOf(message);
+    if (!channel) continue;
+    const Result<std::span<const std::byte>> data =
+        InLayoutOfToday(layouts_[static_cast<std::size_t>(*channel)], message.data, changed[i]);
+    if (!data.ok()) return data.error();
+    message.data = data.value();
+  }
+  for (const mcap::Message& message : read.value().messages) size += message.data.size();
+  std::vector<std::byte> records;
+  records.reserve(size);
+  for (mcap::Message& message : read.value().messages) {
+    const std::size_t begin = records.size();
+    records.insert(records.end(), message.data.begin(), message.data.end());
+    message.data = std::span<const std::byte>(records).subspan(begin);
+  }
+  read.value().records = std::move(records);
+  return read;
+}
 
 Result<Recording> Recording::Open(const std::string& path, Ticks ticks) {
   Result<std::unique_ptr<const mcap::ByteSource>> source = mcap::OpenFileSource(path);
@@ -73,9 +130,15 @@ Result<Recording> Recording::Open(std::unique_ptr<const mcap::ByteSource> source
   if (messages.size() != 1 || messages.front().channel != ids[static_cast<std::size_t>(RecordingChannel::kRun)]) {
     return Error{{file.name()}, "found a recording that does not begin with its run"};
   }
-  Result<RecordedRun> run = RunFromBytes(messages.front().data);
+  Result<Layouts> layouts = FindLayouts(file, ids);
+  if (!layouts.ok()) return Error{{file.name()}, layouts.error().message};
+  std::vector<std::byte> changed;
+  const Result<std::span<const std::byte>> first = InLayoutOfToday(
+      layouts.value()[static_cast<std::size_t>(RecordingChannel::kRun)], messages.front().data, changed);
+  if (!first.ok()) return Error{{file.name()}, first.error().message};
+  Result<RecordedRun> run = RunFromBytes(first.value());
   if (!run.ok()) return Error{{file.name()}, run.error().message};
-  Recording recording(std::move(file), std::move(run).value(), ids);
+  Recording recording(std::move(file), std::move(run).value(), ids, std::move(layouts).value());
   recording.FindPlaces();
   return recording;
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "recording/mcap/reader.h"
+#include "recording/older_layout.h"
 #include "recording/recorded_run.h"
 #include "transport/protocol/messages.h"
 #include "troupe/ids.h"
@@ -90,9 +91,12 @@ class Recording {
  private:
   friend class TickReader;
 
-  Recording(mcap::Reader file, RecordedRun run, std::array<std::optional<std::uint16_t>, kRecordingChannels> ids);
+  using Layouts = std::array<std::optional<LayoutChange>, kRecordingChannels>;  // of those that have changed since
+
+  Recording(mcap::Reader file, RecordedRun run, std::array<std::optional<std::uint16_t>, kRecordingChannels> ids,
+            Layouts layouts);
   // Chunk 0 of the file has the run.
-  Result<mcap::Chunk> ReadChunk(std::size_t chunk) const { return file_.ReadChunk(chunk + 1); }
+  Result<mcap::Chunk> ReadChunk(std::size_t chunk) const;
   std::optional<RecordingChannel> ChannelOf(const mcap::Message& message) const;
   bool Has(const mcap::ChunkInfo& chunk, RecordingChannel channel) const;
   // Finds the keyframes and the edits.
@@ -103,6 +107,7 @@ class Recording {
   mcap::Reader file_;
   RecordedRun run_;
   std::array<std::optional<std::uint16_t>, kRecordingChannels> ids_;
+  Layouts layouts_;
   TickPlaces places_;
   std::vector<std::size_t> keyframe_chunks_;  // ascending
   std::vector<std::size_t> edit_chunks_;      // that have edits, ascending

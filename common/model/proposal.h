@@ -39,6 +39,34 @@ struct CameraOrder {
   }
 };
 
+// Opens or closes a door. Of several orders for one door in a tick the one that opens it farthest counts.
+struct DoorOrder {
+  std::size_t door = 0;  // in WorldDescription::doors
+  double target = 1.0;   // from 0, closed, to 1
+  bool operator==(const DoorOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"door", &DoorOrder::door},
+        Field{"target", &DoorOrder::target},
+    };
+  }
+};
+
+// Calls a lift to a floor, which begins a session of the robot, or ends the session.
+struct LiftOrder {
+  std::size_t lift = 0;  // in WorldDescription::lifts
+  std::size_t floor = 0;
+  bool ends = false;
+  bool operator==(const LiftOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"lift", &LiftOrder::lift},
+        Field{"floor", &LiftOrder::floor},
+        Field{"ends", &LiftOrder::ends},
+    };
+  }
+};
+
 // Bytes of a text that a robot says in one tick.
 inline constexpr std::size_t kMostSaidBytes = 200;
 
@@ -53,6 +81,8 @@ struct Proposal {
   std::vector<LightOrder> lights = {};      // applied in order
   std::vector<CameraOrder> cameras = {};    // likewise
   std::string say = {};                     // an event for people, of at most kMostSaidBytes; empty: none
+  std::vector<DoorOrder> doors = {};
+  std::vector<LiftOrder> lifts = {};
   bool operator==(const Proposal&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -63,6 +93,8 @@ struct Proposal {
         Field{"lights", &Proposal::lights},
         Field{"cameras", &Proposal::cameras},
         Field{"say", &Proposal::say},
+        Field{"doors", &Proposal::doors},
+        Field{"lifts", &Proposal::lifts},
     };
   }
 };

@@ -27,6 +27,8 @@ std::optional<std::size_t> CountRows(const WorldDescription& world, const Device
   if constexpr (std::is_same_v<Row, ImuState>) return devices.imus;
   if constexpr (std::is_same_v<Row, LightState>) return devices.lights;
   if constexpr (std::is_same_v<Row, CameraState>) return devices.cameras;
+  if constexpr (std::is_same_v<Row, DoorState>) return world.doors.size();
+  if constexpr (std::is_same_v<Row, LiftState>) return world.lifts.size();
   return std::nullopt;
 }
 
@@ -149,6 +151,14 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
       return StateError("found an object that is held without a holder, or has a holder without being held");
     }
   }
+  for (const DoorState& door : state.doors) {
+    if (!(door.opening >= 0.0 && door.opening <= 1.0 && door.target >= 0.0 && door.target <= 1.0)) {
+      return StateError("found a door that is not between closed and open");
+    }
+  }
+  for (std::size_t i = 0; i < state.lifts.size(); ++i) {
+    if (state.lifts[i].floor >= world.lifts[i].floors.size()) return StateError("found a lift at an unknown floor");
+  }
   for (const RadioTransmission& transmission : state.transmissions) {
     if (FindRadio(world.robot(transmission.from), transmission.message.radio) == nullptr) {
       return StateError("found a radio message of a sensor that is no radio");
@@ -187,6 +197,16 @@ WorldState PlacedState(const WorldDescription& world) {
     state.lights.push_back({world.model(light.model).blinking.is_switched_on});
   }
   state.cameras.resize(FindCameras(world).size());
+  for (const DoorDescription& door : world.doors) {
+    state.doors.push_back({.opening = door.opening, .target = door.opening});
+    for (const DoorLeaf& leaf : door.leaves) {
+      state.objects[leaf.object.index()] = {.X_WO = leaf.X_WH_at(door.opening), .mode = ObjectMode::kMounted};
+    }
+  }
+  for (const LiftDescription& lift : world.lifts) {
+    state.lifts.push_back({.z = lift.floors[lift.floor].z, .floor = lift.floor});
+    state.objects[lift.cabin.index()].mode = ObjectMode::kMounted;
+  }
   return state;
 }
 

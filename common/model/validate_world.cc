@@ -1,4 +1,5 @@
 // The invariants of a world description; see world_description.h.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
@@ -216,12 +217,54 @@ Status CheckGripper(const WorldDescription& world, std::size_t index) {
   return Status();
 }
 
-Status CheckObject(const WorldDescription& world, std::size_t index) {
+// `is_leaf`: by object; those of the doors before.
+Status CheckDoor(const WorldDescription& world, std::size_t index, std::vector<bool>& is_leaf) {
+  const DoorDescription& door = world.doors[index];
+  if (door.model.index() >= world.models.size()) return Problem("its model does not exist");
+  if (index > 0 && door.model <= world.doors[index - 1].model) return Problem("it is not in the order of the models");
+  if (door.leaves.empty()) return Problem("it has no leaf");
+  for (const DoorLeaf& leaf : door.leaves) {
+    if (leaf.object.index() >= world.objects.size()) return Problem("a leaf of it does not exist");
+    if (is_leaf[leaf.object.index()]) return Problem("an object is a leaf twice");
+    is_leaf[leaf.object.index()] = true;
+    if (!IsUsable(leaf.X_WH) || !AreUsable({leaf.shift}) || !(std::abs(leaf.turn) <= 2.0 * kPi)) {
+      return Problem("a leaf is not finite or too far away, or turns by more than once");
+    }
+    if (leaf.turn != 0.0 && leaf.shift != 0.0) return Problem("a leaf both turns and slides");
+  }
+  if (!AreUsable({door.seconds, door.reach}) || door.seconds < 1e-3 || door.reach < 0.0) {
+    return Problem("its time to open is shorter than 1 ms, or its reach is negative, or one of both too large");
+  }
+  if (!(door.opening >= 0.0 && door.opening <= 1.0)) return Problem("its opening is not within 0 and 1");
+  return Status();
+}
+
+// `is_mounted`: by object; leaves, and cabins of the lifts before.
+Status CheckLift(const WorldDescription& world, std::size_t index, std::vector<bool>& is_mounted) {
+  const LiftDescription& lift = world.lifts[index];
+  if (lift.model.index() >= world.models.size()) return Problem("its model does not exist");
+  if (index > 0 && lift.model <= world.lifts[index - 1].model) return Problem("it is not in the order of the models");
+  if (lift.cabin.index() >= world.objects.size() || is_mounted[lift.cabin.index()]) {
+    return Problem("its cabin does not exist, or is one of another lift or a leaf");
+  }
+  is_mounted[lift.cabin.index()] = true;
+  if (lift.floor >= lift.floors.size()) return Problem("its floor at load does not exist");
+  if (!AreUsable({lift.speed}) || !(lift.speed >= 1e-3)) return Problem("its speed is below 1 mm/s or too large");
+  const auto is_door = [&](std::size_t door) { return door < world.doors.size(); };
+  if (!std::all_of(lift.cabin_doors.begin(), lift.cabin_doors.end(), is_door)) return Problem("it has an unknown door");
+  for (const LiftFloor& floor : lift.floors) {
+    if (!AreUsable({floor.z})) return Problem("a floor of it is not finite or too far away");
+    if (!std::all_of(floor.doors.begin(), floor.doors.end(), is_door)) return Problem("it has an unknown door");
+  }
+  return Status();
+}
+
+Status CheckObject(const WorldDescription& world, std::size_t index, bool is_mounted) {
   const ModelId object = world.objects[index];
   if (object.index() >= world.models.size()) return Problem("its model does not exist");
   if (index > 0 && object <= world.objects[index - 1]) return Problem("it is not in order");
   const ModelDescription& model = world.model(object);
-  if (model.parent || !model.gripper_return) return Problem("it has a parent or no gripper_return");
+  if (model.parent || !(model.gripper_return || is_mounted)) return Problem("it has a parent or no gripper_return");
   for (const RobotDescription& robot : world.robots) {
     if (robot.root == object) return Problem("it is a robot");
   }
@@ -277,8 +320,15 @@ Status Validate(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.grippers.size(); ++i) {
     if (Status error = InPart(CheckGripper(world, i), "gripper", i, world.grippers[i].name); !error.ok()) return error;
   }
+  std::vector<bool> is_mounted(world.objects.size(), false);
+  for (std::size_t i = 0; i < world.doors.size(); ++i) {
+    if (Status error = InPart(CheckDoor(world, i, is_mounted), "door", i); !error.ok()) return error;
+  }
+  for (std::size_t i = 0; i < world.lifts.size(); ++i) {
+    if (Status error = InPart(CheckLift(world, i, is_mounted), "lift", i); !error.ok()) return error;
+  }
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    if (Status error = InPart(CheckObject(world, i), "object", i); !error.ok()) return error;
+    if (Status error = InPart(CheckObject(world, i, is_mounted[i]), "object", i); !error.ok()) return error;
   }
   if (Status error = CheckAreas(world); !error.ok()) return error;
   if (!AreUsable({world.gravity}) || world.gravity < 0.0) return Problem("its gravity is not finite or negative");

@@ -219,6 +219,35 @@ class DescriptionHasher {
     AddAll(place.tags);
     Add(place.X_WN);
   }
+  void Add(const DoorLeaf& leaf) {
+    Add(std::uint64_t{leaf.object.index()});
+    Add(leaf.X_WH);
+    Add(leaf.turn);
+    Add(leaf.shift);
+  }
+  void Add(const DoorDescription& door) {
+    Add(door.model);
+    AddAll(door.leaves);
+    for (double value : {door.seconds, door.reach, door.opening}) Add(value);
+    Add(std::uint64_t{door.is_operated});
+  }
+  void AddNumbers(const std::vector<std::size_t>& numbers) {
+    Add(std::uint64_t{numbers.size()});
+    for (const std::size_t number : numbers) Add(std::uint64_t{number});
+  }
+  void Add(const LiftFloor& floor) {
+    Add(floor.name);
+    Add(floor.z);
+    AddNumbers(floor.doors);
+  }
+  void Add(const LiftDescription& lift) {
+    Add(lift.model);
+    Add(std::uint64_t{lift.cabin.index()});
+    AddNumbers(lift.cabin_doors);
+    AddAll(lift.floors);
+    Add(std::uint64_t{lift.floor});
+    Add(lift.speed);
+  }
   void Add(const JointDescription& joint) {
     Add(joint.name);
     Add(std::uint64_t{joint.robot.index()});
@@ -309,6 +338,20 @@ std::vector<SensorPlace> FindCameras(const WorldDescription& world) {
   return FindSensors<CameraParameters>(world);
 }
 
+std::optional<std::size_t> FindDoor(const WorldDescription& world, const std::string& name) {
+  for (std::size_t i = 0; i < world.doors.size(); ++i) {
+    if (world.model(world.doors[i].model).name == name) return i;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> FindLift(const WorldDescription& world, const std::string& name) {
+  for (std::size_t i = 0; i < world.lifts.size(); ++i) {
+    if (world.model(world.lifts[i].model).name == name) return i;
+  }
+  return std::nullopt;
+}
+
 std::uint64_t Hash(const WorldDescription& world) {
   DescriptionHasher hasher;
   hasher.Add(world.name);
@@ -322,6 +365,10 @@ std::uint64_t Hash(const WorldDescription& world) {
   hasher.AddAll(world.objects);
   hasher.Add(world.gravity);
   if (!world.places.empty()) hasher.AddAll(world.places);
+  if (!world.doors.empty()) hasher.Add(std::string("doors"));
+  if (!world.doors.empty()) hasher.AddAll(world.doors);
+  if (!world.lifts.empty()) hasher.Add(std::string("lifts"));
+  if (!world.lifts.empty()) hasher.AddAll(world.lifts);
   return hasher.value();
 }
 

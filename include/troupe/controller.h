@@ -28,6 +28,7 @@
 #include "troupe/robot_command.h"
 #include "troupe/sensor.h"
 #include "troupe/world_description.h"
+#include "troupe/world_state.h"
 
 namespace troupe {
 
@@ -124,6 +125,37 @@ struct CameraCommand {
   double tilt = 0.0;  // rad, upwards; bounded so that its picture ends within 85 degrees above and below the horizontal
 };
 
+// A door of the world, which its controls tell every robot about.
+struct DoorInfo {
+  std::string name;
+  Vec2 middle{0.0, 0.0};  // m, of the doorway, in W
+  double z = 0.0;         // m, of its floor
+  bool operator==(const DoorInfo&) const = default;
+};
+
+// A request to the controls of a door. It stays valid until the next one of any robot; of several in one tick the one
+// that opens it farthest counts.
+struct DoorCommand {
+  std::size_t door = 0;  // in RobotInfo::doors
+  double opening = 1.0;  // from 0, closed, to 1
+};
+
+// A lift of the world.
+struct LiftInfo {
+  std::string name;
+  Vec2 middle{0.0, 0.0};  // m, of the cabin, in W
+  std::vector<std::string> floors;
+  bool operator==(const LiftInfo&) const = default;
+};
+
+// A call, which begins a session: until the robot ends it, the calls of others do not count, and its own counts only
+// while no other robot has one (Observation::lifts).
+struct LiftCommand {
+  std::size_t lift = 0;   // in RobotInfo::lifts
+  std::size_t floor = 0;  // in LiftInfo::floors
+  bool ends = false;      // ends the session of the robot, without a call
+};
+
 struct Observation {
   Tick tick = 0;
   double time = 0.0;      // s, simulated
@@ -135,6 +167,8 @@ struct Observation {
   std::span<const JointReading> joints;
   std::span<const GripperReading> grippers;
   std::vector<bool> lights = {};             // switched on, by light
+  std::span<const DoorState> doors = {};     // by door
+  std::span<const LiftState> lifts = {};     // by lift
   std::optional<EnergyReading> energy = {};  // nothing: the robot needs none
   std::uint64_t random_key = 0;              // of this robot and tick
   // That a user has sent the robot to, in the frame of `pose_estimate`; null: none, or it was cancelled or has expired.
@@ -168,6 +202,10 @@ struct Command {
   std::vector<CameraCommand> cameras = {};
   // A text for people, an event of the run; beyond 200 bytes it is cut off.
   std::string say = {};
+  // An unknown door, or an opening that is not 0 to 1, is a failure of the controller.
+  std::vector<DoorCommand> doors = {};
+  // Applied in order. An unknown lift or floor is a failure of the controller.
+  std::vector<LiftCommand> lifts = {};
 };
 
 // A sensor of the robot. The description lives as long as the controller.
@@ -185,6 +223,8 @@ struct RobotInfo {
   std::vector<const JointDescription*> joints = {};  // in id order; never null, live as long as the controller
   std::vector<GripperInfo> grippers = {};            // in id order
   std::vector<LightInfo> lights = {};                // in id order
+  std::vector<DoorInfo> doors = {};                  // of the world, in the order of its models
+  std::vector<LiftInfo> lifts = {};                  // likewise
 };
 
 class Controller {
@@ -212,7 +252,7 @@ class Controller {
 // A shared library defines these two (TROUPE_CONTROLLER does it):
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
-#define TROUPE_CONTROLLER_ABI 7
+#define TROUPE_CONTROLLER_ABI 8
 #define TROUPE_CONTROLLER(Type)                                                                   \
   extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
     return TROUPE_CONTROLLER_ABI;                                                                 \

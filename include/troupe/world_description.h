@@ -11,7 +11,10 @@
 // - no two robots that are there have one ROS domain of their own;
 // - grippers are in the order of their models; their joints and pads are of the same robot and below its root;
 // - only models that never move, so neither robots nor objects nor parts of them, have shapes with an area;
-// - objects are in order, have gripper_return and no parent, and are not the roots of robots.
+// - objects are in order, have gripper_return or are leaves of doors or cabins of lifts, have no parent, and are not
+// the roots of robots;
+// - doors are in the order of their models, which never move, and so are lifts; an object is at most once a leaf of one
+//   or a cabin.
 #pragma once
 
 #include <cstdint>
@@ -203,6 +206,48 @@ bool NamesLibrary(const std::string& controller);
 // The path of that file: the name without the class.
 std::string ControllerFile(const std::string& controller);
 
+// A leaf of a door: an object that only its door moves.
+struct DoorLeaf {
+  ObjectId object;
+  Pose X_WH;           // of the object's root while the door is closed
+  double turn = 0.0;   // rad, of a door that opens: the leaf turns about the origin of H
+  double shift = 0.0;  // m, or slides along the x axis of H; one of both is 0
+  bool operator==(const DoorLeaf&) const = default;
+
+  // At an opening from 0, closed, to 1.
+  Pose X_WH_at(double opening) const { return X_WH * Pose{opening * shift, 0.0, 0.0, WrapAngle(opening * turn)}; }
+};
+
+// One or more leaves that open and close together.
+struct DoorDescription {
+  ModelId model;  // has no body; its name is the door's
+  std::vector<DoorLeaf> leaves;
+  double seconds = 3.0;     // from closed to open
+  double reach = 0.0;       // m: it opens for robots that are nearer to its model; 0: for none
+  double opening = 0.0;     // at load
+  bool is_operated = true;  // false: it stays as it is
+  bool operator==(const DoorDescription&) const = default;
+};
+
+// A height at which a lift stops.
+struct LiftFloor {
+  std::string name;
+  double z = 0.0;                  // m, of the cabin's floor
+  std::vector<std::size_t> doors;  // in WorldDescription::doors: those of the cabin and of the shaft that open here
+  bool operator==(const LiftFloor&) const = default;
+};
+
+// A cabin that moves along z, with what stands in it, while all of its doors are closed.
+struct LiftDescription {
+  ModelId model;                         // has no body; its name is the lift's
+  ObjectId cabin;                        // an object that only the lift moves; at the height of the floor at load
+  std::vector<std::size_t> cabin_doors;  // that move with it
+  std::vector<LiftFloor> floors;
+  std::uint32_t floor = 0;  // at load
+  double speed = 1.0;       // m/s
+  bool operator==(const LiftDescription&) const = default;
+};
+
 // How a robot appears in ROS 2. It changes no result.
 struct RosIdentity {
   std::optional<std::uint32_t> domain = {};  // its own ROS domain, where its topics have plain names; none: the run's
@@ -243,6 +288,8 @@ struct WorldDescription {
   std::vector<ModelId> objects;  // movable objects, which may be gripped and fall: the roots of their trees
   double gravity = 9.81;         // m/s^2; 0: a released object stays in the air
   std::vector<NamedPlace> places = {};
+  std::vector<DoorDescription> doors = {};
+  std::vector<LiftDescription> lifts = {};
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }
@@ -261,6 +308,12 @@ bool RobotExists(const WorldDescription& world, RobotId robot);
 
 // The robot called `name`, if there is one.
 std::optional<RobotId> FindRobot(const WorldDescription& world, const std::string& name);
+
+// The door called `name`, by its number, if there is one.
+std::optional<std::size_t> FindDoor(const WorldDescription& world, const std::string& name);
+
+// The lift called `name`, likewise.
+std::optional<std::size_t> FindLift(const WorldDescription& world, const std::string& name);
 
 // Checks the invariants above. For input from a peer; loaders guarantee them.
 Status Validate(const WorldDescription& world);

@@ -63,9 +63,10 @@ enum class ObjectMode : std::uint8_t {
   kResting = 1,  // on a support
   kFalling = 2,
   kHeld = 3,
+  kMounted = 4,  // a leaf of a door or the cabin of a lift: it neither falls nor can be held
 };
 constexpr ObjectMode LastOf(ObjectMode) {
-  return ObjectMode::kHeld;
+  return ObjectMode::kMounted;
 }
 
 struct ObjectState {
@@ -141,6 +142,40 @@ struct CameraState {
   }
 };
 
+struct DoorState {
+  double opening = 0.0;  // from 0, closed, to 1
+  double target = 0.0;   // likewise, as it was requested last
+  bool held = false;     // open for a robot within its reach, whatever the target
+  bool blocked = false;  // the motion of the last tick was cut short by a body in its way
+  bool operator==(const DoorState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"opening", &DoorState::opening},
+        Field{"target", &DoorState::target},
+        Field{"held", &DoorState::held},
+        Field{"blocked", &DoorState::blocked},
+    };
+  }
+
+  double Aim() const { return held ? 1.0 : target; }  // the opening that it moves to
+};
+
+struct LiftState {
+  double z = 0.0;                       // m, of the cabin's floor
+  std::uint32_t floor = 0;              // that it moves to or stands at, in LiftDescription::floors
+  std::optional<RobotId> session = {};  // the only robot whose orders count; nothing: any
+  bool blocked = false;                 // the motion of the last tick was cut short by a body in its way
+  bool operator==(const LiftState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"z", &LiftState::z},
+        Field{"floor", &LiftState::floor},
+        Field{"session", &LiftState::session},
+        Field{"blocked", &LiftState::blocked},
+    };
+  }
+};
+
 struct WorldState {
   Tick tick = 0;
   std::vector<RobotState> robots;         // by RobotId
@@ -153,6 +188,8 @@ struct WorldState {
   std::vector<CameraState> cameras = {};  // of FindCameras
   // On their way, or arriving at this tick; in the order of `sent`, then of robots, then of `number`.
   std::vector<RadioTransmission> transmissions = {};
+  std::vector<DoorState> doors = {};  // of WorldDescription::doors
+  std::vector<LiftState> lifts = {};  // of WorldDescription::lifts
   bool operator==(const WorldState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -161,6 +198,7 @@ struct WorldState {
         Field{"objects", &WorldState::objects}, Field{"stores", &WorldState::stores},
         Field{"imus", &WorldState::imus},       Field{"lights", &WorldState::lights},
         Field{"cameras", &WorldState::cameras}, Field{"transmissions", &WorldState::transmissions},
+        Field{"doors", &WorldState::doors},     Field{"lifts", &WorldState::lifts},
     };
   }
 };

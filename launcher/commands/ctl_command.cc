@@ -226,6 +226,18 @@ void AddEditActions(CLI::App* command, const SharedOptions& options) {
       ->required();
 }
 
+void AddDoorActions(CLI::App* command, const SharedOptions& options) {
+  CLI::App* const door = AddAction(command, options, "door", "Open or close a door", ControlCommand::kDoor);
+  door->add_option("NAME", options->request.name, "Its name")->required();
+  door->add_option("ACTION", options->request.source, "open or close")
+      ->required()
+      ->check(CLI::IsMember({"open", "close"}))
+      ->type_name("open|close");
+  CLI::App* const lift = AddAction(command, options, "lift", "Call a lift to a floor", ControlCommand::kLift);
+  lift->add_option("NAME", options->request.name, "Its name")->required();
+  lift->add_option("FLOOR", options->request.source, "The name of the floor")->required();
+}
+
 void AddListActions(CLI::App* command, const SharedOptions& options) {
   AddAction(command, options, "list", "List the robots and objects of the world with their poses",
             ControlCommand::kEntities);
@@ -254,6 +266,7 @@ void AddCtlCommand(CLI::App& app, int& exit_status) {
       ->type_name("SECONDS");
   AddTimeActions(command, options);
   AddEditActions(command, options);
+  AddDoorActions(command, options);
   AddListActions(command, options);
   command->final_callback([options, &exit_status] { exit_status = CtlCommand(*options); });
 }

@@ -250,6 +250,14 @@ Command FromRecord(const py::tuple& record) {
   });
   command.report = ToText(record[10], "report");
   command.say = ToText(record[11], "say");
+  ForEach(record[12], "doors", [&](py::handle row) {
+    const py::tuple m = Members(row, "DoorCommand");
+    command.doors.push_back({ToIndex(m[0], "door"), ToNumber(m[1], "opening")});
+  });
+  ForEach(record[13], "lifts", [&](py::handle row) {
+    const py::tuple m = Members(row, "LiftCommand");
+    command.lifts.push_back({ToIndex(m[0], "lift"), ToIndex(m[1], "floor"), ToBool(m[2], "ends")});
+  });
   return command;
 }
 
@@ -290,11 +298,15 @@ py::object ToRecord(const RobotInfo& info) {
                 Optional(gripper.beams));
   });
   py::tuple lights = ToTuple(info.lights, [](const LightInfo& light) { return Text(light.name); });
-  return Make("RobotInfo", info.robot->name, info.id.index(),
-              py::module_::import("json").attr("loads")(info.parameters),
-              Make("DriveInfo", NameOf(drive.type), drive.wheelbase,
-                   py::make_tuple(Limits(drive.velocity.x), Limits(drive.velocity.y), Limits(drive.velocity.heading))),
-              std::move(sensors), std::move(joints), std::move(grippers), std::move(lights));
+  return Make(
+      "RobotInfo", info.robot->name, info.id.index(), py::module_::import("json").attr("loads")(info.parameters),
+      Make("DriveInfo", NameOf(drive.type), drive.wheelbase,
+           py::make_tuple(Limits(drive.velocity.x), Limits(drive.velocity.y), Limits(drive.velocity.heading))),
+      std::move(sensors), std::move(joints), std::move(grippers), std::move(lights),
+      ToTuple(info.doors, [](const DoorInfo& door) { return Text(door.name); }),
+      ToTuple(info.lifts, [](const LiftInfo& lift) {
+        return Make("LiftInfo", lift.name, ToTuple(lift.floors, [](const std::string& floor) { return Text(floor); }));
+      }));
 }
 
 py::object ToRecord(const Observation& seen) {
@@ -324,7 +336,12 @@ py::object ToRecord(const Observation& seen) {
   }
   return Make("Observation", seen.tick, seen.time, seen.interval, ToRecord(seen.pose_estimate), ToRecord(seen.twist),
               seen.stalled, std::move(sensors), std::move(joints), std::move(grippers), std::move(lights),
-              std::move(energy), std::move(goal), seen.random_key);
+              std::move(energy), std::move(goal), seen.random_key,
+              ToTuple(seen.doors, [](const DoorState& door) { return py::float_(door.opening); }),
+              ToTuple(seen.lifts, [](const LiftState& lift) {
+                return Make("LiftReading", lift.z, lift.floor,
+                            lift.session ? py::object(py::int_(lift.session->index())) : py::object(py::none()));
+              }));
 }
 
 Command ToCommand(py::handle value) {

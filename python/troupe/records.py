@@ -16,7 +16,8 @@ __all__ = ["Pose", "Twist", "Event", "SensorInfo", "DriveInfo", "JointInfo", "Gr
            "RangeScan", "RangerReading", "Beam", "BreakBeamReading", "Fiducial", "FiducialReading", "BumperSegment",
            "BumperReading", "Contact", "ContactReading", "Blob", "BlobfinderReading", "CameraReading", "Place",
            "Reception", "RadioReading", "ImuReading", "JointReading", "GripperReading", "EnergyReading", "Goal",
-           "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightCommand", "CameraCommand", "Command"]
+           "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightCommand", "CameraCommand", "DoorCommand",
+           "LiftInfo", "LiftReading", "LiftCommand", "Command"]
 
 
 class Pose(NamedTuple):
@@ -79,6 +80,17 @@ class GripperInfo(NamedTuple):
     beams: Optional[int]  # its break beams, in RobotInfo.sensors
 
 
+class LiftInfo(NamedTuple):
+    name: str
+    floors: Tuple[str, ...]
+
+
+class LiftReading(NamedTuple):
+    z: float  # m, of the cabin's floor
+    floor: int  # that it moves to or stands at
+    session: Optional[int]  # the only robot whose calls count
+
+
 class RobotInfo(NamedTuple):
     """What a controller knows about its robot before the first tick."""
 
@@ -90,6 +102,8 @@ class RobotInfo(NamedTuple):
     joints: Tuple[JointInfo, ...]
     grippers: Tuple[GripperInfo, ...]
     lights: Tuple[str, ...]  # their names
+    doors: Tuple[str, ...]  # of the world, their names
+    lifts: Tuple[LiftInfo, ...]  # of the world
 
     def sensor(self, name: str) -> int:
         """The number of the first sensor of that name, else of that type. ValueError if the robot has none."""
@@ -346,6 +360,8 @@ class Observation(NamedTuple):
     energy: Optional[EnergyReading]
     goal: Optional[Goal]  # that a user has sent the robot to
     random_key: int  # of this robot and tick
+    doors: Tuple[float, ...] = ()  # of the world: from 0, closed, to 1
+    lifts: Tuple[LiftReading, ...] = ()  # of the world
 
     def random(self, i: int = 0) -> float:
         """The i-th of this tick's uniform numbers in [0, 1): the same in every run with the same seed."""
@@ -386,6 +402,19 @@ class CameraCommand(NamedTuple):
     tilt: float = 0.0  # rad, upwards
 
 
+class DoorCommand(NamedTuple):
+    door: int
+    opening: float = 1.0  # from 0, closed, to 1
+
+
+class LiftCommand(NamedTuple):
+    """A call, which begins a session: until it is ended, the calls of other robots do not count."""
+
+    lift: int
+    floor: int = 0
+    ends: bool = False  # ends the session, without a call
+
+
 class Command(NamedTuple):
     """The command for one tick. A motion ends with the tick; the other commands are valid until the next ones."""
 
@@ -401,3 +430,5 @@ class Command(NamedTuple):
     cameras: Sequence[CameraCommand] = ()
     report: str = ""  # an event of the run, for people
     say: str = ""  # a text for people, an event of the run
+    doors: Sequence[DoorCommand] = ()
+    lifts: Sequence[LiftCommand] = ()

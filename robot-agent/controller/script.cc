@@ -44,7 +44,9 @@ struct ScriptCommand {
   bool for_others = false;  // it gives vx, vy or wz
   std::vector<ScriptGripper> grippers;
   std::vector<ScriptJoint> joints;
-  std::vector<std::pair<std::string, bool>> lights;  // by name: on
+  std::vector<std::pair<std::string, bool>> lights;        // by name: on
+  std::vector<std::pair<std::string, double>> doors;       // by name: opening, from 0 to 1
+  std::vector<std::pair<std::string, std::string>> lifts;  // by name: a floor; empty: ends the session
   std::vector<ScriptCamera> cameras;
   std::optional<std::string> say;   // a text for people
   std::optional<std::string> send;  // a text, by the robot's first radio to all in range
@@ -131,6 +133,17 @@ ScriptCommand ParseCommand(const nlohmann::json& entry, std::size_t number, doub
     command.lights.emplace_back(name, inner.ReadBool(name.c_str()).value_or(false));
     Merge(inner.Finish(), reader);
   }
+  for (const auto& [name, value] : reader.ReadObject("doors")) {
+    NestedParameters inner("doors", nlohmann::json{{name, value}});
+    command.doors.emplace_back(
+        name, inner.ReadNumberOrName(name.c_str(), {0.0, 1.0}, {{"open", 1.0}, {"close", 0.0}}).value_or(0.0));
+    Merge(inner.Finish(), reader);
+  }
+  for (const auto& [name, value] : reader.ReadObject("lifts")) {
+    NestedParameters inner("lifts", nlohmann::json{{name, value}});
+    command.lifts.emplace_back(name, inner.ReadText(name.c_str()).value_or(""));
+    Merge(inner.Finish(), reader);
+  }
   for (const auto& [name, value] : reader.ReadObject("cameras")) {
     NestedParameters inner(fmt::format("camera '{}'", name), value);
     command.cameras.push_back(
@@ -168,10 +181,11 @@ Result<ScriptParameters> ParseScript(const std::string& text) {
   if (repeat) p.period = period;
   if (repeat && period == shortest && !p.commands.empty() &&
       !(p.commands.back().grippers.empty() && p.commands.back().joints.empty() && !p.commands.back().send &&
-        !p.commands.back().say && p.commands.back().lights.empty() && p.commands.back().cameras.empty())) {
+        !p.commands.back().say && p.commands.back().lights.empty() && p.commands.back().cameras.empty() &&
+        p.commands.back().doors.empty() && p.commands.back().lifts.empty())) {
     reader.Fail(
         "the last command only marks the end and is never done, expected none for grippers, joints, radios, lights, "
-        "cameras or texts in it");
+        "cameras, doors, lifts or texts in it");
   }
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return p;
@@ -210,14 +224,16 @@ class ScriptController final : public Controller {
   std::unique_ptr<Controller> Clone() const override { return std::make_unique<ScriptController>(*this); }
 
  private:
-  // Commands to grippers, joints, lights and cameras stay valid, and messages and texts are given once, so each is
-  // given once: those due since the last call, in order. After a late start, those of one whole round at most.
+  // Commands to grippers, joints, lights, cameras and doors stay valid, and messages and texts are given once, so each
+  // is given once: those due since the last call, in order. After a late start, those of one whole round at most.
   void Manipulate(std::uint64_t due, Command& command) {
     command.grippers.clear();
     command.joints.clear();
     command.messages.clear();
     command.lights.clear();
     command.cameras.clear();
+    command.doors.clear();
+    command.lifts.clear();
     command.say.clear();
     const std::uint64_t count = commands_.size();
     for (std::uint64_t i = std::max(given_, due > count ? due - count : 0); i < due; ++i) {
@@ -227,6 +243,8 @@ class ScriptController final : public Controller {
       command.messages.insert(command.messages.end(), given.messages.begin(), given.messages.end());
       command.lights.insert(command.lights.end(), given.lights.begin(), given.lights.end());
       command.cameras.insert(command.cameras.end(), given.cameras.begin(), given.cameras.end());
+      command.doors.insert(command.doors.end(), given.doors.begin(), given.doors.end());
+      command.lifts.insert(command.lifts.end(), given.lifts.begin(), given.lifts.end());
       if (!given.say.empty()) command.say = given.say;
     }
     given_ = due;
@@ -334,6 +352,28 @@ Result<CameraCommand> ResolveCamera(const RobotInfo& info, const ScriptCamera& w
                                  Names(names, [](const std::string& name) { return name; })));
 }
 
+Result<DoorCommand> ResolveDoor(const RobotInfo& info, const std::string& name, double opening) {
+  for (std::size_t i = 0; i < info.doors.size(); ++i) {
+    if (info.doors[i].name == name) return DoorCommand{i, opening};
+  }
+  return ScriptError(fmt::format("unknown door '{}', expected {}", name,
+                                 Names(info.doors, [](const DoorInfo& door) { return door.name; })));
+}
+
+Result<LiftCommand> ResolveLift(const RobotInfo& info, const std::string& name, const std::string& floor) {
+  for (std::size_t i = 0; i < info.lifts.size(); ++i) {
+    if (info.lifts[i].name != name) continue;
+    if (floor.empty()) return LiftCommand{i, 0, true};
+    const std::vector<std::string>& floors = info.lifts[i].floors;
+    const auto found = std::find(floors.begin(), floors.end(), floor);
+    if (found != floors.end()) return LiftCommand{i, static_cast<std::size_t>(found - floors.begin())};
+    return ScriptError(fmt::format("unknown floor '{}' of lift '{}', expected {}", floor, name,
+                                   Names(floors, [](const std::string& text) { return text; })));
+  }
+  return ScriptError(fmt::format("unknown lift '{}', expected {}", name,
+                                 Names(info.lifts, [](const LiftInfo& lift) { return lift.name; })));
+}
+
 // The error is something that the robot does not have.
 Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& command) {
   ResolvedCommand resolved{command.at, command.motion};
@@ -363,6 +403,16 @@ Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& comm
     const Result<CameraCommand> found = ResolveCamera(info, camera);
     if (!found.ok()) return found.error();
     resolved.command.cameras.push_back(found.value());
+  }
+  for (const auto& [name, opening] : command.doors) {
+    const Result<DoorCommand> found = ResolveDoor(info, name, opening);
+    if (!found.ok()) return found.error();
+    resolved.command.doors.push_back(found.value());
+  }
+  for (const auto& [name, floor] : command.lifts) {
+    const Result<LiftCommand> found = ResolveLift(info, name, floor);
+    if (!found.ok()) return found.error();
+    resolved.command.lifts.push_back(found.value());
   }
   resolved.command.say = command.say.value_or("");
   return resolved;

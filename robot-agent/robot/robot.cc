@@ -110,6 +110,7 @@ Status Robot::CheckCommand(const Command& command) const {
   if (status.ok()) status = CheckReceivers(command);
   if (status.ok()) status = CheckLights(command);
   if (status.ok()) status = CheckCameras(command);
+  if (status.ok()) status = CheckDoors(command);
   if (status.ok()) return {};
   return Error{{}, fmt::format("robot {}: {}", description().name, status.error().message)};
 }
@@ -132,6 +133,23 @@ Status Robot::CheckLights(const Command& command) const {
   for (const LightCommand& light : command.lights) {
     if (light.light < lights) continue;
     return Error{{}, fmt::format("switches light {}, expected one of the robot's {}", light.light, lights)};
+  }
+  return {};
+}
+
+Status Robot::CheckDoors(const Command& command) const {
+  const std::size_t doors = scene_->world().doors.size();
+  for (const DoorCommand& door : command.doors) {
+    if (door.door >= doors) {
+      return Error{{}, fmt::format("operates door {}, expected one of the world's {}", door.door, doors)};
+    }
+    if (door.opening >= 0.0 && door.opening <= 1.0) continue;
+    return Error{{}, fmt::format("opens a door to {}, expected 0 to 1", door.opening)};
+  }
+  const std::vector<LiftDescription>& lifts = scene_->world().lifts;
+  for (const LiftCommand& lift : command.lifts) {
+    if (lift.lift < lifts.size() && (lift.ends || lift.floor < lifts[lift.lift].floors.size())) continue;
+    return Error{{}, fmt::format("calls lift {} to floor {}, expected those of the world", lift.lift, lift.floor)};
   }
   return {};
 }
@@ -164,7 +182,17 @@ RobotInfo Robot::Info() const {
                  .sensors = {},
                  .joints = manipulator_.joints(),
                  .grippers = manipulator_.grippers(),
-                 .lights = {}};
+                 .lights = {},
+                 .doors = {},
+                 .lifts = {}};
+  for (const DoorDescription& door : scene_->world().doors) {
+    const Pose& X_WD = scene_->X_LM(door.model);
+    info.doors.push_back({scene_->world().model(door.model).name, X_WD.translation(), X_WD.z});
+  }
+  for (const LiftDescription& lift : scene_->world().lifts) {
+    info.lifts.push_back({scene_->world().model(lift.model).name, scene_->X_LM(lift.model).translation(), {}});
+    for (const LiftFloor& floor : lift.floors) info.lifts.back().floors.push_back(floor.name);
+  }
   for (const LightPlace& light : scene_->lights_of(id_)) {
     info.lights.push_back({light.model, NameOnRobot(description(), scene_->world().model(light.model))});
   }
@@ -231,9 +259,13 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
   messages.insert(messages.end(), external.command.messages.begin(), external.command.messages.end());
   std::vector<LightOrder> lights;
   std::vector<CameraOrder> cameras;
+  std::vector<DoorOrder> doors;
+  std::vector<LiftOrder> lifts;
   for (const Command* const source : {static_cast<const Command*>(&command), &external.command}) {
     for (const LightCommand& light : source->lights) lights.push_back({light.light, light.on});
     for (const CameraCommand& camera : source->cameras) cameras.push_back(OrderOf(description(), camera));
+    for (const DoorCommand& door : source->doors) doors.push_back({door.door, door.opening});
+    for (const LiftCommand& lift : source->lifts) lifts.push_back({lift.lift, lift.floor, lift.ends});
   }
   std::string say = PlainLine(external.command.say.empty() ? command.say : external.command.say, kMostSaidBytes);
   if (external.drives) command = external.command;
@@ -246,7 +278,9 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
           WithinLimits(description(), scene_->world().interval_seconds(), std::move(messages)),
           std::move(lights),
           std::move(cameras),
-          std::move(say)};
+          std::move(say),
+          std::move(doors),
+          std::move(lifts)};
 }
 
 const SensorReading& Robot::Measure(std::size_t sensor, const WorldState& state, const BodyIndex& bodies) {
@@ -299,6 +333,8 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
   for (std::size_t i = 0; i < scene_->lights_of(id_).size(); ++i) {
     observation.lights.push_back(state.lights[first_light + i].is_switched_on);
   }
+  observation.doors = state.doors;
+  observation.lifts = state.lifts;
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
   observation.goal = EstimatedGoal(goal, own.X_WR);
   Result<Command> command = RunController(observation);
@@ -323,6 +359,7 @@ Result<Command> Robot::RunController(const Observation& observation) {
     if (const Status status = CheckReceivers(command); !status.ok()) return status.error();
     if (const Status status = CheckLights(command); !status.ok()) return status.error();
     if (const Status status = CheckCameras(command); !status.ok()) return status.error();
+    if (const Status status = CheckDoors(command); !status.ok()) return status.error();
     return command;
   } catch (const std::exception& exception) {
     return Error{{}, exception.what()};

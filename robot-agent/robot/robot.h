@@ -101,6 +101,7 @@ class Robot {
   Status CheckReceivers(const Command& command) const;  // of its radio messages
   Status CheckLights(const Command& command) const;
   Status CheckCameras(const Command& command) const;
+  Status CheckDoors(const Command& command) const;
   // Makes the controller and subscribes to its sensors.
   Status StartController(const AllowedPaths& libraries);
   Status Subscribe();

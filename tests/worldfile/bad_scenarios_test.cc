@@ -244,17 +244,20 @@ const BadScenario kOfTheWorld[] = {
     {"UnknownModel", InOffice("'robots': [{'model': 'scuot', 'pose': [0, 0, 0]}]"),
      ":2:22: found model type 'scuot', expected the name of a define (building, cart, carton, chair, furniture, "
      "meeting_table, parcel, porter, scanner, scout, scout_with_mast, shelf, sonar, sonar_ring, table), or one of "
-     "model position ranger actuator blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator "
+     "model position ranger actuator blinkenlight blobfinder bumper camera contact door fiducial gripper imu lift "
+     "lightindicator "
      "radio; did you mean 'scout'?"},
     {"UnknownChild", InOffice("'models': [{'model': 'table',\n 'children': [{'model': 'vase'}]}]"),
      ":3:25: found model type 'vase', expected the name of a define (building, cart, carton, chair, furniture, "
      "meeting_table, parcel, porter, scanner, scout, scout_with_mast, shelf, sonar, sonar_ring, table), or one of "
-     "model position ranger actuator blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator "
+     "model position ranger actuator blinkenlight blobfinder bumper camera contact door fiducial gripper imu lift "
+     "lightindicator "
      "radio"},
     {"UnknownSpawnModel", InOffice("'spawn': [{'model': 'scuot', 'count': 1, 'region': [0, 0, 1, 1]}]"),
      ":2:21: found model type 'scuot', expected the name of a define (building, cart, carton, chair, furniture, "
      "meeting_table, parcel, porter, scanner, scout, scout_with_mast, shelf, sonar, sonar_ring, table), or one of "
-     "model position ranger actuator blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator "
+     "model position ranger actuator blinkenlight blobfinder bumper camera contact door fiducial gripper imu lift "
+     "lightindicator "
      "radio; did you mean 'scout'?"},
     {"SensorByItself", InOffice("'models': [{'model': 'sensor'}]"),
      ":2:22: found 'sensor' by itself, expected it in the 'children' of a model"},

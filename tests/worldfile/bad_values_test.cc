@@ -15,18 +15,19 @@ struct BadValue {
 const BadValue kBadValues[] = {
     {"robot( )", "1:1",
      "found model type 'robot', expected the name of a define, or one of model position ranger actuator blinkenlight "
-     "blobfinder bumper camera contact fiducial gripper imu lightindicator radio"},
+     "blobfinder bumper camera contact door fiducial gripper imu lift lightindicator radio"},
     {"laser( )", "1:1",
      "found model type 'laser', which Stage 4 no longer has; today it is a 'ranger' with a 'sensor ( range [min max] "
      "fov degrees samples number )', expected the name of a define, or one of model position ranger actuator "
-     "blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator radio"},
+     "blinkenlight blobfinder bumper camera contact door fiducial gripper imu lift lightindicator radio"},
     {"define red_puck puck( )\nred_puck( )", "2:1",
      "found model type 'puck', which Stage 4 no longer has; today it is a 'model' with 'gripper_return 1', expected "
      "the name of a define (red_puck), or one of model position ranger actuator blinkenlight blobfinder bumper camera "
-     "contact fiducial gripper imu lightindicator radio"},
+     "contact door fiducial gripper imu lift lightindicator radio"},
     {"define rover position( )\ndefine box model( )\nrovr( )", "3:1",
      "found model type 'rovr', expected the name of a define (box, rover), or one of model position ranger actuator "
-     "blinkenlight blobfinder bumper camera contact fiducial gripper imu lightindicator radio; did you mean 'rover'?"},
+     "blinkenlight blobfinder bumper camera contact door fiducial gripper imu lift lightindicator radio; did you mean "
+     "'rover'?"},
     {"rob( )\ndefine rob position( )\n", "1:1", "found 'rob' before its define at line 2, expected the define first"},
     {"block( )", "1:1", "found a 'block' outside of a model, expected it inside one"},
     {"model( sensor( ) )", "1:8", "found a 'sensor' outside of a ranger, expected it inside one"},

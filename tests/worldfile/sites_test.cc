@@ -8,7 +8,6 @@
 #include "tests/worldfile/scenario_run.h"
 #include "tests/worldfile/world_folder.h"
 #include "worldfile/sites/building_yaml.h"
-#include "worldfile/sites/door_leaves.h"
 #include "worldfile/sites/site_frame.h"
 #include "worldfile/sites/site_tree.h"
 
@@ -158,78 +157,23 @@ TEST(SiteCoordinates, LevelsThatOverlapInHeightAreSetApart) {
               Contains(HasSubstr("found level 'top' at an elevation of 1 m, expected at least 2.6")));
 }
 
-// A doorway from (1, 0), its start, to (-1, 0): frame D is that of the world.
-SiteDoor DoorOf(SiteDoorKind kind) {
-  SiteDoor door;
-  door.edge = {0, 1, {}};
-  door.kind = kind;
-  return door;
+// The end of the only leaf of a door from (10, 0), its start, to (0, 0).
+Vec2 OpenEndOf(const std::string& parameters) {
+  const Site site = Read(OneLevel("    doors: [[1, 0, {" + parameters + "}]]\n" + kMeasured));
+  const WorldDescription world = ValueOf(BuildWorld(ValueOf(SiteTree(std::make_shared<const Site>(site))))).world;
+  const DoorLeaf& leaf = world.doors.at(0).leaves.at(0);
+  const Rectangle box =
+      BoundingBox(world.shape(world.model(world.objects[leaf.object.index()]).shape).blocks[0].outline);
+  return Transform2(leaf.X_WH_at(1.0)) * Vec2(box.max_x > -box.min_x ? box.max_x : box.min_x, 0.0);
 }
 
-struct LeafCorners {
-  Vec2 at_start;  // the ends of the leaf
-  Vec2 at_end;
-};
-
-std::vector<LeafCorners> CornersOf(const SiteDoor& door, bool is_open) {
-  std::vector<SiteVertex> vertices(2);
-  vertices[0].position = {1.0, 0.0};
-  vertices[1].position = {-1.0, 0.0};
-  std::vector<LeafCorners> corners;
-  for (const DoorLeaf& leaf : LeavesOf(door, vertices, 4.0)) {
-    const Pose X_WH = is_open ? leaf.X_WH_open() : leaf.X_WH;
-    EXPECT_EQ(X_WH.z, 4.0);
-    corners.push_back({Transform2(X_WH) * Vec2(leaf.max_x, 0.0), Transform2(X_WH) * Vec2(leaf.min_x, 0.0)});
-  }
-  return corners;
-}
-
-TEST(SiteDoors, LeavesCloseTheDoorwayAndOpenByTheirKind) {
-  struct Case {
-    SiteDoorKind kind;
-    bool hinge_at_end;
-    std::vector<LeafCorners> closed;
-    std::vector<LeafCorners> open;  // clockwise for a leaf whose hinge is at the start
-  };
-  const Case cases[] = {
-      {SiteDoorKind::kHinged, false, {{{1, 0}, {-1, 0}}}, {{{1, 0}, {1, 2}}}},
-      {SiteDoorKind::kHinged, true, {{{1, 0}, {-1, 0}}}, {{{-1, 2}, {-1, 0}}}},
-      {SiteDoorKind::kDoubleHinged,
-       false,
-       {{{1, 0}, {-0.5, 0}}, {{-0.5, 0}, {-1, 0}}},
-       {{{1, 0}, {1, 1.5}}, {{-1, 0.5}, {-1, 0}}}},
-      {SiteDoorKind::kSliding, false, {{{1, 0}, {-1, 0}}}, {{{3, 0}, {1, 0}}}},
-      {SiteDoorKind::kSliding, true, {{{1, 0}, {-1, 0}}}, {{{-1, 0}, {-3, 0}}}},
-      {SiteDoorKind::kDoubleSliding,
-       false,
-       {{{1, 0}, {-0.5, 0}}, {{-0.5, 0}, {-1, 0}}},
-       {{{2.5, 0}, {1, 0}}, {{-1, 0}, {-1.5, 0}}}},
-  };
-  constexpr double kGap = 0.006;  // m, at each end of a leaf
-  for (const Case& each : cases) {
-    SiteDoor door = DoorOf(each.kind);
-    door.hinge_at_end = each.hinge_at_end;
-    door.right_left_ratio = 3.0;
-    for (const bool is_open : {false, true}) {
-      const std::vector<LeafCorners> found = CornersOf(door, is_open);
-      const std::vector<LeafCorners>& expected = is_open ? each.open : each.closed;
-      ASSERT_EQ(found.size(), expected.size());
-      for (std::size_t i = 0; i < found.size(); ++i) {
-        ExpectNear(found[i].at_start, expected[i].at_start, kGap);
-        ExpectNear(found[i].at_end, expected[i].at_end, kGap);
-      }
-    }
-    door.opens_clockwise = false;
-    if (each.kind == SiteDoorKind::kHinged && !each.hinge_at_end)
-      ExpectNear(CornersOf(door, true)[0].at_end, {1.0, -2.0}, kGap);
-  }
-}
-
-TEST(SiteDoors, ANegativeSwingOpensToTheOtherSide) {
-  const Site site = Read(OneLevel("    doors: [[0, 1, {type: [1, hinged], motion_degrees: [2, -90]}]]\n" + kMeasured));
-  SiteDoor door = DoorOf(SiteDoorKind::kHinged);
-  door.swing = site.levels[0].doors[0].swing;
-  ExpectNear(CornersOf(door, true)[0].at_end, {1.0, -2.0}, 0.006);
+TEST(SiteDoors, OpenToTheSideThatTheFileSays) {
+  const std::string hinged = "type: [1, hinged]";
+  ExpectNear(OpenEndOf(hinged), {10.0, 10.0}, 0.006);
+  ExpectNear(OpenEndOf(hinged + ", motion_direction: [2, -1]"), {10.0, -10.0}, 0.006);
+  ExpectNear(OpenEndOf(hinged + ", motion_degrees: [2, -90]"), {10.0, -10.0}, 0.006);
+  ExpectNear(OpenEndOf(hinged + ", motion_axis: [1, end]"), {0.0, 10.0}, 0.006);
+  EXPECT_LT(OpenEndOf("type: [1, sliding], motion_axis: [1, end]").x(), -4.0);
 }
 
 TEST(Guesthouse, HasTheLevelsDoorsLanesAndPeopleOfItsFile) {
@@ -314,8 +258,7 @@ TEST(Guesthouse, VerticesWithANameOrARoleArePlaces) {
 
 TEST(Guesthouse, WhatIsNotSimulatedIsNamedOnce) {
   EXPECT_THAT(MessagesOf(LoadGuesthouse().warnings),
-              ElementsAre("found 3 people in 'crowd_sim'; they are not simulated",
-                          "found 1 lift; it stays at its initial level", "found 5 doors; they stand open"));
+              ElementsAre("found 3 people in 'crowd_sim'; they are not simulated"));
 }
 
 TEST(Guesthouse, AScenarioAddsRobotsOnAnyLevelAndReplacesPlaces) {

@@ -204,8 +204,10 @@ enum class ControlCommand : std::uint8_t {
   kWorlds = 17,  // the files of worlds in the folder `source`; without one in that of the run's world
   // Another edit.
   kSetTwist = 18,  // of robot `name` to `twist`
+  kDoor = 19,      // opens or closes door `name`, as `source` says: "open" or "close"
+  kLift = 20,      // calls lift `name` to floor `source`
 };
-inline constexpr ControlCommand kLastControlCommand = ControlCommand::kSetTwist;
+inline constexpr ControlCommand kLastControlCommand = ControlCommand::kLift;
 
 inline constexpr std::uint64_t kMostCommandTicks = 1'000'000;
 

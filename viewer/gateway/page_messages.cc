@@ -152,6 +152,22 @@ void WriteLights(ByteWriter& writer, const WorldDescription& world) {
   writer.FillCount(place, lights);
 }
 
+void Write(ByteWriter& writer, const DoorDescription& door) {
+  writer.WriteCount(door.model.index());
+  writer.WriteCount(door.leaves.size());
+  for (const DoorLeaf& leaf : door.leaves) writer.WriteCount(leaf.object.index());
+  writer.WriteByte(door.is_operated);
+}
+
+void Write(ByteWriter& writer, const LiftDescription& lift) {
+  writer.WriteCount(lift.model.index());
+  writer.WriteCount(lift.cabin.index());
+  writer.WriteCount(lift.floors.size());
+  for (const LiftFloor& floor : lift.floors) writer.WriteText(floor.name);
+  writer.WriteCount(lift.floors.size());
+  for (const LiftFloor& floor : lift.floors) writer.Write(floor.z);
+}
+
 }  // namespace
 
 void StateRows::Assign(std::shared_ptr<const WorldState> state, std::uint64_t number, bool fresh) {
@@ -214,6 +230,10 @@ std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   for (const ModelId object : world.objects) writer.WriteCount(object.index());
   WriteStores(writer, world);
   WriteLights(writer, world);
+  writer.WriteCount(world.doors.size());
+  for (const DoorDescription& door : world.doors) Write(writer, door);
+  writer.WriteCount(world.lifts.size());
+  for (const LiftDescription& lift : world.lifts) Write(writer, lift);
   return writer.ReleaseBytes();
 }
 

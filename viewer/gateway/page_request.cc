@@ -20,7 +20,7 @@ struct CommandName {
   ControlCommand command;
 };
 
-constexpr std::array<CommandName, 14> kCommands = {{{"status", ControlCommand::kStatus},
+constexpr std::array<CommandName, 16> kCommands = {{{"status", ControlCommand::kStatus},
                                                     {"pause", ControlCommand::kPause},
                                                     {"play", ControlCommand::kPlay},
                                                     {"step", ControlCommand::kStep},
@@ -33,7 +33,9 @@ constexpr std::array<CommandName, 14> kCommands = {{{"status", ControlCommand::k
                                                     {"speed", ControlCommand::kSpeed},
                                                     {"command_robot", ControlCommand::kCommandRobot},
                                                     {"restore", ControlCommand::kRestore},
-                                                    {"rewind", ControlCommand::kRewind}}};
+                                                    {"rewind", ControlCommand::kRewind},
+                                                    {"door", ControlCommand::kDoor},
+                                                    {"lift", ControlCommand::kLift}}};
 
 constexpr std::uint64_t kMostTicks = 1'000'000;
 constexpr std::uint64_t kMostPosition = std::uint64_t{1} << 53;
@@ -190,10 +192,18 @@ Result<PageControl> DecodeControl(std::uint64_t id, const std::string& name, con
     request.ticks = *ticks;
   }
   if (*command == ControlCommand::kDelete || *command == ControlCommand::kSetPose ||
-      *command == ControlCommand::kCommandRobot) {
+      *command == ControlCommand::kCommandRobot || *command == ControlCommand::kDoor ||
+      *command == ControlCommand::kLift) {
     request.name = TextIn(object, "name");
     if (request.name.empty()) return Malformed("no name", "that of a robot, an object or a model");
   }
+  if (*command == ControlCommand::kDoor) {
+    request.source = TextIn(object, "action");
+    if (request.source != "open" && request.source != "close") {
+      return Malformed("action '" + request.source + "'", "open or close");
+    }
+  }
+  if (*command == ControlCommand::kLift) request.source = TextIn(object, "floor");
   if (*command == ControlCommand::kEntities) request.name = TextIn(object, "name");
   if (*command == ControlCommand::kSpawn) {
     request.source = TextIn(object, "source");

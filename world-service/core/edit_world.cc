@@ -63,6 +63,7 @@ void Detach(StepWorkspace& workspace, ModelId root) {
   }
   for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
     ObjectState& other = workspace.next.objects[i];
+    if (other.mode == ObjectMode::kMounted) continue;
     if (in_tree(other.support) || (workspace.needs_support[i] != 0 && !other.holder)) Fall(other);
   }
 }
@@ -197,6 +198,8 @@ void AppendState(const WorldDescription& world, WorldState& state) {
   append(initial.imus, state.imus);
   append(initial.lights, state.lights);
   append(initial.cameras, state.cameras);
+  append(initial.doors, state.doors);
+  append(initial.lifts, state.lifts);
   for (std::size_t i = objects; i < state.objects.size(); ++i) Fall(state.objects[i]);
 }
 
@@ -216,6 +219,7 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
                             const Pose& X_WE) {
   const Result<ModelId> root = FindEntity(scene->world(), name);
   if (!root.ok()) return root.error();
+  if (const Status door = CheckNoDoor(scene->world(), root.value()); !door.ok()) return door.error();
   if (const Status valid = CheckPose(X_WE); !valid.ok()) return valid.error();
   Pose pose = X_WE;
   pose.heading = WrapAngle(pose.heading);
@@ -260,6 +264,7 @@ Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, cons
                                  const std::string& name) {
   const Result<ModelId> root = FindEntity(scene->world(), name);
   if (!root.ok()) return root.error();
+  if (const Status door = CheckNoDoor(scene->world(), root.value()); !door.ok()) return door.error();
   StepMemory memory(*scene, state);
   StepWorkspace workspace(*scene, memory);
   Detach(workspace, root.value());

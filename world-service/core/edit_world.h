@@ -35,6 +35,18 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
 Result<EditedWorld> SetTwist(const std::shared_ptr<const Scene>& scene, const WorldState& state,
                              const std::string& name, const Twist& twist);
 
+// Opens or closes a door, from the next tick on: to an opening from 0, closed, to 1. The error is an unknown name, or a
+// door that is not operated.
+Result<EditedWorld> OperateDoor(const std::shared_ptr<const Scene>& scene, const WorldState& state,
+                                const std::string& name, double target);
+
+// Calls a lift to a floor, from the next tick on; the session of a robot ends. The error is an unknown name.
+Result<EditedWorld> CallLift(const std::shared_ptr<const Scene>& scene, const WorldState& state,
+                             const std::string& name, const std::string& floor);
+
+// The error is an entity that is a part of a door or a lift, or has one: it can be neither moved nor deleted.
+Status CheckNoDoor(const WorldDescription& world, ModelId root);
+
 // Removes an entity.
 Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,
                                  const std::string& name);

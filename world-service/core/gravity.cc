@@ -126,7 +126,7 @@ class ObjectFall {
  private:
   bool NeedsSupport(ObjectId id) const {
     const ObjectState& object = workspace_.next.objects[id.index()];
-    if (object.holder) return false;
+    if (object.holder || object.mode == ObjectMode::kMounted) return false;
     return workspace_.needs_support[id.index()] != 0 || object.mode == ObjectMode::kFalling || IsBridge(id);
   }
 

@@ -99,7 +99,8 @@ class RobotTurn {
 
   // The contact of a pad with an object is part of gripping it, not a blocked joint.
   bool IsGrip(JointId joint, const Contact& contact) const {
-    if (!contact.other || !workspace_.scene.object_of(*contact.other)) return false;
+    const std::optional<ObjectId> object = contact.other ? workspace_.scene.object_of(*contact.other) : std::nullopt;
+    if (!object || workspace_.next.objects[object->index()].mode == ObjectMode::kMounted) return false;
     for (GripperId id : workspace_.scene.grippers_of(robot_)) {
       const GripperDescription& gripper = workspace_.world().gripper(id);
       if ((joint == gripper.left && contact.mine == gripper.left_pad) ||
@@ -121,6 +122,9 @@ constexpr std::size_t kClaim = 4;
 
 // Once all robots have acted.
 StepResult Finish(StepWorkspace& workspace, std::span<const Proposal* const> by_robot) {
+  CallLifts(by_robot, workspace);
+  MoveDoors(by_robot, workspace);
+  MoveLifts(workspace);
   DropLostObjects(workspace);
   LetObjectsFall(workspace);
   Transmit(workspace.world(), by_robot, workspace.next);
@@ -213,6 +217,28 @@ Status CheckCameras(const WorldDescription& world, const Proposal& proposal) {
   return Status();
 }
 
+Status CheckDoors(const WorldDescription& world, const Proposal& proposal) {
+  for (const DoorOrder& order : proposal.doors) {
+    if (order.door >= world.doors.size()) {
+      return BadProposal("found door " + std::to_string(order.door) + ", expected one of the world's " +
+                         std::to_string(world.doors.size()));
+    }
+    if (order.target >= 0.0 && order.target <= 1.0) continue;
+    return BadProposal("found the target " + std::to_string(order.target) + " of a door, expected 0 to 1");
+  }
+  return Status();
+}
+
+Status CheckLifts(const WorldDescription& world, const Proposal& proposal) {
+  for (const LiftOrder& order : proposal.lifts) {
+    if (order.lift < world.lifts.size() && (order.ends || order.floor < world.lifts[order.lift].floors.size()))
+      continue;
+    return BadProposal("found a call of lift " + std::to_string(order.lift) + " to floor " +
+                       std::to_string(order.floor) + ", expected those of the world");
+  }
+  return Status();
+}
+
 }  // namespace
 
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals) {
@@ -300,6 +326,8 @@ Status ValidateProposal(const WorldDescription& world, const WorldState& state, 
   if (Status problem = CheckJointVelocities(world, proposal); !problem.ok()) return problem;
   if (Status problem = CheckRadioMessages(world, proposal); !problem.ok()) return problem;
   if (Status problem = CheckCameras(world, proposal); !problem.ok()) return problem;
+  if (Status problem = CheckDoors(world, proposal); !problem.ok()) return problem;
+  if (Status problem = CheckLifts(world, proposal); !problem.ok()) return problem;
   return CheckLightsAndText(world, proposal);
 }
 

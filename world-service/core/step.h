@@ -4,10 +4,10 @@
 // Robots act one after another, in an order that is a fixed function of the tick; each sees the new poses of its
 // predecessors. A robot releases the object from which its fingers open, moves its base along the exact arc of its
 // twist until its first contact, moves its joints one by one, and grips the object on which its fingers close. Its
-// payload (the objects that it holds, and the stacks on them and on it) moves and collides with it. Then objects
-// without support fall, the robots' radio messages are on their way, and energy is consumed and exchanged. A robot
-// without energy has no proposal. A motion cut short by a contact ends at the contact; its stall or blocked flag is set
-// and its velocity is zero.
+// payload (the objects that it holds, and the stacks on them and on it) moves and collides with it. Then doors and
+// lifts move until a body is in their way, objects without support fall, the robots' radio messages are on their way,
+// and energy is consumed and exchanged. A robot without energy has no proposal. A motion cut short by a contact ends at
+// the contact; its stall or blocked flag is set and its velocity is zero.
 #pragma once
 
 #include <cstdint>

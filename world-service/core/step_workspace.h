@@ -113,6 +113,16 @@ void KeepVelocities(const Scene& scene, const BodyIndex& bodies, WorldState& sta
 // The same after an edit of a robot, so that its units measure no acceleration by it.
 void KeepVelocities(const Scene& scene, RobotId robot, WorldState& state);
 
+// Doors, after the robots have acted: each moves towards its target, or opens for a robot in its reach, up to the
+// first contact of a leaf with a robot or an object. `by_robot`: the proposals by robot, null where there is none.
+// REQUIRES: they are valid.
+void MoveDoors(std::span<const Proposal* const> by_robot, StepWorkspace& workspace);
+
+// Lifts: before the doors move, the orders of robots count, and each opens its doors where it stands at its floor and
+// closes them elsewhere. After them, one whose doors are all closed moves towards its floor, with what stands in it.
+void CallLifts(std::span<const Proposal* const> by_robot, StepWorkspace& workspace);
+void MoveLifts(StepWorkspace& workspace);
+
 // Gravity: objects that have lost their support fall straight to the highest support under their footprint, and rest
 // there.
 

@@ -105,6 +105,8 @@ std::vector<ModelId> ModelsOf(const WorldDescription& world) {
   if constexpr (std::is_same_v<Row, ImuState>) add(FindImus(world), robot_of);
   if constexpr (std::is_same_v<Row, LightState>) add(FindLights(world), [](const auto& light) { return light.model; });
   if constexpr (std::is_same_v<Row, CameraState>) add(FindCameras(world), robot_of);
+  if constexpr (std::is_same_v<Row, DoorState>) add(world.doors, [](const auto& door) { return door.model; });
+  if constexpr (std::is_same_v<Row, LiftState>) add(world.lifts, [](const auto& lift) { return lift.model; });
   return models;
 }
 

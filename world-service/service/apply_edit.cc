@@ -77,6 +77,8 @@ bool IsEdit(ControlCommand command) {
     case ControlCommand::kRewind:
     case ControlCommand::kChange:
     case ControlCommand::kSetTwist:
+    case ControlCommand::kDoor:
+    case ControlCommand::kLift:
       return true;
     case ControlCommand::kStatus:
     case ControlCommand::kPause:
@@ -104,6 +106,13 @@ Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<con
       return SetPose(scene, state, request.name, request.pose);
     case ControlCommand::kSetTwist:
       return SetTwist(scene, state, request.name, request.twist);
+    case ControlCommand::kDoor:
+      if (request.source != "open" && request.source != "close") {
+        return Error{{}, "found '" + request.source + "' for a door, expected open or close"};
+      }
+      return OperateDoor(scene, state, request.name, request.source == "open" ? 1.0 : 0.0);
+    case ControlCommand::kLift:
+      return CallLift(scene, state, request.name, request.source);
     case ControlCommand::kDelete:
       return DeleteEntity(scene, state, request.name);
     case ControlCommand::kSpawn:

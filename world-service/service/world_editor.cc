@@ -46,6 +46,10 @@ std::string NoticeOf(const ControlRequest& request) {
       return "the pose of '" + request.name + "' is set";
     case ControlCommand::kSetTwist:
       return "the twist of '" + request.name + "' is set";
+    case ControlCommand::kDoor:
+      return "door '" + request.name + (request.source == "open" ? "' is to open" : "' is to close");
+    case ControlCommand::kLift:
+      return "lift '" + request.name + "' is called to '" + request.source + "'";
     default:
       return "";
   }

@@ -26,6 +26,10 @@ class Pieces {
   explicit Pieces(const WorldDescription& world) : world_(world) {
     for (const RobotDescription& robot : world.robots) body_of_[robot.root] = robot.root;
     for (const ModelId object : world.objects) body_of_[object] = object;
+    for (const DoorDescription& door : world.doors) {
+      for (const DoorLeaf& leaf : door.leaves) mounted_.insert(world.objects[leaf.object.index()]);
+    }
+    for (const LiftDescription& lift : world.lifts) mounted_.insert(world.objects[lift.cabin.index()]);
     const std::vector<Pose> poses = ModelPoses(world, PlacedState(world));
     std::vector<ConvexPiece> pieces;
     std::vector<PixelPieces> areas;
@@ -51,7 +55,7 @@ class Pieces {
     NearPieces near;
     for (const ConvexPiece& piece : index_.kept_pieces()) {  // all of bodies are among them
       const std::optional<ModelId> body = BodyOf(piece.model);
-      if (!body) continue;
+      if (!body || mounted_.contains(*body)) continue;  // a leaf may slide into a wall
       index_.Query(BoundingBox(piece.vertices), near);
       for (const ConvexPiece* other : near) {
         if (BodyOf(other->model) == body || !OverlapBy(piece, *other, kNoticeableDepth)) continue;
@@ -77,6 +81,7 @@ class Pieces {
 
   const WorldDescription& world_;
   std::map<ModelId, ModelId> body_of_;
+  std::set<ModelId> mounted_;  // leaves of doors, and cabins
   std::map<ShapeId, std::vector<ConvexPiece>> by_shape_;
   StaticIndex index_;
 };

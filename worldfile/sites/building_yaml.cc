@@ -56,11 +56,6 @@ class BuildingReader {
       yaml_.Warn(yaml_.Find(root, "crowd_sim"),
                  "found " + std::to_string(site_.crowd.people()) + " people in 'crowd_sim'; they are not simulated");
     }
-    if (!site_.lifts.empty()) {
-      yaml_.Warn(yaml_.Find(root, "lifts"), "found " + CountText(site_.lifts.size(), "lift") +
-                                                (site_.lifts.size() == 1 ? "; it stays at its initial level"
-                                                                         : "; they stay at their initial levels"));
-    }
   }
 
   // Levels, in coordinates of the file.

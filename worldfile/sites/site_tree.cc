@@ -9,7 +9,6 @@
 #include "troupe/deterministic_math.h"
 #include "troupe/rectangle.h"
 #include "worldfile/sites/building_yaml.h"
-#include "worldfile/sites/door_leaves.h"
 #include "worldfile/sites/site_robots.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
@@ -52,6 +51,9 @@ class NodeMaker {
     for (const double value : values) tuple.push_back(NumberOf(value));
     return Add(name, std::move(tuple));
   }
+  NodeMaker& Texts(const std::string& name, const std::vector<std::string>& texts) {
+    return Add(name, Value::Tuple(texts.begin(), texts.end()));
+  }
   NodeMaker& At(const Pose& pose) { return Numbers("pose", {pose.x, pose.y, pose.z, RadiansToDegrees(pose.heading)}); }
   NodeMaker& Child(WorldNode child) {
     node.children.Add(std::move(child));
@@ -70,8 +72,8 @@ class NodeMaker {
 
 // A model whose blocks are in its parent's frame.
 NodeMaker BlocksModel(const std::string& name, const std::vector<SiteBlock>& blocks, const std::string& color,
-                      const SourceLocation& where) {
-  NodeMaker model("model", where);
+                      const SourceLocation& where, const std::string& type = "model") {
+  NodeMaker model(type, where);
   Rectangle box = Rectangle::Nothing();
   double min_z = blocks.front().min_z;
   double max_z = blocks.front().max_z;
@@ -111,25 +113,27 @@ std::vector<Vec2> Box(double min_x, double min_y, double max_x, double max_y) {
   return {{min_x, min_y}, {max_x, min_y}, {max_x, max_y}, {min_x, max_y}};
 }
 
-WorldNode LeafNode(const std::string& name, const DoorLeaf& leaf, bool is_open, double height,
-                   const SourceLocation& where) {
-  NodeMaker node("model", where);
-  node.Text("name", name).Text("color", "peru").At(is_open ? leaf.X_WH_open() : leaf.X_WH);
-  node.Numbers("size", {leaf.max_x - leaf.min_x, kDoorThickness, height});
-  return node.Numbers("origin", {0.5 * (leaf.min_x + leaf.max_x), 0.0, kDoorSill, 0.0}).node;
+// The door of a doorway of `width` m whose middle is at X_WD; its x axis points to its right leaf.
+NodeMaker DoorNode(const std::string& name, const Pose& X_WD, double width, double height, bool is_open,
+                   bool is_operated, const SourceLocation& where) {
+  NodeMaker door("door", where);
+  door.Text("name", name).Text("color", "peru").At(X_WD).Numbers("size", {width, kDoorThickness, height});
+  door.Numbers("origin", {0.0, 0.0, kDoorSill, 0.0});
+  return door.Number("opening", is_open ? 1.0 : 0.0).Number("operated", is_operated ? 1.0 : 0.0);
 }
 
-// The models of one door, "NAME.right" at the start of its edge and "NAME.left" at its end.
-WorldNode DoorNode(const std::string& name, const std::vector<DoorLeaf>& leaves, bool is_open, double height,
-                   const SourceLocation& where) {
-  const double floor = leaves.front().X_WH.z;
-  NodeMaker door = Group(name, {0.0, 0.0, floor, 0.0}, where);
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    DoorLeaf leaf = leaves[i];
-    leaf.X_WH.z -= floor;
-    door.Child(LeafNode(i == 0 ? "right" : "left", leaf, is_open, height, where));
+const char* Word(SiteDoorKind kind) {
+  switch (kind) {
+    case SiteDoorKind::kHinged:
+      return "hinged";
+    case SiteDoorKind::kDoubleHinged:
+      return "double_hinged";
+    case SiteDoorKind::kSliding:
+      return "sliding";
+    case SiteDoorKind::kDoubleSliding:
+      break;
   }
-  return std::move(door.node);
+  return "double_sliding";
 }
 
 class TreeMaker {
@@ -141,10 +145,6 @@ class TreeMaker {
     for (const SiteLift& lift : site_.lifts) AddLift(lift);
     for (const SiteLevel& level : site_.levels) {
       if (Status error = AddRobots(level); !error.ok()) return error;
-    }
-    if (open_ > 0) {
-      tree_.warnings.push_back({open_where_, "found " + CountText(open_, "door") + "; " +
-                                                 (open_ == 1 ? "it stands open" : "they stand open")});
     }
     return Status();
   }
@@ -191,10 +191,7 @@ class TreeMaker {
     AddToWorld(std::move(group.node));
     for (const SiteDoor& door : level.doors) {
       if (!HasLength(level, door.edge, "door")) continue;
-      CountIfOpen(door.is_operated, door.edge.where);
-      AddToWorld(DoorNode(door.name.empty() ? level.name + "_door" : door.name,
-                          LeavesOf(door, level.vertices, level.elevation), door.is_operated, kDoorHeight,
-                          door.edge.where));
+      AddDoor(level, door);
     }
   }
 
@@ -214,9 +211,17 @@ class TreeMaker {
     }
   }
 
-  void CountIfOpen(bool is_open, const SourceLocation& where) {
-    if (!is_open) return;
-    if (open_++ == 0) open_where_ = where;
+  // Doors that nothing operates are closed; the others stand open until they are.
+  void AddDoor(const SiteLevel& level, const SiteDoor& door) {
+    const Vec2& start = StartOf(level, door.edge);
+    const Vec2& end = EndOf(level, door.edge);
+    const Vec2 middle = 0.5 * (start + end);
+    const Pose X_WD{middle.x(), middle.y(), level.elevation, Atan2(start.y() - end.y(), start.x() - end.x())};
+    NodeMaker node = DoorNode(door.name.empty() ? level.name + "_door" : door.name, X_WD, (end - start).norm(),
+                              kDoorHeight, door.is_operated, door.is_operated, door.edge.where);
+    node.Text("kind", Word(door.kind)).Text("side", door.hinge_at_end ? "left" : "right");
+    node.Number("swing", RadiansToDegrees(door.opens_clockwise ? door.swing : -door.swing));
+    AddToWorld(std::move(node.Number("ratio", door.right_left_ratio).node));
   }
 
   // A side of the cabin: its doors' intervals leave parts of the wall.
@@ -248,8 +253,38 @@ class TreeMaker {
         from = std::max(from, end);
       }
     }
-    NodeMaker cabin = Group(lift.name, lift.X_WC, lift.where);
-    AddToWorld(cabin.Child(BlocksModel("cabin", blocks, "LightSteelBlue", lift.where).node).node);
+    NodeMaker cabin = BlocksModel(lift.name, blocks, "LightSteelBlue", lift.where, "lift");
+    cabin.At(lift.X_WC);
+    // One that nothing operates has only the floor at which it stands.
+    std::vector<std::string> floors;
+    std::vector<double> heights;
+    std::vector<std::string> floor_doors;
+    std::vector<std::string> cabin_doors;
+    for (const SiteLiftDoor& door : lift.doors) cabin_doors.push_back(CabinDoorName(lift, door));
+    for (std::size_t i = 0; i < site_.levels.size(); ++i) {
+      if (i != lift.initial_level && (lift.doors_at[i].empty() || !lift.is_operated)) continue;
+      floors.push_back(site_.levels[i].name);
+      heights.push_back(site_.levels[i].elevation);
+      if (!lift.is_operated) continue;
+      for (const std::size_t door : lift.doors_at[i]) {
+        for (const std::string& name :
+             {CabinDoorName(lift, lift.doors[door]), ShaftDoorName(lift, site_.levels[i], lift.doors[door])}) {
+          floor_doors.push_back(site_.levels[i].name);
+          floor_doors.push_back(name);
+        }
+      }
+    }
+    cabin.Texts("floors", floors).Numbers("heights", heights);
+    if (!cabin_doors.empty()) cabin.Texts("cabin_doors", cabin_doors);
+    if (!floor_doors.empty()) cabin.Texts("floor_doors", floor_doors);
+    AddToWorld(std::move(cabin.node));
+  }
+
+  static std::string CabinDoorName(const SiteLift& lift, const SiteLiftDoor& door) {
+    return "CabinDoor_" + lift.name + "_" + door.name;
+  }
+  static std::string ShaftDoorName(const SiteLift& lift, const SiteLevel& level, const SiteLiftDoor& door) {
+    return "ShaftDoor_" + lift.name + "_" + level.name + "_" + door.name;
   }
 
   // The doors of the cabin and of the shaft, and the gap in the cabin's wall.
@@ -267,22 +302,20 @@ class TreeMaker {
       const double distance = std::copysign((at_end_of_x ? w : d) + outwards, across);
       const Pose X_CD{at_end_of_x ? distance : along, at_end_of_x ? along : distance, 0.0, WrapAngle(door.heading)};
       const Pose X_WD = X_WC * X_CD;
-      const double half = 0.5 * door.width;
-      AddToWorld(DoorNode(name,
-                          {SlidingLeaf(X_WD, 0.5 * half, half, half), SlidingLeaf(X_WD, -0.5 * half, half, -half)},
-                          is_open, kCabinHeight, lift.where));
+      AddToWorld(std::move(DoorNode(name, X_WD, door.width, kCabinHeight, is_open, false, lift.where)
+                               .Text("kind", Word(SiteDoorKind::kDoubleSliding))
+                               .node));
     };
     const auto opens_at = [&](std::size_t level) {
       return std::count(lift.doors_at[level].begin(), lift.doors_at[level].end(), number) > 0;
     };
     const bool is_open = lift.is_operated && opens_at(lift.initial_level);
-    add("CabinDoor_" + lift.name + "_" + door.name, -kCabinDoorInset, lift.X_WC, is_open);
+    add(CabinDoorName(lift, door), -kCabinDoorInset, lift.X_WC, is_open);
     for (std::size_t i = 0; i < site_.levels.size(); ++i) {
       if (!opens_at(i)) continue;
       Pose X_WC = lift.X_WC;
       X_WC.z = site_.levels[i].elevation;
-      const std::string name = "ShaftDoor_" + lift.name + "_" + site_.levels[i].name + "_" + door.name;
-      add(name, kShaftGap, X_WC, is_open && i == lift.initial_level);
+      add(ShaftDoorName(lift, site_.levels[i], door), kShaftGap, X_WC, is_open && i == lift.initial_level);
     }
   }
 
@@ -332,8 +365,6 @@ class TreeMaker {
 
   const Site& site_;
   WorldTree& tree_;
-  std::size_t open_ = 0;  // doors that would be operated
-  SourceLocation open_where_;
   std::map<std::string, bool> unknown_robots_;  // those that were named in a warning
 };
 

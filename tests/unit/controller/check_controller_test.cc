@@ -88,8 +88,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"script", R"({"commands": [{"at": 1}, {"at": 1}]})",
              "script: command 2: 'at' is 1, expected a time after that of the command before it, 1"},
         Case{"script", R"({"commands": [{"at": 0, "vz": 1}]})",
-             "script: command 1: unknown parameter \"vz\", expected one of: at, cameras, gripper, grippers, "
-             "joints, lift, lights, say, send, speed, steering, vx, vy, wz"},
+             "script: command 1: unknown parameter \"vz\", expected one of: at, cameras, doors, gripper, "
+             "grippers, joints, lift, lifts, lights, say, send, speed, steering, vx, vy, wz"},
         Case{"script", R"({"commands": [{"at": 0, "gripper": "ajar"}]})",
              "script: command 1: 'gripper' is \"ajar\", expected \"open\" or \"close\""},
         Case{"script", R"({"commands": [{"at": 0, "lift": 140}]})",
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(
              "script: command 1: joints: 'arm' is \"up\", expected a number"},
         Case{"script", R"({"commands": [{"at": 0}, {"at": 1, "gripper": "open"}], "repeat": true})",
              "script: the last command only marks the end and is never done, expected none for grippers, joints, "
-             "radios, lights, cameras or texts in it"},
+             "radios, lights, cameras, doors, lifts or texts in it"},
         Case{"script", R"({"commands": [{"at": 0, "lights": {"lamp": 1}}]})",
              "script: command 1: lights: 'lamp' is 1, expected true or false"},
         Case{

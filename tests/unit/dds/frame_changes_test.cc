@@ -77,6 +77,16 @@ class Changes {
       Change(camera.pan);
       Change(camera.tilt);
     }
+    for (DoorState& door : state.doors) {
+      Change(door.opening);
+      Change(door.target);
+      if (Chance(0.1)) door.blocked = !door.blocked;
+    }
+    for (LiftState& lift : state.lifts) {
+      Change(lift.z);
+      Change(lift.session, state.robots.size());
+      if (Chance(0.1)) lift.floor = static_cast<std::uint32_t>(Below(9));
+    }
     for (ImuState& imu : state.imus) {
       for (double* number : {&imu.vx, &imu.vy, &imu.vz}) Change(*number);
     }

@@ -210,6 +210,25 @@ WorldDescription RandomMessages::RandomWorld() {
     }
   }
   for (std::size_t grippers = Below(3); grippers > 0; --grippers) AddGripper(world);
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    if (!world.doors.empty() && Coin()) break;
+    DoorDescription door{.model = ModelId(i), .leaves = {{ObjectId(i), RandomPose(), 0.0, 0.0}}};
+    (Coin() ? door.leaves[0].turn : door.leaves[0].shift) = Number(-3.0, 3.0);
+    door.seconds = Number(0.1, 9.0);
+    door.reach = Number(0.0);
+    door.opening = Number(0.0, 1.0);
+    door.is_operated = Coin();
+    world.doors.push_back(door);
+  }
+  if (world.doors.size() < world.objects.size() && Coin()) {
+    LiftDescription lift{
+        .model = ModelId(0), .cabin = ObjectId(world.objects.size() - 1), .cabin_doors = {}, .floors = {}};
+    for (std::size_t i = 1 + Below(3); i > 0; --i) lift.floors.push_back({Text(), Number(), {}});
+    if (!world.doors.empty()) lift.cabin_doors = lift.floors[0].doors = {Below(world.doors.size())};
+    lift.floor = static_cast<std::uint32_t>(Below(lift.floors.size()));
+    lift.speed = Number(0.1, 9.0);
+    world.lifts.push_back(lift);
+  }
   world.gravity = Number(0.0);
   return world;
 }
@@ -285,6 +304,12 @@ FrameMessage RandomMessages::Frame() {
   for (LightState& light : frame.state.lights) light = {Coin()};
   frame.state.cameras.resize(Below(4));
   for (CameraState& camera : frame.state.cameras) camera = {Number(), Number()};
+  frame.state.doors.resize(Below(4));
+  for (DoorState& door : frame.state.doors) door = {Number(0.0, 1.0), Number(0.0, 1.0), Coin(), Coin()};
+  frame.state.lifts.resize(Below(4));
+  for (LiftState& lift : frame.state.lifts) {
+    lift = {Number(), static_cast<std::uint32_t>(Bits()), MaybeId<RobotId>(frame.state.robots.size()), Coin()};
+  }
   if (!frame.state.robots.empty()) frame.state.transmissions.resize(Below(5));
   for (RadioTransmission& transmission : frame.state.transmissions) {
     const std::size_t robots = frame.state.robots.size();
@@ -369,6 +394,10 @@ ProposalMessage RandomMessages::Proposal() {
     message.proposals.back().cameras.resize(Below(3));
     for (CameraOrder& order : message.proposals.back().cameras) order = {Below(5), Number(), Number()};
     if (Coin()) message.proposals.back().say = Text();
+    message.proposals.back().doors.resize(Below(3));
+    for (DoorOrder& order : message.proposals.back().doors) order = {Below(5), Number()};
+    message.proposals.back().lifts.resize(Below(3));
+    for (LiftOrder& order : message.proposals.back().lifts) order = {Below(5), Below(5), Coin()};
     robot += 1 + Below(10);
   }
   message.reports = Texts();

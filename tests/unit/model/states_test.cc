@@ -78,6 +78,8 @@ TEST(CheckStateTest, StatesThatDoNotBelongToTheWorldAreRefused) {
          s.objects[0].mode = ObjectMode::kHeld;
          s.objects[0].holder = GripperId(1);
        }},
+      {"a door that the world does not have", [](WorldState& s) { s.doors.resize(1); }},
+      {"a lift that the world does not have", [](WorldState& s) { s.lifts.resize(1); }},
   };
   for (const Case& bad : cases) {
     WorldState state = SomeState();
@@ -95,6 +97,10 @@ TEST(CheckStateTest, EveryNumberIsFinite) {
   state.imus.resize(1);
   state.lights.resize(1);
   state.cameras.resize(1);
+  world.doors.resize(1);
+  state.doors.resize(1);
+  world.lifts.emplace_back().floors.resize(1);
+  state.lifts.resize(1);
   ASSERT_TRUE(CheckState(world, devices, state).ok());
   int numbers = 0;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
@@ -107,7 +113,7 @@ TEST(CheckStateTest, EveryNumberIsFinite) {
       }
     });
   });
-  EXPECT_EQ(numbers, 7 + 2 + 5 + 2 + 3 + 2);
+  EXPECT_EQ(numbers, 7 + 2 + 5 + 2 + 3 + 2 + 2 + 1);
 }
 
 WorldState HashedState() {
@@ -149,6 +155,9 @@ void Change(bool& flag) {
   flag = !flag;
 }
 void Change(std::uint64_t& number) {
+  ++number;
+}
+void Change(std::uint32_t& number) {
   ++number;
 }
 void Change(ObjectMode& mode) {

@@ -337,6 +337,8 @@ WorldState SomeState() {
   state.stores.resize(6);
   state.lights.resize(5);
   state.cameras.resize(2);
+  state.doors.resize(3);
+  state.lifts.resize(2);
   return state;
 }
 
@@ -371,8 +373,10 @@ TEST(StateRowsTest, AViewerThatSkipsAnyUpdatesHasTheWholeState) {
     object.holder = GripperId(below(4));
     state.stores[below(state.stores.size())].joules -= 0.5;
     state.lights[below(state.lights.size())].is_switched_on = below(2) == 0;
+    state.doors[below(3)].opening = 1.0 / static_cast<double>(update);
+    state.lifts[below(2)].floor = static_cast<std::uint32_t>(update);
     rows.Assign(std::make_shared<const WorldState>(state), update, update == 1);
-    EXPECT_LE(quick.Apply(Difference(rows, update - 1)), update == 1 ? 55u : 9u);
+    EXPECT_LE(quick.Apply(Difference(rows, update - 1)), update == 1 ? 60u : 11u);
     EXPECT_EQ(quick.state, state);
     if (below(10) == 0) {
       slow.Apply(Difference(rows, slow_has));
@@ -387,7 +391,7 @@ TEST(StateRowsTest, NothingIsSentOfAStateThatDoesNotChange) {
   rows.Assign(std::make_shared<const WorldState>(SomeState()), 1, true);
   rows.Assign(std::make_shared<const WorldState>(SomeState()), 2, false);
   EXPECT_EQ(Copy().Apply(Difference(rows, 1)), 0u);
-  EXPECT_EQ(Copy().Apply(Difference(rows, 0)), 55u);
+  EXPECT_EQ(Copy().Apply(Difference(rows, 0)), 60u);
 }
 
 TEST(StateRowsTest, AnotherWorldIsSentWhole) {

@@ -85,7 +85,7 @@ Status TextsFromWire(const troupe_wire_SayColumns& wire, std::vector<Proposal>& 
   return {};
 }
 
-static_assert(kMemberCount<Proposal> == 7, "a new field of a proposal needs a column here");
+static_assert(kMemberCount<Proposal> == 9, "a new field of a proposal needs a column here");
 
 constexpr auto kMessages = [](auto& proposal) -> auto& {
   return proposal.messages;
@@ -95,6 +95,12 @@ constexpr auto kLights = [](auto& proposal) -> auto& {
 };
 constexpr auto kCameras = [](auto& proposal) -> auto& {
   return proposal.cameras;
+};
+constexpr auto kDoors = [](auto& proposal) -> auto& {
+  return proposal.doors;
+};
+constexpr auto kLifts = [](auto& proposal) -> auto& {
+  return proposal.lifts;
 };
 
 }  // namespace
@@ -126,6 +132,8 @@ troupe_wire_Proposal ToWire(const ProposalMessage& message, WireArena& arena) {
   RowsToWire(message.proposals, kLights, wire.lights, arena);
   RowsToWire(message.proposals, kCameras, wire.cameras, arena);
   TextsToWire(message.proposals, wire.say, arena);
+  RowsToWire(message.proposals, kDoors, wire.doors, arena);
+  RowsToWire(message.proposals, kLifts, wire.lifts, arena);
   arena.FillStrings(wire.reports, message.reports);
   wire.paused = message.paused;
   wire.edition = message.edition;
@@ -165,6 +173,8 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message) {
   if (problem.ok()) problem = RowsFromWire("proposal of lights", wire.lights, kLights, message.proposals);
   if (problem.ok()) problem = RowsFromWire("proposal of cameras", wire.cameras, kCameras, message.proposals);
   if (problem.ok()) problem = TextsFromWire(wire.say, message.proposals);
+  if (problem.ok()) problem = RowsFromWire("proposal of doors", wire.doors, kDoors, message.proposals);
+  if (problem.ok()) problem = RowsFromWire("proposal of lifts", wire.lifts, kLifts, message.proposals);
   if (!problem.ok()) return problem;
   message.reports = Strings(wire.reports);
   return {};

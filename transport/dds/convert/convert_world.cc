@@ -313,6 +313,72 @@ Status FromWire(const troupe_wire_Gripper& wire, GripperDescription& gripper) {
   return {};
 }
 
+troupe_wire_Door ToWire(const DoorDescription& door, WireArena& arena) {
+  troupe_wire_Door wire{};
+  wire.model = static_cast<std::uint32_t>(door.model.index());
+  troupe_wire_DoorLeaf* leaves = arena.Fill(wire.leaves, door.leaves.size());
+  for (const DoorLeaf& leaf : door.leaves) {
+    *leaves++ = {static_cast<std::uint32_t>(leaf.object.index()), PoseToWire(leaf.X_WH), leaf.turn, leaf.shift};
+  }
+  wire.seconds = door.seconds;
+  wire.reach = door.reach;
+  wire.opening = door.opening;
+  wire.operated = door.is_operated;
+  return wire;
+}
+DoorDescription FromWire(const troupe_wire_Door& wire) {
+  DoorDescription door{.model = ModelId(wire.model), .leaves = {}};
+  for (const troupe_wire_DoorLeaf& leaf : Elements(wire.leaves)) {
+    door.leaves.push_back({ObjectId(leaf.object), PoseFromWire(leaf.closed), leaf.turn, leaf.shift});
+  }
+  door.seconds = wire.seconds;
+  door.reach = wire.reach;
+  door.opening = wire.opening;
+  door.is_operated = wire.operated;
+  return door;
+}
+
+// `Sequence`: one of idlc of 32 bits.
+template <typename Sequence>
+void NumbersToWire(const std::vector<std::size_t>& numbers, Sequence& wire, WireArena& arena) {
+  std::uint32_t* out = arena.Fill(wire, numbers.size());
+  for (const std::size_t number : numbers) *out++ = static_cast<std::uint32_t>(number);
+}
+template <typename Sequence>
+std::vector<std::size_t> NumbersFromWire(const Sequence& wire) {
+  const auto numbers = Elements(wire);
+  return {numbers.begin(), numbers.end()};
+}
+
+troupe_wire_Lift ToWire(const LiftDescription& lift, WireArena& arena) {
+  troupe_wire_Lift wire{};
+  wire.model = static_cast<std::uint32_t>(lift.model.index());
+  wire.cabin = static_cast<std::uint32_t>(lift.cabin.index());
+  NumbersToWire(lift.cabin_doors, wire.cabin_doors, arena);
+  troupe_wire_LiftFloor* floors = arena.Fill(wire.floors, lift.floors.size());
+  for (const LiftFloor& floor : lift.floors) {
+    floors->name = arena.Copy(floor.name);
+    floors->z = floor.z;
+    NumbersToWire(floor.doors, floors->doors, arena);
+    ++floors;
+  }
+  wire.floor = lift.floor;
+  wire.speed = lift.speed;
+  return wire;
+}
+LiftDescription FromWire(const troupe_wire_Lift& wire) {
+  LiftDescription lift{.model = ModelId(wire.model),
+                       .cabin = ObjectId(wire.cabin),
+                       .cabin_doors = NumbersFromWire(wire.cabin_doors),
+                       .floors = {},
+                       .floor = wire.floor,
+                       .speed = wire.speed};
+  for (const troupe_wire_LiftFloor& floor : Elements(wire.floors)) {
+    lift.floors.push_back({Text(floor.name), floor.z, NumbersFromWire(floor.doors)});
+  }
+  return lift;
+}
+
 }  // namespace
 
 troupe_wire_World ToWire(const WorldDescription& world, WireArena& arena) {
@@ -341,6 +407,10 @@ troupe_wire_World ToWire(const WorldDescription& world, WireArena& arena) {
     places->pose = PoseToWire(place.X_WN);
     ++places;
   }
+  troupe_wire_Door* doors = arena.Fill(wire.doors, world.doors.size());
+  for (const DoorDescription& door : world.doors) *doors++ = ToWire(door, arena);
+  troupe_wire_Lift* lifts = arena.Fill(wire.lifts, world.lifts.size());
+  for (const LiftDescription& lift : world.lifts) *lifts++ = ToWire(lift, arena);
   return wire;
 }
 
@@ -369,6 +439,8 @@ Result<WorldDescription> FromWire(const troupe_wire_World& wire) {
   for (const troupe_wire_Place& place : Elements(wire.places)) {
     world.places.push_back({Text(place.name), Text(place.description), Strings(place.tags), PoseFromWire(place.pose)});
   }
+  for (const troupe_wire_Door& door : Elements(wire.doors)) world.doors.push_back(FromWire(door));
+  for (const troupe_wire_Lift& lift : Elements(wire.lifts)) world.lifts.push_back(FromWire(lift));
   if (Status invalid = Validate(world); !invalid.ok()) return invalid.error();
   return world;
 }

@@ -4,6 +4,7 @@ import {Dock, isTab, type Tab} from './dock';
 import {allow, byId, setOn, setText, tellRefusals, throttled, toast} from './dom';
 import {Driving, GripperButtons} from './driving';
 import {Editing} from './editing';
+import {DoorButtons} from './doors';
 import {Agents, agentText, EntityPanel} from './entity_panel';
 import {FileEditor} from './file_editor';
 import {save, Video} from './graphics';
@@ -121,6 +122,7 @@ class Viewer {
   private readonly editing: Editing;
   private readonly driving: Driving;
   private readonly grippers: GripperButtons;
+  private readonly doors: DoorButtons;
   private readonly video: Video;
   private readonly panel = new EntityPanel();
   private readonly agents: Agents;
@@ -157,6 +159,7 @@ class Viewer {
     });
     this.driving = new Driving(this.connection, {run: () => this.run, robot: () => this.selectedRobot});
     this.grippers = new GripperButtons(this.connection);
+    this.doors = new DoorButtons(this.connection);
     this.video = new Video(this.scene.canvas, () => this.fileName());
     const fragment = readFragment();
     this.wantedName = fragment.robot ?? '';
@@ -194,6 +197,7 @@ class Viewer {
     this.editing.setViewOnly(info.view_only);
     this.driving.setViewOnly(info.view_only);
     this.grippers.setViewOnly(info.view_only);
+    this.doors.setViewOnly(info.view_only);
     byId('view-only').hidden = !info.view_only;
     if (info.editor) this.editFile(info.view_only);
     this.toolbar.layOut();
@@ -293,6 +297,7 @@ class Viewer {
     this.robots.show(this.run, this.selected?.kind === 'robot' ? this.selected.index : -1);
     this.panel.show(this.run, this.selected, this.agentOf(this.selectedRobot));
     this.grippers.show(this.run, this.selectedRobot);
+    this.doors.show(this.run, this.selected);
     this.showRefusals();
     this.events.count(this.run);
     if (this.dock.tab === 'events') this.events.show(this.run, this.selected ? nameOf(this.run.world, this.selected) : '');
@@ -315,6 +320,7 @@ class Viewer {
     const robot = this.selectedRobot >= 0 ? '' : 'Objects cannot be driven: select a robot.';
     for (const id of ['drive', 'send']) allow(id, refusal || robot);
     this.grippers.refuse(refusal);
+    this.doors.refuse(refusal);
     allow('follow', this.selected ? '' : 'Select the robot or the object to follow.');
   }
 

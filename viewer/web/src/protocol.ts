@@ -3,7 +3,7 @@
 // state and their readers (generated/rows.ts, by write_rows.cc).
 import {readStateRows, type EventType, type StateRows} from '../generated/rows';
 
-export const PROTOCOL = 5;
+export const PROTOCOL = 6;
 
 export interface Pose {
   x: number;
@@ -99,6 +99,19 @@ export interface Light {
   switchedOn: boolean;  // at load
 }
 
+export interface Door {
+  model: number;
+  leaves: number[];  // objects
+  operated: boolean;
+}
+
+export interface Lift {
+  model: number;
+  cabin: number;  // object
+  floors: string[];
+  heights: number[];  // m
+}
+
 export interface World {
   number: number;
   run: string;  // of which it is a world
@@ -113,9 +126,11 @@ export interface World {
   objects: number[];  // models
   stores: Store[];
   lights: Light[];
+  doors: Door[];
+  lifts: Lift[];
 }
 
-export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held'];
+export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held', 'mounted'];
 
 export interface RunEvent {
   position: number;  // of its state on the timeline
@@ -427,6 +442,10 @@ function readWorld(r: Reader): World {
     stores: r.list((): Store => ({model: r.u32(), capacity: r.f64(), endless: r.flag()})),
     lights: r.list((): Light => ({
       model: r.u32(), row: r.i32(), period: Number(r.u64()), on: Number(r.u64()), switchedOn: r.flag(),
+    })),
+    doors: r.list((): Door => ({model: r.u32(), leaves: r.list(() => r.u32()), operated: r.flag()})),
+    lifts: r.list((): Lift => ({
+      model: r.u32(), cabin: r.u32(), floors: r.list(() => r.text()), heights: r.list(() => r.f64()),
     })),
   };
 }

@@ -15,9 +15,9 @@ namespace {
 // In the order in which messages list them.
 const auto& ModelTypes() {
   static const std::array types{
-      PlainModelType(), PositionType(), RangerType(),         ActuatorType(), BlinkenlightType(),
-      BlobfinderType(), BumperType(),   CameraType(),         ContactType(),  FiducialType(),
-      GripperType(),    ImuType(),      LightIndicatorType(), RadioType(),
+      PlainModelType(), PositionType(), RangerType(),         ActuatorType(), BlinkenlightType(), BlobfinderType(),
+      BumperType(),     CameraType(),   ContactType(),        DoorType(),     FiducialType(),     GripperType(),
+      ImuType(),        LiftType(),     LightIndicatorType(), RadioType(),
   };
   return types;
 }

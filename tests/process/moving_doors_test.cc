@@ -1,0 +1,115 @@
+// Doors and lifts in motion: the same hashes in every kind of run, after requests of users, rewinds and kills.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/process/programs.h"
+#include "tests/support/dds_domain.h"
+#include "tests/support/files.h"
+#include "transport/dds/tools/control_client.h"
+
+namespace troupe::test {
+namespace {
+
+// A robot rides to the other level and back, opening and closing a door that another one passes.
+std::vector<std::string> RunOfLift(const std::vector<std::string>& options) {
+  return Words("run % --domain % --headless",
+               {WorldPath("../../../worlds/sites/guesthouse_lift.json"), std::to_string(TestDomain())}) +
+         options;
+}
+
+std::string HashesOf(const std::vector<std::string>& options) {
+  TemporaryFolder folder;
+  OutputOf(Troupe(RunOfLift(options + Words("--ticks 700 --speed max --hash-log %", {folder.Path("hashes")}))));
+  return folder.Read("hashes");
+}
+
+void Kill(const Program& run, const std::string& part) {
+  for (const pid_t child : ChildrenOf(run.pid())) {
+    if (CommandLineOf(child).find(part) == std::string::npos) continue;
+    ASSERT_EQ(kill(child, SIGKILL), 0);
+    return;
+  }
+  FAIL() << "no process with " << part;
+}
+
+TEST(DoorsOverDds, AreTheSameInEveryKindOfRun) {
+  TemporaryFolder folder;
+  const std::string expected = HashesOf({"--in-process", "--record", folder.Path("run.mcap")});
+  ASSERT_FALSE(expected.empty());
+  EXPECT_TRUE(HashesOf({}) == expected) << "a process for each robot";
+  EXPECT_TRUE(HashesOf({"--robots-per-process", "2", "--data-sharing", "off"}) == expected);
+  EXPECT_TRUE(HashesOf({"--faults", "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"}) == expected);
+  OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify", "--controllers"}));
+}
+
+TEST(DoorsOverDds, AreTheSameWhateverDies) {
+  TemporaryFolder folder;
+  Program run =
+      Troupe(RunOfLift(Words("--ticks 700 --speed 20 --on-agent-loss rebuild --lease 1 --record % --hash-log %",
+                             {folder.Path("run.mcap"), folder.Path("hashes")})));
+  run.WaitForLine("ready");
+  Kill(run, "--robot=tiny_1");
+  run.WaitForLineAfter("restart ");
+  Kill(run, "world-service");
+  run.WaitForLineAfter("the world service has been started again");
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_TRUE(folder.Read("hashes") == HashesOf({"--in-process"}));
+}
+
+// Requests of a user, a rewind before them and the same requests again.
+TEST(DoorsOverDds, RequestsAfterARewindGiveTheSameStates) {
+  TemporaryFolder folder;
+  const std::string session = TestSession("doors");
+  Program run =
+      Troupe(RunOfLift({"--paused", "--session", session, "--record", folder.Path("run.mcap"), "--lease", "1"}));
+  ControlClient client(NetworkOf(session));
+  ASSERT_TRUE(client.WaitForService(kSeconds).ok()) << run.output();
+  run.WaitForLine("ready");
+  const auto call = [&](ControlCommand command, const std::string& name, const std::string& source,
+                        std::uint64_t ticks = 1) {
+    ControlRequest request;
+    request.command = command;
+    request.name = name;
+    request.source = source;
+    request.ticks = ticks;
+    const Result<ControlReply> reply = client.Call(request, kSeconds);
+    EXPECT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
+    return reply.ok() ? reply.value() : ControlReply();
+  };
+  const auto operate = [&] {
+    call(ControlCommand::kDoor, "room_1_door", "close");
+    call(ControlCommand::kStep, "", "", 20);
+    call(ControlCommand::kLift, "guest_lift", "L2");
+    return call(ControlCommand::kStep, "", "", 60).state_hash;
+  };
+  call(ControlCommand::kStep, "", "", 10);
+  const std::uint64_t first = operate();
+  EXPECT_EQ(call(ControlCommand::kRewind, "", "", 10).tick, 10u);
+  Kill(run, "world-service");
+  EXPECT_EQ(operate(), first);
+  ControlRequest wrong;
+  wrong.command = ControlCommand::kDoor;
+  wrong.name = "no_door";
+  wrong.source = "open";
+  const Result<ControlReply> refused = client.Call(wrong, kSeconds);
+  ASSERT_TRUE(refused.ok());
+  EXPECT_EQ(refused.value().problem, "the world has no door 'no_door'");
+  run.Interrupt();
+  OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify"}));
+}
+
+TEST(DoorsOverDds, AreOperatedByTheCommandLine) {
+  const std::string session = TestSession("doorctl");
+  Program run = Troupe(RunOfLift({"--paused", "--session", session}));
+  run.WaitForLine("ready");
+  const auto ctl = [&](const std::vector<std::string>& words) {
+    return OutputOf(Troupe(Words("ctl --domain % --session %", {std::to_string(TestDomain()), session}) + words));
+  };
+  EXPECT_THAT(ctl({"door", "front_door", "close"}), testing::HasSubstr("paused tick 0"));
+  EXPECT_THAT(ctl({"lift", "guest_lift", "L2"}), testing::HasSubstr("edition 2"));
+  run.Interrupt();
+}
+
+}  // namespace
+}  // namespace troupe::test

@@ -1,0 +1,394 @@
+// Doors and lifts: what files make of them, and how they move.
+#include <cmath>
+
+#include "common/model/states.h"
+#include "common/spatial/convex_piece.h"
+#include "tests/support/values.h"
+#include "tests/worldfile/scenario_run.h"
+#include "tests/worldfile/world_folder.h"
+#include "world-service/core/edit_world.h"
+#include "world-service/core/step.h"
+
+namespace troupe {
+namespace {
+
+using test::ValueOf;
+using testing::HasSubstr;
+
+// A cart that reaches any speed at once, and a box that can be gripped.
+const std::string kDefines = R"(
+  define cart position (
+    size [0.4 0.4 0.5] drive "omni" velocity_bounds [-2 2 -2 2 0 0 -90 90]
+    acceleration_bounds [-100 100 -100 100 0 0 -1000 1000]
+  )
+  define crate model ( size [0.3 0.3 0.3] gripper_return 1 )
+)";
+
+WorldDescription Load(const std::string& text) {
+  test::TemporaryFolder folder;
+  return ValueOf(LoadWorld(folder.Write("w.world", kDefines + text))).world;
+}
+
+std::string ErrorOf(const std::string& text) {
+  test::TemporaryFolder folder;
+  const Result<LoadedWorld> loaded = LoadWorld(folder.Write("w.world", kDefines + text));
+  return loaded.ok() ? "" : loaded.error().message;
+}
+
+Simulation Simulate(const std::string& text) {
+  return ValueOf(Simulation::Create(Load(text)));
+}
+
+Command Motion(double vx) {
+  return {.twist = {vx, 0.0, 0.0}};
+}
+Command Order(double opening, double vx = 0.0) {
+  Command command = Motion(vx);
+  command.doors = {{0, opening}};
+  return command;
+}
+Command Call(std::size_t floor, double vx = 0.0) {
+  Command command = Motion(vx);
+  command.lifts = {{.lift = 0, .floor = floor}};
+  return command;
+}
+
+void Do(Simulation& simulation, const std::string& robot, const Command& command, Tick ticks) {
+  ASSERT_TRUE(simulation.Drive(*simulation.FindRobot(robot), command).ok());
+  simulation.Step(ticks);
+}
+
+const DoorState& Door(const Simulation& simulation) {
+  return simulation.state().doors[0];
+}
+
+// No leaf, cabin, robot or object is in another, but for leaves and cabins among themselves.
+void ExpectNoOverlap(const Simulation& simulation) {
+  const Scene scene(simulation.world());
+  BodyIndex bodies(scene);
+  bodies.Assign(simulation.state());
+  const std::size_t robots = simulation.state().robots.size();
+  const auto is_mounted = [&](std::size_t body) {
+    return body >= robots && simulation.state().objects[body - robots].mode == ObjectMode::kMounted;
+  };
+  for (std::size_t a = 0; a < scene.body_count(); ++a) {
+    for (std::size_t b = a + 1; b < scene.body_count(); ++b) {
+      if (is_mounted(a) && is_mounted(b)) continue;
+      for (const ConvexPiece& p : bodies.pieces_in_world(BodyId(a))) {
+        for (const ConvexPiece& q : bodies.pieces_in_world(BodyId(b))) {
+          if (!p.obstacle || !q.obstacle) continue;
+          ASSERT_FALSE(OverlapBy(p, q, 10.0 * kTouchTolerance))
+              << simulation.world().model(p.model).name << " and " << simulation.world().model(q.model).name
+              << " at tick " << simulation.tick();
+        }
+      }
+    }
+  }
+}
+
+// Leaves.
+
+struct LeafCorners {
+  Vec2 right;  // the ends of the leaf
+  Vec2 left;
+};
+
+std::vector<LeafCorners> CornersOf(const std::string& properties, double opening) {
+  const WorldDescription world = Load("door ( name \"d\" size [2 0.05 2] " + properties + " )");
+  std::vector<LeafCorners> corners;
+  for (const DoorLeaf& leaf : world.doors[0].leaves) {
+    const ModelDescription& model = world.model(world.objects[leaf.object.index()]);
+    const Rectangle box = BoundingBox(world.shape(model.shape).blocks[0].outline);
+    const Transform2 move(leaf.X_WH_at(opening));
+    corners.push_back({move * Vec2(box.max_x, 0.0), move * Vec2(box.min_x, 0.0)});
+  }
+  return corners;
+}
+
+TEST(Doors, LeavesCloseTheDoorwayAndOpenByTheirKind) {
+  struct Case {
+    std::string properties;
+    std::vector<LeafCorners> closed;
+    std::vector<LeafCorners> open;
+  };
+  const Case cases[] = {
+      {"kind \"hinged\"", {{{1, 0}, {-1, 0}}}, {{{1, 0}, {1, 2}}}},
+      {"kind \"hinged\" swing -90", {{{1, 0}, {-1, 0}}}, {{{1, 0}, {1, -2}}}},
+      {"kind \"hinged\" side \"left\"", {{{1, 0}, {-1, 0}}}, {{{-1, 2}, {-1, 0}}}},
+      {"kind \"double_hinged\" ratio 3",
+       {{{1, 0}, {-0.5, 0}}, {{-0.5, 0}, {-1, 0}}},
+       {{{1, 0}, {1, 1.5}}, {{-1, 0.5}, {-1, 0}}}},
+      {"kind \"sliding\"", {{{1, 0}, {-1, 0}}}, {{{3, 0}, {1, 0}}}},
+      {"kind \"sliding\" side \"left\"", {{{1, 0}, {-1, 0}}}, {{{-1, 0}, {-3, 0}}}},
+      {"kind \"double_sliding\" ratio 3",
+       {{{1, 0}, {-0.5, 0}}, {{-0.5, 0}, {-1, 0}}},
+       {{{2.5, 0}, {1, 0}}, {{-1, 0}, {-1.5, 0}}}},
+  };
+  constexpr double kGap = 0.006;  // m, at each end of a leaf
+  for (const Case& each : cases) {
+    for (const double opening : {0.0, 1.0}) {
+      const std::vector<LeafCorners> found = CornersOf(each.properties, opening);
+      const std::vector<LeafCorners>& expected = opening == 1.0 ? each.open : each.closed;
+      ASSERT_EQ(found.size(), expected.size()) << each.properties;
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_LE((found[i].right - expected[i].right).norm(), kGap) << each.properties;
+        EXPECT_LE((found[i].left - expected[i].left).norm(), kGap) << each.properties;
+      }
+    }
+  }
+}
+
+TEST(Doors, FaultsOfFilesAreNamed) {
+  EXPECT_THAT(ErrorOf("door ( size [0 0.1 2] )"), HasSubstr("found a 'door' without extent"));
+  EXPECT_THAT(ErrorOf("cart ( door ( ) )"), HasSubstr("found a 'door' on a robot"));
+  EXPECT_THAT(ErrorOf("lift ( floors [\"a\"] heights [0] )"), HasSubstr("found a 'lift' without blocks"));
+  const std::string cabin = "block ( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 1] point[3] [0 1] z [0 1] )";
+  EXPECT_THAT(ErrorOf("lift ( " + cabin + " )"), HasSubstr("found a 'lift' without 'floors'"));
+  EXPECT_THAT(ErrorOf("lift ( floors [\"a\" \"b\"] heights [1 2] " + cabin + " )"),
+              HasSubstr("found a 'lift' at none of its 'heights'"));
+  EXPECT_THAT(ErrorOf("lift ( floors [\"a\" \"b\"] heights [0 2] floor_doors [\"a\" \"d\"] " + cabin + " )"),
+              HasSubstr("found no door 'd'"));
+}
+
+// A doorway across x at the origin, whose leaf slides to y = 1.2.
+const std::string kGate = R"(
+  door ( name "gate" pose [0 0 0 90] size [1.2 0.1 2] kind "sliding" seconds 2 )
+)";
+
+TEST(Doors, OpensAndClosesInItsTime) {
+  Simulation run = Simulate(kGate + "cart ( name \"r\" pose [-3 0 0 0] )");
+  run.Step(5);
+  EXPECT_EQ(Door(run).opening, 0.0);
+  EXPECT_EQ(run.state().objects[0].mode, ObjectMode::kMounted);
+  Do(run, "r", Order(1.0), 10);
+  EXPECT_NEAR(Door(run).opening, 0.5, 1e-12);
+  EXPECT_NEAR(run.state().objects[0].X_WO.y, 0.6, 1e-9);
+  run.Step(10);
+  EXPECT_EQ(Door(run).opening, 1.0);
+  Do(run, "r", Order(0.25), 30);
+  EXPECT_EQ(Door(run).opening, 0.25);
+  Do(run, "r", Order(0.0), 30);
+  EXPECT_EQ(Door(run).opening, 0.0);
+}
+
+TEST(Doors, ARobotStopsAtAClosedDoorAndPassesAnOpenOne) {
+  Simulation run = Simulate(kGate + "cart ( name \"r\" pose [-1 0 0 0] )");
+  Do(run, "r", Motion(1.0), 20);
+  EXPECT_TRUE(run.state().robots[0].stalled);
+  EXPECT_NEAR(run.state().robots[0].X_WR.x, -0.25, 1e-6);
+  Do(run, "r", Order(1.0), 20);
+  Do(run, "r", Motion(1.0), 20);
+  EXPECT_GT(run.state().robots[0].X_WR.x, 1.0);
+  ExpectNoOverlap(run);
+}
+
+TEST(Doors, WaitForARobotInTheDoorwayWithoutTouchingItsBits) {
+  Simulation run = Simulate(kGate + "cart ( name \"r\" pose [-1 0 0 0] )");
+  Do(run, "r", Order(1.0, 1.0), 10);  // the leaf is still in its way
+  Do(run, "r", Order(1.0, 0.0), 20);
+  Do(run, "r", Motion(1.0), 3);
+  const Pose before = run.state().robots[0].X_WR;
+  ASSERT_LT(std::fabs(before.x), 0.2);
+  Do(run, "r", Order(0.0), 30);
+  EXPECT_TRUE(Door(run).blocked);
+  // The leaf reaches from y = -0.6 to 0.6 when closed; the robot ends at 0.2.
+  EXPECT_NEAR(Door(run).opening, (0.2 + 0.595) / 1.2, 1e-6);
+  EXPECT_EQ(run.state().robots[0].X_WR, before);
+  ExpectNoOverlap(run);
+  Do(run, "r", Motion(1.0), 30);
+  EXPECT_EQ(Door(run).opening, 0.0);
+  EXPECT_FALSE(Door(run).blocked);
+}
+
+TEST(Doors, AHingedLeafStopsAtABoxAndGoesOnWithoutIt) {
+  const std::string door = "door ( name \"d\" size [1 0.04 2] kind \"hinged\" seconds 1 )";
+  Simulation run = Simulate(door + "crate ( name \"box\" pose [-0.2 0.5 0 0] ) cart ( name \"r\" pose [5 0 0 0] )");
+  Do(run, "r", Order(1.0), 20);
+  EXPECT_TRUE(Door(run).blocked);
+  EXPECT_GT(Door(run).opening, 0.1);
+  EXPECT_LT(Door(run).opening, 0.6);
+  ExpectNoOverlap(run);
+  const auto scene = std::make_shared<const Scene>(run.world());
+  EditedWorld moved = ValueOf(SetPose(scene, run.state(), "box", {4.0, 4.0, 0.0, 0.0}));
+  for (int i = 0; i < 20; ++i) moved.state = Step(*moved.scene, moved.state, {}).state;
+  EXPECT_EQ(moved.state.doors[0].opening, 1.0);
+}
+
+TEST(Doors, OpenByThemselvesForRobotsInReachOnTheirLevel) {
+  const std::string door = "door ( name \"d\" pose [0 0 0 90] kind \"sliding\" seconds 1 reach 1.5 )";
+  Simulation run = Simulate(door + "cart ( name \"r\" pose [-4 0 0 0] )");
+  Do(run, "r", Motion(0.5), 49);  // at -1.55
+  EXPECT_EQ(Door(run).opening, 0.0);
+  Do(run, "r", Motion(0.5), 30);
+  EXPECT_TRUE(Door(run).held);
+  EXPECT_EQ(Door(run).opening, 1.0);
+  Do(run, "r", Motion(0.5), 60);
+  EXPECT_GT(run.state().robots[0].X_WR.x, 2.0);
+  EXPECT_EQ(Door(run).opening, 0.0);
+  Simulation above = Simulate(door + "cart ( name \"r\" pose [0 0 3 0] )");
+  above.Step(20);
+  EXPECT_EQ(Door(above).opening, 0.0);
+}
+
+TEST(Doors, OfTwoOrdersInATickTheWiderCounts) {
+  Simulation run = Simulate(kGate + "cart ( name \"a\" pose [-3 0 0 0] ) cart ( name \"b\" pose [-3 2 0 0] )");
+  ASSERT_TRUE(run.Drive(RobotId(0), Order(0.5)).ok());
+  ASSERT_TRUE(run.Drive(RobotId(1), Order(0.0)).ok());
+  run.Step();
+  EXPECT_EQ(Door(run).target, 0.5);
+  EXPECT_THAT(run.Drive(RobotId(0), Order(1.5)).error().message, HasSubstr("opens a door to 1.5, expected 0 to 1"));
+}
+
+TEST(Doors, AreSeenByRays) {
+  Simulation run = Simulate(kGate + R"(cart ( name "r" pose [-2 0 0 0]
+      ranger ( pose [0 0 0.1 0] sensor ( range [0 5] fov 0 samples 1 ) ) ))");
+  const auto range = [&] {
+    return std::get<RangerReading>(run.Measure(RobotId(0), 0).content).scans.at(0).ranges.at(0);
+  };
+  EXPECT_NEAR(range(), 1.95, 1e-9);
+  Do(run, "r", Order(1.0), 20);
+  EXPECT_EQ(range(), 5.0);
+}
+
+TEST(Doors, OperatedByAnEditAndNeitherMovedNorDeleted) {
+  const auto scene = std::make_shared<const Scene>(
+      Load(kGate + "cart ( name \"r\" pose [-3 0 0 0] )" + "door ( name \"fixed\" pose [9 0 0 0] operated 0 )"));
+  const WorldState state = InitialState(*scene);
+  EXPECT_EQ(ValueOf(OperateDoor(scene, state, "gate", 1.0)).state.doors[0].target, 1.0);
+  EXPECT_THAT(OperateDoor(scene, state, "none", 1.0).error().message, HasSubstr("no door 'none'"));
+  EXPECT_THAT(OperateDoor(scene, state, "fixed", 1.0).error().message, HasSubstr("not operated"));
+  EXPECT_THAT(DeleteEntity(scene, state, "gate").error().message, HasSubstr("not moved or deleted"));
+  EXPECT_THAT(SetPose(scene, state, "gate.right", {}).error().message, HasSubstr("is a leaf of door 'gate'"));
+}
+
+// Nothing of a world without doors and lifts changes its hash.
+TEST(Doors, ADoorIsAPartOfTheHashAndNoDoorIsNone) {
+  const Scene scene(Load("cart ( name \"r\" )"));
+  const WorldState state = InitialState(scene);
+  EXPECT_TRUE(state.doors.empty() && state.lifts.empty());
+  const Scene with_door(Load(kGate));
+  WorldState other = InitialState(with_door);
+  const std::uint64_t closed = StateHash(other);
+  other.doors[0].target = 1.0;
+  EXPECT_NE(StateHash(other), closed);
+}
+
+// Lifts.
+
+// A cabin of 2 m x 2 m at the origin, open to -x, with a door of its own and one of each floor at x = -1.
+const std::string kLift = R"(
+  define leaf door ( size [1.2 0.04 2] kind "double_sliding" seconds 1 )
+  leaf ( name "cabin_door" pose [-0.95 0 0 90] opening 1 )
+  leaf ( name "lower" pose [-1.1 0 0 90] opening 1 )
+  leaf ( name "upper" pose [-1.1 0 3 90] )
+  lift (
+    name "up" size [2 2 2.1] pose [0 0 0 0] floors ["ground" "first"] heights [0 3] speed 1
+    cabin_doors ["cabin_door"]
+    floor_doors ["ground" "cabin_door" "ground" "lower" "first" "cabin_door" "first" "upper"]
+    block ( points 4 point[0] [0 0] point[1] [2 0] point[2] [2 2] point[3] [0 2] z [0 0.05] )
+    block ( points 4 point[0] [1.95 0] point[1] [2 0] point[2] [2 2] point[3] [1.95 2] z [0.05 2.15] )
+    block ( points 4 point[0] [0 0] point[1] [1.9 0] point[2] [1.9 0.05] point[3] [0 0.05] z [0.05 2.15] )
+    block ( points 4 point[0] [0 1.95] point[1] [1.9 1.95] point[2] [1.9 2] point[3] [0 2] z [0.05 2.15] )
+  )
+  cart ( name "r" pose [-2 0 0.06 0] crate ( name "load" pose [0 0 0 0] ) )
+)";
+
+const LiftState& LiftOf(const Simulation& simulation) {
+  return simulation.state().lifts[0];
+}
+
+TEST(Lifts, CarryARobotAndItsLoadToAnotherFloor) {
+  Simulation run = Simulate(kLift);
+  Do(run, "r", Motion(1.0), 20);  // into the cabin
+  const Pose inside = run.state().robots[0].X_WR;
+  ASSERT_NEAR(inside.x, 0.0, 1e-9);
+  const auto load = [&] { return run.state().objects.back().X_WO; };
+  const double height = load().z - inside.z;
+  Do(run, "r", Call(1), 5);
+  EXPECT_EQ(LiftOf(run).z, 0.0) << "its doors are not closed yet";
+  for (int i = 0; i < 100; ++i) {
+    Do(run, "r", Motion(0.0), 1);
+    ExpectNoOverlap(run);
+    const bool moves = LiftOf(run).z != 0.0 && LiftOf(run).z != 3.0;
+    for (const DoorState& door : run.state().doors) {
+      if (moves) EXPECT_EQ(door.opening, 0.0);
+    }
+  }
+  EXPECT_EQ(LiftOf(run).z, 3.0);
+  EXPECT_EQ(LiftOf(run).session, RobotId(0));
+  EXPECT_NEAR(run.state().robots[0].X_WR.z, inside.z + 3.0, 1e-12);
+  EXPECT_NEAR(load().z - run.state().robots[0].X_WR.z, height, 1e-12);
+  EXPECT_EQ(run.state().doors[0].opening, 1.0);
+  EXPECT_EQ(run.state().doors[1].opening, 0.0);
+  EXPECT_EQ(run.state().doors[2].opening, 1.0);
+  Do(run, "r", Motion(-1.0), 25);
+  EXPECT_NEAR(run.state().robots[0].X_WR.x, -2.5, 1e-9);
+  EXPECT_FALSE(run.state().robots[0].stalled);
+}
+
+TEST(Lifts, ServeOneSessionAtATime) {
+  Simulation run = Simulate(kLift + "cart ( name \"other\" pose [-3 2 3 0] )");
+  Do(run, "r", Call(1), 1);
+  ASSERT_TRUE(run.Drive(RobotId(1), Call(0)).ok());
+  run.Step(3);
+  EXPECT_EQ(LiftOf(run).floor, 1u);
+  EXPECT_EQ(LiftOf(run).session, RobotId(0));
+  Command end = Motion(0.0);
+  end.lifts = {{.lift = 0, .ends = true}};
+  Do(run, "r", end, 1);
+  EXPECT_FALSE(LiftOf(run).session);
+  Do(run, "other", Call(0), 1);
+  EXPECT_EQ(LiftOf(run).floor, 0u);
+  EXPECT_EQ(LiftOf(run).session, RobotId(1));
+}
+
+TEST(Lifts, WaitForARobotInTheirDoorway) {
+  Simulation run = Simulate(kLift);
+  Do(run, "r", Motion(1.0), 10);  // at x = -1, between the leaves
+  Do(run, "r", Call(1), 50);
+  EXPECT_EQ(LiftOf(run).z, 0.0);
+  EXPECT_TRUE(run.state().doors[1].blocked);
+  ExpectNoOverlap(run);
+  Do(run, "r", Motion(-1.0), 60);
+  EXPECT_EQ(LiftOf(run).z, 3.0);
+}
+
+TEST(Lifts, StopAboveWhatIsUnderTheCabin) {
+  Simulation run = Simulate(kLift + "crate ( name \"below\" pose [0.5 0.5 0 0] obstacle_return 1 )");
+  const auto scene = std::make_shared<const Scene>(run.world());
+  // The box is put there once the cabin is above.
+  EditedWorld edited = ValueOf(CallLift(scene, run.state(), "up", "first"));
+  const ObjectId below(edited.state.objects.size() - 1);
+  edited.state.objects[below.index()].X_WO.x = 5.0;
+  for (int i = 0; i < 100; ++i) edited.state = Step(*scene, edited.state, {}).state;
+  ASSERT_EQ(edited.state.lifts[0].z, 3.0);
+  edited = ValueOf(SetPose(scene, edited.state, "below", {0.5, 0.5, 0.0, 0.0}));
+  edited = ValueOf(CallLift(scene, edited.state, "up", "ground"));
+  for (int i = 0; i < 100; ++i) edited.state = Step(*scene, edited.state, {}).state;
+  EXPECT_TRUE(edited.state.lifts[0].blocked);
+  EXPECT_NEAR(edited.state.lifts[0].z, 0.3, 1e-6);
+  EXPECT_THAT(CallLift(scene, edited.state, "up", "roof").error().message,
+              HasSubstr("lift 'up' has no floor 'roof', expected ground, first"));
+}
+
+// A script rides the lift of the guesthouse to its second level.
+TEST(Lifts, OfABuildingAreRiddenByAScript) {
+  const std::string site = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/sites/guesthouse.building.yaml";
+  test::TemporaryFolder folder;
+  std::filesystem::copy(site, folder.Path("g.building.yaml"));
+  const std::string scenario = R"({"world": "g.building.yaml", "robots": [{"name": "tiny_1", "pose": [10, -4, 90],
+    "controller": {"name": "script", "parameters": {"commands": [
+      {"at": 0, "vx": 0.5}, {"at": 5, "vx": 0, "lifts": {"guest_lift": "L2"}}, {"at": 20, "vx": -0.5},
+      {"at": 26, "vx": 0, "lifts": {"guest_lift": ""}, "doors": {"lobby_door": "close"}}]}}}]})";
+  ScenarioRun run(ValueOf(LoadWorld(folder.Write("s.json", scenario))).world);
+  run.Run(400);
+  EXPECT_NEAR(run["tiny_1"].X_WR.z, 4.0, 1e-9);
+  EXPECT_LT(run["tiny_1"].X_WR.y, -3.4);
+  EXPECT_FALSE(run.EverStalled("tiny_1"));
+  EXPECT_EQ(run.state().lifts[0].z, 4.0);
+  EXPECT_FALSE(run.state().lifts[0].session);
+  EXPECT_EQ(run.state().doors[*FindDoor(run.scene().world(), "lobby_door")].opening, 0.0);
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,163 @@
+#include <algorithm>
+#include <cmath>
+#include <memory_resource>
+#include <vector>
+
+#include "common/spatial/convex_piece.h"
+#include "world-service/core/edit_world.h"
+#include "world-service/core/step_workspace.h"
+
+namespace troupe {
+namespace {
+
+Rectangle Around(const Vec2& center, double radius) {
+  return Rectangle{center.x(), center.y(), center.x(), center.y()}.Inflated(radius);
+}
+
+// One door in one tick.
+class DoorTurn {
+ public:
+  DoorTurn(StepWorkspace& workspace, std::size_t number)
+      : workspace_(workspace), door_(workspace.world().doors[number]), state_(workspace.next.doors[number]) {}
+
+  void Act() {
+    if (door_.reach > 0.0) state_.held = HasRobotInReach();
+    state_.blocked = false;
+    const double way = state_.Aim() - state_.opening;
+    if (way == 0.0) return;
+    const double most = workspace_.seconds() / door_.seconds;
+    const double end = std::fabs(way) <= most ? state_.Aim() : state_.opening + std::copysign(most, way);
+    const double rate = std::copysign(1.0 / door_.seconds, way);
+    const double duration = std::fabs(end - state_.opening) * door_.seconds;
+    const std::optional<double> contact = FirstContactOfLeaves(rate, duration);
+    const double opening = contact ? std::clamp(state_.opening + rate * *contact, 0.0, 1.0) : end;
+    state_.blocked = contact.has_value();
+    if (opening != state_.opening) MoveTo(opening);
+  }
+
+ private:
+  // A robot on the level of the door whose origin is within its reach.
+  bool HasRobotInReach() const {
+    const Vec2 middle = workspace_.scene.X_LM(door_.model).translation();
+    const ZRange heights = Heights();
+    bool found = false;
+    workspace_.bodies.ForEachNear(Around(middle, door_.reach), [&](BodyId id) {
+      if (found || id.index() >= workspace_.next.robots.size()) return;
+      const Pose& X_WR = workspace_.bodies.X_WB(id);
+      const ZRange z = workspace_.scene.body(id).z + X_WR.z;
+      found = (X_WR.translation() - middle).norm() < door_.reach && z.min < heights.max && z.max > heights.min &&
+              RobotExists(workspace_.world(), RobotId(id.index()));
+    });
+    return found;
+  }
+
+  ZRange Heights() const {
+    const BodyId leaf = workspace_.scene.body_of(door_.leaves.front().object);
+    return workspace_.scene.body(leaf).z + workspace_.bodies.X_WB(leaf).z;
+  }
+
+  std::optional<double> FirstContactOfLeaves(double rate, double duration) const {
+    std::optional<double> first;
+    for (const DoorLeaf& leaf : door_.leaves) {
+      const BodyId body = workspace_.scene.body_of(leaf.object);
+      const Motion motion{workspace_.bodies.X_WB(body), {rate * leaf.shift, 0.0, rate * leaf.turn}, 0.0, duration};
+      const std::vector<ConvexPiece> obstacles = ObstaclesOf(body, motion);
+      if (obstacles.empty()) continue;
+      const std::optional<Contact> contact = FirstContactWith(obstacles, MoverOf(workspace_.scene, body), motion);
+      if (contact && (!first || contact->time < *first)) first = contact->time;
+    }
+    return first;
+  }
+
+  // Of the bodies near the motion; of walls and other leaves a leaf is free, because it slides into or beside them.
+  std::vector<ConvexPiece> ObstaclesOf(BodyId leaf, const Motion& motion) const {
+    const double radius = workspace_.scene.body(leaf).radius;
+    Rectangle box = Around(motion.X_WF.translation(), radius);
+    const Pose after = motion.After(motion.duration);
+    box.Extend(Vec2(after.x - radius, after.y - radius));
+    box.Extend(Vec2(after.x + radius, after.y + radius));
+    std::pmr::vector<BodyId> near;
+    workspace_.bodies.Query(box, near);
+    std::vector<ConvexPiece> pieces;
+    const std::size_t robots = workspace_.next.robots.size();
+    for (const BodyId body : near) {
+      if (body.index() >= robots && workspace_.next.objects[body.index() - robots].mode == ObjectMode::kMounted) {
+        continue;
+      }
+      for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) {
+        if (piece.obstacle) pieces.push_back(piece);
+      }
+    }
+    return pieces;
+  }
+
+  void MoveTo(double opening) {
+    state_.opening = opening;
+    for (const DoorLeaf& leaf : door_.leaves) {
+      Pose X_WH = leaf.X_WH_at(opening);
+      X_WH.z = workspace_.next.objects[leaf.object.index()].X_WO.z;  // that of a cabin changes by its lift
+      workspace_.MoveObject(leaf.object, X_WH);
+      // What stands on the leaf does not come with it.
+      for (std::size_t i = 0; i < workspace_.next.objects.size(); ++i) {
+        const std::optional<ModelId>& below = workspace_.next.objects[i].support;
+        if (below && workspace_.scene.object_of(*below) == leaf.object) workspace_.needs_support[i] = 1;
+      }
+    }
+  }
+
+  StepWorkspace& workspace_;
+  const DoorDescription& door_;
+  DoorState& state_;
+};
+
+}  // namespace
+
+void MoveDoors(std::span<const Proposal* const> by_robot, StepWorkspace& workspace) {
+  const std::vector<DoorDescription>& doors = workspace.world().doors;
+  if (doors.empty()) return;
+  std::vector<std::optional<double>> targets(doors.size());
+  for (const Proposal* const proposal : by_robot) {
+    if (proposal == nullptr) continue;
+    for (const DoorOrder& order : proposal->doors) {
+      std::optional<double>& target = targets[order.door];
+      target = std::max(target.value_or(0.0), order.target);
+    }
+  }
+  for (std::size_t i = 0; i < doors.size(); ++i) {
+    if (targets[i] && doors[i].is_operated) workspace.next.doors[i].target = *targets[i];
+    DoorTurn(workspace, i).Act();
+  }
+}
+
+Result<EditedWorld> OperateDoor(const std::shared_ptr<const Scene>& scene, const WorldState& state,
+                                const std::string& name, double target) {
+  const std::optional<std::size_t> door = FindDoor(scene->world(), name);
+  if (!door) return Error{{}, "the world has no door '" + name + "'"};
+  if (!scene->world().doors[*door].is_operated) {
+    return Error{{}, "door '" + name + "' is not operated: it stays as it is"};
+  }
+  if (!(target >= 0.0 && target <= 1.0)) return Error{{}, "found an opening beyond 0 and 1"};
+  EditedWorld edited{scene, state};
+  edited.state.doors[*door].target = target;
+  return edited;
+}
+
+Status CheckNoDoor(const WorldDescription& world, ModelId root) {
+  for (const DoorDescription& door : world.doors) {
+    const std::string& name = world.model(door.model).name;
+    for (const DoorLeaf& leaf : door.leaves) {
+      if (world.objects[leaf.object.index()] != root) continue;
+      return Error{{}, "'" + world.model(root).name + "' is a leaf of door '" + name + "', which alone moves it"};
+    }
+    if (IsInTree(world, door.model, root)) {
+      return Error{{}, "door '" + name + "' can be opened and closed in a run, but not moved or deleted"};
+    }
+  }
+  for (const LiftDescription& lift : world.lifts) {
+    if (world.objects[lift.cabin.index()] != root && !IsInTree(world, lift.model, root)) continue;
+    return Error{{}, "lift '" + world.model(lift.model).name + "' can be called in a run, but not moved or deleted"};
+  }
+  return {};
+}
+
+}  // namespace troupe

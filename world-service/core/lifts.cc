@@ -1,0 +1,213 @@
+#include <algorithm>
+#include <cmath>
+#include <memory_resource>
+#include <vector>
+
+#include "common/spatial/convex_piece.h"
+#include "world-service/core/edit_world.h"
+#include "world-service/core/step_workspace.h"
+
+namespace troupe {
+namespace {
+
+// What stands in a cabin may have sunk into its floor by that: far more than rounding.
+constexpr double kFloorSlack = 1e-3;  // m
+
+// A robot that holds the session is the only one whose orders count, until it ends the session or is removed.
+void TakeOrders(const WorldDescription& world, std::size_t lift, std::span<const Proposal* const> by_robot,
+                LiftState& state) {
+  if (state.session && !RobotExists(world, *state.session)) state.session.reset();
+  for (const Proposal* const proposal : by_robot) {
+    if (proposal == nullptr) continue;
+    for (const LiftOrder& order : proposal->lifts) {
+      if (order.lift != lift || (state.session && *state.session != proposal->robot)) continue;
+      state.session = order.ends ? std::nullopt : std::optional(proposal->robot);
+      if (!order.ends) state.floor = static_cast<std::uint32_t>(order.floor);
+    }
+  }
+}
+
+// One cabin on its way.
+class CabinMotion {
+ public:
+  CabinMotion(StepWorkspace& workspace, const LiftDescription& lift, LiftState& state)
+      : workspace_(workspace), lift_(lift), state_(state) {}
+
+  // Towards its floor, up to the first contact of the cabin and what it carries with another body.
+  void Act() {
+    const double goal = lift_.floors[state_.floor].z;
+    const double most = lift_.speed * workspace_.seconds();
+    const double way = goal - state_.z;
+    const double end = std::fabs(way) <= most ? goal : state_.z + std::copysign(most, way);
+    FindCarried();
+    const Motion motion{
+        workspace_.bodies.X_WB(Cabin()), {}, std::copysign(lift_.speed, way), std::fabs(end - state_.z) / lift_.speed};
+    const std::optional<double> contact = FirstContactOf(motion);
+    state_.blocked = contact.has_value();
+    MoveTo(contact ? state_.z + motion.climb * *contact : end);
+  }
+
+ private:
+  BodyId Cabin() const { return workspace_.scene.body_of(lift_.cabin); }
+
+  // The origin of a body is within the outline of the cabin, and not below its floor or above its top.
+  bool IsInside(const Pose& X_WB) const {
+    const Body& cabin = workspace_.scene.body(Cabin());
+    const Pose& X_WC = workspace_.bodies.X_WB(Cabin());
+    const Vec2 p_C = Transform2(X_WC).InverseTransform(X_WB.translation());
+    const double above = X_WB.z - X_WC.z;
+    if (!(above >= -kFloorSlack && above <= cabin.z.max + kFloorSlack)) return false;
+    Rectangle outline = Rectangle::Nothing();
+    for (const ConvexPiece& piece : cabin.pieces) outline.Extend(BoundingBox(piece.vertices));
+    return p_C.x() > outline.min_x && p_C.x() < outline.max_x && p_C.y() > outline.min_y && p_C.y() < outline.max_y;
+  }
+
+  bool IsCarried(ModelId model) const {
+    const std::optional<BodyId> body = workspace_.scene.body_of(model);
+    return body && (*body == Cabin() || std::binary_search(carried_.begin(), carried_.end(), *body));
+  }
+
+  // The robots and objects in the cabin, with what they hold and what is on them.
+  void FindCarried() {
+    const std::size_t robots = workspace_.next.robots.size();
+    std::vector<bool> objects(workspace_.next.objects.size(), false);
+    for (std::size_t i = 0; i < robots; ++i) {
+      if (IsInside(workspace_.next.robots[i].X_WR)) carried_.emplace_back(i);
+    }
+    for (bool grown = true; grown;) {
+      grown = false;
+      for (std::size_t i = 0; i < objects.size(); ++i) {
+        const ObjectState& object = workspace_.next.objects[i];
+        if (objects[i] || object.mode == ObjectMode::kMounted) continue;
+        const bool is_carried = object.holder ? IsCarried(workspace_.world().gripper(*object.holder).model)
+                                              : (object.support && IsCarried(*object.support)) || IsInside(object.X_WO);
+        if (!is_carried) continue;
+        objects[i] = grown = true;
+        carried_.emplace_back(robots + i);
+      }
+      std::sort(carried_.begin(), carried_.end());
+    }
+  }
+
+  std::optional<double> FirstContactOf(const Motion& motion) const {
+    std::vector<ConvexPiece> moving = workspace_.bodies.pieces_in_world(Cabin());
+    for (const BodyId body : carried_) {
+      const std::vector<ConvexPiece>& pieces = workspace_.bodies.pieces_in_world(body);
+      moving.insert(moving.end(), pieces.begin(), pieces.end());
+    }
+    const Pose X_CW = Inverse(motion.X_WF);
+    Rectangle box = Rectangle::Nothing();
+    Mover mover;
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      box.Extend(BoundingBox(moving[i].vertices));
+      moving[i] = Transformed(moving[i], X_CW);
+      mover.z.min = i == 0 ? moving[i].z.min : std::min(mover.z.min, moving[i].z.min);
+      mover.z.max = i == 0 ? moving[i].z.max : std::max(mover.z.max, moving[i].z.max);
+      for (const Vec2& vertex : moving[i].vertices) mover.radius = std::max(mover.radius, vertex.norm());
+    }
+    mover.pieces = moving;
+    std::vector<ConvexPiece> obstacles;
+    std::pmr::vector<BodyId> near;
+    workspace_.bodies.Query(box, near);
+    for (const BodyId body : near) {
+      if (IsMounted(body) || std::binary_search(carried_.begin(), carried_.end(), body)) continue;
+      for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) {
+        if (piece.obstacle) obstacles.push_back(piece);
+      }
+    }
+    if (obstacles.empty()) return std::nullopt;
+    const std::optional<Contact> contact = FirstContactWith(obstacles, mover, motion);
+    return contact ? std::optional(contact->time) : std::nullopt;
+  }
+
+  bool IsMounted(BodyId body) const {
+    const std::size_t robots = workspace_.next.robots.size();
+    return body.index() >= robots && workspace_.next.objects[body.index() - robots].mode == ObjectMode::kMounted;
+  }
+
+  void MoveTo(double z) {
+    const double dz = z - state_.z;
+    if (dz == 0.0) return;
+    state_.z = z;
+    const double offset = z - lift_.floors[lift_.floor].z;  // from the heights at load
+    const auto raise = [&](ObjectId object, double height) {
+      Pose X_WO = workspace_.next.objects[object.index()].X_WO;
+      X_WO.z = height;
+      workspace_.MoveObject(object, X_WO);
+    };
+    raise(lift_.cabin, workspace_.world().model(workspace_.world().objects[lift_.cabin.index()]).X_PM.z + offset);
+    for (const std::size_t door : lift_.cabin_doors) {
+      for (const DoorLeaf& leaf : workspace_.world().doors[door].leaves) raise(leaf.object, leaf.X_WH.z + offset);
+    }
+    const std::size_t robots = workspace_.next.robots.size();
+    for (const BodyId body : carried_) {
+      if (body.index() >= robots) {
+        const ObjectId object(body.index() - robots);
+        raise(object, workspace_.next.objects[object.index()].X_WO.z + dz);
+        // It may have rested on the floor of the building.
+        if (workspace_.next.objects[object.index()].mode == ObjectMode::kResting) {
+          workspace_.needs_support[object.index()] = 1;
+        }
+      } else {
+        Pose& X_WR = workspace_.next.robots[body.index()].X_WR;
+        X_WR.z += dz;
+        workspace_.bodies.Move(body, X_WR);
+      }
+    }
+  }
+
+  StepWorkspace& workspace_;
+  const LiftDescription& lift_;
+  LiftState& state_;
+  std::vector<BodyId> carried_;  // ascending
+};
+
+}  // namespace
+
+void CallLifts(std::span<const Proposal* const> by_robot, StepWorkspace& workspace) {
+  const std::vector<LiftDescription>& lifts = workspace.world().lifts;
+  for (std::size_t i = 0; i < lifts.size(); ++i) {
+    LiftState& state = workspace.next.lifts[i];
+    TakeOrders(workspace.world(), i, by_robot, state);
+    const bool stands = state.z == lifts[i].floors[state.floor].z;
+    for (const LiftFloor& floor : lifts[i].floors) {
+      for (const std::size_t door : floor.doors) workspace.next.doors[door].target = 0.0;
+    }
+    if (!stands) continue;
+    for (const std::size_t door : lifts[i].floors[state.floor].doors) workspace.next.doors[door].target = 1.0;
+  }
+}
+
+void MoveLifts(StepWorkspace& workspace) {
+  const std::vector<LiftDescription>& lifts = workspace.world().lifts;
+  for (std::size_t i = 0; i < lifts.size(); ++i) {
+    LiftState& state = workspace.next.lifts[i];
+    state.blocked = false;
+    bool may_move = state.z != lifts[i].floors[state.floor].z;
+    for (const LiftFloor& floor : lifts[i].floors) {
+      for (const std::size_t door : floor.doors) {
+        may_move = may_move && workspace.next.doors[door].opening == 0.0;
+      }
+    }
+    if (may_move) CabinMotion(workspace, lifts[i], state).Act();
+  }
+}
+
+Result<EditedWorld> CallLift(const std::shared_ptr<const Scene>& scene, const WorldState& state,
+                             const std::string& name, const std::string& floor) {
+  const std::optional<std::size_t> number = FindLift(scene->world(), name);
+  if (!number) return Error{{}, "the world has no lift '" + name + "'"};
+  const LiftDescription& lift = scene->world().lifts[*number];
+  std::string names;
+  for (std::size_t i = 0; i < lift.floors.size(); ++i) {
+    names += (i == 0 ? "" : ", ") + lift.floors[i].name;
+    if (lift.floors[i].name != floor) continue;
+    EditedWorld edited{scene, state};
+    edited.state.lifts[*number].floor = static_cast<std::uint32_t>(i);
+    edited.state.lifts[*number].session.reset();
+    return edited;
+  }
+  return Error{{}, "lift '" + name + "' has no floor '" + floor + "', expected " + names};
+}
+
+}  // namespace troupe

@@ -1,0 +1,128 @@
+// `door`: a doorway with leaves that turn or slide: objects that only the door moves.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "worldfile/models/types/model_types.h"
+#include "worldfile/text/text_file.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kLeafGap = 0.01;  // m, between the widths of a leaf and of its part of the doorway
+
+// A leaf in frame D of the doorway: at its middle on the floor, x along it to the right, y to the back.
+struct LeafPlan {
+  double hinge = 0.0;  // m, x of the origin of its frame H while it is closed
+  Interval x;          // m, in H
+  double turn = 0.0;   // rad, to open
+  double shift = 0.0;  // m, to open
+};
+
+// Turns about its hinge at x = `hinge`; `width` is negative for one that extends to the left.
+LeafPlan HingedLeaf(double hinge, double width, double turn) {
+  const double near = std::copysign(0.5 * kLeafGap, width);
+  const double far = std::copysign(std::max(std::fabs(width) - 0.5 * kLeafGap, kLeafGap), width);
+  return {hinge, {std::min(near, far), std::max(near, far)}, turn, 0.0};
+}
+
+LeafPlan SlidingLeaf(double middle, double width, double shift) {
+  const double half = 0.5 * std::max(width - kLeafGap, kLeafGap);
+  return {middle, {-half, half}, 0.0, shift};
+}
+
+class DoorReader : public ModelReader {
+ public:
+  Shape ReadShape(PropertyReader& /*reader*/, const ModelDraft& /*draft*/, BuildContext& /*context*/) override {
+    return {};
+  }
+
+  void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
+    constexpr std::string_view kKinds[] = {"hinged", "double_hinged", "sliding", "double_sliding"};
+    constexpr std::string_view kSides[] = {"right", "left"};
+    const std::string kind = reader.Word("kind", kKinds);
+    const bool is_double = kind.starts_with("double");
+    const bool at_left = reader.Word("side", kSides) == "left";
+    const double swing = reader.units().Angle(reader.Number("swing", reader.units().degrees ? 90.0 : 0.5 * kPi));
+    const double ratio = reader.Number("ratio", 1.0, 1e-3, 1e3);
+    const double width = draft.size.x;
+    const double right = is_double ? ratio / (1.0 + ratio) * width : width;
+    const double left = width - right;
+    if (kind.ends_with("hinged")) {
+      if (is_double) {
+        leaves_ = {HingedLeaf(0.5 * width, -right, -swing), HingedLeaf(-0.5 * width, left, swing)};
+      } else {
+        leaves_ = {at_left ? HingedLeaf(-0.5 * width, width, swing) : HingedLeaf(0.5 * width, -width, -swing)};
+      }
+    } else if (is_double) {
+      leaves_ = {SlidingLeaf(0.5 * (width - right), right, right), SlidingLeaf(0.5 * (left - width), left, -left)};
+    } else {
+      leaves_ = {SlidingLeaf(0.0, width, at_left ? -width : width)};
+    }
+    door_.seconds = reader.Number("seconds", 3.0, 1e-3, 1e6);
+    door_.reach = std::max(0.0, reader.Length("reach", 0.0));
+    door_.opening = reader.Number("opening", 0.0, 0.0, 1.0);
+    door_.is_operated = reader.Flag("operated", true);
+    if (draft.robot || draft.model.gripper_return) {
+      context.diagnostics.Fail(
+          draft.node.where, "found a 'door' on a robot, or that can be gripped, expected one at a place of the world");
+    } else if (!(width > 2.0 * kLeafGap) || !(draft.size.y > 0.0) || !(draft.size.z > 0.0)) {
+      context.diagnostics.Fail(
+          reader.Where("size"),
+          "found a 'door' without extent, expected a width of at least 0.02 m, a thickness and a height");
+    } else if (std::fabs(swing) > 2.0 * kPi) {
+      context.diagnostics.Fail(reader.Where("swing"),
+                               "found a 'door' that turns by more than 360 degrees, expected less");
+    }
+  }
+
+  void AddParts(const ModelDraft& draft, BuildContext& context) override {
+    if (context.diagnostics.failed()) return;
+    door_.model = draft.id;
+    for (std::size_t i = 0; i < leaves_.size(); ++i) AddLeaf(leaves_[i], i == 0 ? "right" : "left", draft, context);
+    context.world.doors.push_back(std::move(door_));
+  }
+
+ private:
+  void AddLeaf(const LeafPlan& plan, const std::string& name, const ModelDraft& draft, BuildContext& context) {
+    const Pose X_WD = draft.X_WM * draft.X_MD;
+    const double half = 0.5 * draft.size.y;
+    const DoorLeaf leaf{ObjectId(context.world.objects.size()), X_WD * Pose{plan.hinge, 0.0, 0.0, 0.0}, plan.turn,
+                        plan.shift};
+    ModelDescription model = draft.model;
+    model.name = draft.model.name + "." + name;
+    model.type = "door_leaf";
+    model.parent.reset();
+    model.X_PM = leaf.X_WH_at(door_.opening);
+    model.size_x = plan.x.max - plan.x.min;
+    model.shape = context.shapes.Add({.blocks = {BoxBlock({plan.x.min, -half, plan.x.max, half}, {0.0, draft.size.z})},
+                                      .rectangles = {},
+                                      .rectangles_z = {}});
+    model.power = {};
+    model.fiducial_return = 0;
+    const ModelId id(context.world.models.size());
+    context.names.AddPart(draft.node.where, model.name, context.diagnostics);
+    context.world.models.push_back(std::move(model));
+    context.world.objects.push_back(id);
+    door_.leaves.push_back(leaf);
+  }
+
+  std::vector<LeafPlan> leaves_;
+  DoorDescription door_;
+};
+
+}  // namespace
+
+ModelType DoorType() {
+  ModelType type;
+  type.name = "door";
+  type.has_body = false;
+  type.size = {1.0, 0.04, 2.0};
+  type.color = {0.8, 0.52, 0.25, 1.0};
+  type.make_reader = MakeReader<DoorReader>;
+  return type;
+}
+
+}  // namespace troupe

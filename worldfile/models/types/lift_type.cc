@@ -1,0 +1,125 @@
+// `lift`: a cabin that moves between floors, with doors of the file.
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "worldfile/models/types/model_types.h"
+#include "worldfile/text/text_file.h"
+
+namespace troupe {
+namespace {
+
+// A door that opens at a floor.
+struct FloorDoor {
+  std::string floor;
+  std::string door;
+};
+
+class LiftReader : public ModelReader {
+ public:
+  // The body of the cabin.
+  Shape ReadShape(PropertyReader& reader, const ModelDraft& draft, BuildContext& context) override {
+    cabin_ = ListedForMotion(reader, ModelReader::ReadShape(reader, draft, context));
+    return {};
+  }
+
+  void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
+    where_ = draft.node.where;
+    const auto fail = [&](const char* property, const std::string& message) {
+      if (!context.diagnostics.failed()) context.diagnostics.Fail(reader.Where(property), message);
+    };
+    if (cabin_.empty()) fail("block", "found a 'lift' without blocks, expected those of its cabin: a floor and walls");
+    const std::vector<std::string> names = reader.Texts("floors");
+    const auto heights = reader.Numbers("heights", names.size());
+    if (names.empty() || !heights) {
+      return fail("floors", "found a 'lift' without 'floors', expected their names, and as many numbers in 'heights'");
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const double z = (*heights)[i] * reader.units().length;
+      lift_.floors.push_back({names[i], z, {}});
+      if (z == draft.X_WM.z) lift_.floor = static_cast<std::uint32_t>(i);
+    }
+    if (lift_.floors[lift_.floor].z != draft.X_WM.z) {
+      return fail("pose", "found a 'lift' at none of its 'heights', expected its z to be one of them");
+    }
+    lift_.speed = std::max(1e-3, reader.Length("speed", 1.0));
+    cabin_doors_ = reader.Texts("cabin_doors");
+    const std::vector<std::string> pairs = reader.Texts("floor_doors");
+    if (pairs.size() % 2 != 0)
+      fail("floor_doors", "found a floor without a door, expected pairs of a floor and a door");
+    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) floor_doors_.push_back({pairs[i], pairs[i + 1]});
+    if (draft.robot || draft.model.gripper_return) {
+      fail("name", "found a 'lift' on a robot, or that can be gripped, expected one at a place of the world");
+    }
+  }
+
+  void AddParts(const ModelDraft& draft, BuildContext& context) override {
+    if (context.diagnostics.failed()) return;
+    ModelDescription model = draft.model;
+    model.name += ".cabin";
+    model.type = "lift_cabin";
+    model.parent.reset();
+    model.X_PM = draft.X_WM;
+    model.shape = context.shapes.Add(std::move(cabin_));
+    model.power = {};
+    model.fiducial_return = 0;
+    lift_.model = draft.id;
+    lift_.cabin = ObjectId(context.world.objects.size());
+    context.names.AddPart(where_, model.name, context.diagnostics);
+    context.world.objects.emplace_back(context.world.models.size());
+    context.world.models.push_back(std::move(model));
+  }
+
+  // The doors may be anywhere in the file.
+  void Complete(BuildContext& context) override {
+    for (const std::string& name : cabin_doors_) {
+      if (const auto door = DoorOf(name, context)) lift_.cabin_doors.push_back(*door);
+    }
+    for (const FloorDoor& pair : floor_doors_) {
+      const auto floor = std::find_if(lift_.floors.begin(), lift_.floors.end(),
+                                      [&](const LiftFloor& each) { return each.name == pair.floor; });
+      if (floor == lift_.floors.end()) {
+        context.diagnostics.Fail(where_,
+                                 "found no floor " + Quoted(pair.floor) + " of the lift, expected one of 'floors'");
+        return;
+      }
+      if (const auto door = DoorOf(pair.door, context)) floor->doors.push_back(*door);
+    }
+    // A door of a lift moves by it alone.
+    for (LiftFloor& floor : lift_.floors) {
+      for (const std::size_t door : floor.doors) {
+        context.world.doors[door].is_operated = false;
+        context.world.doors[door].reach = 0.0;
+      }
+    }
+    context.world.lifts.push_back(std::move(lift_));
+  }
+
+ private:
+  std::optional<std::size_t> DoorOf(const std::string& name, BuildContext& context) const {
+    const std::optional<std::size_t> door = FindDoor(context.world, name);
+    if (!door) context.diagnostics.Fail(where_, "found no door " + Quoted(name) + ", expected a 'door' for the lift");
+    return door;
+  }
+
+  SourceLocation where_;
+  Shape cabin_;
+  LiftDescription lift_;
+  std::vector<std::string> cabin_doors_;
+  std::vector<FloorDoor> floor_doors_;
+};
+
+}  // namespace
+
+ModelType LiftType() {
+  ModelType type;
+  type.name = "lift";
+  type.has_body = false;
+  type.size = {2.0, 2.0, 2.5};
+  type.color = {0.7, 0.75, 0.85, 1.0};
+  type.make_reader = MakeReader<LiftReader>;
+  return type;
+}
+
+}  // namespace troupe
