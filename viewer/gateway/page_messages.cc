@@ -214,6 +214,8 @@ std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   for (const ModelId object : world.objects) writer.WriteCount(object.index());
   WriteStores(writer, world);
   WriteLights(writer, world);
+  writer.WriteCount(world.people.size());
+  for (const PersonDescription& person : world.people) writer.WriteCount(person.root.index());
   return writer.ReleaseBytes();
 }
 

@@ -94,6 +94,11 @@ struct PageValue<double> {
   static void Write(ByteWriter& writer, double value) { writer.Write(value); }
 };
 template <>
+struct PageValue<std::uint32_t> {
+  static constexpr PageType kType = {"number", "r.u32()"};
+  static void Write(ByteWriter& writer, std::uint32_t value) { writer.Write(value); }
+};
+template <>
 struct PageValue<bool> {
   static constexpr PageType kType = {"boolean", "r.flag()"};
   static void Write(ByteWriter& writer, bool value) { writer.WriteByte(value); }
@@ -140,7 +145,7 @@ class StateRows {
 enum class PageMessage : std::uint8_t { kWorld = 1, kUpdate = 2 };
 
 // Version of the layout of messages; the page refuses another one.
-inline constexpr std::uint32_t kPageProtocol = 5;
+inline constexpr std::uint32_t kPageProtocol = 6;
 
 // A dense bitmap is sent with at most this many pixels along each side; beyond that a pixel of the page stands for
 // several, and is occupied if one of them is.

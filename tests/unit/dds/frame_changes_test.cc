@@ -23,6 +23,7 @@ FrameMessage FirstFrame() {
   frame.state.imus.resize(2);
   frame.state.lights.resize(3);
   frame.state.cameras.resize(2);
+  frame.state.people.resize(2);
   return frame;
 }
 
@@ -76,6 +77,10 @@ class Changes {
     for (CameraState& camera : state.cameras) {
       Change(camera.pan);
       Change(camera.tilt);
+    }
+    for (PersonState& person : state.people) {
+      for (double* number : {&person.X_WP.x, &person.X_WP.heading, &person.vx, &person.vy}) Change(*number);
+      if (Chance(0.1)) ++person.choices;
     }
     for (ImuState& imu : state.imus) {
       for (double* number : {&imu.vx, &imu.vy, &imu.vz}) Change(*number);

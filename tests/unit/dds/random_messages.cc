@@ -285,6 +285,14 @@ FrameMessage RandomMessages::Frame() {
   for (LightState& light : frame.state.lights) light = {Coin()};
   frame.state.cameras.resize(Below(4));
   for (CameraState& camera : frame.state.cameras) camera = {Number(), Number()};
+  frame.state.people.resize(Below(4));
+  for (PersonState& person : frame.state.people) {
+    const auto number = [this] { return static_cast<std::uint32_t>(Below(100)); };
+    person = {{Number(), Number(), Number(), Number()}, Number(), Number(), 0, 0, 0, 0, 0};
+    for (std::uint32_t* field : {&person.goals, &person.goal, &person.choices, &person.waits, &person.watched}) {
+      *field = number();
+    }
+  }
   if (!frame.state.robots.empty()) frame.state.transmissions.resize(Below(5));
   for (RadioTransmission& transmission : frame.state.transmissions) {
     const std::size_t robots = frame.state.robots.size();

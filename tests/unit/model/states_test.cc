@@ -95,6 +95,9 @@ TEST(CheckStateTest, EveryNumberIsFinite) {
   state.imus.resize(1);
   state.lights.resize(1);
   state.cameras.resize(1);
+  world.goal_sets.resize(1);
+  world.people.push_back({.root = ModelId(0)});
+  state.people.resize(1);
   ASSERT_TRUE(CheckState(world, devices, state).ok());
   int numbers = 0;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
@@ -107,7 +110,7 @@ TEST(CheckStateTest, EveryNumberIsFinite) {
       }
     });
   });
-  EXPECT_EQ(numbers, 7 + 2 + 5 + 2 + 3 + 2);
+  EXPECT_EQ(numbers, 7 + 2 + 5 + 2 + 3 + 2 + 6);
 }
 
 WorldState HashedState() {

@@ -3,7 +3,7 @@
 // state and their readers (generated/rows.ts, by write_rows.cc).
 import {readStateRows, type EventType, type StateRows} from '../generated/rows';
 
-export const PROTOCOL = 5;
+export const PROTOCOL = 6;
 
 export interface Pose {
   x: number;
@@ -113,6 +113,7 @@ export interface World {
   objects: number[];  // models
   stores: Store[];
   lights: Light[];
+  people: number[];  // models
 }
 
 export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held'];
@@ -428,6 +429,7 @@ function readWorld(r: Reader): World {
     lights: r.list((): Light => ({
       model: r.u32(), row: r.i32(), period: Number(r.u64()), on: Number(r.u64()), switchedOn: r.flag(),
     })),
+    people: r.list(() => r.u32()),
   };
 }
 
