@@ -314,8 +314,7 @@ TEST(Guesthouse, VerticesWithANameOrARoleArePlaces) {
 
 TEST(Guesthouse, WhatIsNotSimulatedIsNamedOnce) {
   EXPECT_THAT(MessagesOf(LoadGuesthouse().warnings),
-              ElementsAre("found 3 people in 'crowd_sim'; they are not simulated",
-                          "found 1 lift; it stays at its initial level", "found 5 doors; they stand open"));
+              ElementsAre("found 1 lift; it stays at its initial level", "found 5 doors; they stand open"));
 }
 
 TEST(Guesthouse, AScenarioAddsRobotsOnAnyLevelAndReplacesPlaces) {
