@@ -105,7 +105,7 @@ TEST(PeopleScenario, PeopleOfTheShowsWalk) {
 
 TEST(PeopleScenario, ErrorsNameThePlace) {
   EXPECT_EQ(ErrorOf(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "goals": ["desk"]}]})"),
-            "s.json:1:64: error: found no place 'desk', expected the name of one, or a point [x, y]");
+            "s.json:1:60: error: found no place 'desk', expected the name of one, or a point [x, y]");
   EXPECT_EQ(ErrorOf(R"({"people": [{"count": 9, "region": [0, 0, 1, 1]}]})").substr(0, 30),
             "s.json:1:13: error: found room");
   EXPECT_EQ(ErrorOf(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "speed": [2, 1]}]})"),

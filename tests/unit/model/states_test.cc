@@ -151,6 +151,9 @@ void Change(double& number) {
 void Change(bool& flag) {
   flag = !flag;
 }
+void Change(std::uint32_t& number) {
+  ++number;
+}
 void Change(std::uint64_t& number) {
   ++number;
 }
