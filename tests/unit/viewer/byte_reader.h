@@ -43,6 +43,7 @@ class ByteReader {
   void ReadInto(Pose& pose) { pose = ReadPose(); }
   void ReadInto(Twist& twist) { twist = {ReadFloat(), ReadFloat(), ReadFloat()}; }
   void ReadInto(double& number) { number = ReadDouble(); }
+  void ReadInto(std::uint32_t& number) { number = ReadCount(); }
   void ReadInto(bool& flag) { flag = ReadByte() != 0; }
   void ReadInto(ObjectMode& mode) { mode = static_cast<ObjectMode>(ReadByte()); }
   template <typename Tag>

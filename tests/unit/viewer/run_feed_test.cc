@@ -337,6 +337,7 @@ WorldState SomeState() {
   state.stores.resize(6);
   state.lights.resize(5);
   state.cameras.resize(2);
+  state.people.resize(3);
   return state;
 }
 
@@ -371,8 +372,9 @@ TEST(StateRowsTest, AViewerThatSkipsAnyUpdatesHasTheWholeState) {
     object.holder = GripperId(below(4));
     state.stores[below(state.stores.size())].joules -= 0.5;
     state.lights[below(state.lights.size())].is_switched_on = below(2) == 0;
+    ++state.people[below(state.people.size())].choices;
     rows.Assign(std::make_shared<const WorldState>(state), update, update == 1);
-    EXPECT_LE(quick.Apply(Difference(rows, update - 1)), update == 1 ? 55u : 9u);
+    EXPECT_LE(quick.Apply(Difference(rows, update - 1)), update == 1 ? 58u : 10u);
     EXPECT_EQ(quick.state, state);
     if (below(10) == 0) {
       slow.Apply(Difference(rows, slow_has));
@@ -387,7 +389,7 @@ TEST(StateRowsTest, NothingIsSentOfAStateThatDoesNotChange) {
   rows.Assign(std::make_shared<const WorldState>(SomeState()), 1, true);
   rows.Assign(std::make_shared<const WorldState>(SomeState()), 2, false);
   EXPECT_EQ(Copy().Apply(Difference(rows, 1)), 0u);
-  EXPECT_EQ(Copy().Apply(Difference(rows, 0)), 55u);
+  EXPECT_EQ(Copy().Apply(Difference(rows, 0)), 58u);
 }
 
 TEST(StateRowsTest, AnotherWorldIsSentWhole) {

@@ -139,6 +139,7 @@ struct ParsedUpdate {
     for (int kind = 0; kind < 5; ++kind) EXPECT_EQ(reader.ReadCount(), 0u);
     std::vector<CameraState> cameras;
     reader.ReadRows(cameras);
+    EXPECT_EQ(reader.ReadCount(), 0u);  // people
     EXPECT_EQ(reader.ReadCount(), 0u);  // events
     EXPECT_EQ(flags & 4, 0);
     if ((flags & 8) == 0) return;
