@@ -52,6 +52,17 @@ BENCHMARK(BM_StepSparse)
     ->Args({100, 12})
     ->Unit(benchmark::kMicrosecond);
 
+// People in a hall: argument people. One thread.
+void BM_StepPeople(benchmark::State& state) {
+  const Scene scene(bench::HallWorld(static_cast<std::size_t>(state.range(0))));
+  WorldState world_state = InitialState(scene);
+  BodyIndex bodies(scene);
+  for (int i = 0; i < 20; ++i) world_state = Step(scene, world_state, {}, bodies).state;  // the ways to goals are known
+  for (auto _ : state) world_state = Step(scene, world_state, {}, bodies).state;
+  state.counters["people"] = static_cast<double>(world_state.people.size());
+}
+BENCHMARK(BM_StepPeople)->Arg(200)->Arg(2000)->Unit(benchmark::kMillisecond);
+
 // Loading: the index over a large map. Argument: rectangles.
 void BM_BuildScene(benchmark::State& state) {
   WorldDescription world;

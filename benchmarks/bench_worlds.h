@@ -119,4 +119,50 @@ inline WorldDescription SparseWorld(std::size_t robots, int blocks_per_robot) {
   return world;
 }
 
+// People in a hall of 5 m^2 for each, with a column on each 25 m^2, that walk to places all over it.
+inline WorldDescription HallWorld(std::size_t people) {
+  const int side = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(people) / 5.0)));  // squares of 5 m
+  WorldDescription world;
+  world.name = "hall";
+  Shape columns;
+  GoalSet goals;
+  goals.wait = {2.0, 10.0};
+  goals.next = {{0, 1.0}};
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      const double x = 5.0 * column;
+      const double y = 5.0 * row;
+      columns.rectangles.push_back({x, y, x + 0.5, y + 0.5});
+      if ((row + side * column) % (1 + side * side / 12) == 0) goals.points.emplace_back(x + 2.5, y + 2.5);
+    }
+  }
+  columns.rectangles_z = {0.0, 2.5};
+  Shape body;
+  for (int i = 0; i < 12; ++i) {
+    const auto [sine, cosine] = SinCos(2.0 * kPi * (i + 0.5) / 12);
+    if (i == 0) body.blocks.push_back({{}, {0.0, 1.75}});
+    body.blocks[0].outline.emplace_back(0.25 * cosine, 0.25 * sine);
+  }
+  world.shapes = {columns, body};
+  world.goal_sets = {goals};
+  ModelDescription model;
+  model.name = "columns";
+  world.models.push_back(model);
+  world.models.back().shape = ShapeId(0);
+  for (std::size_t i = 0; i < people; ++i) {
+    // Five in each square, beside its column.
+    const auto square = static_cast<int>(i / 5);
+    const double x = 5.0 * (square % side) + 1.2 + 0.8 * static_cast<double>(i % 5);
+    model.name = "person" + std::to_string(i);
+    model.type = "person";
+    model.shape = ShapeId(1);
+    model.X_PM = {x, 5.0 * (square / side) + 2.5, 0.0, 0.0};
+    PersonDescription person;
+    person.root = ModelId(world.models.size());
+    world.models.push_back(model);
+    world.people.push_back(person);
+  }
+  return world;
+}
+
 }  // namespace troupe::bench

@@ -44,7 +44,8 @@ void Session(Bytes bytes) {
     Check(Validate(session->world).ok());
     static_cast<void>(Hash(session->world));
     const Scene scene(session->world);
-    Check(scene.body_count() == scene.world().robots.size() + scene.world().objects.size());
+    Check(scene.body_count() ==
+          scene.world().robots.size() + scene.world().objects.size() + scene.world().people.size());
   }
 }
 void Join(Bytes bytes) {

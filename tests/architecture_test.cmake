@@ -76,7 +76,7 @@ set(may_include_ros/flags common/base command_line ros/messages)
 set(may_include_ros/connection common/base transport/dds/binding ros/messages common/spatial idl/ros)
 set(may_include_ros/link common/base ros/messages ros/connection transport/wire)
 
-set(may_include_world-service/core common/base common/geometry common/model common/spatial)
+set(may_include_world-service/core common/base common/crowd common/geometry common/model common/spatial)
 set(may_include_world-service/service
   common/base common/geometry common/model common/run common/spatial worldfile worldfile/models transport/protocol common/trace world-service/core)
 set(may_include_world-service/observers/recorder

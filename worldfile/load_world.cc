@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "worldfile/map/map_yaml.h"
+#include "worldfile/models/people.h"
 #include "worldfile/models/start_overlap.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/scenario/scenario.h"
@@ -26,7 +27,9 @@ Result<LoadedWorld> LoadStageWorld(const std::string& path, const LoadOverrides&
 Result<LoadedWorld> LoadBuilding(const std::string& path, const LoadOverrides& overrides) {
   const Result<WorldTree> tree = ReadSiteTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();
-  return BuildWorld(tree.value(), overrides);
+  Result<LoadedWorld> built = BuildWorld(tree.value(), overrides);
+  if (!built.ok()) return built;
+  return AddCrowd(std::move(built).value());
 }
 
 Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& overrides) {

@@ -29,6 +29,7 @@ std::optional<std::size_t> CountRows(const WorldDescription& world, const Device
   if constexpr (std::is_same_v<Row, CameraState>) return devices.cameras;
   if constexpr (std::is_same_v<Row, DoorState>) return world.doors.size();
   if constexpr (std::is_same_v<Row, LiftState>) return world.lifts.size();
+  if constexpr (std::is_same_v<Row, PersonState>) return world.people.size();
   return std::nullopt;
 }
 
@@ -159,6 +160,11 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
   for (std::size_t i = 0; i < state.lifts.size(); ++i) {
     if (state.lifts[i].floor >= world.lifts[i].floors.size()) return StateError("found a lift at an unknown floor");
   }
+  for (const PersonState& person : state.people) {
+    if (person.goals >= world.goal_sets.size()) return StateError("found a person with a goal set that does not exist");
+    const std::size_t points = world.goal_sets[person.goals].points.size();
+    if (person.goal != 0 && person.goal >= points) return StateError("found a person with a goal that does not exist");
+  }
   for (const RadioTransmission& transmission : state.transmissions) {
     if (FindRadio(world.robot(transmission.from), transmission.message.radio) == nullptr) {
       return StateError("found a radio message of a sensor that is no radio");
@@ -207,6 +213,9 @@ WorldState PlacedState(const WorldDescription& world) {
     state.lifts.push_back({.z = lift.floors[lift.floor].z, .floor = lift.floor});
     state.objects[lift.cabin.index()].mode = ObjectMode::kMounted;
   }
+  for (const PersonDescription& person : world.people) {
+    state.people.push_back({.X_WP = world.model(person.root).X_PM, .goals = person.goals});
+  }
   return state;
 }
 
@@ -226,12 +235,13 @@ Pose JointMotion(const JointDescription& joint, double q) {
 
 std::vector<Pose> ModelPoses(const WorldDescription& world, const WorldState& state) {
   TROUPE_CHECK(state.robots.size() == world.robots.size() && state.joints.size() == world.joints.size() &&
-               state.objects.size() == world.objects.size());
+               state.objects.size() == world.objects.size() && state.people.size() == world.people.size());
   std::vector<Pose> X_PM;
   X_PM.reserve(world.models.size());
   for (const ModelDescription& model : world.models) X_PM.push_back(model.X_PM);
   for (std::size_t i = 0; i < world.robots.size(); ++i) X_PM[world.robots[i].root.index()] = state.robots[i].X_WR;
   for (std::size_t i = 0; i < world.objects.size(); ++i) X_PM[world.objects[i].index()] = state.objects[i].X_WO;
+  for (std::size_t i = 0; i < world.people.size(); ++i) X_PM[world.people[i].root.index()] = state.people[i].X_WP;
   for (std::size_t i = 0; i < world.joints.size(); ++i) {
     Pose& X = X_PM[world.joints[i].model.index()];
     X = X * JointMotion(world.joints[i], state.joints[i].position);

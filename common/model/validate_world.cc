@@ -81,6 +81,7 @@ Status CheckAreas(const WorldDescription& world) {
   std::vector<bool> moves(world.models.size());
   for (const RobotDescription& robot : world.robots) moves[robot.root.index()] = true;
   for (const ModelId object : world.objects) moves[object.index()] = true;
+  for (const PersonDescription& person : world.people) moves[person.root.index()] = true;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     const ModelDescription& model = world.models[i];
     if (model.parent && moves[model.parent->index()]) moves[i] = true;
@@ -271,6 +272,42 @@ Status CheckObject(const WorldDescription& world, std::size_t index, bool is_mou
   return Status();
 }
 
+Status CheckGoalSet(const WorldDescription& world, const GoalSet& set) {
+  for (const Vec2& point : set.points) {
+    if (!AreUsable({point.x(), point.y()})) return Problem("one of its points is not finite or too far away");
+  }
+  if (!AreUsable({set.reach}) || set.reach <= 0.0) return Problem("its reach is not a positive number");
+  if (!IsUsable(set.wait) || set.wait.min < 0.0) return Problem("its waiting times are not an interval from 0 on");
+  for (const NextGoals& next : set.next) {
+    if (next.goals >= world.goal_sets.size()) return Problem("it is followed by a goal set that does not exist");
+    if (!AreUsable({next.weight}) || next.weight <= 0.0) return Problem("a weight is not a positive number");
+  }
+  return Status();
+}
+
+Status CheckPerson(const WorldDescription& world, std::size_t index) {
+  const PersonDescription& person = world.people[index];
+  if (person.root.index() >= world.models.size()) return Problem("its model does not exist");
+  if (index > 0 && person.root <= world.people[index - 1].root) return Problem("it is not in the order of the models");
+  if (world.model(person.root).parent) return Problem("its model has a parent");
+  const bool is_robot = std::any_of(world.robots.begin(), world.robots.end(),
+                                    [&](const RobotDescription& robot) { return robot.root == person.root; });
+  if (is_robot || std::find(world.objects.begin(), world.objects.end(), person.root) != world.objects.end()) {
+    return Problem("its model is that of a robot or an object");
+  }
+  constexpr double kMostRadius = 10.0;  // m
+  if (!(person.radius > 0.0 && person.radius <= kMostRadius)) return Problem("its radius is not from 0 to 10 m");
+  constexpr double kMostSpeed = 100.0;  // m/s
+  if (!(person.speed >= 0.0 && person.speed <= person.max_speed && person.max_speed <= kMostSpeed)) {
+    return Problem("its speed is negative, or above its highest one, or that one is above 100 m/s");
+  }
+  if (person.reaction > LastOf(PersonReaction())) return Problem("its reaction does not exist");
+  if (person.goals >= world.goal_sets.size()) return Problem("its goal set does not exist");
+  if (!person.leader) return Status();
+  if (person.leader->index() >= index) return Problem("its leader does not precede it");
+  return world.person(*person.leader).leader ? Problem("its leader follows another person") : Status();
+}
+
 Status CheckNames(const WorldDescription& world) {
   std::set<std::string> names;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
@@ -329,6 +366,13 @@ Status Validate(const WorldDescription& world) {
   }
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     if (Status error = InPart(CheckObject(world, i, is_mounted[i]), "object", i); !error.ok()) return error;
+  }
+  for (std::size_t i = 0; i < world.goal_sets.size(); ++i) {
+    const GoalSet& set = world.goal_sets[i];
+    if (Status error = InPart(CheckGoalSet(world, set), "goal set", i, set.name); !error.ok()) return error;
+  }
+  for (std::size_t i = 0; i < world.people.size(); ++i) {
+    if (Status error = InPart(CheckPerson(world, i), "person", i); !error.ok()) return error;
   }
   if (Status error = CheckAreas(world); !error.ok()) return error;
   if (!AreUsable({world.gravity}) || world.gravity < 0.0) return Problem("its gravity is not finite or negative");

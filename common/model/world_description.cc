@@ -274,6 +274,24 @@ class DescriptionHasher {
     AddAll(gripper.beams);
     Add(std::uint64_t{gripper.autosnatch});
   }
+  void Add(const GoalSet& set) {
+    Add(set.name);
+    AddAll(set.points);
+    Add(set.reach);
+    Add(set.wait);
+    AddAll(set.next);
+  }
+  void Add(const NextGoals& next) {
+    Add(std::uint64_t{next.goals});
+    Add(next.weight);
+  }
+  void Add(const PersonDescription& person) {
+    Add(person.root);
+    for (double number : {person.radius, person.speed, person.max_speed}) Add(number);
+    Add(static_cast<std::uint64_t>(person.reaction));
+    Add(std::uint64_t{person.goals});
+    Add(std::uint64_t{person.leader ? person.leader->index() + 1 : 0});
+  }
   void Add(ModelId model) { Add(std::uint64_t{model.index()}); }
   template <typename T>
   void AddAll(const std::vector<T>& values) {
@@ -369,6 +387,9 @@ std::uint64_t Hash(const WorldDescription& world) {
   if (!world.doors.empty()) hasher.AddAll(world.doors);
   if (!world.lifts.empty()) hasher.Add(std::string("lifts"));
   if (!world.lifts.empty()) hasher.AddAll(world.lifts);
+  if (world.people.empty()) return hasher.value();  // so that worlds without people have the hash that they always had
+  hasher.AddAll(world.goal_sets);
+  hasher.AddAll(world.people);
   return hasher.value();
 }
 

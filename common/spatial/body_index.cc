@@ -25,7 +25,7 @@ Vec2 Across(double rate, const Vec2& r) {
 void BodyIndex::Assign(const WorldState& state) {
   const WorldDescription& world = scene_->world();
   TROUPE_CHECK(state.robots.size() == world.robots.size() && state.objects.size() == world.objects.size() &&
-               state.joints.size() == world.joints.size());
+               state.joints.size() == world.joints.size() && state.people.size() == world.people.size());
   const std::size_t count = scene_->body_count();
   const bool first = X_WB_.size() != count || positions_.size() != world.joints.size();
   if (first) {
@@ -33,6 +33,7 @@ void BodyIndex::Assign(const WorldState& state) {
     positions_.clear();
     for (const RobotState& robot : state.robots) X_WB_.push_back(robot.X_WR);
     for (const ObjectState& object : state.objects) X_WB_.push_back(object.X_WO);
+    for (const PersonState& person : state.people) X_WB_.push_back(person.X_WP);
     for (const JointState& joint : state.joints) positions_.push_back(joint.position);
     cache_.assign(count, {});
     transforms_.assign(count, {});
@@ -47,6 +48,7 @@ void BodyIndex::Assign(const WorldState& state) {
     for (std::size_t i = 0; i < state.objects.size(); ++i) {
       Move(scene_->body_of(ObjectId(i)), state.objects[i].X_WO);
     }
+    for (std::size_t i = 0; i < state.people.size(); ++i) Move(scene_->body_of(PersonId(i)), state.people[i].X_WP);
     for (std::size_t i = 0; i < state.joints.size(); ++i) MoveJoint(JointId(i), state.joints[i].position);
     if (has_grid() && !FitsGrid()) Rebuild();
   }

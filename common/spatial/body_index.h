@@ -123,8 +123,8 @@ class BodyIndex {
   // The scene must outlive the index.
   explicit BodyIndex(const Scene& scene) : scene_(&scene) {}
 
-  // Updates to a state: the poses of all robots and objects, the joints, and the holder of each object. Cheap for
-  // bodies that have not moved since the last call.
+  // Updates to a state: the poses of all robots, objects and people, the joints, and the holder of each object. Cheap
+  // for bodies that have not moved since the last call.
   void Assign(const WorldState& state);
   // Updates one body's pose, or one joint's position. REQUIRES: Assign has been called.
   void Move(BodyId body, const Pose& X_WB);
@@ -138,7 +138,8 @@ class BodyIndex {
   const std::vector<Pose>& X_BL(BodyId body) const;
   // The body's pieces in W at present. Valid until the body is moved.
   const std::vector<ConvexPiece>& pieces_in_world(BodyId body) const;
-  // The robot that the body is, or that held it in the state last assigned; nothing for an object without a holder.
+  // The robot that the body is, or that held it in the state last assigned; nothing for an object without a holder, and
+  // for a person.
   std::optional<RobotId> owner(BodyId body) const { return owner_[body.index()]; }
 
   // The bodies that may overlap `box`, in id order without repeats. Appends to `result`.

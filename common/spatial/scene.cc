@@ -7,10 +7,11 @@
 #include <variant>
 
 #include "common/model/states.h"
+#include "common/spatial/walk_routes.h"
 
 namespace troupe {
 
-Scene::Scene(WorldDescription world) : world_(std::move(world)) {
+Scene::Scene(WorldDescription world) : world_(std::move(world)), walk_routes_(std::make_shared<LazyWalkRoutes>()) {
   FindBodies();
   FindStoresOfModels();
   imus_ = FindImus(world_);
@@ -30,6 +31,11 @@ Scene::Scene(WorldDescription world) : world_(std::move(world)) {
   MeasureRadioReach();
 }
 
+const WalkRoutes& Scene::walk_routes() const {
+  std::call_once(walk_routes_->made, [this] { walk_routes_->routes = std::make_unique<const WalkRoutes>(*this); });
+  return *walk_routes_->routes;
+}
+
 void Scene::FindBodies() {
   const std::size_t models = world_.models.size();
   body_of_.resize(models);
@@ -41,11 +47,14 @@ void Scene::FindBodies() {
     ranger_returns_.push_back(model.ranger_return);
     if (model.fiducial_return != 0 && !model.removed) fiducials_.emplace_back(i);
   }
-  bodies_.resize(world_.robots.size() + world_.objects.size());
+  bodies_.resize(world_.robots.size() + world_.objects.size() + world_.people.size());
   for (Body& body : bodies_) body.links.push_back({});
   for (std::size_t i = 0; i < world_.robots.size(); ++i) body_of_[world_.robots[i].root.index()] = BodyId(i);
   for (std::size_t i = 0; i < world_.objects.size(); ++i) {
     body_of_[world_.objects[i].index()] = body_of(ObjectId(i));
+  }
+  for (std::size_t i = 0; i < world_.people.size(); ++i) {
+    body_of_[world_.people[i].root.index()] = body_of(PersonId(i));
   }
   joints_of_.resize(world_.robots.size());
   grippers_of_.resize(world_.robots.size());
@@ -176,8 +185,23 @@ std::optional<RobotId> Scene::robot_of(ModelId model) const {
 
 std::optional<ObjectId> Scene::object_of(ModelId model) const {
   const std::optional<BodyId>& body = body_of_[model.index()];
-  if (!body || body->index() < world_.robots.size()) return std::nullopt;
-  return ObjectId(body->index() - world_.robots.size());
+  return body ? object_of(*body) : std::nullopt;
+}
+
+std::optional<ObjectId> Scene::object_of(BodyId body) const {
+  const std::size_t robots = world_.robots.size();
+  if (body.index() < robots || body.index() - robots >= world_.objects.size()) return std::nullopt;
+  return ObjectId(body.index() - robots);
+}
+
+std::optional<PersonId> Scene::person_of(ModelId model) const {
+  const std::optional<BodyId>& body = body_of_[model.index()];
+  return body ? person_of(*body) : std::nullopt;
+}
+
+std::optional<PersonId> Scene::person_of(BodyId body) const {
+  const std::size_t others = world_.robots.size() + world_.objects.size();
+  return body.index() >= others ? std::optional(PersonId(body.index() - others)) : std::nullopt;
 }
 
 void Scene::ComputeLinkPoses(BodyId id, std::span<const double> positions, std::vector<Pose>& X_BL) const {

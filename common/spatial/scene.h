@@ -24,7 +24,7 @@ struct Link {
   Pose X_PL;                     // in the parent link's frame, at joint position 0
 };
 
-// A moving body: a robot or a movable object, with everything below its root model.
+// A moving body: a robot, a movable object or a person, with everything below its root model.
 struct Body {
   std::vector<Link> links;
   std::vector<ConvexPiece> pieces;         // each in the frame of its link
@@ -34,6 +34,9 @@ struct Body {
 
   bool has_joints() const { return links.size() > 1; }
 };
+
+class WalkRoutes;
+struct LazyWalkRoutes;
 
 // A store of energy, with the models that it feeds.
 struct Store {
@@ -55,16 +58,23 @@ class Scene {
   // Uses equal memory for the map, if there is any.
   void ShareMap(const FindEqualMemory& find) { static_index_.ShareRayMap(find); }
 
-  // Bodies: robots by id, then objects by id.
+  // Bodies: robots by id, then objects by id, then people by id.
   std::size_t body_count() const { return bodies_.size(); }
   const Body& body(BodyId id) const { return bodies_[id.index()]; }
   const RayShape& ray_shape(BodyId id) const { return ray_shapes_[ray_shape_of_[id.index()]]; }
   BodyId body_of(RobotId robot) const { return BodyId(robot.index()); }
   BodyId body_of(ObjectId object) const { return BodyId(world_.robots.size() + object.index()); }
+  BodyId body_of(PersonId person) const {
+    return BodyId(world_.robots.size() + world_.objects.size() + person.index());
+  }
   // The body that the model belongs to; nothing for a static model.
   std::optional<BodyId> body_of(ModelId model) const { return body_of_[model.index()]; }
   std::optional<RobotId> robot_of(ModelId model) const;
   std::optional<ObjectId> object_of(ModelId model) const;
+  std::optional<PersonId> person_of(ModelId model) const;
+  // Nothing if the body is of another kind.
+  std::optional<ObjectId> object_of(BodyId body) const;
+  std::optional<PersonId> person_of(BodyId body) const;
 
   // The link of its body that the model belongs to, and its pose in that link. REQUIRES: body_of(model)
   std::uint32_t link_of(ModelId model) const { return link_of_[model.index()]; }
@@ -105,6 +115,9 @@ class Scene {
   // The link that the joint moves, of its robot's body.
   std::uint32_t link_of(JointId joint) const { return joint_links_[joint.index()]; }
 
+  // The ways of people. Made by the first call, by any thread.
+  const WalkRoutes& walk_routes() const;
+
   // The largest of all bodies' radii, m.
   double max_body_radius() const { return max_body_radius_; }
 
@@ -137,6 +150,7 @@ class Scene {
   std::vector<std::uint32_t> joint_links_;           // by joint
   StaticIndex static_index_;
   double max_body_radius_ = 0.0;
+  std::shared_ptr<LazyWalkRoutes> walk_routes_;
 };
 
 }  // namespace troupe

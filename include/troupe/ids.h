@@ -29,8 +29,9 @@ using RobotId = Id<struct RobotTag>;      // in WorldDescription::robots and Wor
 using ShapeId = Id<struct ShapeTag>;      // in WorldDescription::shapes
 using JointId = Id<struct JointTag>;      // in WorldDescription::joints and WorldState::joints
 using GripperId = Id<struct GripperTag>;  // in WorldDescription::grippers and WorldState::grippers
-using BodyId = Id<struct BodyTag>;        // moving bodies: the robots, then the objects (common/spatial/scene.h)
+using BodyId = Id<struct BodyTag>;        // moving bodies: robots, then objects, then people (common/spatial/scene.h)
 using ObjectId = Id<struct ObjectTag>;    // in WorldDescription::objects and WorldState::objects
+using PersonId = Id<struct PersonTag>;    // in WorldDescription::people and WorldState::people
 
 // Tick n is simulated time n * interval. Tick 0 is the world as loaded.
 using Tick = std::uint64_t;

@@ -14,7 +14,10 @@
 // - objects are in order, have gripper_return or are leaves of doors or cabins of lifts, have no parent, and are not
 // the roots of robots;
 // - doors are in the order of their models, which never move, and so are lifts; an object is at most once a leaf of one
-//   or a cabin.
+//   or a cabin;
+// - people are in the order of their root models, which have no parent and are neither robots nor objects; the leader
+// of
+//   a person precedes it and has none; goal sets and the choices among them exist.
 #pragma once
 
 #include <cstdint>
@@ -276,6 +279,46 @@ struct RobotDescription {
   bool operator==(const RobotDescription&) const = default;
 };
 
+// The reaction of a person to a robot.
+enum class PersonReaction : std::uint8_t {
+  kRegular = 0,   // avoids it like a walker who does not avoid in turn
+  kCurious = 1,   // walks up to it and watches it for a while
+  kScared = 2,    // keeps away from it
+  kCareless = 3,  // ignores it, and only stops at a contact
+};
+constexpr PersonReaction LastOf(PersonReaction) {
+  return PersonReaction::kCareless;
+}
+
+// A goal set that may follow another one.
+struct NextGoals {
+  std::uint32_t goals = 0;  // in WorldDescription::goal_sets
+  double weight = 1.0;      // of the choice, relative to those of the others
+  bool operator==(const NextGoals&) const = default;
+};
+
+// Goals of people: a person chooses one of the points, walks there, waits, and chooses among the next sets.
+struct GoalSet {
+  std::string name;
+  std::vector<Vec2> points;     // m, frame W; none: the person stays where it is
+  double reach = 0.5;           // m: so near to the point the person has arrived
+  Interval wait;                // s, at the goal; drawn between these
+  std::vector<NextGoals> next;  // none: the person stays at its goal
+  bool operator==(const GoalSet&) const = default;
+};
+
+// A walker of the world: it is moved by the step, and is a body like all others.
+struct PersonDescription {
+  ModelId root;            // the body, without joints; its name is the person's
+  double radius = 0.25;    // m: no part of the body is farther from its axis
+  double speed = 1.3;      // m/s, without an obstacle
+  double max_speed = 1.8;  // m/s
+  PersonReaction reaction = PersonReaction::kRegular;
+  std::uint32_t goals = 0;              // its first goal set
+  std::optional<PersonId> leader = {};  // with whom it walks, to the leader's goals
+  bool operator==(const PersonDescription&) const = default;
+};
+
 struct WorldDescription {
   std::string name;
   std::uint64_t seed = 0;
@@ -290,6 +333,8 @@ struct WorldDescription {
   std::vector<NamedPlace> places = {};
   std::vector<DoorDescription> doors = {};
   std::vector<LiftDescription> lifts = {};
+  std::vector<GoalSet> goal_sets = {};
+  std::vector<PersonDescription> people = {};
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }
@@ -297,6 +342,7 @@ struct WorldDescription {
   const RobotDescription& robot(RobotId id) const { return robots[id.index()]; }
   const JointDescription& joint(JointId id) const { return joints[id.index()]; }
   const GripperDescription& gripper(GripperId id) const { return grippers[id.index()]; }
+  const PersonDescription& person(PersonId id) const { return people[id.index()]; }
   bool operator==(const WorldDescription&) const = default;
 };
 

@@ -176,6 +176,27 @@ struct LiftState {
   }
 };
 
+// A person: its body, and where it is in its walks.
+struct PersonState {
+  Pose X_WP;        // of its root model
+  double vx = 0.0;  // m/s, in W, during the tick that ended here
+  double vy = 0.0;
+  std::uint32_t goals = 0;    // its goal set
+  std::uint32_t goal = 0;     // number of the point among those of the set
+  std::uint32_t choices = 0;  // goals that it has chosen so far; 0: none yet
+  std::uint32_t waits = 0;    // ticks until it leaves the goal that it has reached; 0: it walks
+  std::uint32_t watched = 0;  // ticks for which it has watched robots, of a curious one
+  bool operator==(const PersonState&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &PersonState::X_WP},   Field{"vx", &PersonState::vx},
+        Field{"vy", &PersonState::vy},       Field{"goals", &PersonState::goals},
+        Field{"goal", &PersonState::goal},   Field{"choices", &PersonState::choices},
+        Field{"waits", &PersonState::waits}, Field{"watched", &PersonState::watched},
+    };
+  }
+};
+
 struct WorldState {
   Tick tick = 0;
   std::vector<RobotState> robots;         // by RobotId
@@ -188,8 +209,9 @@ struct WorldState {
   std::vector<CameraState> cameras = {};  // of FindCameras
   // On their way, or arriving at this tick; in the order of `sent`, then of robots, then of `number`.
   std::vector<RadioTransmission> transmissions = {};
-  std::vector<DoorState> doors = {};  // of WorldDescription::doors
-  std::vector<LiftState> lifts = {};  // of WorldDescription::lifts
+  std::vector<DoorState> doors = {};     // of WorldDescription::doors
+  std::vector<LiftState> lifts = {};     // of WorldDescription::lifts
+  std::vector<PersonState> people = {};  // by PersonId
   bool operator==(const WorldState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -199,6 +221,7 @@ struct WorldState {
         Field{"imus", &WorldState::imus},       Field{"lights", &WorldState::lights},
         Field{"cameras", &WorldState::cameras}, Field{"transmissions", &WorldState::transmissions},
         Field{"doors", &WorldState::doors},     Field{"lifts", &WorldState::lifts},
+        Field{"people", &WorldState::people},
     };
   }
 };

@@ -91,6 +91,17 @@ std::string DescribeObjects(const WorldDescription& world) {
   return text;
 }
 
+// Nothing for a world without people.
+std::string DescribePeople(const WorldDescription& world) {
+  if (world.people.empty()) return "";
+  std::set<PersonId> leaders;
+  for (const PersonDescription& person : world.people) {
+    if (person.leader) leaders.insert(*person.leader);
+  }
+  return fmt::format("people: {}{}\n", world.people.size(),
+                     leaders.empty() ? "" : ", " + Count(leaders.size(), "group"));
+}
+
 std::string DescribeSettings(const LoadedWorld& loaded) {
   const RunSettings& settings = loaded.settings;
   std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "without end";
@@ -163,7 +174,7 @@ std::string DescribeContent(const LoadedWorld& loaded) {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     text += DescribeRobot(world.robots[i]) + DescribeManipulation(world, RobotId(i));
   }
-  return text + DescribeObjects(world) + DescribeSettings(loaded);
+  return text + DescribeObjects(world) + DescribePeople(world) + DescribeSettings(loaded);
 }
 
 // Seconds of simulated time.

@@ -71,6 +71,15 @@ constexpr std::array kSignals{
                "A segment of a bumper is pressed."},
     SignalInfo{SignalKind::kHeard, "heard", "r?s", ValueType::kNumber, kRatio, "heard(r[, \"SENSOR\"])",
                "Number of messages that a radio receives at this tick."},
+    SignalInfo{SignalKind::kPersonDistance, "person_distance", "r", ValueType::kNumber, kMetre, "person_distance(r)",
+               "Exact shortest distance in the plane between the solid parts of the robot and of a person that share a "
+               "height, infinite if none do."},
+    SignalInfo{SignalKind::kPeopleNear, "people_near", "rl", ValueType::kNumber, kRatio, "people_near(r, REACH)",
+               "Number of people at most that far from the robot."},
+    SignalInfo{SignalKind::kIntrusionTime, "intrusion_time", "rl", ValueType::kNumber, kSecond,
+               "intrusion_time(r, REACH)", "Time so far at which a person was at most that far from the robot."},
+    SignalInfo{SignalKind::kIntrusions, "intrusions", "rl", ValueType::kNumber, kRatio, "intrusions(r, REACH)",
+               "Number of times so far at which the first person came that near."},
     SignalInfo{SignalKind::kTick, "tick", "", ValueType::kNumber, kRatio, "tick", "Number of the tick."},
     SignalInfo{SignalKind::kTime, "time", "", ValueType::kNumber, kSecond, "time", "Simulated time, 0 at tick 0."},
     SignalInfo{SignalKind::kHash, "hash", "", ValueType::kText, kRatio, "hash",
@@ -149,6 +158,53 @@ void ReadDistances(const SignalUse& signal, const TickView& tick, SignalMemory& 
     } else {
       values[i] = DistanceOf(pieces, signal.point);
     }
+  }
+}
+
+// Calls visit(distance) for the people within `reach` of a robot, m; `reach` may become less meanwhile.
+template <typename Visit>
+void ForEachPersonNear(const TickView& tick, std::uint32_t robot, const double& reach, Visit visit) {
+  const WorldState& state = tick.state;
+  const std::vector<ConvexPiece>& mine = tick.bodies.pieces_in_world(BodyId(robot));
+  const Vec2 here = state.robots[robot].X_WR.translation();
+  const double radius = tick.scene.body(BodyId(robot)).radius;
+  for (std::size_t i = 0; i < state.people.size(); ++i) {
+    const BodyId person = tick.scene.body_of(PersonId(i));
+    const double least = (state.people[i].X_WP.translation() - here).norm() - radius - tick.scene.body(person).radius;
+    if (least > reach) continue;
+    const double distance = DistanceOf(mine, tick.bodies.pieces_in_world(person));
+    if (distance <= reach) visit(distance);
+  }
+}
+
+void ReadPersonDistances(const SignalUse& signal, const TickView& tick, std::span<double> values) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    double least = kInfinity;
+    ForEachPersonNear(tick, signal.subjects[i], least, [&](double distance) { least = std::min(least, distance); });
+    values[i] = least;
+  }
+}
+
+double CountPeopleNear(const SignalUse& signal, const TickView& tick, std::uint32_t robot) {
+  double count = 0.0;
+  ForEachPersonNear(tick, robot, signal.number, [&](double) { count += 1.0; });
+  return count;
+}
+
+// Seconds, or times at which people came near. What holds at tick 0 has lasted for no time.
+void ReadIntrusions(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
+  if (memory.numbers.empty()) {
+    memory.numbers.assign(values.size(), 0.0);
+    memory.before.assign(values.size(), false);
+  }
+  const double seconds = tick.state.tick > 0 ? tick.scene.world().interval_seconds() : 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool is_near = CountPeopleNear(signal, tick, signal.subjects[i]) > 0.0;
+    const bool begins = is_near && !memory.before[i];
+    memory.before[i] = is_near;
+    if (signal.kind == SignalKind::kIntrusionTime) memory.numbers[i] += is_near ? seconds : 0.0;
+    if (signal.kind == SignalKind::kIntrusions) memory.numbers[i] += begins ? 1.0 : 0.0;
+    values[i] = memory.numbers[i];
   }
 }
 
@@ -325,6 +381,13 @@ void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& mem
       return for_each([&](std::uint32_t body) { return Truth(state.robots[body].stalled); });
     case SignalKind::kDistance:
       return ReadDistances(signal, tick, memory, values);
+    case SignalKind::kPersonDistance:
+      return ReadPersonDistances(signal, tick, values);
+    case SignalKind::kPeopleNear:
+      return for_each([&](std::uint32_t robot) { return CountPeopleNear(signal, tick, robot); });
+    case SignalKind::kIntrusionTime:
+    case SignalKind::kIntrusions:
+      return ReadIntrusions(signal, tick, memory, values);
     case SignalKind::kClosestPair:
       values[0] = ReadClosestPair(signal, tick, memory);
       return;

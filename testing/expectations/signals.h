@@ -50,6 +50,10 @@ enum class SignalKind : std::uint8_t {
   kMeanRange,
   kPressed,
   kHeard,
+  kPersonDistance,
+  kPeopleNear,
+  kIntrusionTime,
+  kIntrusions,
   kTick,
   kTime,
   kHash,
@@ -83,7 +87,7 @@ struct SignalUse {
   Vec2 point{0.0, 0.0};                      // m, in W: a place
   std::optional<ModelId> model = {};         // the root of a static tree
   Polygon region = {};
-  double number = 0.0;  // m, radius of kAt
+  double number = 0.0;  // m, radius of kAt, reach of kPeopleNear and of intrusions
   std::string text = {};
   bool negated = false;  // kHash: !=
   EventType event = EventType::kStallBegan;
@@ -91,7 +95,8 @@ struct SignalUse {
 
 // What a monitor remembers of a signal.
 struct SignalMemory {
-  std::vector<double> numbers = {};      // counts of events; 1.0 of robots that have left
+  std::vector<double> numbers = {};      // counts of events; 1.0 of robots that have left; seconds; intrusions
+  std::vector<bool> before = {};         // by lane: people were near at the last tick
   std::vector<ConvexPiece> pieces = {};  // of a static tree
   std::shared_ptr<const std::vector<std::unique_ptr<const Sensor>>> sensors = {};  // by lane
   SensorReading reading = {};

@@ -256,11 +256,6 @@ TEST(Guesthouse, VerticesWithANameOrARoleArePlaces) {
   EXPECT_EQ(places["room_1"].X_WN, (Pose{3.0, -5.5, 4.0, 0.0}));
 }
 
-TEST(Guesthouse, WhatIsNotSimulatedIsNamedOnce) {
-  EXPECT_THAT(MessagesOf(LoadGuesthouse().warnings),
-              ElementsAre("found 3 people in 'crowd_sim'; they are not simulated"));
-}
-
 TEST(Guesthouse, AScenarioAddsRobotsOnAnyLevelAndReplacesPlaces) {
   test::TemporaryFolder folder;
   std::filesystem::copy(GuesthousePath(), folder.Path("g.building.yaml"));

@@ -106,6 +106,10 @@ void VisitBodies(const Scene& scene, const WorldState& state, const Visit& visit
     if (world.model(world.objects[i]).removed) continue;
     visit(scene.body_of(ObjectId(i)), world.objects[i], state.objects[i].X_WO);
   }
+  for (std::size_t i = 0; i < world.people.size(); ++i) {
+    if (world.model(world.people[i].root).removed) continue;
+    visit(scene.body_of(PersonId(i)), world.people[i].root, state.people[i].X_WP);
+  }
 }
 
 void AppendTransform(const std::string& parent, const std::string& child, const Pose& pose, Time time,
@@ -190,6 +194,10 @@ std::string SceneText(const Scene& scene, Time time) {
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     if (world.model(world.objects[i]).removed) continue;
     AddBody(scene, scene.body_of(ObjectId(i)), world.objects[i], time, entities);
+  }
+  for (std::size_t i = 0; i < world.people.size(); ++i) {
+    if (world.model(world.people[i].root).removed) continue;
+    AddBody(scene, scene.body_of(PersonId(i)), world.people[i].root, time, entities);
   }
   // Those of the world before.
   Json deletions = Json::array({{{"timestamp", TimeOf(time)}, {"type", 1}, {"id", ""}}});

@@ -234,6 +234,8 @@ std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   for (const DoorDescription& door : world.doors) Write(writer, door);
   writer.WriteCount(world.lifts.size());
   for (const LiftDescription& lift : world.lifts) Write(writer, lift);
+  writer.WriteCount(world.people.size());
+  for (const PersonDescription& person : world.people) writer.WriteCount(person.root.index());
   return writer.ReleaseBytes();
 }
 

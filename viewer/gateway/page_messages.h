@@ -94,6 +94,11 @@ struct PageValue<double> {
   static void Write(ByteWriter& writer, double value) { writer.Write(value); }
 };
 template <>
+struct PageValue<std::uint32_t> {
+  static constexpr PageType kType = {"number", "r.u32()"};
+  static void Write(ByteWriter& writer, std::uint32_t value) { writer.Write(value); }
+};
+template <>
 struct PageValue<bool> {
   static constexpr PageType kType = {"boolean", "r.flag()"};
   static void Write(ByteWriter& writer, bool value) { writer.WriteByte(value); }

@@ -27,6 +27,7 @@ std::string Camel(std::string_view name, bool starts_upper) {
 
 // "robots": RobotRow.
 std::string RowName(std::string_view table) {
+  if (table == "people") return "PersonRow";
   return Camel(table.substr(0, table.size() - 1), true) + "Row";
 }
 

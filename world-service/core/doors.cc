@@ -79,11 +79,8 @@ class DoorTurn {
     std::pmr::vector<BodyId> near;
     workspace_.bodies.Query(box, near);
     std::vector<ConvexPiece> pieces;
-    const std::size_t robots = workspace_.next.robots.size();
     for (const BodyId body : near) {
-      if (body.index() >= robots && workspace_.next.objects[body.index() - robots].mode == ObjectMode::kMounted) {
-        continue;
-      }
+      if (workspace_.IsMounted(body)) continue;
       for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) {
         if (piece.obstacle) pieces.push_back(piece);
       }

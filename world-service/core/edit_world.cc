@@ -61,6 +61,9 @@ void Detach(StepWorkspace& workspace, ModelId root) {
     workspace.next.robots[robot->index()].twist = {};
     workspace.next.robots[robot->index()].stalled = false;
   }
+  if (const std::optional<PersonId> person = workspace.scene.person_of(root)) {
+    workspace.next.people[person->index()].vx = workspace.next.people[person->index()].vy = 0.0;
+  }
   for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
     ObjectState& other = workspace.next.objects[i];
     if (other.mode == ObjectMode::kMounted) continue;
@@ -200,6 +203,7 @@ void AppendState(const WorldDescription& world, WorldState& state) {
   append(initial.cameras, state.cameras);
   append(initial.doors, state.doors);
   append(initial.lifts, state.lifts);
+  append(initial.people, state.people);
   for (std::size_t i = objects; i < state.objects.size(); ++i) Fall(state.objects[i]);
 }
 
@@ -233,6 +237,8 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
   } else if (const std::optional<ObjectId> object = scene->object_of(root.value())) {
     Fall(workspace.next.objects[object->index()]);
     workspace.next.objects[object->index()].X_WO = pose;
+  } else if (const std::optional<PersonId> person = scene->person_of(root.value())) {
+    workspace.next.people[person->index()].X_WP = pose;
   } else {
     WorldDescription world = scene->world();
     world.models[root.value().index()].X_PM = pose;

@@ -61,7 +61,7 @@ void Islands::JoinAttached(const Scene& scene, const WorldState& state) {
     const ObjectState& object = state.objects[i];
     if (object.holder) Join(index_of(ObjectId(i)), index_of(scene.world().gripper(*object.holder).robot));
     if (!object.support) continue;
-    if (const std::optional<BodyId> below = scene.body_of(*object.support)) {
+    if (const std::optional<BodyId> below = scene.body_of(*object.support); below && below->index() < parent_.size()) {
       Join(index_of(ObjectId(i)), static_cast<std::uint32_t>(below->index()));
     }
   }
@@ -73,7 +73,7 @@ void Islands::JoinAttached(const Scene& scene, const WorldState& state) {
 
 void Islands::MeasureReaches(const Scene& scene, const WorldState& state, std::span<const Proposal* const> by_robot) {
   const std::size_t robots = state.robots.size();
-  reaches_.resize(scene.body_count());
+  reaches_.resize(parent_.size());
   for (std::size_t i = 0; i < robots; ++i) {
     reaches_[i] = {state.robots[i].X_WR.translation(), scene.body(BodyId(i)).radius};
   }
@@ -164,7 +164,7 @@ void Islands::Number(const Scene& scene, const WorldState& state) {
 }
 
 void Islands::Find(const Scene& scene, const WorldState& state, std::span<const Proposal* const> by_robot) {
-  parent_.resize(scene.body_count());
+  parent_.resize(state.robots.size() + state.objects.size());  // people move after the islands
   for (std::size_t i = 0; i < parent_.size(); ++i) parent_[i] = static_cast<std::uint32_t>(i);
   JoinAttached(scene, state);
   MeasureReaches(scene, state, by_robot);

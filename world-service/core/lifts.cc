@@ -67,12 +67,15 @@ class CabinMotion {
     return body && (*body == Cabin() || std::binary_search(carried_.begin(), carried_.end(), *body));
   }
 
-  // The robots and objects in the cabin, with what they hold and what is on them.
+  // The robots, people and objects in the cabin, with what they hold and what is on them.
   void FindCarried() {
     const std::size_t robots = workspace_.next.robots.size();
     std::vector<bool> objects(workspace_.next.objects.size(), false);
     for (std::size_t i = 0; i < robots; ++i) {
       if (IsInside(workspace_.next.robots[i].X_WR)) carried_.emplace_back(i);
+    }
+    for (std::size_t i = 0; i < workspace_.next.people.size(); ++i) {
+      if (IsInside(workspace_.next.people[i].X_WP)) carried_.push_back(workspace_.scene.body_of(PersonId(i)));
     }
     for (bool grown = true; grown;) {
       grown = false;
@@ -110,7 +113,7 @@ class CabinMotion {
     std::pmr::vector<BodyId> near;
     workspace_.bodies.Query(box, near);
     for (const BodyId body : near) {
-      if (IsMounted(body) || std::binary_search(carried_.begin(), carried_.end(), body)) continue;
+      if (workspace_.IsMounted(body) || std::binary_search(carried_.begin(), carried_.end(), body)) continue;
       for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) {
         if (piece.obstacle) obstacles.push_back(piece);
       }
@@ -118,11 +121,6 @@ class CabinMotion {
     if (obstacles.empty()) return std::nullopt;
     const std::optional<Contact> contact = FirstContactWith(obstacles, mover, motion);
     return contact ? std::optional(contact->time) : std::nullopt;
-  }
-
-  bool IsMounted(BodyId body) const {
-    const std::size_t robots = workspace_.next.robots.size();
-    return body.index() >= robots && workspace_.next.objects[body.index() - robots].mode == ObjectMode::kMounted;
   }
 
   void MoveTo(double z) {
@@ -139,19 +137,20 @@ class CabinMotion {
     for (const std::size_t door : lift_.cabin_doors) {
       for (const DoorLeaf& leaf : workspace_.world().doors[door].leaves) raise(leaf.object, leaf.X_WH.z + offset);
     }
-    const std::size_t robots = workspace_.next.robots.size();
+    const auto raise_body = [&](BodyId body, Pose& X_WB) {
+      X_WB.z += dz;
+      workspace_.bodies.Move(body, X_WB);
+    };
     for (const BodyId body : carried_) {
-      if (body.index() >= robots) {
-        const ObjectId object(body.index() - robots);
-        raise(object, workspace_.next.objects[object.index()].X_WO.z + dz);
+      if (const std::optional<ObjectId> object = workspace_.scene.object_of(body)) {
+        ObjectState& state = workspace_.next.objects[object->index()];
+        raise(*object, state.X_WO.z + dz);
         // It may have rested on the floor of the building.
-        if (workspace_.next.objects[object.index()].mode == ObjectMode::kResting) {
-          workspace_.needs_support[object.index()] = 1;
-        }
+        if (state.mode == ObjectMode::kResting) workspace_.needs_support[object->index()] = 1;
+      } else if (const std::optional<PersonId> person = workspace_.scene.person_of(body)) {
+        raise_body(body, workspace_.next.people[person->index()].X_WP);
       } else {
-        Pose& X_WR = workspace_.next.robots[body.index()].X_WR;
-        X_WR.z += dz;
-        workspace_.bodies.Move(body, X_WR);
+        raise_body(body, workspace_.next.robots[body.index()].X_WR);
       }
     }
   }

@@ -14,6 +14,7 @@
 #include "common/spatial/sweep.h"
 #include "troupe/check.h"
 #include "troupe/radio_limits.h"
+#include "world-service/core/people.h"
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {
@@ -121,12 +122,13 @@ class RobotTurn {
 constexpr std::size_t kClaim = 4;
 
 // Once all robots have acted.
-StepResult Finish(StepWorkspace& workspace, std::span<const Proposal* const> by_robot) {
+StepResult Finish(StepWorkspace& workspace, std::span<const Proposal* const> by_robot, ThreadPool* people_pool = {}) {
   CallLifts(by_robot, workspace);
   MoveDoors(by_robot, workspace);
   MoveLifts(workspace);
   DropLostObjects(workspace);
   LetObjectsFall(workspace);
+  MovePeople(workspace, people_pool);
   Transmit(workspace.world(), by_robot, workspace.next);
   ExchangeEnergy(workspace);
   OperateDevices(by_robot, workspace);
@@ -246,7 +248,8 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
   return Step(scene, state, proposals, bodies);
 }
 
-StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies) {
+StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies,
+                ThreadPool* people_pool) {
   const std::size_t count = state.robots.size();
   const std::vector<const Proposal*> by_robot = ProposalByRobot(scene, state, proposals);
   StepMemory memory = MemoryFor(scene, state, bodies);
@@ -255,18 +258,19 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
     const std::size_t i = (memory.next.tick + k) % count;  // so that no robot is always first
     RobotTurn(workspace, RobotId(i), by_robot[i]).Act();
   }
-  StepResult result = Finish(workspace, by_robot);
+  StepResult result = Finish(workspace, by_robot, people_pool);
   bodies = std::move(memory.bodies);
   return result;
 }
 
 Stepper::Stepper(const Scene& scene, std::shared_ptr<ThreadPool> pool, std::size_t fewest_robots)
     : scene_(scene),
-      pool_(pool && pool->size() > 1 && scene.world().robots.size() >= fewest_robots ? std::move(pool) : nullptr),
+      pool_(pool && pool->size() > 1 && scene.world().robots.size() >= fewest_robots ? pool : nullptr),
+      people_pool_(pool && pool->size() > 1 && scene.world().people.size() >= kFewestPeople ? pool : nullptr),
       indices_(pool_ ? pool_->size() : 1, BodyIndex(scene)) {}
 
 StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> proposals) {
-  if (!pool_) return troupe::Step(scene_, state, proposals, indices_.front());
+  if (!pool_) return troupe::Step(scene_, state, proposals, indices_.front(), people_pool_.get());
   const std::vector<const Proposal*> by_robot = ProposalByRobot(scene_, state, proposals);
   islands_.Find(scene_, state, by_robot);
   StepMemory memory = MemoryFor(scene_, state, indices_.front());
@@ -293,7 +297,7 @@ StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> prop
   for (std::vector<Event>& of_thread : events) {
     std::move(of_thread.begin(), of_thread.end(), std::back_inserter(workspace.robot_events));
   }
-  StepResult result = Finish(workspace, by_robot);
+  StepResult result = Finish(workspace, by_robot, people_pool_.get());
   indices_.front() = std::move(memory.bodies);
   return result;
 }

@@ -5,9 +5,9 @@
 // predecessors. A robot releases the object from which its fingers open, moves its base along the exact arc of its
 // twist until its first contact, moves its joints one by one, and grips the object on which its fingers close. Its
 // payload (the objects that it holds, and the stacks on them and on it) moves and collides with it. Then doors and
-// lifts move until a body is in their way, objects without support fall, the robots' radio messages are on their way,
-// and energy is consumed and exchanged. A robot without energy has no proposal. A motion cut short by a contact ends at
-// the contact; its stall or blocked flag is set and its velocity is zero.
+// lifts move until a body is in their way, objects without support fall, people walk (people.h), the robots' radio
+// messages are on their way, and energy is consumed and exchanged. A robot without energy has no proposal. A motion cut
+// short by a contact ends at the contact; its stall or blocked flag is set and its velocity is zero.
 #pragma once
 
 #include <cstdint>
@@ -37,15 +37,17 @@ struct StepResult {
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals);
 
 // The same, for one tick after another: `bodies`, an index of the scene, is updated only by the bodies that have moved
-// since the last step. It changes nothing in the result.
-StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies);
+// since the last step. Neither it nor the threads of `people_pool`, which may be null, change anything in the result.
+StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies,
+                ThreadPool* people_pool = nullptr);
 
-// The steps of one world, by several threads: islands of robots (islands.h) act at the same time. The result is that of
-// Step, bit for bit.
+// The steps of one world, by several threads: islands of robots (islands.h) act at the same time, and people find their
+// velocities. The result is that of Step, bit for bit.
 class Stepper {
  public:
   // With fewer robots, a step takes less time than to wake a thread.
   static constexpr std::size_t kFewestRobots = 32;
+  static constexpr std::size_t kFewestPeople = 48;
 
   // `pool` may be null: one thread. REQUIRES: the scene outlives the stepper.
   explicit Stepper(const Scene& scene, std::shared_ptr<ThreadPool> pool = {},
@@ -56,8 +58,9 @@ class Stepper {
 
  private:
   const Scene& scene_;
-  const std::shared_ptr<ThreadPool> pool_;  // null: one thread
-  std::vector<BodyIndex> indices_;          // one for each thread
+  const std::shared_ptr<ThreadPool> pool_;         // of islands; null: one thread
+  const std::shared_ptr<ThreadPool> people_pool_;  // likewise, of people
+  std::vector<BodyIndex> indices_;                 // one for each thread
   Islands islands_;
 };
 

@@ -69,6 +69,11 @@ struct StepWorkspace {
   const WorldDescription& world() const { return scene.world(); }
   double seconds() const { return world().interval_seconds(); }
 
+  // A leaf of a door or a cabin of a lift.
+  bool IsMounted(BodyId body) const {
+    const std::optional<ObjectId> object = scene.object_of(body);
+    return object && next.objects[object->index()].mode == ObjectMode::kMounted;
+  }
   void MoveObject(ObjectId object, const Pose& X_WO) {
     next.objects[object.index()].X_WO = X_WO;
     bodies.Move(scene.body_of(object), X_WO);

@@ -72,6 +72,11 @@ Status CheckStartState(const WorldDescription& world, const WorldState& state) {
     const double slack = 1e-6 * (1.0 + std::abs(bounds.min) + std::abs(bounds.max));
     if (position < bounds.min - slack || position > bounds.max + slack) return BadState("a joint beyond its bounds");
   }
+  for (const PersonState& person : state.people) {
+    if (!IsWithin(person.X_WP) || !IsWithin(Twist{person.vx, person.vy, 0.0})) {
+      return BadState("a person beyond the bounds of a world");
+    }
+  }
   for (const ObjectState& object : state.objects) {
     if (!IsWithin(object.X_WO) || std::abs(object.fall_speed) > kMaxMagnitude) {
       return BadState("an object beyond the bounds of a world");
@@ -107,6 +112,7 @@ std::vector<ModelId> ModelsOf(const WorldDescription& world) {
   if constexpr (std::is_same_v<Row, CameraState>) add(FindCameras(world), robot_of);
   if constexpr (std::is_same_v<Row, DoorState>) add(world.doors, [](const auto& door) { return door.model; });
   if constexpr (std::is_same_v<Row, LiftState>) add(world.lifts, [](const auto& lift) { return lift.model; });
+  if constexpr (std::is_same_v<Row, PersonState>) add(world.people, [](const auto& person) { return person.root; });
   return models;
 }
 

@@ -282,13 +282,19 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   Complete(built.value(), file, plan.value());
   const std::uint64_t seed = built.value().world.seed;
   built = PlaceSpawns(std::move(built).value(), plan.value().spawns, seed, tools.max_spawn_draws);
-  if (!built.ok() || file.without.empty()) return built;
+  if (!built.ok()) return built;
+  const auto with_people = [&](LoadedWorld loaded) -> Result<LoadedWorld> {
+    Result<LoadedWorld> crowded = AddCrowd(std::move(loaded));
+    if (!crowded.ok()) return crowded;
+    return AddPeople(std::move(crowded).value(), file.people);
+  };
+  if (file.without.empty()) return with_people(std::move(built).value());
   if (Status error = RemoveEntities(plan.value().tree, file.without); !error.ok()) return error.error();
   Result<LoadedWorld> reduced = BuildWorld(plan.value().tree, build, tools.build);
   if (!reduced.ok()) return reduced;
   Complete(reduced.value(), file, plan.value());
   CopyPlaces(built.value().world, reduced.value().world);
-  return reduced;
+  return with_people(std::move(reduced).value());
 }
 
 Result<WorldNode> ApplyOverride(const OverrideEntry& rule, WorldNode world) {

@@ -37,7 +37,6 @@ class Reader {
   ModelEntry ReadModel(const JsonNode& object);
   std::vector<ModelEntry> ReadModels(const JsonNode& object, const char* key);
   Polygon ReadRegion(const JsonNode& region);
-  Polygon ReadRectangle(const JsonNode& numbers);
   SpawnEntry ReadSpawn(const JsonNode& object);
   std::vector<SpawnEntry> ReadSpawns(const JsonNode& root);
   OverrideEntry ReadOverride(const JsonNode& object);
@@ -210,32 +209,10 @@ std::vector<ModelEntry> Reader::ReadModels(const JsonNode& object, const char* k
   return models;
 }
 
-Polygon Reader::ReadRectangle(const JsonNode& numbers) {
-  if (numbers.items.size() != 4) {
-    Fail(numbers, "found " + std::to_string(numbers.items.size()) + " numbers, expected [xmin, ymin, xmax, ymax]");
-    return {};
-  }
-  const double x0 = numbers.items[0].number, y0 = numbers.items[1].number;
-  const double x1 = numbers.items[2].number, y1 = numbers.items[3].number;
-  if (!(x0 < x1)) Fail(numbers.items[2], "found an xmax that is not above xmin, expected one that is");
-  if (!(y0 < y1)) Fail(numbers.items[3], "found a ymax that is not above ymin, expected one that is");
-  return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
-}
-
 Polygon Reader::ReadRegion(const JsonNode& region) {
-  const bool rectangle = region.items[0].is_number();
-  for (const JsonNode& item : region.items) {
-    if (item.is_number() == rectangle) continue;
-    Fail(item,
-         "found " + Describe(item) + ", expected " + (rectangle ? "a number" : "a corner [x, y]") + " as before it");
-    return {};
-  }
-  if (rectangle) return ReadRectangle(region);
-  Polygon corners;
-  for (const JsonNode& corner : region.items) corners.emplace_back(corner.items[0].number, corner.items[1].number);
-  Result<Polygon> outline = Normalized(std::move(corners));
+  Result<Polygon> outline = troupe::ReadRegion(tree_, region);
   if (outline.ok()) return std::move(outline).value();
-  Fail(region, "found a region that is no simple polygon: " + outline.error().message);
+  if (!error_) error_ = outline.error();
   return {};
 }
 
@@ -383,6 +360,12 @@ Result<ScenarioFile> Reader::Read() {
   }
   file.places = ReadPlaces(root);
   file.regions = ReadRegions(root);
+  Result<std::vector<PeopleEntry>> people = ReadPeopleEntries(tree_, root);
+  if (people.ok()) {
+    file.people = std::move(people).value();
+  } else if (!error_) {
+    error_ = people.error();
+  }
   if (const JsonNode* const without = root.Find("without")) {
     for (const JsonNode& name : without->items) file.without.push_back(Text(name));
   }

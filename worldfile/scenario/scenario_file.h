@@ -12,6 +12,7 @@
 #include "troupe/pose.h"
 #include "troupe/result.h"
 #include "worldfile/models/build_world.h"
+#include "worldfile/scenario/people_entries.h"
 #include "worldfile/stage/world_tree.h"
 #include "worldfile/text/json_tree.h"
 
@@ -91,6 +92,7 @@ struct ScenarioFile {
   std::vector<OverrideEntry> overrides;
   std::vector<NamedPlace> places;
   std::vector<RegionOfScenario> regions;
+  std::vector<PeopleEntry> people;
   std::vector<PlacedText> without;  // robots and models that are left out, after all are placed
   std::vector<Warning> warnings;
 };

@@ -52,10 +52,6 @@ class BuildingReader {
                                    CountText(furniture_.size(), "kind") +
                                    ", whose shapes are not in this file; they are left out");
     }
-    if (site_.crowd.is_enabled && site_.crowd.people() > 0) {
-      yaml_.Warn(yaml_.Find(root, "crowd_sim"),
-                 "found " + std::to_string(site_.crowd.people()) + " people in 'crowd_sim'; they are not simulated");
-    }
   }
 
   // Levels, in coordinates of the file.

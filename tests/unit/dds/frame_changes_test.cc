@@ -23,6 +23,7 @@ FrameMessage FirstFrame() {
   frame.state.imus.resize(2);
   frame.state.lights.resize(3);
   frame.state.cameras.resize(2);
+  frame.state.people.resize(2);
   return frame;
 }
 
@@ -86,6 +87,10 @@ class Changes {
       Change(lift.z);
       Change(lift.session, state.robots.size());
       if (Chance(0.1)) lift.floor = static_cast<std::uint32_t>(Below(9));
+    }
+    for (PersonState& person : state.people) {
+      for (double* number : {&person.X_WP.x, &person.X_WP.heading, &person.vx, &person.vy}) Change(*number);
+      if (Chance(0.1)) ++person.choices;
     }
     for (ImuState& imu : state.imus) {
       for (double* number : {&imu.vx, &imu.vy, &imu.vz}) Change(*number);

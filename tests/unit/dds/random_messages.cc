@@ -310,6 +310,14 @@ FrameMessage RandomMessages::Frame() {
   for (LiftState& lift : frame.state.lifts) {
     lift = {Number(), static_cast<std::uint32_t>(Bits()), MaybeId<RobotId>(frame.state.robots.size()), Coin()};
   }
+  frame.state.people.resize(Below(4));
+  for (PersonState& person : frame.state.people) {
+    const auto number = [this] { return static_cast<std::uint32_t>(Below(100)); };
+    person = {{Number(), Number(), Number(), Number()}, Number(), Number(), 0, 0, 0, 0, 0};
+    for (std::uint32_t* field : {&person.goals, &person.goal, &person.choices, &person.waits, &person.watched}) {
+      *field = number();
+    }
+  }
   if (!frame.state.robots.empty()) frame.state.transmissions.resize(Below(5));
   for (RadioTransmission& transmission : frame.state.transmissions) {
     const std::size_t robots = frame.state.robots.size();

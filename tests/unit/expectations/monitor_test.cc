@@ -94,6 +94,26 @@ TEST_F(MonitorTest, VerdictsAreKnownAsSoonAsNothingCanChangeThem) {
   EXPECT_EQ(Run("exists r: eventually at(r, dock, 22 cm)", 40).decided_at(), 16u);  // at 0.8 m
 }
 
+TEST_F(MonitorTest, PeopleAreMeasured) {
+  EXPECT_EQ(Measure("min of person_distance(anna)", 5), std::numeric_limits<double>::infinity());
+  // One who stands beside anna's way, 0.55 m from her side as she passes.
+  WorldDescription& world = world_.world();
+  world.goal_sets.resize(1);
+  world.shapes.push_back({{{{{-0.25, -0.25}, {0.25, -0.25}, {0.25, 0.25}, {-0.25, 0.25}}, {0.0, 1.75}}}, {}, {}});
+  world.models.emplace_back();
+  world.models.back().name = "guest";
+  world.models.back().shape = ShapeId(world.shapes.size() - 1);
+  world.models.back().X_PM = {1.0, 1.0, 0.0, 0.0};
+  world.people.push_back({.root = ModelId(world.models.size() - 1), .reaction = PersonReaction::kCareless});
+  EXPECT_NEAR(*Measure("min of person_distance(anna)", 60), 0.55, 1e-9);
+  // Within 0.6 m from x = 0.35 to 1.65 m, the ticks 7 to 33.
+  EXPECT_NEAR(*Measure("final of intrusion_time(anna, 60 cm)", 60), 2.7, 1e-9);
+  EXPECT_EQ(Measure("final of intrusions(anna, 60 cm)", 60), 1.0);
+  EXPECT_EQ(Measure("max of people_near(anna, 60 cm)", 60), 1.0);
+  EXPECT_EQ(Measure("final of people_near(anna, 60 cm)", 60), 0.0);
+  EXPECT_EQ(Measure("final of sum r: intrusions(r, 10 m)", 60), 2.0);
+}
+
 TEST_F(MonitorTest, SignalsAreThoseOfTheWorld) {
   for (const char* const text : {"distance(anna, bob) >= 0.599 m and distance(anna, bob) <= 0.601 m",
                                  "distance(anna, wall) > 2.299 m",

@@ -101,6 +101,9 @@ TEST(CheckStateTest, EveryNumberIsFinite) {
   state.doors.resize(1);
   world.lifts.emplace_back().floors.resize(1);
   state.lifts.resize(1);
+  world.goal_sets.resize(1);
+  world.people.push_back({.root = ModelId(0)});
+  state.people.resize(1);
   ASSERT_TRUE(CheckState(world, devices, state).ok());
   int numbers = 0;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
@@ -113,7 +116,7 @@ TEST(CheckStateTest, EveryNumberIsFinite) {
       }
     });
   });
-  EXPECT_EQ(numbers, 7 + 2 + 5 + 2 + 3 + 2 + 2 + 1);
+  EXPECT_EQ(numbers, 7 + 2 + 5 + 2 + 3 + 2 + 2 + 1 + 6);
 }
 
 WorldState HashedState() {
@@ -153,6 +156,9 @@ void Change(double& number) {
 }
 void Change(bool& flag) {
   flag = !flag;
+}
+void Change(std::uint32_t& number) {
+  ++number;
 }
 void Change(std::uint64_t& number) {
   ++number;

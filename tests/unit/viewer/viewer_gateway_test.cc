@@ -141,6 +141,7 @@ struct ParsedUpdate {
     reader.ReadRows(cameras);
     EXPECT_EQ(reader.ReadCount(), 0u);  // doors
     EXPECT_EQ(reader.ReadCount(), 0u);  // lifts
+    EXPECT_EQ(reader.ReadCount(), 0u);  // people
     EXPECT_EQ(reader.ReadCount(), 0u);  // events
     EXPECT_EQ(flags & 4, 0);
     if ((flags & 8) == 0) return;

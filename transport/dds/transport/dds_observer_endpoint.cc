@@ -18,7 +18,7 @@ constexpr std::size_t kShortFrameRows = 500;
 
 std::size_t RowsOf(const WorldState& state) {
   return state.robots.size() + state.joints.size() + state.grippers.size() + state.objects.size() +
-         state.transmissions.size();
+         state.transmissions.size() + state.people.size();
 }
 
 }  // namespace

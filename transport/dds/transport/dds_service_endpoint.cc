@@ -43,7 +43,8 @@ bool HaveSameSizes(const WorldState& a, const WorldState& b) {
   return a.robots.size() == b.robots.size() && a.joints.size() == b.joints.size() &&
          a.grippers.size() == b.grippers.size() && a.objects.size() == b.objects.size() &&
          a.stores.size() == b.stores.size() && a.imus.size() == b.imus.size() && a.lights.size() == b.lights.size() &&
-         a.cameras.size() == b.cameras.size() && a.doors.size() == b.doors.size() && a.lifts.size() == b.lifts.size();
+         a.cameras.size() == b.cameras.size() && a.doors.size() == b.doors.size() && a.lifts.size() == b.lifts.size() &&
+         a.people.size() == b.people.size();
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ export class Bodies {
   private readonly bodies: Body[] = [];
   private readonly ofRobots: Body[] = [];  // by index, like the next
   private readonly ofObjects: Body[] = [];
+  private readonly ofPeople: Body[] = [];
   private readonly batches = new Map<string, Batch>();
   private readonly linkOfModel = new Map<number, {body: Body; link: number; pose: Pose}>();
   private readonly matrix = new Matrix4();
@@ -77,6 +78,9 @@ export class Bodies {
     });
     world.objects.forEach((root, index) => {
       if (!world.models[root].removed) this.addBody({kind: 'object', index}, root);
+    });
+    world.people.forEach((root, index) => {
+      if (!world.models[root].removed) this.addBody({kind: 'person', index}, root);
     });
     for (const batch of this.batches.values()) {
       const mesh = new InstancedMesh(batch.geometry, this.material, batch.owners.length);
@@ -127,6 +131,10 @@ export class Bodies {
       batch.isRecolored = false;
       mesh.boundingSphere = null;  // else picking would use the poses of before
     }
+  }
+
+  private bodiesOf(kind: Entity['kind']): Body[] {
+    return {robot: this.ofRobots, object: this.ofObjects, person: this.ofPeople}[kind];
   }
 
   radiusOf(entity: Entity): number {
@@ -195,7 +203,7 @@ export class Bodies {
   }
 
   private bodyOf(entity: Entity): Body | undefined {
-    return (entity.kind === 'robot' ? this.ofRobots : this.ofObjects)[entity.index];
+    return this.bodiesOf(entity.kind)[entity.index];
   }
 
   private linkPoses(body: Body, run: Run): Pose[] | null {
@@ -240,7 +248,7 @@ export class Bodies {
     }
     for (const link of links) this.addInstance(link, entity, body);
     this.bodies.push(body);
-    (entity.kind === 'robot' ? this.ofRobots : this.ofObjects)[entity.index] = body;
+    this.bodiesOf(entity.kind)[entity.index] = body;
   }
 
   private addInstance(link: Link, entity: Entity, body: Body): void {

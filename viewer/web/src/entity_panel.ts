@@ -31,7 +31,8 @@ export class EntityPanel {
     if (!entity || !pose) return;
     setText(byId('panel-name'), nameOf(run.world, entity));
     if (entity.kind === 'robot') this.showRobot(run, entity.index, pose, agent);
-    else this.showObject(run, entity.index, pose);
+    else if (entity.kind === 'object') this.showObject(run, entity.index, pose);
+    else this.showPerson(run, entity.index, pose);
   }
 
   // At each update, also between two texts.
@@ -92,6 +93,19 @@ export class EntityPanel {
       const gripper = run.world.grippers[row.holder];
       facts.push(['held by', `${run.world.robots[gripper.robot].name}, ${gripper.name}`]);
     }
+    this.showFactsOnly(facts);
+  }
+
+  private showPerson(run: Run, person: number, pose: Pose): void {
+    const row = run.people[person];
+    const speed = Math.hypot(row.vx, row.vy);
+    const badge = byId('panel-state');
+    badge.className = `badge ${speed > 0.05 ? 'moving' : 'idle'}`;
+    setText(badge, row.waits > 0 ? 'waiting' : speed > 0.05 ? 'walking' : 'standing');
+    this.showFactsOnly([...this.poseFacts(pose), ['speed', `${fixed(speed, 3)} m/s`], ['goals', `${row.choices}`]]);
+  }
+
+  private showFactsOnly(facts: Array<[string, string]>): void {
     this.showFacts(facts);
     this.joints.replaceChildren();
     byId('panel-sensors').hidden = true;

@@ -1,6 +1,6 @@
 // Motion: the poses at which bodies are drawn between two updates, so that a run of ten ticks a second does not jerk. A
 // body moves from where it is drawn to its newest pose, in the time that passed between the last two updates.
-import type {JointRow, ObjectRow, RobotRow} from '../generated/rows';
+import type {JointRow, ObjectRow, PersonRow, RobotRow} from '../generated/rows';
 import {BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, LineBasicMaterial, LineSegments} from 'three';
 import {robotColorOf} from './colors';
 import type {Pose} from './protocol';
@@ -13,6 +13,7 @@ const MOST_BODIES = 400;  // beyond that the drawing costs more than it shows
 interface Shown {
   robots: Pose[];
   objects: Pose[];
+  people: Pose[];
   joints: number[];
 }
 
@@ -36,7 +37,7 @@ export class Motion {
   // The run has a new state.
   update(run: Run, now: number): void {
     const key = `${run.world.number} ${run.edition} ${run.past}`;
-    const isSmall = run.world.robots.length + run.world.objects.length <= MOST_BODIES;
+    const isSmall = run.world.robots.length + run.world.objects.length + run.world.people.length <= MOST_BODIES;
     const advances = this.enabled && this.target !== null && key === this.key && run.tick > this.tick;
     if (run.tick === this.tick && key === this.key) {
       this.run = run;
@@ -53,7 +54,7 @@ export class Motion {
     // Now, because the next update changes the rows of the run.
     this.target = this.enabled && isSmall ? {
       robots: run.robots.map(row => row.pose), objects: run.objects.map(row => row.pose),
-      joints: run.joints.map(row => row.position),
+      joints: run.joints.map(row => row.position), people: run.people.map(row => row.pose),
     } : null;
   }
 
@@ -68,16 +69,17 @@ export class Motion {
       this.from = null;
       return run;
     }
-    const {robots, objects, joints} = this.shown(now);
+    const {robots, objects, joints, people} = this.shown(now);
     const view = Object.create(run) as Run;
     view.robots = run.robots.map((row, i): RobotRow => ({...row, pose: robots[i]}));
     view.objects = run.objects.map((row, i): ObjectRow => ({...row, pose: objects[i]}));
+    view.people = run.people.map((row, i): PersonRow => ({...row, pose: people[i]}));
     view.joints = run.joints.map((row, i): JointRow => ({...row, position: joints[i]}));
     return view;
   }
 
   private shown(now: number): Shown {
-    const target = this.target ?? {robots: [], objects: [], joints: []};
+    const target = this.target ?? {robots: [], objects: [], joints: [], people: []};
     const from = this.from;
     if (!from || !this.moves(now)) return target;
     const t = (now - this.begin) / this.duration;
@@ -85,6 +87,7 @@ export class Motion {
     return {
       robots: poses(from.robots, target.robots),
       objects: poses(from.objects, target.objects),
+      people: poses(from.people, target.people),
       joints: target.joints.map((position, i) => (from.joints[i] ?? position) + t * (position - (from.joints[i] ?? position))),
     };
   }

@@ -128,6 +128,7 @@ export interface World {
   lights: Light[];
   doors: Door[];
   lifts: Lift[];
+  people: number[];  // models
 }
 
 export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held', 'mounted'];
@@ -447,6 +448,7 @@ function readWorld(r: Reader): World {
     lifts: r.list((): Lift => ({
       model: r.u32(), cabin: r.u32(), floors: r.list(() => r.text()), heights: r.list(() => r.f64()),
     })),
+    people: r.list(() => r.u32()),
   };
 }
 

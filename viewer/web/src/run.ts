@@ -89,9 +89,9 @@ export class Run extends StateTables {
   }
 }
 
-// A robot or an object of the world.
+// A robot, an object or a person of the world.
 export interface Entity {
-  kind: 'robot' | 'object';
+  kind: 'robot' | 'object' | 'person';
   index: number;
 }
 
@@ -100,7 +100,8 @@ export function sameEntity(a: Entity | null, b: Entity | null): boolean {
 }
 
 export function rootOf(world: World, entity: Entity): number {
-  return entity.kind === 'robot' ? world.robots[entity.index].root : world.objects[entity.index];
+  if (entity.kind === 'robot') return world.robots[entity.index].root;
+  return (entity.kind === 'object' ? world.objects : world.people)[entity.index];
 }
 
 // True if the model is `root` or below it.
@@ -118,11 +119,14 @@ export function findEntity(world: World, name: string): Entity | null {
   const robot = world.robots.findIndex(r => r.present && r.name === name);
   if (robot >= 0) return {kind: 'robot', index: robot};
   const object = world.objects.findIndex(o => !world.models[o].removed && world.models[o].name === name);
-  return object >= 0 ? {kind: 'object', index: object} : null;
+  if (object >= 0) return {kind: 'object', index: object};
+  const person = world.people.findIndex(p => !world.models[p].removed && world.models[p].name === name);
+  return person >= 0 ? {kind: 'person', index: person} : null;
 }
 
 export function poseOf(run: Run, entity: Entity): Pose | null {
-  const row = entity.kind === 'robot' ? run.robots[entity.index] : run.objects[entity.index];
+  const rows = {robot: run.robots, object: run.objects, person: run.people}[entity.kind];
+  const row = rows[entity.index];
   return row ? row.pose : null;
 }
 

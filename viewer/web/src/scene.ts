@@ -349,7 +349,7 @@ export class WorldScene {
 
   private applyQuality(): void {
     const world = this.setting?.world;
-    const isSmall = world !== undefined && world.robots.length + world.objects.length <= MOST_SHADOWS;
+    const isSmall = world !== undefined && world.robots.length + world.objects.length + world.people.length <= MOST_SHADOWS;
     this.surfaces.sun.castShadow = this.view === 'orbit' && isSmall && this.quality.level === 0;
     this.renderer.setPixelRatio(this.quality.pixelRatio);
     this.labels.most = this.quality.mostNames;
@@ -393,6 +393,7 @@ export class WorldScene {
     const add = ({x, y, z}: Pose): Box3 => box.expandByPoint(new Vector3(x, y, z));
     world.robots.forEach(({present, root}, i) => present && add(this.run?.robots[i]?.pose ?? world.models[root].pose));
     world.objects.forEach((root, i) => add(this.run?.objects[i]?.pose ?? world.models[root].pose));
+    world.people.forEach((root, i) => add(this.run?.people[i]?.pose ?? world.models[root].pose));
     const reach = this.leastReach;
     if (reach > 0) box.expandByPoint(new Vector3(-reach, -reach, 0)).expandByPoint(new Vector3(reach, reach, 0));
     if (box.isEmpty()) box.set(new Vector3(-5, -5, 0), new Vector3(5, 5, 1));

@@ -1,0 +1,136 @@
+// People of scenarios and buildings.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <set>
+#include <string>
+
+#include "common/model/states.h"
+#include "tests/support/files.h"
+#include "tests/support/values.h"
+#include "troupe/world_state.h"
+#include "world-service/core/find_overlap.h"
+#include "world-service/core/step.h"
+#include "worldfile/load_world.h"
+#include "worldfile/scenario/scenario.h"
+
+namespace troupe {
+namespace {
+
+using test::ValueOf;
+
+std::string Worlds() {
+  return std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/";
+}
+
+LoadedWorld Load(const std::string& text) {
+  return ValueOf(LoadScenarioText(text, Worlds() + "scenarios/text.json"));
+}
+
+std::string ErrorOf(const std::string& text) {
+  const Result<LoadedWorld> loaded = LoadScenarioText(text, "s.json");
+  return loaded.ok() ? "" : loaded.error().ToString();
+}
+
+TEST(PeopleScenario, ARuleMakesPeopleWithBodiesGoalsAndGroups) {
+  const WorldDescription world = Load(R"({
+    "places": [{"name": "desk", "pose": [3, 4, 90]}],
+    "people": [
+      {"count": 5, "region": [0, 0, 6, 6], "goals": ["desk", [1, 2]], "wait": [3, 4], "speed": [1, 1.2], "group": 2,
+       "reaction": "scared", "radius": 0.3, "height": 1.6, "name_prefix": "guest"},
+      {"count": 1, "region": [8, 0, 9, 1], "z": 4, "goals": [[1, 2], [3, 4]], "order": "in turn", "speed": 1,
+       "max_speed": 2}
+    ]})")
+                                     .world;
+  ASSERT_TRUE(Validate(world).ok());
+  ASSERT_EQ(world.people.size(), 6u);
+  ASSERT_EQ(world.goal_sets.size(), 3u);
+  EXPECT_THAT(world.goal_sets[0].points, testing::ElementsAre(Vec2(3.0, 4.0), Vec2(1.0, 2.0)));
+  EXPECT_EQ(world.goal_sets[0].wait, (Interval{3.0, 4.0}));
+  EXPECT_EQ(world.goal_sets[0].next.at(0).goals, 0u);
+  EXPECT_EQ(world.goal_sets[1].next.at(0).goals, 2u);
+  EXPECT_EQ(world.goal_sets[2].next.at(0).goals, 1u);
+  const PersonDescription& first = world.people[0];
+  EXPECT_EQ(world.model(first.root).name, "guest1");
+  EXPECT_EQ(world.model(first.root).type, "person");
+  EXPECT_EQ(first.radius, 0.3);
+  EXPECT_GE(first.speed, 1.0);
+  EXPECT_LE(first.speed, 1.2);
+  EXPECT_EQ(first.reaction, PersonReaction::kScared);
+  EXPECT_FALSE(first.leader);
+  EXPECT_EQ(world.people[1].leader, PersonId(0));
+  EXPECT_FALSE(world.people[2].leader);
+  EXPECT_EQ(world.people[3].leader, PersonId(2));
+  EXPECT_FALSE(world.people[4].leader);
+  EXPECT_EQ(world.model(world.people[5].root).X_PM.z, 4.0);
+  EXPECT_EQ(world.people[5].max_speed, 2.0);
+  const Scene scene(world);
+  EXPECT_EQ(scene.body(scene.body_of(PersonId(0))).z, (ZRange{0.0, 1.6}));
+  EXPECT_NEAR(scene.body(scene.body_of(PersonId(0))).radius, 0.3, 1e-12);
+}
+
+TEST(PeopleScenario, NobodyStartsInAnythingAndTheSeedDecides) {
+  const auto load = [](int seed) {
+    return Load(R"({"world": "../office.world", "seed": )" + std::to_string(seed) + R"(,
+      "spawn": [{"model": "scout", "count": 10, "region": [-12, -8, 12, 8]}],
+      "people": [{"count": 40, "region": [-12, -8, 12, 8]}]})")
+        .world;
+  };
+  const WorldDescription world = load(1);
+  const Scene scene(world);
+  const WorldState state = InitialState(scene);
+  for (const PersonDescription& person : world.people) EXPECT_FALSE(FindOverlap(scene, state, person.root));
+  EXPECT_EQ(Hash(load(1)), Hash(world));
+  EXPECT_NE(load(2).model(load(2).people[0].root).X_PM, world.model(world.people[0].root).X_PM);
+}
+
+TEST(PeopleScenario, PeopleOfTheShowsWalk) {
+  for (const char* name : {"people.json", "hall.json"}) {
+    SCOPED_TRACE(name);
+    const Scene scene(ValueOf(LoadScenario(Worlds() + "scenarios/" + name)).world);
+    ASSERT_FALSE(scene.world().people.empty());
+    WorldState state = InitialState(scene);
+    const WorldState start = state;
+    BodyIndex bodies(scene);
+    for (int i = 0; i < 100; ++i) state = Step(scene, state, {}, bodies).state;
+    std::size_t walked = 0;
+    for (std::size_t i = 0; i < state.people.size(); ++i) {
+      walked += (state.people[i].X_WP.translation() - start.people[i].X_WP.translation()).norm() > 1.0 ? 1 : 0;
+      EXPECT_FALSE(FindOverlap(scene, state, scene.world().people[i].root)) << i;
+    }
+    EXPECT_GT(walked, state.people.size() / 2);
+  }
+}
+
+TEST(PeopleScenario, ErrorsNameThePlace) {
+  EXPECT_EQ(ErrorOf(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "goals": ["desk"]}]})"),
+            "s.json:1:60: error: found no place 'desk', expected the name of one, or a point [x, y]");
+  EXPECT_EQ(ErrorOf(R"({"people": [{"count": 9, "region": [0, 0, 1, 1]}]})").substr(0, 30),
+            "s.json:1:13: error: found room");
+  EXPECT_EQ(ErrorOf(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "speed": [2, 1]}]})"),
+            "s.json:1:63: error: found a greatest value below the least, expected one that is not");
+  EXPECT_THAT(ErrorOf(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "reaction": "angry"}]})"),
+              testing::HasSubstr("expected 'regular', 'curious', 'scared' or 'careless'"));
+}
+
+TEST(Guesthouse, ItsCrowdWalksToTheSeats) {
+  const Scene scene(ValueOf(LoadWorld(Worlds() + "sites/guesthouse.building.yaml")).world);
+  const WorldDescription& world = scene.world();
+  ASSERT_EQ(world.people.size(), 3u);
+  ASSERT_EQ(world.goal_sets.size(), 2u);
+  EXPECT_EQ(world.goal_sets[1].name, "arriving");
+  EXPECT_EQ(world.goal_sets[1].reach, 0.5);
+  EXPECT_EQ(world.goal_sets[1].wait, (Interval{20.0, 20.0}));
+  EXPECT_EQ(world.people[0].goals, 1u);
+  EXPECT_EQ(world.people[0].speed, 1.2);
+  EXPECT_EQ(world.people[0].max_speed, 1.6);
+  ASSERT_FALSE(world.goal_sets[1].points.empty());
+  WorldState state = InitialState(scene);
+  BodyIndex bodies(scene);
+  for (int i = 0; i < 600; ++i) state = Step(scene, state, {}, bodies).state;
+  for (const PersonState& person : state.people) EXPECT_EQ(person.goals, 0u);  // they have arrived, and stand
+}
+
+}  // namespace
+}  // namespace troupe

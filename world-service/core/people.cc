@@ -1,0 +1,528 @@
+#include "world-service/core/people.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory_resource>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/crowd/orca.h"
+#include "common/spatial/grid.h"
+#include "common/spatial/walk_routes.h"
+#include "troupe/random.h"
+
+namespace troupe {
+namespace {
+
+// Separates the choices of people from other uses of the same seed.
+constexpr std::uint64_t kChoiceStream = 0x7065'6f70'6c65;
+constexpr std::uint64_t kSwayStream = 0x7377'6179;
+
+constexpr double kAvoidReach = 5.0;         // m: others farther away are not avoided
+constexpr std::size_t kMostNeighbors = 12;  // the nearest
+constexpr double kWalkerHorizon = 1.5;      // s
+constexpr double kWallHorizon = 0.5;        // s
+constexpr double kGap = 0.01;               // m that people leave to others and to walls if they can
+constexpr double kSway = 0.02;              // of the speed, to all sides: two that are as mirrors of each other pass
+constexpr double kSlowDown = 0.5;           // s: so far ahead of its goal a person slows down
+constexpr double kTurnRate = 4.0;           // rad/s
+constexpr double kStroll = 0.1;             // m/s: slower ones keep their heading
+constexpr double kQueueGap = 0.3;           // m between people at one goal
+constexpr double kSight = 4.0;              // m at which curious and scared people notice a robot
+constexpr double kForget = 6.0;             // m at which curious ones forget the robots that they have watched
+constexpr double kWatchDistance = 1.2;      // m between a curious person and a robot
+constexpr double kWatchTime = 10.0;         // s
+constexpr double kScaredGap = 1.0;          // m that scared people leave to robots
+constexpr double kTogether = 1.5;           // m between the people of a group
+constexpr double kTooFar = 3.0;             // m at which a leader waits
+constexpr double kAllowance = 1e-9;         // m, of rounding
+constexpr std::size_t kPeopleClaim = 16;    // people that a thread claims at a time
+
+Vec2 Unit(const Vec2& v) {
+  const double length = v.norm();
+  return length > 0.0 ? Vec2(v / length) : Vec2(0.0, 0.0);
+}
+
+// A person, or a robot or an object, as people see it.
+struct Disc {
+  Vec2 center{0.0, 0.0};  // m
+  Vec2 velocity{0.0, 0.0};
+  double radius = 0.0;
+  ZRange z;
+  bool is_robot = false;
+  const std::vector<ConvexPiece>* pieces = nullptr;  // in W; null: a person
+};
+
+// A list of boxes' numbers by the cells of a grid. Discs are in the cells of their centres.
+class NearDiscs {
+ public:
+  void Fill(const std::vector<Disc>& discs) {
+    Rectangle bounds = Rectangle::Nothing();
+    max_radius_ = 0.0;
+    for (const Disc& disc : discs) {
+      bounds.Extend(disc.center);
+      max_radius_ = std::max(max_radius_, disc.radius);
+    }
+    constexpr double kCell = 2.0;  // m
+    grid_ = Grid(bounds.Inflated(kCell), kCell, 4.0 * static_cast<double>(discs.size()) + 64.0);
+    first_.assign(grid_.cell_count() + 2, 0);
+    for (const Disc& disc : discs) ++first_[grid_.CellOf(disc.center) + 2];
+    for (std::size_t i = 2; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    numbers_.resize(discs.size());
+    for (std::size_t i = 0; i < discs.size(); ++i) {
+      numbers_[first_[grid_.CellOf(discs[i].center) + 1]++] = static_cast<std::uint32_t>(i);
+    }
+  }
+
+  // Calls visit(number) for all discs that may reach within `reach` of `p`.
+  template <typename Visit>
+  void ForEachNear(const Vec2& p, double reach, Visit visit) const {
+    const CellRange range = grid_.CellsOf(Rectangle{p.x(), p.y(), p.x(), p.y()}.Inflated(reach + max_radius_));
+    for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
+      for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
+        const std::size_t cell = grid_.CellAt(column, row);
+        for (std::uint32_t i = first_[cell]; i < first_[cell + 1]; ++i) visit(numbers_[i]);
+      }
+    }
+  }
+
+ private:
+  Grid grid_;
+  double max_radius_ = 0.0;
+  std::vector<std::uint32_t> first_;  // by cell
+  std::vector<std::uint32_t> numbers_;
+};
+
+class Walks {
+ public:
+  explicit Walks(StepWorkspace& workspace)
+      : workspace_(workspace),
+        scene_(workspace.scene),
+        world_(workspace.world()),
+        routes_(scene_.walk_routes()),
+        people_(workspace.next.people),
+        plans_(people_.size()) {
+    See();
+  }
+
+  // The decisions of people `first` to `end`, by any thread.
+  void Decide(std::size_t first, std::size_t end, Orca& orca) {
+    for (std::size_t i = first; i < end; ++i) {
+      plans_[i] = people_[i];
+      plans_[i].vx = plans_[i].vy = 0.0;
+      if (Exists(i) && !is_burdened_[i]) Decide(PersonId(i), orca, plans_[i]);
+    }
+  }
+
+  void Move() {
+    const std::size_t count = people_.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = (workspace_.next.tick + k) % count;
+      if (Exists(i)) Move(PersonId(i), plans_[i]);
+    }
+  }
+
+ private:
+  bool Exists(std::size_t person) const { return !world_.model(world_.people[person].root).removed; }
+  double RadiusOf(PersonId person) const {
+    return std::max(world_.person(person).radius, scene_.body(scene_.body_of(person)).radius);
+  }
+  ZRange HeightsOf(PersonId person) const {
+    return scene_.body(scene_.body_of(person)).z + people_[person.index()].X_WP.z;
+  }
+
+  // Everything that people see: discs of people by id, then of robots and objects.
+  void See() {
+    for (std::size_t i = 0; i < people_.size(); ++i) {
+      const PersonState& person = people_[i];
+      discs_.push_back({.center = person.X_WP.translation(),
+                        .velocity = {person.vx, person.vy},
+                        .radius = RadiusOf(PersonId(i)),
+                        .z = Exists(i) ? HeightsOf(PersonId(i)) : ZRange()});
+    }
+    const WorldState& state = workspace_.next;
+    const std::size_t robots = state.robots.size();
+    for (std::size_t i = 0; i < robots + state.objects.size(); ++i) {
+      const BodyId id(i);
+      const Body& body = scene_.body(id);
+      if (body.pieces.empty()) continue;
+      const Pose& X_WB = workspace_.bodies.X_WB(id);
+      Disc disc{.center = X_WB.translation(),
+                .radius = body.radius,
+                .z = body.z + X_WB.z,
+                .is_robot = i < robots,
+                .pieces = &workspace_.bodies.pieces_in_world(id)};
+      if (disc.is_robot) {
+        const Twist& twist = state.robots[i].twist;
+        disc.velocity = workspace_.bodies.transform(id).Rotate({twist.vx, twist.vy});
+      }
+      discs_.push_back(disc);
+    }
+    near_.Fill(discs_);
+    is_burdened_.assign(people_.size(), false);
+    for (const ObjectState& object : state.objects) {
+      const std::optional<PersonId> under = object.support ? scene_.person_of(*object.support) : std::nullopt;
+      if (under) is_burdened_[under->index()] = true;
+    }
+    // How far the last of each group is behind its leader.
+    behind_.assign(people_.size(), 0.0);
+    for (std::size_t i = 0; i < people_.size(); ++i) {
+      const std::optional<PersonId>& leader = world_.people[i].leader;
+      if (!leader || !Exists(i)) continue;
+      const double distance = (discs_[i].center - discs_[leader->index()].center).norm();
+      behind_[leader->index()] = std::max(behind_[leader->index()], distance);
+    }
+  }
+
+  // Goals.
+
+  double Draw(PersonId id, std::uint32_t choices, std::uint64_t number) const {
+    return RandomUniform({world_.seed, kChoiceStream, id.index(), choices, number});
+  }
+
+  std::uint32_t Ticks(double seconds) const {
+    return static_cast<std::uint32_t>(std::min(seconds / world_.interval_seconds() + 0.5, 1e9));
+  }
+
+  // The next goal, of the set itself at first. Nothing changes after the last set.
+  void Choose(PersonId id, PersonState& person) const {
+    const std::vector<NextGoals>& next = world_.goal_sets[person.goals].next;
+    const bool is_first = person.choices == 0;
+    if (!is_first && next.empty()) return;
+    const std::uint32_t before = person.goals;
+    if (!is_first) {
+      double total = 0.0;
+      for (const NextGoals& choice : next) total += choice.weight;
+      double left = Draw(id, person.choices, 0) * total;
+      person.goals = next.back().goals;
+      for (const NextGoals& choice : next) {
+        left -= choice.weight;
+        if (left >= 0.0) continue;
+        person.goals = choice.goals;
+        break;
+      }
+    }
+    const std::size_t points = world_.goal_sets[person.goals].points.size();
+    const bool is_another = !is_first && person.goals == before && points > 1;
+    // Not the same point again.
+    const std::size_t choices = std::max<std::size_t>(points, 1) - (is_another ? 1 : 0);
+    auto goal = static_cast<std::uint32_t>(Draw(id, person.choices, 1) * static_cast<double>(choices));
+    if (is_another && goal >= person.goal) ++goal;
+    person.goal = goal;
+    ++person.choices;
+    person.waits = 0;
+  }
+
+  // The person is at its goal.
+  void Arrive(PersonId id, PersonState& person) const {
+    const GoalSet& set = world_.goal_sets[person.goals];
+    if (set.next.empty()) return;
+    person.waits = Ticks(set.wait.min + Draw(id, person.choices, 2) * (set.wait.max - set.wait.min));
+    if (person.waits == 0) Choose(id, person);
+  }
+
+  // True where another one that waits for the same point is beside it: the point itself may be taken.
+  bool IsInQueue(std::size_t i, const Vec2& target) const {
+    bool found = false;
+    const PersonState& mine = people_[i];
+    const double distance = (target - discs_[i].center).norm();
+    near_.ForEachNear(discs_[i].center, discs_[i].radius + kQueueGap, [&](std::uint32_t k) {
+      if (k >= people_.size() || k == i || !discs_[k].z.Overlaps(discs_[i].z)) return;
+      const PersonState& other = people_[k];
+      if (other.goals != mine.goals || other.goal != mine.goal || other.waits == 0) return;
+      const double gap = (discs_[k].center - discs_[i].center).norm() - discs_[k].radius - discs_[i].radius;
+      found = found || (gap <= kQueueGap && (target - discs_[k].center).norm() < distance);
+    });
+    return found;
+  }
+
+  // The velocity that the person would have alone.
+  Vec2 Walk(PersonId id, PersonState& person) {
+    const std::size_t i = id.index();
+    const PersonDescription& description = world_.person(id);
+    const Vec2& here = discs_[i].center;
+    const std::optional<PersonId> leader =
+        description.leader && Exists(description.leader->index()) ? description.leader : std::nullopt;
+    if (leader) {
+      const PersonState& first = people_[leader->index()];
+      person.goals = first.goals;
+      person.goal = first.goal;
+      person.choices = first.choices;
+      person.waits = first.waits;
+    } else if (person.choices == 0) {
+      Choose(id, person);
+    } else if (person.waits > 0 && --person.waits == 0) {
+      Choose(id, person);
+    }
+    Vec2 velocity(0.0, 0.0);
+    const GoalSet& set = world_.goal_sets[person.goals];
+    if (person.waits == 0 && person.choices > 0) {
+      if (set.points.empty()) {
+        if (!leader) Arrive(id, person);
+      } else if (const std::optional<Vec2> target = routes_.Target(id, person.goals, person.goal)) {
+        const double distance = (*target - here).norm();
+        if (distance <= set.reach || (distance <= kAvoidReach && IsInQueue(i, *target))) {
+          if (!leader) Arrive(id, person);
+        } else if (const std::optional<Vec2> next = routes_.NextPoint(id, person.goals, person.goal, here)) {
+          velocity =
+              description.speed * std::min(1.0, distance / (kSlowDown * description.speed + 1e-9)) * Unit(*next - here);
+        } else if (!leader) {
+          Choose(id, person);  // no way leads there
+        }
+      } else if (!leader) {
+        Choose(id, person);
+      }
+    }
+    if (leader) {
+      const Vec2 to_leader = discs_[leader->index()].center - here;
+      const double distance = to_leader.norm();
+      if (person.waits > 0) velocity = Vec2(0.0, 0.0);
+      if (distance > kTogether) velocity += std::min(description.speed, distance - kTogether) * Unit(to_leader);
+    } else if (behind_[i] > kTooFar) {
+      velocity *= 0.3;
+    }
+    return velocity;
+  }
+
+  // The nearest robot at the person's height; null if none is within kForget.
+  const Disc* NearestRobot(std::size_t i) const {
+    const Disc* nearest = nullptr;
+    double least = kForget;
+    std::uint32_t number = 0;
+    near_.ForEachNear(discs_[i].center, kForget, [&](std::uint32_t k) {
+      const Disc& disc = discs_[k];
+      if (!disc.is_robot || !disc.z.Overlaps(discs_[i].z)) return;
+      const double distance = (disc.center - discs_[i].center).norm() - disc.radius;
+      if (distance > least || (distance == least && k > number)) return;
+      nearest = &disc;
+      least = distance;
+      number = k;
+    });
+    return nearest;
+  }
+
+  // Changes the velocity by the person's reaction to robots; a point that it looks at, if there is one.
+  std::optional<Vec2> React(PersonId id, PersonState& person, Vec2& velocity) const {
+    const PersonDescription& description = world_.person(id);
+    if (description.reaction != PersonReaction::kCurious && description.reaction != PersonReaction::kScared) return {};
+    const Disc* const robot = NearestRobot(id.index());
+    if (robot == nullptr) {
+      person.watched = 0;
+      return {};
+    }
+    const Vec2 to = robot->center - discs_[id.index()].center;
+    const double distance = to.norm() - robot->radius;
+    if (distance > kSight) return {};
+    if (description.reaction == PersonReaction::kScared) {
+      velocity -= description.speed * (1.0 - std::max(0.0, distance) / kSight) * Unit(to);
+      return {};
+    }
+    if (person.watched >= Ticks(kWatchTime)) return {};
+    ++person.watched;
+    velocity = distance > kWatchDistance ? Vec2(description.speed * Unit(to)) : Vec2(0.0, 0.0);
+    return robot->center;
+  }
+
+  // Avoidance.
+
+  Vec2 Avoid(PersonId id, const Vec2& preferred, Orca& orca) {
+    struct Near {
+      double square;
+      std::uint32_t number;
+      bool operator<(const Near& o) const { return square != o.square ? square < o.square : number < o.number; }
+    };
+    const std::size_t i = id.index();
+    const PersonDescription& description = world_.person(id);
+    const Disc& me = discs_[i];
+    Walker walker{me.center, me.velocity, preferred, me.radius + kGap, description.max_speed};
+    std::vector<Near> near;
+    near_.ForEachNear(me.center, kAvoidReach, [&](std::uint32_t k) {
+      const Disc& other = discs_[k];
+      if (k == i || !other.z.Overlaps(me.z)) return;
+      if (other.is_robot && description.reaction == PersonReaction::kCareless) return;
+      const double reach = kAvoidReach + other.radius;
+      const double square = (other.center - me.center).squaredNorm();
+      if (square < reach * reach) near.push_back({square, k});
+    });
+    std::sort(near.begin(), near.end());
+    std::vector<WalkerNeighbor> neighbors;
+    std::vector<WallSegment> walls;
+    for (const auto& [square, k] : near) {
+      const Disc& other = discs_[k];
+      if (other.pieces != nullptr && !other.is_robot) {
+        for (const ConvexPiece& piece : *other.pieces) AddWalls(piece, me, walls);
+      } else if (neighbors.size() < kMostNeighbors) {
+        const bool avoids = other.pieces == nullptr;
+        const bool is_feared = other.is_robot && description.reaction == PersonReaction::kScared;
+        neighbors.push_back(
+            {other.center, other.velocity, other.radius + (is_feared ? kScaredGap : 0.0), avoids ? 0.5 : 1.0});
+      }
+    }
+    const double reach = me.radius + kGap + kWallHorizon * description.max_speed;
+    NearPieces pieces;
+    scene_.static_index().Query(Rectangle{me.center.x(), me.center.y(), me.center.x(), me.center.y()}.Inflated(reach),
+                                pieces);
+    for (const ConvexPiece* piece : pieces) AddWalls(*piece, me, walls);
+    const auto distance_to = [&](const WallSegment& wall) {
+      const Vec2 along = wall.b - wall.a;
+      const double s = std::clamp((me.center - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+      return (wall.a + s * along - me.center).squaredNorm();
+    };
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t k = 0; k < walls.size(); ++k) {
+      const double square = distance_to(walls[k]);
+      if (square < reach * reach) order.emplace_back(square, k);
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<WallSegment> nearest;
+    for (const auto& [square, k] : order) nearest.push_back(walls[k]);
+    return orca.Velocity(walker, neighbors, nearest);
+  }
+
+  // The sides of a piece that the person sees.
+  static void AddWalls(const ConvexPiece& piece, const Disc& me, std::vector<WallSegment>& walls) {
+    if (!piece.obstacle || !piece.z.Overlaps(me.z)) return;
+    for (std::size_t k = 0; k < piece.vertices.size(); ++k) {
+      const Vec2& a = piece.vertices[k];
+      const Vec2& b = piece.vertices[(k + 1) % piece.vertices.size()];
+      if (Cross(b - a, me.center - a) < 0.0) walls.push_back({a, b});
+    }
+  }
+
+  void Decide(PersonId id, Orca& orca, PersonState& person) {
+    Vec2 preferred = Walk(id, person);
+    const std::optional<Vec2> look_at = React(id, person, preferred);
+    if (preferred.x() != 0.0 || preferred.y() != 0.0) {
+      const Tick tick = workspace_.next.tick;
+      const double size = 2.0 * kSway * world_.person(id).speed;
+      preferred += size * Vec2(RandomUniform({world_.seed, kSwayStream, id.index(), tick, 0}) - 0.5,
+                               RandomUniform({world_.seed, kSwayStream, id.index(), tick, 1}) - 0.5);
+    }
+    const Vec2 velocity = Avoid(id, preferred, orca);
+    person.vx = velocity.x();
+    person.vy = velocity.y();
+    const Vec2 ahead = look_at ? Vec2(*look_at - discs_[id.index()].center) : velocity;
+    if (!look_at && ahead.squaredNorm() < kStroll * kStroll) return;
+    const double most = kTurnRate * world_.interval_seconds();
+    const double turn = WrapAngle(Atan2(ahead.y(), ahead.x()) - person.X_WP.heading);
+    person.X_WP.heading = WrapAngle(person.X_WP.heading + std::clamp(turn, -most, most));
+  }
+
+  // Moves.
+
+  enum class Room : std::uint8_t { kFree, kTaken, kTight };
+
+  // Whether the person's cylinder is free from `from` to `to`. Tight: others are inside it already, at `from`.
+  Room RoomOn(PersonId id, const Vec2& from, const Vec2& to) {
+    const std::size_t i = id.index();
+    const double radius = discs_[i].radius;
+    const ZRange z = discs_[i].z;
+    Rectangle box = Rectangle::Nothing();
+    box.Extend(from);
+    box.Extend(to);
+    box = box.Inflated(radius);
+    const Vec2 way[2] = {from, to};
+    const std::span<const Vec2> path(way, from == to ? 1 : 2);
+    Room room = Room::kFree;
+    const auto consider = [&](std::span<const Vec2> outline, double distance) {
+      if (FindNearestPoints(path, outline).distance >= distance - kAllowance) return;
+      const bool is_inside = FindNearestPoints(path.first(1), outline).distance < distance - kAllowance;
+      room = is_inside ? Room::kTight : std::max(room, Room::kTaken);
+    };
+    const auto consider_piece = [&](const ConvexPiece& piece) {
+      if (piece.obstacle && piece.z.Overlaps(z)) consider(piece.vertices, radius);
+    };
+    scene_.static_index().Query(box, static_pieces_);
+    for (const ConvexPiece* piece : static_pieces_) consider_piece(*piece);
+    bodies_.clear();
+    workspace_.bodies.Query(box, bodies_);
+    const BodyId first_person = scene_.body_of(PersonId(0));
+    for (const BodyId body : bodies_) {
+      if (body == scene_.body_of(id)) continue;
+      if (body < first_person) {
+        for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) consider_piece(piece);
+        continue;
+      }
+      const std::size_t other = body.index() - first_person.index();
+      if (!discs_[other].z.Overlaps(z)) continue;
+      const Vec2 center = people_[other].X_WP.translation();
+      consider(std::span(&center, 1), radius + discs_[other].radius);
+    }
+    return room;
+  }
+
+  void Move(PersonId id, const PersonState& plan) {
+    PersonState& person = people_[id.index()];
+    const Vec2 from = person.X_WP.translation();
+    const double heading = person.X_WP.heading;
+    const double seconds = workspace_.seconds();
+    const Vec2 velocity(plan.vx, plan.vy);
+    const Pose before = person.X_WP;
+    person = plan;
+    for (const double part : {1.0, 0.5, 0.25, 0.0}) {
+      const Vec2 to = from + part * seconds * velocity;
+      const Room room = RoomOn(id, from, to);
+      if (room == Room::kTaken) continue;
+      person.X_WP.x = to.x();
+      person.X_WP.y = to.y();
+      if (room == Room::kTight) {
+        // Another body is closer than the cylinder, but not in the body itself: exactly, and without turning.
+        person.X_WP.heading = heading;
+        if (!IsFree(id, before, part * velocity)) {
+          if (part > 0.0) continue;
+        }
+      }
+      person.vx = part * plan.vx;
+      person.vy = part * plan.vy;
+      break;
+    }
+    workspace_.bodies.Move(scene_.body_of(id), person.X_WP);
+  }
+
+  bool IsFree(PersonId id, const Pose& X_WP, const Vec2& velocity) const {
+    const BodyId body = scene_.body_of(id);
+    const Vec2 in_P = Transform2(X_WP).InverseRotate(velocity);
+    const Motion motion{.X_WF = X_WP, .twist = {in_P.x(), in_P.y(), 0.0}, .duration = workspace_.seconds()};
+    if (motion.IsRest()) return true;
+    return !FirstContact(scene_, workspace_.bodies, MoverOf(scene_, body), motion);
+  }
+
+  StepWorkspace& workspace_;
+  const Scene& scene_;
+  const WorldDescription& world_;
+  const WalkRoutes& routes_;
+  std::vector<PersonState>& people_;  // before the tick until Move
+  std::vector<PersonState> plans_;
+  std::vector<Disc> discs_;
+  NearDiscs near_;
+  std::vector<bool> is_burdened_;  // by person, like the next
+  std::vector<double> behind_;
+  NearPieces static_pieces_;  // memory of RoomOn
+  std::pmr::vector<BodyId> bodies_;
+};
+
+}  // namespace
+
+void MovePeople(StepWorkspace& workspace, ThreadPool* pool) {
+  const std::size_t count = workspace.next.people.size();
+  if (count == 0) return;
+  Walks walks(workspace);
+  const OrcaHorizons horizons{kWalkerHorizon, kWallHorizon, workspace.seconds()};
+  std::atomic<std::size_t> next = 0;  // the first person that no thread has claimed
+  const auto decide = [&](std::size_t) {
+    Orca orca(horizons);
+    for (std::size_t first = next.fetch_add(kPeopleClaim); first < count; first = next.fetch_add(kPeopleClaim)) {
+      walks.Decide(first, std::min(first + kPeopleClaim, count), orca);
+    }
+  };
+  if (pool != nullptr) {
+    pool->Run(pool->size(), decide);
+  } else {
+    decide(0);
+  }
+  walks.Move();
+}
+
+}  // namespace troupe

@@ -1,0 +1,280 @@
+#include "worldfile/models/people.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory_resource>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "common/model/states.h"
+#include "common/spatial/body_index.h"
+#include "common/spatial/scene.h"
+#include "troupe/random.h"
+#include "worldfile/text/text_file.h"
+
+namespace troupe {
+namespace {
+
+// Separates the starts of people from other uses of the same seed.
+constexpr std::uint64_t kStartStream = 0x7374'6172'7473;
+constexpr std::uint64_t kMostDraws = 5000;
+constexpr double kGap = 0.02;       // m between people, and to walls, at the start
+constexpr double kTogether = 1.25;  // m: people of a group start at most so far beside each other
+
+constexpr std::array kShirts{Color{0.75, 0.22, 0.17, 1.0}, Color{0.16, 0.50, 0.73, 1.0}, Color{0.15, 0.60, 0.38, 1.0},
+                             Color{0.56, 0.27, 0.68, 1.0}, Color{0.90, 0.49, 0.13, 1.0}, Color{0.20, 0.29, 0.37, 1.0},
+                             Color{0.09, 0.63, 0.52, 1.0}, Color{0.83, 0.68, 0.21, 1.0}};
+constexpr std::array kSkins{Color{0.95, 0.80, 0.69, 1.0}, Color{0.76, 0.57, 0.42, 1.0}, Color{0.45, 0.31, 0.22, 1.0}};
+
+// A prism of `sides` sides whose corners are at `radius`.
+Block Prism(int sides, double radius, const ZRange& z) {
+  Block block{{}, z};
+  for (int i = 0; i < sides; ++i) {
+    const auto [sine, cosine] = SinCos(2.0 * kPi * (i + 0.5) / sides);
+    block.outline.emplace_back(radius * cosine, radius * sine);
+  }
+  block.outline = Normalized(std::move(block.outline)).value();
+  return block;
+}
+
+class Crowd {
+ public:
+  Crowd(LoadedWorld loaded, std::uint64_t seed)
+      : loaded_(std::move(loaded)), world_(loaded_.world), seed_(seed), scene_(world_), bodies_(scene_) {
+    bodies_.Assign(PlacedState(world_));
+    for (const ModelDescription& model : world_.models) names_.insert(model.name);
+  }
+
+  Status Add(const PeopleRule& rule, std::uint64_t number) {
+    for (std::uint32_t i = 0; i < rule.count; ++i) {
+      const bool leads = i % rule.group == 0;
+      const std::optional<PersonId> leader = leads ? std::nullopt : leader_;
+      const std::optional<Pose> start = FindStart(rule, number, i, leader);
+      if (!start) {
+        return Error{rule.where, "found room for " + std::to_string(i) + " of " + std::to_string(rule.count) +
+                                     " people, expected room for all: enlarge the region or reduce count or radius"};
+      }
+      AddPerson(rule, number, i, *start, leader);
+      if (leads) leader_ = PersonId(world_.people.size() - 1);
+    }
+    return Status();
+  }
+
+  LoadedWorld Release() { return std::move(loaded_); }
+
+ private:
+  double Random(std::uint64_t rule, std::uint64_t person, std::uint64_t draw, std::uint64_t component) const {
+    return RandomUniform({seed_, kStartStream, rule, person, draw, component});
+  }
+
+  std::optional<Pose> FindStart(const PeopleRule& rule, std::uint64_t number, std::uint64_t person,
+                                const std::optional<PersonId>& leader) {
+    Rectangle box = BoundingBox(rule.region);
+    if (leader) {
+      const Vec2 beside = world_.model(world_.person(*leader).root).X_PM.translation();
+      box = Rectangle{beside.x(), beside.y(), beside.x(), beside.y()}.Inflated(kTogether);
+    }
+    for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
+      const Vec2 at(box.min_x + Random(number, person, draw, 0) * box.width(),
+                    box.min_y + Random(number, person, draw, 1) * box.height());
+      if (!Contains(rule.region, at) || !IsFree(at, rule)) continue;
+      return Pose{at.x(), at.y(), rule.z, WrapAngle((2.0 * Random(number, person, draw, 2) - 1.0) * kPi)};
+    }
+    return std::nullopt;
+  }
+
+  bool IsFree(const Vec2& at, const PeopleRule& rule) {
+    const ZRange z{rule.z, rule.z + rule.height};
+    const double reach = rule.radius + kGap;
+    const Rectangle box = Rectangle{at.x(), at.y(), at.x(), at.y()}.Inflated(reach);
+    const auto is_near = [&](const ConvexPiece& piece) {
+      return piece.obstacle && piece.z.Overlaps(z) &&
+             FindNearestPoints(std::span(&at, 1), piece.vertices).distance < reach;
+    };
+    scene_.static_index().Query(box, near_);
+    if (std::any_of(near_.begin(), near_.end(), [&](const ConvexPiece* piece) { return is_near(*piece); }))
+      return false;
+    near_bodies_.clear();
+    bodies_.Query(box, near_bodies_);
+    for (const BodyId body : near_bodies_) {
+      const std::vector<ConvexPiece>& pieces = bodies_.pieces_in_world(body);
+      if (std::any_of(pieces.begin(), pieces.end(), is_near)) return false;
+    }
+    return std::none_of(starts_.begin(), starts_.end(), [&](const Start& other) {
+      return other.z.Overlaps(z) && (other.at - at).norm() < other.radius + reach;
+    });
+  }
+
+  void AddPerson(const PeopleRule& rule, std::uint64_t number, std::uint64_t i, const Pose& start,
+                 const std::optional<PersonId>& leader) {
+    std::string name;
+    do {
+      name = rule.name_prefix + std::to_string(++numbers_);
+    } while (names_.contains(name) || names_.contains(name + ".head"));
+    const double hips = 0.48 * rule.height;
+    const double neck = 0.86 * rule.height;
+    ModelDescription model;
+    model.name = name;
+    model.type = "person";
+    model.X_PM = start;
+    model.shape = AddShape({{Prism(8, 0.8 * rule.radius, {0.0, hips}), Prism(12, rule.radius, {hips, neck})}, {}, {}});
+    model.size_x = model.size_y = 2.0 * rule.radius;
+    model.size_z = rule.height;
+    model.color = kShirts[RandomBits({seed_, kStartStream, number, i, 0}) % kShirts.size()];
+    PersonDescription person;
+    person.root = ModelId(world_.models.size());
+    person.radius = rule.radius;
+    person.speed = rule.speed.min + Random(number, i, kMostDraws, 0) * (rule.speed.max - rule.speed.min);
+    person.max_speed = rule.max_speed > 0.0 ? std::max(rule.max_speed, person.speed) : 1.4 * person.speed;
+    person.reaction = rule.reaction;
+    person.goals = rule.goals;
+    person.leader = leader;
+    world_.models.push_back(model);
+    model.name += ".head";
+    model.type = "model";
+    model.parent = person.root;
+    model.X_PM = {0.0, 0.0, neck, 0.0};
+    model.shape = AddShape({{Prism(8, std::min(0.12, 0.7 * rule.radius), {0.0, rule.height - neck})}, {}, {}});
+    model.size_x = model.size_y = 2.0 * std::min(0.12, 0.7 * rule.radius);
+    model.size_z = rule.height - neck;
+    model.color = kSkins[RandomBits({seed_, kStartStream, number, i, 1}) % kSkins.size()];
+    world_.models.push_back(std::move(model));
+    world_.people.push_back(person);
+    starts_.push_back({start.translation(), rule.radius, {rule.z, rule.z + rule.height}});
+  }
+
+  ShapeId AddShape(Shape shape) {
+    const auto same = std::find(world_.shapes.begin(), world_.shapes.end(), shape);
+    const ShapeId id(static_cast<std::size_t>(same - world_.shapes.begin()));
+    if (same == world_.shapes.end()) world_.shapes.push_back(std::move(shape));
+    return id;
+  }
+
+  struct Start {
+    Vec2 at;
+    double radius;
+    ZRange z;
+  };
+
+  LoadedWorld loaded_;
+  WorldDescription& world_;
+  const std::uint64_t seed_;
+  const Scene scene_;  // without people
+  BodyIndex bodies_;
+  std::set<std::string> names_;
+  std::uint64_t numbers_ = 0;
+  std::vector<Start> starts_;
+  std::optional<PersonId> leader_;
+  NearPieces near_;
+  std::pmr::vector<BodyId> near_bodies_;
+};
+
+// The points of a site that belong to a goal set, and the level on which they are.
+struct AreaPoints {
+  std::vector<Vec2> points;
+  std::optional<double> elevation;
+};
+
+AreaPoints PointsOf(const Site& site, const CrowdGoalSet& set) {
+  AreaPoints found;
+  for (const SiteLevel& level : site.levels) {
+    for (const SiteVertex& vertex : level.vertices) {
+      const std::string& area = vertex.human_goal_set;
+      if (area.empty() || std::find(set.areas.begin(), set.areas.end(), area) == set.areas.end()) continue;
+      if (!found.elevation) found.elevation = level.elevation;
+      // Lifts carry nobody yet: the points of another level cannot be reached.
+      if (level.elevation == *found.elevation) found.points.push_back(vertex.position);
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>& rules, std::uint64_t seed) {
+  std::uint64_t count = loaded.world.people.size();
+  for (const PeopleRule& rule : rules) {
+    count += rule.count;
+    if (count <= kMostPeople) continue;
+    return Error{rule.where,
+                 "found " + std::to_string(count) + " people in all, expected at most " + std::to_string(kMostPeople)};
+  }
+  if (rules.empty()) return loaded;
+  const std::uint64_t first = loaded.world.people.size();
+  Crowd crowd(std::move(loaded), seed);
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (Status full = crowd.Add(rules[i], first + i); !full.ok()) return full.error();
+  }
+  return crowd.Release();
+}
+
+Result<LoadedWorld> AddCrowd(LoadedWorld loaded) {
+  if (loaded.site == nullptr || !loaded.site->crowd.is_enabled || loaded.site->crowd.people() == 0) return loaded;
+  const std::shared_ptr<const Site> site = loaded.site;
+  const SiteCrowd& crowd = site->crowd;
+  const auto number_of = [&](const std::string& name) {
+    const auto found = std::find_if(crowd.states.begin(), crowd.states.end(),
+                                    [&](const CrowdState& state) { return state.name == name; });
+    return static_cast<std::uint32_t>(found - crowd.states.begin());
+  };
+  const auto first = static_cast<std::uint32_t>(loaded.world.goal_sets.size());
+  std::vector<std::optional<double>> elevations;  // by state
+  for (const CrowdState& state : crowd.states) {
+    GoalSet goals;
+    goals.name = state.name;
+    const auto set = std::find_if(crowd.goal_sets.begin(), crowd.goal_sets.end(),
+                                  [&](const CrowdGoalSet& each) { return each.id == state.goal_set; });
+    AreaPoints area;
+    if (set != crowd.goal_sets.end()) area = PointsOf(*site, *set);
+    goals.points = std::move(area.points);
+    elevations.push_back(area.elevation);
+    for (const CrowdTransition& transition : crowd.transitions) {
+      if (transition.from != state.name) continue;
+      if (transition.distance > 0.0) goals.reach = transition.distance;
+      goals.wait = {transition.wait, transition.wait};
+      for (const CrowdChoice& choice : transition.to) {
+        if (choice.weight > 0.0) goals.next.push_back({first + number_of(choice.state), choice.weight});
+      }
+    }
+    loaded.world.goal_sets.push_back(std::move(goals));
+  }
+  std::vector<PeopleRule> rules;
+  for (const CrowdGroup& group : crowd.groups) {
+    if (!group.robots.empty() || group.count == 0) continue;
+    PeopleRule rule;
+    rule.count = static_cast<std::uint32_t>(std::min<std::size_t>(group.count, kMostPeople + 1));
+    const std::uint32_t state = number_of(group.state);
+    rule.goals = first + state;
+    // All of a group start at one point: beside each other there.
+    const double half = 1.0 + std::sqrt(static_cast<double>(group.count));
+    const Vec2& at = group.start;
+    rule.region = {at + Vec2(-half, -half), at + Vec2(half, -half), at + Vec2(half, half), at + Vec2(-half, half)};
+    const double ground = site->levels.empty() ? 0.0 : site->levels.front().elevation;
+    rule.z = ground;
+    // A person that first stands has the level of the goals that follow.
+    std::uint32_t at_state = state;
+    for (std::size_t steps = 0; steps <= crowd.states.size(); ++steps) {
+      if (elevations[at_state]) {
+        rule.z = *elevations[at_state];
+        break;
+      }
+      const std::vector<NextGoals>& next = loaded.world.goal_sets[first + at_state].next;
+      if (next.empty()) break;
+      at_state = next.front().goals - first;
+    }
+    const auto profile = std::find_if(crowd.profiles.begin(), crowd.profiles.end(),
+                                      [&](const CrowdProfile& each) { return each.name == group.profile; });
+    if (profile != crowd.profiles.end()) {
+      if (profile->radius > 0.0) rule.radius = profile->radius;
+      if (profile->speed > 0.0) rule.speed = {profile->speed, profile->speed};
+      rule.max_speed = profile->max_speed;
+    }
+    rules.push_back(std::move(rule));
+  }
+  const std::uint64_t seed = loaded.world.seed;
+  return AddPeople(std::move(loaded), rules, seed);
+}
+
+}  // namespace troupe

@@ -1,0 +1,43 @@
+// People of scenarios and buildings: from rules to the bodies, goals and starts of a description.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "troupe/interval.h"
+#include "troupe/polygon.h"
+#include "troupe/result.h"
+#include "worldfile/models/build_world.h"
+#include "worldfile/sites/site.h"
+
+namespace troupe {
+
+// People that start in one region and have the same goals.
+struct PeopleRule {
+  std::uint32_t count = 0;
+  Polygon region;            // normalized, m, frame W; contains the starts
+  double z = 0.0;            // m, of the floor on which they walk
+  Interval speed{1.1, 1.5};  // m/s; each person's is drawn between these
+  double max_speed = 0.0;    // m/s; 0: 1.4 times the person's speed
+  double radius = 0.25;      // m
+  double height = 1.75;      // m
+  PersonReaction reaction = PersonReaction::kRegular;
+  std::uint32_t group = 1;  // people that walk together
+  std::uint32_t goals = 0;  // the first goal set, of the world
+  std::string name_prefix = "person";
+  SourceLocation where;
+};
+
+// The most people of a world.
+inline constexpr std::uint32_t kMostPeople = 20'000;
+
+// The world with the people of the rules, each at a start that is drawn from the region until nothing that can be hit
+// is within the person's radius. The same world, rules and `seed` give the same people. The error counts those that
+// found room. REQUIRES: the goal sets exist.
+Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>& rules, std::uint64_t seed);
+
+// The world of a building with the people of its crowd_sim, if that is enabled: its states become goal sets.
+Result<LoadedWorld> AddCrowd(LoadedWorld loaded);
+
+}  // namespace troupe

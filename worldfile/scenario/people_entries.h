@@ -1,0 +1,37 @@
+// The key "people" of a scenario.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "troupe/result.h"
+#include "worldfile/models/people.h"
+#include "worldfile/text/json_tree.h"
+
+namespace troupe {
+
+// An entry, whose goals may be named places that the world has.
+struct PeopleEntry {
+  struct Goal {
+    std::variant<Vec2, std::string> place;  // m, frame W; or its name
+    SourceLocation where;
+  };
+
+  PeopleRule rule;           // without its goal set
+  std::vector<Goal> goals;   // none: the people stand
+  bool in_turn = false;      // they are visited in their order; else drawn
+  Interval wait{2.0, 10.0};  // s, at each
+};
+
+// The area of a region: [xmin, ymin, xmax, ymax], or a polygon of corners [x, y]. REQUIRES: as the schema describes it
+Result<Polygon> ReadRegion(const JsonTree& tree, const JsonNode& region);
+
+// The entries of `root`; none without the key. REQUIRES: the tree is valid by the schema.
+Result<std::vector<PeopleEntry>> ReadPeopleEntries(const JsonTree& tree, const JsonNode& root);
+
+// The world with these people.
+Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleEntry>& entries);
+
+}  // namespace troupe
