@@ -243,10 +243,12 @@ class Walks {
     const std::size_t i = id.index();
     const PersonDescription& description = world_.person(id);
     const Vec2& here = discs_[i].center;
-    const std::optional<PersonId> leader =
-        description.leader && Exists(description.leader->index()) ? description.leader : std::nullopt;
-    if (leader) {
-      const PersonState& first = people_[leader->index()];
+    // With whom it walks; itself without a leader.
+    const std::size_t leader =
+        description.leader && Exists(description.leader->index()) ? description.leader->index() : i;
+    const bool follows = leader != i;
+    if (follows) {
+      const PersonState& first = people_[leader];
       person.goals = first.goals;
       person.goal = first.goal;
       person.choices = first.choices;
@@ -260,23 +262,23 @@ class Walks {
     const GoalSet& set = world_.goal_sets[person.goals];
     if (person.waits == 0 && person.choices > 0) {
       if (set.points.empty()) {
-        if (!leader) Arrive(id, person);
+        if (!follows) Arrive(id, person);
       } else if (const std::optional<Vec2> target = routes_.Target(id, person.goals, person.goal)) {
         const double distance = (*target - here).norm();
         if (distance <= set.reach || (distance <= kAvoidReach && IsInQueue(i, *target))) {
-          if (!leader) Arrive(id, person);
+          if (!follows) Arrive(id, person);
         } else if (const std::optional<Vec2> next = routes_.NextPoint(id, person.goals, person.goal, here)) {
           velocity =
               description.speed * std::min(1.0, distance / (kSlowDown * description.speed + 1e-9)) * Unit(*next - here);
-        } else if (!leader) {
+        } else if (!follows) {
           Choose(id, person);  // no way leads there
         }
-      } else if (!leader) {
+      } else if (!follows) {
         Choose(id, person);
       }
     }
-    if (leader) {
-      const Vec2 to_leader = discs_[leader->index()].center - here;
+    if (follows) {
+      const Vec2 to_leader = discs_[leader].center - here;
       const double distance = to_leader.norm();
       if (person.waits > 0) velocity = Vec2(0.0, 0.0);
       if (distance > kTogether) velocity += std::min(description.speed, distance - kTogether) * Unit(to_leader);
