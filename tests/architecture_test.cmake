@@ -167,6 +167,16 @@ set(may_include_viewer/gateway
   common/base common/geometry common/model common/picture transport/protocol common/sensing common/spatial
   testing/expectations viewer/foxglove worldfile/edit worldfile/text)
 
+# Recordings for the gateway, in the program and in pages without a server.
+set(may_include_viewer/recorded
+  common/base common/model recording common/spatial transport/protocol viewer/gateway world-service/replay)
+
+# The assembly of all that a page without a server needs.
+set(may_include_viewer/module
+  common/base common/image common/sensing library recording recording/mcap robot-agent/agent robot-agent/controller include/troupe/simulation.h
+  testing/cases testing/expectations transport/protocol transport/wire viewer/gateway viewer/recorded world-service/replay
+  world-service/service worldfile worldfile/map worldfile/sites worldfile/text)
+
 # The editor shows a file as if it were a paused run, and tests it by the library.
 set(may_include_viewer/editor
   common/base common/bitmap common/geometry common/image common/model transport/protocol common/spatial
@@ -192,7 +202,7 @@ set(may_include_launcher/commands
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/models worldfile/scenario
   worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
-  testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
+  testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway viewer/recorded world-service/core world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base command_line launcher/commands)
 
 # Outside transport/dds these files alone may include something of it, and of that nothing that shows DDS itself.
@@ -206,6 +216,7 @@ set(dds_headers_for_others
 # These folders are the way to ROS 2, which is DDS throughout.
 set(dds_folders
   transport/dds/binding transport/dds/convert transport/dds/transport transport/dds/tools recording transport/wire
+  viewer/module  # its headers alone
   ros/messages ros/connection ros/link launcher/export robot-agent/ros ros/participant ros/fast_dds world-service/observers/ros)
 set(ros_headers_for_others robot-agent/ros/ros_gateway.h world-service/observers/ros/ros_world_gateway.h)
 
@@ -213,10 +224,11 @@ set(failures)
 set(patterns)
 foreach(top command_line common include launcher library python recording robot-agent ros testing transport viewer/editor
     viewer/foxglove
-    viewer/gateway world-service worldfile)
+    viewer/gateway viewer/module viewer/recorded world-service worldfile)
   list(APPEND patterns ${ROOT}/${top}/*.h ${ROOT}/${top}/*.cc)
 endforeach()
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${patterns})
+list(FILTER files EXCLUDE REGEX "^viewer/module/standard/")  # headers of the standard library
 foreach(file IN LISTS files)
   get_filename_component(folder ${file} DIRECTORY)
   if(DEFINED folder_of_${file})

@@ -8,7 +8,8 @@ namespace troupe {
 std::vector<std::optional<RobotId>> FindRobots(const WorldDescription& world, const std::vector<std::string>& names) {
   std::vector<std::size_t> sorted(names.size());
   std::iota(sorted.begin(), sorted.end(), std::size_t{0});
-  std::ranges::sort(sorted, {}, [&](std::size_t i) -> const std::string& { return names[i]; });
+  std::sort(sorted.begin(), sorted.end(),
+            [&](std::size_t left, std::size_t right) { return names[left] < names[right]; });
   std::vector<std::optional<RobotId>> found(names.size());
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const std::string& name = world.robots[i].name;

@@ -14,6 +14,7 @@
 
 #include "common/base/print.h"
 #include "launcher/commands/case_work.h"
+#include "launcher/commands/temporary_folder.h"
 #include "launcher/hosts/host.h"
 #include "launcher/process/process.h"
 #include "testing/cases/worker_pool.h"
@@ -27,25 +28,6 @@ using std::chrono::steady_clock;
 
 constexpr std::size_t kMostExamined = 10;  // faults of a test that are shrunk and recorded
 constexpr std::size_t kMostPrinted = 20;   // faults of a test that are printed
-
-// A folder for temporary files, which is removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "troupe-case-XXXXXX").string();
-    if (mkdtemp(pattern.data()) != nullptr) path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::string& path() const { return path_; }  // empty: it could not be made
-
- private:
-  std::string path_;
-};
 
 }  // namespace
 
@@ -352,6 +334,7 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::fu
     auto& [test, fault] = faults_[i];
     fault.recording = answer.at("recording").get<std::string>();
     fault.picture = answer.at("picture").get<std::string>();
+    fault.page = answer.at("page").get<std::string>();
     report_.UpdateFault(test, fault);
     const std::string problem = answer.at("problem");
     return problem.empty() ? "" : "cannot keep it: " + problem;
@@ -377,6 +360,7 @@ void CaseSession::Print(const ReportedCase& fault, const LoadedTest& test) const
   if (!fault.shrunk.empty()) PrintPlain(stdout, "  smallest: {}\n", fault.shrunk);
   const std::filesystem::path folder = std::filesystem::path(options_.folder) / fault.folder;
   if (!fault.recording.empty()) PrintPlain(stdout, "  recording: {}\n", (folder / fault.recording).string());
+  if (!fault.page.empty()) PrintPlain(stdout, "  page: {}\n", (folder / fault.page).string());
   if (!fault.picture.empty()) PrintPlain(stdout, "  picture: {}\n", (folder / fault.picture).string());
 }
 

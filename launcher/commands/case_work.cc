@@ -11,7 +11,10 @@
 #include <utility>
 
 #include "common/base/file.h"
+#include "launcher/commands/shown_expectations.h"
+#include "launcher/commands/static_page.h"
 #include "launcher/process/process.h"
+#include "recording/recording.h"
 #include "testing/cases/smaller_case.h"
 
 namespace troupe {
@@ -124,6 +127,12 @@ json Shrink(const CaseWorlds& worlds, const json& request) {
           {"outcome", ToJson(shrunk.outcome)}};
 }
 
+Status WriteCasePage(const std::string& file, const StaticPageOptions& page) {
+  const Result<Recording> recording = Recording::Open(file);
+  if (!recording.ok()) return recording.error();
+  return WriteStaticPage(recording.value(), ExpectationsOf(recording.value()), page);
+}
+
 json Keep(const CaseWorlds& worlds, const json& request) {
   const TestCase draws = CaseFromJson(request.at("case"));
   const std::filesystem::path folder(request.at("folder").get<std::string>());
@@ -133,7 +142,7 @@ json Keep(const CaseWorlds& worlds, const json& request) {
   const Tick tick = failed->cause_tick.value_or(outcome.ticks);
   const auto after = static_cast<Tick>(outcome.tick_seconds > 0.0 ? kSecondsAfter / outcome.tick_seconds : 0.0);
   const Tick last = std::min(outcome.ticks, std::max(tick, failed->decided_at.value_or(tick)) + after);
-  json reply = {{"recording", ""}, {"picture", ""}, {"problem", ""}};
+  json reply = {{"recording", ""}, {"page", ""}, {"picture", ""}, {"problem", ""}};
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   const std::string scenario = (folder / "scenario.json").string();
@@ -144,6 +153,12 @@ json Keep(const CaseWorlds& worlds, const json& request) {
                    "--ticks", std::to_string(std::max<Tick>(last, 1)), "--record", (folder / "run.mcap").string()});
     if (status.ok()) reply["recording"] = "run.mcap";
   }
+  Status written;
+  const StaticPageOptions page{{}, (folder / "run.html").string()};
+  if (status.ok() && HasPageModule(page)) {
+    written = WriteCasePage((folder / "run.mcap").string(), page);
+    if (written.ok()) reply["page"] = "run.html";
+  }
   Status saved;
   CaseRunOptions options;
   options.on_tick = [&](const Simulation& simulation) {
@@ -153,7 +168,7 @@ json Keep(const CaseWorlds& worlds, const json& request) {
   };
   RunCase(worlds, draws, options);
   if (saved.ok()) reply["picture"] = "violation.png";
-  for (const Status& each : {status, saved}) {
+  for (const Status& each : {status, written, saved}) {
     if (!each.ok()) reply["problem"] = each.error().message;
   }
   return reply;

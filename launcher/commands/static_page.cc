@@ -4,24 +4,35 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <new>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "common/base/base64.h"
 #include "common/base/file.h"
+#include "common/base/json.h"
 #include "common/base/paths.h"
+#include "common/base/print.h"
+#include "launcher/commands/temporary_folder.h"
 #include "recording/recording_writer.h"
-#include "testing/reports/svg_plot.h"
+#include "robot-agent/controller/create_controller.h"
 #include "viewer/gateway/web_server.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {
 
 constexpr std::size_t kMostModuleBytes = std::size_t{64} << 20;
+constexpr std::size_t kMostContentBytes = std::size_t{256} << 20;  // of a file
+// In the page, as on a machine where Troupe is installed.
+constexpr const char* kOwnFolder = "/home";
+constexpr const char* kProgram = "/usr/bin/troupe";
+constexpr const char* kInstalledWorlds = "/usr/share/troupe/worlds";
 constexpr int kGzip = 16;  // added to the bits of a window: the format of zlib's streams
 
 // Nothing is loaded but what is in the file: the browser refuses all requests.
@@ -88,9 +99,8 @@ Result<Module> ReadModule(std::string folder) {
   return Module{std::move(wasm).value(), loader.value() + "\n" + worker.value()};
 }
 
-std::string Element(const char* id, std::string_view bytes, const std::string& name = {}) {
-  return fmt::format("<script type=\"text/plain\" id=\"{}\" data-name=\"{}\">{}</script>\n", id, Escaped(name),
-                     Base64(Gzip(bytes)));
+std::string Element(const char* id, std::string_view bytes) {
+  return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id, Base64(Gzip(bytes)));
 }
 
 // False: the page does not have the text once.
@@ -101,16 +111,34 @@ bool Replace(std::string& page, std::string_view text, const std::string& replac
   return true;
 }
 
-}  // namespace
+// What a page shows, for viewer/module/page_worker.js.
+class Content {
+ public:
+  // `file`: the one of those that are added which the page opens.
+  Content(std::string file, const ShownExpectations& expectations)
+      : file_(std::move(file)), expectations_(ToJson(expectations)) {}
 
-Status WriteStaticPage(const Recording& recording, const StaticPageOptions& options) {
+  void Add(const std::string& path, std::string_view bytes) {
+    files_.push_back({path, bytes.size()});
+    bytes_.append(bytes);
+  }
+
+  std::string Bytes(const std::string& name) const {
+    const nlohmann::json head = {
+        {"name", name}, {"file", file_}, {"program", kProgram}, {"files", files_}, {"expectations", expectations_}};
+    return JsonText(head) + "\n" + bytes_;
+  }
+
+ private:
+  const std::string file_;
+  const nlohmann::json expectations_;
+  nlohmann::json files_ = nlohmann::json::array();
+  std::string bytes_;
+};
+
+Status WritePage(const Content& content, const std::string& name, const StaticPageOptions& options) {
   const Result<Module> module = ReadModule(options.module);
   if (!module.ok()) return module.error();
-  // Without compression of its own, because the browser unpacks the whole.
-  const Result<std::vector<std::byte>> plain = PlainCopy(recording);
-  if (!plain.ok()) return plain.error();
-  const std::string_view content(reinterpret_cast<const char*>(plain.value().data()), plain.value().size());
-
   std::string page;
   std::string styles;
   std::string script;
@@ -119,8 +147,8 @@ Status WriteStaticPage(const Recording& recording, const StaticPageOptions& opti
     if (file.path == "/viewer.css") styles = Unpacked(file);
     if (file.path == "/viewer.js") script = Unpacked(file);
   }
-  const std::string name = std::filesystem::path(recording.name()).filename().string();
-  const std::string parts = Element("static-recording", content, name) + Element("static-module", module.value().wasm) +
+  const std::string parts = Element("static-content", content.Bytes(name)) +
+                            Element("static-module", module.value().wasm) +
                             Element("static-worker", module.value().worker);
   const bool is_whole =
       Replace(page, "<meta charset=\"utf-8\">",
@@ -131,6 +159,125 @@ Status WriteStaticPage(const Recording& recording, const StaticPageOptions& opti
               parts + "<script type=\"module\">" + script + "</script>");
   if (!is_whole) return Error{{}, "found no page, expected that of troupe view: build with node and npm"};
   return WriteWholeFile(options.output, page);
+}
+
+std::string Absolute(const std::string& path) {
+  std::error_code failure;
+  std::filesystem::path absolute = std::filesystem::canonical(path, failure);
+  if (failure) absolute = std::filesystem::absolute(path, failure);
+  return absolute.string();
+}
+
+bool IsBelow(const std::string& path, const std::string& folder) {
+  return path.size() > folder.size() && path.starts_with(folder) && path[folder.size()] == '/';
+}
+
+// The innermost folder that has all of the files.
+std::string CommonFolder(const std::vector<std::string>& files) {
+  std::string folder = std::filesystem::path(files.front()).parent_path().string();
+  for (const std::string& file : files) {
+    while (!folder.empty() && !IsBelow(file, folder)) folder.erase(folder.find_last_of('/'));
+  }
+  return folder;
+}
+
+// Why the module cannot run the world; ok: it can.
+Status CheckWorld(const LoadedWorld& loaded) {
+  for (const RobotDescription& robot : loaded.world.robots) {
+    const std::string& name = robot.controller.name;
+    if (!NamesLibrary(name)) continue;
+    return Error{
+        {},
+        fmt::format("robot {}: the controller {} is {}, which does not run in a page, expected built-in "
+                    "controllers; a page with a recording shows any run (troupe run --record)",
+                    robot.name, name, ControllerFile(name) == name ? "a shared library" : "a class in Python")};
+  }
+  for (const std::string& file : loaded.files) {
+    const Result<std::string> start = ReadWholeFile(file, kMostContentBytes);
+    if (!start.ok()) return Error{{file}, "cannot read: " + start.error().message};
+    const std::string ending = std::filesystem::path(file).extension().string();
+    const bool is_jpeg = start.value().starts_with("\xff\xd8\xff");
+    if (!is_jpeg && ending != ".yaml" && ending != ".yml") continue;
+    return Error{{file},
+                 fmt::format("found {}, which a page does not read, expected {}; a page with a recording shows any run "
+                             "(troupe run --record)",
+                             is_jpeg ? "a JPEG image" : "YAML",
+                             is_jpeg ? "a PNG image" : "a Stage world or a scenario without ROS maps and buildings")};
+  }
+  return {};
+}
+
+}  // namespace
+
+bool HasPageModule(const StaticPageOptions& options) {
+  const std::string folder = options.module.empty() ? InstalledFolder("module") : options.module;
+  std::error_code failure;
+  return std::filesystem::exists(std::filesystem::path(folder) / "troupe-core.wasm", failure);
+}
+
+Status WriteStaticPage(const Recording& recording, const ShownExpectations& expectations,
+                       const StaticPageOptions& options) {
+  // Without compression of its own, because the browser unpacks the whole.
+  const Result<std::vector<std::byte>> plain = PlainCopy(recording);
+  if (!plain.ok()) return plain.error();
+  Content content("/run.mcap", expectations);
+  content.Add("/run.mcap", {reinterpret_cast<const char*>(plain.value().data()), plain.value().size()});
+  return WritePage(content, std::filesystem::path(recording.name()).filename().string(), options);
+}
+
+Status WriteStaticPage(const std::string& world_file, const ShownExpectations& expectations,
+                       const StaticPageOptions& options) {
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  const Result<LoadedWorld> loaded = LoadWorld(world_file, overrides);
+  if (!loaded.ok()) return loaded.error();
+  for (const Warning& warning : loaded.value().warnings) PrintPlain(stderr, "{}\n", warning.ToString());
+  if (loaded.value().settings.ros) {
+    PrintPlain(stderr, "{}: warning: the page has no ROS 2: the run is as by troupe run --no-ros\n", world_file);
+  }
+  if (Status problem = CheckWorld(loaded.value()); !problem.ok()) return problem;
+
+  // Their places in the page tell nothing of this machine: below the innermost folder of all, or of the installation.
+  const std::string installed = Absolute(InstalledFolder("worlds"));
+  std::vector<std::string> own = {Absolute(world_file)};
+  std::vector<std::string> others;
+  for (const std::string& file : loaded.value().files) {
+    const bool is_own = IsBelow(own.front(), installed) || !IsBelow(Absolute(file), installed);
+    (is_own ? own : others).push_back(Absolute(file));
+  }
+  const std::string folder = CommonFolder(own);
+  const TemporaryFolder copy;
+  if (copy.path().empty()) return Failure("cannot make a folder for temporary files");
+  Content content(kOwnFolder + own.front().substr(folder.size()), expectations);
+  std::set<std::string> added;
+  for (const std::string& file : own) {
+    if (!added.insert(file).second) continue;
+    const Result<std::string> bytes = ReadWholeFile(file, kMostContentBytes);
+    if (!bytes.ok()) return Error{{file}, "cannot read: " + bytes.error().message};
+    const std::string place = file.substr(folder.size());
+    content.Add(kOwnFolder + place, bytes.value());
+    std::error_code failure;
+    std::filesystem::create_directories(std::filesystem::path(copy.path() + place).parent_path(), failure);
+    if (Status written = WriteWholeFile(copy.path() + place, bytes.value()); !written.ok()) return written;
+  }
+  for (const std::string& file : others) {
+    if (!added.insert(file).second) continue;
+    const Result<std::string> bytes = ReadWholeFile(file, kMostContentBytes);
+    if (!bytes.ok()) return Error{{file}, "cannot read: " + bytes.error().message};
+    content.Add(kInstalledWorlds + file.substr(installed.size()), bytes.value());
+  }
+  // The names in the files lead to the same files there.
+  overrides.allowed = AllowedPaths();
+  overrides.allowed.Add(copy.path());
+  overrides.allowed.Add(installed);
+  const Result<LoadedWorld> again = LoadWorld(copy.path() + own.front().substr(folder.size()), overrides);
+  if (!again.ok() || again.value().world != loaded.value().world) {
+    return Error{
+        {world_file},
+        "found files by absolute paths or in STAGEPATH, expected paths that begin at the files that name them, so "
+        "that a page can have them"};
+  }
+  return WritePage(content, std::filesystem::path(world_file).filename().string(), options);
 }
 
 }  // namespace troupe

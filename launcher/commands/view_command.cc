@@ -21,7 +21,6 @@
 #include "common/base/file.h"
 #include "common/base/print.h"
 #include "launcher/commands/commands.h"
-#include "launcher/commands/recorded_states.h"
 #include "launcher/commands/shown_expectations.h"
 #include "launcher/commands/static_page.h"
 #include "launcher/commands/streamed_run.h"
@@ -35,6 +34,7 @@
 #include "viewer/gateway/access.h"
 #include "viewer/gateway/past_states.h"
 #include "viewer/gateway/viewer_gateway.h"
+#include "viewer/recorded/recorded_states.h"
 
 namespace troupe {
 namespace {
@@ -47,7 +47,7 @@ constexpr int kNiceness = 10;                                    // where proces
 
 struct ViewOptions {
   NetworkSettings network;  // session empty: the only one
-  std::string file;         // of a recording; empty: a live run
+  std::string file;         // a recording, with is_static also a world; empty: a live run
   std::string listen;       // text for ParseListen; empty: the default
   std::string token_file;   // empty: the run's token, or a random one
   std::string expect;       // file with the expectations to show; empty: those of the run's scenario
@@ -60,6 +60,10 @@ struct ViewOptions {
   bool is_static = false;  // a file is written in place of a gateway that serves
   StaticPageOptions page;
 };
+
+bool IsFile(const std::string& name) {
+  return IsRecordingPath(name) || name.ends_with(".world") || name.ends_with(".json") || name.ends_with(".yaml");
+}
 
 Result<ParticipantKeys> KeysOf(const NetworkSettings& network) {
   return FindKeys(network.security, network.domain, network.session, Role::Observer());
@@ -227,22 +231,38 @@ int ServeStates(const ViewOptions& options, SignalWatch& signals) {
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, *run.value()), signals);
 }
 
-int WriteFile(const ViewOptions& options) {
-  if (options.file.empty()) {
-    fmt::print(stderr, "error: --static: found no recording, expected FILE.mcap\n");
-    return kExitBadInput;
-  }
+int WriteRecording(const ViewOptions& options, ShownExpectations expectations) {
   const Result<Recording> recording = Recording::Open(options.file);
   if (!recording.ok()) return Fail(recording.error());
   if (const std::optional<mcap::Damage>& damage = recording.value().damage()) {
     PrintPlain(stderr, "{}: warning: {}; it is shown up to there\n", options.file, damage->problem);
   }
-  const Status written = WriteStaticPage(recording.value(), options.page);
+  if (options.expect.empty()) expectations = ExpectationsOf(recording.value());
+  const Status written = WriteStaticPage(recording.value(), expectations, options.page);
+  return written.ok() ? kExitDone : Fail(written.error());
+}
+
+int WriteFile(const ViewOptions& options) {
+  if (options.file.empty()) {
+    fmt::print(stderr, "error: --static: found no file, expected a recording, a world or a scenario\n");
+    return kExitBadInput;
+  }
+  Result<ShownExpectations> expectations = ShownExpectations();
+  if (!options.expect.empty()) expectations = ReadExpectations(options.expect);
+  if (!expectations.ok()) return Fail(expectations.error());
+  if (IsRecordingPath(options.file)) return WriteRecording(options, std::move(expectations).value());
+  if (options.expect.empty()) expectations = ExpectationsOfRun(options.file);
+  const Status written = WriteStaticPage(options.file, expectations.value(), options.page);
   return written.ok() ? kExitDone : Fail(written.error());
 }
 
 int ViewCommand(ViewOptions options) {
   if (options.is_static) return WriteFile(options);
+  if (!options.file.empty() && !IsRecordingPath(options.file)) {
+    return Fail({{options.file},
+                 "found a world, expected a session or a recording; troupe run FILE runs and shows it, and --static "
+                 "writes a page that runs it"});
+  }
   SignalWatch signals;
   setpriority(PRIO_PROCESS, 0, kNiceness);
   try {
@@ -270,13 +290,12 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<ViewOptions>();
   command
       ->add_option_function<std::string>(
-          "SESSION|FILE.mcap",
-          [options](const std::string& name) {
-            (IsRecordingPath(name) ? options->file : options->network.session) = name;
-          },
-          "Session of the run (default: the only one in the domain), or a recording")
-      ->check(CLI::Validator(
-          [](std::string& text) { return IsRecordingPath(text) ? std::string() : SessionName()(text); }, ""));
+          "SESSION|FILE",
+          [options](const std::string& name) { (IsFile(name) ? options->file : options->network.session) = name; },
+          "Session of the run (default: the only one in the domain), or a recording (.mcap); with --static a "
+          "recording, "
+          "a world or a scenario")
+      ->check(CLI::Validator([](std::string& text) { return IsFile(text) ? std::string() : SessionName()(text); }, ""));
   AddListenOption(*command, options->listen);
   command
       ->add_option(
@@ -325,8 +344,8 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
   command->add_flag("--states", options->states, "")->group("");
   command->add_flag("--view-only", options->view_only, "Refuse requests that change the run");
   CLI::Option* const is_static = command->add_flag("--static", options->is_static,
-                                                   "Write a page that needs no server: one file with the recording and "
-                                                   "the simulation, which computes and proves it");
+                                                   "Write a page that needs no server: one file with the simulation, "
+                                                   "which computes and proves a recording, or runs a scenario");
   command->add_option("-o,--output", options->page.output, "File of --static")->needs(is_static)->type_name("FILE");
   is_static->needs("--output");
   command

@@ -50,8 +50,13 @@ json ToJson(const ReportedTest& test) {
 }
 
 json ToJson(const ReportedCase& reported) {
-  return {{"outcome", ToJson(reported.outcome)}, {"command", reported.command},     {"shrunk", reported.shrunk},
-          {"folder", reported.folder},           {"recording", reported.recording}, {"picture", reported.picture}};
+  return {{"outcome", ToJson(reported.outcome)},
+          {"command", reported.command},
+          {"shrunk", reported.shrunk},
+          {"folder", reported.folder},
+          {"recording", reported.recording},
+          {"picture", reported.picture},
+          {"page", reported.page}};
 }
 
 void CaseReport::AddTest(const ReportedTest& test) {
@@ -187,6 +192,7 @@ Status CaseReport::AddLines(const std::string& file) {
         reported.folder = folder.empty() ? "" : (from / folder).lexically_normal().string();
         reported.recording = fault.at("recording").get<std::string>();
         reported.picture = fault.at("picture").get<std::string>();
+        reported.page = fault.value("page", std::string());  // older files have none
       } else {
         reported.outcome.verdict =
             verdict == ToString(CaseVerdict::kPassed) ? CaseVerdict::kPassed : CaseVerdict::kNotRun;

@@ -42,6 +42,7 @@ struct ReportedCase {
   std::string folder = {};     // with its recording and picture, from the report's folder; empty: none
   std::string recording = {};  // file names in it; empty: none
   std::string picture = {};
+  std::string page = {};  // that shows the recording without a server
 };
 
 nlohmann::json ToJson(const ReportedTest& test);

@@ -59,6 +59,10 @@ std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool 
   if (!outcome.error.empty()) html += "<p>" + Escaped(outcome.error) + "</p>\n";
   if (!fault.command.empty()) html += "<p>Repeat: <code>" + Escaped(fault.command) + "</code></p>\n";
   if (!fault.shrunk.empty()) html += "<p>The smallest case found: <code>" + Escaped(fault.shrunk) + "</code></p>\n";
+  if (!fault.page.empty()) {
+    html += fmt::format("<p><a href=\"{}/{}\">Watch it</a>: a page that needs no server</p>\n", Escaped(fault.folder),
+                        Escaped(fault.page));
+  }
   if (!fault.recording.empty()) {
     html += fmt::format("<p><a href=\"{0}/{1}\">Recording</a>: <code>troupe view {0}/{1}</code></p>\n",
                         Escaped(fault.folder), Escaped(fault.recording));

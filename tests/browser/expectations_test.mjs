@@ -159,4 +159,18 @@ async function fitsThePage() {
   await close(phone, viewed);
 }
 
-await pages.runAll([tellsOfARunAndOfItsRecording, fitsThePage], path);
+// A recording that stands gives the page one state and no news, however soon after the page's start.
+async function asksAtOnce() {
+  const viewed = new Program(troupe, ['view', path('watched.mcap'), '--listen', '127.0.0.1:0']);
+  const url = await viewed.line('viewer: ');
+  const page = await pages.open('about:blank', 1280, 720);
+  await page.addInitScript(() => {
+    const now = performance.now.bind(performance);
+    performance.now = () => now() / 1000;
+  });
+  await page.goto(url);
+  await page.locator('.expect-row').first().waitFor({timeout: 30_000});
+  await close(page, viewed);
+}
+
+await pages.runAll([tellsOfARunAndOfItsRecording, fitsThePage, asksAtOnce], path);

@@ -33,6 +33,31 @@ RowMark MarkOf(const Monitor& monitor) {
 
 }  // namespace
 
+Json ToJson(const ShownExpectations& expectations) {
+  Json list = Json::array();
+  for (const ShownExpectation& each : expectations.list) list.push_back({each.name, each.text});
+  Json regions = Json::array();
+  for (const NamedRegion& region : expectations.regions) {
+    Json outline = Json::array();
+    for (const Vec2& vertex : region.outline) outline.push_back({vertex.x(), vertex.y()});
+    regions.push_back({region.name, std::move(outline)});
+  }
+  return {{"list", std::move(list)}, {"regions", std::move(regions)}};
+}
+
+ShownExpectations ShownExpectationsFromJson(const Json& json) {
+  ShownExpectations expectations;
+  for (const Json& each : json.at("list")) {
+    expectations.list.push_back({each.at(0).get<std::string>(), each.at(1).get<std::string>()});
+  }
+  for (const Json& each : json.at("regions")) {
+    Polygon outline;
+    for (const Json& vertex : each.at(1)) outline.emplace_back(vertex.at(0).get<double>(), vertex.at(1).get<double>());
+    expectations.regions.push_back({each.at(0).get<std::string>(), std::move(outline)});
+  }
+  return expectations;
+}
+
 ExpectationRows::ExpectationRows(PastStates& past, ShownExpectations expectations)
     : past_(past), regions_(std::move(expectations.regions)) {
   for (ShownExpectation& shown : expectations.list) rows_.push_back({std::move(shown)});

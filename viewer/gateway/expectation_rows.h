@@ -27,6 +27,10 @@ struct ShownExpectations {
   std::vector<ShownExpectation> list;
   std::vector<NamedRegion> regions;  // that they name
 };
+// For a page that judges them itself.
+nlohmann::json ToJson(const ShownExpectations& expectations);
+// The inverse. Throws std::exception for another value.
+ShownExpectations ShownExpectationsFromJson(const nlohmann::json& json);
 
 class ExpectationRows {
  public:

@@ -320,7 +320,18 @@ Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest)
     const auto id = WholeNumberIn(object, "id");
     const auto seed = WholeNumberIn(object, "seed");
     if (!id || (object.contains("seed") && !seed)) return Malformed("a new run", "an id, and a whole number as seed");
-    return PageRequest(RunAgainRequest{*id, seed});
+    RunAgainRequest again{*id, seed};
+    if (const auto values = object.find("values"); values != object.end()) {
+      again.values.emplace();
+      if (!values->is_array()) return Malformed("a new run", "an array of values");
+      for (const Json& value : *values) {
+        if (!value.is_array() || value.size() != 2 || !value[0].is_string()) {
+          return Malformed("a new run", "values as arrays of a path and a value");
+        }
+        again.values->emplace_back(value[0].get<std::string>(), value[1].dump());
+      }
+    }
+    return PageRequest(std::move(again));
   }
   return Malformed("type '" + type + "'", "select, control, seek, live, series, totals, expectations or run_again");
 }

@@ -19,7 +19,9 @@
 //   (signals.h)
 //     between two positions; {"type": "totals", "id": 12}: of robots (past_reader.h); {"type": "expectations", "id":
 //     14}: their verdicts (expectation_rows.h)
-//   {"type": "run_again", "id": 13, "seed": 5}: starts a run that is over again; without a seed with its own
+//   {"type": "run_again", "id": 13, "seed": 5}: starts a run that is over again; without a seed with its own. A page
+//     that runs its scenario itself starts it at any time, and with other values: "values": [["spawn[0].count", 20],
+//     ...]
 //   {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (edit_operation.h)
 // The commands are those of `troupe ctl`, but for those that name files.
 #pragma once
@@ -29,6 +31,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -95,6 +98,8 @@ struct ExpectationsRequest {
 struct RunAgainRequest {
   std::uint64_t id = 0;  // repeated in the reply
   std::optional<std::uint64_t> seed = {};
+  // Of the scenario, by their paths (testing/cases/value_path.h), as JSON; nothing: those of the run before.
+  std::optional<std::vector<std::pair<std::string, std::string>>> values = {};
   bool operator==(const RunAgainRequest&) const = default;
 };
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "viewer/gateway/page_messages.h"
 #include "viewer/gateway/page_request.h"
@@ -29,6 +30,12 @@ struct ShownRun {
   FeedContent content;                          // of a recording: the events alone
   StateRows rows;                               // of the state
   std::uint64_t update = 0;                     // counts the versions of the content
+  std::vector<TimeSpan> spans = {};             // of the timeline of a run
+
+  // Reads the newest content of the feed, with its rows and its status.
+  void Follow(const RunFeed& feed);
+  // Describes the timeline of a run, where the page does not know it by the ends of the past in each update.
+  void Describe(std::vector<TimeSpan> newest);
 };
 
 class Viewer {

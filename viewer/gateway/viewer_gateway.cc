@@ -74,7 +74,6 @@ class Viewers final : public WebHandler {
 
   static Changed Executed(RunLink& link, const Change& change);
   std::string Metrics();
-  void DescribeTimeline();
   void Ask(WebLoop& loop, ViewerId id, std::uint64_t number, PastQuestion question);
   std::size_t LongestRequest() const { return options_.editor ? kLongestEditRequest : kLongestPageRequest; }
   void NameSession();
@@ -99,7 +98,6 @@ class Viewers final : public WebHandler {
   std::atomic<bool> have_seen_end_ = true;
   std::set<ViewerId> summed_up_;  // that have the totals of the whole past
   int periods_at_end_ = 0;        // since all viewers know the end
-  std::vector<TimeSpan> spans_;   // of run_.timeline
   PastAnswers answers_;
   RequestQueue<PastQuestion, PastAnswer> questions_;  // with one thread for all
   std::optional<Follower> follower_;                  // of a live run, as the next
@@ -234,20 +232,6 @@ void Viewers::Ask(WebLoop& loop, ViewerId id, std::uint64_t number, PastQuestion
   Answer(loop, id, ReplyToControl(number, Failure("too many questions about the past wait")));
 }
 
-void Viewers::DescribeTimeline() {
-  std::vector<TimeSpan> spans = past_.Spans();
-  // The newest span grows, and the oldest shrinks, with the ends in each update.
-  const bool is_same =
-      spans.size() == spans_.size() &&
-      std::equal(spans.begin(), spans.end(), spans_.begin(), [&](const TimeSpan& a, const TimeSpan& b) {
-        return a.first - a.tick == b.first - b.tick && (&a == &spans.back() || a.last == b.last) &&
-               (&a == &spans.front() || a.first == b.first);
-      });
-  if (is_same) return;
-  run_.timeline = TimelineText(spans);
-  spans_ = std::move(spans);
-}
-
 void Viewers::Answer(WebLoop& loop, ViewerId id, PageReply reply) {
   const auto known = viewers_.find(id);
   if (known == viewers_.end()) return;
@@ -282,19 +266,10 @@ void Viewers::OnWake(WebLoop& loop) {
 }
 
 void Viewers::OnPeriod(WebLoop& loop) {
-  const std::shared_ptr<const ViewedState> before = run_.content.state;
-  const std::optional<StatusMessage> status = run_.content.status;
-  const std::uint64_t version = run_.content.version;
-  feed_.Read(run_.content);
-  if (run_.content.version != version) ++run_.update;
-  const std::shared_ptr<const ViewedState>& state = run_.content.state;
-  if (state != before && state != nullptr) {
-    run_.rows.Assign(state->state, run_.update, before == nullptr || before->world != state->world);
-  }
-  if (run_.content.status != status) run_.status = StatusText(run_.content.status);
+  run_.Follow(feed_);
   NameSession();
   if (!is_recording_) {
-    DescribeTimeline();
+    run_.Describe(past_.Spans());
     if (feed_.lacks_states() && answers_.WantsJournal()) questions_.Add(kNoViewer, JournalRequest());
   }
   readings_.BeginPeriod();
@@ -305,6 +280,7 @@ void Viewers::OnPeriod(WebLoop& loop) {
     loop.RequestMessage(id);
     all_know = false;
   }
+  const std::shared_ptr<const ViewedState>& state = run_.content.state;
   const bool is_over = state == nullptr || run_.content.last;  // a recording has no live state
   periods_at_end_ = all_know && is_over ? periods_at_end_ + 1 : 0;
   const bool know_all = std::all_of(viewers_.begin(), viewers_.end(),

@@ -1,8 +1,11 @@
-// PageHost: in a page without a gateway, the place of the gateway: a recording, its one viewer, and the comparison of
-// all of its states. The functions at the end are those that the page's worker (page_worker.js) calls.
+// PageHost: in a page without a gateway, the place of the gateway: a recording, whose states it compares beside, or a
+// run, and its one viewer. The functions at the end are those that the page's worker (page_worker.js) calls.
 #include <emscripten.h>
 
+#include <algorithm>
 #include <chrono>
+#include <deque>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,37 +13,49 @@
 #include <utility>
 
 #include "common/base/json.h"
-#include "launcher/commands/recorded_states.h"
+#include "common/base/or_failure.h"
+#include "testing/cases/value_path.h"
 #include "viewer/gateway/page_texts.h"
 #include "viewer/gateway/page_viewer.h"
-#include "viewer/gateway/past_reader.h"
+#include "viewer/gateway/past_answers.h"
+#include "viewer/module/page_run.h"
+#include "viewer/module/scenario_values.h"
+#include "viewer/recorded/recorded_states.h"
 #include "world-service/replay/replayed_world.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
 
+using Json = nlohmann::json;
+
 // Steps a recording from its start, and compares the hash of each state with the recorded one.
 class Proof {
  public:
-  explicit Proof(const Recording& recording) : recording_(recording), world_(recording), reader_(recording) {}
+  explicit Proof(Recording recording)
+      : recording_(std::make_unique<Recording>(std::move(recording))), world_(*recording_), reader_(*recording_) {}
 
-  // Goes on for about as long.
-  void Continue(std::chrono::duration<double, std::milli> time) {
-    const auto end = std::chrono::steady_clock::now() + time;
-    while (!done_ && std::chrono::steady_clock::now() < end) Advance();
+  bool done() const { return done_; }
+  // Continues for about as long, s.
+  void Work(double seconds) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    do {
+      Advance();
+    } while (!done_ && std::chrono::steady_clock::now() < end);
   }
 
-  nlohmann::json ToJson() const {
-    nlohmann::json json = {{"type", "proof"}, {"done", done_}, {"equal", equal_}, {"problem", problem_}};
+  // `states`: that are recorded.
+  std::string Text(std::uint64_t states) const {
+    Json json = {{"type", "proof"}, {"done", done_}, {"equal", equal_}, {"states", states}, {"problem", problem_}};
     if (!problem_.empty()) json["tick"] = tick_.tick;
-    return json;
+    return JsonText(json);
   }
 
  private:
   void Advance() {
     const Result<bool> more = reader_.Next(tick_);
     if (!more.ok()) return End(more.error().message);
-    if (!more.value()) return End(recording_.damage() ? recording_.damage()->problem : std::string());
+    if (!more.value()) return End(recording_->damage() ? recording_->damage()->problem : std::string());
     if (const Status problem = world_.Follow(tick_); !problem.ok()) return End(problem.error().message);
     ++equal_;
   }
@@ -49,7 +64,7 @@ class Proof {
     done_ = true;
   }
 
-  const Recording& recording_;
+  std::unique_ptr<Recording> recording_;
   ReplayedWorld world_;
   TickReader reader_;
   RecordedTick tick_;
@@ -60,17 +75,15 @@ class Proof {
 
 class PageHost {
  public:
-  // The error is a file that is no recording, or of another version of the step.
-  static Result<std::unique_ptr<PageHost>> Open(const std::string& path, const std::string& name) {
-    Result<Recording> shown = Recording::Open(path);
-    if (!shown.ok()) return shown.error();
-    Result<Recording> compared = Recording::Open(path);
-    if (!compared.ok()) return compared.error();
-    std::unique_ptr<PageHost> host(new PageHost(std::move(compared).value()));
-    Result<std::unique_ptr<RecordedStates>> states =
-        RecordedStates::Create({std::move(shown).value(), {}, true}, host->shelf_);
-    if (!states.ok()) return states.error();
-    host->Show(std::move(states).value(), name);
+  // The file is a recording, or a world or a scenario, which begins to run. `name`: of the page. The error is a file
+  // that cannot be shown.
+  static Result<std::unique_ptr<PageHost>> Open(const std::string& file, const std::string& name,
+                                                ShownExpectations expectations) {
+    std::unique_ptr<PageHost> host(new PageHost(file));
+    host->options_.session = name;
+    host->options_.expectations = std::move(expectations);
+    const Status failure = IsRecordingPath(file) ? host->OpenRecording() : host->OpenRun();
+    if (!failure.ok()) return failure.error();
     return host;
   }
 
@@ -78,31 +91,55 @@ class PageHost {
     Result<std::optional<PageRequest>> request = viewer_->Receive(text, true);
     if (!request.ok() || !request.value()) return;
     if (const auto* seek = std::get_if<SeekRequest>(&*request.value())) {
-      wanted_ = seek->position ? seek->position : states_->PositionOf(*seek->tick);
+      wanted_ = seek->position ? seek->position : past().PositionOf(*seek->tick);
       if (wanted_) viewer_->AwaitPast();
+    } else if (std::holds_alternative<LiveRequest>(*request.value())) {
+      if (run_) viewer_->ReturnToLive();
     } else if (const auto* series = std::get_if<SeriesRequest>(&*request.value())) {
-      viewer_->Answer(reader_->Series(*series));
+      Answer(*series);
     } else if (const auto* totals = std::get_if<TotalsRequest>(&*request.value())) {
-      viewer_->Answer(reader_->Totals(*totals));
+      Answer(*totals);
+    } else if (const auto* expectations = std::get_if<ExpectationsRequest>(&*request.value())) {
+      Answer(*expectations);
     } else if (const auto* control = std::get_if<PageControl>(&*request.value())) {
-      viewer_->Answer(ReplyToControl(control->id, Failure("a recording cannot be changed")));
+      Execute(*control);
     } else if (const auto* edit = std::get_if<PageEdit>(&*request.value())) {
       viewer_->Answer(ReplyToEdit(edit->id, Failure("this page shows a run; troupe edit FILE edits a file")));
     } else if (const auto* again = std::get_if<RunAgainRequest>(&*request.value())) {
-      viewer_->Answer(ReplyToEdit(again->id, Failure("the run can only be started again by its command")));
+      const Status started = RunAgain(*again);
+      viewer_->Answer(ReplyToEdit(again->id, started.ok() ? Result<Json>(Json::object()) : started.error()));
     }
+  }
+
+  // Works for about as long at most. Returns the time until there is more to do, s; 0: now.
+  double Work(double seconds) {
+    double next = kPeriod;
+    if (run_) {
+      next = std::min(next, run_->Work(seconds));
+      shown_.Follow(feed_);
+      shown_.Describe(past().Spans());
+      NameSession();
+    } else if (!proof_->done()) {
+      proof_->Work(seconds);
+      next = 0.0;
+      messages_.push_back(proof_->Text(states_->range()->last + 1));
+    }
+    readings_.BeginPeriod();
+    return next;
   }
 
   // The next message; false: there is none.
   bool Next() {
-    readings_.BeginPeriod();
+    if (!messages_.empty()) {
+      message_ = {std::make_shared<const std::string>(std::move(messages_.front())), true};
+      messages_.pop_front();
+      return true;
+    }
     if (wanted_) {
-      Result<std::shared_ptr<const ViewedState>> found = states_->At(*std::exchange(wanted_, std::nullopt));
-      if (found.ok()) {
-        viewer_->ShowPast(std::move(found).value());
-      } else {
-        viewer_->Answer(ReplyToControl(0, found.error()));
-      }
+      const PastAnswer found = answers_->Answer(*std::exchange(wanted_, std::nullopt));
+      const FoundState& state = std::get<FoundState>(found);
+      if (!state.ok()) viewer_->Answer(ReplyToControl(0, state.error()));
+      if (state.ok() && viewer_->in_past()) viewer_->ShowPast(state.value());
     }
     std::optional<WebMessage> message = viewer_->Next();
     if (message) message_ = std::move(*message);
@@ -110,46 +147,135 @@ class PageHost {
   }
   const WebMessage& message() const { return message_; }
 
-  void ContinueProof(double milliseconds) {
-    proof_.Continue(std::chrono::duration<double, std::milli>(milliseconds));
-    nlohmann::json json = proof_.ToJson();
-    json["states"] = states_->range()->last + 1;
-    message_ = {std::make_shared<const std::string>(JsonText(json)), true};
-  }
-
  private:
-  explicit PageHost(Recording recording) : recording_(std::move(recording)), proof_(recording_) {}
+  static constexpr double kPeriod = 1.0 / kUpdatesPerSecond;  // s
 
-  void Show(std::unique_ptr<RecordedStates> states, const std::string& name) {
-    states_ = std::move(states);
-    run_.content.events = states_->Events();
-    run_.timeline = TimelineText(states_->Spans());
-    const nlohmann::json session = {{"type", "session"},
-                                    {"session", name},
-                                    {"view_only", true},
-                                    {"connected", true},
-                                    {"recording", true},
-                                    {"editor", false},
-                                    {"command", nlohmann::json::array()},
-                                    {"runs_again", false},
-                                    {"saves_recording", false},
-                                    {"problem", states_->damage().value_or("")}};
-    run_.session = std::make_shared<const std::string>(JsonText(session));
-    reader_.emplace(*states_);
-    viewer_.emplace(run_, *states_, readings_, kLongestPageRequest);
+  explicit PageHost(std::string file) : file_(std::move(file)) {}
+
+  PastStates& past() { return states_ ? static_cast<PastStates&>(*states_) : feed_.history(); }
+
+  Status OpenRecording() {
+    Result<Recording> shown = Recording::Open(file_);
+    if (!shown.ok()) return shown.error();
+    Result<Recording> compared = Recording::Open(file_);
+    if (!compared.ok()) return compared.error();
+    Result<std::unique_ptr<RecordedStates>> states =
+        RecordedStates::Create({std::move(shown).value(), {}, true}, feed_.shelf());
+    if (!states.ok()) return states.error();
+    states_ = std::move(states).value();
+    proof_.emplace(std::move(compared).value());
+    shown_.content.events = states_->Events();
+    shown_.timeline = TimelineText(states_->Spans());
+    MakeViewer();
     wanted_ = 0;
     viewer_->AwaitPast();
+    return {};
   }
 
-  const Recording recording_;  // that is compared
-  Proof proof_;
-  WorldShelf shelf_;
-  std::unique_ptr<RecordedStates> states_;
-  ShownRun run_;
+  Status OpenRun() {
+    if (file_.ends_with(".json")) {
+      Result<std::string> text = ReadTextFile(file_, {file_});
+      if (!text.ok()) return text.error();
+      Result<ScenarioText> scenario = ScenarioText::Parse(std::move(text).value(), file_);
+      if (!scenario.ok()) return scenario.error();
+      scenario_ = std::move(scenario).value();
+    }
+    if (Status failure = StartRun(); !failure.ok()) return failure;
+    MakeViewer();
+    return {};
+  }
+
+  void MakeViewer() {
+    NameSession();
+    answers_.emplace(past(), nullptr, feed_, options_.expectations);
+    viewer_.emplace(shown_, past(), readings_, kLongestPageRequest);
+  }
+
+  // In the memory of the page, with values_.
+  Status WriteScenario() {
+    if (!scenario_) return {};
+    const Result<std::string> text = scenario_->With(values_);
+    if (!text.ok()) return text.error();
+    std::ofstream(file_, std::ios::binary) << text.value();
+    return {};
+  }
+
+  // With seed_ and values_.
+  Status StartRun() {
+    if (Status failure = WriteScenario(); !failure.ok()) return failure;
+    Result<std::unique_ptr<PageRun>> run = PageRun::Start(file_, seed_, feed_);
+    if (!run.ok()) return run.error();
+    run_ = std::move(run).value();
+    Json values = Json::array();
+    for (const DrawnValue& value : values_) values.push_back({value.path, Json::parse(value.value)});
+    messages_.push_back(
+        JsonText(Json{{"type", "scenario"},
+                      {"seed", run_->seed()},
+                      {"values", scenario_ ? ChangeableValues(scenario_->tree().root()) : Json::array()},
+                      {"changed", std::move(values)}}));
+    return {};
+  }
+
+  // After an error all is as before.
+  Status RunAgain(const RunAgainRequest& again) {
+    if (!run_) return Failure("a recording cannot be run again");
+    const std::optional<std::uint64_t> seed_before = seed_;
+    const std::vector<DrawnValue> values_before = values_;
+    if (again.seed) seed_ = again.seed;
+    if (again.values) {
+      values_.clear();
+      for (const auto& [path, value] : *again.values) values_.push_back({path, value});
+    }
+    Status started = StartRun();
+    if (started.ok()) {
+      viewer_->ReturnToLive();
+      wanted_.reset();
+    } else {
+      seed_ = seed_before;
+      values_ = values_before;
+      (void)WriteScenario();
+    }
+    return started;
+  }
+
+  void Execute(const PageControl& control) {
+    if (!run_) return viewer_->Answer(ReplyToControl(control.id, Failure("a recording cannot be changed")));
+    run_->Request(control.request,
+                  [this, id = control.id](const ControlReply& reply) { viewer_->Answer(ReplyToControl(id, reply)); });
+  }
+
+  void Answer(const PastQuestion& question) { viewer_->Answer(std::get<PageReply>(answers_->Answer(question))); }
+
+  void NameSession() {
+    std::string problem;
+    if (states_) problem = states_->damage().value_or("");
+    if (run_ && !run_->failure().ok()) problem = run_->failure().error().ToString();
+    std::string text = SessionText(options_, {.connected = true,
+                                              .recording = states_ != nullptr,
+                                              .runs_again = run_ && shown_.content.last,
+                                              .problem = std::move(problem)});
+    if (!shown_.session || *shown_.session != text) shown_.session = std::make_shared<const std::string>(text);
+  }
+
+  const std::string file_;
+  ViewerGatewayOptions options_;
+  RunFeed feed_;  // of a run; of a recording its shelf alone
+  ShownRun shown_;
   PageReadings readings_;
-  std::optional<PastReader> reader_;
+
+  // Of a recording.
+  std::unique_ptr<RecordedStates> states_;
+  std::optional<Proof> proof_;
+  // Of a run.
+  std::optional<ScenarioText> scenario_;  // as in the page's file; nothing: it is a world
+  std::optional<std::uint64_t> seed_;     // nothing: the file's
+  std::vector<DrawnValue> values_;        // in place of those of the scenario
+  std::unique_ptr<PageRun> run_;
+
+  std::optional<PastAnswers> answers_;
   std::optional<PageViewer> viewer_;
   std::optional<std::uint64_t> wanted_;  // position to show
+  std::deque<std::string> messages_;     // before those of the viewer
   WebMessage message_;
 };
 
@@ -161,9 +287,12 @@ std::string problem;
 
 extern "C" {
 
-// The problem; an empty text: none. The other functions need one without.
-EMSCRIPTEN_KEEPALIVE const char* troupe_open(const char* path, const char* name) {
-  troupe::Result<std::unique_ptr<troupe::PageHost>> host = troupe::PageHost::Open(path, name);
+// `expectations`: as of ToJson(ShownExpectations). The problem; an empty text: none. The other functions need one
+// without.
+EMSCRIPTEN_KEEPALIVE const char* troupe_open(const char* file, const char* name, const char* expectations) {
+  auto host = troupe::OrFailure([&] {
+    return troupe::PageHost::Open(file, name, troupe::ShownExpectationsFromJson(nlohmann::json::parse(expectations)));
+  });
   troupe::problem = host.ok() ? "" : host.error().ToString();
   if (host.ok()) troupe::page_host = std::move(host).value();
   return troupe::problem.c_str();
@@ -174,17 +303,15 @@ EMSCRIPTEN_KEEPALIVE void troupe_receive(const char* text) {
   troupe::page_host->Receive(text);
 }
 
+// PageHost::Work.
+EMSCRIPTEN_KEEPALIVE double troupe_work(double seconds) {
+  return troupe::page_host->Work(seconds);
+}
+
 // 1: there is a message for the page; 0: none.
 EMSCRIPTEN_KEEPALIVE int troupe_next() {
   return troupe::page_host->Next() ? 1 : 0;
 }
-
-// Compares further states; the message tells how many are equal.
-EMSCRIPTEN_KEEPALIVE void troupe_continue_proof(double milliseconds) {
-  troupe::page_host->ContinueProof(milliseconds);
-}
-
-// The message of the last of the two functions above.
 EMSCRIPTEN_KEEPALIVE const char* troupe_message() {
   return troupe::page_host->message().content->data();
 }

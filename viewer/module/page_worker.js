@@ -1,11 +1,12 @@
-// The worker of a page without a gateway, behind the loader of the module (troupe-core.js): opens the recording of the page,
-// answers the page as the gateway would, and compares all states of the recording beside it.
+// The worker of a page without a gateway, behind the loader of the module (troupe-core.js): opens the content of the
+// page, a recording or a world with its files, and answers the page as the gateway would.
 'use strict';
 
 let module = null;
+let waiting = 0;  // for the next call of serve; 0: it is on its way
 const requests = [];
-const PERIOD = 16;  // ms
-const PROOF_SHARE = 40;  // ms of comparing at a time, while the page asks for nothing
+const PERIOD = 16;  // ms, between two answers
+const again = new MessageChannel();  // unlike a timer, without a shortest time
 
 function message() {
   const start = module._troupe_message();
@@ -13,42 +14,58 @@ function message() {
   return module._troupe_message_is_text() ? new TextDecoder().decode(bytes) : bytes.buffer;
 }
 
-function receive(text) {
-  module.ccall('troupe_receive', null, ['string'], [text]);
-}
-
 function post(value) {
   if (typeof value === 'string') self.postMessage(value);
   else self.postMessage(value, [value]);
 }
 
-let proven = false;
-function serve() {
-  const start = performance.now();
-  for (const text of requests.splice(0)) receive(text);
-  while (module._troupe_next()) post(message());
-  if (!proven) {
-    module._troupe_continue_proof(Math.max(5, PROOF_SHARE - (performance.now() - start)));
-    const text = message();
-    proven = JSON.parse(text).done;
-    post(text);
-  }
-  setTimeout(serve, proven ? PERIOD : 0);
+function tell(problem) {
+  post(JSON.stringify({type: 'proof', done: true, equal: 0, states: 0, problem}));
 }
 
-async function open({wasm, recording, name}) {
-  module = await createTroupe({wasmBinary: wasm});
-  module.FS.writeFile('/run.mcap', new Uint8Array(recording));
-  const problem = module.ccall('troupe_open', 'string', ['string', 'string'], ['/run.mcap', name]);
-  if (problem) {
-    post(JSON.stringify({type: 'proof', done: true, equal: 0, states: 0, problem}));
-    return;
+function serve() {
+  waiting = 0;
+  try {
+    for (const text of requests.splice(0)) module.ccall('troupe_receive', null, ['string'], [text]);
+    const next = module._troupe_work(PERIOD / 1000);  // s
+    while (module._troupe_next()) post(message());
+    if (next === 0) again.port2.postMessage(null);
+    else waiting = setTimeout(serve, Math.min(1000 * next, PERIOD));
+  } catch (error) {
+    tell(String(error));
   }
+}
+again.port1.onmessage = serve;
+
+// The content: a line of JSON, {"name": of the page, "file": to open, "files": [[path, bytes], ...], "expectations"}, and
+// the files one after another.
+async function open({wasm, content}) {
+  module = await createTroupe({wasmBinary: wasm});
+  const bytes = new Uint8Array(content);
+  const end = bytes.indexOf(10);
+  const head = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));
+  const {FS} = module;
+  FS.symlink(head.program, '/proc/self/exe');  // beside which the installed worlds are
+  let at = end + 1;
+  for (const [path, size] of head.files) {
+    FS.mkdirTree(path.slice(0, path.lastIndexOf('/')) || '/');
+    FS.writeFile(path, bytes.subarray(at, at + size));
+    at += size;
+  }
+  const problem = module.ccall(
+    'troupe_open', 'string', ['string', 'string', 'string'], [head.file, head.name, JSON.stringify(head.expectations)]);
+  if (problem) return tell(problem);
   post(JSON.stringify({type: 'open'}));
   serve();
 }
 
 self.onmessage = event => {
-  if (typeof event.data === 'string') requests.push(event.data);
-  else open(event.data).catch(error => post(JSON.stringify({type: 'proof', done: true, equal: 0, states: 0, problem: String(error)})));
+  if (typeof event.data !== 'string') {
+    open(event.data).catch(error => tell(String(error)));
+    return;
+  }
+  requests.push(event.data);
+  if (waiting === 0) return;
+  clearTimeout(waiting);
+  serve();
 };

@@ -1,6 +1,8 @@
-// What needs a library that the module does not have: YAML, JPEG and pictures. Each answers that it is not there.
+// What needs a library that the module does not have: YAML, JPEG, pictures and the files of a web server. Each answers
+// that it is not there.
 #include "common/image/image_reader.h"
 #include "library/save_picture.h"
+#include "viewer/gateway/web_server.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/sites/building_yaml.h"
 
@@ -12,6 +14,11 @@ Error NotHere(const std::string& path, const std::string& what) {
 }
 
 }  // namespace
+
+// The page has them already.
+std::span<const PageFile> PageFiles() {
+  return {};
+}
 
 Result<MapYaml> ReadMapYamlText(const std::string& /*text*/, const std::string& path) {
   return NotHere(path, "ROS maps are not read");

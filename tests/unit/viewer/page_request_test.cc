@@ -111,6 +111,12 @@ TEST(PageRequestTest, ReadsRequestsForANewRun) {
             (RunAgainRequest{3, std::nullopt}));
   EXPECT_EQ(std::get<RunAgainRequest>(test::ValueOf(ParsePageRequest(R"({"type": "run_again", "id": 3, "seed": 5})"))),
             (RunAgainRequest{3, 5}));
+  const std::string values = R"({"type": "run_again", "id": 3, "values": [["spawn[0].count", 20], ["a.b", true]]})";
+  RunAgainRequest again{3, std::nullopt};
+  again.values.emplace();
+  again.values->emplace_back("spawn[0].count", "20");
+  again.values->emplace_back("a.b", "true");
+  EXPECT_EQ(std::get<RunAgainRequest>(test::ValueOf(ParsePageRequest(values))), again);
 }
 
 TEST(PageRequestTest, RefusesEverythingElse) {
@@ -135,6 +141,9 @@ TEST(PageRequestTest, RefusesEverythingElse) {
       R"({"type": "run_again"})",
       R"({"type": "run_again", "id": 1, "seed": -1})",
       R"({"type": "run_again", "id": 1, "seed": "one"})",
+      R"({"type": "run_again", "id": 1, "values": [["seed"]]})",
+      R"({"type": "run_again", "id": 1, "values": [[1, 2]]})",
+      R"({"type": "run_again", "id": 1, "values": {"seed": 2}})",
       R"({"type": "control", "command": "pause"})",
       R"({"type": "control", "id": -1, "command": "pause"})",
       R"({"type": "control", "id": "1", "command": "pause"})",

@@ -49,6 +49,19 @@ export interface Proof {
   tick?: number;  // of the problem
 }
 
+// What a page runs itself (`troupe view SCENARIO --static`).
+export interface Scenario {
+  seed: number;
+  values: ScenarioValue[];  // that can be changed
+  changed: Array<[string, number | boolean]>;  // of this run, by their paths
+}
+export interface ScenarioValue {
+  of: string;  // the robot, the rule or the scenario
+  name: string;
+  path: string;
+  value: number | boolean;  // in the scenario
+}
+
 export interface ConnectionHandler {
   onOpen(): void;
   onClosed(): void;
@@ -57,6 +70,7 @@ export interface ConnectionHandler {
   onTimeline(spans: TimeSpan[]): void;
   onMessage(message: Message): void;
   onProof(proof: Proof): void;
+  onScenario(scenario: Scenario): void;
 }
 
 export class Connection {
@@ -115,9 +129,9 @@ export class Connection {
     return this.ask({type: 'expectations'}) as Promise<unknown> as Promise<ExpectationsReply>;
   }
 
-  // `seed`: null: that of the run.
-  runAgain(seed: number | null): Promise<Reply> {
-    return this.ask({type: 'run_again', ...(seed === null ? {} : {seed})});
+  // `seed`, `values`: null: those of the run before. Values are those of a scenario, by their paths.
+  runAgain(seed: number | null, values: Array<[string, number | boolean]> | null = null): Promise<Reply> {
+    return this.ask({type: 'run_again', ...(seed === null ? {} : {seed}), ...(values === null ? {} : {values})});
   }
 
   send(value: object): boolean {
@@ -134,6 +148,7 @@ export class Connection {
     if (text.type === 'status') this.handler.onStatus(text as RunStatus);
     if (text.type === 'timeline') this.handler.onTimeline(text.spans as TimeSpan[]);
     if (text.type === 'proof') this.handler.onProof(text as Proof);
+    if (text.type === 'scenario') this.handler.onScenario(text as Scenario);
     if (text.type === 'reply') {
       this.open.get(text.id)?.(text as Reply);
       this.open.delete(text.id);

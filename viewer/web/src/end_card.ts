@@ -104,7 +104,7 @@ export class EndCard {
     });
     replay.classList.add('strong');
     const buttons = [replay, this.button('Look back', 'Close this, and drag the timeline', () => this.set(false))];
-    if (words.length > 0) {
+    if (words.length > 0 || info?.runs_again) {
       buttons.push(
         this.button('Run again', starts, () => void this.runAgain(words, null)),
         this.button('Another seed', `${starts} with another seed`, () => void this.runAgain(words, Math.floor(1 + 1e6 * Math.random()))));
@@ -127,7 +127,7 @@ export class EndCard {
       : [...words.filter((word, i) => !word.startsWith('--seed') && words[i - 1] !== '--seed'), '--seed', String(seed)];
     if (!this.host.info()?.runs_again) return this.tell(withSeed);
     const reply = await this.connection.runAgain(seed);
-    if (!reply.done) return this.tell(withSeed);
+    if (!reply.done) return words.length > 0 ? this.tell(withSeed) : toast(reply.problem, true);
     toast(seed === null ? 'The run starts again' : `The run starts again, with seed ${seed}`);
     this.set(false);
   }

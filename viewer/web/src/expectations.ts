@@ -33,8 +33,7 @@ export class Expectations {
   private elements: Elements[] = [];
   private reply: ExpectationsReply | null = null;
   private of = '';  // the run that the reply is about
-  private asking = false;
-  private askedAt = 0;
+  private asking = false;  // and for some time after the answer
   private askedTo = -1;  // the newest position when it was asked
 
   // `changed`: there is news to show.
@@ -69,7 +68,7 @@ export class Expectations {
 
   // Nothing is new in a run that stands.
   private async ask(run: Run): Promise<void> {
-    if (this.asking || this.askedTo === run.last || performance.now() - this.askedAt < PERIOD) return;
+    if (this.asking || this.askedTo === run.last) return;
     this.asking = true;
     const of = this.of;
     const to = run.last;
@@ -82,9 +81,10 @@ export class Expectations {
       this.changed();
       if (reply.complete) break;
     }
-    this.asking = false;
-    this.askedAt = performance.now();
-    setTimeout(this.changed, PERIOD);  // a run that was paused meanwhile has no other news
+    setTimeout(() => {
+      this.asking = false;
+      this.changed();  // a run that was paused meanwhile has no other news
+    }, PERIOD);
   }
 
   private render(run: Run, info: SessionInfo): void {

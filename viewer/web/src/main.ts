@@ -12,6 +12,7 @@ import type {Message, RunEvent, TimeSpan} from './protocol';
 import {EndCard} from './end_card';
 import {EventList} from './events';
 import {Expectations} from './expectations';
+import {Experiment} from './experiment';
 import {Plots} from './plots';
 import {RobotList} from './robot_list';
 import {findEntity, nameOf, Run, sameEntity, type Entity} from './run';
@@ -100,6 +101,11 @@ class Viewer {
     },
     onMessage: message => this.onMessage(message),
     onProof: proof => showProof(proof),
+    onScenario: scenario => {
+      this.timeBar.timeline.reset();  // a run that begins
+      this.experiment.set(scenario);
+      this.toolbar.layOut();
+    },
   });
   private run: Run | null = null;
   private spans: TimeSpan[] = [];
@@ -134,6 +140,7 @@ class Viewer {
     robot => this.agents.of(robot)?.answer_seconds ?? null, () => this.fileName());
   private readonly expectations = new Expectations(
     this.connection, position => this.timeBar.timeline.seek(position), () => this.refresh());
+  private readonly experiment = new Experiment(this.connection);
   private readonly endCard = new EndCard(this.connection, {
     info: () => this.info,
     select: name => {
@@ -306,6 +313,7 @@ class Viewer {
     this.plots.show(this.run, this.selectedRobot);
     this.expectations.show(this.run, this.info);
     this.endCard.show(this.run);
+    this.experiment.show(this.run);
   }
 
   // What is not possible now, and why.

@@ -13,7 +13,7 @@ export interface Transport {
 }
 
 export function makeTransport(handler: TransportHandler): Transport {
-  return hasRecording() ? new ModuleTransport(handler) : new SocketTransport(handler);
+  return hasContent() ? new ModuleTransport(handler) : new SocketTransport(handler);
 }
 
 const SHORTEST_WAIT = 300;  // ms, before a new attempt
@@ -54,12 +54,12 @@ class SocketTransport implements Transport {
 }
 
 // The parts of the file that `troupe view --static` has added to the page (launcher/commands/static_page.cc).
-const RECORDING = 'static-recording';
+const CONTENT = 'static-content';
 const MODULE = 'static-module';
 const WORKER = 'static-worker';
 
-function hasRecording(): boolean {
-  return document.getElementById(RECORDING) !== null;
+function hasContent(): boolean {
+  return document.getElementById(CONTENT) !== null;
 }
 
 // Of an element with a gzip file as base64.
@@ -81,7 +81,7 @@ class ModuleTransport implements Transport {
   }
 
   private async start(): Promise<void> {
-    const [wasm, recording, script] = await Promise.all([contentOf(MODULE), contentOf(RECORDING), contentOf(WORKER)]);
+    const [wasm, content, script] = await Promise.all([contentOf(MODULE), contentOf(CONTENT), contentOf(WORKER)]);
     const worker = new Worker(URL.createObjectURL(new Blob([script], {type: 'text/javascript'})));
     worker.onmessage = event => {
       // Its first message, before which the page asks for nothing.
@@ -92,7 +92,7 @@ class ModuleTransport implements Transport {
       this.handler.onData(event.data as ArrayBuffer | string);
     };
     worker.onerror = event => this.fail(event.message);
-    worker.postMessage({wasm, recording, name: document.getElementById(RECORDING)!.dataset.name}, [wasm, recording]);
+    worker.postMessage({wasm, content}, [wasm, content]);
   }
 
   private fail(problem: string): void {

@@ -1,4 +1,4 @@
-#include "launcher/commands/recorded_states.h"
+#include "viewer/recorded/recorded_states.h"
 
 #include <algorithm>
 #include <utility>

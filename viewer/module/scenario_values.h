@@ -1,0 +1,15 @@
+// The values of a scenario that the reader of a page can change: numbers and flags that it states.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "worldfile/text/json_tree.h"
+
+namespace troupe {
+
+// [{"of": the robot, the rule or the scenario, "name", "path": as ValuePath, "value"}, ...], in the order of the text:
+// numbers of robots, numbers of ticks, and the numbers and flags among the parameters of controllers. `root`: of the
+// scenario.
+nlohmann::json ChangeableValues(const JsonNode& root);
+
+}  // namespace troupe
