@@ -290,6 +290,7 @@ class Controllers(unittest.TestCase):
                "try:\n print('on', flush=True); s.step(10**9)\n" \
                "except KeyboardInterrupt:\n s.step(1); print('stopped', s.failures)"
         child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(child.kill)
         self.assertEqual(child.stdout.readline(), "on\n")
         child.send_signal(2)
         out, _ = child.communicate(timeout=60)
