@@ -24,17 +24,17 @@ std::string Worlds() {
   return std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/";
 }
 
-LoadedWorld Load(const std::string& text) {
+LoadedWorld LoadPeople(const std::string& text) {
   return ValueOf(LoadScenarioText(text, Worlds() + "scenarios/text.json"));
 }
 
-std::string ErrorOf(const std::string& text) {
+std::string ErrorOfPeople(const std::string& text) {
   const Result<LoadedWorld> loaded = LoadScenarioText(text, "s.json");
   return loaded.ok() ? "" : loaded.error().ToString();
 }
 
 TEST(PeopleScenario, ARuleMakesPeopleWithBodiesGoalsAndGroups) {
-  const WorldDescription world = Load(R"({
+  const WorldDescription world = LoadPeople(R"({
     "places": [{"name": "desk", "pose": [3, 4, 90]}],
     "people": [
       {"count": 5, "region": [0, 0, 6, 6], "goals": ["desk", [1, 2]], "wait": [3, 4], "speed": [1, 1.2], "group": 2,
@@ -72,7 +72,7 @@ TEST(PeopleScenario, ARuleMakesPeopleWithBodiesGoalsAndGroups) {
 
 TEST(PeopleScenario, NobodyStartsInAnythingAndTheSeedDecides) {
   const auto load = [](int seed) {
-    return Load(R"({"world": "../office.world", "seed": )" + std::to_string(seed) + R"(,
+    return LoadPeople(R"({"world": "../office.world", "seed": )" + std::to_string(seed) + R"(,
       "spawn": [{"model": "scout", "count": 10, "region": [-12, -8, 12, 8]}],
       "people": [{"count": 40, "region": [-12, -8, 12, 8]}]})")
         .world;
@@ -104,13 +104,13 @@ TEST(PeopleScenario, PeopleOfTheShowsWalk) {
 }
 
 TEST(PeopleScenario, ErrorsNameThePlace) {
-  EXPECT_EQ(ErrorOf(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "goals": ["desk"]}]})"),
+  EXPECT_EQ(ErrorOfPeople(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "goals": ["desk"]}]})"),
             "s.json:1:60: error: found no place 'desk', expected the name of one, or a point [x, y]");
-  EXPECT_EQ(ErrorOf(R"({"people": [{"count": 9, "region": [0, 0, 1, 1]}]})").substr(0, 30),
+  EXPECT_EQ(ErrorOfPeople(R"({"people": [{"count": 9, "region": [0, 0, 1, 1]}]})").substr(0, 30),
             "s.json:1:13: error: found room");
-  EXPECT_EQ(ErrorOf(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "speed": [2, 1]}]})"),
+  EXPECT_EQ(ErrorOfPeople(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "speed": [2, 1]}]})"),
             "s.json:1:63: error: found a greatest value below the least, expected one that is not");
-  EXPECT_THAT(ErrorOf(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "reaction": "angry"}]})"),
+  EXPECT_THAT(ErrorOfPeople(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "reaction": "angry"}]})"),
               testing::HasSubstr("expected 'regular', 'curious', 'scared' or 'careless'"));
 }
 

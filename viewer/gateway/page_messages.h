@@ -103,11 +103,6 @@ struct PageValue<bool> {
   static constexpr PageType kType = {"boolean", "r.flag()"};
   static void Write(ByteWriter& writer, bool value) { writer.WriteByte(value); }
 };
-template <>
-struct PageValue<std::uint32_t> {
-  static constexpr PageType kType = {"number", "r.u32()"};
-  static void Write(ByteWriter& writer, std::uint32_t value) { writer.Write(value); }
-};
 template <typename Tag>
 struct PageValue<std::optional<Id<Tag>>> {
   static constexpr PageType kType = {"number", "r.i32()"};  // -1: none

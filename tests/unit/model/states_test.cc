@@ -163,9 +163,6 @@ void Change(std::uint32_t& number) {
 void Change(std::uint64_t& number) {
   ++number;
 }
-void Change(std::uint32_t& number) {
-  ++number;
-}
 void Change(ObjectMode& mode) {
   mode = ObjectMode::kFalling;
 }

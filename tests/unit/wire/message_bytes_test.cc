@@ -250,8 +250,8 @@ std::uint64_t HashOf(const std::vector<std::byte>& bytes) {
   return hasher.value();
 }
 
-// The bytes of a message change only with the IDL. Recordings of before have its text in their schemas, by which they are
-// read (older_layout_test).
+// The bytes of a message change only with the IDL. Recordings of before have its text in their schemas, by which they
+// are read (older_layout_test).
 TEST(MessageBytesLayoutTest, IsThatOfEarlierRecordings) {
   EXPECT_EQ(HashOf(ToBytes(FrameWithEveryField())), 0xcffe5aa7e496dfe8);
   EXPECT_EQ(HashOf(ToBytes(ProposalWithEveryField())), 0x42f0f5e8c3e4d472);

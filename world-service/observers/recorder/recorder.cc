@@ -46,6 +46,8 @@ const char* NameOf(ObjectMode mode) {
       return "falling";
     case ObjectMode::kHeld:
       return "held";
+    case ObjectMode::kMounted:
+      return "mounted";
   }
   return "";
 }
