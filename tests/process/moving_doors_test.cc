@@ -87,6 +87,7 @@ TEST(DoorsOverDds, RequestsAfterARewindGiveTheSameStates) {
   const std::uint64_t first = operate();
   EXPECT_EQ(call(ControlCommand::kRewind, "", "", 10).tick, 10u);
   Kill(run, "world-service");
+  run.WaitForLineAfter("the world service has been started again");
   EXPECT_EQ(operate(), first);
   ControlRequest wrong;
   wrong.command = ControlCommand::kDoor;

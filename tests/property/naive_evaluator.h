@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -241,6 +242,22 @@ class NaiveEvaluator {
       const SensorReading reading = Measure(f, "radio", t);
       return static_cast<double>(reading.As<RadioReading>()->receptions.size());
     }
+    if (f.name == "person_distance") return DistanceToPeople(body, t, nullptr);
+    if (f.name == "people_near" || f.name == "intrusions" || f.name == "intrusion_time") {
+      const double reach = f.children[1].number.value;
+      const auto near = [&](int at) {
+        int count = 0;
+        DistanceToPeople(body, at, [&](double distance) { count += distance <= reach ? 1 : 0; });
+        return count;
+      };
+      if (f.name == "people_near") return near(t);
+      double sum = 0.0;
+      for (int s = 0; s <= t; ++s) {
+        if (f.name == "intrusion_time") sum += At(s).state.tick > 0 && near(s) > 0 ? world().interval_seconds() : 0.0;
+        if (f.name == "intrusions") sum += near(s) > 0 && (s == 0 || near(s - 1) == 0) ? 1.0 : 0.0;
+      }
+      return sum;
+    }
     std::vector<double> ranges;
     const SensorReading reading = Measure(f, "ranger", t);
     for (const RangeScan& scan : reading.As<RangerReading>()->scans) {
@@ -250,6 +267,23 @@ class NaiveEvaluator {
     double sum = 0.0;
     for (const double range : ranges) sum += range;
     return sum / static_cast<double>(ranges.size());
+  }
+
+  // To the nearest one; `visit` is called with the distance to each.
+  double DistanceToPeople(std::size_t body, int t, const std::function<void(double)>& visit) const {
+    double least = kNothing;
+    for (std::size_t person = 0; person < world().people.size(); ++person) {
+      double distance = kNothing;
+      for (const ConvexPiece& piece : At(t).bodies.pieces_in_world(BodyId(body))) {
+        for (const ConvexPiece& against : At(t).bodies.pieces_in_world(scene_.body_of(PersonId(person)))) {
+          if (!piece.obstacle || !against.obstacle || !piece.z.Overlaps(against.z)) continue;
+          distance = std::min(distance, FindNearestPoints(piece.vertices, against.vertices).distance);
+        }
+      }
+      if (visit) visit(distance);
+      least = std::min(least, distance);
+    }
+    return least;
   }
 
   double Distance(std::size_t body, const Syntax& to, int t) const {

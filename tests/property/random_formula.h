@@ -14,10 +14,10 @@
 namespace troupe::test {
 
 // Three robots "r0" to "r2" with a gripper, a ranger, a bumper, a radio and a store of energy, which their scripts use
-// within 6 s; two objects "can0" and "can1", a static model "wall" and a place "dock".
+// within 6 s; two objects "can0" and "can1", two people, a static model "wall" and a place "dock".
 inline WorldDescription ExpectationWorld() {
   const TemporaryFolder folder;
-  const std::string file = folder.Write("expectations.world", R"(
+  folder.Write("expectations.world", R"(
     define can model ( size [0.1 0.1 0.2] gripper_return 1 )
     define worker position
     (
@@ -36,6 +36,8 @@ inline WorldDescription ExpectationWorld() {
     worker( name "r1" pose [2 3 0 -90] )
     worker( name "r2" pose [-3 -3 0 0] kjoules 0.01 )
   )");
+  const std::string file = folder.Write("expectations.json", R"({"world": "expectations.world", "people": [
+      {"count": 2, "region": [3, -4, 4, 0], "goals": [[3, -4], [4, 0]]}]})");
   WorldDescription world = Simulation::Load(file).value().world();
   world.places.push_back({"dock", {}, {}, {1.0, 0.0, 0.0, 0.0}});
   world.robots[0].controller = {"script", R"({"commands": [{"at": 0, "gripper": "close"}, {"at": 0.6, "lift": "up"},
@@ -144,7 +146,7 @@ class RandomFormula {
       if (Below(2) == 0) return {of("heading", variable), of("heading", "can1")};
       return {"count(event(" + Some({"landed", "gripped", "released"}) + ", " + variable + "))", "tick"};
     }
-    switch (Below(9)) {
+    switch (Below(12)) {
       case 0:
         return {of("heading", variable), of("heading", "r0")};
       case 1:
@@ -161,6 +163,12 @@ class RandomFormula {
         return {of("range", variable), Some({of("mean_range", variable), "range(" + variable + ", \"scan\")"})};
       case 7:
         return {of("heard", variable), "count(event(said))"};
+      case 8:
+        return {of("person_distance", variable), of("x", Some(variables))};
+      case 9:
+        return {"people_near(" + variable + ", 1 m)", "intrusions(" + variable + ", 1.5 m)"};
+      case 10:
+        return {"intrusion_time(" + variable + ", 2 m)", "time"};
       default:
         return {"count(event(" + Some({"stall_began", "said", "left"}) + ", " + variable + "))", "tick"};
     }

@@ -253,10 +253,9 @@ class Walks {
       person.goal = first.goal;
       person.choices = first.choices;
       person.waits = first.waits;
-    } else if (person.choices == 0) {
-      Choose(id, person);
-    } else if (person.waits > 0 && --person.waits == 0) {
-      Choose(id, person);
+    } else {
+      const bool ends_waiting = person.choices > 0 && person.waits > 0 && --person.waits == 0;
+      if (person.choices == 0 || ends_waiting) Choose(id, person);
     }
     Vec2 velocity(0.0, 0.0);
     const GoalSet& set = world_.goal_sets[person.goals];

@@ -223,7 +223,7 @@ TEST(FrameChangesTest, MalformedOnesAreRefusedAndSoAreChangesSinceThem) {
       {"an object that does not exist", [](troupe_wire_Frame& f) { f.state.objects.row._buffer[0] = 6; }},
       {"more rows than values", [](troupe_wire_Frame& f) { f.state.robots.x._length = 1; }},
       {"values without rows", [](troupe_wire_Frame& f) { f.state.robots.row._length = 0; }},
-      {"an unknown mode", [](troupe_wire_Frame& f) { f.state.objects.mode._buffer[0] = 4; }},
+      {"an unknown mode", [](troupe_wire_Frame& f) { f.state.objects.mode._buffer[0] = 5; }},
       {"whole, with numbered rows", [](troupe_wire_Frame& f) { f.whole = true; }},
   };
   for (const BadChanges& bad : cases) {

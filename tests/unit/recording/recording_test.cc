@@ -298,7 +298,7 @@ TEST(IdlColumnsTest, HaveTheNamesOfTheFields) {
   std::vector<std::string> tables;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
     tables.emplace_back(table.name);
-    std::string type = tables.back();
+    std::string type = tables.back() == "people" ? "persons" : tables.back();
     type.front() = static_cast<char>(std::toupper(type.front()));
     type.pop_back();
     std::vector<std::string> expected = LeafNames<Row>();

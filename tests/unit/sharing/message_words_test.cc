@@ -102,7 +102,7 @@ TEST(FrameWordsTest, BadValuesAreRefused) {
     FrameMessage came;
     return !ReadFrame(WordReader(memory.all()), came).ok();
   };
-  bad.state.objects[0].mode = static_cast<ObjectMode>(4);
+  bad.state.objects[0].mode = static_cast<ObjectMode>(5);
   EXPECT_TRUE(is_refused(bad));
   bad = SomeFrame();
   bad.events[1].type = static_cast<EventType>(200);
