@@ -61,6 +61,15 @@ TEST(ScenarioHash, RobotsThatTalkByRadioAreTheSameAsEver) {
   EXPECT_EQ(StateHash(state), 0x9d832c5eec8218c3u);
 }
 
+TEST(ScenarioHash, PeopleAreTheSameAsEver) {
+  EXPECT_EQ(StateHash(StateAfter("people.json", 200)), 0x7cfad9bee9918db4u);
+  EXPECT_EQ(StateHash(StateAfter("hall.json", 100)), 0x3e3e9a157b4490c9u);
+}
+
+TEST(ScenarioHash, DoorsAndLiftsAreTheSameAsEver) {
+  EXPECT_EQ(StateHash(StateAfter("../sites/guesthouse_lift.json", 300)), 0x35875640602f634cu);
+}
+
 // Stage's benchmark with walls that can be hit, which its map file turns off.
 TEST(SolidCave, NoRobotIsEverInsideAWallOrAnotherRobot) {
   const std::string worlds = test::StageWorldsFolder();
