@@ -70,7 +70,7 @@ TEST(PeopleScenario, ARuleMakesPeopleWithBodiesGoalsAndGroups) {
   EXPECT_NEAR(scene.body(scene.body_of(PersonId(0))).radius, 0.3, 1e-12);
 }
 
-TEST(PeopleScenario, NobodyStartsInAnythingAndTheSeedDecides) {
+TEST(PeopleScenario, NoPersonStartsInAnythingAndTheSeedDecides) {
   const auto load = [](int seed) {
     return LoadPeople(R"({"world": "../office.world", "seed": )" + std::to_string(seed) + R"(,
       "spawn": [{"model": "scout", "count": 10, "region": [-12, -8, 12, 8]}],

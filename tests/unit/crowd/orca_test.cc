@@ -78,7 +78,7 @@ TEST(Orca, AloneAWalkerHasItsPreferredVelocityUpToItsSpeed) {
   EXPECT_NEAR((orca.Velocity(walker, {}, {}) - Vec2(0.6, -0.8)).norm(), 0.0, 1e-12);
 }
 
-TEST(Orca, OneThatAvoidsNobodyIsAvoidedWholly) {
+TEST(Orca, AWalkerWithoutAvoidanceIsAvoidedWholly) {
   Orca orca({.walkers = 2.0});
   const Walker walker{.velocity = {1.0, 0.0}, .preferred = {1.0, 0.0}, .radius = 0.3, .max_speed = 2.0};
   const WalkerNeighbor ahead{{3.0, 0.1}, {-1.0, 0.0}, 0.3, 1.0};
