@@ -29,9 +29,8 @@ class StreamedRun::Observation final : public RunObservation {
 
 Result<std::unique_ptr<StreamedRun>> StreamedRun::Open(int input) {
   const std::string expected = VersionText();
-  const Result<std::optional<StreamedMessage>> first = ReceiveState(input);
-  const std::string* version = nullptr;
-  if (first.ok() && first.value()) version = std::get_if<std::string>(&*first.value());
+  const Result<StreamedMessage> first = ReceiveState(input);
+  const std::string* const version = first.ok() ? std::get_if<std::string>(&first.value()) : nullptr;
   if (version == nullptr) return Error{{}, "found no states on the standard input, expected those of a simulation"};
   if (*version != expected) {
     return Error{{}, "found the states of troupe " + *version + ", expected those of " + expected};
@@ -48,13 +47,13 @@ StreamedRun::~StreamedRun() {
 
 void StreamedRun::Run() {
   for (;;) {
-    Result<std::optional<StreamedMessage>> message = ReceiveState(input_);
-    if (!message.ok() || !message.value()) break;
+    Result<StreamedMessage> message = ReceiveState(input_);
+    if (!message.ok() || std::holds_alternative<EndOfStream>(message.value())) break;
     const std::lock_guard lock(mutex_);
-    if (auto* const session = std::get_if<SessionMessage>(&*message.value())) {
+    if (auto* const session = std::get_if<SessionMessage>(&message.value())) {
       session_ = std::move(*session);
       if (handler_ != nullptr) handler_->OnSession(*session_);
-    } else if (auto* const frame = std::get_if<FrameMessage>(&*message.value())) {
+    } else if (auto* const frame = std::get_if<FrameMessage>(&message.value())) {
       frame_ = std::make_shared<const FrameMessage>(std::move(*frame));
       if (handler_ != nullptr) handler_->OnFrame(frame_);
     }

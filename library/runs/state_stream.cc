@@ -52,10 +52,10 @@ bool ReceiveAll(int socket, void* data, std::size_t size) {
 }
 
 template <typename Message>
-Result<std::optional<StreamedMessage>> Parse(std::span<const std::byte> bytes) {
+Result<StreamedMessage> Parse(std::span<const std::byte> bytes) {
   Result<Message> message = wire::FromBytes<Message>(bytes);
   if (!message.ok()) return message.error();
-  return std::optional(StreamedMessage(std::move(message).value()));
+  return StreamedMessage(std::move(message).value());
 }
 
 }  // namespace
@@ -72,16 +72,16 @@ bool SendState(int socket, const FrameMessage& frame) {
   return SendMessage(socket, Kind::kFrame, wire::ToBytes(frame));
 }
 
-Result<std::optional<StreamedMessage>> ReceiveState(int socket) {
+Result<StreamedMessage> ReceiveState(int socket) {
   Header header;
-  if (!ReceiveAll(socket, header.data(), sizeof(header))) return std::optional<StreamedMessage>();
+  if (!ReceiveAll(socket, header.data(), sizeof(header))) return StreamedMessage();
   const auto [kind, size] = header;
   if (size > kMostBytes) return Error{{}, "found a message that is too long"};
   std::vector<std::byte> bytes(size);
-  if (!ReceiveAll(socket, bytes.data(), size)) return std::optional<StreamedMessage>();
+  if (!ReceiveAll(socket, bytes.data(), size)) return StreamedMessage();
   switch (static_cast<Kind>(kind)) {
     case Kind::kVersion:
-      return std::optional(StreamedMessage(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())));
+      return StreamedMessage(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
     case Kind::kSession:
       return Parse<SessionMessage>(bytes);
     case Kind::kFrame:

@@ -2,7 +2,6 @@
 // First comes the version of the program, then sessions (a world) and frames (a state of it).
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -17,8 +16,9 @@ bool SendVersion(int socket, std::string_view version);
 bool SendState(int socket, const SessionMessage& session);
 bool SendState(int socket, const FrameMessage& frame);
 
-using StreamedMessage = std::variant<std::string, SessionMessage, FrameMessage>;  // the first: a version
-// Waits for the next message. Nothing: the end. Any bytes are safe; the error is one that is no message.
-Result<std::optional<StreamedMessage>> ReceiveState(int socket);
+struct EndOfStream {};
+using StreamedMessage = std::variant<EndOfStream, std::string, SessionMessage, FrameMessage>;  // the string: a version
+// Waits for the next message. Any bytes are safe; the error is one that is no message.
+Result<StreamedMessage> ReceiveState(int socket);
 
 }  // namespace troupe
