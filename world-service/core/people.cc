@@ -9,15 +9,14 @@
 #include <vector>
 
 #include "common/crowd/orca.h"
-#include "common/spatial/grid.h"
 #include "common/spatial/walk_routes.h"
 #include "troupe/random.h"
+#include "world-service/core/goals_of_people.h"
+#include "world-service/core/near_discs.h"
 
 namespace troupe {
 namespace {
 
-// Separates the choices of people from other uses of the same seed.
-constexpr std::uint64_t kChoiceStream = 0x7065'6f70'6c65;
 constexpr std::uint64_t kSwayStream = 0x7377'6179;
 
 constexpr double kAvoidReach = 5.0;         // m: others farther away are not avoided
@@ -44,56 +43,6 @@ Vec2 Unit(const Vec2& v) {
   const double length = v.norm();
   return length > 0.0 ? Vec2(v / length) : Vec2(0.0, 0.0);
 }
-
-// A person, or a robot or an object, as people see it.
-struct Disc {
-  Vec2 center{0.0, 0.0};  // m
-  Vec2 velocity{0.0, 0.0};
-  double radius = 0.0;
-  ZRange z;
-  bool is_robot = false;
-  const std::vector<ConvexPiece>* pieces = nullptr;  // in W; null: a person
-};
-
-// A list of boxes' numbers by the cells of a grid. Discs are in the cells of their centres.
-class NearDiscs {
- public:
-  void Fill(const std::vector<Disc>& discs) {
-    Rectangle bounds = Rectangle::Nothing();
-    max_radius_ = 0.0;
-    for (const Disc& disc : discs) {
-      bounds.Extend(disc.center);
-      max_radius_ = std::max(max_radius_, disc.radius);
-    }
-    constexpr double kCell = 2.0;  // m
-    grid_ = Grid(bounds.Inflated(kCell), kCell, 4.0 * static_cast<double>(discs.size()) + 64.0);
-    first_.assign(grid_.cell_count() + 2, 0);
-    for (const Disc& disc : discs) ++first_[grid_.CellOf(disc.center) + 2];
-    for (std::size_t i = 2; i < first_.size(); ++i) first_[i] += first_[i - 1];
-    numbers_.resize(discs.size());
-    for (std::size_t i = 0; i < discs.size(); ++i) {
-      numbers_[first_[grid_.CellOf(discs[i].center) + 1]++] = static_cast<std::uint32_t>(i);
-    }
-  }
-
-  // Calls visit(number) for all discs that may reach within `reach` of `p`.
-  template <typename Visit>
-  void ForEachNear(const Vec2& p, double reach, Visit visit) const {
-    const CellRange range = grid_.CellsOf(Rectangle{p.x(), p.y(), p.x(), p.y()}.Inflated(reach + max_radius_));
-    for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
-      for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
-        const std::size_t cell = grid_.CellAt(column, row);
-        for (std::uint32_t i = first_[cell]; i < first_[cell + 1]; ++i) visit(numbers_[i]);
-      }
-    }
-  }
-
- private:
-  Grid grid_;
-  double max_radius_ = 0.0;
-  std::vector<std::uint32_t> first_;  // by cell
-  std::vector<std::uint32_t> numbers_;
-};
 
 class Walks {
  public:
@@ -176,53 +125,6 @@ class Walks {
     }
   }
 
-  // Goals.
-
-  double Draw(PersonId id, std::uint32_t choices, std::uint64_t number) const {
-    return RandomUniform({world_.seed, kChoiceStream, id.index(), choices, number});
-  }
-
-  std::uint32_t Ticks(double seconds) const {
-    return static_cast<std::uint32_t>(std::min(seconds / world_.interval_seconds() + 0.5, 1e9));
-  }
-
-  // The next goal, of the set itself at first. Nothing changes after the last set.
-  void Choose(PersonId id, PersonState& person) const {
-    const std::vector<NextGoals>& next = world_.goal_sets[person.goals].next;
-    const bool is_first = person.choices == 0;
-    if (!is_first && next.empty()) return;
-    const std::uint32_t before = person.goals;
-    if (!is_first) {
-      double total = 0.0;
-      for (const NextGoals& choice : next) total += choice.weight;
-      double left = Draw(id, person.choices, 0) * total;
-      person.goals = next.back().goals;
-      for (const NextGoals& choice : next) {
-        left -= choice.weight;
-        if (left >= 0.0) continue;
-        person.goals = choice.goals;
-        break;
-      }
-    }
-    const std::size_t points = world_.goal_sets[person.goals].points.size();
-    const bool is_another = !is_first && person.goals == before && points > 1;
-    // Not the same point again.
-    const std::size_t choices = std::max<std::size_t>(points, 1) - (is_another ? 1 : 0);
-    auto goal = static_cast<std::uint32_t>(Draw(id, person.choices, 1) * static_cast<double>(choices));
-    if (is_another && goal >= person.goal) ++goal;
-    person.goal = goal;
-    ++person.choices;
-    person.waits = 0;
-  }
-
-  // The person is at its goal.
-  void Arrive(PersonId id, PersonState& person) const {
-    const GoalSet& set = world_.goal_sets[person.goals];
-    if (set.next.empty()) return;
-    person.waits = Ticks(set.wait.min + Draw(id, person.choices, 2) * (set.wait.max - set.wait.min));
-    if (person.waits == 0) Choose(id, person);
-  }
-
   // True where another one that waits for the same point is beside it: the point itself may be taken.
   bool IsInQueue(std::size_t i, const Vec2& target) const {
     bool found = false;
@@ -255,25 +157,25 @@ class Walks {
       person.waits = first.waits;
     } else {
       const bool ends_waiting = person.choices > 0 && person.waits > 0 && --person.waits == 0;
-      if (person.choices == 0 || ends_waiting) Choose(id, person);
+      if (person.choices == 0 || ends_waiting) ChooseGoal(world_, id, person);
     }
     Vec2 velocity(0.0, 0.0);
     const GoalSet& set = world_.goal_sets[person.goals];
     if (person.waits == 0 && person.choices > 0) {
       if (set.points.empty()) {
-        if (!follows) Arrive(id, person);
+        if (!follows) ArriveAtGoal(world_, id, person);
       } else if (const std::optional<Vec2> target = routes_.Target(id, person.goals, person.goal)) {
         const double distance = (*target - here).norm();
         if (distance <= set.reach || (distance <= kAvoidReach && IsInQueue(i, *target))) {
-          if (!follows) Arrive(id, person);
+          if (!follows) ArriveAtGoal(world_, id, person);
         } else if (const std::optional<Vec2> next = routes_.NextPoint(id, person.goals, person.goal, here)) {
           velocity =
               description.speed * std::min(1.0, distance / (kSlowDown * description.speed + 1e-9)) * Unit(*next - here);
         } else if (!follows) {
-          Choose(id, person);  // no way leads there
+          ChooseGoal(world_, id, person);  // no way leads there
         }
       } else if (!follows) {
-        Choose(id, person);
+        ChooseGoal(world_, id, person);
       }
     }
     if (follows) {
@@ -320,7 +222,7 @@ class Walks {
       velocity -= description.speed * (1.0 - std::max(0.0, distance) / kSight) * Unit(to);
       return {};
     }
-    if (person.watched >= Ticks(kWatchTime)) return {};
+    if (person.watched >= TicksOf(world_, kWatchTime)) return {};
     ++person.watched;
     velocity = distance > kWatchDistance ? Vec2(description.speed * Unit(to)) : Vec2(0.0, 0.0);
     return robot->center;

@@ -1,0 +1,60 @@
+#include "world-service/core/goals_of_people.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "troupe/random.h"
+
+namespace troupe {
+namespace {
+
+// Separates the choices of people from other uses of the same seed.
+constexpr std::uint64_t kChoiceStream = 0x7065'6f70'6c65;
+
+double Draw(const WorldDescription& world, PersonId id, std::uint32_t choices, std::uint64_t number) {
+  return RandomUniform({world.seed, kChoiceStream, id.index(), choices, number});
+}
+
+}  // namespace
+
+std::uint32_t TicksOf(const WorldDescription& world, double seconds) {
+  return static_cast<std::uint32_t>(std::min(seconds / world.interval_seconds() + 0.5, 1e9));
+}
+
+void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person) {
+  const std::vector<NextGoals>& next = world.goal_sets[person.goals].next;
+  const bool is_first = person.choices == 0;
+  if (!is_first && next.empty()) return;
+  const std::uint32_t before = person.goals;
+  if (!is_first) {
+    double total = 0.0;
+    for (const NextGoals& choice : next) total += choice.weight;
+    double left = Draw(world, id, person.choices, 0) * total;
+    person.goals = next.back().goals;
+    for (const NextGoals& choice : next) {
+      left -= choice.weight;
+      if (left >= 0.0) continue;
+      person.goals = choice.goals;
+      break;
+    }
+  }
+  const std::size_t points = world.goal_sets[person.goals].points.size();
+  const bool is_another = !is_first && person.goals == before && points > 1;
+  // Not the same point again.
+  const std::size_t choices = std::max<std::size_t>(points, 1) - (is_another ? 1 : 0);
+  auto goal = static_cast<std::uint32_t>(Draw(world, id, person.choices, 1) * static_cast<double>(choices));
+  if (is_another && goal >= person.goal) ++goal;
+  person.goal = goal;
+  ++person.choices;
+  person.waits = 0;
+}
+
+void ArriveAtGoal(const WorldDescription& world, PersonId id, PersonState& person) {
+  const GoalSet& set = world.goal_sets[person.goals];
+  if (set.next.empty()) return;
+  person.waits = TicksOf(world, set.wait.min + Draw(world, id, person.choices, 2) * (set.wait.max - set.wait.min));
+  if (person.waits == 0) ChooseGoal(world, id, person);
+}
+
+}  // namespace troupe
