@@ -1,5 +1,6 @@
 // Doors and lifts: what files make of them, and how they move.
 #include <cmath>
+#include <optional>
 
 #include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
@@ -39,6 +40,18 @@ Simulation Simulate(const std::string& text) {
   return ValueOf(Simulation::Create(LoadDoors(text)));
 }
 
+// With a person of 0.25 m radius that stands at a point, which a cart "r" sees from afar.
+Simulation SimulateWithPerson(const std::string& text, double x, double y, double z = 0.0) {
+  test::TemporaryFolder folder;
+  folder.Write("w.world", kDefines + text);
+  const auto number = [](double value) { return std::to_string(value); };
+  const std::string place = number(x) + ", " + number(y);
+  return ValueOf(Simulation::Load(
+      folder.Write("s.json", R"({"world": "w.world", "people": [{"count": 1, "name_prefix": "p", "goals": [[)" + place +
+                                 R"(]], "region": [)" + number(x - 0.01) + ", " + number(y - 0.01) + ", " +
+                                 number(x + 0.01) + ", " + number(y + 0.01) + R"(], "z": )" + number(z) + "}]}")));
+}
+
 Command Motion(double vx) {
   return {.twist = {vx, 0.0, 0.0}};
 }
@@ -67,9 +80,9 @@ void ExpectNoOverlap(const Simulation& simulation) {
   const Scene scene(simulation.world());
   BodyIndex bodies(scene);
   bodies.Assign(simulation.state());
-  const std::size_t robots = simulation.state().robots.size();
   const auto is_mounted = [&](std::size_t body) {
-    return body >= robots && simulation.state().objects[body - robots].mode == ObjectMode::kMounted;
+    const std::optional<ObjectId> object = scene.object_of(BodyId(body));
+    return object && simulation.state().objects[object->index()].mode == ObjectMode::kMounted;
   };
   for (std::size_t a = 0; a < scene.body_count(); ++a) {
     for (std::size_t b = a + 1; b < scene.body_count(); ++b) {
@@ -198,6 +211,22 @@ TEST(Doors, WaitForARobotInTheDoorwayWithoutTouchingItsBits) {
   Do(run, "r", Motion(1.0), 30);
   EXPECT_EQ(Door(run).opening, 0.0);
   EXPECT_FALSE(Door(run).blocked);
+}
+
+TEST(Doors, WaitForAPersonInTheDoorway) {
+  const std::string gate = R"(
+    door ( name "gate" pose [0 0 0 90] size [1.2 0.1 2] kind "sliding" seconds 2 opening 1 )
+    cart ( name "r" pose [-5 0 0 0] )
+  )";
+  Simulation run = SimulateWithPerson(gate, 0.0, -0.2);
+  const Pose before = run.state().people[0].X_WP;
+  for (int i = 0; i < 40; ++i) {
+    Do(run, "r", Order(0.0), 1);
+    ExpectNoOverlap(run);
+  }
+  EXPECT_TRUE(Door(run).blocked);
+  EXPECT_GT(Door(run).opening, 0.3);
+  EXPECT_EQ(run.state().people[0].X_WP.translation(), before.translation());
 }
 
 TEST(Doors, AHingedLeafStopsAtABoxAndGoesOnWithoutIt) {
@@ -386,6 +415,19 @@ TEST(Lifts, OfABuildingAreRiddenByAScript) {
   EXPECT_EQ(run.state().lifts[0].z, 4.0);
   EXPECT_FALSE(run.state().lifts[0].session);
   EXPECT_EQ(run.state().doors[*FindDoor(run.scene().world(), "lobby_door")].opening, 0.0);
+}
+
+TEST(Lifts, CarryAPersonAndLeaveAnotherOne) {
+  for (const bool is_inside : {true, false}) {
+    Simulation run = SimulateWithPerson(kLift, is_inside ? 0.3 : 3.0, 0.3, 0.06);
+    const double height = run.state().people[0].X_WP.z;
+    for (int i = 0; i < 100; ++i) {
+      Do(run, "r", Call(1), 1);
+      ExpectNoOverlap(run);
+    }
+    EXPECT_EQ(LiftOf(run).z, 3.0);
+    EXPECT_NEAR(run.state().people[0].X_WP.z, height + (is_inside ? 3.0 : 0.0), 1e-12);
+  }
 }
 
 }  // namespace
