@@ -1,7 +1,7 @@
 // Drives the page of `troupe view` in a headless Chromium against live runs.
 //   node browser_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
-import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+import {existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
@@ -152,6 +152,8 @@ async function showsTheRunAsItIs() {
   const [gateway] = viewed.children('view');
   pages.expectLossOfGateway(page);
   process.kill(gateway, 'SIGKILL');
+  // Beside other work a killed process with a low priority holds its port for a while.
+  await until('the gateway is gone', () => !existsSync(`/proc/${gateway}`));
   await until('the page knows', async () => !(await page.evaluate(() => window.troupe.connected())));
   const second = new Program(troupe, ['view', `${session}-viewed`, '--domain', domain, '--listen', new URL(url).host]);
   await second.line('viewer: ');
