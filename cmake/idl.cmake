@@ -14,3 +14,17 @@ function(troupe_idl_library name)
   target_include_directories(${name} SYSTEM PUBLIC ${CMAKE_CURRENT_BINARY_DIR})
   add_dependencies(${name} ${name}_types_generate)
 endfunction()
+
+# troupe_idl_texts(VARIABLE): sets it to a source with the IDL files of recordings' messages, for their schemas.
+function(troupe_idl_texts variable)
+  set(files frame.idl proposal.idl recorded_edit.idl recorded_run.idl recorded_tick.idl)
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/idl_texts.cc)
+  # Made when CMake runs, because the tools that read all sources build nothing.
+  file(GLOB all_idl ${PROJECT_SOURCE_DIR}/idl/*.idl)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${all_idl} ${PROJECT_SOURCE_DIR}/cmake/embed_idl.cmake)
+  execute_process(
+    COMMAND ${CMAKE_COMMAND} -DFOLDER=${PROJECT_SOURCE_DIR}/idl "-DFILES=${files}" -DOUTPUT=${source}
+      -P ${PROJECT_SOURCE_DIR}/cmake/embed_idl.cmake
+    COMMAND_ERROR_IS_FATAL ANY)
+  set(${variable} ${source} PARENT_SCOPE)
+endfunction()
