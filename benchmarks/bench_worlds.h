@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "troupe/polygon.h"
 #include "troupe/random.h"
 #include "troupe/world_description.h"
 #include "troupe/world_state.h"
@@ -138,11 +139,7 @@ inline WorldDescription HallWorld(std::size_t people) {
   }
   columns.rectangles_z = {0.0, 2.5};
   Shape body;
-  for (int i = 0; i < 12; ++i) {
-    const auto [sine, cosine] = SinCos(2.0 * kPi * (i + 0.5) / 12);
-    if (i == 0) body.blocks.push_back({{}, {0.0, 1.75}});
-    body.blocks[0].outline.emplace_back(0.25 * cosine, 0.25 * sine);
-  }
+  body.blocks.push_back({RegularPolygon(12, 0.25), {0.0, 1.75}});
   world.shapes = {columns, body};
   world.goal_sets = {goals};
   ModelDescription model;

@@ -181,13 +181,14 @@ Result<FileReplacement> FileReplacement::Prepare(const std::string& named, std::
   const bool exists = stat(path.value().c_str(), &old) == 0;
   if (exists && !S_ISREG(old.st_mode)) return Error{{named}, "cannot write: it is not a file, expected a regular file"};
   if (exists && access(path.value().c_str(), W_OK) != 0) return CannotWrite(named);
-  const fs::path temporary = NameBeside(path.value());
-  FileDescriptor file(open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (file.get() < 0) return CannotWrite(named);
+  // All memory first: from the file's creation on the replacement removes it.
   FileReplacement replacement;
   replacement.named_ = named;
   replacement.path_ = path.value().string();
-  replacement.temporary_ = temporary.string();
+  std::string temporary = NameBeside(path.value()).string();
+  FileDescriptor file(open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (file.get() < 0) return CannotWrite(named);
+  replacement.temporary_ = std::move(temporary);
   // The owner first: a change of it may clear permissions. Only root can give a file away.
   if (exists && (old.st_uid != geteuid() || old.st_gid != getegid())) {
     static_cast<void>(fchown(file.get(), old.st_uid, old.st_gid) == 0);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "common/geometry/limits.h"
+#include "troupe/deterministic_math.h"
 #include "troupe/z_range.h"
 
 namespace troupe {
@@ -131,6 +133,15 @@ Result<Polygon> Normalized(Polygon polygon) {
   if (AnyEdgesCross(polygon)) return fault("edges of the outline cross each other");
   if (!(SignedArea(polygon) > 0.0)) return fault("the outline has no area");
   return polygon;
+}
+
+Polygon RegularPolygon(int sides, double radius) {
+  Polygon outline;
+  for (int i = 0; i < sides; ++i) {
+    const auto [sine, cosine] = SinCos(2.0 * kPi * (i + 0.5) / sides);
+    outline.emplace_back(radius * cosine, radius * sine);
+  }
+  return Normalized(std::move(outline)).value();
 }
 
 }  // namespace troupe

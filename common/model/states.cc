@@ -176,6 +176,14 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
   return {};
 }
 
+bool HaveSameRows(const WorldState& a, const WorldState& b) {
+  bool same = true;
+  ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
+    if constexpr (!std::is_same_v<Row, RadioTransmission>) same = same && table.Of(a).size() == table.Of(b).size();
+  });
+  return same;
+}
+
 std::uint64_t StateHash(const WorldState& state) {
   Hasher hasher;
   ForEachField<WorldState>([&](const auto& field) {

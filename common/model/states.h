@@ -27,6 +27,9 @@ DeviceCounts CountDevices(const WorldDescription& world);
 Status CheckState(const WorldDescription& world, const DeviceCounts& devices, const WorldState& state);
 Status CheckState(const WorldDescription& world, const WorldState& state);
 
+// True if each table has as many rows in both, but for the radio messages on their way.
+bool HaveSameRows(const WorldState& a, const WorldState& b);
+
 // The state hash: 64 bits that differ when any bit of a state does (up to collisions). Two runs are the same when their
 // hashes are the same at every tick.
 std::uint64_t StateHash(const WorldState& state);

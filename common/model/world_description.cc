@@ -356,18 +356,25 @@ std::vector<SensorPlace> FindCameras(const WorldDescription& world) {
   return FindSensors<CameraParameters>(world);
 }
 
-std::optional<std::size_t> FindDoor(const WorldDescription& world, const std::string& name) {
-  for (std::size_t i = 0; i < world.doors.size(); ++i) {
-    if (world.model(world.doors[i].model).name == name) return i;
+namespace {
+
+template <typename Part>
+std::optional<std::size_t> FindPart(const WorldDescription& world, const std::vector<Part>& parts,
+                                    const std::string& name) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (world.model(parts[i].model).name == name) return i;
   }
   return std::nullopt;
 }
 
+}  // namespace
+
+std::optional<std::size_t> FindDoor(const WorldDescription& world, const std::string& name) {
+  return FindPart(world, world.doors, name);
+}
+
 std::optional<std::size_t> FindLift(const WorldDescription& world, const std::string& name) {
-  for (std::size_t i = 0; i < world.lifts.size(); ++i) {
-    if (world.model(world.lifts[i].model).name == name) return i;
-  }
-  return std::nullopt;
+  return FindPart(world, world.lifts, name);
 }
 
 std::uint64_t Hash(const WorldDescription& world) {
@@ -383,13 +390,19 @@ std::uint64_t Hash(const WorldDescription& world) {
   hasher.AddAll(world.objects);
   hasher.Add(world.gravity);
   if (!world.places.empty()) hasher.AddAll(world.places);
-  if (!world.doors.empty()) hasher.Add(std::string("doors"));
-  if (!world.doors.empty()) hasher.AddAll(world.doors);
-  if (!world.lifts.empty()) hasher.Add(std::string("lifts"));
-  if (!world.lifts.empty()) hasher.AddAll(world.lifts);
-  if (world.people.empty()) return hasher.value();  // so that worlds without people have the hash that they always had
-  hasher.AddAll(world.goal_sets);
-  hasher.AddAll(world.people);
+  // Worlds without these have the hash that they had before there were any.
+  if (!world.doors.empty()) {
+    hasher.Add(std::string("doors"));
+    hasher.AddAll(world.doors);
+  }
+  if (!world.lifts.empty()) {
+    hasher.Add(std::string("lifts"));
+    hasher.AddAll(world.lifts);
+  }
+  if (!world.people.empty()) {
+    hasher.AddAll(world.goal_sets);
+    hasher.AddAll(world.people);
+  }
   return hasher.value();
 }
 

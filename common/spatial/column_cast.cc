@@ -59,10 +59,6 @@ bool OverlapsHeights(const ZRange& a, const ZRange& b) {
   return a.min <= b.max && b.min <= a.max;
 }
 
-Rectangle BoxAround(const Vec2& center, double reach) {
-  return {center.x() - reach, center.y() - reach, center.x() + reach, center.y() + reach};
-}
-
 bool Sees(Sight sight, double ranger_return) {
   return sight == Sight::kBodies || ranger_return >= 0.0;
 }
@@ -127,7 +123,7 @@ ColumnCaster::ColumnCaster(const Scene& scene, const BodyIndex& bodies, const Ve
                            std::optional<RobotId> viewer, Sight sight)
     : scene_(scene), bodies_(bodies), origin_(origin), reach_(reach), sight_(sight) {
   tested_.resize(scene.static_index().kept_pieces().size(), 0);
-  bodies.ForEachNear(BoxAround(origin, reach), [&](BodyId id) {
+  bodies.ForEachNear(Rectangle::Around(origin, reach), [&](BodyId id) {
     if (viewer && bodies.owner(id) == viewer) return;
     const double radius = scene.body(id).radius * (1.0 + 1e-9) + 1e-9;
     near_.push_back({id, {bodies.X_WB(id).translation() - origin_, radius}, std::nullopt});

@@ -17,6 +17,10 @@ double SignedArea(const Polygon& polygon);
 
 Rectangle BoundingBox(std::span<const Vec2> polygon);
 
+// Normalized, with its middle at the origin, its corners at `radius` (m) and one of its sides across the x axis.
+// REQUIRES: at least three sides.
+Polygon RegularPolygon(int sides, double radius);
+
 // True if p lies inside or on the edge.
 bool Contains(const Polygon& polygon, const Vec2& p);
 

@@ -20,6 +20,10 @@ struct Rectangle {
     constexpr double inf = std::numeric_limits<double>::infinity();
     return {inf, inf, -inf, -inf};
   }
+  // The square with sides of twice the reach.
+  static Rectangle Around(const Vec2& center, double reach) {
+    return {center.x() - reach, center.y() - reach, center.x() + reach, center.y() + reach};
+  }
   bool empty() const { return min_x > max_x; }
   void Extend(const Vec2& p) {
     min_x = std::min(min_x, p.x());

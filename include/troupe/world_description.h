@@ -11,13 +11,12 @@
 // - no two robots that are there have one ROS domain of their own;
 // - grippers are in the order of their models; their joints and pads are of the same robot and below its root;
 // - only models that never move, so neither robots nor objects nor parts of them, have shapes with an area;
-// - objects are in order, have gripper_return or are leaves of doors or cabins of lifts, have no parent, and are not
-// the roots of robots;
-// - doors are in the order of their models, which never move, and so are lifts; an object is at most once a leaf of one
-//   or a cabin;
+// - objects are in order, have gripper_return or are leaves of doors or cabins of lifts, have no parent, and are no
+// roots of robots;
+// - doors are in the order of their models, which never move, and so are lifts; an object is at most once a leaf or a
+// cabin;
 // - people are in the order of their root models, which have no parent and are neither robots nor objects; the leader
-// of
-//   a person precedes it and has none; goal sets and the choices among them exist.
+// of a person precedes it and has none; goal sets and the choices among them exist.
 #pragma once
 
 #include <cstdint>

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <new>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -181,9 +181,9 @@ std::string CommonFolder(const std::vector<std::string>& files) {
   return folder;
 }
 
-// Why the module cannot run the world; ok: it can.
-Status CheckWorld(const LoadedWorld& loaded) {
-  for (const RobotDescription& robot : loaded.world.robots) {
+// Why the module cannot run the robots; ok: it can.
+Status CheckControllers(const WorldDescription& world) {
+  for (const RobotDescription& robot : world.robots) {
     const std::string& name = robot.controller.name;
     if (!NamesLibrary(name)) continue;
     return Error{
@@ -192,19 +192,33 @@ Status CheckWorld(const LoadedWorld& loaded) {
                     "controllers; a page with a recording shows any run (troupe run --record)",
                     robot.name, name, ControllerFile(name) == name ? "a shared library" : "a class in Python")};
   }
-  for (const std::string& file : loaded.files) {
-    const Result<std::string> start = ReadWholeFile(file, kMostContentBytes);
-    if (!start.ok()) return Error{{file}, "cannot read: " + start.error().message};
-    const std::string ending = std::filesystem::path(file).extension().string();
-    const bool is_jpeg = start.value().starts_with("\xff\xd8\xff");
-    if (!is_jpeg && ending != ".yaml" && ending != ".yml") continue;
-    return Error{{file},
-                 fmt::format("found {}, which a page does not read, expected {}; a page with a recording shows any run "
-                             "(troupe run --record)",
-                             is_jpeg ? "a JPEG image" : "YAML",
-                             is_jpeg ? "a PNG image" : "a Stage world or a scenario without ROS maps and buildings")};
-  }
   return {};
+}
+
+// Why the module cannot read a file; ok: it can.
+Status CheckFile(const std::string& file, const std::string& bytes) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  const bool is_jpeg = bytes.starts_with("\xff\xd8\xff");
+  if (!is_jpeg && ending != ".yaml" && ending != ".yml") return {};
+  return Error{{file},
+               fmt::format("found {}, which a page does not read, expected {}; a page with a recording shows any run "
+                           "(troupe run --record)",
+                           is_jpeg ? "a JPEG image" : "YAML",
+                           is_jpeg ? "a PNG image" : "a Stage world or a scenario without ROS maps and buildings")};
+}
+
+Result<std::string> ReadForPage(const std::string& file) {
+  Result<std::string> bytes = ReadWholeFile(file, kMostContentBytes);
+  if (!bytes.ok()) return Error{{file}, "cannot read: " + bytes.error().message};
+  if (Status problem = CheckFile(file, bytes.value()); !problem.ok()) return problem.error();
+  return bytes;
+}
+
+// A copy below a folder that is there.
+Status WriteCopy(const std::string& file, const std::string& bytes) {
+  std::error_code failure;
+  std::filesystem::create_directories(std::filesystem::path(file).parent_path(), failure);
+  return WriteWholeFile(file, bytes);
 }
 
 }  // namespace
@@ -235,42 +249,44 @@ Status WriteStaticPage(const std::string& world_file, const ShownExpectations& e
   if (loaded.value().settings.ros) {
     PrintPlain(stderr, "{}: warning: the page has no ROS 2: the run is as by troupe run --no-ros\n", world_file);
   }
-  if (Status problem = CheckWorld(loaded.value()); !problem.ok()) return problem;
+  if (Status problem = CheckControllers(loaded.value().world); !problem.ok()) return problem;
 
   // Their places in the page tell nothing of this machine: below the innermost folder of all, or of the installation.
   const std::string installed = Absolute(InstalledFolder("worlds"));
-  std::vector<std::string> own = {Absolute(world_file)};
-  std::vector<std::string> others;
-  for (const std::string& file : loaded.value().files) {
-    const bool is_own = IsBelow(own.front(), installed) || !IsBelow(Absolute(file), installed);
-    (is_own ? own : others).push_back(Absolute(file));
+  const std::string own_file = Absolute(world_file);
+  const auto is_own = [&](const std::string& file) {
+    return IsBelow(own_file, installed) || !IsBelow(file, installed);
+  };
+  std::map<std::string, std::string> files;  // their bytes, by absolute path
+  std::vector<std::string> own;
+  std::vector<std::string> listed = {world_file};
+  listed.insert(listed.end(), loaded.value().files.begin(), loaded.value().files.end());
+  for (const std::string& each : listed) {
+    const std::string file = Absolute(each);
+    if (files.contains(file)) continue;
+    Result<std::string> bytes = ReadForPage(each);
+    if (!bytes.ok()) return bytes.error();
+    files.emplace(file, std::move(bytes).value());
+    if (is_own(file)) own.push_back(file);
   }
   const std::string folder = CommonFolder(own);
   const TemporaryFolder copy;
   if (copy.path().empty()) return Failure("cannot make a folder for temporary files");
-  Content content(kOwnFolder + own.front().substr(folder.size()), expectations);
-  std::set<std::string> added;
-  for (const std::string& file : own) {
-    if (!added.insert(file).second) continue;
-    const Result<std::string> bytes = ReadWholeFile(file, kMostContentBytes);
-    if (!bytes.ok()) return Error{{file}, "cannot read: " + bytes.error().message};
-    const std::string place = file.substr(folder.size());
-    content.Add(kOwnFolder + place, bytes.value());
-    std::error_code failure;
-    std::filesystem::create_directories(std::filesystem::path(copy.path() + place).parent_path(), failure);
-    if (Status written = WriteWholeFile(copy.path() + place, bytes.value()); !written.ok()) return written;
-  }
-  for (const std::string& file : others) {
-    if (!added.insert(file).second) continue;
-    const Result<std::string> bytes = ReadWholeFile(file, kMostContentBytes);
-    if (!bytes.ok()) return Error{{file}, "cannot read: " + bytes.error().message};
-    content.Add(kInstalledWorlds + file.substr(installed.size()), bytes.value());
+  Content content(kOwnFolder + own_file.substr(folder.size()), expectations);
+  for (const auto& [file, bytes] : files) {
+    if (is_own(file)) {
+      const std::string place = file.substr(folder.size());
+      content.Add(kOwnFolder + place, bytes);
+      if (Status written = WriteCopy(copy.path() + place, bytes); !written.ok()) return written;
+    } else {
+      content.Add(kInstalledWorlds + file.substr(installed.size()), bytes);
+    }
   }
   // The names in the files lead to the same files there.
   overrides.allowed = AllowedPaths();
   overrides.allowed.Add(copy.path());
   overrides.allowed.Add(installed);
-  const Result<LoadedWorld> again = LoadWorld(copy.path() + own.front().substr(folder.size()), overrides);
+  const Result<LoadedWorld> again = LoadWorld(copy.path() + own_file.substr(folder.size()), overrides);
   if (!again.ok() || again.value().world != loaded.value().world) {
     return Error{
         {world_file},

@@ -293,8 +293,7 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
           "SESSION|FILE",
           [options](const std::string& name) { (IsFile(name) ? options->file : options->network.session) = name; },
           "Session of the run (default: the only one in the domain), or a recording (.mcap); with --static a "
-          "recording, "
-          "a world or a scenario")
+          "recording, a world or a scenario")
       ->check(CLI::Validator([](std::string& text) { return IsFile(text) ? std::string() : SessionName()(text); }, ""));
   AddListenOption(*command, options->listen);
   command

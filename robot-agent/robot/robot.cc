@@ -107,12 +107,17 @@ Result<std::unique_ptr<Robot>> Robot::Clone() const {
 Status Robot::CheckCommand(const Command& command) const {
   Manipulator trial = manipulator_;
   Status status = trial.Apply(command);
-  if (status.ok()) status = CheckReceivers(command);
+  if (status.ok()) status = CheckOrders(command);
+  if (status.ok()) return {};
+  return Error{{}, fmt::format("robot {}: {}", description().name, status.error().message)};
+}
+
+Status Robot::CheckOrders(const Command& command) const {
+  Status status = CheckReceivers(command);
   if (status.ok()) status = CheckLights(command);
   if (status.ok()) status = CheckCameras(command);
   if (status.ok()) status = CheckDoors(command);
-  if (status.ok()) return {};
-  return Error{{}, fmt::format("robot {}: {}", description().name, status.error().message)};
+  return status;
 }
 
 Status Robot::CheckReceivers(const Command& command) const {
@@ -356,10 +361,7 @@ Result<Command> Robot::RunController(const Observation& observation) {
   try {
     Command command = controller_->Update(observation);
     if (const Status status = manipulator_.Apply(command); !status.ok()) return status.error();
-    if (const Status status = CheckReceivers(command); !status.ok()) return status.error();
-    if (const Status status = CheckLights(command); !status.ok()) return status.error();
-    if (const Status status = CheckCameras(command); !status.ok()) return status.error();
-    if (const Status status = CheckDoors(command); !status.ok()) return status.error();
+    if (const Status status = CheckOrders(command); !status.ok()) return status.error();
     return command;
   } catch (const std::exception& exception) {
     return Error{{}, exception.what()};

@@ -98,6 +98,8 @@ class Robot {
   Robot(const Scene& scene, RobotId id, ScanLog* scan_log);
 
   const RobotDescription& description() const;
+  // What needs no manipulator.
+  Status CheckOrders(const Command& command) const;
   Status CheckReceivers(const Command& command) const;  // of its radio messages
   Status CheckLights(const Command& command) const;
   Status CheckCameras(const Command& command) const;

@@ -30,6 +30,7 @@ NEEDS = {  # a part of the line: the reason
     "troupe goto": "the same",
     "troupe teleop": "the same",
     "troupe top": "the same",
+    "curl ": "a gateway that goes on",
     " &": "a run that goes on, for the next line",
 }
 # Until Ctrl-C, so that the first address is enough.

@@ -39,8 +39,11 @@ class Caller {
     request.goal_id.uuid[0] = id;
     get_result_.Send(request);
   }
-  // A goal without an end in a pause, and a call for its result.
+  // A goal without an end in a pause, and a call for its result. The server knows the caller's endpoints by then, from
+  // its answer to a call for the result of a goal that does not exist.
   void OpenGoal(std::uint8_t id) {
+    AskForResult(0);
+    ASSERT_EQ(AwaitResult(), GoalStatus::kUnknown);
     ASSERT_TRUE(SendGoal(id));
     AskForResult(id);
   }
@@ -145,7 +148,10 @@ TEST_F(RosGoals, OfAnAgentThatDiesAreAbortedAndItsCallsAnsweredByTheNextOne) {
 TEST_F(RosGoals, OfASimulationWhoseServiceDiesAreRefused) {
   Program run = RunPaused();
   Caller caller;
-  StepBy(caller.step_, 1);  // all endpoints know each other
+  // A request waits until its server knows the reader of its answer. One that waits longer than the service lives is
+  // new to the next service, which carries it out.
+  StepBy(caller.step_, 1);
+  caller.simulate_.Call({}, [](const auto&) {});
   const pid_t service = ChildOf(run, "/world-service ");
   kill(service, SIGSTOP);
   simulation_interfaces_srv_dds__StepSimulation_Request_ million{};

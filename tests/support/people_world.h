@@ -6,18 +6,9 @@
 #include <vector>
 
 #include "tests/support/test_world.h"
-#include "troupe/deterministic_math.h"
+#include "troupe/polygon.h"
 
 namespace troupe::test {
-
-inline Polygon RegularPolygon(int sides, double radius) {
-  Polygon outline;
-  for (int i = 0; i < sides; ++i) {
-    const auto [sine, cosine] = SinCos(2.0 * kPi * (i + 0.5) / sides);
-    outline.emplace_back(radius * cosine, radius * sine);
-  }
-  return Normalized(std::move(outline)).value();
-}
 
 class PeopleWorld : public TestWorld {
  public:

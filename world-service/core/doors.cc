@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <memory_resource>
 #include <vector>
 
 #include "common/spatial/convex_piece.h"
@@ -9,10 +8,6 @@
 
 namespace troupe {
 namespace {
-
-Rectangle Around(const Vec2& center, double radius) {
-  return Rectangle{center.x(), center.y(), center.x(), center.y()}.Inflated(radius);
-}
 
 // One door in one tick.
 class DoorTurn {
@@ -41,11 +36,11 @@ class DoorTurn {
     const Vec2 middle = workspace_.scene.X_LM(door_.model).translation();
     const ZRange heights = Heights();
     bool found = false;
-    workspace_.bodies.ForEachNear(Around(middle, door_.reach), [&](BodyId id) {
+    workspace_.bodies.ForEachNear(Rectangle::Around(middle, door_.reach), [&](BodyId id) {
       if (found || id.index() >= workspace_.next.robots.size()) return;
       const Pose& X_WR = workspace_.bodies.X_WB(id);
-      const ZRange z = workspace_.scene.body(id).z + X_WR.z;
-      found = (X_WR.translation() - middle).norm() < door_.reach && z.min < heights.max && z.max > heights.min &&
+      found = (X_WR.translation() - middle).norm() < door_.reach &&
+              heights.Overlaps(workspace_.scene.body(id).z + X_WR.z) &&
               RobotExists(workspace_.world(), RobotId(id.index()));
     });
     return found;
@@ -69,23 +64,12 @@ class DoorTurn {
     return first;
   }
 
-  // Of the bodies near the motion; of walls and other leaves a leaf is free, because it slides into or beside them.
+  // Those of the bodies near the motion; of walls a leaf is free, because it slides into or beside them.
   std::vector<ConvexPiece> ObstaclesOf(BodyId leaf, const Motion& motion) const {
     const double radius = workspace_.scene.body(leaf).radius;
-    Rectangle box = Around(motion.X_WF.translation(), radius);
-    const Pose after = motion.After(motion.duration);
-    box.Extend(Vec2(after.x - radius, after.y - radius));
-    box.Extend(Vec2(after.x + radius, after.y + radius));
-    std::pmr::vector<BodyId> near;
-    workspace_.bodies.Query(box, near);
-    std::vector<ConvexPiece> pieces;
-    for (const BodyId body : near) {
-      if (workspace_.IsMounted(body)) continue;
-      for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) {
-        if (piece.obstacle) pieces.push_back(piece);
-      }
-    }
-    return pieces;
+    Rectangle box = Rectangle::Around(motion.X_WF.translation(), radius);
+    box.Extend(Rectangle::Around(motion.After(motion.duration).translation(), radius));
+    return workspace_.PiecesNear(box);
   }
 
   void MoveTo(double opening) {
@@ -139,7 +123,7 @@ Result<EditedWorld> OperateDoor(const std::shared_ptr<const Scene>& scene, const
   return edited;
 }
 
-Status CheckNoDoor(const WorldDescription& world, ModelId root) {
+Status CheckIsMovable(const WorldDescription& world, ModelId root) {
   for (const DoorDescription& door : world.doors) {
     const std::string& name = world.model(door.model).name;
     for (const DoorLeaf& leaf : door.leaves) {

@@ -223,7 +223,7 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
                             const Pose& X_WE) {
   const Result<ModelId> root = FindEntity(scene->world(), name);
   if (!root.ok()) return root.error();
-  if (const Status door = CheckNoDoor(scene->world(), root.value()); !door.ok()) return door.error();
+  if (const Status fixed = CheckIsMovable(scene->world(), root.value()); !fixed.ok()) return fixed.error();
   if (const Status valid = CheckPose(X_WE); !valid.ok()) return valid.error();
   Pose pose = X_WE;
   pose.heading = WrapAngle(pose.heading);
@@ -270,7 +270,7 @@ Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, cons
                                  const std::string& name) {
   const Result<ModelId> root = FindEntity(scene->world(), name);
   if (!root.ok()) return root.error();
-  if (const Status door = CheckNoDoor(scene->world(), root.value()); !door.ok()) return door.error();
+  if (const Status fixed = CheckIsMovable(scene->world(), root.value()); !fixed.ok()) return fixed.error();
   StepMemory memory(*scene, state);
   StepWorkspace workspace(*scene, memory);
   Detach(workspace, root.value());

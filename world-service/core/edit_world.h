@@ -44,8 +44,8 @@ Result<EditedWorld> OperateDoor(const std::shared_ptr<const Scene>& scene, const
 Result<EditedWorld> CallLift(const std::shared_ptr<const Scene>& scene, const WorldState& state,
                              const std::string& name, const std::string& floor);
 
-// The error is an entity that is a part of a door or a lift, or has one: it can be neither moved nor deleted.
-Status CheckNoDoor(const WorldDescription& world, ModelId root);
+// Whether an entity can be moved and deleted. The error is one that is a part of a door or a lift, or has one.
+Status CheckIsMovable(const WorldDescription& world, ModelId root);
 
 // Removes an entity.
 Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,

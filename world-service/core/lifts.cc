@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <memory_resource>
 #include <vector>
 
 #include "common/spatial/convex_piece.h"
@@ -67,7 +66,7 @@ class CabinMotion {
     return body && (*body == Cabin() || std::binary_search(carried_.begin(), carried_.end(), *body));
   }
 
-  // The robots, people and objects in the cabin, with what they hold and what is on them.
+  // The robots, people and objects in the cabin, with their payloads.
   void FindCarried() {
     const std::size_t robots = workspace_.next.robots.size();
     std::vector<bool> objects(workspace_.next.objects.size(), false);
@@ -109,15 +108,7 @@ class CabinMotion {
       for (const Vec2& vertex : moving[i].vertices) mover.radius = std::max(mover.radius, vertex.norm());
     }
     mover.pieces = moving;
-    std::vector<ConvexPiece> obstacles;
-    std::pmr::vector<BodyId> near;
-    workspace_.bodies.Query(box, near);
-    for (const BodyId body : near) {
-      if (workspace_.IsMounted(body) || std::binary_search(carried_.begin(), carried_.end(), body)) continue;
-      for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) {
-        if (piece.obstacle) obstacles.push_back(piece);
-      }
-    }
+    const std::vector<ConvexPiece> obstacles = workspace_.PiecesNear(box, carried_);
     if (obstacles.empty()) return std::nullopt;
     const std::optional<Contact> contact = FirstContactWith(obstacles, mover, motion);
     return contact ? std::optional(contact->time) : std::nullopt;

@@ -305,7 +305,7 @@ void Grip(StepWorkspace& workspace, GripperId id, const FingerMotion& left, cons
   if (gripper.clamped || !gripper.left_contact || !gripper.right_contact) return;
   const std::optional<ObjectId> object = workspace.scene.object_of(*gripper.left_contact);
   if (!object || object != workspace.scene.object_of(*gripper.right_contact)) return;
-  if (workspace.next.objects[object->index()].mode == ObjectMode::kMounted) return;
+  if (workspace.IsMounted(*object)) return;
   gripper.clamped = object;
   const std::optional<GripperId>& holder = workspace.next.objects[object->index()].holder;
   if (!holder) {

@@ -46,7 +46,7 @@ class NearDiscs {
   // Calls visit(number) for all discs that may reach within `reach` of `p`.
   template <typename Visit>
   void ForEachNear(const Vec2& p, double reach, Visit visit) const {
-    const CellRange range = grid_.CellsOf(Rectangle{p.x(), p.y(), p.x(), p.y()}.Inflated(reach + max_radius_));
+    const CellRange range = grid_.CellsOf(Rectangle::Around(p, reach + max_radius_));
     for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
       for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
         const std::size_t cell = grid_.CellAt(column, row);

@@ -265,8 +265,7 @@ class Walks {
     }
     const double reach = me.radius + kGap + kWallHorizon * description.max_speed;
     NearPieces pieces;
-    scene_.static_index().Query(Rectangle{me.center.x(), me.center.y(), me.center.x(), me.center.y()}.Inflated(reach),
-                                pieces);
+    scene_.static_index().Query(Rectangle::Around(me.center, reach), pieces);
     for (const ConvexPiece* piece : pieces) AddWalls(*piece, me, walls);
     const auto distance_to = [&](const WallSegment& wall) {
       const Vec2 along = wall.b - wall.a;
@@ -358,11 +357,10 @@ class Walks {
 
   void Move(PersonId id, const PersonState& plan) {
     PersonState& person = people_[id.index()];
-    const Vec2 from = person.X_WP.translation();
-    const double heading = person.X_WP.heading;
+    const Pose before = person.X_WP;
+    const Vec2 from = before.translation();
     const double seconds = workspace_.seconds();
     const Vec2 velocity(plan.vx, plan.vy);
-    const Pose before = person.X_WP;
     person = plan;
     for (const double part : {1.0, 0.5, 0.25, 0.0}) {
       const Vec2 to = from + part * seconds * velocity;
@@ -372,10 +370,8 @@ class Walks {
       person.X_WP.y = to.y();
       if (room == Room::kTight) {
         // Another body is closer than the cylinder, but not in the body itself: exactly, and without turning.
-        person.X_WP.heading = heading;
-        if (!IsFree(id, before, part * velocity)) {
-          if (part > 0.0) continue;
-        }
+        person.X_WP.heading = before.heading;
+        if (!IsFree(id, before, part * velocity)) continue;
       }
       person.vx = part * plan.vx;
       person.vy = part * plan.vy;
@@ -384,6 +380,7 @@ class Walks {
     workspace_.bodies.Move(scene_.body_of(id), person.X_WP);
   }
 
+  // True at rest.
   bool IsFree(PersonId id, const Pose& X_WP, const Vec2& velocity) const {
     const BodyId body = scene_.body_of(id);
     const Vec2 in_P = Transform2(X_WP).InverseRotate(velocity);

@@ -101,7 +101,7 @@ class RobotTurn {
   // The contact of a pad with an object is part of gripping it, not a blocked joint.
   bool IsGrip(JointId joint, const Contact& contact) const {
     const std::optional<ObjectId> object = contact.other ? workspace_.scene.object_of(*contact.other) : std::nullopt;
-    if (!object || workspace_.next.objects[object->index()].mode == ObjectMode::kMounted) return false;
+    if (!object || workspace_.IsMounted(*object)) return false;
     for (GripperId id : workspace_.scene.grippers_of(robot_)) {
       const GripperDescription& gripper = workspace_.world().gripper(id);
       if ((joint == gripper.left && contact.mine == gripper.left_pad) ||
@@ -122,7 +122,7 @@ class RobotTurn {
 constexpr std::size_t kClaim = 4;
 
 // Once all robots have acted.
-StepResult Finish(StepWorkspace& workspace, std::span<const Proposal* const> by_robot, ThreadPool* people_pool = {}) {
+StepResult Finish(StepWorkspace& workspace, std::span<const Proposal* const> by_robot, ThreadPool* people_pool) {
   CallLifts(by_robot, workspace);
   MoveDoors(by_robot, workspace);
   MoveLifts(workspace);

@@ -1,7 +1,9 @@
 // StepWorkspace: a state between two ticks, shared by the parts of a step. Private to this folder.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <utility>
@@ -70,9 +72,22 @@ struct StepWorkspace {
   double seconds() const { return world().interval_seconds(); }
 
   // A leaf of a door or a cabin of a lift.
+  bool IsMounted(ObjectId object) const { return next.objects[object.index()].mode == ObjectMode::kMounted; }
   bool IsMounted(BodyId body) const {
     const std::optional<ObjectId> object = scene.object_of(body);
-    return object && next.objects[object->index()].mode == ObjectMode::kMounted;
+    return object && IsMounted(*object);
+  }
+  // The pieces of the bodies near `box` that a leaf or a cabin may hit: not those of other leaves and cabins.
+  std::vector<ConvexPiece> PiecesNear(const Rectangle& box, std::span<const BodyId> except = {}) const {
+    std::pmr::vector<BodyId> near;
+    bodies.Query(box, near);
+    std::vector<ConvexPiece> pieces;
+    for (const BodyId body : near) {
+      if (IsMounted(body) || std::binary_search(except.begin(), except.end(), body)) continue;
+      const std::vector<ConvexPiece>& its = bodies.pieces_in_world(body);
+      pieces.insert(pieces.end(), its.begin(), its.end());
+    }
+    return pieces;
   }
   void MoveObject(ObjectId object, const Pose& X_WO) {
     next.objects[object.index()].X_WO = X_WO;

@@ -30,13 +30,7 @@ constexpr std::array kSkins{Color{0.95, 0.80, 0.69, 1.0}, Color{0.76, 0.57, 0.42
 
 // A prism of `sides` sides whose corners are at `radius`.
 Block Prism(int sides, double radius, const ZRange& z) {
-  Block block{{}, z};
-  for (int i = 0; i < sides; ++i) {
-    const auto [sine, cosine] = SinCos(2.0 * kPi * (i + 0.5) / sides);
-    block.outline.emplace_back(radius * cosine, radius * sine);
-  }
-  block.outline = Normalized(std::move(block.outline)).value();
-  return block;
+  return {RegularPolygon(sides, radius), z};
 }
 
 class Crowd {
@@ -48,6 +42,7 @@ class Crowd {
   }
 
   Status Add(const PeopleRule& rule, std::uint64_t number) {
+    const Look look = LookOf(rule);
     for (std::uint32_t i = 0; i < rule.count; ++i) {
       const bool leads = i % rule.group == 0;
       const std::optional<PersonId> leader = leads ? std::nullopt : leader_;
@@ -56,7 +51,7 @@ class Crowd {
         return Error{rule.where, "found room for " + std::to_string(i) + " of " + std::to_string(rule.count) +
                                      " people, expected room for all: enlarge the region or reduce count or radius"};
       }
-      AddPerson(rule, number, i, *start, leader);
+      AddPerson(rule, look, number, i, *start, leader);
       if (leads) leader_ = PersonId(world_.people.size() - 1);
     }
     return Status();
@@ -73,8 +68,7 @@ class Crowd {
                                 const std::optional<PersonId>& leader) {
     Rectangle box = BoundingBox(rule.region);
     if (leader) {
-      const Vec2 beside = world_.model(world_.person(*leader).root).X_PM.translation();
-      box = Rectangle{beside.x(), beside.y(), beside.x(), beside.y()}.Inflated(kTogether);
+      box = Rectangle::Around(world_.model(world_.person(*leader).root).X_PM.translation(), kTogether);
     }
     for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
       const Vec2 at(box.min_x + Random(number, person, draw, 0) * box.width(),
@@ -88,7 +82,7 @@ class Crowd {
   bool IsFree(const Vec2& at, const PeopleRule& rule) {
     const ZRange z{rule.z, rule.z + rule.height};
     const double reach = rule.radius + kGap;
-    const Rectangle box = Rectangle{at.x(), at.y(), at.x(), at.y()}.Inflated(reach);
+    const Rectangle box = Rectangle::Around(at, reach);
     const auto is_near = [&](const ConvexPiece& piece) {
       return piece.obstacle && piece.z.Overlaps(z) &&
              FindNearestPoints(std::span(&at, 1), piece.vertices).distance < reach;
@@ -107,19 +101,35 @@ class Crowd {
     });
   }
 
-  void AddPerson(const PeopleRule& rule, std::uint64_t number, std::uint64_t i, const Pose& start,
+  // What all people of a rule have in common.
+  struct Look {
+    double neck;       // m, the height at which the head begins
+    double head_size;  // m
+    ShapeId body;
+    ShapeId head;
+  };
+
+  Look LookOf(const PeopleRule& rule) {
+    const double hips = 0.48 * rule.height;
+    const double neck = 0.86 * rule.height;
+    const double head_radius = std::min(0.12, 0.7 * rule.radius);
+    const ShapeId body =
+        AddShape({{Prism(8, 0.8 * rule.radius, {0.0, hips}), Prism(12, rule.radius, {hips, neck})}, {}, {}});
+    const ShapeId head = AddShape({{Prism(8, head_radius, {0.0, rule.height - neck})}, {}, {}});
+    return {neck, 2.0 * head_radius, body, head};
+  }
+
+  void AddPerson(const PeopleRule& rule, const Look& look, std::uint64_t number, std::uint64_t i, const Pose& start,
                  const std::optional<PersonId>& leader) {
     std::string name;
     do {
       name = rule.name_prefix + std::to_string(++numbers_);
     } while (names_.contains(name) || names_.contains(name + ".head"));
-    const double hips = 0.48 * rule.height;
-    const double neck = 0.86 * rule.height;
     ModelDescription model;
     model.name = name;
     model.type = "person";
     model.X_PM = start;
-    model.shape = AddShape({{Prism(8, 0.8 * rule.radius, {0.0, hips}), Prism(12, rule.radius, {hips, neck})}, {}, {}});
+    model.shape = look.body;
     model.size_x = model.size_y = 2.0 * rule.radius;
     model.size_z = rule.height;
     model.color = kShirts[RandomBits({seed_, kStartStream, number, i, 0}) % kShirts.size()];
@@ -135,10 +145,10 @@ class Crowd {
     model.name += ".head";
     model.type = "model";
     model.parent = person.root;
-    model.X_PM = {0.0, 0.0, neck, 0.0};
-    model.shape = AddShape({{Prism(8, std::min(0.12, 0.7 * rule.radius), {0.0, rule.height - neck})}, {}, {}});
-    model.size_x = model.size_y = 2.0 * std::min(0.12, 0.7 * rule.radius);
-    model.size_z = rule.height - neck;
+    model.X_PM = {0.0, 0.0, look.neck, 0.0};
+    model.shape = look.head;
+    model.size_x = model.size_y = look.head_size;
+    model.size_z = rule.height - look.neck;
     model.color = kSkins[RandomBits({seed_, kStartStream, number, i, 1}) % kSkins.size()];
     world_.models.push_back(std::move(model));
     world_.people.push_back(person);
@@ -184,7 +194,7 @@ AreaPoints PointsOf(const Site& site, const CrowdGoalSet& set) {
       const std::string& area = vertex.human_goal_set;
       if (area.empty() || std::find(set.areas.begin(), set.areas.end(), area) == set.areas.end()) continue;
       if (!found.elevation) found.elevation = level.elevation;
-      // Lifts carry nobody yet: the points of another level cannot be reached.
+      // People call no lifts: the points of another level cannot be reached.
       if (level.elevation == *found.elevation) found.points.push_back(vertex.position);
     }
   }

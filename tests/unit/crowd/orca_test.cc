@@ -20,6 +20,31 @@ struct Goer {
   double length = 0.0;  // m, of its path
 };
 
+// The nearest ten.
+std::vector<WalkerNeighbor> NeighborsOf(const std::vector<Goer>& goers, std::size_t i, double reach) {
+  std::vector<std::pair<double, std::size_t>> near;
+  for (std::size_t k = 0; k < goers.size(); ++k) {
+    const double distance = (goers[k].walker.position - goers[i].walker.position).norm();
+    if (k != i && distance < reach) near.emplace_back(distance, k);
+  }
+  std::sort(near.begin(), near.end());
+  near.resize(std::min<std::size_t>(near.size(), 10));
+  std::vector<WalkerNeighbor> neighbors;
+  for (const auto& [distance, k] : near) {
+    const Walker& other = goers[k].walker;
+    neighbors.push_back({other.position, other.velocity, other.radius, 0.5});
+  }
+  return neighbors;
+}
+
+void Advance(std::vector<Goer>& goers, const std::vector<Vec2>& velocities) {
+  for (std::size_t i = 0; i < goers.size(); ++i) {
+    goers[i].walker.velocity = velocities[i];
+    goers[i].walker.position += kTick * velocities[i];
+    goers[i].length += kTick * velocities[i].norm();
+  }
+}
+
 // All walk to their goals for a tick, each as the others were before it.
 void Walk(std::vector<Goer>& goers, const std::vector<WallSegment>& walls, double horizon, double reach) {
   Orca orca({.walkers = horizon, .walls = 2.0, .tick = kTick});
@@ -28,25 +53,9 @@ void Walk(std::vector<Goer>& goers, const std::vector<WallSegment>& walls, doubl
     Walker& walker = goers[i].walker;
     const Vec2 to_goal = goers[i].goal - walker.position;
     walker.preferred = to_goal.norm() > 1.0 ? Vec2(to_goal.normalized()) : to_goal;
-    std::vector<std::pair<double, std::size_t>> near;
-    for (std::size_t k = 0; k < goers.size(); ++k) {
-      const double distance = (goers[k].walker.position - walker.position).norm();
-      if (k != i && distance < reach) near.emplace_back(distance, k);
-    }
-    std::sort(near.begin(), near.end());
-    near.resize(std::min<std::size_t>(near.size(), 10));
-    std::vector<WalkerNeighbor> neighbors;
-    for (const auto& [distance, k] : near) {
-      const Walker& other = goers[k].walker;
-      neighbors.push_back({other.position, other.velocity, other.radius, 0.5});
-    }
-    velocities.push_back(orca.Velocity(walker, neighbors, walls));
+    velocities.push_back(orca.Velocity(walker, NeighborsOf(goers, i, reach), walls));
   }
-  for (std::size_t i = 0; i < goers.size(); ++i) {
-    goers[i].walker.velocity = velocities[i];
-    goers[i].walker.position += kTick * velocities[i];
-    goers[i].length += kTick * velocities[i].norm();
-  }
+  Advance(goers, velocities);
 }
 
 double LeastGap(const std::vector<Goer>& goers) {
@@ -178,25 +187,10 @@ TEST(Orca, WalkersAmongBlocksDoAsThoseOfTheReferenceImplementation) {
       const double angle = 0.7 * static_cast<double>(run.ticks) + 2.4 * static_cast<double>(i);  // against symmetry
       walker.preferred =
           (to_goal.norm() > 1.0 ? Vec2(to_goal.normalized()) : to_goal) + 5e-5 * Vec2(std::cos(angle), std::sin(angle));
-      std::vector<std::pair<double, std::size_t>> near;
-      for (std::size_t k = 0; k < goers.size(); ++k) {
-        const double distance = (goers[k].walker.position - walker.position).norm();
-        if (k != i && distance < 15.0) near.emplace_back(distance, k);
-      }
-      std::sort(near.begin(), near.end());
-      near.resize(std::min<std::size_t>(near.size(), 10));
-      std::vector<WalkerNeighbor> neighbors;
-      for (const auto& [distance, k] : near) {
-        const Walker& other = goers[k].walker;
-        neighbors.push_back({other.position, other.velocity, other.radius, 0.5});
-      }
-      velocities.push_back(orca.Velocity(walker, neighbors, SidesNear(blocks, walker.position, 12.0)));
+      velocities.push_back(
+          orca.Velocity(walker, NeighborsOf(goers, i, 15.0), SidesNear(blocks, walker.position, 12.0)));
     }
-    for (std::size_t i = 0; i < goers.size(); ++i) {
-      goers[i].walker.velocity = velocities[i];
-      goers[i].walker.position += kTick * velocities[i];
-      goers[i].length += kTick * velocities[i].norm();
-    }
+    Advance(goers, velocities);
     if (run.ticks % 8 == 0) run.least = std::min(run.least, LeastGap(goers));
   }
   for (const Goer& goer : goers) run.length += goer.length / static_cast<double>(goers.size());

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "common/model/states.h"
 #include "transport/dds/convert/columns.h"
 #include "transport/dds/convert/convert.h"
 
@@ -163,10 +164,7 @@ const WorldState* BaseOf(const HistoryEntry& entry, const HistoryEntry* before) 
   }
   const WorldState& a = entry.frame.state;
   const WorldState& b = before->frame.state;
-  const bool same_rows = a.robots.size() == b.robots.size() && a.joints.size() == b.joints.size() &&
-                         a.grippers.size() == b.grippers.size() && a.objects.size() == b.objects.size() &&
-                         a.people.size() == b.people.size();
-  return same_rows ? &b : nullptr;
+  return HaveSameRows(a, b) ? &b : nullptr;
 }
 
 }  // namespace

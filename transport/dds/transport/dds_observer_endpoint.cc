@@ -17,8 +17,9 @@ constexpr std::chrono::microseconds kSameBurst(100);
 constexpr std::size_t kShortFrameRows = 500;
 
 std::size_t RowsOf(const WorldState& state) {
-  return state.robots.size() + state.joints.size() + state.grippers.size() + state.objects.size() +
-         state.transmissions.size() + state.people.size();
+  std::size_t rows = 0;
+  ForEachTable([&](const auto& table) { rows += table.Of(state).size(); });
+  return rows;
 }
 
 }  // namespace
