@@ -45,7 +45,7 @@ function(troupe_idl_library name)
     string(REPLACE ".idl" "" stem ${file})
     add_custom_command(OUTPUT idl/${stem}.c idl/${stem}.h
       COMMAND ${IDLC} -l c -t -Wno-implicit-extensibility -I ${PROJECT_SOURCE_DIR} -o idl ${CMAKE_CURRENT_SOURCE_DIR}/${file}
-      DEPENDS ${file}
+      DEPENDS ${arg_FILES}  # a file includes others
       VERBATIM)
     list(APPEND sources idl/${stem}.c)
   endforeach()

@@ -25,6 +25,9 @@ using testing::HasSubstr;
 // A program of ROS.
 class Caller {
  public:
+  // `id` tells callers in one domain apart.
+  explicit Caller(std::uint64_t id = 4711) : id_(id) {}
+
   // False: it is refused.
   bool SendGoal(std::uint8_t id) {
     control_msgs_action_dds__GripperCommand_SendGoal_Request_ request{};
@@ -54,21 +57,22 @@ class Caller {
     return status;
   }
 
+  const std::uint64_t id_;
   ros::RosParticipant participant_{TestRosNetwork()};
   Client<rcl_interfaces_srv_dds__ListParameters_Request_, rcl_interfaces_srv_dds__ListParameters_Response_> list_{
-      participant_, "/a/robot/list_parameters"};
-  TROUPE_SIMULATION_CLIENT(StepSimulation) step_{participant_, "/world/step_simulation"};
+      participant_, "/a/robot/list_parameters", id_};
+  TROUPE_SIMULATION_CLIENT(StepSimulation) step_{participant_, "/world/step_simulation", id_};
   Client<simulation_interfaces_action_dds__SimulateSteps_SendGoal_Request_,
          simulation_interfaces_action_dds__SimulateSteps_SendGoal_Response_>
-      simulate_{participant_, "/world/simulate_steps/_action/send_goal"};
+      simulate_{participant_, "/world/simulate_steps/_action/send_goal", id_};
 
  private:
   Client<control_msgs_action_dds__GripperCommand_SendGoal_Request_,
          control_msgs_action_dds__GripperCommand_SendGoal_Response_>
-      send_goal_{participant_, "/a/gripper/gripper_cmd/_action/send_goal"};
+      send_goal_{participant_, "/a/gripper/gripper_cmd/_action/send_goal", id_};
   Client<control_msgs_action_dds__GripperCommand_GetResult_Request_,
          control_msgs_action_dds__GripperCommand_GetResult_Response_>
-      get_result_{participant_, "/a/gripper/gripper_cmd/_action/get_result"};
+      get_result_{participant_, "/a/gripper/gripper_cmd/_action/get_result", id_};
 };
 
 class RosGoals : public testing::Test {
@@ -206,7 +210,7 @@ TEST_F(RosGoals, OutliveRosParticipantAndAreAnsweredToANewCall) {
     caller.OpenGoal(1);
   }
   kill(ChildOf(run, "/ros-participant "), SIGKILL);
-  Caller caller;  // which knows the next one alone
+  Caller caller(4712);  // which knows the next one alone
   caller.AskForResult(1);
   Call({.command = ControlCommand::kPlay});
   EXPECT_EQ(caller.AwaitResult(), GoalStatus::kSucceeded);
