@@ -21,24 +21,29 @@ function(troupe_use_precompiled_headers name from)
   endif()
 endfunction()
 
-# A sanitizer's checks cost the optimiser more than anything else does, so the sanitizers' presets leave code alone in
-# which tests spend little time: its compilation takes half as long.
+# The optimiser takes half of the time of a compilation, more with the checks of a sanitizer, so the presets for tests
+# leave code alone in which tests spend little time.
 set(TROUPE_UNOPTIMIZED "" CACHE STRING "Folders whose libraries are compiled with -O0, as a regular expression")
+
+# For a library of this folder.
+function(troupe_compile_as_its_folder name)
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  if(TROUPE_UNOPTIMIZED AND folder MATCHES "${TROUPE_UNOPTIMIZED}")
+    target_compile_options(${name} PRIVATE -O0)
+    troupe_use_precompiled_headers(${name} troupe_unoptimized_headers)
+  else()
+    troupe_use_precompiled_headers(${name} troupe_library_headers)
+  endif()
+endfunction()
 
 # troupe_library(NAME SOURCES a.cc ... DEPENDS lib ...): one static library for one folder.
 function(troupe_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
   if(arg_SOURCES)
     add_library(${name} STATIC ${arg_SOURCES})
-    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_link_libraries(${name} PUBLIC troupe_options ${arg_DEPENDS})
-    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
-    if(TROUPE_UNOPTIMIZED AND folder MATCHES "${TROUPE_UNOPTIMIZED}")
-      target_compile_options(${name} PRIVATE -O0)
-      troupe_use_precompiled_headers(${name} troupe_unoptimized_headers)
-    else()
-      troupe_use_precompiled_headers(${name} troupe_library_headers)
-    endif()
+    troupe_compile_as_its_folder(${name})
     set_property(GLOBAL APPEND PROPERTY TROUPE_LIBRARIES ${name})
   else()
     add_library(${name} INTERFACE)

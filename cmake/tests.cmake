@@ -42,7 +42,7 @@ endfunction()
 #             [DEFINITIONS d ...] [PROPERTIES name value ...])
 # The tests in these sources (or headers), run by CTest as one test. DEPENDS: libraries; NEEDS: what they run or load;
 # PROPERTIES: of CTest, for instance COST: about how many seconds it takes, if many (the longest begin first), or
-# PROCESSORS: how many of the places for tests, three for each core, it takes. Labels: slow (not in scripts/test), process
+# PROCESSORS: how many of the places for tests, four for each core, it takes. Labels: slow (not in scripts/test), process
 # (drives the programs), determinism (whole runs), threads (runs under the thread sanitizer too), addresses (under the
 # address sanitizer; all that have none of the first three have it). In a unity build the sources of a folder are
 # compiled together, up to 12 at a time.
@@ -107,10 +107,12 @@ macro(troupe_add_test)
     if(CMAKE_CROSSCOMPILING)
       math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 20")  # an emulator, too
     endif()
-    # With three places for each core (scripts/test), tests that calculate run one a core, and beside each of them one that
-    # drives processes, which mostly waits.
-    set(processors 2)
-    if("process" IN_LIST arg_LABELS AND NOT TROUPE_SANITIZER)
+    # With four places for each core (scripts/test), tests that calculate run one a core, and beside each of them two that
+    # drive processes, which mostly wait.
+    set(processors 3)
+    if(TROUPE_SANITIZER)
+      set(processors 2)  # of two places for each core
+    elseif("process" IN_LIST arg_LABELS)
       set(processors 1)
     endif()
     set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}" ENVIRONMENT "${environment}"

@@ -302,12 +302,13 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
           "File with the token of the page's address, which programs can share (default: another one for each run)")
       ->check(NotEmpty())
       ->type_name("FILE");
-  command
-      ->add_option_function<std::string>(
-          "--journal", [options](const std::string& file) { options->journal = JournalFiles::Of(file); },
-          "Journal of the run, as of troupe run --journal: for its past from its start")
-      ->check(NotEmpty())
-      ->type_name("FILE");
+  CLI::Option* const journal =
+      command
+          ->add_option_function<std::string>(
+              "--journal", [options](const std::string& file) { options->journal = JournalFiles::Of(file); },
+              "Journal of the run, as of troupe run --journal: for its past from its start")
+          ->check(NotEmpty())
+          ->type_name("FILE");
   command
       ->add_option("--expect", options->expect,
                    "Test or scenario whose expectations the page judges (default: those of the run's scenario)")
@@ -323,7 +324,7 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
           },
           "")
       ->expected(2)
-      ->needs("--journal")
+      ->needs(journal)
       ->group("");
   // The words of its command, as JSON.
   command
@@ -345,8 +346,9 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
   CLI::Option* const is_static = command->add_flag("--static", options->is_static,
                                                    "Write a page that needs no server: one file with the simulation, "
                                                    "which computes and proves a recording, or runs a scenario");
-  command->add_option("-o,--output", options->page.output, "File of --static")->needs(is_static)->type_name("FILE");
-  is_static->needs("--output");
+  CLI::Option* const output =
+      command->add_option("-o,--output", options->page.output, "File of --static")->needs(is_static)->type_name("FILE");
+  is_static->needs(output);
   command
       ->add_option("--module", options->page.module, "Folder with the WebAssembly module (default: the installed one)")
       ->needs(is_static)

@@ -13,17 +13,19 @@ namespace {
 // A journal, as `troupe run` makes one by default.
 void AddJournalFlags(CLI::App& app, ServiceCommandLine& line) {
   OutputFiles& outputs = line.outputs;
-  app.add_option_function<std::string>(
-         "--journal", [&outputs](const std::string& file) { outputs.journal = JournalFiles::Of(file); },
-         "Write a recording from which another world service can continue the run with --resume; FILE.journal-a and "
-         "FILE.journal-b have its newest ticks")
-      ->check(NotEmpty())
-      ->type_name("FILE");
+  CLI::Option* const journal =
+      app.add_option_function<std::string>(
+             "--journal", [&outputs](const std::string& file) { outputs.journal = JournalFiles::Of(file); },
+             "Write a recording from which another world service can continue the run with --resume; FILE.journal-a "
+             "and "
+             "FILE.journal-b have its newest ticks")
+          ->check(NotEmpty())
+          ->type_name("FILE");
   app.add_flag_function(
       "--journal-sync", [&outputs](std::int64_t) { outputs.journal_sync = JournalSync::kYes; },
       "Wait in each tick until the journal is on the disk, so that it survives a loss of power");
   app.add_flag("--resume", line.resume, "Continue the run of the journal, whose world service has died")
-      ->needs("--journal");
+      ->needs(journal);
   // The option of a launcher, whose journals have no names.
   app.add_option_function<std::vector<std::string>>(
          "--journal-tail",
@@ -32,7 +34,7 @@ void AddJournalFlags(CLI::App& app, ServiceCommandLine& line) {
          },
          "")
       ->expected(2)
-      ->needs("--journal")
+      ->needs(journal)
       ->group("");
   app.add_flag("--journal-optional", outputs.journal_is_optional, "")->group("");
 }
