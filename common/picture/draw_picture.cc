@@ -135,13 +135,16 @@ Caption MakeCaption(const WorldDescription& world, const WorldState& state, Pict
   char time[48];
   std::snprintf(time, sizeof time, "%.*f s", seconds < 1e5 && world.interval_ns % 100'000'000 != 0 ? 3 : 1, seconds);
   std::size_t robots = 0;
-  for (std::size_t i = 0; i < world.robots.size(); ++i) robots += RobotExists(world, RobotId(i)) ? 1 : 0;
+  std::size_t stalled = 0;
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (!RobotExists(world, RobotId(i))) continue;
+    ++robots;
+    if (state.robots[i].stalled) ++stalled;
+  }
   Caption caption;
   caption.title = world.name;
   caption.detail = "tick " + std::to_string(state.tick) + ", " + time + ", " + Count(robots, "robot");
   if (view == PictureView::kSide) caption.detail += ", seen along +y";
-  const auto stalled =
-      std::count_if(state.robots.begin(), state.robots.end(), [](const RobotState& robot) { return robot.stalled; });
   if (stalled > 0) caption.alarm = std::to_string(stalled) + " stalled";
   return caption;
 }

@@ -42,13 +42,19 @@ Solid MakeSolid(const PixelArea& area, const ZRange& z_M, const Pose& X_WM) {
   return solid;
 }
 
+constexpr double kFloor = 0.01;  // m: floors and marks on them, which are no lower than what stands there
+
+bool IsFloor(const Solid& solid) {
+  return !solid.robot && solid.z.max <= kFloor;
+}
+
 // A solid's height is relative to the solids that it is compared with by eye: its robot's parts, or all objects.
 void SetHeights(std::vector<Solid>& solids, std::size_t robots) {
   std::vector<ZRange> span(robots + 1, ZRange{0.0, 0.0});
   std::vector<bool> seen(robots, false);
   const auto group = [&](const Solid& solid) { return solid.robot ? solid.robot->index() : robots; };
   for (const Solid& solid : solids) {
-    if (solid.kind == SolidKind::kMap) continue;
+    if (solid.kind == SolidKind::kMap || IsFloor(solid)) continue;
     ZRange& z = span[group(solid)];
     if (solid.robot && !seen[solid.robot->index()]) {
       seen[solid.robot->index()] = true;
@@ -59,7 +65,7 @@ void SetHeights(std::vector<Solid>& solids, std::size_t robots) {
   for (Solid& solid : solids) {
     if (solid.kind == SolidKind::kMap) continue;
     const ZRange& z = span[group(solid)];
-    solid.height = z.max > z.min ? (solid.z.max - z.min) / (z.max - z.min) : 1.0;
+    solid.height = !IsFloor(solid) && z.max > z.min ? (solid.z.max - z.min) / (z.max - z.min) : 1.0;
   }
 }
 

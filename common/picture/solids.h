@@ -28,7 +28,7 @@ struct Solid {
   Pose X_WM;
   std::vector<Rectangle> cover;  // m, frame W: boxes that cover a map's area (roughly, where it is turned)
   ZRange z;                      // m, frame W
-  double height = 0.0;           // 0..1: where its top lies between the lowest and the highest of its kind or robot
+  double height = 0.0;  // 0..1: where its top lies between the lowest and the highest of its kind or robot; 1: floors
 };
 
 // All blocks and bitmaps, in the order of models and blocks.

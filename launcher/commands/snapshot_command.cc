@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -41,25 +43,41 @@ PictureOptions ToPictureOptions(const SnapshotOptions& options) {
   return picture;
 }
 
-// The world without the bodies of models whose base is not at one of these heights, m: a level of a building.
-WorldDescription AtHeights(WorldDescription world, const WorldState& state, double min, double max) {
+// The world without the bodies of models whose base is not at one of these heights, m: a level of a building. The
+// lowest of its models that stand still is moved to the ground, and all others with it.
+struct Storey {
+  WorldDescription world;
+  WorldState state;
+};
+
+Storey AtHeights(WorldDescription world, WorldState state, double min, double max) {
   std::vector<std::optional<double>> moving(world.models.size());  // m, of the models of robots and objects
   for (std::size_t i = 0; i < world.robots.size(); ++i) moving[world.robots[i].root.index()] = state.robots[i].X_WR.z;
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     moving[world.objects[i].index()] = state.objects[i].X_WO.z;
   }
+  for (std::size_t i = 0; i < world.people.size(); ++i) moving[world.people[i].root.index()] = state.people[i].X_WP.z;
   const ShapeId nothing(world.shapes.size());
   world.shapes.emplace_back();
   std::vector<double> heights(world.models.size());
+  double ground = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     ModelDescription& model = world.models[i];
     if (model.parent && moving[model.parent->index()]) moving[i] = moving[model.parent->index()];
     heights[i] = moving[i] ? *moving[i] : model.X_PM.z + (model.parent ? heights[model.parent->index()] : 0.0);
-    if (heights[i] >= min && heights[i] < max) continue;
+    if (heights[i] >= min && heights[i] < max) {
+      if (!moving[i] && !model.parent) ground = std::min(ground, heights[i]);
+      continue;
+    }
     model.shape = nothing;
     model.removed = moving[i].has_value();  // then no name of a robot is shown either
   }
-  return world;
+  if (!std::isfinite(ground)) ground = 0.0;
+  for (ModelDescription& model : world.models) model.X_PM.z -= model.parent ? 0.0 : ground;
+  for (RobotState& robot : state.robots) robot.X_WR.z -= ground;
+  for (ObjectState& object : state.objects) object.X_WO.z -= ground;
+  for (PersonState& person : state.people) person.X_WP.z -= ground;
+  return {std::move(world), std::move(state)};
 }
 
 // A camera of a world.
@@ -90,10 +108,11 @@ Result<FoundCamera> FindCamera(const WorldDescription& world, const std::string&
 Status SaveState(const Scene& scene, const BodyIndex& bodies, const WorldState& state, const SnapshotOptions& options,
                  const PictureOptions& picture, PictureRays rays) {
   if (!options.heights.empty()) {
-    const Scene part(AtHeights(scene.world(), state, options.heights[0], options.heights[1]));
+    Storey storey = AtHeights(scene.world(), state, options.heights[0], options.heights[1]);
+    const Scene part(std::move(storey.world));
     BodyIndex bodies_of_part(part);
-    bodies_of_part.Assign(state);
-    return SavePicture(part, bodies_of_part, state, options.output, picture, rays);
+    bodies_of_part.Assign(storey.state);
+    return SavePicture(part, bodies_of_part, storey.state, options.output, picture, rays);
   }
   if (options.camera.empty()) return SavePicture(scene, bodies, state, options.output, picture, rays);
   const Result<FoundCamera> camera = FindCamera(scene.world(), options.camera);

@@ -128,6 +128,63 @@ TEST(SwarmScenario, SpreadsWithoutARobotInsideAnything) {
   }
 }
 
+// Buildings with robots and people: worlds/sites.
+
+struct SiteCase {
+  const char* file;
+  std::size_t robots;
+  std::size_t people;
+  Vec2 size;                                 // m, of the building, from the origin
+  std::vector<double> levels;                // m
+  std::map<std::string, double> passengers;  // robots that have taken a lift, and the level on which they are then
+};
+
+class SiteScenario : public testing::TestWithParam<SiteCase> {};
+
+TEST_P(SiteScenario, LoadsWithoutWarningsAndLosesNothingBetweenItsLevels) {
+  const SiteCase& site = GetParam();
+  const std::string path = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/scenarios/" + site.file;
+  LoadedWorld loaded = test::ValueOf(LoadScenario(path));
+  for (const Warning& warning : loaded.warnings) ADD_FAILURE() << warning.ToString();
+  ScenarioRun run(std::move(loaded.world));
+  ASSERT_EQ(run.state().robots.size(), site.robots);
+  ASSERT_EQ(run.state().people.size(), site.people);
+  const WorldState start = run.state();
+  const auto is_on_a_level = [&](const Pose& pose) {
+    return std::count(site.levels.begin(), site.levels.end(), pose.z) == 1 && pose.x > 0.0 && pose.y > 0.0 &&
+           pose.x < site.size.x() && pose.y < site.size.y();
+  };
+  double walked = 0.0;
+  for (int i = 0; i < 5; ++i) {
+    run.Run(50);
+    for (std::size_t r = 0; r < site.robots; ++r) {
+      const std::string& name = run.scene().world().robots[r].name;
+      const Pose& pose = run.state().robots[r].X_WR;
+      EXPECT_FALSE(run.InsideSomething(name)) << name << " at tick " << run.state().tick;
+      if (!site.passengers.contains(name)) {
+        EXPECT_TRUE(is_on_a_level(pose) && pose.z == start.robots[r].X_WR.z) << name;
+      }
+    }
+    for (std::size_t p = 0; p < site.people; ++p) {
+      const Pose& pose = run.state().people[p].X_WP;
+      EXPECT_TRUE(is_on_a_level(pose) && pose.z == start.people[p].X_WP.z) << p;
+      walked += (pose.translation() - start.people[p].X_WP.translation()).norm();
+    }
+  }
+  EXPECT_GT(walked / (5.0 * static_cast<double>(site.people)), 2.0);
+  for (const auto& [name, z] : site.passengers) EXPECT_EQ(run[name].X_WR.z, z) << name << " after its ride";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Sites, SiteScenario,
+    testing::Values(SiteCase{"hotel.json", 100, 200, {48, 24}, {0, 4, 8}, {{"tiny_1", 4}, {"tiny_2", 0}}},
+                    SiteCase{"clinic.json", 40, 100, {36, 18}, {0, 4.5}, {{"nurse_1", 4.5}, {"nurse_2", 0}}},
+                    SiteCase{"airport.json", 60, 300, {120, 40}, {0}, {}}),
+    [](const auto& test) {
+      const std::string file = test.param.file;
+      return file.substr(0, file.find('.'));
+    });
+
 // The scenarios of examples/nav2 load, agree with its parameter file, and have robots that can drive.
 
 std::string ExamplePath(const std::string& name) {

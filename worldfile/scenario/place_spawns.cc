@@ -162,6 +162,7 @@ class Placer {
         Pose X_WR = world_.model(root).X_PM;
         X_WR.x = region.min_x + random(0) * region.width();
         X_WR.y = region.min_y + random(1) * region.height();
+        if (rule.z) X_WR.z = *rule.z;
         X_WR.heading = rule.heading ? *rule.heading : WrapAngle((2.0 * random(2) - 1.0) * kPi);
         found = Contains(rule.region, X_WR.translation()) &&
                 HasSpacing(X_WR.translation(), rule.spacing, origins, origin_cells) &&

@@ -222,6 +222,7 @@ SpawnEntry Reader::ReadSpawn(const JsonNode& object) {
   spawn.model = Text(object.Member("model"));
   spawn.count = object.Member("count").ToInteger<std::uint32_t>();
   spawn.region = ReadRegion(object.Member("region"));
+  if (const JsonNode* const found = object.Find("z")) spawn.z = found->number;
   if (const JsonNode* const found = object.Find("spacing")) spawn.spacing = found->number;
   if (const JsonNode* const found = object.Find("seed")) spawn.seed = found->ToInteger<std::uint64_t>();
   if (const JsonNode* const found = object.Find("name_prefix")) spawn.name_prefix = Text(*found);

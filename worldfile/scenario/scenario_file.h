@@ -59,6 +59,7 @@ struct SpawnEntry {
   PlacedText model;
   std::uint32_t count = 0;
   Polygon region;                         // normalized, m, frame W; contains the origins of the models
+  std::optional<double> z;                // m, of the floor; nothing: the define's
   double spacing = 0.0;                   // m between the origins of any two models of this rule
   std::optional<std::uint64_t> seed;      // nothing: from the scenario's
   std::optional<PlacedText> name_prefix;  // nothing: the model's name

@@ -122,6 +122,14 @@ TEST_F(SnapshotCommandTest, DrawsOnlyModelsAtTheGivenHeights) {
   EXPECT_EQ(RunLine(Path("both.world") + " -o " + Path("cut.png") + " --heights -1 3" + part), 0) << message_;
   EXPECT_EQ(Read("cut.png"), Read("below.png"));
   EXPECT_NE(Read("both.png"), Read("below.png"));
+  // A storey above is drawn as one on the ground.
+  Write("lowered.world",
+        "name \"w\"\n"
+        "model( size [1 1 1] color \"red\" pose [0 0 0 0] model( size [0.2 0.2 0.2] color \"green\" ) )\n"
+        "position( name \"up\" size [0.4 0.4 0.3] color \"blue\" pose [1 1 0 0] )\n");
+  EXPECT_EQ(RunLine(Path("lowered.world") + " -o " + Path("lowered.png") + part), 0) << message_;
+  EXPECT_EQ(RunLine(Path("both.world") + " -o " + Path("storey.png") + " --heights 3 9" + part), 0) << message_;
+  EXPECT_EQ(Read("storey.png"), Read("lowered.png"));
   EXPECT_EQ(RunLine(Path("good.world") + " -o " + Path("eye.png") + " --camera r0 --heights 0 1"), 2);
 }
 

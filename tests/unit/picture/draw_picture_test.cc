@@ -281,6 +281,23 @@ TEST(DrawPicture, StalledRobotsAreMarkedInRed) {
   demo.state.robots[0].stalled = true;
   EXPECT_GT(Picture(demo).Count(page::kStalled), 40);
   EXPECT_GT(Picture(demo, Side()).Count(page::kStalled), 40);
+  demo.world.models[demo.world.robots[0].root.index()].removed = true;
+  EXPECT_EQ(Picture(demo).Count(page::kStalled), 0) << "not in the caption either";
+}
+
+// A floor is no lower object: it has its own colour, so that what stands on it is seen.
+TEST(DrawPicture, FloorsAreLighterThanWhatStandsOnThem) {
+  WorldMaker maker;
+  Shape floor;
+  floor.blocks = {{Box(-3, -3, 3, 3), {-0.1, 0.0}}};
+  maker.Add("floor", floor, {0.9, 0.9, 0.9, 1.0});
+  Shape walls;
+  walls.blocks = {{Box(-1, -1, 1, 1), {0.0, 2.5}}};
+  maker.Add("walls", walls, {0.4, 0.4, 0.4, 1.0});
+  const Picture picture(maker);
+  const Pixel below = picture.At(2, 2);
+  const Pixel above = picture.At(0, 0);
+  EXPECT_GT(below.r + below.g + below.b, above.r + above.g + above.b + 100);
 }
 
 TEST(DrawPicture, ASideViewShowsHeights) {

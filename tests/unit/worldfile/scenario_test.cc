@@ -368,6 +368,14 @@ TEST(Spawn, LowRobotsMayStartUnderTables) {
   EXPECT_EQ(loaded.world.robots.size(), 3u);
 }
 
+TEST(Spawn, ModelsStandOnTheFloorThatARuleNames) {
+  const LoadedWorld loaded = MustLoad(R"({
+    "include": ["../include/robots.inc"],
+    "models": [{"name": "wall", "model": "model", "pose": [0, 0, 0], "properties": {"size": [9, 9, 3.5]}}],
+    "spawn": [{"model": "scout", "count": 3, "region": [-2, -2, 2, 2], "z": 4}]})");
+  for (const RobotDescription& robot : loaded.world.robots) EXPECT_EQ(loaded.world.model(robot.root).X_PM.z, 4.0);
+}
+
 TEST(Spawn, OdometryCountsFromWhereTheRobotIsPlaced) {
   const LoadedWorld loaded = MustLoad(R"({
     "include": ["../include/robots.inc"], "spawn": [{"model": "scout", "count": 3, "region": [5, 5, 9, 9]}]})");
