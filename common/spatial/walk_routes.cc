@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -29,6 +30,9 @@ struct CellStep {
   int rows;
   std::uint32_t length;
 };
+// Numbers of steps in kSteps, and two more.
+constexpr std::uint8_t kUnknownStep = 0xff;  // not looked for so far
+constexpr std::uint8_t kNoStep = 0xfe;
 constexpr std::array kSteps{CellStep{1, 0, kStraight},   CellStep{0, 1, kStraight}, CellStep{-1, 0, kStraight},
                             CellStep{0, -1, kStraight},  CellStep{1, 1, kDiagonal}, CellStep{-1, 1, kDiagonal},
                             CellStep{-1, -1, kDiagonal}, CellStep{1, -1, kDiagonal}};
@@ -58,6 +62,8 @@ class WalkRoutes::Layer {
     columns_ = static_cast<int>(bounds.width() / cell_) + 1;
     rows_ = static_cast<int>(bounds.height() / cell_) + 1;
     room_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), Room::kFree);
+    for (std::size_t i = 0; i < kSteps.size(); ++i)
+      offsets_[i] = kSteps[i].rows * std::ptrdiff_t{columns_} + kSteps[i].columns;
     scene.static_index().ForEachPiece([&](const ConvexPiece& piece) {
       if (piece.obstacle && piece.z.Overlaps(size.z)) Block(piece);
     });
@@ -101,17 +107,23 @@ class WalkRoutes::Layer {
     return best;
   }
 
-  // Calls visit(cell, length of the step) for the free neighbours, never across the corner of a blocked cell.
+  // The cell behind a step.
+  std::size_t Beside(std::size_t cell, std::size_t step) const {
+    return cell + static_cast<std::size_t>(offsets_[step]);
+  }
+
+  // Calls visit(cell, number of the step) for the free neighbours, never across the corner of a blocked cell.
   template <typename Visit>
   void ForEachStep(std::size_t cell, Visit visit) const {
     const int column = ColumnOf(cell);
     const int row = RowOf(cell);
-    for (const CellStep& step : kSteps) {
+    for (std::size_t i = 0; i < kSteps.size(); ++i) {
+      const CellStep& step = kSteps[i];
       const int c = column + step.columns;
       const int r = row + step.rows;
       if (c < 0 || r < 0 || c >= columns_ || r >= rows_ || !IsFree(CellAt(c, r))) continue;
       if (step.length == kDiagonal && (!IsFree(CellAt(c, row)) || !IsFree(CellAt(column, r)))) continue;
-      visit(CellAt(c, r), step.length);
+      visit(CellAt(c, r), i);
     }
   }
 
@@ -151,6 +163,7 @@ class WalkRoutes::Layer {
   double cell_ = kFinestCell;
   int columns_ = 0;
   int rows_ = 0;
+  std::array<std::ptrdiff_t, kSteps.size()> offsets_{};  // of the numbers of cells, by step
   std::vector<Room> room_;
 };
 
@@ -171,8 +184,8 @@ struct WalkRoutes::Field {
         const std::size_t from = list[i];
         --waiting;
         if (length[from] != at) continue;  // it was found on a shorter way
-        layer.ForEachStep(from, [&](std::size_t to, std::uint32_t step) {
-          const std::uint32_t there = at + step * layer.CostOf(to);
+        layer.ForEachStep(from, [&](std::size_t to, std::size_t step) {
+          const std::uint32_t there = at + kSteps[step].length * layer.CostOf(to);
           if (there >= length[to]) return;
           length[to] = there;
           lists[there % lists.size()].push_back(to);
@@ -181,6 +194,24 @@ struct WalkRoutes::Field {
       }
       list.clear();
     }
+    steps = std::vector<std::atomic<std::uint8_t>>(length.size());
+    for (std::atomic<std::uint8_t>& step : steps) step.store(kUnknownStep, std::memory_order_relaxed);
+  }
+
+  // The neighbour with the shortest way, of equal ones the first; the cell itself where no way is shorter.
+  std::size_t NextCell(std::size_t cell) const {
+    std::uint8_t step = steps[cell].load(std::memory_order_relaxed);
+    if (step == kUnknownStep) {
+      step = kNoStep;
+      std::uint32_t least = length[cell];
+      layer.ForEachStep(cell, [&](std::size_t to, std::size_t number) {
+        if (length[to] >= least) return;
+        least = length[to];
+        step = static_cast<std::uint8_t>(number);
+      });
+      steps[cell].store(step, std::memory_order_relaxed);
+    }
+    return step == kNoStep ? cell : layer.Beside(cell, step);
   }
 
   std::optional<std::size_t> StartOf(const Vec2& from) const {
@@ -190,6 +221,8 @@ struct WalkRoutes::Field {
   const Layer& layer;
   std::optional<Vec2> target;
   std::vector<std::uint32_t> length;  // by cell, kStraight for the side of one; empty without a target
+  // By cell, in kSteps: found when a person first comes by, by any thread, as a pure function of the lengths.
+  mutable std::vector<std::atomic<std::uint8_t>> steps;
 };
 
 WalkRoutes::~WalkRoutes() = default;
@@ -199,6 +232,8 @@ WalkRoutes::WalkRoutes(const Scene& scene) {
   Rectangle bounds = scene.static_index().bounds();
   for (const GoalSet& set : world.goal_sets) {
     goals_.push_back(set.points);
+    first_point_.push_back(points_);
+    points_ += set.points.size();
     for (const Vec2& point : set.points) bounds.Extend(point);
   }
   for (const PersonDescription& person : world.people) bounds.Extend(world.model(person.root).X_PM.translation());
@@ -211,15 +246,17 @@ WalkRoutes::WalkRoutes(const Scene& scene) {
     layer_of_.push_back(static_cast<std::size_t>(same - layers_.begin()));
     if (same == layers_.end()) layers_.emplace_back(scene, size, bounds);
   }
+  made_ = std::vector<std::once_flag>(layers_.size() * points_);
+  fields_.resize(layers_.size() * points_);
 }
 
 const WalkRoutes::Field& WalkRoutes::FieldOf(PersonId person, std::uint32_t goals, std::uint32_t point) const {
   TROUPE_CHECK(goals < goals_.size() && point < goals_[goals].size());
   const std::size_t layer = layer_of_[person.index()];
-  const std::lock_guard lock(mutex_);
-  std::unique_ptr<const Field>& field = fields_[{layer, goals, point}];
-  if (!field) field = std::make_unique<const Field>(layers_[layer], goals_[goals][point]);
-  return *field;
+  const std::size_t number = layer * points_ + first_point_[goals] + point;
+  std::call_once(made_[number],
+                 [&] { fields_[number] = std::make_unique<const Field>(layers_[layer], goals_[goals][point]); });
+  return *fields_[number];
 }
 
 std::optional<Vec2> WalkRoutes::Target(PersonId person, std::uint32_t goals, std::uint32_t point) const {
@@ -247,10 +284,7 @@ std::optional<Vec2> WalkRoutes::NextPoint(PersonId person, std::uint32_t goals, 
   std::array<std::size_t, kLookAhead> way;
   int steps = 0;
   for (std::size_t at = *start; steps < kLookAhead && field.length[at] > 0; ++steps) {
-    std::size_t next = at;
-    layer.ForEachStep(at, [&](std::size_t to, std::uint32_t) {
-      if (field.length[to] < field.length[next]) next = to;
-    });
+    const std::size_t next = field.NextCell(at);
     if (next == at) break;
     way[static_cast<std::size_t>(steps)] = at = next;
   }

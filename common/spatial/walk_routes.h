@@ -5,11 +5,9 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "common/spatial/scene.h"
@@ -41,10 +39,12 @@ class WalkRoutes {
   const Field& FieldOf(PersonId person, std::uint32_t goals, std::uint32_t point) const;
 
   std::vector<std::vector<Vec2>> goals_;  // points, by set
+  std::vector<std::size_t> first_point_;  // by set: how many points the sets before it have
+  std::size_t points_ = 0;                // of all sets
   std::vector<Layer> layers_;
-  std::vector<std::size_t> layer_of_;  // by person
-  mutable std::mutex mutex_;           // of the fields
-  mutable std::map<std::tuple<std::size_t, std::uint32_t, std::uint32_t>, std::unique_ptr<const Field>> fields_;
+  std::vector<std::size_t> layer_of_;         // by person
+  mutable std::vector<std::once_flag> made_;  // by layer and point, like the next
+  mutable std::vector<std::unique_ptr<const Field>> fields_;
 };
 
 // Those of a scene, once they are asked for.

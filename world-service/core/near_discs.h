@@ -22,7 +22,24 @@ struct Disc {
   const std::vector<ConvexPiece>* pieces = nullptr;  // in W; null: a person
 };
 
-// The numbers of discs by the cells of a grid that their centres are in.
+// One of those near a point.
+struct NearDisc {
+  double square = 0.0;  // m^2, of its distance
+  std::uint32_t number = 0;
+  bool operator<(const NearDisc& o) const { return square != o.square ? square < o.square : number < o.number; }
+};
+
+// Adds one to the `most` nearest ones, by distance and number. REQUIRES: those are sorted.
+inline void AddNearest(const NearDisc& disc, std::size_t most, std::vector<NearDisc>& nearest) {
+  if (nearest.size() == most) {
+    if (!(disc < nearest.back())) return;
+    nearest.pop_back();
+  }
+  nearest.insert(std::upper_bound(nearest.begin(), nearest.end(), disc), disc);
+}
+
+// The discs by the cells of a grid that their centres are in, row by row of its cells. People on one level do not see
+// the others, and most discs are on another level or beyond reach: what tells this of a disc is beside its number.
 class NearDiscs {
  public:
   void Fill(const std::vector<Disc>& discs) {
@@ -37,29 +54,41 @@ class NearDiscs {
     first_.assign(grid_.cell_count() + 2, 0);
     for (const Disc& disc : discs) ++first_[grid_.CellOf(disc.center) + 2];
     for (std::size_t i = 2; i < first_.size(); ++i) first_[i] += first_[i - 1];
-    numbers_.resize(discs.size());
+    places_.resize(discs.size());
     for (std::size_t i = 0; i < discs.size(); ++i) {
-      numbers_[first_[grid_.CellOf(discs[i].center) + 1]++] = static_cast<std::uint32_t>(i);
+      const Disc& disc = discs[i];
+      places_[first_[grid_.CellOf(disc.center) + 1]++] = {disc.center, disc.radius, disc.z,
+                                                          static_cast<std::uint32_t>(i)};
     }
   }
 
-  // Calls visit(number) for all discs that may reach within `reach` of `p`.
+  // Calls visit(number) for all discs at heights `z` that may reach within `reach` of `p`.
   template <typename Visit>
-  void ForEachNear(const Vec2& p, double reach, Visit visit) const {
+  void ForEachNear(const Vec2& p, const ZRange& z, double reach, Visit visit) const {
+    constexpr double kRounding = 1e-6;  // m
     const CellRange range = grid_.CellsOf(Rectangle::Around(p, reach + max_radius_));
     for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
-      for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
-        const std::size_t cell = grid_.CellAt(column, row);
-        for (std::uint32_t i = first_[cell]; i < first_[cell + 1]; ++i) visit(numbers_[i]);
+      const std::uint32_t end = first_[grid_.CellAt(range.max_column, row) + 1];
+      for (std::uint32_t i = first_[grid_.CellAt(range.min_column, row)]; i < end; ++i) {
+        const Place& place = places_[i];
+        const double far = reach + place.radius + kRounding;
+        if ((place.center - p).squaredNorm() <= far * far && place.z.Overlaps(z)) visit(place.number);
       }
     }
   }
 
  private:
+  struct Place {
+    Vec2 center{0.0, 0.0};
+    double radius = 0.0;
+    ZRange z;
+    std::uint32_t number = 0;
+  };
+
   Grid grid_;
   double max_radius_ = 0.0;
   std::vector<std::uint32_t> first_;  // by cell
-  std::vector<std::uint32_t> numbers_;
+  std::vector<Place> places_;
 };
 
 }  // namespace troupe

@@ -44,6 +44,20 @@ Vec2 Unit(const Vec2& v) {
   return length > 0.0 ? Vec2(v / length) : Vec2(0.0, 0.0);
 }
 
+// The memory of a thread for the decisions of people.
+struct Deciding {
+  explicit Deciding(const OrcaHorizons& horizons) : orca(horizons) {}
+
+  Orca orca;
+  std::vector<NearDisc> others;   // people and robots
+  std::vector<NearDisc> objects;  // whose sides are walls
+  std::vector<WalkerNeighbor> neighbors;
+  std::vector<WallSegment> walls;
+  std::vector<std::pair<double, std::size_t>> order;  // of the walls, by the square of the distance
+  std::vector<WallSegment> nearest;
+  NearPieces pieces;
+};
+
 class Walks {
  public:
   explicit Walks(StepWorkspace& workspace)
@@ -57,11 +71,11 @@ class Walks {
   }
 
   // The decisions of people `first` to `end`, by any thread.
-  void Decide(std::size_t first, std::size_t end, Orca& orca) {
+  void Decide(std::size_t first, std::size_t end, Deciding& deciding) {
     for (std::size_t i = first; i < end; ++i) {
       plans_[i] = people_[i];
       plans_[i].vx = plans_[i].vy = 0.0;
-      if (Exists(i) && !is_burdened_[i]) Decide(PersonId(i), orca, plans_[i]);
+      if (Exists(i) && !is_burdened_[i]) Decide(PersonId(i), deciding, plans_[i]);
     }
   }
 
@@ -130,8 +144,8 @@ class Walks {
     bool found = false;
     const PersonState& mine = people_[i];
     const double distance = (target - discs_[i].center).norm();
-    near_.ForEachNear(discs_[i].center, discs_[i].radius + kQueueGap, [&](std::uint32_t k) {
-      if (k >= people_.size() || k == i || !discs_[k].z.Overlaps(discs_[i].z)) return;
+    near_.ForEachNear(discs_[i].center, discs_[i].z, discs_[i].radius + kQueueGap, [&](std::uint32_t k) {
+      if (k >= people_.size() || k == i) return;
       const PersonState& other = people_[k];
       if (other.goals != mine.goals || other.goal != mine.goal || other.waits == 0) return;
       const double gap = (discs_[k].center - discs_[i].center).norm() - discs_[k].radius - discs_[i].radius;
@@ -194,9 +208,9 @@ class Walks {
     const Disc* nearest = nullptr;
     double least = kForget;
     std::uint32_t number = 0;
-    near_.ForEachNear(discs_[i].center, kForget, [&](std::uint32_t k) {
+    near_.ForEachNear(discs_[i].center, discs_[i].z, kForget, [&](std::uint32_t k) {
       const Disc& disc = discs_[k];
-      if (!disc.is_robot || !disc.z.Overlaps(discs_[i].z)) return;
+      if (!disc.is_robot) return;
       const double distance = (disc.center - discs_[i].center).norm() - disc.radius;
       if (distance > least || (distance == least && k > number)) return;
       nearest = &disc;
@@ -230,57 +244,58 @@ class Walks {
 
   // Avoidance.
 
-  Vec2 Avoid(PersonId id, const Vec2& preferred, Orca& orca) {
-    struct Near {
-      double square;
-      std::uint32_t number;
-      bool operator<(const Near& o) const { return square != o.square ? square < o.square : number < o.number; }
-    };
+  Vec2 Avoid(PersonId id, const Vec2& preferred, Deciding& deciding) {
     const std::size_t i = id.index();
     const PersonDescription& description = world_.person(id);
     const Disc& me = discs_[i];
     Walker walker{me.center, me.velocity, preferred, me.radius + kGap, description.max_speed};
-    std::vector<Near> near;
-    near_.ForEachNear(me.center, kAvoidReach, [&](std::uint32_t k) {
+    std::vector<NearDisc>& others = deciding.others;
+    std::vector<NearDisc>& objects = deciding.objects;
+    std::vector<WallSegment>& walls = deciding.walls;
+    others.clear();
+    objects.clear();
+    near_.ForEachNear(me.center, me.z, kAvoidReach, [&](std::uint32_t k) {
       const Disc& other = discs_[k];
-      if (k == i || !other.z.Overlaps(me.z)) return;
-      if (other.is_robot && description.reaction == PersonReaction::kCareless) return;
+      if (k == i || (other.is_robot && description.reaction == PersonReaction::kCareless)) return;
       const double reach = kAvoidReach + other.radius;
       const double square = (other.center - me.center).squaredNorm();
-      if (square < reach * reach) near.push_back({square, k});
-    });
-    std::sort(near.begin(), near.end());
-    std::vector<WalkerNeighbor> neighbors;
-    std::vector<WallSegment> walls;
-    for (const auto& [square, k] : near) {
-      const Disc& other = discs_[k];
+      if (square >= reach * reach) return;
       if (other.pieces != nullptr && !other.is_robot) {
-        for (const ConvexPiece& piece : *other.pieces) AddWalls(piece, me, walls);
-      } else if (neighbors.size() < kMostNeighbors) {
-        const bool avoids = other.pieces == nullptr;
-        const bool is_feared = other.is_robot && description.reaction == PersonReaction::kScared;
-        neighbors.push_back(
-            {other.center, other.velocity, other.radius + (is_feared ? kScaredGap : 0.0), avoids ? 0.5 : 1.0});
+        objects.push_back({square, k});
+      } else {
+        AddNearest({square, k}, kMostNeighbors, others);
       }
+    });
+    deciding.neighbors.clear();
+    for (const NearDisc& near : others) {
+      const Disc& other = discs_[near.number];
+      const bool avoids = other.pieces == nullptr;
+      const bool is_feared = other.is_robot && description.reaction == PersonReaction::kScared;
+      deciding.neighbors.push_back(
+          {other.center, other.velocity, other.radius + (is_feared ? kScaredGap : 0.0), avoids ? 0.5 : 1.0});
+    }
+    walls.clear();
+    std::sort(objects.begin(), objects.end());
+    for (const NearDisc& near : objects) {
+      for (const ConvexPiece& piece : *discs_[near.number].pieces) AddWalls(piece, me, walls);
     }
     const double reach = me.radius + kGap + kWallHorizon * description.max_speed;
-    NearPieces pieces;
-    scene_.static_index().Query(Rectangle::Around(me.center, reach), pieces);
-    for (const ConvexPiece* piece : pieces) AddWalls(*piece, me, walls);
+    scene_.static_index().Query(Rectangle::Around(me.center, reach), deciding.pieces);
+    for (const ConvexPiece* piece : deciding.pieces) AddWalls(*piece, me, walls);
     const auto distance_to = [&](const WallSegment& wall) {
       const Vec2 along = wall.b - wall.a;
       const double s = std::clamp((me.center - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
       return (wall.a + s * along - me.center).squaredNorm();
     };
-    std::vector<std::pair<double, std::size_t>> order;
+    deciding.order.clear();
     for (std::size_t k = 0; k < walls.size(); ++k) {
       const double square = distance_to(walls[k]);
-      if (square < reach * reach) order.emplace_back(square, k);
+      if (square < reach * reach) deciding.order.emplace_back(square, k);
     }
-    std::sort(order.begin(), order.end());
-    std::vector<WallSegment> nearest;
-    for (const auto& [square, k] : order) nearest.push_back(walls[k]);
-    return orca.Velocity(walker, neighbors, nearest);
+    std::sort(deciding.order.begin(), deciding.order.end());
+    deciding.nearest.clear();
+    for (const auto& [square, k] : deciding.order) deciding.nearest.push_back(walls[k]);
+    return deciding.orca.Velocity(walker, deciding.neighbors, deciding.nearest);
   }
 
   // The sides of a piece that the person sees.
@@ -293,7 +308,7 @@ class Walks {
     }
   }
 
-  void Decide(PersonId id, Orca& orca, PersonState& person) {
+  void Decide(PersonId id, Deciding& deciding, PersonState& person) {
     Vec2 preferred = Walk(id, person);
     const std::optional<Vec2> look_at = React(id, person, preferred);
     if (preferred.x() != 0.0 || preferred.y() != 0.0) {
@@ -302,7 +317,7 @@ class Walks {
       preferred += size * Vec2(RandomUniform({world_.seed, kSwayStream, id.index(), tick, 0}) - 0.5,
                                RandomUniform({world_.seed, kSwayStream, id.index(), tick, 1}) - 0.5);
     }
-    const Vec2 velocity = Avoid(id, preferred, orca);
+    const Vec2 velocity = Avoid(id, preferred, deciding);
     person.vx = velocity.x();
     person.vy = velocity.y();
     const Vec2 ahead = look_at ? Vec2(*look_at - discs_[id.index()].center) : velocity;
@@ -362,6 +377,8 @@ class Walks {
     const double seconds = workspace_.seconds();
     const Vec2 velocity(plan.vx, plan.vy);
     person = plan;
+    const bool stays = plan.vx == 0.0 && plan.vy == 0.0 && plan.X_WP.heading == before.heading;
+    if (stays) return workspace_.bodies.Move(scene_.body_of(id), person.X_WP);
     for (const double part : {1.0, 0.5, 0.25, 0.0}) {
       const Vec2 to = from + part * seconds * velocity;
       const Room room = RoomOn(id, from, to);
@@ -412,9 +429,9 @@ void MovePeople(StepWorkspace& workspace, ThreadPool* pool) {
   const OrcaHorizons horizons{kWalkerHorizon, kWallHorizon, workspace.seconds()};
   std::atomic<std::size_t> next = 0;  // the first person that no thread has claimed
   const auto decide = [&](std::size_t) {
-    Orca orca(horizons);
+    Deciding deciding(horizons);
     for (std::size_t first = next.fetch_add(kPeopleClaim); first < count; first = next.fetch_add(kPeopleClaim)) {
-      walks.Decide(first, std::min(first + kPeopleClaim, count), orca);
+      walks.Decide(first, std::min(first + kPeopleClaim, count), deciding);
     }
   };
   if (pool != nullptr) {
