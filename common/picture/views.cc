@@ -61,14 +61,32 @@ bool IsOverhang(const Solid& solid) {
   return solid.kind == SolidKind::kObject && solid.z.min > kOverhang;
 }
 
+// Of a bar its width, of other outlines about half of their size, in units of the loops.
+double ThicknessOf(const std::vector<Polygon>& loops) {
+  double area = 0.0;
+  double length = 0.0;
+  for (const Polygon& loop : loops) {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec2& a = loop[i];
+      const Vec2& b = loop[(i + 1) % loop.size()];
+      area += 0.5 * Cross(a, b);
+      length += (b - a).norm();
+    }
+  }
+  return length > 0.0 ? 2.0 * std::fabs(area) / length : 0.0;
+}
+
 void DrawSolid(Canvas& canvas, const Viewport& viewport, const Drawing& drawing, const Solid& solid, double opacity) {
   const std::vector<Polygon> loops = viewport.ToPage(solid.loops);
   const Color color = SolidColor(drawing, solid);
   opacity *= std::clamp(drawing.world.model(solid.model).color.a, 0.0, 1.0);
   canvas.Fill(loops, WithOpacity(color, opacity));
+  const double u = viewport.unit;
   const double size = std::min(solid.box.width(), solid.box.height()) * viewport.scale;
-  if (size > 2.5 * viewport.unit) {
-    canvas.Stroke(loops, 0.7 * viewport.unit, WithOpacity(OutlineColor(color), std::min(1.0, opacity + 0.2)));
+  if (std::min(size, 2.0 * ThicknessOf(loops)) > 2.5 * u) {
+    canvas.Stroke(loops, 0.7 * u, WithOpacity(OutlineColor(color), std::min(1.0, opacity + 0.2)));
+  } else {
+    canvas.Stroke(loops, 0.7 * u, WithOpacity(color, opacity));  // as a line, too thin to be seen otherwise
   }
 }
 

@@ -140,6 +140,8 @@ const pictures = {
   viewer_top: () => ofRun('viewer_top', {world: `${scenarios}/demo.json`, tick: 160, hash: '&view=top&rays=all', dark: true}),
   viewer_sensors: () => ofRun('viewer_sensors', {world: `${scenarios}/sensors.json`, tick: 60, hash: '&robot=scout&tab=sensors', height: 800}),
   viewer_stack: () => ofRun('viewer_stack', {world: `${scenarios}/stacking.json`, tick: 400, hash: '&robot=builder&follow=1', at: [640, 330], steps: 5}),
+  viewer_levels: () => ofRun('viewer_levels', {world: `${scenarios}/hotel.json`, tick: 240, hash: '&levels=beside&robot=tiny_1',
+    prepare: page => page.click('#names')}),
   viewer_phone: () => ofRun('viewer_phone', {
     world: `${scenarios}/demo.json`, tick: 160, hash: '&robot=anna', width: 390, height: 844, more: {isMobile: true, hasTouch: true},
   }),

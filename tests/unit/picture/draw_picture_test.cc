@@ -328,6 +328,19 @@ TEST(DrawPicture, ASideViewOfAPartOmitsSolidsFarBehindOrInFront) {
   EXPECT_NE(draw(demo), draw(more));
 }
 
+// Lanes of a campus: as dark along the axes as across them.
+TEST(DrawPicture, ThinBarsAreLines) {
+  WorldMaker maker;
+  Shape lanes;
+  lanes.blocks = {{Box(-150, -0.03, 150, 0.03), {0.0, 0.005}},
+                  {{{-100.02, -100.0}, {-99.98, -100.0}, {100.02, 100.0}, {99.98, 100.0}}, {0.0, 0.005}}};
+  maker.Add("lanes", lanes, {0.0, 0.0, 0.9, 1.0});
+  const Picture picture(maker);
+  const Pixel ground = picture.At(-60.3, 70.4);
+  EXPECT_GT(Distance(picture.At(-60.3, 0.0), ground), 80);
+  EXPECT_GT(Distance(picture.At(60.3, 60.3), ground), 80);
+}
+
 TEST(DrawPicture, AnEmptyWorldIsAnEmptyGrid) {
   WorldMaker nothing;
   EXPECT_GT(Picture(nothing).Count(page::kGround), 10000);

@@ -5,6 +5,7 @@ import {
   Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, Mesh, Raycaster, Sphere, Vector3, type
   Camera
 } from 'three';
+import type {Levels} from './levels';
 import type {Pose, World} from './protocol';
 import {compose, IDENTITY, jointMotion, poseOf, rootOf, sameEntity, toMatrix, type Entity, type Run} from './run';
 import {softened, type GeometryBuilder, type Rgb, type SurfaceMaterial, type Surfaces} from './surfaces';
@@ -185,9 +186,10 @@ export class Bodies {
     return group;
   }
 
-  // The entity under a ray, and how far away it is.
-  pick(raycaster: Raycaster): {entity: Entity; distance: number} | null {
-    const hit = raycaster.intersectObjects(this.group.children, false)[0];
+  // The entity under a ray between two heights, and how far away it is.
+  pick(raycaster: Raycaster, from: number, to: number): {entity: Entity; distance: number} | null {
+    const hits = raycaster.intersectObjects(this.group.children, false);
+    const hit = hits.find(({point}) => point.z >= from && point.z < to);
     if (!hit || hit.instanceId === undefined) return null;
     const batch = hit.object.userData.batch as Batch;
     return {entity: batch.owners[hit.instanceId], distance: hit.distance};
@@ -343,7 +345,7 @@ export class Labels {
     this.height = height;
   }
 
-  place(run: Run | null, bodies: Bodies | null, camera: Camera, selected: Entity | null): void {
+  place(run: Run | null, bodies: Bodies | null, camera: Camera, selected: Entity | null, levels: Levels): void {
     const shown = new Set<number>();
     const taken: Array<[number, number, number]> = [];  // left, top, width
     if (run && bodies) {
@@ -354,7 +356,9 @@ export class Labels {
         const isSelected = sameEntity(entity, selected);
         if (!robot.present || !row) continue;
         if (!isSelected && (!this.visible || shown.size >= this.most)) continue;
-        this.point.set(row.pose.x, row.pose.y, row.pose.z + bodies.topOf(entity)).project(camera);
+        const shift = levels.shiftAt(row.pose.z);
+        if (!shift) continue;
+        this.point.set(row.pose.x, row.pose.y, row.pose.z + bodies.topOf(entity)).add(shift).project(camera);
         const {x, y, z} = this.point;
         if (z > 1 || Math.abs(x) > 1 || Math.abs(y) > 1) continue;
         const left = ((x + 1) / 2) * this.width;

@@ -183,7 +183,7 @@ export class Measuring {
   }
 
   click(clientX: number, clientY: number): void {
-    const at = this.scene.pointAt(clientX, clientY, 0);
+    const at = this.scene.floorAt(clientX, clientY);
     if (!at) return;
     if (this.from && !this.ended) {
       this.show(at);
@@ -196,7 +196,7 @@ export class Measuring {
   }
 
   move(clientX: number, clientY: number): void {
-    const at = this.from && !this.ended ? this.scene.pointAt(clientX, clientY, 0) : null;
+    const at = this.from && !this.ended ? this.scene.floorAt(clientX, clientY) : null;
     if (at) this.show(at);
   }
 
@@ -208,7 +208,7 @@ export class Measuring {
 
   private show(to: Vector3): void {
     if (!this.from) return;
-    const lifted = [this.from, to].map(point => point.clone().setZ(0.02));
+    const lifted = [this.from, to].map(point => point.clone().add(new Vector3(0, 0, 0.02)));
     this.geometry.setFromPoints(lifted);
     this.line.visible = true;
     this.scene.invalidate();

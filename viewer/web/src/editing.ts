@@ -386,20 +386,20 @@ export class Editing {
 
   // The place of the model that the next click adds: its body, if one of its type is in the world. Or of the next goal.
   private preview(place: Place): void {
-    const at = this.scene.pointAt(place.x, place.y, 0);
+    const at = this.scene.floorAt(place.x, place.y);
     if (!at) return;
     const isSent = this.tool === 'send';
-    const pose = {x: at.x, y: at.y, z: 0, heading: isSent ? 0 : this.adding.heading};
+    const pose = {x: at.x, y: at.y, z: at.z, heading: isSent ? 0 : this.adding.heading};
     this.scene.showGhost(pose, 0.3, isSent ? '' : this.adding.name);
   }
 
   // `repeat`: the tool remains.
   private async spawnAt(clientX: number, clientY: number, repeat: boolean): Promise<void> {
-    const at = this.scene.pointAt(clientX, clientY, 0);
+    const at = this.scene.floorAt(clientX, clientY);
     const {name: source, type, heading} = this.adding;
     if (!repeat) this.cancel();
     if (!at) return;
-    const pose = {x: at.x, y: at.y, z: 0, heading};
+    const pose = {x: at.x, y: at.y, z: at.z, heading};
     const controller = type === 'position' && this.controller ? {controller: this.controller} : {};
     const reply = await this.connection.request('spawn', {source, pose: numbers(pose), ...controller});
     const name = reply.entities?.[0]?.name ?? source;
@@ -414,7 +414,7 @@ export class Editing {
   private async sendTo(clientX: number, clientY: number): Promise<void> {
     const run = this.host.run();
     const entity = this.host.selected();
-    const at = this.scene.pointAt(clientX, clientY, 0);
+    const at = this.scene.floorAt(clientX, clientY);
     this.cancel();
     if (!run || entity?.kind !== 'robot' || !at) return;
     const name = nameOf(run.world, entity);

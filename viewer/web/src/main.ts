@@ -8,6 +8,7 @@ import {DoorButtons} from './doors';
 import {Agents, agentText, EntityPanel} from './entity_panel';
 import {FileEditor} from './file_editor';
 import {save, Video} from './graphics';
+import {LevelChoice} from './levels';
 import type {Message, RunEvent, TimeSpan} from './protocol';
 import {EndCard} from './end_card';
 import {EventList} from './events';
@@ -21,12 +22,14 @@ import {installTestInterface} from './test_interface';
 import {TimeBar} from './time_bar';
 import {Popup, Toolbar} from './toolbar';
 
-// The fragment of the address, for links to a view: #robot=r0&tab=sensors&view=top&follow=1&rays=all&tick=120
+// The fragment of the address, for links to a view:
+// #robot=r0&tab=sensors&view=top&levels=L2&follow=1&rays=all&tick=120
 // quality=full draws everything, however slow that is.
 
 export interface Fragment {
   robot?: string;
   view?: string;
+  levels?: string;  // of a building: beside, or the name of the one that is shown
   follow?: boolean;
   rays?: string;
   tab?: string;  // of the column
@@ -40,6 +43,7 @@ export function readFragment(): Fragment {
   const fragment: Fragment = {};
   if (values.get('robot')) fragment.robot = values.get('robot')!;
   if (values.get('view')) fragment.view = values.get('view')!;
+  if (values.get('levels')) fragment.levels = values.get('levels')!;
   if (values.get('rays')) fragment.rays = values.get('rays')!;
   if (values.get('tab')) fragment.tab = values.get('tab')!;
   if (/^\d+$/.test(values.get('tick') ?? '')) fragment.tick = Number(values.get('tick'));
@@ -53,6 +57,7 @@ export function writeFragment(fragment: Fragment): void {
   const values = new URLSearchParams();
   if (fragment.robot) values.set('robot', fragment.robot);
   if (fragment.view && fragment.view !== 'orbit') values.set('view', fragment.view);
+  if (fragment.levels && fragment.levels !== 'stacked') values.set('levels', fragment.levels);
   if (fragment.rays) values.set('rays', fragment.rays);
   if (fragment.tab && fragment.tab !== 'state') values.set('tab', fragment.tab);
   if (fragment.tick !== undefined) values.set('tick', String(fragment.tick));
@@ -111,6 +116,7 @@ class Viewer {
   private spans: TimeSpan[] = [];
   private selected: Entity | null = null;
   private wantedName: string;  // selected as soon as the world has it
+  private wantedLevels: string;  // shown as soon as there is a world
   private wantedTick: number | undefined;  // shown as soon as there is a state
   private allRays = false;
   private online = false;
@@ -123,6 +129,8 @@ class Viewer {
     this.refresh();
   });
   private readonly toolbar = new Toolbar();
+  private readonly levels = new LevelChoice(
+    byId('levels'), choice => this.scene.chooseLevels(choice));
   private readonly help = new Popup(byId('help-open'), byId('help'));
   private readonly timeBar: TimeBar;
   private readonly editing: Editing;
@@ -172,6 +180,8 @@ class Viewer {
     this.wantedName = fragment.robot ?? '';
     this.allRays = fragment.rays === 'all';
     this.wantedTick = fragment.tick;
+    this.wantedLevels = fragment.levels ?? '';
+    this.scene.levelsChanged = () => this.showLevels();
     if (fragment.tab && isTab(fragment.tab)) this.dock.show(fragment.tab);
     this.scene.following = fragment.follow ?? false;
     this.scene.motion.enabled = fragment.smooth ?? true;
@@ -236,6 +246,8 @@ class Viewer {
       this.selected = null;
       if (name && !this.wantedName) this.wantedName = name;
       this.scene.setWorld(message.world, before !== null && before.world.name === message.world.name);
+      if (this.wantedLevels) this.scene.chooseLevels(this.wantedLevels);
+      this.wantedLevels = '';
       this.file?.worldChanged();
       this.timeBar.show(this.run);  // its buttons are those of this run, not of one that is over
       return;
@@ -359,6 +371,13 @@ class Viewer {
     setOn('view-top', view === 'top');
   }
 
+  private showLevels(): void {
+    this.levels.show(this.scene.levels);
+    this.toolbar.layOut();
+    this.remember();
+    if (this.run?.hasState) this.scene.show(this.run, this.selected);
+  }
+
   // The user's choice, or else the system's.
   private applyTheme(): void {
     const chosen = localStorage.getItem('theme');
@@ -376,7 +395,7 @@ class Viewer {
   private remember(): void {
     const name = this.run && this.selected ? nameOf(this.run.world, this.selected) : this.wantedName;
     writeFragment({
-      robot: name, view: this.scene.view, follow: this.scene.following, rays: this.allRays ? 'all' : '',
+      robot: name, view: this.scene.view, levels: this.wantedLevels || this.scene.levels.choice, follow: this.scene.following, rays: this.allRays ? 'all' : '',
       tab: this.dock.tab,
       fullQuality: this.scene.quality.fixed,
       smooth: this.scene.motion.enabled,
@@ -464,6 +483,9 @@ class Viewer {
       'o': () => byId('view-orbit').click(),
       't': () => byId('view-top').click(),
       'h': () => this.scene.home(),
+      'e': () => this.levels.next(this.scene.levels, 0),
+      'PageUp': () => this.levels.next(this.scene.levels, 1),
+      'PageDown': () => this.levels.next(this.scene.levels, -1),
       'n': () => byId('names').click(),
       'r': () => byId('rays').click(),
       'f': () => byId('follow').click(),

@@ -6,6 +6,7 @@ import {
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Bodies, Labels} from './bodies';
 import {makeGraphics, Quality} from './graphics';
+import {Levels, levelsOf, planesOf} from './levels';
 import {Motion, Trails} from './motion';
 import type {Pose, World} from './protocol';
 import {poseOf, toMatrix, type Entity, type Run} from './run';
@@ -29,6 +30,7 @@ const HIGH_VIEW = 0.5;  // the same in a picture that would be empty above and b
 const FILLED = 0.72;  // of the picture's height, with which it is not
 const TURN = 0.09;  // rad of the camera for a key
 const SHIFT = 0.06;  // of the picture's height, the same
+const GROUND_LAYER = 1;  // that of three.js in which the ground is, and nothing else
 const MOST_SHADOWS = 400;  // bodies; beyond that shadows cost more than they show
 
 function colorOf(name: string): Color {
@@ -41,6 +43,8 @@ export class WorldScene {
   readonly motion = new Motion();
   view: ViewName = 'orbit';
   following = false;
+  levels = new Levels();
+  levelsChanged: () => void = () => {};  // others are shown, or in another way
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly perspective = new PerspectiveCamera(45, 1, 0.05, 5000);
@@ -83,6 +87,8 @@ export class WorldScene {
     this.renderer.shadowMap.type = PCFSoftShadowMap;
     parent.append(this.renderer.domElement);
     this.labels = new Labels(parent);
+    for (const light of this.surfaces.lights()) light.layers.enableAll();
+    for (const camera of [this.perspective, this.orthographic]) camera.layers.enableAll();
     this.scene.add(
       ...this.surfaces.lights(), this.rays.group, this.marks.group, this.trails.lines, this.ring, this.ghost);
     this.ring.visible = false;
@@ -135,8 +141,11 @@ export class WorldScene {
     this.clear();
     const bodies = new Bodies(world, this.surfaces);
     const map = new StaticMap(world, this.surfaces, model => bodies.contains(model));
+    const choice = this.levels.choice;
+    this.levels = new Levels(levelsOf(world));
+    this.levels.choose(choice);
     const box = this.contentBox(world, map);
-    const ground = new Ground(box, this.surfaces);
+    const ground = this.makeGround(box);
     this.setting = {world, map, bodies, ground};
     this.scene.add(ground.group, map.group, bodies.group);
     const {x, y} = box.getSize(new Vector3());
@@ -147,6 +156,31 @@ export class WorldScene {
       this.trails.clear();
       this.frame(box);
     }
+    this.levelsChanged();
+  }
+
+  // "stacked", "beside", or the name of a level.
+  chooseLevels(choice: string): void {
+    const before = this.levels.choice;
+    this.levels.choose(choice);
+    if (!this.setting || this.levels.choice === before) return;
+    const {world, map, ground} = this.setting;
+    const box = this.contentBox(world, map);
+    this.scene.remove(ground.group);
+    ground.dispose();
+    this.setting.ground = this.makeGround(box);
+    this.scene.add(this.setting.ground.group);
+    this.applyTheme();
+    this.applyQuality();
+    if (before === 'beside' || choice === 'beside') this.frame(box);
+    this.followed = null;
+    this.levelsChanged();
+  }
+
+  private makeGround(box: Box3): Ground {
+    const ground = new Ground(box, this.surfaces);
+    ground.group.traverse(part => part.layers.set(GROUND_LAYER));
+    return ground;
   }
 
   clear(): void {
@@ -272,7 +306,7 @@ export class WorldScene {
   centerOn(entity: Entity): void {
     const pose = this.run ? poseOf(this.run, entity) : null;
     if (!pose) return;
-    this.shiftTo(new Vector3(pose.x, pose.y, pose.z));
+    this.shiftTo(this.drawnPlace(pose));
   }
 
   applyTheme(): void {
@@ -289,15 +323,35 @@ export class WorldScene {
   // The entity at a place of the window.
   pick(clientX: number, clientY: number): Entity | null {
     if (!this.setting) return null;
+    const {bodies} = this.setting;
     this.aim(clientX, clientY);
-    return this.setting.bodies.pick(this.raycaster)?.entity ?? null;
+    if (this.levels.areStacked) return bodies.pick(this.raycaster, -Infinity, Infinity)?.entity ?? null;
+    const {origin} = this.raycaster.ray;
+    const hits = this.levels.drawn.flatMap(({from, to, shift}) => {
+      origin.sub(shift);
+      const hit = bodies.pick(this.raycaster, from, to);
+      origin.add(shift);
+      return hit ?? [];
+    });
+    return hits.sort((a, b) => a.distance - b.distance)[0]?.entity ?? null;
   }
 
   // The point of the plane z at a place of the window; null: none.
   pointAt(clientX: number, clientY: number, z: number): Vector3 | null {
     this.aim(clientX, clientY);
-    const point = this.raycaster.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -z), new Vector3());
-    return point && this.chosenPlace(point);
+    const shift = this.levels.shiftAt(z);
+    if (!shift) return null;
+    const point = this.raycaster.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -(z + shift.z)), new Vector3());
+    return point && this.chosenPlace(point.sub(shift));
+  }
+
+  // The point of the floor there: of the ground, or of the level that is drawn on it.
+  floorAt(clientX: number, clientY: number): Vector3 | null {
+    if (this.levels.areStacked) return this.pointAt(clientX, clientY, 0);
+    const ground = this.levels.list[0].z;
+    this.aim(clientX, clientY);
+    const point = this.raycaster.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -ground), new Vector3());
+    return point && this.chosenPlace(point.sub(this.levels.levelAtDrawn(point).shift));
   }
 
   // Where an entity is on the window.
@@ -310,7 +364,7 @@ export class WorldScene {
 
   project(point: Vector3): {x: number; y: number} {
     this.camera.updateMatrixWorld();
-    const p = point.clone().project(this.camera);
+    const p = this.drawnPlace(point).project(this.camera);
     const box = this.canvas.getBoundingClientRect();
     return {x: box.left + ((p.x + 1) / 2) * box.width, y: box.top + ((1 - p.y) / 2) * box.height};
   }
@@ -343,14 +397,43 @@ export class WorldScene {
 
   private draw(): void {
     this.dirty = false;
-    this.renderer.render(this.scene, this.camera);
-    this.labels.place(this.drawn, this.bodies, this.camera, this.selected);
+    if (this.levels.areStacked) this.renderer.render(this.scene, this.camera);
+    else this.drawLevels();
+    this.labels.place(this.drawn, this.bodies, this.camera, this.selected, this.levels);
+  }
+
+  // The ground, and then each level over it, with a camera that is shifted instead of the level.
+  private drawLevels(): void {
+    const {camera, renderer, scene} = this;
+    const {background} = scene;
+    camera.layers.set(GROUND_LAYER);
+    renderer.render(scene, camera);
+    scene.background = null;  // it would clear the picture
+    renderer.autoClear = false;
+    camera.layers.set(0);
+    for (const part of this.levels.drawn) {
+      camera.position.sub(part.shift);
+      camera.updateMatrixWorld();
+      renderer.clippingPlanes = planesOf(part);
+      renderer.render(scene, camera);
+      camera.position.add(part.shift);
+    }
+    camera.updateMatrixWorld();
+    camera.layers.enableAll();
+    renderer.clippingPlanes = [];
+    renderer.autoClear = true;
+    scene.background = background;
+  }
+
+  // Where a point is drawn.
+  private drawnPlace({x, y, z}: {x: number; y: number; z: number}): Vector3 {
+    return new Vector3(x, y, z).add(this.levels.shiftAt(z) ?? new Vector3());
   }
 
   private applyQuality(): void {
     const world = this.setting?.world;
     const isSmall = world !== undefined && world.robots.length + world.objects.length + world.people.length <= MOST_SHADOWS;
-    this.surfaces.sun.castShadow = this.view === 'orbit' && isSmall && this.quality.level === 0;
+    this.surfaces.sun.castShadow = this.view === 'orbit' && this.levels.areStacked && isSmall && this.quality.level === 0;
     this.renderer.setPixelRatio(this.quality.pixelRatio);
     this.labels.most = this.quality.mostNames;
     this.invalidate();
@@ -368,7 +451,8 @@ export class WorldScene {
       this.followed = null;
       return;
     }
-    const at = new Vector3(pose.x, pose.y, pose.z);
+    if (!this.levels.shiftAt(pose.z)) this.chooseLevels(this.levels.list[this.levels.numberAt(pose.z)].name);
+    const at = this.drawnPlace(pose);
     if (this.followed) this.shiftBy(at.clone().sub(this.followed));
     else this.shiftTo(at);
     this.followed = at;
@@ -397,7 +481,8 @@ export class WorldScene {
     const reach = this.leastReach;
     if (reach > 0) box.expandByPoint(new Vector3(-reach, -reach, 0)).expandByPoint(new Vector3(reach, reach, 0));
     if (box.isEmpty()) box.set(new Vector3(-5, -5, 0), new Vector3(5, 5, 1));
-    return box;
+    this.levels.setBox(box);
+    return this.levels.drawnBox();
   }
 
   private frame(box: Box3): void {

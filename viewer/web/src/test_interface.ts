@@ -29,6 +29,8 @@ export interface TestInterface {
   names(): {models: string[]; robots: string[]};
   // Whether each light is lit, by the name of its model.
   lights(): Record<string, boolean>;
+  // The levels of the building, from below; and what is shown of them: stacked, beside, or a level.
+  levels(): {names: string[]; choice: string};
   select(name: string): void;
   events(): Array<{tick: number; position: number; text: string}>;
   // Adds signals of the selected robot to the plots, and what their export has.
@@ -109,6 +111,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
       const run = host.run();
       return Object.fromEntries((run?.world.lights ?? []).map(light => [run!.world.models[light.model].name, run!.isLit(light)]));
     },
+    levels: () => ({names: scene.levels.list.map(({name}) => name), choice: scene.levels.choice}),
     select: name => host.select(name),
     events: () => (host.run()?.events ?? []).map(event => ({tick: event.tick, position: event.position, text: eventText(event)})),
     plot: signals => signals.forEach(signal => host.plots().add(signal)),
