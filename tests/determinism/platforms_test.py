@@ -4,9 +4,10 @@ of the programs under test, byte by byte.
     platforms_test.py FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
                       [--platforms clang,arm64,wasm] [--cases golden,worlds,random] [--seeds FIRST,COUNT]
 
-Platforms: the builds of the presets clang and arm64 (the latter in qemu), where they are, and the preset wasm in node,
-which is built here where emscripten is. Cases: the scenarios of scenario_hash_test; all other worlds of the project,
-and those of Stage's, for fewer ticks; random scenarios (random_scenario.py), whose seeds are in their names.
+Platforms: the target troupe-core of the preset clang, and the program troupe of arm64 in qemu, where they are built; the
+preset wasm in node, which is built here where emscripten is. Cases: the scenarios of scenario_hash_test; all other worlds
+of the project, and those of Stage's, for fewer ticks; random scenarios (random_scenario.py), whose seeds are in their
+names.
 """
 
 import argparse
@@ -35,7 +36,7 @@ def run(*command, **options):
 
 
 class Programs:
-    """The program troupe of a build, perhaps in an emulator."""
+    """The program troupe or troupe-core of a build, perhaps in an emulator."""
 
     def __init__(self, preset, program, emulator=()):
         self.preset, self.program, self.emulator = preset, program, emulator
@@ -49,6 +50,9 @@ class Programs:
         return True
 
     def run(self, world, ticks, hashes, scans):
+        if self.program.name == "troupe-core":
+            run(self.program, world, ticks, hashes, scans)
+            return
         run(*self.emulator, self.program, "run", world, "--in-process", "--headless", "--ticks", ticks,
             "--hash-log", hashes, "--scans", scans)
 
@@ -63,7 +67,9 @@ class Module:
         return "" if shutil.which("em++") else "no emscripten (scripts/setup emscripten node-acorn libstb-dev)"
 
     def reads(self, world):
-        return world.suffix != ".yaml"
+        """Not the buildings, which are YAML, and the scenarios in them."""
+        scenario = world.read_text() if world.suffix == ".json" else ""
+        return world.suffix != ".yaml" and not re.search(r'"world":\s*"[^"]*\.yaml"', scenario)
 
     def run(self, world, ticks, hashes, scans):
         folder = self.source / "build/wasm/bin"
@@ -77,7 +83,7 @@ class Module:
 
 def platforms(source):
     builds = source / "build"
-    return {"clang": Programs("clang", builds / "clang/bin/troupe"),
+    return {"clang": Programs("clang", builds / "clang/bin/troupe-core"),
             "arm64": Programs("arm64", builds / "arm64/bin/troupe",
                               ("qemu-aarch64-static", "-L", builds / "arm64-root")),
             "wasm": Module(source)}
@@ -85,9 +91,9 @@ def platforms(source):
 
 def golden_cases(source):
     test = (source / "tests/determinism/scenario_hash_test.cc").read_text()
-    found = re.findall(r'(?:HashAfter|StateAfter)\("(\w+\.json)", (\d+)\)', test)
-    assert len(found) >= 8, found
-    return [(source / "worlds/scenarios" / name, int(ticks)) for name, ticks in found]
+    found = re.findall(r'(?:HashAfter|StateAfter)\("([\w./]+\.json)", (\d+)\)', test)
+    assert len(found) >= 11, found
+    return [((source / "worlds/scenarios" / name).resolve(), int(ticks)) for name, ticks in found]
 
 
 def world_cases(source):
@@ -96,7 +102,7 @@ def world_cases(source):
     if not stage.exists():
         print("SKIPPED stage: no Stage worlds")
     found = [*source.glob("worlds/scenarios/*.json"), *source.glob("worlds/*.world"),
-             *source.glob("worlds/sites/*.yaml"), *stage.glob("**/*.world")]
+             *source.glob("worlds/sites/*.json"), *source.glob("worlds/sites/*.yaml"), *stage.glob("**/*.world")]
     assert len(found) >= 20, found
     return [(world, FEW_TICKS.get(world.name, TICKS)) for world in sorted(found) if world not in golden]
 
