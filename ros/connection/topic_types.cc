@@ -26,11 +26,21 @@ const dds_topic_descriptor_t* FindTopicType(const std::string& name, Distributio
   static const Types humble =
       TypesWith({dds::TopicTraits<humble_sensor_msgs_msg_dds__Range_>::descriptor(),
                  dds::TopicTraits<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>::descriptor()});
+  // Those of Open-RMF that Kilted and later have.
+  const dds_topic_descriptor_t* const fleet =
+      dds::TopicTraits<kilted_rmf_fleet_msgs_msg_dds__FleetState_>::descriptor();
+  const dds_topic_descriptor_t* const mode =
+      dds::TopicTraits<kilted_rmf_fleet_msgs_msg_dds__ModeRequest_>::descriptor();
+  const dds_topic_descriptor_t* const robot =
+      dds::TopicTraits<kilted_rmf_fleet_msgs_msg_dds__RobotState_>::descriptor();
+  static const Types kilted = TypesWith({fleet, mode, robot});
   static const Types rolling =
-      TypesWith({dds::TopicTraits<rolling_simulation_interfaces_srv_dds__SetEntityState_Request_>::descriptor(),
+      TypesWith({fleet, mode, robot,
+                 dds::TopicTraits<rolling_simulation_interfaces_srv_dds__SetEntityState_Request_>::descriptor(),
                  dds::TopicTraits<rolling_simulation_interfaces_srv_dds__GetSpawnables_Response_>::descriptor()});
   const Types& types = distribution == Distribution::kHumble    ? humble
                        : HasSimulationInterfaces2(distribution) ? rolling
+                       : distribution == Distribution::kKilted  ? kilted
                                                                 : usual;
   const auto found = types.find(name);
   return found != types.end() ? found->second : nullptr;

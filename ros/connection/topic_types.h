@@ -6,9 +6,12 @@
 #include <string>
 
 #include "idl/ros/actions.h"
+#include "idl/ros/building_map.h"
 #include "idl/ros/discovery.h"
+#include "idl/ros/kilted.h"
 #include "idl/ros/node.h"
 #include "idl/ros/parameters.h"
+#include "idl/ros/rmf.h"
 #include "idl/ros/rolling.h"
 #include "idl/ros/simulate_steps.h"
 #include "idl/ros/simulation.h"
@@ -47,6 +50,22 @@
   TYPE(rcl_interfaces_srv_dds__SetParametersAtomically_Response_)         \
   TYPE(rcl_interfaces_srv_dds__SetParameters_Request_)                    \
   TYPE(rcl_interfaces_srv_dds__SetParameters_Response_)                   \
+  TYPE(rmf_building_map_msgs_msg_dds__BuildingMap_)                       \
+  TYPE(rmf_dispenser_msgs_msg_dds__DispenserRequest_)                     \
+  TYPE(rmf_dispenser_msgs_msg_dds__DispenserResult_)                      \
+  TYPE(rmf_dispenser_msgs_msg_dds__DispenserState_)                       \
+  TYPE(rmf_door_msgs_msg_dds__DoorRequest_)                               \
+  TYPE(rmf_door_msgs_msg_dds__DoorState_)                                 \
+  TYPE(rmf_fleet_msgs_msg_dds__FleetState_)                               \
+  TYPE(rmf_fleet_msgs_msg_dds__ModeRequest_)                              \
+  TYPE(rmf_fleet_msgs_msg_dds__PathRequest_)                              \
+  TYPE(rmf_fleet_msgs_msg_dds__PauseRequest_)                             \
+  TYPE(rmf_fleet_msgs_msg_dds__RobotState_)                               \
+  TYPE(rmf_ingestor_msgs_msg_dds__IngestorRequest_)                       \
+  TYPE(rmf_ingestor_msgs_msg_dds__IngestorResult_)                        \
+  TYPE(rmf_ingestor_msgs_msg_dds__IngestorState_)                         \
+  TYPE(rmf_lift_msgs_msg_dds__LiftRequest_)                               \
+  TYPE(rmf_lift_msgs_msg_dds__LiftState_)                                 \
   TYPE(rmw_dds_common_msg_dds__ParticipantEntitiesInfo_)                  \
   TYPE(rosgraph_msgs_msg_dds__Clock_)                                     \
   TYPE(sensor_msgs_msg_dds__CameraInfo_)                                  \
@@ -85,7 +104,7 @@ TROUPE_ROS_TYPES(TROUPE_ROS_TYPE)
 #undef TROUPE_ROS_TYPE
 
 // Types of Humble with another layout under the same DDS name.
-#define TROUPE_HUMBLE_DDS_TYPE(type, name_on_dds)        \
+#define TROUPE_RENAMED_DDS_TYPE(type, name_on_dds)       \
   template <>                                            \
   struct troupe::dds::TopicTraits<type> {                \
     static const dds_topic_descriptor_t* descriptor() {  \
@@ -97,9 +116,9 @@ TROUPE_ROS_TYPES(TROUPE_ROS_TYPE)
       return &renamed;                                   \
     }                                                    \
   }
-TROUPE_HUMBLE_DDS_TYPE(humble_sensor_msgs_msg_dds__Range_, "sensor_msgs::msg::dds_::Range_");
-TROUPE_HUMBLE_DDS_TYPE(humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_,
-                       "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
+TROUPE_RENAMED_DDS_TYPE(humble_sensor_msgs_msg_dds__Range_, "sensor_msgs::msg::dds_::Range_");
+TROUPE_RENAMED_DDS_TYPE(humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_,
+                        "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
 
 // All types, each as TYPE(name).
 #define TROUPE_SIMULATION_TYPES(TYPE)                                       \
@@ -146,10 +165,15 @@ TROUPE_SIMULATION_TYPES(TROUPE_SIMULATION_TYPE)
 #undef TROUPE_SIMULATION_TYPE
 
 // Types of Rolling with another layout under the same DDS name.
-TROUPE_HUMBLE_DDS_TYPE(rolling_simulation_interfaces_srv_dds__SetEntityState_Request_,
-                       "simulation_interfaces::srv::dds_::SetEntityState_Request_");
-TROUPE_HUMBLE_DDS_TYPE(rolling_simulation_interfaces_srv_dds__GetSpawnables_Response_,
-                       "simulation_interfaces::srv::dds_::GetSpawnables_Response_");
+TROUPE_RENAMED_DDS_TYPE(rolling_simulation_interfaces_srv_dds__SetEntityState_Request_,
+                        "simulation_interfaces::srv::dds_::SetEntityState_Request_");
+TROUPE_RENAMED_DDS_TYPE(rolling_simulation_interfaces_srv_dds__GetSpawnables_Response_,
+                        "simulation_interfaces::srv::dds_::GetSpawnables_Response_");
+
+// Types of Kilted and later with another layout under the same DDS name.
+TROUPE_RENAMED_DDS_TYPE(kilted_rmf_fleet_msgs_msg_dds__FleetState_, "rmf_fleet_msgs::msg::dds_::FleetState_");
+TROUPE_RENAMED_DDS_TYPE(kilted_rmf_fleet_msgs_msg_dds__ModeRequest_, "rmf_fleet_msgs::msg::dds_::ModeRequest_");
+TROUPE_RENAMED_DDS_TYPE(kilted_rmf_fleet_msgs_msg_dds__RobotState_, "rmf_fleet_msgs::msg::dds_::RobotState_");
 
 namespace troupe::ros {
 

@@ -93,7 +93,9 @@ std::string HashOfRosType(const std::string& ros_type) {
 std::string TypeMark(Distribution distribution, const std::string& dds_type_name) {
   if (distribution == Distribution::kHumble) return "";
   const std::string type = RosTypeName(dds_type_name);
-  std::string mark = kMark + HashOfRosType(type) + ";";
+  // Of a type that has another layout from Kilted on, both hashes are known.
+  const std::string later = distribution >= Distribution::kKilted ? HashOfRosType("kilted/" + type) : "";
+  std::string mark = kMark + (later.empty() ? HashOfRosType(type) : later) + ";";
   if (distribution < Distribution::kLyrical) return mark;
   for (const std::string_view part : {"_Request", "_Response"}) {
     if (!type.ends_with(part)) continue;

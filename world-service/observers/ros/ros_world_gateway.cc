@@ -24,6 +24,7 @@
 #include "ros/messages/robot_frames.h"
 #include "transport/dds/binding/wire.h"
 #include "world-service/observers/ros/pose_commands.h"
+#include "world-service/observers/ros/rmf_topics.h"
 #include "world-service/observers/ros/ros_lockstep.h"
 #include "world-service/observers/ros/run_services.h"
 #include "world-service/observers/ros/simulation_context.h"
@@ -185,6 +186,7 @@ class RosWorldGateway final : public RunObserver {
     if (options_.pose_topics.goals || options_.pose_topics.poses) {
       poses_.emplace(connection_, options_, scene_, start.control, [this](const std::string& text) { Warn(text); });
     }
+    rmf_.emplace(node_, scene_, start.control, [this](const std::string& text) { Warn(text); });
     if (!options_.lockstep.names.empty()) {
       lockstep_.emplace(
           connection_, options_, scene_, start.run, start.control,
@@ -195,6 +197,7 @@ class RosWorldGateway final : public RunObserver {
   }
   Status OnEnd() override {
     poses_.reset();
+    rmf_.reset();
     if (lockstep_) slowest_awaited_ = lockstep_->SlowestAwaited();
     lockstep_.reset();
     ExchangeServices(nullptr);
@@ -207,6 +210,7 @@ class RosWorldGateway final : public RunObserver {
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
     if (poses_) poses_->ChangeWorld(scene);
+    if (rmf_) rmf_->ChangeWorld(scene);
     if (lockstep_) lockstep_->OnWorldChange(scene);
     ReportNames();
     const std::lock_guard lock(mutex_);
@@ -215,6 +219,7 @@ class RosWorldGateway final : public RunObserver {
 
   bool ShowsTick(Tick tick) override { return lockstep_ && lockstep_->ShowsTick(tick); }
   Status OnCommit(const CommittedTick& tick, const RunProgress&) override {
+    if (rmf_) rmf_->OnCommit(tick.frame);
     if (lockstep_) lockstep_->OnCommit(tick.frame);
     return Status();
   }
@@ -222,7 +227,13 @@ class RosWorldGateway final : public RunObserver {
     if (lockstep_) lockstep_->OnShown(frame);
     return Status();
   }
-  Result<TickRelease> Release() override { return lockstep_ ? lockstep_->Release() : TickRelease{}; }
+  // The requests that came before the last answer are edits of the shown tick.
+  Result<TickRelease> Release() override {
+    if (!lockstep_) return TickRelease{};
+    Result<TickRelease> release = lockstep_->Release();
+    if (!release.ok() || !release.value().is_released || !rmf_ || rmf_->Settle()) return release;
+    return TickRelease{false, {"requests of Open-RMF"}};
+  }
   bool IsPrepared() override { return !lockstep_ || lockstep_->IsPrepared(); }
   std::vector<SlowRobot> SlowestAwaited() override {
     return lockstep_ ? lockstep_->SlowestAwaited() : std::move(slowest_awaited_);
@@ -230,6 +241,7 @@ class RosWorldGateway final : public RunObserver {
 
   Status OnTick(const CommittedTick& tick) override {
     const FrameMessage& frame = tick.frame;
+    if (rmf_) rmf_->OnTick(frame);
     {
       const std::lock_guard lock(mutex_);
       if (simulation_) simulation_->Publish(frame);
@@ -297,6 +309,7 @@ class RosWorldGateway final : public RunObserver {
   ros::RosLog log_;
   std::optional<RosLockstepWait> lockstep_;         // between OnBegin and OnEnd, if ticks wait for ROS
   std::vector<SlowRobot> slowest_awaited_;          // of a lockstep that has ended
+  std::optional<RmfTopics> rmf_;                    // between OnBegin and OnEnd
   std::optional<PoseCommands> poses_;               // between OnBegin and OnEnd, if the options ask for it
   std::mutex mutex_;                                // guards the pointer
   std::unique_ptr<SimulationServices> simulation_;  // between OnBegin and OnEnd

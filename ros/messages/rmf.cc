@@ -1,0 +1,117 @@
+#include "ros/messages/rmf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+namespace troupe::ros {
+
+bool IsDue(Tick tick, std::int64_t interval_ns, double period_seconds) {
+  const auto period_ns = static_cast<std::int64_t>(std::llround(period_seconds * 1e9));
+  const auto time_ns = static_cast<std::int64_t>(tick) * interval_ns;
+  return tick == 0 || time_ns / period_ns != (time_ns - interval_ns) / period_ns;
+}
+
+bool HasRmf(const WorldDescription& world) {
+  return !world.doors.empty() || !world.lifts.empty() ||
+         std::any_of(world.robots.begin(), world.robots.end(),
+                     [](const RobotDescription& robot) { return robot.controller.name == kPathController; });
+}
+
+std::vector<std::size_t> DoorsOf(const WorldDescription& world) {
+  std::vector<bool> is_of_lift(world.doors.size(), false);
+  for (const LiftDescription& lift : world.lifts) {
+    for (const LiftFloor& floor : lift.floors) {
+      for (const std::size_t door : floor.doors) is_of_lift[door] = true;
+    }
+  }
+  std::vector<std::size_t> doors;
+  for (std::size_t i = 0; i < world.doors.size(); ++i) {
+    if (world.doors[i].is_operated && !is_of_lift[i]) doors.push_back(i);
+  }
+  return doors;
+}
+
+std::string LevelAt(const WorldDescription& world, double z) {
+  std::optional<double> least;
+  std::string name = "L1";
+  for (const LiftDescription& lift : world.lifts) {
+    for (const LiftFloor& floor : lift.floors) {
+      const double distance = std::fabs(floor.z - z);
+      if (least && distance >= *least) continue;
+      least = distance;
+      name = floor.name;
+    }
+  }
+  if (least) return name;
+  std::map<std::string, std::size_t> tags;  // of the places at the least distance
+  for (const NamedPlace& place : world.places) {
+    const double distance = std::fabs(place.X_WN.z - z);
+    if (place.tags.empty() || (least && distance > *least)) continue;
+    if (!least || distance < *least) tags.clear();
+    least = distance;
+    ++tags[place.tags.front()];
+  }
+  std::size_t most = 0;
+  for (const auto& [tag, count] : tags) {
+    if (count <= most) continue;
+    most = count;
+    name = tag;
+  }
+  return name;
+}
+
+DoorMode ModeOf(const DoorState& door) {
+  return door.opening <= 0.0 ? DoorMode::kClosed : door.opening >= 1.0 ? DoorMode::kOpen : DoorMode::kMoving;
+}
+
+DoorStateMessage MakeDoorState(const Time& stamp, const std::string& name, const DoorState& door,
+                               dds::WireArena& arena) {
+  return {stamp, arena.Copy(name), {static_cast<std::uint32_t>(ModeOf(door))}};
+}
+
+std::size_t FloorOf(const LiftDescription& lift, const LiftState& state) {
+  const auto nearest = std::min_element(
+      lift.floors.begin(), lift.floors.end(),
+      [&](const LiftFloor& a, const LiftFloor& b) { return std::fabs(a.z - state.z) < std::fabs(b.z - state.z); });
+  return static_cast<std::size_t>(nearest - lift.floors.begin());
+}
+
+DoorMode DoorsAt(const LiftDescription& lift, const WorldState& state, std::size_t floor) {
+  bool is_open = true;
+  bool is_closed = true;
+  for (const std::size_t door : lift.floors[floor].doors) {
+    const DoorMode mode = ModeOf(state.doors[door]);
+    is_open = is_open && mode == DoorMode::kOpen;
+    is_closed = is_closed && mode == DoorMode::kClosed;
+  }
+  return is_open ? DoorMode::kOpen : is_closed ? DoorMode::kClosed : DoorMode::kMoving;
+}
+
+LiftStateMessage MakeLiftState(const Time& stamp, const WorldDescription& world, std::size_t lift,
+                               const WorldState& state, LiftMode mode, const std::string& session,
+                               dds::WireArena& arena) {
+  const LiftDescription& description = world.lifts[lift];
+  const LiftState& now = state.lifts[lift];
+  const double way = description.floors[now.floor].z - now.z;
+  const LiftMotion motion = way > 0.0 ? LiftMotion::kUp : way < 0.0 ? LiftMotion::kDown : LiftMotion::kStopped;
+  const std::size_t floor = FloorOf(description, now);
+  LiftStateMessage message{};
+  message.lift_time = stamp;
+  message.lift_name = arena.Copy(world.model(description.model).name);
+  char** name = arena.Fill(message.available_floors, description.floors.size());
+  for (const LiftFloor& each : description.floors) *name++ = arena.Copy(each.name);
+  message.current_floor = arena.Copy(description.floors[floor].name);
+  message.destination_floor = arena.Copy(description.floors[now.floor].name);
+  message.door_state = static_cast<std::uint8_t>(DoorsAt(description, state, floor));
+  message.motion_state = static_cast<std::uint8_t>(motion);
+  std::uint8_t* modes = arena.Fill(message.available_modes, 2);
+  modes[0] = static_cast<std::uint8_t>(LiftMode::kHuman);
+  modes[1] = static_cast<std::uint8_t>(LiftMode::kAgv);
+  message.current_mode = static_cast<std::uint8_t>(mode);
+  message.session_id = arena.Copy(session);
+  return message;
+}
+
+}  // namespace troupe::ros

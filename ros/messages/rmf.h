@@ -1,0 +1,75 @@
+// Open-RMF's messages from values of the simulation, and what it calls the parts of a world: pure functions. Frames and
+// units of its messages are those of the world; the strings and sequences live in the arena.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "idl/ros/building_map.h"
+#include "idl/ros/kilted.h"
+#include "idl/ros/rmf.h"
+#include "ros/messages/messages.h"
+#include "transport/dds/binding/wire.h"
+#include "troupe/pose.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
+
+namespace troupe::ros {
+
+using DoorRequest = rmf_door_msgs_msg_dds__DoorRequest_;
+using DoorStateMessage = rmf_door_msgs_msg_dds__DoorState_;
+using LiftRequest = rmf_lift_msgs_msg_dds__LiftRequest_;
+using LiftStateMessage = rmf_lift_msgs_msg_dds__LiftState_;
+using LocationMessage = rmf_fleet_msgs_msg_dds__Location_;
+using PathRequest = rmf_fleet_msgs_msg_dds__PathRequest_;
+using PauseRequest = rmf_fleet_msgs_msg_dds__PauseRequest_;
+// In the layouts up to Jazzy, and from Kilted on.
+using ModeRequest = rmf_fleet_msgs_msg_dds__ModeRequest_;
+using LaterModeRequest = kilted_rmf_fleet_msgs_msg_dds__ModeRequest_;
+using RobotStateMessage = rmf_fleet_msgs_msg_dds__RobotState_;
+using LaterRobotStateMessage = kilted_rmf_fleet_msgs_msg_dds__RobotState_;
+using FleetStateMessage = rmf_fleet_msgs_msg_dds__FleetState_;
+using LaterFleetStateMessage = kilted_rmf_fleet_msgs_msg_dds__FleetState_;
+
+// Values of the messages.
+enum class DoorMode : std::uint8_t { kClosed = 0, kMoving = 1, kOpen = 2 };
+enum class LiftMotion : std::uint8_t { kStopped = 0, kUp = 1, kDown = 2 };
+enum class LiftRequestType : std::uint8_t { kEndSession = 0, kAgv = 1, kHuman = 2 };
+enum class LiftMode : std::uint8_t { kHuman = 1, kAgv = 2 };
+
+// How often states are written that stay as they are, s of simulated time, as by Open-RMF's plugins for Gazebo.
+inline constexpr double kRobotStatePeriod = 0.5;
+inline constexpr double kDoorStatePeriod = 1.0;
+inline constexpr double kWorkcellStatePeriod = 2.0;
+
+// True at the first tick, and at each that begins another period.
+bool IsDue(Tick tick, std::int64_t interval_ns, double period_seconds);
+
+// The built-in controller whose robots drive along the paths of Open-RMF.
+inline constexpr const char* kPathController = "slotcar";
+
+// Whether the world has something for Open-RMF: doors, lifts, or a robot that drives along its paths.
+bool HasRmf(const WorldDescription& world);
+
+// The doors that take requests of their own: those that are operated, but for those of lifts. By number.
+std::vector<std::size_t> DoorsOf(const WorldDescription& world);
+
+// The name of the level at a height: that of the nearest floor of a lift; without lifts the commonest first tag of the
+// places nearest to the height; without these "L1".
+std::string LevelAt(const WorldDescription& world, double z);
+
+DoorMode ModeOf(const DoorState& door);
+DoorStateMessage MakeDoorState(const Time& stamp, const std::string& name, const DoorState& door,
+                               dds::WireArena& arena);
+
+// The floor of a lift that is nearest to its cabin, by number.
+std::size_t FloorOf(const LiftDescription& lift, const LiftState& state);
+// The doors at that floor.
+DoorMode DoorsAt(const LiftDescription& lift, const WorldState& state, std::size_t floor);
+LiftStateMessage MakeLiftState(const Time& stamp, const WorldDescription& world, std::size_t lift,
+                               const WorldState& state, LiftMode mode, const std::string& session,
+                               dds::WireArena& arena);
+
+}  // namespace troupe::ros

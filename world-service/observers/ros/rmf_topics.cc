@@ -1,0 +1,297 @@
+#include "world-service/observers/ros/rmf_topics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "ros/connection/ros_endpoints.h"
+#include "ros/connection/ros_network.h"
+#include "ros/connection/topic_types.h"
+#include "ros/messages/convert.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::int32_t kDepth = 100;  // as of the plugins of Open-RMF
+constexpr std::size_t kMostRefusals = 1000;
+
+// What the thread has to do. Those who ask for it may hold any lock but this one, and so may none who has this one.
+class Duties {
+ public:
+  struct Due {
+    bool stop = false;
+    bool follow = false;    // the scene is new
+    bool arrived = false;   // a sample
+    bool answered = false;  // an edit
+    bool any() const { return stop || follow || arrived || answered; }
+  };
+
+  void Add(bool Due::*duty) {
+    const std::lock_guard lock(mutex_);
+    due_.*duty = true;
+    changed_.notify_one();
+  }
+  // Waits for some.
+  Due Take() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return due_.any(); });
+    return std::exchange(due_, {});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  Due due_;
+};
+
+}  // namespace
+
+// What replies to requests use: they may come after the end of the object.
+struct RmfTopics::Shared {
+  Duties duties;
+  std::mutex mutex;                           // guards the members below
+  std::size_t open = 0;                       // edits without a reply
+  std::map<std::string, std::string> wanted;  // by door or lift: the newest of these
+};
+
+struct RmfTopics::Topics {
+  Topics(const ros::RosNode& node, const std::function<void()>& notify)
+      : door_states(node, "/door_states", ros::Stream(kDepth)),
+        lift_states(node, "/lift_states", ros::Stream(kDepth)),
+        door_requests(node, "/door_requests", ros::Stream(kDepth), ros::Part::kOnlyReader, notify),
+        lift_requests(node, "/lift_requests", ros::Stream(kDepth), ros::Part::kOnlyReader, notify) {}
+
+  ros::RosWriter<ros::DoorStateMessage> door_states;
+  ros::RosWriter<ros::LiftStateMessage> lift_states;
+  ros::RosReader<ros::DoorRequest> door_requests;
+  ros::RosReader<ros::LiftRequest> lift_requests;
+};
+
+RmfTopics::RmfTopics(const ros::RosNode& node, std::shared_ptr<const Scene> scene, WorldControl& control,
+                     std::function<void(const std::string&)> report)
+    : node_(node),
+      control_(control),
+      reports_(std::make_shared<FloodLimiter>(std::move(report))),
+      shared_(std::make_shared<Shared>()),
+      scene_(std::move(scene)),
+      doors_(ros::DoorsOf(scene_->world())) {
+  shared_->duties.Add(&Duties::Due::follow);
+  thread_ = std::thread([this] { Run(); });
+}
+
+RmfTopics::~RmfTopics() {
+  shared_->duties.Add(&Duties::Due::stop);
+  thread_.join();
+}
+
+void RmfTopics::ChangeWorld(std::shared_ptr<const Scene> scene) {
+  const std::lock_guard lock(shared_->mutex);
+  scene_ = std::move(scene);
+  doors_ = ros::DoorsOf(scene_->world());
+  state_ = {};
+  shared_->duties.Add(&Duties::Due::follow);
+}
+
+void RmfTopics::Run() {
+  for (;;) {
+    const Duties::Due due = shared_->duties.Take();
+    if (due.stop) break;
+    try {
+      if (due.follow) Follow();
+      std::unique_lock lock(shared_->mutex);
+      const std::vector<ControlRequest> edits = Take();
+      lock.unlock();
+      Send(edits);
+    } catch (const std::exception& exception) {  // of DDS, as without memory
+      reports_->Add(exception.what());
+    }
+    if (due.answered) control_.Wake();
+  }
+  topics_.reset();  // without the mutex: the thread of the connection may wait for it
+}
+
+// Only this thread changes topics_.
+void RmfTopics::Follow() {
+  std::unique_lock lock(shared_->mutex);
+  const WorldDescription& world = scene_->world();
+  const bool is_needed = !world.doors.empty() || !world.lifts.empty();
+  if (is_needed == (topics_ != nullptr)) return;
+  std::unique_ptr<Topics> ended = std::move(topics_);
+  lock.unlock();
+  ended.reset();
+  std::unique_ptr<Topics> made;
+  if (is_needed) made = std::make_unique<Topics>(node_, [this] { shared_->duties.Add(&Duties::Due::arrived); });
+  node_.connection->Announce();
+  lock.lock();
+  topics_ = std::move(made);
+}
+
+void RmfTopics::OnCommit(const FrameMessage& frame) {
+  const std::lock_guard lock(shared_->mutex);
+  const WorldDescription& world = scene_->world();
+  if (!KnowsState()) shared_->duties.Add(&Duties::Due::arrived);  // the samples have waited for it
+  state_.doors = frame.state.doors;
+  state_.lifts = frame.state.lifts;
+  for (std::size_t i = 0; i < state_.lifts.size(); ++i) {
+    const LiftDescription& lift = world.lifts[i];
+    const std::string& name = world.model(lift.model).name;
+    const auto task = tasks_.find(name);
+    if (task == tasks_.end() || task->second.is_done || shared_->wanted.contains(name)) continue;
+    const LiftState& state = state_.lifts[i];
+    // Another tool may have called the lift meanwhile: then it is free, too.
+    const bool is_called = lift.floors[state.floor].name == task->second.floor;
+    task->second.is_done = !is_called || (state.z == lift.floors[state.floor].z &&
+                                          ros::DoorsAt(lift, state_, state.floor) == ros::DoorMode::kOpen);
+  }
+}
+
+void RmfTopics::OnTick(const FrameMessage& frame) {
+  const std::lock_guard lock(shared_->mutex);
+  const WorldDescription& world = scene_->world();
+  if (!topics_ || frame.state.doors.size() != world.doors.size() || frame.state.lifts.size() != world.lifts.size()) {
+    return;
+  }
+  const bool is_due = frame.paused || ros::IsDue(frame.state.tick, world.interval_ns, ros::kDoorStatePeriod);
+  const ros::Time stamp = ros::ToTime(frame.state.tick, world.interval_ns);
+  for (const std::size_t i : topics_->door_states.wanted() ? doors_ : std::vector<std::size_t>()) {
+    const std::string& name = world.model(world.doors[i].model).name;
+    const ros::DoorMode mode = ros::ModeOf(frame.state.doors[i]);
+    const auto [shown, is_new] = shown_doors_.emplace(name, mode);
+    if (!is_due && !is_new && shown->second == mode) continue;
+    shown->second = mode;
+    dds::WireArena arena;
+    topics_->door_states.Write(ros::MakeDoorState(stamp, name, frame.state.doors[i], arena));
+  }
+  if (!topics_->lift_states.wanted()) return;
+  for (std::size_t i = 0; i < world.lifts.size(); ++i) {
+    const LiftDescription& lift = world.lifts[i];
+    const std::string& name = world.model(lift.model).name;
+    LiftView view{.floor = ros::FloorOf(lift, frame.state.lifts[i]), .state = frame.state.lifts[i]};
+    view.doors = ros::DoorsAt(lift, frame.state, view.floor);
+    view.state.z = 0.0;  // it is not shown
+    if (const auto task = tasks_.find(name); task != tasks_.end()) view.task = task->second;
+    const auto [shown, is_new] = shown_lifts_.emplace(name, view);
+    if (!is_due && !is_new && shown->second == view) continue;
+    shown->second = view;
+    dds::WireArena arena;
+    const auto mode = view.task.type == ros::LiftRequestType::kHuman ? ros::LiftMode::kHuman : ros::LiftMode::kAgv;
+    topics_->lift_states.Write(
+        ros::MakeLiftState(stamp, world, i, frame.state, mode, SessionOf(i, frame.state.lifts[i]), arena));
+  }
+}
+
+bool RmfTopics::Settle() {
+  std::vector<ControlRequest> edits;
+  {
+    const std::lock_guard lock(shared_->mutex);
+    edits = Take();
+  }
+  Send(edits);
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->open == 0;
+}
+
+bool RmfTopics::KnowsState() const {
+  const WorldDescription& world = scene_->world();
+  return state_.doors.size() == world.doors.size() && state_.lifts.size() == world.lifts.size();
+}
+
+std::vector<ControlRequest> RmfTopics::Take() {
+  std::vector<ControlRequest> edits;
+  if (!topics_ || !KnowsState()) return edits;
+  topics_->door_requests.Drain([&](const ros::DoorRequest& request) { TakeDoor(request, edits); });
+  topics_->lift_requests.Drain([&](const ros::LiftRequest& request) { TakeLift(request, edits); });
+  shared_->open += edits.size();
+  return edits;
+}
+
+void RmfTopics::TakeDoor(const ros::DoorRequest& request, std::vector<ControlRequest>& edits) {
+  const WorldDescription& world = scene_->world();
+  const std::string name = dds::Text(request.door_name);
+  const auto door = std::find_if(doors_.begin(), doors_.end(),
+                                 [&](std::size_t i) { return world.model(world.doors[i].model).name == name; });
+  if (door == doors_.end()) {
+    return Refuse(fmt::format("/door_requests: the world has no door '{}' that takes requests", name));
+  }
+  const bool opens = request.requested_mode.value == static_cast<std::uint32_t>(ros::DoorMode::kOpen);
+  Ask(ControlCommand::kDoor, name, opens ? "open" : "close", state_.doors[*door].target == (opens ? 1.0 : 0.0), edits);
+}
+
+void RmfTopics::TakeLift(const ros::LiftRequest& request, std::vector<ControlRequest>& edits) {
+  const WorldDescription& world = scene_->world();
+  const std::string name = dds::Text(request.lift_name);
+  const std::optional<std::size_t> number = FindLift(world, name);
+  if (!number) return Refuse(fmt::format("/lift_requests: the world has no lift '{}'", name));
+  const LiftDescription& lift = world.lifts[*number];
+  const LiftTask asked{dds::Text(request.session_id), static_cast<ros::LiftRequestType>(request.request_type),
+                       dds::Text(request.destination_floor), false};
+  if (std::none_of(lift.floors.begin(), lift.floors.end(),
+                   [&](const LiftFloor& floor) { return floor.name == asked.floor; })) {
+    return Refuse(fmt::format("/lift_requests: lift '{}' has no floor '{}'", name, asked.floor));
+  }
+  if (request.request_type > static_cast<std::uint8_t>(ros::LiftRequestType::kHuman)) {
+    return Refuse(
+        fmt::format("/lift_requests: lift '{}': found the type {}, expected 0 to 2", name, request.request_type));
+  }
+  const LiftState& state = state_.lifts[*number];
+  if (state.session) {
+    return Refuse(fmt::format("/lift_requests: lift '{}' is in the session of robot '{}': ignored that of '{}'", name,
+                              world.robot(*state.session).name, asked.session));
+  }
+  LiftTask& task = tasks_[name];
+  const LiftTask same{task.session, task.type, task.floor, false};
+  // Repeated, and no other tool has called the lift meanwhile.
+  if (asked == same && (!task.is_done || lift.floors[state.floor].name == asked.floor)) return;
+  if (!task.is_done) {
+    return Refuse(fmt::format("/lift_requests: lift '{}' is on its way to {} for '{}': ignored the request of '{}'",
+                              name, task.floor, task.session, asked.session));
+  }
+  task = asked;
+  Ask(ControlCommand::kLift, name, asked.floor, lift.floors[state.floor].name == asked.floor, edits);
+}
+
+void RmfTopics::Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so,
+                    std::vector<ControlRequest>& edits) {
+  const auto wanted = shared_->wanted.find(name);
+  if (wanted != shared_->wanted.end() ? wanted->second == source : is_so) return;
+  shared_->wanted[name] = source;
+  ControlRequest edit;
+  edit.command = command;
+  edit.name = name;
+  edit.source = source;
+  edits.push_back(std::move(edit));
+}
+
+void RmfTopics::Refuse(const std::string& line) {
+  if (refused_.size() >= kMostRefusals) refused_.clear();
+  if (refused_.insert(line).second) reports_->Add(line);
+}
+
+// That of a robot of the world, or that of the newest request.
+std::string RmfTopics::SessionOf(std::size_t lift, const LiftState& state) const {
+  const WorldDescription& world = scene_->world();
+  if (const std::optional<RobotId>& robot = state.session) return world.robot(*robot).name;
+  const auto task = tasks_.find(world.model(world.lifts[lift].model).name);
+  if (task == tasks_.end() || task->second.type == ros::LiftRequestType::kEndSession) return "";
+  return task->second.session;
+}
+
+void RmfTopics::Send(const std::vector<ControlRequest>& edits) {
+  for (const ControlRequest& edit : edits) {
+    control_.Request(edit, [shared = shared_, reports = reports_, edit](const ControlReply& reply) {
+      if (!reply.done) reports->Add(edit.name + ": " + reply.problem);
+      const std::lock_guard lock(shared->mutex);
+      --shared->open;
+      const auto wanted = shared->wanted.find(edit.name);
+      if (wanted != shared->wanted.end() && wanted->second == edit.source) shared->wanted.erase(wanted);
+      shared->duties.Add(&Duties::Due::answered);
+    });
+  }
+}
+
+}  // namespace troupe

@@ -1,0 +1,97 @@
+// RmfTopics: the doors and lifts of a world as Open-RMF sees them. Their states are on /door_states and /lift_states;
+// requests on /door_requests and /lift_requests become edits of the run, as those of other tools are. It does what the
+// plugins of rmf_simulation do: a door follows the newest request; a lift finishes a request before it takes another.
+//
+// A thread of its own makes and ends the topics, because a reader must not end on the thread that receives its samples.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/text.h"
+#include "common/spatial/scene.h"
+#include "ros/connection/ros_connection.h"
+#include "ros/messages/rmf.h"
+#include "world-service/service/run_observer.h"
+
+namespace troupe {
+
+class RmfTopics {
+ public:
+  // `report` receives refused requests, one line each, on any thread. All outlive this; `control` and `report` outlive
+  // the replies, too.
+  RmfTopics(const ros::RosNode& node, std::shared_ptr<const Scene> scene, WorldControl& control,
+            std::function<void(const std::string&)> report);
+  // After it no call into the control runs.
+  ~RmfTopics();
+  RmfTopics(const RmfTopics&) = delete;
+  RmfTopics& operator=(const RmfTopics&) = delete;
+
+  // An edit has replaced the world.
+  void ChangeWorld(std::shared_ptr<const Scene> scene);
+  // Before the agents see the frame: the requests from now on are judged by its state.
+  void OnCommit(const FrameMessage& frame);
+  // Writes the states that have changed, or are due.
+  void OnTick(const FrameMessage& frame);
+  // Passes on the requests that have arrived. False: some are not answered yet; WorldControl::Wake follows.
+  bool Settle();
+
+ private:
+  struct Shared;
+  struct Topics;
+  // The newest request to a lift that counted.
+  struct LiftTask {
+    std::string session;  // as it asked; LiftState has none after its end
+    ros::LiftRequestType type = ros::LiftRequestType::kAgv;
+    std::string floor;  // "": none yet
+    bool is_done = true;
+    bool operator==(const LiftTask&) const = default;
+  };
+  // What a lift has shown.
+  struct LiftView {
+    std::size_t floor = 0;
+    LiftState state = {};
+    ros::DoorMode doors = ros::DoorMode::kClosed;
+    LiftTask task = {};
+    bool operator==(const LiftView&) const = default;
+  };
+
+  void Run();
+  // Makes or ends the topics as the world needs.
+  void Follow();
+  // REQUIRES of those below: the mutex is held.
+  // False before the first frame of a world: samples wait until then.
+  bool KnowsState() const;
+  std::vector<ControlRequest> Take();
+  void TakeDoor(const ros::DoorRequest& request, std::vector<ControlRequest>& edits);
+  void TakeLift(const ros::LiftRequest& request, std::vector<ControlRequest>& edits);
+  // Adds the edit, unless the newest one that is not answered yet is the same.
+  void Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so,
+           std::vector<ControlRequest>& edits);
+  // Once for each line.
+  void Refuse(const std::string& line);
+  std::string SessionOf(std::size_t lift, const LiftState& state) const;
+  // REQUIRES of this: the mutex is not held.
+  void Send(const std::vector<ControlRequest>& edits);
+
+  const ros::RosNode node_;
+  WorldControl& control_;
+  const std::shared_ptr<FloodLimiter> reports_;
+  const std::shared_ptr<Shared> shared_;  // its mutex guards the members below
+  std::shared_ptr<const Scene> scene_;
+  WorldState state_;                                  // of the newest frame; without doors and lifts before the first
+  std::vector<std::size_t> doors_;                    // with requests of their own
+  std::map<std::string, LiftTask> tasks_;             // by lift
+  std::map<std::string, ros::DoorMode> shown_doors_;  // by door
+  std::map<std::string, LiftView> shown_lifts_;
+  std::set<std::string> refused_;
+  std::unique_ptr<Topics> topics_;  // null: the world has neither doors nor lifts
+  std::thread thread_;              // last, because it uses all other members
+};
+
+}  // namespace troupe
