@@ -283,9 +283,9 @@ std::optional<Vec2> WalkRoutes::NextPoint(PersonId person, std::uint32_t goals, 
   if (*start != layer.CellOf(from)) return layer.CenterOf(*start);
   std::array<std::size_t, kLookAhead> way;
   int steps = 0;
-  for (std::size_t at = *start; steps < kLookAhead && field.length[at] > 0; ++steps) {
+  for (std::size_t at = *start; steps < kLookAhead; ++steps) {
     const std::size_t next = field.NextCell(at);
-    if (next == at) break;
+    if (next == at) break;  // the goal
     way[static_cast<std::size_t>(steps)] = at = next;
   }
   const bool is_near = steps == 0 || field.length[way[static_cast<std::size_t>(steps) - 1]] == 0;

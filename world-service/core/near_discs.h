@@ -20,6 +20,9 @@ struct Disc {
   ZRange z;
   bool is_robot = false;
   const std::vector<ConvexPiece>* pieces = nullptr;  // in W; null: a person
+
+  // Its sides are walls.
+  bool is_object() const { return pieces != nullptr && !is_robot; }
 };
 
 // One of those near a point.
@@ -38,43 +41,72 @@ inline void AddNearest(const NearDisc& disc, std::size_t most, std::vector<NearD
   nearest.insert(std::upper_bound(nearest.begin(), nearest.end(), disc), disc);
 }
 
-// The discs by the cells of a grid that their centres are in, row by row of its cells. People on one level do not see
-// the others, and most discs are on another level or beyond reach: what tells this of a disc is beside its number.
+// Some of the discs, by the cells of a grid that their centres are in, row by row of its cells. People on one level do
+// not see the others, and most discs are on another level or beyond reach: what tells this of a disc is beside its
+// number.
 class NearDiscs {
  public:
-  void Fill(const std::vector<Disc>& discs) {
+  // Those for which accept(disc).
+  template <typename Accept>
+  void Fill(const std::vector<Disc>& discs, Accept accept) {
     Rectangle bounds = Rectangle::Nothing();
     max_radius_ = 0.0;
     for (const Disc& disc : discs) {
       bounds.Extend(disc.center);
-      max_radius_ = std::max(max_radius_, disc.radius);
+      if (accept(disc)) max_radius_ = std::max(max_radius_, disc.radius);
     }
     constexpr double kCell = 2.0;  // m
     grid_ = Grid(bounds.Inflated(kCell), kCell, 4.0 * static_cast<double>(discs.size()) + 64.0);
     first_.assign(grid_.cell_count() + 2, 0);
-    for (const Disc& disc : discs) ++first_[grid_.CellOf(disc.center) + 2];
+    for (const Disc& disc : discs) first_[grid_.CellOf(disc.center) + 2] += accept(disc) ? 1 : 0;
     for (std::size_t i = 2; i < first_.size(); ++i) first_[i] += first_[i - 1];
-    places_.resize(discs.size());
+    places_.resize(first_.back());
     for (std::size_t i = 0; i < discs.size(); ++i) {
       const Disc& disc = discs[i];
+      if (!accept(disc)) continue;
       places_[first_[grid_.CellOf(disc.center) + 1]++] = {disc.center, disc.radius, disc.z,
                                                           static_cast<std::uint32_t>(i)};
     }
   }
 
-  // Calls visit(number) for all discs at heights `z` that may reach within `reach` of `p`.
-  template <typename Visit>
-  void ForEachNear(const Vec2& p, const ZRange& z, double reach, Visit visit) const {
-    constexpr double kRounding = 1e-6;  // m
-    const CellRange range = grid_.CellsOf(Rectangle::Around(p, reach + max_radius_));
-    for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
-      const std::uint32_t end = first_[grid_.CellAt(range.max_column, row) + 1];
-      for (std::uint32_t i = first_[grid_.CellAt(range.min_column, row)]; i < end; ++i) {
+  // Calls visit(number) for all discs at heights `z` that may reach within `reach` of `p`, from one ring of cells
+  // around `p` to the next, until done(distance): those whose centres are farther away do not matter. REQUIRES: `p` is
+  // the centre of one of the discs of Fill.
+  template <typename Visit, typename Done>
+  void ForEachNear(const Vec2& p, const ZRange& z, double reach, Visit visit, Done done) const {
+    const CellRange all = grid_.CellsOf(Rectangle::Around(p, reach + max_radius_));
+    const CellRange own = grid_.CellsOf(Rectangle::Around(p, 0.0));
+    const auto scan = [&](std::int32_t row, std::int32_t from, std::int32_t to) {
+      from = std::max(from, all.min_column);
+      to = std::min(to, all.max_column);
+      if (from > to) return;
+      constexpr double kRounding = 1e-6;  // m
+      const std::uint32_t end = first_[grid_.CellAt(to, row) + 1];
+      for (std::uint32_t i = first_[grid_.CellAt(from, row)]; i < end; ++i) {
         const Place& place = places_[i];
         const double far = reach + place.radius + kRounding;
         if ((place.center - p).squaredNorm() <= far * far && place.z.Overlaps(z)) visit(place.number);
       }
+    };
+    for (std::int32_t ring = 0;; ++ring) {
+      const CellRange block{own.min_column - ring, own.min_row - ring, own.min_column + ring, own.min_row + ring};
+      for (std::int32_t row = std::max(block.min_row, all.min_row); row <= std::min(block.max_row, all.max_row);
+           ++row) {
+        if (row == block.min_row || row == block.max_row) {
+          scan(row, block.min_column, block.max_column);
+        } else {
+          scan(row, block.min_column, block.min_column);
+          scan(row, block.max_column, block.max_column);
+        }
+      }
+      const bool is_last = block.min_column <= all.min_column && block.max_column >= all.max_column &&
+                           block.min_row <= all.min_row && block.max_row >= all.max_row;
+      if (is_last || done(ring * grid_.cell_size())) return;
     }
+  }
+  template <typename Visit>
+  void ForEachNear(const Vec2& p, const ZRange& z, double reach, Visit visit) const {
+    ForEachNear(p, z, reach, visit, [](double) { return false; });
   }
 
  private:

@@ -123,7 +123,8 @@ class Walks {
       }
       discs_.push_back(disc);
     }
-    near_.Fill(discs_);
+    walkers_.Fill(discs_, [](const Disc& disc) { return !disc.is_object(); });
+    objects_.Fill(discs_, [](const Disc& disc) { return disc.is_object(); });
     is_burdened_.assign(people_.size(), false);
     for (const ObjectState& object : state.objects) {
       const std::optional<PersonId> under = object.support ? scene_.person_of(*object.support) : std::nullopt;
@@ -144,7 +145,7 @@ class Walks {
     bool found = false;
     const PersonState& mine = people_[i];
     const double distance = (target - discs_[i].center).norm();
-    near_.ForEachNear(discs_[i].center, discs_[i].z, discs_[i].radius + kQueueGap, [&](std::uint32_t k) {
+    walkers_.ForEachNear(discs_[i].center, discs_[i].z, discs_[i].radius + kQueueGap, [&](std::uint32_t k) {
       if (k >= people_.size() || k == i) return;
       const PersonState& other = people_[k];
       if (other.goals != mine.goals || other.goal != mine.goal || other.waits == 0) return;
@@ -208,7 +209,7 @@ class Walks {
     const Disc* nearest = nullptr;
     double least = kForget;
     std::uint32_t number = 0;
-    near_.ForEachNear(discs_[i].center, discs_[i].z, kForget, [&](std::uint32_t k) {
+    walkers_.ForEachNear(discs_[i].center, discs_[i].z, kForget, [&](std::uint32_t k) {
       const Disc& disc = discs_[k];
       if (!disc.is_robot) return;
       const double distance = (disc.center - discs_[i].center).norm() - disc.radius;
@@ -254,17 +255,21 @@ class Walks {
     std::vector<WallSegment>& walls = deciding.walls;
     others.clear();
     objects.clear();
-    near_.ForEachNear(me.center, me.z, kAvoidReach, [&](std::uint32_t k) {
-      const Disc& other = discs_[k];
-      if (k == i || (other.is_robot && description.reaction == PersonReaction::kCareless)) return;
+    // Its square, if it is within reach.
+    const auto square_to = [&](const Disc& other) -> std::optional<double> {
       const double reach = kAvoidReach + other.radius;
       const double square = (other.center - me.center).squaredNorm();
-      if (square >= reach * reach) return;
-      if (other.pieces != nullptr && !other.is_robot) {
-        objects.push_back({square, k});
-      } else {
-        AddNearest({square, k}, kMostNeighbors, others);
-      }
+      return square < reach * reach ? std::optional(square) : std::nullopt;
+    };
+    walkers_.ForEachNear(
+        me.center, me.z, kAvoidReach,
+        [&](std::uint32_t k) {
+          if (k == i || (discs_[k].is_robot && description.reaction == PersonReaction::kCareless)) return;
+          if (const auto square = square_to(discs_[k])) AddNearest({*square, k}, kMostNeighbors, others);
+        },
+        [&](double distance) { return others.size() == kMostNeighbors && others.back().square < distance * distance; });
+    objects_.ForEachNear(me.center, me.z, kAvoidReach, [&](std::uint32_t k) {
+      if (const auto square = square_to(discs_[k])) objects.push_back({*square, k});
     });
     deciding.neighbors.clear();
     for (const NearDisc& near : others) {
@@ -413,7 +418,8 @@ class Walks {
   std::vector<PersonState>& people_;  // before the tick until Move
   std::vector<PersonState> plans_;
   std::vector<Disc> discs_;
-  NearDiscs near_;
+  NearDiscs walkers_;  // people and robots
+  NearDiscs objects_;
   std::vector<bool> is_burdened_;  // by person, like the next
   std::vector<double> behind_;
   NearPieces static_pieces_;  // memory of RoomOn
