@@ -44,10 +44,11 @@ EXPECTED = (
     (r"no buildah", is_missing("/usr/bin/buildah")),
     (r"no module yaml", is_missing("/usr/lib/python3/dist-packages/yaml")),
     (r"no emscripten", lambda: not shutil.which("em++")),
-    (r"no build of the preset clang", is_missing("build/clang/bin/troupe")),
+    (r"no build of the preset clang", is_missing("build/clang/bin/troupe-core")),
     (r"no build of the preset arm64",
      lambda: is_missing("build/arm64/bin/troupe")() or is_missing("build/arm64/bin/robot-agent")()),
     (r"no qemu-aarch64-static", lambda: not shutil.which("qemu-aarch64-static")),
+    (r"needs Linux 6.7", cannot("--user", "--map-root-user", "--mount", "mount", "-t", "binfmt_misc", "none", "/mnt")),
     (r"no WebAssembly module", is_missing("build/wasm/bin/troupe-core.wasm")),
     (r"debootstrap makes no base image", lambda: True),  # without a mirror of Debian
     (r"forbidden here", lambda: True),  # personality(), in some containers
