@@ -1,0 +1,102 @@
+// The traffic of robots on lanes, as each of them sees it in the frame of a tick: where the others are decides which of
+// them goes first. All robots see the same frame, so all come to the same result, wherever their agents run.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robot-agent/navigation/lane_graph.h"
+#include "troupe/ids.h"
+#include "troupe/pose.h"
+#include "troupe/world_state.h"
+
+namespace troupe {
+
+// Another robot.
+struct SeenRobot {
+  RobotId id;
+  Vec2 position{0.0, 0.0};  // m, frame W
+  double z = 0.0;
+  double radius = 0.0;  // m, around its origin; no part of its declared size is farther away
+  bool moves = false;
+};
+
+// A controller that sees the other robots of its world.
+class RobotWatcher {
+ public:
+  virtual ~RobotWatcher() = default;
+  // Called before each Update, with the same tick.
+  virtual void WatchRobots(const WorldDescription& world, const WorldState& state) = 0;
+};
+
+// The radius (m) around a robot's origin that contains its declared size and its blocks.
+double RadiusOf(const WorldDescription& world, RobotId robot);
+
+// The robots but for `own`. `radii`: those of all robots.
+std::vector<SeenRobot> SeeOthers(const WorldDescription& world, const WorldState& state, RobotId own,
+                                 const std::vector<double>& radii);
+
+// The vertices and lanes of a group that one robot at a time may be in.
+class MutexGroup {
+ public:
+  MutexGroup(const LaneGraph& graph, std::string name);
+
+  const std::string& name() const { return name_; }
+
+  // What a robot that wants to enter sees of the others.
+  struct View {
+    std::optional<RobotId> holder = {};  // in the group, or on its way into or out of it
+    std::vector<RobotId> standing = {};  // where one enters; ascending
+  };
+  View Look(const LaneGraph& graph, const std::vector<SeenRobot>& others) const;
+
+ private:
+  bool Contains(const LaneGraph& graph, const SeenRobot& robot) const;
+
+  std::string name_;
+  std::vector<std::size_t> lanes_;     // of the group, and those to its vertices
+  std::vector<std::size_t> vertices_;  // inside
+  std::vector<std::size_t> entries_;   // ends of lanes into the group
+};
+
+// The turn of a robot that waits for a group at one of its entries. Those that stand at an entry when it begins to wait
+// come first: it enters once it has seen the group free for kTurnSeconds for each of them. They may be parked there,
+// and take no more than that time. Of robots that begin in one tick each sees the others: kTieSeconds more for each
+// smaller id decide.
+class MutexTurn {
+ public:
+  static constexpr double kTurnSeconds = 3.0;
+  static constexpr double kTieSeconds = 1.0;
+
+  // True if the robot may enter now. Call it in each tick in which the robot waits.
+  bool MayEnter(const MutexGroup::View& view, RobotId own, double time);
+  void Forget() { *this = {}; }
+
+ private:
+  bool has_begun_ = false;
+  std::vector<RobotId> first_;        // ascending
+  std::optional<double> free_since_;  // s
+};
+
+// The nearest robot in the way of one that moves by `way` m from `position` along `direction`, a unit vector: nearer to
+// that line than both half widths.
+struct RobotAhead {
+  SeenRobot robot;
+  double room = 0.0;  // m, between both bodies along the way; at least 0
+};
+std::optional<RobotAhead> FindRobotAhead(const std::vector<SeenRobot>& others, const Vec2& position, double z,
+                                         const Vec2& direction, double way, double radius, double half_width);
+
+// True if one of the robots is where a robot of that radius wants to stand.
+bool IsTaken(const LaneVertex& vertex, const std::vector<SeenRobot>& others, double radius);
+
+// The lanes from a vertex to free ones outside lifts, without another robot on the way.
+std::vector<Leg> FreeLegs(const LaneGraph& graph, std::size_t from, const std::vector<SeenRobot>& others, double radius,
+                          double half_width);
+
+// Bodies so far apart in height are on different levels.
+inline constexpr double kLevelGap = 1.3;  // m
+
+}  // namespace troupe
