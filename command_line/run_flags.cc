@@ -65,8 +65,10 @@ void AddDataSharingFlag(CLI::App& app, NetworkSettings& settings, const std::str
 
 CLI::Option* AddWorldFile(CLI::App& app, std::string& file) {
   return app
-      .add_option("FILE", file,
-                  "A Stage world (.world), a scenario (.json), a building (.building.yaml) or a ROS map (.yaml)")
+      .add_option(
+          "FILE", file,
+          "A Stage world (.world), a scenario or a layout (LIF) (.json), a building (.building.yaml) or a ROS map "
+          "(.yaml)")
       ->required()
       ->check(NotEmpty())
       ->type_name("");

@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "worldfile/map/map_yaml.h"
+#include "worldfile/models/lanes.h"
 #include "worldfile/models/people.h"
 #include "worldfile/models/start_overlap.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/lif_json.h"
+#include "worldfile/sites/site.h"
 #include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/stage/world_tree.h"
@@ -27,20 +30,26 @@ Result<LoadedWorld> LoadStageWorld(const std::string& path, const LoadOverrides&
 Result<LoadedWorld> LoadBuilding(const std::string& path, const LoadOverrides& overrides) {
   const Result<WorldTree> tree = ReadSiteTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();
-  Result<LoadedWorld> built = BuildWorld(tree.value(), overrides);
+  LoadOverrides build = overrides;
+  const std::vector<SiteLevel>& levels = tree.value().site->levels;
+  const bool has_lanes =
+      std::any_of(levels.begin(), levels.end(), [](const auto& level) { return !level.lanes.empty(); });
+  if (!build.controller && has_lanes) build.controller = "lanes";  // its robots wait for goals
+  Result<LoadedWorld> built = BuildWorld(tree.value(), build);
   if (!built.ok()) return built;
-  return AddCrowd(std::move(built).value());
+  Result<LoadedWorld> crowded = AddCrowd(std::move(built).value());
+  return crowded.ok() ? AddLanes(std::move(crowded).value(), overrides) : crowded;
 }
 
 Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& overrides) {
   const std::string ending = std::filesystem::path(path).extension().string();
-  if (IsBuildingPath(path)) return LoadBuilding(path, overrides);
+  if (IsBuildingPath(path) || IsLayoutPath(path, overrides.allowed)) return LoadBuilding(path, overrides);
   if (ending == ".world") return LoadStageWorld(path, overrides);
   if (ending == ".json") return LoadScenario(path, overrides);
   if (ending == ".yaml" || ending == ".yml") return BuildWorld(MapYamlTree(path), overrides);
   return Error{{path},
                "found a file ending in " + Quoted(ending) +
-                   ", expected .world (Stage), .json (scenario), .yaml (ROS map) or "
+                   ", expected .world (Stage), .json (scenario, LIF), .yaml (ROS map) or "
                    ".building.yaml (Open-RMF)"};
 }
 
@@ -55,7 +64,7 @@ bool IsFile(const std::string& source) {
 
 // The defines of models, and the controller of robots without one.
 Result<ScenarioWorld> ReadDefinitions(const std::string& path, const LoadOverrides& overrides) {
-  if (EndingOf(path) == ".json") return ReadScenarioWorld(path, overrides);
+  if (EndingOf(path) == ".json" && !IsLayoutPath(path, overrides.allowed)) return ReadScenarioWorld(path, overrides);
   Result<WorldTree> tree =
       EndingOf(path) == ".inc" ? ParseStageWorld(path, overrides.allowed) : ReadWorldTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -24,6 +26,7 @@
 #include "troupe/simulation.h"
 #include "world-service/replay/run_replay.h"
 #include "worldfile/load_world.h"
+#include "worldfile/sites/lif_json.h"
 
 namespace troupe {
 namespace {
@@ -177,7 +180,21 @@ struct ExportMapOptions {
   std::string output;
   std::optional<double> resolution;
   std::optional<double> height;
+  bool lanes = false;
 };
+
+// Of the lanes and places of a building, beside its map.
+Status WriteLanes(const ExportMapOptions& options, const Site* site) {
+  if (site == nullptr) return Error{{options.file}, "found no lanes, expected a building (.building.yaml) or a layout"};
+  std::array<char, 32> timestamp{};
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::strftime(timestamp.data(), timestamp.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  Result<FileReplacement> file =
+      FileReplacement::Prepare(options.output + ".lif.json", LayoutText(*site, timestamp.data()));
+  return file.ok() ? file.value().Commit() : Status(file.error());
+}
 
 // Both or none: the image of one map beside the scale of another would be a wrong map.
 Status WriteBoth(const std::string& image_path, const std::string& image, const std::string& yaml_path,
@@ -214,6 +231,9 @@ std::string Yaml(const OccupancyGrid& grid, const std::string& image) {
 int ExportMapCommand(const ExportMapOptions& options) {
   Result<LoadedWorld> loaded = LoadWorld(options.file, {});
   if (!loaded.ok()) return Fail(loaded.error());
+  if (options.lanes) {
+    if (Status failure = WriteLanes(options, loaded.value().site.get()); !failure.ok()) return Fail(failure.error());
+  }
   const Scene scene(std::move(loaded.value().world));
   const double height = options.height.value_or(UsualMapHeight(scene));
   const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height, kMostCells);
@@ -235,7 +255,8 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<SnapshotOptions>();  // lives as long as the command
   command
       ->add_option("FILE", options->file,
-                   "A Stage .world file, a JSON scenario, a .building.yaml, a ROS map .yaml or a recording (.mcap)")
+                   "A Stage .world file, a JSON scenario, a .building.yaml, a layout (LIF), a ROS map .yaml or a "
+                   "recording (.mcap)")
       ->required()
       ->check(NotEmpty());
   command->add_option("-o,--output", options->output, "The picture; its ending, .png or .svg, selects the format")
@@ -345,6 +366,7 @@ void AddExportMapCommand(CLI::App& app, int& exit_status) {
                    "Height of the horizontal section that is written, in metres (default: that of the lowest ranger)")
       ->check(NumberFromZero())
       ->type_name("METRES");
+  command->add_flag("--lanes", options->lanes, "Also write the lanes of a building as a layout (LIF), NAME.lif.json");
   command->final_callback([options, &exit_status] { exit_status = ExportMapCommand(*options); });
 }
 

@@ -7,8 +7,10 @@
 #include "common/base/glob.h"
 #include "common/model/find_robots.h"
 #include "worldfile/map/map_yaml.h"
+#include "worldfile/models/lanes.h"
 #include "worldfile/scenario/scenario_tree.h"
 #include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/lif_json.h"
 #include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/json_tree.h"
@@ -203,7 +205,7 @@ void CopyPlaces(const WorldDescription& from, WorldDescription& to) {
 }  // namespace
 
 Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
-  if (IsBuildingPath(path)) return ReadSiteTree(path, allowed);
+  if (IsBuildingPath(path) || IsLayoutPath(path, allowed)) return ReadSiteTree(path, allowed);
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending != ".yaml" && ending != ".yml") return ParseStageWorld(path, allowed);
   // The tree only names the map: an unreadable one would be found too late to name the right line.
@@ -219,6 +221,7 @@ Result<LoadedWorld> LoadScenario(const std::string& path, const LoadOverrides& o
 }
 
 Status CheckScenario(const std::string& path, const LoadOverrides& overrides) {
+  if (IsLayoutPath(path, overrides.allowed)) return Status();
   const Result<std::string> text = ReadTextFile(path, {path, 0, 0}, overrides.allowed);
   if (!text.ok()) return text.error();
   const Result<ScenarioFile> file = ReadText(text.value(), path, overrides, ScenarioTools{});
@@ -257,6 +260,7 @@ Result<WorldTree> ReadScenarioTree(const std::string& text, const std::string& p
 }
 
 Result<HostsOfScenario> ReadHostsOfScenario(const std::string& path) {
+  if (IsLayoutPath(path)) return HostsOfScenario();
   const Result<std::string> text = ReadTextFile(path, {path, 0, 0});
   if (!text.ok()) return text.error();
   Result<ScenarioFile> file = ReadText(text.value(), path, {}, ScenarioTools{});
@@ -283,18 +287,18 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   const std::uint64_t seed = built.value().world.seed;
   built = PlaceSpawns(std::move(built).value(), plan.value().spawns, seed, tools.max_spawn_draws);
   if (!built.ok()) return built;
-  const auto with_people = [&](LoadedWorld loaded) -> Result<LoadedWorld> {
+  const auto completed = [&](LoadedWorld loaded) -> Result<LoadedWorld> {
     Result<LoadedWorld> crowded = AddCrowd(std::move(loaded));
-    if (!crowded.ok()) return crowded;
-    return AddPeople(std::move(crowded).value(), file.people);
+    if (crowded.ok()) crowded = AddPeople(std::move(crowded).value(), file.people);
+    return crowded.ok() ? AddLanes(std::move(crowded).value(), overrides) : crowded;
   };
-  if (file.without.empty()) return with_people(std::move(built).value());
+  if (file.without.empty()) return completed(std::move(built).value());
   if (Status error = RemoveEntities(plan.value().tree, file.without); !error.ok()) return error.error();
   Result<LoadedWorld> reduced = BuildWorld(plan.value().tree, build, tools.build);
   if (!reduced.ok()) return reduced;
   Complete(reduced.value(), file, plan.value());
   CopyPlaces(built.value().world, reduced.value().world);
-  return with_people(std::move(reduced).value());
+  return completed(std::move(reduced).value());
 }
 
 Result<WorldNode> ApplyOverride(const OverrideEntry& rule, WorldNode world) {

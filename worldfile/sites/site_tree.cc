@@ -9,6 +9,7 @@
 #include "troupe/deterministic_math.h"
 #include "troupe/rectangle.h"
 #include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/lif_json.h"
 #include "worldfile/sites/site_robots.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
@@ -405,21 +406,36 @@ Result<WorldTree> SiteTree(std::shared_ptr<const Site> site) {
 }
 
 Result<WorldTree> ReadSiteTree(const std::string& path, const AllowedPaths& allowed) {
-  Result<Site> site = ReadBuilding(path, allowed);
+  Result<Site> site = IsBuildingPath(path) ? ReadBuilding(path, allowed) : ReadLayout(path, allowed);
   if (!site.ok()) return site.error();
   return SiteTree(std::make_shared<const Site>(std::move(site).value()));
 }
 
+std::vector<std::vector<std::string>> PlaceNames(const Site& site) {
+  std::vector<std::vector<std::string>> names;
+  FreeNames free_names;
+  for (const SiteLevel& level : site.levels) {
+    std::vector<std::string>& of_level = names.emplace_back(level.vertices.size());
+    for (std::size_t i = 0; i < level.vertices.size(); ++i) {
+      const SiteVertex& vertex = level.vertices[i];
+      if (vertex.name.empty() && RolesOf(vertex).empty()) continue;
+      of_level[i] = free_names.Add(vertex.name.empty() ? level.name + "." + std::to_string(i) : vertex.name);
+    }
+  }
+  return names;
+}
+
 std::vector<NamedPlace> PlacesOf(const Site& site) {
   std::vector<NamedPlace> places;
-  FreeNames names;
-  for (const SiteLevel& level : site.levels) {
+  const std::vector<std::vector<std::string>> names = PlaceNames(site);
+  for (std::size_t l = 0; l < site.levels.size(); ++l) {
+    const SiteLevel& level = site.levels[l];
     for (std::size_t i = 0; i < level.vertices.size(); ++i) {
+      if (names[l][i].empty()) continue;
       const SiteVertex& vertex = level.vertices[i];
       NamedPlace place;
       place.tags = RolesOf(vertex);
-      if (vertex.name.empty() && place.tags.empty()) continue;
-      place.name = names.Add(vertex.name.empty() ? level.name + "." + std::to_string(i) : vertex.name);
+      place.name = names[l][i];
       place.tags.insert(place.tags.begin(), level.name);
       place.X_WN = {vertex.position.x(), vertex.position.y(), level.elevation, 0.0};
       places.push_back(std::move(place));

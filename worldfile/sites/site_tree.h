@@ -17,8 +17,11 @@ namespace troupe {
 // define for each robot model that building files name, and refers to the site.
 Result<WorldTree> SiteTree(std::shared_ptr<const Site> site);
 
-// Reads a building file and makes its tree.
+// Reads a building file, or a layout (lif_json.h), and makes its tree.
 Result<WorldTree> ReadSiteTree(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
+
+// The names of vertices as places, by level and number; empty for those that are none.
+std::vector<std::vector<std::string>> PlaceNames(const Site& site);
 
 // The vertices with a name or a role, tagged with their roles and level.
 std::vector<NamedPlace> PlacesOf(const Site& site);

@@ -187,6 +187,7 @@ const std::vector<StageControllerName>& KnownControllers() {
       {"follow", "follow", {"id", "distance"}},
       {"go_to", "go_to", {}},
       {"idle", "idle", {}},
+      {"lanes", "lanes", {}, "places"},
       {"lasernoise", "lasernoise", {"samples"}},
       {"patrol", "patrol", {}},
       {"pioneer_flocking", "pioneer_flocking", {"distance", "speed"}},
@@ -225,6 +226,18 @@ struct Argument {
   Json value;
 };
 
+// A further item of the argument that is a list of texts.
+void AddToList(const char* key, const std::string& word, std::vector<Argument>& arguments) {
+  const auto list = std::find_if(arguments.begin(), arguments.end(),
+                                 [&](const Argument& argument) { return !argument.is_named && argument.key == key; });
+  if (list == arguments.end()) {
+    arguments.push_back({word, key, false, Json::array({word})});
+  } else {
+    list->word += " " + word;
+    list->value.push_back(word);
+  }
+}
+
 // The words that can be arguments; a warning for each of the others.
 std::vector<Argument> ReadArguments(std::istringstream& words, const StageControllerName& known,
                                     std::vector<std::string>& warnings) {
@@ -239,6 +252,9 @@ std::vector<Argument> ReadArguments(std::istringstream& words, const StageContro
       argument.key = word.substr(0, equal);
     } else if (positional < known.arguments.size()) {
       argument.key = known.arguments[positional++];
+    } else if (known.rest != nullptr) {
+      AddToList(known.rest, word, arguments);
+      continue;
     } else {
       warnings.push_back(ignored);
       continue;

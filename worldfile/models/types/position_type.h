@@ -19,6 +19,7 @@ struct StageControllerName {
   const char* stage_name;
   const char* name;
   std::vector<const char*> arguments;  // parameters, in the order of arguments without a name
+  const char* rest = nullptr;          // the parameter that is a list of all further ones, as texts
 };
 std::span<const StageControllerName> StageControllerNames();
 

@@ -1,0 +1,329 @@
+#include "worldfile/sites/lif_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "common/geometry/limits.h"
+#include "troupe/deterministic_math.h"
+#include "worldfile/sites/site_frame.h"
+#include "worldfile/sites/site_tree.h"
+#include "worldfile/text/json_tree.h"
+
+namespace troupe {
+namespace {
+
+// Angles beyond a turn are degrees: many writers give them so, against the standard.
+double AngleOf(double value) {
+  return WrapAngle(std::fabs(value) > 2.0 * kPi + 0.01 ? DegreesToRadians(value) : value);
+}
+
+class LayoutReader {
+ public:
+  LayoutReader(const JsonTree& tree, const std::string& path) : tree_(tree) {
+    site_.file = path;
+    site_.name = "layout";
+  }
+
+  Result<Site> Read() {
+    const JsonNode& root = tree_.root();
+    if (!root.is_object()) return tree_.ErrorAt(root, "found " + Describe(root) + ", expected an object");
+    if (const JsonNode* const about = root.Find("metaInformation")) {
+      const std::string name = Text(*about, "projectIdentification", false);
+      if (!name.empty()) site_.name = name;
+    }
+    const std::vector<JsonNode>& layouts = List(root, "layouts", true);
+    // Edges and stations may name nodes of other layouts.
+    for (const JsonNode& layout : layouts) ReadNodes(layout);
+    for (const JsonNode& layout : layouts) ReadRest(layout);
+    if (!faults_.failed() && site_.levels.empty()) Fail(root, "found no layout, expected at least one");
+    if (faults_.failed()) return *faults_.error();
+    if (site_.levels.size() > 1) {
+      Warn(root, "found " + CountText(site_.levels.size(), "level") +
+                     ", whose heights this file does not have; they are " + NumberText(kLayoutStorey) + " m apart");
+    }
+    site_.warnings = std::move(faults_.warnings());
+    return std::move(site_);
+  }
+
+ private:
+  struct Place {
+    std::size_t level = 0;
+    std::size_t vertex = 0;
+  };
+
+  void Fail(const JsonNode& node, const std::string& message) { faults_.Fail(tree_.Where(node), message); }
+  void Warn(const JsonNode& node, const std::string& message) { faults_.Warn(tree_.Where(node), message); }
+  void FailAt(const JsonNode& node, const char* key, const std::string& expected) {
+    const JsonNode* const found = node.Find(key);
+    Fail(found != nullptr ? *found : node, "found " + (found != nullptr ? Describe(*found) : std::string("nothing")) +
+                                               " for '" + key + "', expected " + expected);
+  }
+
+  // Values of an object; a fault gives a default.
+  std::string Text(const JsonNode& node, const char* key, bool is_needed) {
+    const JsonNode* const found = node.Find(key);
+    if (found == nullptr && !is_needed) return "";
+    if (found == nullptr || !found->is_string() || !IsPlainLine(found->text) || (is_needed && found->text.empty())) {
+      FailAt(node, key, "a text");
+      return "";
+    }
+    return found->text;
+  }
+  std::optional<double> Number(const JsonNode& node, const char* key, double least) {
+    const JsonNode* const found = node.Find(key);
+    if (found == nullptr) return std::nullopt;
+    if (found->is_number() && found->number >= least && found->number <= kMaxMagnitude) return found->number;
+    FailAt(node, key, "a number from " + NumberText(least) + " to " + NumberText(kMaxMagnitude));
+    return std::nullopt;
+  }
+  const std::vector<JsonNode>& List(const JsonNode& node, const char* key, bool is_needed) {
+    static const std::vector<JsonNode> kNone;
+    const JsonNode* const found = node.Find(key);
+    if (found == nullptr && !is_needed) return kNone;
+    if (found == nullptr || !found->is_array()) {
+      FailAt(node, key, "a list");
+      return kNone;
+    }
+    for (const JsonNode& item : found->items) {
+      if (!item.is_object() && std::string_view(key) != "interactionNodeIds") {
+        Fail(item, "found " + Describe(item) + " in '" + key + "', expected an object");
+        return kNone;
+      }
+    }
+    return found->items;
+  }
+
+  std::size_t LevelOf(const JsonNode& layout) {
+    std::string name = Text(layout, "layoutLevelId", false);
+    if (name.empty()) name = Text(layout, "layoutId", true);
+    for (std::size_t i = 0; i < site_.levels.size(); ++i) {
+      if (site_.levels[i].name == name) return i;
+    }
+    SiteLevel& level = site_.levels.emplace_back();
+    level.name = name;
+    level.elevation = kLayoutStorey * static_cast<double>(site_.levels.size() - 1);
+    level.where = tree_.Where(layout);
+    return site_.levels.size() - 1;
+  }
+
+  void ReadNodes(const JsonNode& layout) {
+    const std::size_t number = LevelOf(layout);
+    SiteLevel& level = site_.levels[number];
+    for (const JsonNode& node : List(layout, "nodes", true)) {
+      if (faults_.failed()) return;
+      SiteVertex vertex;
+      vertex.name = Text(node, "nodeId", true);
+      vertex.where = tree_.Where(node);
+      const JsonNode* const position = node.Find("nodePosition");
+      const std::optional<double> x = position != nullptr ? Number(*position, "x", -kMaxMagnitude) : std::nullopt;
+      const std::optional<double> y = position != nullptr ? Number(*position, "y", -kMaxMagnitude) : std::nullopt;
+      if (!x || !y) return FailAt(node, "nodePosition", "an object with the numbers x and y");
+      vertex.position = Rounded({*x, *y});
+      for (const JsonNode& properties : List(node, "vehicleTypeNodeProperties", false)) {
+        for (const JsonNode& action : List(properties, "actions", false)) {
+          vertex.is_charger = vertex.is_charger || Text(action, "actionType", false) == "startCharging";
+        }
+      }
+      if (!places_.emplace(vertex.name, Place{number, level.vertices.size()}).second) {
+        return FailAt(node, "nodeId", "an id that no other node has");
+      }
+      level.vertices.push_back(std::move(vertex));
+    }
+  }
+
+  // The node that `id` names.
+  std::optional<Place> Find(const JsonNode& id) {
+    const auto found = places_.find(id.text);
+    if (id.is_string() && found != places_.end()) return found->second;
+    Fail(id, "found " + Describe(id) + ", expected the id of a node");
+    return std::nullopt;
+  }
+  std::optional<Place> FindNode(const JsonNode& edge, const char* key) {
+    const JsonNode* const id = edge.Find(key);
+    if (id != nullptr) return Find(*id);
+    FailAt(edge, key, "the id of a node");
+    return std::nullopt;
+  }
+
+  void ReadRest(const JsonNode& layout) {
+    for (const JsonNode& edge : List(layout, "edges", true)) {
+      if (faults_.failed()) return;
+      ReadEdge(edge);
+    }
+    for (const JsonNode& station : List(layout, "stations", false)) {
+      const std::string id = Text(station, "stationId", true);
+      for (const JsonNode& node : List(station, "interactionNodeIds", true)) {
+        const std::optional<Place> place = Find(node);
+        if (faults_.failed()) return;
+        std::string& dock = site_.levels[place->level].vertices[place->vertex].dock;
+        if (dock.empty()) dock = id;
+      }
+    }
+  }
+
+  void ReadEdge(const JsonNode& edge) {
+    const std::optional<Place> start = FindNode(edge, "startNodeId");
+    const std::optional<Place> end = FindNode(edge, "endNodeId");
+    if (faults_.failed()) return;
+    if (start->level != end->level) {
+      return Warn(edge, "found an edge between two levels, expected both nodes on one; it is left out");
+    }
+    SiteLane lane;
+    lane.edge = {start->vertex, end->vertex, tree_.Where(edge)};
+    const std::vector<JsonNode>& types = List(edge, "vehicleTypeEdgeProperties", false);
+    if (types.empty()) return AddLane(start->level, lane);
+    for (const JsonNode& properties : types) {
+      lane.graph = GraphOf(Text(properties, "vehicleTypeId", true));
+      lane.speed_limit = Number(properties, "maxSpeed", 0.0).value_or(0.0);
+      lane.orientation = OrientationOf(properties, site_.levels[start->level], lane.edge);
+      const JsonNode* const trajectory = properties.Find("trajectory");
+      if (trajectory != nullptr && List(*trajectory, "controlPoints", true).size() > 2 && !has_curve_) {
+        has_curve_ = true;
+        Warn(*trajectory, "found a trajectory, which is not followed: lanes are straight");
+      }
+      AddLane(start->level, lane);
+    }
+  }
+
+  std::uint32_t GraphOf(const std::string& vehicle_type) {
+    return graphs_.emplace(vehicle_type, static_cast<std::uint32_t>(graphs_.size())).first->second;
+  }
+
+  std::string OrientationOf(const JsonNode& properties, const SiteLevel& level, const SiteEdge& edge) {
+    const std::optional<double> angle = Number(properties, "vehicleOrientation", -kMaxMagnitude);
+    if (!angle) return "";
+    double relative = AngleOf(*angle);
+    if (Text(properties, "orientationType", false) == "GLOBAL") {
+      const Vec2 way = level.vertices[edge.end].position - level.vertices[edge.start].position;
+      relative = WrapAngle(relative - Atan2(way.y(), way.x()));
+    }
+    if (std::fabs(relative) < 0.25 * kPi) return "forward";
+    return std::fabs(relative) > 0.75 * kPi ? "backward" : "";
+  }
+
+  // Two edges of a type to and fro are one lane, if a robot may turn round or keeps its heading on the way back.
+  void AddLane(std::size_t level, const SiteLane& lane) {
+    std::vector<SiteLane>& lanes = site_.levels[level].lanes;
+    const std::string back = lane.orientation == "forward"    ? "backward"
+                             : lane.orientation == "backward" ? "forward"
+                                                              : lane.orientation;
+    const auto key = std::tuple(level, lane.graph, lane.edge.end, lane.edge.start);
+    if (const auto found = numbers_.find(key); found != numbers_.end()) {
+      SiteLane& other = lanes[found->second];
+      if (!other.is_bidirectional && other.speed_limit == lane.speed_limit && other.orientation == back) {
+        other.is_bidirectional = true;
+        return;
+      }
+    }
+    numbers_.emplace(std::tuple(level, lane.graph, lane.edge.start, lane.edge.end), lanes.size());
+    lanes.push_back(lane);
+  }
+
+  const JsonTree& tree_;
+  Diagnostics faults_;
+  Site site_;
+  std::map<std::string, Place> places_;                                                              // of nodes, by id
+  std::map<std::string, std::uint32_t> graphs_;                                                      // by vehicle type
+  std::map<std::tuple<std::size_t, std::uint32_t, std::size_t, std::size_t>, std::size_t> numbers_;  // of lanes
+  bool has_curve_ = false;
+};
+
+}  // namespace
+
+std::string LayoutText(const Site& site, const std::string& timestamp) {
+  using Json = nlohmann::ordered_json;
+  Json layouts = Json::array();
+  const std::vector<std::vector<std::string>> names = PlaceNames(site);
+  for (std::size_t i = 0; i < site.levels.size(); ++i) {
+    const SiteLevel& level = site.levels[i];
+    const auto id = [&](std::size_t vertex) {
+      return names[i][vertex].empty() ? level.name + "." + std::to_string(vertex) : names[i][vertex];
+    };
+    std::map<std::size_t, std::set<std::uint32_t>> graphs;  // of vertices
+    Json edges = Json::array();
+    const auto add_edge = [&](const SiteLane& lane, bool is_back) {
+      Json properties = Json::object();
+      properties["vehicleTypeId"] = "graph_" + std::to_string(lane.graph);
+      if (!lane.orientation.empty()) {
+        properties["vehicleOrientation"] = (lane.orientation == "forward") != is_back ? 0.0 : kPi;
+        properties["orientationType"] = "TANGENTIAL";
+      }
+      if (lane.speed_limit > 0.0) properties["maxSpeed"] = lane.speed_limit;
+      const std::size_t start = is_back ? lane.edge.end : lane.edge.start;
+      const std::size_t end = is_back ? lane.edge.start : lane.edge.end;
+      edges.push_back({{"edgeId", level.name + ".edge_" + std::to_string(edges.size())},
+                       {"startNodeId", id(start)},
+                       {"endNodeId", id(end)},
+                       {"vehicleTypeEdgeProperties", Json::array({std::move(properties)})}});
+    };
+    for (const SiteLane& lane : level.lanes) {
+      graphs[lane.edge.start].insert(lane.graph);
+      graphs[lane.edge.end].insert(lane.graph);
+      add_edge(lane, false);
+      if (lane.is_bidirectional) add_edge(lane, true);
+    }
+    Json nodes = Json::array();
+    std::map<std::string, std::vector<std::string>> docks;
+    for (const auto& [number, types] : graphs) {
+      const SiteVertex& vertex = level.vertices[number];
+      Json of_types = Json::array();
+      for (const std::uint32_t graph : types) {
+        Json& of_type = of_types.emplace_back(Json::object());
+        of_type["vehicleTypeId"] = "graph_" + std::to_string(graph);
+        if (!vertex.is_charger) continue;
+        of_type["actions"] =
+            Json::array({Json{{"actionType", "startCharging"}, {"required", false}, {"blockingType", "HARD"}}});
+      }
+      nodes.push_back({{"nodeId", id(number)},
+                       {"mapId", level.name},
+                       {"nodePosition", {{"x", vertex.position.x()}, {"y", vertex.position.y()}}},
+                       {"vehicleTypeNodeProperties", std::move(of_types)}});
+      if (!vertex.dock.empty()) docks[vertex.dock].push_back(id(number));
+    }
+    Json stations = Json::array();
+    for (const auto& [dock, at] : docks) stations.push_back({{"stationId", dock}, {"interactionNodeIds", at}});
+    layouts.push_back({{"layoutId", level.name},
+                       {"layoutVersion", "1"},
+                       {"layoutLevelId", level.name},
+                       {"nodes", std::move(nodes)},
+                       {"edges", std::move(edges)},
+                       {"stations", std::move(stations)}});
+  }
+  const Json file{{"metaInformation",
+                   {{"projectIdentification", site.name},
+                    {"creator", "Troupe"},
+                    {"exportTimestamp", timestamp},
+                    {"lifVersion", "1.0.0"}}},
+                  {"layouts", std::move(layouts)}};
+  return file.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+bool IsLayoutPath(const std::string& path, const AllowedPaths& allowed) {
+  if (!path.ends_with(".json")) return false;
+  const Result<std::string> text = ReadTextFile(path, {path}, allowed);
+  if (!text.ok() || text.value().find("\"layouts\"") == std::string::npos) return false;
+  const Result<JsonTree> tree = JsonTree::Parse(text.value(), path);
+  // One that cannot be parsed is still none of the other kinds.
+  if (!tree.ok()) return path.ends_with(".lif.json");
+  return tree.value().root().Find("layouts") != nullptr && tree.value().root().Find("metaInformation") != nullptr;
+}
+
+Result<Site> ReadLayoutText(const std::string& text, const std::string& path) {
+  const Result<JsonTree> tree = JsonTree::Parse(text, path);
+  if (!tree.ok()) return tree.error();
+  return LayoutReader(tree.value(), path).Read();
+}
+
+Result<Site> ReadLayout(const std::string& path, const AllowedPaths& allowed) {
+  const Result<std::string> text = ReadTextFile(path, {path}, allowed);
+  if (!text.ok()) return text.error();
+  return ReadLayoutText(text.value(), path);
+}
+
+}  // namespace troupe
