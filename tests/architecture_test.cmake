@@ -106,7 +106,7 @@ set(may_include_robot-agent/drive common/base common/geometry common/model inclu
 set(may_include_robot-agent/gripper common/base common/model include/troupe/controller.h)
 set(may_include_robot-agent/robot
   common/base common/geometry common/model common/sensing common/spatial common/trace
-  include/troupe/controller.h robot-agent/controller robot-agent/drive robot-agent/gripper)
+  include/troupe/controller.h robot-agent/controller robot-agent/drive robot-agent/gripper robot-agent/navigation)
 set(may_include_robot-agent/agent
   common/base common/geometry common/model common/spatial transport/protocol common/trace robot-agent/robot)
 set(may_include_robot-agent/ros

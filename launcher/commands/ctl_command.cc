@@ -241,9 +241,9 @@ void AddDoorActions(CLI::App* command, const SharedOptions& options) {
 void AddListActions(CLI::App* command, const SharedOptions& options) {
   AddAction(command, options, "list", "List the robots and objects of the world with their poses",
             ControlCommand::kEntities);
-  AddName(
-      AddAction(command, options, "get", "Print the pose of a robot, an object or a model", ControlCommand::kEntities),
-      options);
+  AddName(AddAction(command, options, "get", "Print the pose of a robot, an object, a model or a place",
+                    ControlCommand::kEntities),
+          options);
   AddAction(command, options, "agents", "List the agents of the robots: host, process id, time to answer a frame",
             ControlCommand::kEntities)
       ->callback([options] {

@@ -45,18 +45,42 @@ Status Cancel(RobotRemote& remote) {
   return reply.ok() ? Status() : reply.error();
 }
 
+// A goal with the height of its last point, where that is known.
+struct PlacedGoal : Goal {
+  std::optional<double> z = {};  // m
+};
+
+// Of points, and of names of places, which have no comma. `find` gives the pose of a place.
+template <typename Find>
+Result<PlacedGoal> FindGoal(std::vector<std::string> points, Find find) {
+  std::optional<double> z;
+  for (std::string& point : points) {
+    z.reset();
+    if (point.find(',') != std::string::npos) continue;
+    const Result<Pose> place = find(point);
+    if (!place.ok()) return place.error();
+    point = fmt::format("{},{}", place.value().x, place.value().y);  // exact
+    z = place.value().z;
+  }
+  Result<Goal> goal = ParseGoalText(points);
+  if (!goal.ok()) return goal.error();
+  return PlacedGoal{std::move(goal).value(), z};
+}
+
 double DistanceTo(const Goal& goal, const Pose& X_WR) {
   return std::sqrt((goal.waypoints.back() - X_WR.translation()).squaredNorm());
 }
 
-bool HasArrived(const Goal& goal, const EntityReport& robot, double tolerance) {
+bool HasArrived(const PlacedGoal& goal, const EntityReport& robot, double tolerance) {
+  constexpr double kLevel = 1.0;  // m
   if (DistanceTo(goal, robot.X_WE) > tolerance) return false;
+  if (goal.z && std::abs(*goal.z - robot.X_WE.z) > kLevel) return false;
   if (goal.heading && std::abs(WrapAngle(*goal.heading - robot.X_WE.heading)) > kHeadingTolerance) return false;
   const Twist& twist = robot.twist;
   return std::abs(twist.vx) < kStill && std::abs(twist.vy) < kStill && std::abs(twist.wz) < kStill;
 }
 
-int AwaitArrival(const GotoOptions& options, const Goal& goal, RobotRemote& remote, SignalWatch& signals) {
+int AwaitArrival(const GotoOptions& options, const PlacedGoal& goal, RobotRemote& remote, SignalWatch& signals) {
   const Clock::time_point begin = Clock::now();
   for (;;) {
     const Result<ControlReply> reply = remote.Ask();
@@ -86,11 +110,13 @@ int Goto(GotoOptions options) {
   if (options.cancel == !options.points.empty()) {
     return Fail({{},
                  options.cancel ? "found points together with --cancel, expected one of them"
-                                : "found no point, expected X,Y or X,Y,HEADING",
+                                : "found no point, expected X,Y, X,Y,HEADING or a place",
                  ErrorCode::kBadInput});
   }
-  Result<Goal> goal = options.cancel ? Goal{} : ParseGoalText(options.points);
-  if (!goal.ok()) return Fail(goal.error());
+  if (!options.cancel) {  // what is wrong without a run
+    const Result<PlacedGoal> trial = FindGoal(options.points, [](const std::string&) { return Result<Pose>(Pose()); });
+    if (!trial.ok()) return Fail(trial.error());
+  }
   SignalWatch signals;
   try {
     if (const Status problem = SelectSession(options.network); !problem.ok()) return Fail(problem.error());
@@ -100,6 +126,9 @@ int Goto(GotoOptions options) {
       const Status failure = Cancel(remote.value());
       return failure.ok() ? kExitDone : Fail(failure.error());
     }
+    const Result<PlacedGoal> goal =
+        FindGoal(options.points, [&](const std::string& name) { return remote.value().FindPlace(name); });
+    if (!goal.ok()) return Fail(goal.error());
     RobotCommand command;
     command.goal = goal.value();
     const Result<ControlReply> reply = remote.value().Send(command, kMostCommandTicks);
@@ -206,12 +235,13 @@ void AddGotoCommand(CLI::App& app, int& exit_status) {
   CLI::App* const command =
       app.add_subcommand("goto", "Send a robot of a live run to a point, and wait until it is there");
   const auto options = std::make_shared<GotoOptions>();
-  command->add_option("ROBOT", options->robot, "Name of the robot; its controller accepts goals (go_to, patrol)")
+  command->add_option("ROBOT", options->robot, "Name of the robot; its controller accepts goals (go_to, patrol, lanes)")
       ->required();
   command
       ->add_option("POINT", options->points,
-                   "Where to, in the world frame, in metres and degrees; of several, one after another")
-      ->type_name("X,Y[,HEADING]");
+                   "Where to, in the world frame, in metres and degrees, or the name of a place; of several, one after "
+                   "another")
+      ->type_name("X,Y[,HEADING]|PLACE");
   command->add_flag("--cancel", options->cancel, "End the goal; the controller continues");
   command->add_flag("--no-wait", options->no_wait, "Send the goal and exit");
   command->add_option("--tolerance", options->tolerance, "Metres within which it has arrived (default: 0.2)")

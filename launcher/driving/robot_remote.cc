@@ -60,6 +60,17 @@ Result<ControlReply> RobotRemote::Ask() {
   return reply;
 }
 
+Result<Pose> RobotRemote::FindPlace(const std::string& name) {
+  ControlRequest request;
+  request.command = ControlCommand::kEntities;
+  request.name = name;
+  const Result<ControlReply> reply = Call(request);
+  if (reply.ok() && reply.value().entities.size() == 1 && reply.value().entities.front().type == "place") {
+    return reply.value().entities.front().X_WE;
+  }
+  return Failure("the world has no place '" + name + "'");
+}
+
 Result<ControlReply> RobotRemote::Send(const RobotCommand& command, std::uint64_t ticks) {
   ControlRequest request;
   request.command = ControlCommand::kCommandRobot;

@@ -33,6 +33,9 @@ class RobotRemote {
   // robot does not exist any more.
   Result<ControlReply> Ask();
 
+  // The pose of a named place of the world, in W. The error: the service is gone, or there is no such place.
+  Result<Pose> FindPlace(const std::string& name);
+
   // Gives the robot a command for `ticks` ticks. The error: as above, or a refusal.
   Result<ControlReply> Send(const RobotCommand& command, std::uint64_t ticks);
 

@@ -40,6 +40,7 @@ BuiltInController Source();
 BuiltInController Sink();
 BuiltInController Flock();
 BuiltInController Flocking();
+BuiltInController Lanes();
 BuiltInController LaserNoise();
 BuiltInController Rasterize();
 BuiltInController Dynamic();

@@ -99,6 +99,18 @@ constexpr ParameterHelp kPatrolParameters[] = {
     kSpeedHelp,
     kTurnRateHelp,
     kToleranceHelp};
+constexpr ParameterHelp kLanesParameters[] = {
+    {"places", "json", "", "", 0.0, 0.0, "The names of places to visit; without them it waits for goals"},
+    {"repeat", "flag", "", "true", 0.0, 0.0, "Begin again after the last place"},
+    {"wait", "number", "s", "3", 0.0, 1e6, "That it stands at each place"},
+    {"speed", "number", "m/s", "", 0.01, 100.0, "On lanes; without it that of the drive, at most 1 m/s"},
+    {"dock_speed", "number", "m/s", "0.2", 0.01, 100.0, "On the last metre to a place with a dock"},
+    {"turn_rate", "number", "rad/s", "0.8", 0.01, 100.0, "When it turns"},
+    {"tolerance", "number", "m", "0.1", 0.02, 1.0, "A vertex within it is reached"},
+    {"charge_below", "number", "", "0.3", 0.0, 1.0,
+     "Of the store's capacity: below it the robot drives to the nearest charger"},
+    kChargeToHelp,
+    {"graph", "json", "", "", 0.0, 0.0, "The lanes, or the number of a graph of the building"}};
 constexpr ParameterHelp kLaserNoiseParameters[] = {
     {"samples", "number", "", "100", 2.0, 1e6, "Readings for each report"}};
 constexpr ParameterHelp kPioneerFlockingParameters[] = {kDistanceHelp, kSpeedHelp, kTurnRateHelp, kClearanceHelp};
@@ -132,6 +144,7 @@ constexpr ControllerHelp kControllers[] = {
     {"follow", "Drives behind a model that its fiducial finder sees", kFollowParameters},
     {"go_to", "Drives to waypoints, and to goals that users send", kGoToParameters},
     {"idle", "Stands still", {}},
+    {"lanes", "Drives along the lanes of a building to places", kLanesParameters},
     {"lasernoise", "Stands, and measures the noise of its ranger", kLaserNoiseParameters},
     {"patrol", "Drives along waypoints, round after round", kPatrolParameters},
     {"pioneer_flocking", "Moves with the robots that its fiducial finder sees", kPioneerFlockingParameters},

@@ -21,9 +21,9 @@
 namespace troupe {
 namespace {
 
-std::array<BuiltInController, 18> BuiltIns() {
-  return {Dynamic(), Expand(),     Fasr(),   Fasr2(),    FasrPlan(),  Fetch(),  Flock(), Follow(), GoTo(),
-          Idle(),    LaserNoise(), Patrol(), Flocking(), Rasterize(), Script(), Sink(),  Source(), Wander()};
+std::array<BuiltInController, 19> BuiltIns() {
+  return {Dynamic(), Expand(),     Fasr(),   Fasr2(),    FasrPlan(),  Fetch(),  Flock(), Follow(), GoTo(),  Idle(),
+          Lanes(),   LaserNoise(), Patrol(), Flocking(), Rasterize(), Script(), Sink(),  Source(), Wander()};
 }
 
 Error UnknownName(const std::string& name) {

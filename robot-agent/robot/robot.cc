@@ -19,6 +19,7 @@
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/controller/create_controller.h"
+#include "robot-agent/navigation/lane_traffic.h"
 #include "troupe/deterministic_math.h"
 #include "troupe/random.h"
 
@@ -99,6 +100,7 @@ Result<std::unique_ptr<Robot>> Robot::Clone() const {
   } catch (...) {
     problem = "threw something that is not a std::exception";
   }
+  copy->watcher_ = dynamic_cast<RobotWatcher*>(copy->controller_.get());
   if (copy->controller_ != nullptr) return copy;
   return Failure(
       fmt::format("robot {}: controller {}: {}", description().name, description().controller.name, problem));
@@ -212,6 +214,7 @@ Status Robot::StartController(const AllowedPaths& libraries) {
   Result<std::unique_ptr<Controller>> controller = CreateController(Info(), libraries);
   if (!controller.ok()) return controller.error();
   controller_ = std::move(controller).value();
+  watcher_ = dynamic_cast<RobotWatcher*>(controller_.get());
   return Subscribe();
 }
 
@@ -342,6 +345,7 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
   observation.lifts = state.lifts;
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
   observation.goal = EstimatedGoal(goal, own.X_WR);
+  if (watcher_ != nullptr) watcher_->WatchRobots(world, state);
   Result<Command> command = RunController(observation);
   if (command.ok()) {
     StoreReport(command.value().report);

@@ -33,6 +33,7 @@ struct ExternalCommand {
 void AddCommand(const RobotCommand& added, const DriveDescription& drive, ExternalCommand& external);
 
 class BodyIndex;
+class RobotWatcher;
 class Scene;
 class ScanLog;
 class TraceLane;
@@ -123,6 +124,7 @@ class Robot {
   RobotId id_;
   ScanLog* scan_log_;
   std::unique_ptr<Controller> controller_;
+  RobotWatcher* watcher_ = nullptr;  // the controller, if it watches other robots
   Odometry odometry_;
   Manipulator manipulator_;
   SensorSuite sensors_;

@@ -12,15 +12,22 @@ namespace troupe::test {
 namespace {
 
 // A robot rides to the other level and back, opening and closing a door that another one passes.
-std::vector<std::string> RunOfLift(const std::vector<std::string>& options) {
+constexpr const char* kLift = "guesthouse_lift.json";
+// Two robots follow lanes through the same door and with the same lift.
+constexpr const char* kLanes = "guesthouse_lanes.json";
+
+std::vector<std::string> RunOf(const std::string& scenario, const std::vector<std::string>& options) {
   return Words("run % --domain % --headless",
-               {WorldPath("../../../worlds/sites/guesthouse_lift.json"), std::to_string(TestDomain())}) +
+               {WorldPath("../../../worlds/sites/" + scenario), std::to_string(TestDomain())}) +
          options;
 }
+std::vector<std::string> RunOfLift(const std::vector<std::string>& options) {
+  return RunOf(kLift, options);
+}
 
-std::string HashesOf(const std::vector<std::string>& options) {
+std::string HashesOf(const std::vector<std::string>& options, const char* scenario = kLift) {
   TemporaryFolder folder;
-  OutputOf(Troupe(RunOfLift(options + Words("--ticks 700 --speed max --hash-log %", {folder.Path("hashes")}))));
+  OutputOf(Troupe(RunOf(scenario, options + Words("--ticks 700 --speed max --hash-log %", {folder.Path("hashes")}))));
   return folder.Read("hashes");
 }
 
@@ -41,6 +48,31 @@ TEST(DoorsOverDds, AreTheSameInEveryKindOfRun) {
   EXPECT_TRUE(HashesOf({"--robots-per-process", "2", "--data-sharing", "off"}) == expected);
   EXPECT_TRUE(HashesOf({"--faults", "loss=0.02,duplicate=0.05,reorder=0.05,delay=0.1:0.002,seed=3"}) == expected);
   OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify", "--controllers"}));
+}
+
+TEST(LanesOverDds, AreFollowedAlikeInEveryKindOfRun) {
+  TemporaryFolder folder;
+  const std::string expected = HashesOf({"--in-process", "--record", folder.Path("run.mcap")}, kLanes);
+  ASSERT_FALSE(expected.empty());
+  EXPECT_TRUE(HashesOf({}, kLanes) == expected) << "a process for each robot";
+  EXPECT_TRUE(HashesOf({"--robots-per-process", "2", "--threads", "2"}, kLanes) == expected);
+  OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify", "--controllers"}));
+}
+
+TEST(LanesOverDds, LeadToPlacesThatUsersName) {
+  const std::string session = TestSession("lanes");
+  Program run = Troupe(RunOf(kLanes, {"--session", session, "--speed", "50"}));
+  run.WaitForLine("ready");
+  const auto go = [&](const std::string& place, int status) {
+    return OutputOf(Troupe(Words("goto --domain % --session % tiny_1", {std::to_string(TestDomain()), session}) +
+                           std::vector<std::string>{place}),
+                    status);
+  };
+  EXPECT_THAT(go("room_1", 0), testing::HasSubstr("tiny_1 is at 3."));
+  EXPECT_THAT(go("attic", 3), testing::HasSubstr("error: the world has no place 'attic'"));
+  EXPECT_THAT(OutputOf(Troupe(Words("ctl --domain % --session % get room_1", {std::to_string(TestDomain()), session}))),
+              testing::HasSubstr("room_1"));
+  run.Interrupt();
 }
 
 TEST(DoorsOverDds, AreTheSameWhateverDies) {

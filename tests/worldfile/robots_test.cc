@@ -120,7 +120,7 @@ TEST(Robots, ControllersOfStageMapToOurs) {
   EXPECT_EQ(RobotOf("position( ctrl \"wander\" )").controller.name, "wander");
   EXPECT_EQ(RobotOf("position( ctrl \"expand_pioneer\" )").controller.name, "expand");
   EXPECT_EQ(RobotOf("position( ctrl \"expand_swarm\" )").controller.name, "expand");
-  for (const char* name : {"dynamic", "fasr", "fasr2", "fasr_plan", "follow", "go_to", "idle", "lasernoise", "patrol",
+  for (const char* name : {"dynamic", "fasr", "fasr2", "fasr_plan", "follow", "go_to", "idle", "lanes", "lasernoise", "patrol",
                            "pioneer_flocking", "rasterize", "sink", "source"}) {
     EXPECT_EQ(RobotOf(std::string("position( ctrl \"") + name + "\" )").controller.name, name);
   }
@@ -134,6 +134,7 @@ TEST(Robots, ArgumentsAfterTheNameAreParameters) {
   EXPECT_EQ(parameters("wander"), "{}");
   EXPECT_EQ(parameters("wander  1 2 "), R"({"min_distance":2,"speed":1})");
   EXPECT_EQ(parameters("wander turn_rate=0.5 1"), R"({"speed":1,"turn_rate":0.5})");
+  EXPECT_EQ(parameters("lanes lounge 12 wait=5 pantry"), R"({"places":["lounge","12","pantry"],"wait":5})");
   EXPECT_EQ(parameters("expand_swarm 0.3"), R"({"speed":0.3})");
   EXPECT_EQ(parameters("fasr [1,2] 7"), R"({"sink":7,"source":[1,2]})");
   EXPECT_EQ(parameters("patrol waypoints=[[1,2],[3,4]]"), R"({"waypoints":[[1,2],[3,4]]})");

@@ -1,5 +1,6 @@
 #include "world-service/service/run_control.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -246,7 +247,13 @@ Result<std::vector<EntityReport>> RunControl::Entities(const std::string& name, 
   std::vector<EntityReport> entities = ListEntities(run_.world(), run_.frame.state);
   if (!name.empty()) {
     const Result<ModelId> root = FindEntity(run_.world(), name);
-    if (!root.ok()) return root.error();
+    if (!root.ok()) {
+      const std::vector<NamedPlace>& places = run_.world().places;
+      const auto place =
+          std::find_if(places.begin(), places.end(), [&](const auto& each) { return each.name == name; });
+      if (place == places.end()) return root.error();
+      return std::vector<EntityReport>{{.name = name, .type = "place", .X_WE = place->X_WN}};
+    }
     std::erase_if(entities, [&](const EntityReport& entity) { return entity.name != name; });
   }
   SetAgents(run_.world(), run_.members, entities);

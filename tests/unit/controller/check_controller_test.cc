@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 
 TEST(CheckControllerTest, BuiltInNamesAreSorted) {
   EXPECT_THAT(BuiltInControllers(), ElementsAre("dynamic", "expand", "fasr", "fasr2", "fasr_plan", "fetch", "flock",
-                                                "follow", "go_to", "idle", "lasernoise", "patrol", "pioneer_flocking",
+                                                "follow", "go_to", "idle", "lanes", "lasernoise", "patrol", "pioneer_flocking",
                                                 "rasterize", "script", "sink", "source", "wander"));
 }
 
@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{
             "fly", "{}",
             "unknown controller 'fly', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, follow, "
-            "go_to, idle, lasernoise, "
+            "go_to, idle, lanes, lasernoise, "
             "patrol, pioneer_flocking, rasterize, script, sink, source, wander, or the path of a shared "
             "library (.so)"},
         Case{"idle", "", "idle: the parameters are not JSON"},  //
@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"wandr", "{}",
              "unknown controller 'wandr', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, "
              "follow, "
-             "go_to, idle, lasernoise, "
+             "go_to, idle, lanes, lasernoise, "
              "patrol, pioneer_flocking, rasterize, script, sink, source, wander, or the path of a "
              "shared library (.so); did you mean 'wander'?"},
         Case{"wander", R"({"speed": "fast"})", "wander: 'speed' is \"fast\", expected a number between 0 and 100"},

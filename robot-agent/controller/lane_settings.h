@@ -1,0 +1,35 @@
+// The parameters of the controller `lanes`.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "robot-agent/navigation/lane_graph.h"
+#include "robot-agent/navigation/steering.h"
+#include "troupe/controller.h"
+#include "troupe/result.h"
+
+namespace troupe {
+
+struct LaneSettings {
+  std::shared_ptr<const LaneGraph> graph = {};  // null: the world has to give it
+  std::vector<std::string> places;              // to visit, by name
+  bool repeat = true;
+  double wait = 3.0;  // s, at each place
+  // 0: as the drive allows, at most kMostSpeed
+  double speed = 0.0;       // m/s
+  double dock_speed = 0.2;  // m/s
+  double turn_rate = 0.8;   // rad/s
+  double tolerance = 0.1;   // m
+  double charge_below = 0.3;
+  double charge_to = 0.95;
+
+  static constexpr double kMostSpeed = 1.0;  // m/s, without `speed`
+};
+
+// The error names the controller.
+Result<LaneSettings> ParseLaneSettings(const std::string& text);
+
+}  // namespace troupe

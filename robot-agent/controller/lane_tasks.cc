@@ -1,0 +1,140 @@
+#include "robot-agent/controller/lane_tasks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "troupe/deterministic_math.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kFacingGoal = 0.02;   // rad
+constexpr double kNoPower = 30.0;      // s at a charger that gives nothing
+constexpr double kNextCharge = 300.0;  // s, until it tries again
+
+}  // namespace
+
+std::string NameOf(const LaneGraph& graph, std::size_t vertex) {
+  const std::string& name = graph.vertices[vertex].name;
+  return name.empty() ? "vertex " + std::to_string(vertex) : name;
+}
+
+LaneTasks::LaneTasks(const LaneSettings& settings, std::shared_ptr<const LaneGraph> graph, double speed, bool can_turn)
+    : graph_(std::move(graph)),
+      speed_(speed),
+      can_turn_(can_turn),
+      turn_rate_(settings.turn_rate),
+      wait_(settings.wait),
+      repeat_(settings.repeat),
+      charge_below_(settings.charge_below),
+      charge_to_(settings.charge_to) {
+  for (const std::string& place : settings.places) stops_.push_back(*graph_->Find(place));
+}
+
+void LaneTasks::Update(const Observation& observation, std::size_t at) {
+  ReadGoal(observation);
+  ReadEnergy(observation, at);
+}
+
+void LaneTasks::ReadGoal(const Observation& observation) {
+  const Goal* const goal = observation.goal;
+  const std::optional<std::uint32_t> number = goal != nullptr ? std::optional(goal->number) : std::nullopt;
+  if (number == goal_) return;
+  goal_ = number;
+  goal_stops_.clear();
+  goal_heading_.reset();
+  next_goal_ = 0;
+  if (goal == nullptr) return;
+  for (const Vec2& point : goal->waypoints) {
+    goal_stops_.push_back(NearestVertex(*graph_, point, observation.pose_estimate.z, kOnAnyLevel));
+  }
+  goal_heading_ = goal->heading;
+}
+
+void LaneTasks::ReadEnergy(const Observation& observation, std::size_t at) {
+  if (!observation.energy || observation.energy->capacity <= 0.0) return;
+  const double level = observation.energy->joules / observation.energy->capacity;
+  if (charger_) {
+    if (level >= charge_to_) charger_.reset();
+    return;
+  }
+  if (level >= charge_below_ || observation.time < charge_after_) return;
+  std::optional<double> least;
+  for (std::size_t i = 0; i < graph_->vertices.size(); ++i) {
+    if (!graph_->vertices[i].is_charger) continue;
+    const std::optional<LaneRoute> route = FastestRoute(*graph_, at, i, speed_);
+    if (!route || (least && route->seconds >= *least)) continue;
+    least = route->seconds;
+    charger_ = i;
+  }
+  if (!charger_) charge_after_ = observation.time + kNextCharge;
+}
+
+std::optional<std::size_t> LaneTasks::target() const {
+  if (aside_) return aside_;
+  if (charger_) return charger_;
+  if (next_goal_ < goal_stops_.size()) return goal_stops_[next_goal_];
+  if (!goal_ && next_stop_ < stops_.size()) return stops_[next_stop_];
+  return std::nullopt;
+}
+
+bool LaneTasks::Rest(const Observation& observation, double rested, Command& command) {
+  if (aside_) {
+    if (rested < aside_seconds_) return false;
+    aside_.reset();
+    return true;
+  }
+  if (charger_) return Charge(observation, rested, command);
+  if (next_goal_ < goal_stops_.size()) return ArriveAtGoal(observation, command);
+  if (rested < wait_) return false;
+  NextStop();
+  return true;
+}
+
+void LaneTasks::NextStop() {
+  ++next_stop_;
+  if (repeat_ && next_stop_ == stops_.size()) next_stop_ = 0;
+}
+
+void LaneTasks::LeaveOut(const Observation& observation) {
+  if (aside_) {
+    aside_.reset();
+  } else if (charger_) {
+    charger_.reset();
+    charge_after_ = observation.time + kNextCharge;
+  } else if (next_goal_ < goal_stops_.size()) {
+    ++next_goal_;
+  } else {
+    NextStop();
+  }
+}
+
+bool LaneTasks::Charge(const Observation& observation, double rested, Command& command) {
+  if (observation.energy && observation.energy->charge_watts > 0.0) powered_at_ = observation.time;
+  if (std::min(rested, observation.time - powered_at_) < kNoPower) return false;
+  command.report = fmt::format("the charger {} gives no power", NameOf(*graph_, *charger_));
+  LeaveOut(observation);
+  return true;
+}
+
+bool LaneTasks::ArriveAtGoal(const Observation& observation, Command& command) {
+  const bool is_last = next_goal_ + 1 == goal_stops_.size();
+  const double error = is_last && goal_heading_ ? WrapAngle(*goal_heading_ - observation.pose_estimate.heading) : 0.0;
+  if (can_turn_ && std::fabs(error) > kFacingGoal) {
+    command.twist.wz = std::clamp(error, -turn_rate_, turn_rate_);
+    return false;
+  }
+  if (is_last) command.say = "reached " + NameOf(*graph_, goal_stops_[next_goal_]);
+  ++next_goal_;
+  return true;
+}
+
+void LaneTasks::GoAside(std::size_t vertex, double seconds) {
+  aside_ = vertex;
+  aside_seconds_ = seconds;
+}
+
+}  // namespace troupe

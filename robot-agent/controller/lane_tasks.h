@@ -1,0 +1,69 @@
+// Where a robot on lanes goes next: aside, to a charger, to a user's goal, or to its own places, in this order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robot-agent/controller/lane_settings.h"
+#include "robot-agent/navigation/lane_graph.h"
+#include "troupe/controller.h"
+
+namespace troupe {
+
+class LaneTasks {
+ public:
+  // `speed`: m/s, of the robot; `can_turn`: on the spot. REQUIRES: the graph has all places of the settings.
+  LaneTasks(const LaneSettings& settings, std::shared_ptr<const LaneGraph> graph, double speed, bool can_turn);
+
+  // Reads the goal and the energy of a tick. `at`: the vertex that the robot was at last.
+  void Update(const Observation& observation, std::size_t at);
+
+  // The vertex to go to; nothing: it waits for a goal.
+  std::optional<std::size_t> target() const;
+
+  // The robot has been at the target for `rested` s; its turns and texts there are added to `command`. True: the next
+  // target begins.
+  bool Rest(const Observation& observation, double rested, Command& command);
+  // No lanes lead to the target, so that the next one comes.
+  void LeaveOut(const Observation& observation);
+
+  // To a vertex beside the way of another robot, for `seconds` there.
+  void GoAside(std::size_t vertex, double seconds);
+  bool is_aside() const { return aside_.has_value(); }
+
+ private:
+  void ReadGoal(const Observation& observation);
+  void ReadEnergy(const Observation& observation, std::size_t at);
+  bool Charge(const Observation& observation, double rested, Command& command);
+  bool ArriveAtGoal(const Observation& observation, Command& command);
+  void NextStop();
+
+  std::shared_ptr<const LaneGraph> graph_;
+  double speed_;
+  bool can_turn_;
+  double turn_rate_;
+  double wait_;  // s, at each stop
+  bool repeat_;
+  double charge_below_;
+  double charge_to_;
+  std::vector<std::size_t> stops_;
+  std::size_t next_stop_ = 0;
+  std::optional<std::uint32_t> goal_;  // the user's
+  std::vector<std::size_t> goal_stops_;
+  std::optional<double> goal_heading_;
+  std::size_t next_goal_ = 0;
+  std::optional<std::size_t> charger_;
+  double powered_at_ = 0.0;    // s, simulated: when it last got power
+  double charge_after_ = 0.0;  // s: not before
+  std::optional<std::size_t> aside_;
+  double aside_seconds_ = 0.0;
+};
+
+// The name of a vertex for people.
+std::string NameOf(const LaneGraph& graph, std::size_t vertex);
+
+}  // namespace troupe

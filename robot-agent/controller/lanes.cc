@@ -1,0 +1,412 @@
+// lanes: drives along the lanes of a site to places, through doors and with lifts, and gives way to other robots.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robot-agent/controller/built_in.h"
+#include "robot-agent/controller/lane_settings.h"
+#include "robot-agent/controller/lane_tasks.h"
+#include "robot-agent/controller/site_controls.h"
+#include "robot-agent/navigation/lane_traffic.h"
+#include "robot-agent/navigation/steering.h"
+#include "troupe/deterministic_math.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kLookAhead = 1.0;       // m along a lane: the point that it steers to
+constexpr double kTurnFirst = 0.35;      // rad: it turns on the spot to a point farther to the side
+constexpr double kStraightOn = 0.955;    // cosine of the turn between two lanes that it passes without braking
+constexpr double kCreep = 0.02;          // m/s: it rather stands
+constexpr double kDockTolerance = 0.03;  // m
+constexpr double kGap = 0.3;             // m: between bodies that wait for each other
+constexpr double kSeeAhead = 4.0;        // m
+constexpr double kCallAhead = 3.0;       // m before a door
+constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
+constexpr double kGiveWaySeconds = 6.0;  // behind another robot; twice that for the one of the smaller id
+constexpr double kDetourSeconds = 60.0;  // a longer way round another robot is worth it
+constexpr double kAsideSeconds = 4.0;    // beside the way of another robot, and up to as many more
+constexpr double kPoliteSeconds = 8.0;   // until a robot that waits makes room
+
+class LanesController final : public Controller, public RobotWatcher {
+ public:
+  LanesController(const RobotInfo& info, const LaneSettings& settings)
+      : id_(info.id),
+        settings_(settings),
+        graph_(settings.graph),
+        drive_(info.robot->drive),
+        steer_{SpeedOf(drive_, settings), settings.turn_rate},
+        recovery_(drive_, steer_),
+        tasks_(settings, graph_, steer_.speed, can_turn()),
+        controls_(info, graph_) {
+    for (const LaneVertex& vertex : graph_->vertices) AddGroup(vertex.mutex);
+    for (const Lane& lane : graph_->lanes) AddGroup(lane.mutex);
+  }
+
+  bool AcceptsGoals() const override { return true; }
+
+  void WatchRobots(const WorldDescription& world, const WorldState& state) override {
+    while (radii_.size() < world.robots.size()) radii_.push_back(RadiusOf(world, RobotId(radii_.size())));
+    radius_ = radii_[id_.index()];
+    half_width_ = std::min(radius_, 0.5 * world.model(world.robot(id_).root).size_y);
+    others_ = SeeOthers(world, state, id_, radii_);
+  }
+
+  Command Update(const Observation& observation) override {
+    now_ = &observation;
+    command_ = {};
+    controls_.Begin(observation, command_);
+    if (!has_started_) Start();
+    const double patience = observation.stalled ? Recovery::kPatience : Recovery::kNever;
+    if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) return *recovery;
+    tasks_.Update(observation, at_);
+    SetTarget();
+    if (legs_.empty() && target_ && *target_ != at_ && !is_unreachable_) PlanTo(*target_);
+    if (legs_.empty()) {
+      Rest();
+    } else {
+      Follow();
+    }
+    controls_.CloseBehind(position(), radius_, others_);
+    controls_.EndSessions(NeededVertices());
+    return std::move(command_);
+  }
+
+  std::unique_ptr<Controller> Clone() const override { return std::make_unique<LanesController>(*this); }
+
+ private:
+  static double SpeedOf(const DriveDescription& drive, const LaneSettings& settings) {
+    if (settings.speed > 0.0) return settings.speed;
+    return std::clamp(drive.velocity.x.max, 0.01, LaneSettings::kMostSpeed);
+  }
+
+  void AddGroup(const std::string& name) {
+    if (!name.empty() && !groups_.contains(name)) groups_.emplace(name, MutexGroup(*graph_, name));
+  }
+
+  Vec2 position() const { return now_->pose_estimate.translation(); }
+  bool can_turn() const { return drive_.type != DriveType::kCar; }
+  const LaneVertex& vertex(std::size_t number) const { return graph_->vertices[number]; }
+  const Lane& lane(std::size_t number) const { return graph_->lanes[number]; }
+  Vec2 WayOf(const Leg& leg) const { return graph_->Way(leg.from, leg.to); }
+
+  // The way to the nearest vertex of the level is the first leg.
+  void Start() {
+    has_started_ = true;
+    at_ = NearestVertex(*graph_, position(), now_->pose_estimate.z, kOnOneLevel);
+    legs_ = {{at_, at_, {}}};
+    is_on_leg_ = true;
+  }
+
+  void SetTarget() {
+    const std::optional<std::size_t> target = tasks_.target();
+    if (target == target_) return;
+    target_ = target;
+    is_unreachable_ = false;
+    rest_since_.reset();
+    // A leg that it is on is finished first.
+    if (!legs_.empty()) legs_.resize(is_on_leg_ ? 1 : 0);
+  }
+
+  void PlanTo(std::size_t target) {
+    std::optional<LaneRoute> route = FastestRoute(*graph_, at_, target, steer_.speed);
+    is_unreachable_ = !route;
+    if (!route) {
+      command_.report = fmt::format("no lanes lead from {} to {}", NameOf(*graph_, at_), NameOf(*graph_, target));
+      return;
+    }
+    legs_ = std::move(route->legs);
+    is_on_leg_ = false;
+  }
+
+  // At a vertex without a way to drive.
+  void Rest() {
+    if (!rest_since_) rest_since_ = now_->time;
+    const double rested = now_->time - *rest_since_;
+    const bool was_aside = tasks_.is_aside();
+    if (target_ && *target_ != at_) {
+      tasks_.LeaveOut(*now_);
+      rest_since_.reset();
+    } else if (target_ && tasks_.Rest(*now_, rested, command_)) {
+      rest_since_.reset();
+    } else if (!target_ || was_aside) {
+      GiveRoom(was_aside ? 2.0 * rested : rested, Vec2::Zero());
+    }
+  }
+
+  // A robot that has waited for `rested` s, or has no destination, makes room for one that stands near, `towards` it.
+  void GiveRoom(double rested, const Vec2& towards) {
+    const bool is_asked = std::any_of(others_.begin(), others_.end(), [&](const SeenRobot& other) {
+      const Vec2 offset = other.position - position();
+      return !other.moves && std::fabs(other.z - now_->pose_estimate.z) < kLevelGap &&
+             offset.norm() < radius_ + other.radius + 2.0 * kGap && offset.dot(towards) >= 0.0;
+    });
+    if (is_asked && rested < kPoliteSeconds) return;
+    const bool has_gone = is_asked && StepAside(std::nullopt);
+    if (has_gone || !tasks_.is_aside()) rest_since_ = now_->time;
+  }
+
+  // Along the present leg.
+
+  void Follow() {
+    const Leg leg = legs_.front();
+    if (!leg.lane && leg.from != leg.to) return Ride(leg);
+    if (!is_on_leg_) {
+      is_on_leg_ = MayEnter(leg);
+      if (!is_on_leg_) {
+        if (!rest_since_) rest_since_ = now_->time;
+        return GiveRoom(now_->time - *rest_since_, WayOf(leg));
+      }
+      controls_.Note(lane(*leg.lane));
+    }
+    Drive(leg);
+  }
+
+  void Finish(const Leg& leg) {
+    at_ = leg.to;
+    legs_.erase(legs_.begin());
+    is_on_leg_ = false;
+    blocked_since_.reset();
+    turn_.Forget();
+    rest_since_.reset();
+    if (legs_.empty() && target_ == at_ && !vertex(at_).dock.empty()) {
+      command_.report = fmt::format("docked at {}", vertex(at_).dock);
+    }
+  }
+
+  void Ride(const Leg& leg) {
+    is_on_leg_ = true;  // it is not left for another target
+    controls_.CallLift(leg.to);
+    if (controls_.StandsOpenAt(leg.to)) Finish(leg);
+  }
+
+  // Those whose lifts the robot keeps: of the next two legs, and the one that it is in.
+  std::vector<std::size_t> NeededVertices() const {
+    std::vector<std::size_t> needed;
+    for (std::size_t i = 0; i < std::min<std::size_t>(legs_.size(), 2); ++i) {
+      needed.push_back(legs_[i].from);
+      needed.push_back(legs_[i].to);
+    }
+    if (target_ != at_) needed.push_back(at_);
+    return needed;
+  }
+
+  // At the start of a leg: what has to be there before it. Lifts come first, because another robot may need a group to
+  // leave one; groups come last, because a robot that has them moves.
+  bool MayEnter(const Leg& leg) {
+    const std::string& lift = vertex(leg.from).lift;
+    if (!lift.empty()) {  // out of a cabin
+      controls_.CallLift(leg.from);
+      if (!controls_.StandsOpenAt(leg.from)) return false;
+    }
+    for (std::size_t i = 0; i < std::min<std::size_t>(legs_.size(), 2); ++i) {
+      const std::size_t to = legs_[i].to;
+      if (vertex(to).lift.empty() || vertex(to).lift == lift || !legs_[i].lane) continue;
+      if (!controls_.CallLift(to)) return false;
+      if (i == 0 && (!controls_.StandsOpenAt(to) || IsTaken(vertex(to), others_, radius_))) return false;
+    }
+    for (const LaneDoor& door : lane(*leg.lane).doors) {
+      const double way = WayTo(door, leg) - door.clearance - radius_ - kDoorMargin;
+      if (way > 0.0 || controls_.OpenDoor(door)) continue;
+      if (controls_.IsBlocked(door)) Block(id_, leg);  // by this robot, perhaps
+      return false;
+    }
+    return EnterGroups(leg);
+  }
+
+  bool EnterGroups(const Leg& leg) {
+    std::vector<std::string> needed;
+    for (const std::string& group : {lane(*leg.lane).mutex, vertex(leg.to).mutex}) {
+      if (group.empty()) continue;
+      needed.push_back(group);
+      if (std::find(held_.begin(), held_.end(), group) != held_.end()) continue;
+      const MutexGroup::View view = groups_.at(group).Look(*graph_, others_);
+      if (turn_.MayEnter(view, id_, now_->time)) continue;
+      if (view.holder) Block(*view.holder, leg);
+      return false;
+    }
+    held_ = std::move(needed);
+    return true;
+  }
+
+  // From the start of the leg.
+  double WayTo(const LaneDoor& door, const Leg& leg) const {
+    return leg.from == lane(*leg.lane).start ? door.at : WayOf(leg).norm() - door.at;
+  }
+
+  void Drive(const Leg& leg) {
+    const Vec2 end = vertex(leg.to).position;
+    const bool is_docking = legs_.size() == 1 && target_ == leg.to && !vertex(leg.to).dock.empty();
+    const double tolerance = is_docking ? std::min(settings_.tolerance, kDockTolerance) : settings_.tolerance;
+    const Vec2 way = leg.lane ? WayOf(leg) : Vec2(end - position());
+    const double length = way.norm();
+    const double rest = (end - position()).norm();
+    if (rest <= tolerance || length == 0.0) return Finish(leg);
+    const Vec2 along = way / length;
+    const double at = leg.lane ? std::clamp((position() - vertex(leg.from).position).dot(along), 0.0, length) : 0.0;
+    if (leg.lane && at >= length && rest < 3.0 * tolerance && !is_docking) return Finish(leg);
+    const Vec2 aim = leg.lane ? Vec2(vertex(leg.from).position + std::min(at + kLookAhead, length) * along) : end;
+
+    double most = steer_.speed;
+    if (PausesAtEnd(along)) most = std::min(most, BrakingSpeed(drive_, rest));
+    if (is_docking && rest < kLookAhead) most = std::min(most, settings_.dock_speed);
+    if (legs_.size() > 1 && legs_[1].lane) {
+      for (const LaneDoor& door : lane(*legs_[1].lane).doors) {
+        most = std::min(most, SpeedTo(door, rest + WayTo(door, legs_[1])));
+      }
+    }
+    if (leg.lane) {
+      const double limit = lane(*leg.lane).speed_limit;
+      if (limit > 0.0) most = std::min(most, limit);
+      for (const LaneDoor& door : lane(*leg.lane).doors) most = std::min(most, SpeedTo(door, WayTo(door, leg) - at));
+    }
+    SteerTo(aim, most, leg, at);
+  }
+
+  // The speed towards a door `way` m ahead, which it calls: it waits beside the ways of its leaves.
+  double SpeedTo(const LaneDoor& door, double way) {
+    if (way < 0.0 || way > kCallAhead + door.clearance + radius_ || controls_.OpenDoor(door)) return steer_.speed;
+    const double to_leaf = way - door.clearance - radius_ - kDoorMargin;
+    return to_leaf > -radius_ ? BrakingSpeed(drive_, to_leaf) : steer_.speed;
+  }
+
+  // At the end of the present leg, along that: it stands there, waits, or turns.
+  bool PausesAtEnd(const Vec2& along) const {
+    if (legs_.size() < 2 || !legs_[1].lane) return true;
+    const Leg& next = legs_[1];
+    const Lane& there = lane(*next.lane);
+    if (!there.mutex.empty() || !vertex(next.to).mutex.empty() || !vertex(next.to).lift.empty()) return true;
+    if (legs_.size() > 2 && !vertex(legs_[2].to).lift.empty()) return true;
+    if (!there.doors.empty() || there.facing != LaneFacing::kAny) return true;
+    const Vec2 way = WayOf(next);
+    return way.norm() == 0.0 || way.normalized().dot(along) < kStraightOn;
+  }
+
+  bool DrivesBackward(const Leg& leg) const {
+    if (!leg.lane || !can_turn() || drive_.velocity.x.min >= 0.0) return false;
+    const LaneFacing facing = lane(*leg.lane).facing;
+    if (facing == LaneFacing::kAny) return false;
+    return (facing == LaneFacing::kBackward) == (leg.from == lane(*leg.lane).start);
+  }
+
+  // `at`: m along the leg.
+  void SteerTo(const Vec2& aim, double most, const Leg& leg, double at) {
+    const Vec2 offset = aim - position();
+    const double distance = offset.norm();
+    if (distance == 0.0) return;
+    const std::optional<RobotAhead> ahead =
+        FindRobotAhead(others_, position(), now_->pose_estimate.z, offset / distance, kSeeAhead, radius_, half_width_);
+    const double sign = DrivesBackward(leg) ? -1.0 : 1.0;
+    const Vec2 p_R = sign * Transform2(now_->pose_estimate).InverseTransform(aim);
+    const bool turns = can_turn() && std::fabs(Atan2(p_R.y(), p_R.x())) > kTurnFirst;
+    if (ahead) most = std::min(most, BrakingSpeed(drive_, ahead->room - kGap));
+    if (ahead && most < kCreep && !turns) {
+      if (leg.lane && at < kAtStart) is_on_leg_ = false;  // it asks again for what it needs
+      return Block(ahead->robot.id, leg, at);
+    }
+    blocked_since_.reset();
+    const Command motion = SteerToPoint(drive_, steer_, p_R, turns ? 0.0 : most);
+    command_.twist = {sign * motion.twist.vx, motion.twist.vy, motion.twist.wz};
+    command_.speed = motion.speed;
+    command_.steering = motion.steering;
+  }
+
+  // Another robot is in the way: after a while this one takes another way, or makes room.
+  void Block(RobotId other, const Leg& leg, double at = 0.0) {
+    if (!blocked_since_) {
+      blocked_since_ = now_->time;
+      give_way_seconds_ = kGiveWaySeconds * ((other < id_ ? 1.0 : 2.0) + 0.5 * now_->Random(0));
+    }
+    if (now_->time - *blocked_since_ < give_way_seconds_) return;
+    blocked_since_.reset();
+    if (!vertex(at_).lift.empty() || !leg.lane) return;  // the others make room
+    const bool is_away = is_on_leg_ && at >= kAtStart;
+    if (is_away && !graph_->LaneBetween(leg.to, leg.from)) return;
+    if (target_) {
+      const std::optional<LaneRoute> route = FastestRoute(*graph_, at_, *target_, steer_.speed);
+      std::optional<LaneRoute> around = FastestRoute(*graph_, at_, *target_, steer_.speed, {*leg.lane});
+      if (route && around && around->seconds <= route->seconds + kDetourSeconds) {
+        legs_ = std::move(around->legs);
+        return GoBackFirst(leg, is_away);
+      }
+    }
+    if (StepAside(leg.to)) GoBackFirst(leg, is_away);
+  }
+
+  void GoBackFirst(const Leg& leg, bool is_away) {
+    is_on_leg_ = is_away;
+    if (is_away) legs_.insert(legs_.begin(), {leg.to, leg.from, graph_->LaneBetween(leg.to, leg.from)});
+  }
+
+  // Goes for a while to a random neighbour of its vertex, but for `not_to`. False if there is no free one.
+  bool StepAside(std::optional<std::size_t> not_to) {
+    std::vector<Leg> ways = FreeLegs(*graph_, at_, others_, radius_, half_width_);
+    std::erase_if(ways, [&](const Leg& way) { return way.to == not_to; });
+    if (ways.empty()) return false;
+    const Leg& way = ways[static_cast<std::size_t>(now_->Random(1) * static_cast<double>(ways.size()))];
+    tasks_.GoAside(way.to, kAsideSeconds * (1.0 + now_->Random(2)));
+    target_ = way.to;
+    legs_ = {way};
+    is_on_leg_ = false;
+    return true;
+  }
+
+  RobotId id_;
+  LaneSettings settings_;
+  std::shared_ptr<const LaneGraph> graph_;
+  DriveDescription drive_;
+  SteerSettings steer_;
+  Recovery recovery_;
+  LaneTasks tasks_;
+  SiteControls controls_;
+  std::map<std::string, MutexGroup> groups_;
+  std::vector<double> radii_;  // by robot
+  double radius_ = 0.0;
+  double half_width_ = 0.0;
+
+  // Of this tick.
+  const Observation* now_ = nullptr;
+  Command command_;
+  std::vector<SeenRobot> others_;
+
+  bool has_started_ = false;
+  std::size_t at_ = 0;      // the vertex that it was at last
+  std::vector<Leg> legs_;   // to do, the present one first
+  bool is_on_leg_ = false;  // false: it waits at the start
+  std::optional<std::size_t> target_;
+  bool is_unreachable_ = false;
+  std::vector<std::string> held_;  // mutex groups of the present leg
+  MutexTurn turn_;
+  std::optional<double> rest_since_;  // s, simulated
+  std::optional<double> blocked_since_;
+  double give_way_seconds_ = 0.0;
+};
+
+Status CheckLanes(const std::string& parameters) {
+  const Result<LaneSettings> settings = ParseLaneSettings(parameters);
+  return settings.ok() ? Status() : settings.error();
+}
+
+Result<std::unique_ptr<Controller>> CreateLanes(const RobotInfo& info) {
+  const Result<LaneSettings> settings = ParseLaneSettings(info.parameters);
+  if (!settings.ok()) return settings.error();
+  if (settings.value().graph == nullptr) {
+    return Error{{}, "lanes: the world has no lanes, expected a building with some, or the parameter 'graph'"};
+  }
+  return std::unique_ptr<Controller>(std::make_unique<LanesController>(info, settings.value()));
+}
+
+}  // namespace
+
+BuiltInController Lanes() {
+  return {"lanes", CheckLanes, CreateLanes};
+}
+
+}  // namespace troupe

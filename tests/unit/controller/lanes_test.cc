@@ -1,0 +1,182 @@
+// Routes and the right of way on lanes, without a robot.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robot-agent/navigation/lane_graph.h"
+#include "robot-agent/navigation/lane_traffic.h"
+#include "tests/support/values.h"
+#include "tests/unit/controller/controlled_robot.h"
+
+namespace troupe {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+LaneVertex Vertex(double x, double y, double z = 0.0) {
+  LaneVertex vertex;
+  vertex.position = {x, y};
+  vertex.z = z;
+  return vertex;
+}
+
+Lane Between(std::size_t start, std::size_t end, bool both_ways = true) {
+  Lane lane;
+  lane.start = start;
+  lane.end = end;
+  lane.is_bidirectional = both_ways;
+  return lane;
+}
+
+// A square of 10 m with vertices 0 to 3 around it.
+LaneGraph Square() {
+  return {{Vertex(0, 0), Vertex(10, 0), Vertex(10, 10), Vertex(0, 10)},
+          {Between(0, 1), Between(1, 2), Between(2, 3), Between(3, 0)}};
+}
+
+std::vector<std::size_t> Vertices(const std::optional<LaneRoute>& route) {
+  std::vector<std::size_t> vertices;
+  if (!route) return vertices;
+  for (const Leg& leg : route->legs) vertices.push_back(leg.to);
+  return vertices;
+}
+
+TEST(FastestRoute, PrefersSmallNumbersAmongEquals) {
+  EXPECT_THAT(Vertices(FastestRoute(Square(), 0, 2, 1.0)), ElementsAre(1, 2));
+  EXPECT_THAT(Vertices(FastestRoute(Square(), 3, 1, 1.0)), ElementsAre(0, 1));
+  EXPECT_EQ(FastestRoute(Square(), 0, 2, 0.5)->seconds, 40.0);
+  EXPECT_TRUE(FastestRoute(Square(), 2, 2, 1.0)->legs.empty());
+}
+
+TEST(FastestRoute, GoesAroundSlowOneWayAndClosedLanes) {
+  LaneGraph graph = Square();
+  graph.lanes[0].speed_limit = 0.5;
+  EXPECT_THAT(Vertices(FastestRoute(graph, 0, 2, 1.0)), ElementsAre(3, 2));
+  graph = Square();
+  graph.lanes[0] = Between(1, 0, false);
+  EXPECT_THAT(Vertices(FastestRoute(graph, 0, 1, 1.0)), ElementsAre(3, 2, 1));
+  EXPECT_THAT(Vertices(FastestRoute(graph, 1, 0, 1.0)), ElementsAre(0));
+  EXPECT_THAT(Vertices(FastestRoute(Square(), 0, 1, 1.0, {0})), ElementsAre(3, 2, 1));
+  EXPECT_FALSE(FastestRoute(Square(), 0, 1, 1.0, {0, 2}));
+  graph = Square();
+  graph.lanes[0].doors = {{"a", 1.0, 0.1}, {"b", 2.0, 0.1}, {"c", 3.0, 0.1}, {"d", 4.0, 0.1}};
+  EXPECT_THAT(Vertices(FastestRoute(graph, 0, 2, 1.0)), ElementsAre(3, 2));
+}
+
+TEST(FastestRoute, RidesALiftBetweenItsFloorsOnly) {
+  LaneGraph graph{{Vertex(0, 0), Vertex(5, 0), Vertex(5, 0, 4), Vertex(0, 0, 4)}, {Between(0, 1), Between(2, 3)}};
+  EXPECT_FALSE(FastestRoute(graph, 0, 3, 1.0));
+  graph.vertices[1].lift = graph.vertices[2].lift = "up";
+  graph.vertices[1].floor = "L1";
+  graph.vertices[2].floor = "L2";
+  const std::optional<LaneRoute> route = FastestRoute(graph, 0, 3, 1.0);
+  EXPECT_THAT(Vertices(route), ElementsAre(1, 2, 3));
+  EXPECT_FALSE(route->legs[1].lane);
+  EXPECT_EQ(route->legs[2].lane, 1u);
+  graph.vertices[2].lift = "other";
+  EXPECT_FALSE(FastestRoute(graph, 0, 3, 1.0));
+}
+
+TEST(NearestVertex, IsOnTheLevelOrAtThePoint) {
+  const LaneGraph graph{{Vertex(0, 0, 4), Vertex(1, 0), Vertex(0, 0)}, {}};
+  EXPECT_EQ(NearestVertex(graph, {0.9, 0.0}, 0.0, kOnOneLevel), 1u);
+  EXPECT_EQ(NearestVertex(graph, {0.9, 0.0}, 4.0, kOnOneLevel), 0u);
+  EXPECT_EQ(NearestVertex(graph, {0.0, 0.0}, 0.0, kOnAnyLevel), 2u);
+  EXPECT_EQ(NearestVertex(graph, {0.0, 0.0}, 4.0, kOnAnyLevel), 0u);
+  EXPECT_EQ(graph.Find(""), std::nullopt);
+}
+
+SeenRobot Seen(std::size_t id, double x, double y, bool moves, double z = 0.0) {
+  return {RobotId(id), {x, y}, z, 0.3, moves};
+}
+
+// 0 --- 1 ===== 2 --- 3: the lane in the middle is the group.
+LaneGraph Narrow() {
+  LaneGraph graph{{Vertex(0, 0), Vertex(5, 0), Vertex(10, 0), Vertex(15, 0)},
+                  {Between(0, 1), Between(1, 2), Between(2, 3)}};
+  graph.lanes[1].mutex = "narrow";
+  return graph;
+}
+
+TEST(MutexGroup, IsHeldByARobotInItOrMovingAtItsEnds) {
+  LaneGraph graph = Narrow();
+  const MutexGroup lane(graph, "narrow");
+  const auto holder = [&](const SeenRobot& robot) { return lane.Look(graph, {robot}).holder.has_value(); };
+  EXPECT_TRUE(holder(Seen(0, 7, 0.4, false)));
+  EXPECT_FALSE(holder(Seen(0, 7, 0.6, false)));
+  EXPECT_FALSE(holder(Seen(0, 7, 0, false, 4.0)));
+  EXPECT_FALSE(holder(Seen(0, 5.1, 0, false)));
+  EXPECT_TRUE(holder(Seen(0, 5.1, 0, true)));
+  EXPECT_TRUE(holder(Seen(0, 10.1, 0.1, true)));
+  EXPECT_FALSE(holder(Seen(0, 1, 0, true)));
+
+  graph.vertices[1].mutex = "narrow";
+  const MutexGroup wider(graph, "narrow");
+  EXPECT_TRUE(wider.Look(graph, {Seen(0, 5.1, 0, false)}).holder);
+  EXPECT_TRUE(wider.Look(graph, {Seen(0, 3, 0, true)}).holder) << "on the way to it";
+  EXPECT_THAT(wider.Look(graph, {Seen(0, 0, 0, false), Seen(1, 2, 3, false), Seen(7, 10, 0, false)}).standing,
+              ElementsAre(RobotId(0), RobotId(7)));
+}
+
+// Robots wait in the order in which they come, and not for ever for one that is parked.
+TEST(MutexTurn, ComesAfterThoseThatStoodThereBefore) {
+  const RobotId own(5);
+  const auto view = [](std::optional<RobotId> holder, std::vector<RobotId> standing) {
+    return MutexGroup::View{holder, std::move(standing)};
+  };
+  MutexTurn alone;
+  EXPECT_TRUE(alone.MayEnter(view({}, {}), own, 0.0));
+  MutexTurn second;
+  EXPECT_FALSE(second.MayEnter(view({}, {RobotId(7)}), own, 0.0));
+  EXPECT_FALSE(second.MayEnter(view(RobotId(7), {}), own, 1.0)) << "it has had its turn";
+  EXPECT_TRUE(second.MayEnter(view({}, {RobotId(7)}), own, 2.0)) << "it has come back";
+  MutexTurn parked;
+  EXPECT_FALSE(parked.MayEnter(view({}, {RobotId(7)}), own, 0.0));
+  EXPECT_FALSE(parked.MayEnter(view({}, {RobotId(7)}), own, 2.9));
+  EXPECT_TRUE(parked.MayEnter(view({}, {RobotId(1), RobotId(7)}), own, 3.0)) << "a later one does not count";
+  MutexTurn tie;
+  EXPECT_FALSE(tie.MayEnter(view({}, {RobotId(1)}), own, 0.0));
+  EXPECT_FALSE(tie.MayEnter(view({}, {RobotId(1)}), own, 3.5)) << "the smaller id goes first";
+  EXPECT_TRUE(tie.MayEnter(view({}, {RobotId(1)}), own, 4.0));
+  tie.Forget();
+  EXPECT_TRUE(tie.MayEnter(view({}, {}), own, 5.0));
+}
+
+TEST(RobotAhead, IsTheNearestInTheWayOnTheLevel) {
+  const std::vector<SeenRobot> others = {Seen(1, 3, 0.1, false), Seen(2, 2, 0.3, true), Seen(3, 1, 0.7, false),
+                                         Seen(4, 1, 0, false, 4.0), Seen(5, -1, 0, false)};
+  const std::optional<RobotAhead> ahead = FindRobotAhead(others, {0, 0}, 0.0, {1, 0}, 4.0, 0.3, 0.2);
+  ASSERT_TRUE(ahead);
+  EXPECT_EQ(ahead->robot.id, RobotId(2));
+  EXPECT_NEAR(ahead->room, 1.4, 1e-12);
+  EXPECT_FALSE(FindRobotAhead(others, {0, 0}, 0.0, {1, 0}, 1.0, 0.3, 0.2));
+  EXPECT_FALSE(FindRobotAhead(others, {0, 0}, 0.0, {0, -1}, 4.0, 0.3, 0.2));
+}
+
+TEST(LanesController, NamesFaultsOfItsGraphAndPlaces) {
+  const auto message = [](const std::string& parameters) { return MessageOf(CheckController("lanes", parameters)); };
+  const std::string line = R"("vertices": [{"at": [0, 0], "name": "here"}, {"at": [1, 0, 2], "name": "there"}])";
+  EXPECT_EQ(message(R"({"places": ["anywhere"]})"), "") << "the lanes may come with the world";
+  EXPECT_EQ(message(R"({"graph": 1})"), "");
+  EXPECT_EQ(message("{\"graph\": {" + line + R"(, "lanes": [{"from": 0, "to": 1, "both_ways": true, "speed": 0.3,
+             "facing": "backward", "mutex": "m", "doors": [{"name": "d", "at": 0.5}]}]}, "places": ["there"]})"),
+            "");
+  EXPECT_EQ(message("{\"graph\": {" + line + R"(, "lanes": [{"from": 0, "to": 2}]}})"),
+            "lanes: graph: lane 0: 'to' is 2, expected a number between 0 and 1");
+  EXPECT_EQ(message("{\"graph\": {" + line + R"(, "lanes": [{"from": 0, "to": 1, "facing": "up"}]}})"),
+            "lanes: graph: lane 0: 'facing' is \"up\", expected \"forward\" or \"backward\"");
+  EXPECT_EQ(message("{\"graph\": {" + line + R"(, "lanes": [{"from": 0, "to": 1, "doors": [{"nam": "d"}]}]}})"),
+            "lanes: graph: lane 0: door 0: unknown parameter \"nam\", expected one of: at, clearance, name; did you "
+            "mean 'name'?");
+  EXPECT_EQ(message(R"({"graph": {"vertices": [{"at": [1]}]}})"),
+            "lanes: graph: vertex 0: 'at' is no point, expected [x, y] or [x, y, z]");
+  EXPECT_EQ(message(R"({"graph": {}})"), "lanes: graph: found no vertices, expected some");
+  EXPECT_EQ(message("{\"graph\": {" + line + R"(}, "places": ["hre"]})"),
+            "lanes: the lanes have no place 'hre', expected one of: here, there; did you mean 'here'?");
+  const Result<std::unique_ptr<Controller>> controller = CreateFor(MakeRobot("lanes", "{}"));
+  EXPECT_THAT(MessageOf(controller.ok() ? Status() : controller.error()), HasSubstr("the world has no lanes"));
+}
+
+}  // namespace
+}  // namespace troupe

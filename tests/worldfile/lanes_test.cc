@@ -1,0 +1,273 @@
+// Robots that follow the lanes of buildings: through doors, with lifts, past each other.
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "common/model/states.h"
+#include "robot-agent/controller/create_controller.h"
+#include "tests/support/values.h"
+#include "tests/worldfile/scenario_run.h"
+#include "tests/worldfile/world_folder.h"
+
+namespace troupe {
+namespace {
+
+using test::ValueOf;
+using testing::Contains;
+using testing::HasSubstr;
+
+std::string LaneSites() {
+  return std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/sites/";
+}
+
+// Two rooms of two places each, and a narrow lane between them that one robot at a time may use.
+constexpr const char* kNarrow = R"(
+name: narrow
+coordinate_system: cartesian_meters
+levels:
+  G:
+    elevation: 0
+    vertices:
+      - [0, 1.5, 0, a, {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, alpha]}]
+      - [0, -1.5, 0, b]
+      - [3, 0, 0, left, {mutex: [1, narrow]}]
+      - [9, 0, 0, right, {mutex: [1, narrow]}]
+      - [12, 1.5, 0, c]
+      - [12, -1.5, 0, d, {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, beta]}]
+    lanes:
+      - [0, 2, {bidirectional: [4, true]}]
+      - [1, 2, {bidirectional: [4, true]}]
+      - [2, 3, {bidirectional: [4, true], mutex: [1, narrow], speed_limit: [3, 0.3]}]
+      - [3, 4, {bidirectional: [4, true]}]
+      - [3, 5, {bidirectional: [4, true]}]
+)";
+
+std::string OnLanes(const std::string& name, const std::string& parameters) {
+  return R"({"name": ")" + name + R"(", "controller": {"name": "lanes", "parameters": )" + parameters + "}}";
+}
+
+// The building with robots that have parameters of `lanes`.
+WorldDescription LoadOnLanes(const test::TemporaryFolder& folder, const std::string& building,
+                             const std::string& robots) {
+  folder.Write("s.building.yaml", building);
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  return ValueOf(LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" + robots + "]}"),
+                           overrides))
+      .world;
+}
+
+// The longest time that each robot stands in a run; and what it reaches.
+class StandingWatch {
+ public:
+  StandingWatch(ScenarioRun& run, std::vector<std::string> robots) : run_(run), robots_(std::move(robots)) {
+    standing_.resize(robots_.size(), 0);
+    longest_.resize(robots_.size(), 0);
+  }
+  template <typename Check>
+  void Run(int ticks, Check check) {
+    for (int i = 0; i < ticks; ++i) {
+      run_.Run(1);
+      for (std::size_t r = 0; r < robots_.size(); ++r) {
+        standing_[r] = run_[robots_[r]].twist.IsZero() ? standing_[r] + 1 : 0;
+        longest_[r] = std::max(longest_[r], standing_[r]);
+      }
+      check();
+    }
+  }
+  int longest(std::size_t robot) const { return longest_[robot]; }  // ticks
+
+ private:
+  ScenarioRun& run_;
+  std::vector<std::string> robots_;
+  std::vector<int> standing_;
+  std::vector<int> longest_;
+};
+
+bool IsNearPlace(const RobotState& robot, double x, double y, double z = 0.0) {
+  return std::hypot(robot.X_WR.x - x, robot.X_WR.y - y) < 0.15 && std::fabs(robot.X_WR.z - z) < 0.01;
+}
+
+TEST(Lanes, OneRobotAtATimeIsInAGroupAndNoneWaitsForEver) {
+  test::TemporaryFolder folder;
+  ScenarioRun run(
+      LoadOnLanes(folder, kNarrow,
+                  OnLanes("alpha", R"({"places": ["c", "a"]})") + ", " + OnLanes("beta", R"({"places": ["b", "d"]})")));
+  StandingWatch watch(run, {"alpha", "beta"});
+  int rounds[2] = {0, 0};
+  bool was_there[2] = {false, false};
+  watch.Run(6000, [&] {
+    const auto is_inside = [&](const char* name) {
+      const double x = run[name].X_WR.x;
+      return x > 3.6 && x < 8.4;
+    };
+    EXPECT_FALSE(is_inside("alpha") && is_inside("beta")) << run.state().tick;
+    for (const char* name : {"alpha", "beta"}) {
+      if (is_inside(name)) {
+        EXPECT_LT(std::fabs(run[name].twist.vx), 0.301);
+      }
+    }
+    const bool is_there[2] = {IsNearPlace(run["alpha"], 12, 1.5), IsNearPlace(run["beta"], 0, -1.5)};
+    for (int i = 0; i < 2; ++i) {
+      rounds[i] += is_there[i] && !was_there[i] ? 1 : 0;
+      was_there[i] = is_there[i];
+    }
+  });
+  EXPECT_GE(rounds[0], 4);
+  EXPECT_GE(rounds[1], 4);
+  EXPECT_LT(std::max(watch.longest(0), watch.longest(1)), 600);
+  EXPECT_FALSE(run.EverStalled("alpha") || run.EverStalled("beta"));
+}
+
+// Without a group they meet in the middle, and one of them makes room.
+TEST(Lanes, RobotsThatMeetHeadOnMakeRoom) {
+  test::TemporaryFolder folder;
+  std::string building = kNarrow;
+  for (const std::string mutex : {", {mutex: [1, narrow]}", "mutex: [1, narrow], "}) {
+    for (std::size_t at = building.find(mutex); at != std::string::npos; at = building.find(mutex)) {
+      building.erase(at, mutex.size());
+    }
+  }
+  ScenarioRun run(
+      LoadOnLanes(folder, building,
+                  OnLanes("alpha", R"({"places": ["c", "a"]})") + ", " + OnLanes("beta", R"({"places": ["b", "d"]})")));
+  int visits[2] = {0, 0};
+  StandingWatch watch(run, {"alpha", "beta"});
+  watch.Run(6000, [&] {
+    visits[0] += IsNearPlace(run["alpha"], 12, 1.5) ? 1 : 0;
+    visits[1] += IsNearPlace(run["beta"], 0, -1.5) ? 1 : 0;
+  });
+  EXPECT_GT(visits[0], 60);
+  EXPECT_GT(visits[1], 60);
+  EXPECT_LT(std::max(watch.longest(0), watch.longest(1)), 600);
+}
+
+TEST(Lanes, OfTheGuesthouseLeadThroughTheDoorAndTheLift) {
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  ScenarioRun run(ValueOf(LoadWorld(LaneSites() + "guesthouse_lanes.json", overrides)).world);
+  const std::size_t door = *FindDoor(run.scene().world(), "lobby_door");
+  int rooms = 0;  // ticks at the places
+  int chargers = 0;
+  int corridors = 0;
+  int entrances = 0;
+  bool was_closed = false;
+  StandingWatch watch(run, {"tiny_1", "delivery_1"});
+  watch.Run(9000, [&] {
+    was_closed = was_closed || run.state().doors[door].opening == 0.0;
+    rooms += IsNearPlace(run["tiny_1"], 3, -5.5, 4) ? 1 : 0;
+    chargers += IsNearPlace(run["tiny_1"], 1.5, -2) ? 1 : 0;
+    corridors += IsNearPlace(run["delivery_1"], 7, -3.75) ? 1 : 0;
+    entrances += IsNearPlace(run["delivery_1"], 3, -7) ? 1 : 0;
+  });
+  EXPECT_GT(rooms, 90);
+  EXPECT_GT(chargers, 90);
+  EXPECT_GT(corridors, 90);
+  EXPECT_GT(entrances, 90);
+  for (const int robot : {0, 1}) EXPECT_LT(watch.longest(robot), 1200) << robot;
+  EXPECT_TRUE(was_closed);
+}
+
+TEST(Lanes, BackwardAndDockedAsTheBuildingSays) {
+  test::TemporaryFolder folder;
+  const std::string building = R"(
+coordinate_system: cartesian_meters
+levels:
+  G:
+    vertices:
+      - [0, 0, 0, start, {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, r]}]
+      - [4, 0, 0, middle]
+      - [4, 3, 0, bay, {dock_name: [1, bay_dock]}]
+      - [8, 0, 0, beyond]
+    lanes:
+      - [0, 1, {bidirectional: [4, true]}]
+      - [1, 2, {bidirectional: [4, true], orientation: [1, backward]}]
+      - [3, 1, {}]
+)";
+  folder.Write("s.building.yaml", building);
+  const std::string scenario =
+      folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" +
+                                 OnLanes("r", R"({"places": ["bay", "beyond", "start"], "repeat": false})") + "]}");
+  Simulation run = ValueOf(Simulation::Load(scenario));
+  const RobotId robot = *run.FindRobot("r");
+  std::vector<std::string> reports;
+  double fastest_in_bay = 0.0;
+  for (int i = 0; i < 900; ++i) {
+    run.Step();
+    reports.insert(reports.end(), run.reports().begin(), run.reports().end());
+    const RobotState& state = run.state().robots[robot.index()];
+    if (state.X_WR.y > 0.5 && std::fabs(state.twist.vx) > 0.1) {
+      // On both ways it has its back to the bay.
+      EXPECT_LT(std::sin(state.X_WR.heading), -0.9) << run.tick();
+    }
+    if (state.X_WR.y > 2.2) fastest_in_bay = std::max(fastest_in_bay, -state.twist.vx);
+  }
+  EXPECT_THAT(reports, Contains(HasSubstr("docked at bay_dock")));
+  EXPECT_THAT(reports, Contains(HasSubstr("no lanes lead from bay to beyond")));
+  EXPECT_GT(fastest_in_bay, 0.05);
+  EXPECT_LT(fastest_in_bay, 0.21);
+  EXPECT_TRUE(IsNearPlace(run.state().robots[robot.index()], 0, 0));
+}
+
+// The graph is in the parameters, so no building is needed.
+TEST(Lanes, LeadToTheChargerAtLowEnergy) {
+  test::TemporaryFolder folder;
+  folder.Write("w.world", R"(
+position( name "r" pose [0 0 0 0] size [0.4 0.4 0.4] drive "diff" kjoules 8 watts 20 mass 8 take_watts 300
+  velocity_bounds [-1 1 0 0 0 0 -90 90] acceleration_bounds [-1 1 0 0 0 0 -180 180] )
+model( name "station" pose [5 1.3 0 0] size [0.4 0.4 0.4] joules -1 give_watts 300 obstacle_return 0 ))");
+  const std::string scenario = folder.Write("s.json", R"({"world": "w.world", "robots": [)" + OnLanes("r", R"({
+      "graph": {"vertices": [{"at": [0, 0], "name": "a"}, {"at": [10, 0], "name": "b"}, {"at": [5, 0]},
+                             {"at": [5, 1], "name": "pad", "charger": true}],
+                "lanes": [{"from": 0, "to": 2, "both_ways": true}, {"from": 2, "to": 1, "both_ways": true},
+                          {"from": 2, "to": 3, "both_ways": true}]},
+      "places": ["b", "a"]})") + "]}");
+  Simulation run = ValueOf(Simulation::Load(scenario));
+  bool was_low = false;
+  bool was_charged = false;
+  bool has_gone_on = false;
+  for (int i = 0; i < 6000; ++i) {
+    run.Step();
+    const double level = run.state().stores[0].joules / 8000.0;
+    EXPECT_GT(level, 0.05) << run.tick();
+    was_low = was_low || level < 0.3;
+    was_charged = was_charged || (was_low && level > 0.9);
+    has_gone_on = has_gone_on || (was_charged && run.state().robots[0].X_WR.x > 9.8);
+  }
+  EXPECT_TRUE(was_low);
+  EXPECT_TRUE(has_gone_on);
+}
+
+TEST(Lanes, OfABuildingAreNamedByControllersAndInErrors) {
+  test::TemporaryFolder folder;
+  folder.Write("s.building.yaml", kNarrow);
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  const auto error = [&](const std::string& parameters) {
+    const std::string robots = OnLanes("alpha", parameters);
+    return LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" + robots + "]}"), overrides)
+        .error()
+        .message;
+  };
+  EXPECT_THAT(error(R"({"places": ["e"]})"),
+              HasSubstr("robot 'alpha': lanes: the lanes have no place 'e', expected one of: a, b, left, right, c, d"));
+  EXPECT_THAT(error(R"({"graph": 3})"), HasSubstr("found no lanes of graph 3 for robot 'alpha'"));
+  overrides.controller = "lanes";
+  const LoadedWorld loaded = ValueOf(LoadWorld(folder.Path("s.building.yaml"), overrides));
+  EXPECT_THAT(loaded.world.robots[0].controller.parameters, HasSubstr(R"("mutex":"narrow")"));
+}
+
+// A controller that continues from the middle of a run is the same.
+TEST(Lanes, AreFollowedAlikeByCopies) {
+  Simulation run = ValueOf(Simulation::Load(LaneSites() + "guesthouse_lanes.json"));
+  run.Step(1500);
+  const Snapshot middle = ValueOf(run.Save());
+  run.Step(1500);
+  const std::uint64_t expected = run.state_hash();
+  ASSERT_TRUE(run.Restore(middle).ok());
+  run.Step(1500);
+  EXPECT_EQ(run.state_hash(), expected);
+}
+
+}  // namespace
+}  // namespace troupe
