@@ -41,6 +41,7 @@ class Caller {
     control_msgs_action_dds__GripperCommand_GetResult_Request_ request{};
     request.goal_id.uuid[0] = id;
     get_result_.Send(request);
+    get_result_.AwaitArrival();
   }
   // A goal without an end in a pause, and a call for its result. The server knows the caller's endpoints by then, from
   // its answer to a call for the result of a goal that does not exist.
@@ -139,6 +140,7 @@ TEST_F(RosGoals, OfAnAgentThatDiesAreAbortedAndItsCallsAnsweredByTheNextOne) {
   const pid_t agent = ChildOf(run, "--robot=a ");
   kill(agent, SIGSTOP);
   caller.list_.Send({});
+  caller.list_.AwaitArrival();
   kill(agent, SIGKILL);
   EXPECT_EQ(caller.AwaitResult(), GoalStatus::kAborted);
   EXPECT_TRUE(Eventually([&] {
@@ -164,6 +166,8 @@ TEST_F(RosGoals, OfASimulationWhoseServiceDiesAreRefused) {
   simulation_interfaces_action_dds__SimulateSteps_SendGoal_Request_ goal{};
   goal.goal.steps = 1'000'000;
   caller.simulate_.Send(goal);
+  caller.step_.AwaitArrival();
+  caller.simulate_.AwaitArrival();
   kill(service, SIGKILL);
   EXPECT_TRUE(Eventually([&] {
     return caller.step_.Receive([](const auto& response) {

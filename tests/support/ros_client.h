@@ -57,7 +57,7 @@ class Client {
     return result;
   }
 
-  // Sends the request and waits until it has reached the server's process, not for a response.
+  // Sends the request without waiting for a response.
   void Send(Request request) {
     ASSERT_TRUE(Eventually([&] {
       return writer_.publication_matched_status().current_count > 0 &&
@@ -66,8 +66,10 @@ class Client {
     request.client_guid = id_;
     request.sequence_number = ++calls_;
     writer_.write(request);
-    EXPECT_TRUE(writer_.wait_for_acknowledgments(20.0));
   }
+
+  // Waits until the request has reached the server's process: up to a heartbeat long.
+  void AwaitArrival() { ASSERT_TRUE(writer_.wait_for_acknowledgments(20.0)); }
 
   // Passes the response to `check` if it has arrived; returns whether it has.
   template <typename Check>
