@@ -8,6 +8,7 @@
 #include "worldfile/models/build_world.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/lif_json.h"
 #include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
 
@@ -75,13 +76,24 @@ void World(Bytes bytes) {
   CheckBuilt(tree.value());
 }
 
-// Feeds any bytes to the reader of buildings.
-void Building(Bytes bytes) {
-  Result<Site> site = ReadBuildingText(TextOf(bytes), "fuzz/s.building.yaml");
+namespace {
+
+void CheckSite(Result<Site> site) {
   if (!site.ok()) return CheckMessage(site.error().where, site.error().message);
   const Result<WorldTree> tree = SiteTree(std::make_shared<const Site>(std::move(site).value()));
   if (!tree.ok()) return CheckMessage(tree.error().where, tree.error().message);
   CheckBuilt(tree.value());
+}
+
+}  // namespace
+
+// Feeds any bytes to the readers of buildings and layouts.
+void Building(Bytes bytes) {
+  CheckSite(ReadBuildingText(TextOf(bytes), "fuzz/s.building.yaml"));
+}
+
+void Layout(Bytes bytes) {
+  CheckSite(ReadLayoutText(TextOf(bytes), "fuzz/s.lif.json"));
 }
 
 void Scenario(Bytes bytes) {

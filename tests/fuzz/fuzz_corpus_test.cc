@@ -32,6 +32,7 @@ constexpr Target kTargets[] = {
     {"host_message", HostMessage},
     {"image", Image},
     {"join", Join},
+    {"layout", Layout},
     {"map_yaml", MapYaml},
     {"proposal", Proposal},
     {"recording", Recording},
