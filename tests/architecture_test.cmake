@@ -111,7 +111,7 @@ set(may_include_robot-agent/agent
   common/base common/geometry common/model common/spatial transport/protocol common/trace robot-agent/robot)
 set(may_include_robot-agent/ros
   common/base common/geometry common/model common/spatial transport/dds/binding ros/messages ros/connection ros/link
-  include/troupe/controller.h robot-agent/agent robot-agent/drive robot-agent/robot)
+  include/troupe/controller.h robot-agent/agent robot-agent/controller robot-agent/drive robot-agent/robot)
 set(may_include_robot-agent/program
   common/base command_line transport/protocol ros/flags ros/messages common/run robot-agent/agent)
 set(may_include_robot-agent

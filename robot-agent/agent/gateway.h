@@ -31,9 +31,9 @@ class Gateway {
  public:
   virtual ~Gateway() = default;
 
-  // The external command for the tick after `tick`. Called once for each robot and tick, before the agent's answer is
+  // The external command for the tick after `state`. Called once for each robot and tick, before the agent's answer is
   // sent: the call delays the tick.
-  virtual ExternalCommand CommandFor(RobotId robot, Tick tick) = 0;
+  virtual ExternalCommand CommandFor(RobotId robot, const WorldState& state) = 0;
 
   // Publishes a tick; called after the agent's answer to it was sent. The call must not wait for readers.
   virtual void Publish(Tick tick, std::span<const RobotView* const> robots) = 0;

@@ -272,7 +272,7 @@ ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCo
   answer.proposals.resize(count);
   // Before the threads: a gateway need not be safe for several.
   std::vector<ExternalCommand> external(count);
-  for (std::size_t i = 0; i < count && gateway_; ++i) external[i] = gateway_->CommandFor(robots_[i]->id(), state.tick);
+  for (std::size_t i = 0; i < count && gateway_; ++i) external[i] = gateway_->CommandFor(robots_[i]->id(), state);
   if (!commands.empty()) AddCommands(commands, external, answer.reports);
   std::vector<bool> worked;
   for (const auto& robot : robots_) worked.push_back(robot->failure().empty());

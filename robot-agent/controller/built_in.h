@@ -44,6 +44,7 @@ BuiltInController Lanes();
 BuiltInController LaserNoise();
 BuiltInController Rasterize();
 BuiltInController Dynamic();
+BuiltInController SlotcarController();
 
 // The parameters of controllers that make a map.
 // `map_size` and `cell`, both in m.

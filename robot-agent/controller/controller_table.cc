@@ -120,6 +120,11 @@ constexpr ParameterHelp kScriptParameters[] = {
      R"([{"at": seconds, "vx": m/s, "wz": rad/s, ...}, ...], in the order of time)", true},
     {"repeat", "flag", "", "false", 0.0, 0.0, "Begins again at the end"},
     {"period", "number", "s", "", 0.0, kAnything, "With repeat: the time of the restart"}};
+constexpr ParameterHelp kSlotcarParameters[] = {
+    {"speed", "number", "m/s", "0.7", 0.0, 100.0, "Within the bounds of the drive, and those of the path"},
+    {"turn_rate", "number", "rad/s", "0.6", 0.0, 100.0, "When it turns in place"},
+    {"stop_distance", "number", "m", "0.75", 0.0, 100.0, "It waits for robots and people near the point so far ahead"},
+    {"stop_radius", "number", "m", "0.75", 0.0, 100.0, "Near: within this distance; 0: it waits for none"}};
 constexpr ParameterHelp kStationParameters[] = {
     {"interval", "number", "s", "5", 0.0, 1e6, "In which a source makes a unit, or a sink uses one up; 0: at once"},
     {"capacity", "number", "", "1", 1.0, 1e9, "Units in stock"},
@@ -151,6 +156,7 @@ constexpr ControllerHelp kControllers[] = {
     {"rasterize", "Makes a map of all that it can reach", kRasterizeParameters},
     {"script", "Follows a timed list of commands", kScriptParameters},
     {"sink", "A station that receives units", kStationParameters},
+    {"slotcar", "Drives along the paths of Open-RMF, and to goals", kSlotcarParameters},
     {"source", "A station that gives units", kStationParameters},
     {"wander", "Drives ahead, and turns away from obstacles", kWanderParameters},
 };

@@ -21,9 +21,10 @@
 namespace troupe {
 namespace {
 
-std::array<BuiltInController, 19> BuiltIns() {
-  return {Dynamic(), Expand(),     Fasr(),   Fasr2(),    FasrPlan(),  Fetch(),  Flock(), Follow(), GoTo(),  Idle(),
-          Lanes(),   LaserNoise(), Patrol(), Flocking(), Rasterize(), Script(), Sink(),  Source(), Wander()};
+std::array<BuiltInController, 20> BuiltIns() {
+  return {Dynamic(), Expand(), Fasr(),       Fasr2(),  FasrPlan(), Fetch(),     Flock(),  Follow(), GoTo(),
+          Idle(),    Lanes(),  LaserNoise(), Patrol(), Flocking(), Rasterize(), Script(), Sink(),   SlotcarController(),
+          Source(),  Wander()};
 }
 
 Error UnknownName(const std::string& name) {

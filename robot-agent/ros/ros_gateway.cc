@@ -12,6 +12,7 @@
 #include "robot-agent/ros/command_input.h"
 #include "robot-agent/ros/manipulator_port.h"
 #include "robot-agent/ros/robot_output.h"
+#include "robot-agent/ros/slotcar_port.h"
 #include "ros/connection/node_services.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/world_topics.h"
@@ -35,7 +36,7 @@ class RobotGroup {
   RobotGroup(const ros::RosOptions& options, const Scene& scene, const std::vector<RobotInGroup>& robots);
   ~RobotGroup();
 
-  ExternalCommand CommandFor(RobotId id, Tick tick);
+  ExternalCommand CommandFor(RobotId id, const WorldState& state);
   void AwaitPublished() { connection_.AwaitSent(); }
   // Once for each tick, before Show.
   void PublishActions(const RobotView& robot);
@@ -61,6 +62,7 @@ class RobotGroup {
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<Member*> by_id_;  // null for all other robots of the world
   std::optional<ros::RosLog> log_;
+  std::unique_ptr<SlotcarPort> rmf_;               // null: the world has nothing for Open-RMF
   std::unique_ptr<Transforms> shared_transforms_;  // null where each robot has its own
   std::optional<ros::ClockOutput> clock_;          // these two in a domain of its own
   std::optional<ros::MapOutput> map_;
@@ -161,6 +163,11 @@ RobotGroup::RobotGroup(const ros::RosOptions& options, const Scene& scene, const
   }
   const ros::RosNode& first = members_.front()->node;
   if (!options.names.namespaced_tf) shared_transforms_ = std::make_unique<Transforms>(first, "/");
+  if (ros::HasRmf(scene.world())) {
+    std::vector<RobotId> ids;
+    for (const RobotInGroup& robot : robots) ids.push_back(robot.id);
+    rmf_ = std::make_unique<SlotcarPort>(first, scene, ids);
+  }
   if (alone) {
     clock_.emplace(first, options.world.clock_rate);
     map_.emplace(first, options.world);
@@ -175,10 +182,14 @@ RobotGroup::Member* RobotGroup::Find(RobotId id) {
   return id.index() < by_id_.size() ? by_id_[id.index()] : nullptr;
 }
 
-ExternalCommand RobotGroup::CommandFor(RobotId id, Tick tick) {
+ExternalCommand RobotGroup::CommandFor(RobotId id, const WorldState& state) {
+  const Tick tick = state.tick;
   connection_.Receive();
   Member& robot = *Find(id);
   ExternalCommand external;
+  if (rmf_) {
+    if (const std::optional<Command> motion = rmf_->CommandFor(id, state)) external = {*motion, true};
+  }
   if (const std::optional<Command> motion = robot.input.CommandAt(tick)) external = {*motion, true};
   external.command = robot.manipulator.WithCommands(tick, std::move(external.command));
   robot.radios.AddMessages(external.command.messages);
@@ -225,6 +236,7 @@ void RobotGroup::ShowRobots(Tick tick, std::span<const RobotView* const> robots)
     }
   }
   if (shared_transforms_) shared_transforms_->Write(tick, together);
+  if (rmf_) rmf_->Publish(robots, connection_.addresses_newcomers());
   for (const auto& [robot, member] : shown) {
     member->output.Publish(tick, *robot);
     member->manipulator.PublishStates(robot->world_state());
@@ -233,10 +245,12 @@ void RobotGroup::ShowRobots(Tick tick, std::span<const RobotView* const> robots)
 
 void RobotGroup::ChangeWorld(const Scene& scene) {
   if (map_) map_->ChangeWorld(scene);
+  if (rmf_) rmf_->ChangeWorld(scene);
   for (const auto& robot : members_) robot->radios.ChangeWorld(scene);
 }
 
 void RobotGroup::Restart() {
+  if (rmf_) rmf_->Restart();
   for (const auto& robot : members_) {
     robot->input.Restart();
     robot->radios.Restart();
@@ -245,6 +259,9 @@ void RobotGroup::Restart() {
 
 std::vector<std::string> RobotGroup::DrainReports() {
   std::vector<std::string> reports = connection_.DrainMismatches();
+  if (rmf_) {
+    for (std::string& report : rmf_->DrainReports()) reports.push_back(std::move(report));
+  }
   Log(*members_.front(), reports, 0);
   for (const auto& robot : members_) {
     const std::size_t logged = reports.size();
@@ -281,7 +298,9 @@ class RosGateway final : public Gateway {
     }
   }
 
-  ExternalCommand CommandFor(RobotId id, Tick tick) override { return group_of_[id.index()]->CommandFor(id, tick); }
+  ExternalCommand CommandFor(RobotId id, const WorldState& state) override {
+    return group_of_[id.index()]->CommandFor(id, state);
+  }
 
   void Publish(Tick tick, std::span<const RobotView* const> robots) override {
     for (const RobotView* robot : robots) group_of_[robot->id().index()]->PublishActions(*robot);

@@ -114,4 +114,26 @@ LiftStateMessage MakeLiftState(const Time& stamp, const WorldDescription& world,
   return message;
 }
 
+RmfLocation FromMessage(const LocationMessage& message) {
+  return {message.t,
+          message.x,
+          message.y,
+          message.yaw,
+          message.obey_approach_speed_limit,
+          message.approach_speed_limit,
+          dds::Text(message.level_name),
+          message.index};
+}
+
+LocationMessage ToMessage(const RmfLocation& location, dds::WireArena& arena) {
+  return {location.time,
+          location.x,
+          location.y,
+          location.yaw,
+          location.obeys_speed_limit,
+          location.speed_limit,
+          arena.Copy(location.level),
+          location.index};
+}
+
 }  // namespace troupe::ros

@@ -72,4 +72,74 @@ LiftStateMessage MakeLiftState(const Time& stamp, const WorldDescription& world,
                                const WorldState& state, LiftMode mode, const std::string& session,
                                dds::WireArena& arena);
 
+// A place on a path of a robot.
+struct RmfLocation {
+  Time time = {};
+  float x = 0.0F;  // m, W
+  float y = 0.0F;
+  float yaw = 0.0F;  // rad
+  bool obeys_speed_limit = false;
+  float speed_limit = 0.0F;  // m/s, on the way here
+  std::string level;
+  std::uint64_t index = 0;
+};
+
+// What Open-RMF knows of a robot.
+enum class RobotMode : std::uint8_t {
+  kIdle = 0,
+  kCharging = 1,
+  kMoving = 2,
+  kPaused = 3,
+  kWaiting = 4,
+  kDocking = 7,
+  kAdapterError = 8,
+};
+struct RmfRobot {
+  std::string name;
+  std::string model;
+  std::string task;
+  std::uint64_t seq = 0;  // of the message
+  RobotMode mode = RobotMode::kIdle;
+  std::uint64_t mode_request = 0;
+  float battery = 100.0F;  // %
+  RmfLocation location;
+  std::vector<RmfLocation> path;  // that is left
+};
+
+RmfLocation FromMessage(const LocationMessage& message);
+LocationMessage ToMessage(const RmfLocation& location, dds::WireArena& arena);
+
+// `Message`: RobotStateMessage or LaterRobotStateMessage.
+template <typename Message>
+Message MakeRobotState(const RmfRobot& robot, dds::WireArena& arena) {
+  Message message{};
+  message.name = arena.Copy(robot.name);
+  message.model = arena.Copy(robot.model);
+  message.task_id = arena.Copy(robot.task);
+  message.seq = robot.seq;
+  message.mode.mode = static_cast<std::uint32_t>(robot.mode);
+  message.mode.mode_request_id = robot.mode_request;
+  if constexpr (requires { message.mode.performing_action; }) message.mode.performing_action = arena.Copy("");
+  message.battery_percent = robot.battery;
+  message.location = ToMessage(robot.location, arena);
+  LocationMessage* location = arena.Fill(message.path, robot.path.size());
+  for (const RmfLocation& each : robot.path) *location++ = ToMessage(each, arena);
+  return message;
+}
+
+template <typename Message>
+RmfRobot FromRobotState(const Message& message) {
+  RmfRobot robot;
+  robot.name = dds::Text(message.name);
+  robot.model = dds::Text(message.model);
+  robot.task = dds::Text(message.task_id);
+  robot.seq = message.seq;
+  robot.mode = static_cast<RobotMode>(message.mode.mode);
+  robot.mode_request = message.mode.mode_request_id;
+  robot.battery = message.battery_percent;
+  robot.location = FromMessage(message.location);
+  for (const LocationMessage& location : dds::Elements(message.path)) robot.path.push_back(FromMessage(location));
+  return robot;
+}
+
 }  // namespace troupe::ros

@@ -379,7 +379,7 @@ class RecordedGateway final : public Gateway {
     record_.threads.insert(std::this_thread::get_id());
     ++record_.ended;
   }
-  ExternalCommand CommandFor(RobotId, Tick) override { return {}; }
+  ExternalCommand CommandFor(RobotId, const WorldState&) override { return {}; }
   void Publish(Tick, std::span<const RobotView* const>) override {}
   std::vector<std::string> DrainReports() override { return {}; }
 

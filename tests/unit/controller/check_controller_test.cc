@@ -15,9 +15,10 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(CheckControllerTest, BuiltInNamesAreSorted) {
-  EXPECT_THAT(BuiltInControllers(), ElementsAre("dynamic", "expand", "fasr", "fasr2", "fasr_plan", "fetch", "flock",
-                                                "follow", "go_to", "idle", "lanes", "lasernoise", "patrol", "pioneer_flocking",
-                                                "rasterize", "script", "sink", "source", "wander"));
+  EXPECT_THAT(BuiltInControllers(),
+              ElementsAre("dynamic", "expand", "fasr", "fasr2", "fasr_plan", "fetch", "flock", "follow", "go_to",
+                          "idle", "lanes", "lasernoise", "patrol", "pioneer_flocking", "rasterize", "script", "sink",
+                          "slotcar", "source", "wander"));
 }
 
 struct Case {
@@ -50,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
             "fly", "{}",
             "unknown controller 'fly', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, follow, "
             "go_to, idle, lanes, lasernoise, "
-            "patrol, pioneer_flocking, rasterize, script, sink, source, wander, or the path of a shared "
+            "patrol, pioneer_flocking, rasterize, script, sink, slotcar, source, wander, or the path of a shared "
             "library (.so)"},
         Case{"idle", "", "idle: the parameters are not JSON"},  //
         Case{"idle", "{", "idle: the parameters are not JSON"},
@@ -64,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
              "unknown controller 'wandr', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, "
              "follow, "
              "go_to, idle, lanes, lasernoise, "
-             "patrol, pioneer_flocking, rasterize, script, sink, source, wander, or the path of a "
+             "patrol, pioneer_flocking, rasterize, script, sink, slotcar, source, wander, or the path of a "
              "shared library (.so); did you mean 'wander'?"},
         Case{"wander", R"({"speed": "fast"})", "wander: 'speed' is \"fast\", expected a number between 0 and 100"},
         Case{"wander", R"({"speed": -1})", "wander: 'speed' is -1, expected a number between 0 and 100"},

@@ -218,7 +218,9 @@ TEST(CheckControllers, NamesTheLineOfAScenariosController) {
       Fault(path),
       path +
           ":2:39: error: unknown controller 'wonder', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, "
-          "flock, follow, go_to, idle, lanes, lasernoise, patrol, pioneer_flocking, rasterize, script, sink, source, wander, "
+          "flock, follow, go_to, idle, lanes, lasernoise, patrol, pioneer_flocking, rasterize, script, sink, slotcar, "
+          "source, "
+          "wander, "
           "or the path of a shared library (.so); did you mean 'wander'?");
 }
 

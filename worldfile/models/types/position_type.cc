@@ -194,6 +194,7 @@ const std::vector<StageControllerName>& KnownControllers() {
       {"rasterize", "rasterize", {"cell", "map_size"}},
       {"script", "script", {}},
       {"sink", "sink", {"interval", "capacity"}},
+      {"slotcar", "slotcar", {"speed", "turn_rate"}},
       {"source", "source", {"interval", "capacity"}},
       {"wander", "wander", {"speed", "min_distance"}},
   };
