@@ -15,7 +15,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::int32_t kRmfDepth = 10;     // as of the plugin slotcar
+constexpr std::int32_t kRmfDepth = 10;       // as of the plugin slotcar
 constexpr std::int32_t kRequestDepth = 100;  // of all robots
 constexpr std::size_t kMostReports = 100;    // between two calls
 constexpr double kStands = 0.01;             // m/s, rad/s: no motion for Open-RMF

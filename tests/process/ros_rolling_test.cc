@@ -14,14 +14,14 @@
 #include "transport/dds/binding/wire.h"
 
 TROUPE_RENAMED_DDS_TYPE(rolling_client_dds__SpawnEntity_Request_,
-                       "simulation_interfaces::srv::dds_::SpawnEntity_Request_");
+                        "simulation_interfaces::srv::dds_::SpawnEntity_Request_");
 TROUPE_RENAMED_DDS_TYPE(rolling_client_dds__SetEntityState_Request_,
-                       "simulation_interfaces::srv::dds_::SetEntityState_Request_");
+                        "simulation_interfaces::srv::dds_::SetEntityState_Request_");
 TROUPE_RENAMED_DDS_TYPE(rolling_client_dds__GetSpawnables_Response_,
-                       "simulation_interfaces::srv::dds_::GetSpawnables_Response_");
+                        "simulation_interfaces::srv::dds_::GetSpawnables_Response_");
 TROUPE_RENAMED_DDS_TYPE(rolling_client_dds__LoadWorld_Request_, "simulation_interfaces::srv::dds_::LoadWorld_Request_");
 TROUPE_RENAMED_DDS_TYPE(rolling_client_dds__LoadWorld_Response_,
-                       "simulation_interfaces::srv::dds_::LoadWorld_Response_");
+                        "simulation_interfaces::srv::dds_::LoadWorld_Response_");
 
 namespace troupe::test {
 namespace {
