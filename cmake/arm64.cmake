@@ -9,6 +9,7 @@ get_filename_component(CMAKE_SYSROOT ${CMAKE_CURRENT_LIST_DIR}/../build/arm64-ro
 if(NOT EXISTS ${CMAKE_SYSROOT}/packages)
   message(FATAL_ERROR "${CMAKE_SYSROOT} is not there: run scripts/setup-arm64")
 endif()
+get_filename_component(CMAKE_FIND_ROOT_PATH ${CMAKE_CURRENT_LIST_DIR}/../build/arm64/installed ABSOLUTE)  # of projects of tests
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)

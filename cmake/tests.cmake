@@ -106,6 +106,7 @@ macro(troupe_add_test)
     endif()
     if(CMAKE_CROSSCOMPILING)
       math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 20")  # an emulator, too
+      list(APPEND environment CMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE})  # of projects that tests build
     endif()
     # With four places for each core (scripts/test), tests that calculate run one a core, and beside each of them two that
     # drive processes, which mostly wait.
