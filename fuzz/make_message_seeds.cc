@@ -37,7 +37,7 @@ nose ( name "r1" pose [ -2 0 0 0 ] fiducial_return 2 fiducial_key 1 )
 blinkenlight ( name "light" pose [ 3 0 0 0 ] )
 )";
 
-constexpr std::size_t kLongestRecording = 6144;  // bytes of an input; as in scripts/fuzz
+constexpr std::size_t kLongestRecording = 8192;  // bytes of an input; as in scripts/fuzz
 
 // The world of recordings, each of which has to fit into an input as a whole.
 constexpr char kRecordedWorld[] = R"(
