@@ -222,7 +222,7 @@ TEST_F(Rmf, ASlotcarDrivesAlongItsPath) {
   EXPECT_EQ(begin.model, "position");
   EXPECT_EQ(begin.location.level, "L1");
   EXPECT_EQ(begin.battery, 100.0F);
-  EXPECT_FALSE(Robot("delivery_1").name.empty()) << "others have states, too";
+  EXPECT_TRUE(Eventually([&] { return !Robot("delivery_1").name.empty(); })) << "others have states, too";
   const double x = begin.location.x;
   const double y = begin.location.y;
   RequestPath("first", {{x, y, 0, 0}, {3, -3.75, 0, 0}, {5, -3.75, 0.2, 0}});
