@@ -31,6 +31,7 @@ EXPECTED = (
     (r"cannot mount a file system", cannot("--mount", "mount", "-t", "tmpfs", "none", "/mnt")),
     (r"no Stage worlds|TROUPE_STAGE_WORLDS",
      is_missing(os.environ.get("TROUPE_STAGE_WORLDS") or "../shared/stage-worlds")),
+    (r"TROUPE_RMF_SITES is not set", lambda: not os.environ.get("TROUPE_RMF_SITES")),
     (r"needs libfastrtps-dev", is_missing("/usr/bin/fastddsgen")),
     (r"chromium is not installed", is_missing("/usr/bin/chromium", "/usr/bin/chromium-browser")),
     (r"no node and npm", lambda: not (shutil.which("node") and shutil.which("npm"))),
