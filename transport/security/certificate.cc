@@ -1,6 +1,7 @@
 #include "transport/security/certificate.h"
 
 #include <openssl/bio.h>
+#include <openssl/crypto.h>
 #include <openssl/err.h>
 #include <openssl/evp.h>
 #include <openssl/pem.h>
@@ -65,6 +66,8 @@ bool AddExtension(X509* certificate, int nid, const char* value) {
 
 // All but issuer, times, extensions and signature.
 Result<CertifiedKey> MakeUnsigned(const std::string& common_name) {
+  // Without memory for it OpenSSL uses a lock that is not there.
+  if (OSSL_LIB_CTX_get0_global_default() == nullptr) return OpenSslFailure("making a key");
   CertifiedKey made{std::unique_ptr<EVP_PKEY, OpenSslDeleter>(EVP_EC_gen("P-256")),
                     std::unique_ptr<X509, OpenSslDeleter>(X509_new())};
   X509* const certificate = made.certificate.get();
