@@ -66,12 +66,8 @@ double ThicknessOf(const std::vector<Polygon>& loops) {
   double area = 0.0;
   double length = 0.0;
   for (const Polygon& loop : loops) {
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const Vec2& a = loop[i];
-      const Vec2& b = loop[(i + 1) % loop.size()];
-      area += 0.5 * Cross(a, b);
-      length += (b - a).norm();
-    }
+    area += SignedArea(loop);
+    for (std::size_t i = 0; i < loop.size(); ++i) length += (loop[(i + 1) % loop.size()] - loop[i]).norm();
   }
   return length > 0.0 ? 2.0 * std::fabs(area) / length : 0.0;
 }

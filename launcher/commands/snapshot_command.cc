@@ -1,9 +1,9 @@
 #include "launcher/commands/snapshot_command.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -186,14 +186,8 @@ struct ExportMapOptions {
 // Of the lanes and places of a building, beside its map.
 Status WriteLanes(const ExportMapOptions& options, const Site* site) {
   if (site == nullptr) return Error{{options.file}, "found no lanes, expected a building (.building.yaml) or a layout"};
-  std::array<char, 32> timestamp{};
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  std::strftime(timestamp.data(), timestamp.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-  Result<FileReplacement> file =
-      FileReplacement::Prepare(options.output + ".lif.json", LayoutText(*site, timestamp.data()));
-  return file.ok() ? file.value().Commit() : Status(file.error());
+  const std::string now = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+  return WriteWholeFile(options.output + ".lif.json", LayoutText(*site, now));
 }
 
 // Both or none: the image of one map beside the scale of another would be a wrong map.

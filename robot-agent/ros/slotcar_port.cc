@@ -40,27 +40,15 @@ SlotcarPort::OfKilted::OfKilted(const ros::RosNode& node) : states(node, "/robot
 
 SlotcarPort::SlotcarPort(const ros::RosNode& node, const Scene& scene, const std::vector<RobotId>& robots)
     : scene_(&scene) {
-  bool has_slotcar = false;
-  for (const RobotId id : robots) {
-    const RobotDescription& description = scene.world().robot(id);
-    Member member{.id = id};
-    member.robot.name = description.name;
-    member.robot.model = scene.world().model(description.root).type;
-    const Result<SlotcarParameters> parameters = ReadSlotcarParameters(description.controller.parameters);
-    if (description.controller.name == ros::kPathController && parameters.ok()) {
-      has_slotcar = true;
-      member.parameters = parameters.value();
-      member.follower.emplace(description.drive, parameters.value());
-    }
-    members_.push_back(std::move(member));
-  }
+  for (const RobotId id : robots) members_.push_back(MakeMember(id));
   const bool is_later = node.connection->distribution() >= ros::Distribution::kKilted;
   if (is_later) {
     kilted_ = std::make_unique<OfKilted>(node);
   } else {
     jazzy_ = std::make_unique<OfJazzy>(node);
   }
-  if (!has_slotcar) return;
+  if (std::none_of(members_.begin(), members_.end(), [](const Member& member) { return member.follower.has_value(); }))
+    return;
   const ros::TopicQos qos = ros::Stream(kRequestDepth);
   paths_ = std::make_unique<ros::RosReader<ros::PathRequest>>(node, "/robot_path_requests", qos);
   pauses_ = std::make_unique<ros::RosReader<ros::PauseRequest>>(node, "/robot_pause_requests", qos);
@@ -69,6 +57,19 @@ SlotcarPort::SlotcarPort(const ros::RosNode& node, const Scene& scene, const std
   } else {
     jazzy_->modes.emplace(node, "/robot_mode_requests", qos);
   }
+}
+
+SlotcarPort::Member SlotcarPort::MakeMember(RobotId robot) const {
+  const RobotDescription& description = scene_->world().robot(robot);
+  Member member{.id = robot};
+  member.robot.name = description.name;
+  member.robot.model = scene_->world().model(description.root).type;
+  if (description.controller.name != ros::kPathController) return member;
+  const Result<SlotcarParameters> parameters = ReadSlotcarParameters(description.controller.parameters);
+  if (!parameters.ok()) return member;
+  member.parameters = parameters.value();
+  member.follower.emplace(description.drive, parameters.value());
+  return member;
 }
 
 SlotcarPort::Member* SlotcarPort::Find(const char* name) {
@@ -235,14 +236,7 @@ void SlotcarPort::Restart() {
     if (jazzy_) jazzy_->modes->Drain(drop);
     if (kilted_) kilted_->modes->Drain(drop);
   }
-  for (Member& member : members_) {
-    Member fresh{.id = member.id};
-    fresh.robot.name = member.robot.name;
-    fresh.robot.model = member.robot.model;
-    fresh.parameters = member.parameters;
-    if (member.follower) fresh.follower.emplace(scene_->world().robot(member.id).drive, member.parameters);
-    member = std::move(fresh);
-  }
+  for (Member& member : members_) member = MakeMember(member.id);
 }
 
 std::vector<std::string> SlotcarPort::DrainReports() {

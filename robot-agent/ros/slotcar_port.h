@@ -61,6 +61,8 @@ class SlotcarPort {
     std::optional<ros::RosReader<ros::LaterModeRequest>> modes;
   };
 
+  // Before its first request.
+  Member MakeMember(RobotId robot) const;
   Member* Find(const char* name);
   void Receive(const WorldState& state);
   void TakePath(const ros::PathRequest& request, const WorldState& state);

@@ -20,12 +20,11 @@ constexpr double kSliding = 0.1;  // m, that a leaf reaches out of its door
 
 // A door on a line, m from its start; nothing if the line passes beside it.
 std::optional<double> CrossingAt(const Vec2& from, const Vec2& to, const Vec2& a, const Vec2& b) {
-  const auto cross = [](const Vec2& u, const Vec2& v) { return u.x() * v.y() - u.y() * v.x(); };
   const Vec2 way = to - from;
-  const double turn = cross(way, b - a);
+  const double turn = Cross(way, b - a);
   if (turn == 0.0) return std::nullopt;
-  const double on_way = cross(a - from, b - a) / turn;
-  const double on_door = cross(a - from, way) / turn;
+  const double on_way = Cross(a - from, b - a) / turn;
+  const double on_door = Cross(a - from, way) / turn;
   if (on_way < 0.0 || on_way > 1.0 || on_door < 0.0 || on_door > 1.0) return std::nullopt;
   return on_way * way.norm();
 }
@@ -125,8 +124,8 @@ class GraphMaker {
       const std::optional<double> at = CrossingAt(from, to, a, b);
       if (!at) continue;
       if (!door.is_operated) return std::nullopt;
-      const std::string name = door.name.empty() ? level.name + "_door" : door.name;
-      doors.emplace(*at, Json{{"name", name}, {"at", *at}, {"clearance", ReachOf(door, (b - a).norm())}});
+      doors.emplace(*at,
+                    Json{{"name", DoorName(level, door)}, {"at", *at}, {"clearance", ReachOf(door, (b - a).norm())}});
     }
     for (auto& [at, door] : doors) made["doors"].push_back(std::move(door));
     return made;

@@ -218,8 +218,8 @@ class TreeMaker {
     const Vec2& end = EndOf(level, door.edge);
     const Vec2 middle = 0.5 * (start + end);
     const Pose X_WD{middle.x(), middle.y(), level.elevation, Atan2(start.y() - end.y(), start.x() - end.x())};
-    NodeMaker node = DoorNode(door.name.empty() ? level.name + "_door" : door.name, X_WD, (end - start).norm(),
-                              kDoorHeight, door.is_operated, door.is_operated, door.edge.where);
+    NodeMaker node = DoorNode(DoorName(level, door), X_WD, (end - start).norm(), kDoorHeight, door.is_operated,
+                              door.is_operated, door.edge.where);
     node.Text("kind", Word(door.kind)).Text("side", door.hinge_at_end ? "left" : "right");
     node.Number("swing", RadiansToDegrees(door.opens_clockwise ? door.swing : -door.swing));
     AddToWorld(std::move(node.Number("ratio", door.right_left_ratio).node));
@@ -409,6 +409,10 @@ Result<WorldTree> ReadSiteTree(const std::string& path, const AllowedPaths& allo
   Result<Site> site = IsBuildingPath(path) ? ReadBuilding(path, allowed) : ReadLayout(path, allowed);
   if (!site.ok()) return site.error();
   return SiteTree(std::make_shared<const Site>(std::move(site).value()));
+}
+
+std::string DoorName(const SiteLevel& level, const SiteDoor& door) {
+  return door.name.empty() ? level.name + "_door" : door.name;
 }
 
 std::vector<std::vector<std::string>> PlaceNames(const Site& site) {

@@ -20,6 +20,9 @@ Result<WorldTree> SiteTree(std::shared_ptr<const Site> site);
 // Reads a building file, or a layout (lif_json.h), and makes its tree.
 Result<WorldTree> ReadSiteTree(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
 
+// The name of a door's model.
+std::string DoorName(const SiteLevel& level, const SiteDoor& door);
+
 // The names of vertices as places, by level and number; empty for those that are none.
 std::vector<std::vector<std::string>> PlaceNames(const Site& site);
 

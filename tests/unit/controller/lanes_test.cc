@@ -130,7 +130,7 @@ TEST(MutexTurn, ComesAfterThoseThatStoodThereBefore) {
   MutexTurn second;
   EXPECT_FALSE(second.MayEnter(view({}, {RobotId(7)}), own, 0.0));
   EXPECT_FALSE(second.MayEnter(view(RobotId(7), {}), own, 1.0)) << "it has had its turn";
-  EXPECT_TRUE(second.MayEnter(view({}, {RobotId(7)}), own, 2.0)) << "it has come back";
+  EXPECT_TRUE(second.MayEnter(view({}, {RobotId(7)}), own, 2.0)) << "the robot has returned";
   MutexTurn parked;
   EXPECT_FALSE(parked.MayEnter(view({}, {RobotId(7)}), own, 0.0));
   EXPECT_FALSE(parked.MayEnter(view({}, {RobotId(7)}), own, 2.9));

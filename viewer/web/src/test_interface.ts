@@ -29,7 +29,7 @@ export interface TestInterface {
   names(): {models: string[]; robots: string[]};
   // Whether each light is lit, by the name of its model.
   lights(): Record<string, boolean>;
-  // The levels of the building, from below; and what is shown of them: stacked, beside, or a level.
+  // The levels of the building, from below, and the choice among them: stacked, beside, or a level.
   levels(): {names: string[]; choice: string};
   select(name: string): void;
   events(): Array<{tick: number; position: number; text: string}>;
