@@ -1,4 +1,4 @@
-"""Runs clang-tidy on the sources of a unity build, a batch at a time.
+"""Runs clang-tidy and the front end of gcc on the sources of a unity build, a batch at a time.
 
     lint_batches.py [--all] [--record] BUILD_FOLDER [FILES]      exit status 1 if there is a finding
 
@@ -6,6 +6,8 @@ The file .ci/linted has a hash of each batch that had no finding: of its sources
 include, its command and the checks. Batches with such a hash are left out, except with --all or FILES. With --record
 the hashes are written, of the batches without a finding. It works without history, and a change of a header reaches all
 batches that include it.
+
+Tests are compiled by clang, users' programs often by gcc: an error or warning of gcc is a finding.
 
 Most of clang-tidy's time goes into headers that all sources share, so each batch of the unity build is read as one
 file. The sources are copied into it, not included, because clang's analyzer skips functions of included files. Findings are
@@ -19,6 +21,7 @@ import hashlib
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 
@@ -75,16 +78,22 @@ class Batch:
         return f"{os.path.relpath(file, ROOT)}:{number}{text}"
 
     def findings(self):
-        """The findings, each with its notes and excerpts. A run that failed without one is a finding itself."""
-        run = subprocess.run(["clang-tidy", "-p", os.path.dirname(self.path), "--quiet", self.path],
-                             capture_output=True, text=True, check=False)
+        """The findings, each with its notes and excerpts."""
+        tidy = ["clang-tidy", "-p", os.path.dirname(self.path), "--quiet", self.path]
+        gcc = ["g++", *shlex.split(self.command["command"])[1:], "-Werror", "-fsyntax-only"]
+        return (self.findings_of(tidy, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) +
+                self.findings_of(gcc, cwd=self.command["directory"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT))
+
+    def findings_of(self, command, **options):
+        """A run that failed without a finding is a finding itself."""
+        run = subprocess.run(command, text=True, check=False, **options)
         findings = []
         for line in map(self.located, run.stdout.splitlines()):
             if re.search(r":\d+: (error|warning): ", line) or not findings:
                 findings.append(line)
             else:
                 findings[-1] += "\n" + line
-        return findings or ([f"clang-tidy failed on {self.path}\n{run.stderr}"] if run.returncode else [])
+        return findings or ([f"{command[0]} failed on {self.path}"] if run.returncode else [])
 
 
 @functools.cache

@@ -45,7 +45,7 @@ EXPECTED = (
     (r"no buildah", is_missing("/usr/bin/buildah")),
     (r"no module yaml", is_missing("/usr/lib/python3/dist-packages/yaml")),
     (r"no emscripten", lambda: not shutil.which("em++")),
-    (r"no build of the preset clang", is_missing("build/clang/bin/troupe-core")),
+    (r"no build of the preset gcc", is_missing("build/gcc/bin/troupe-core")),
     (r"no build of the preset arm64",
      lambda: is_missing("build/arm64/bin/troupe")() or is_missing("build/arm64/bin/robot-agent")()),
     (r"no qemu-aarch64-static", lambda: not shutil.which("qemu-aarch64-static")),

@@ -5,7 +5,7 @@ difference of a long run and a short one, so that start and end do not count.
 
     compilers.py WORLD ROBOTS TICKS [--rounds N] [--gcc FOLDER_OF_BUILD]
 
-Builds: the target troupe-core of the presets ci and clang, and the preset wasm; what is not built is left out.
+Builds: the target troupe-core of the presets gcc and ci, and the preset wasm; what is not built is left out.
 """
 import argparse
 import filecmp
@@ -35,9 +35,9 @@ def main():
     parser.add_argument("robots", type=int)
     parser.add_argument("ticks", type=int)
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--gcc", type=pathlib.Path, default=ROOT / "build/ci")
+    parser.add_argument("--gcc", type=pathlib.Path, default=ROOT / "build/gcc")
     arguments = parser.parse_args()
-    programs = {"gcc": (arguments.gcc / "bin/troupe-core", []), "clang": (ROOT / "build/clang/bin/troupe-core", []),
+    programs = {"gcc": (arguments.gcc / "bin/troupe-core", []), "clang": (ROOT / "build/ci/bin/troupe-core", []),
                 "WebAssembly": (ROOT / "build/wasm/bin/troupe-core.mjs", ["node"])}
     commands = {name: [*before, str(path)] for name, (path, before) in programs.items() if path.exists()}
     times = {name: [] for name in commands}

@@ -3,7 +3,7 @@
 add_library(troupe_options INTERFACE)
 target_compile_options(troupe_options INTERFACE
   -ffp-contract=off -fno-fast-math
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wunused
+  -Wall -Wextra -Wpedantic -Wno-overlength-strings -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wunused
   $<$<BOOL:${TROUPE_WERROR}>:-Werror>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # These have false positives in libstdc++'s own string concatenation, depending on the length of a literal

@@ -42,7 +42,7 @@ endfunction()
 #             [DEFINITIONS d ...] [PROPERTIES name value ...])
 # The tests in these sources (or headers), run by CTest as one test. DEPENDS: libraries; NEEDS: what they run or load;
 # PROPERTIES: of CTest, for instance COST: about how many seconds it takes, if many (the longest begin first), or
-# PROCESSORS: how many of the places for tests, four for each core, it takes. Labels: slow (not in scripts/test), process
+# PROCESSORS: how many of the places for tests, six for each core, it takes. Labels: slow (not in scripts/test), process
 # (drives the programs), determinism (whole runs), threads (runs under the thread sanitizer too), addresses (under the
 # address sanitizer; all that have none of the first three have it). In a unity build the sources of a folder are
 # compiled together, up to 12 at a time.
@@ -108,9 +108,9 @@ macro(troupe_add_test)
       math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 20")  # an emulator, too
       list(APPEND environment CMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE})  # of projects that tests build
     endif()
-    # With four places for each core (scripts/test), tests that calculate run one a core, and beside each of them two that
+    # With six places for each core (scripts/test), tests that calculate run one a core, and beside each of them two that
     # drive processes, which mostly wait.
-    set(processors 3)
+    set(processors 4)
     if(TROUPE_SANITIZER)
       set(processors 2)  # of two places for each core
     elseif("process" IN_LIST arg_LABELS)

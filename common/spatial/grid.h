@@ -156,7 +156,7 @@ void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const 
     const std::int32_t column_offset = column * columns.stride;
     const auto cell = static_cast<std::size_t>(column_offset + row);
     const auto next = static_cast<std::size_t>(column_offset + next_row);
-    if (filled(cell) | filled(next)) {
+    if (static_cast<int>(filled(cell)) | static_cast<int>(filled(next))) {  // one branch, not two
       const double entered = column == first ? enter : first_left + ((column - first) * up - 1) * metres_per_column;
       if (filled(cell) && !visit(cell, entered)) return;
       if (cell != next && filled(next) && !visit(next, entered)) return;

@@ -620,9 +620,11 @@ void DistributedRun::StopViewer() {
 }
 
 void DistributedRun::AwaitStopOfViewer() {
-  progress_.Tell(kPageStaysOpen);
   kill_at_.reset();  // of the agents, which have ended
-  while (viewer_.running() && !again_ && !signals_.stop_requested()) ProcessEvents();
+  const auto stays_open = [&] { return viewer_.running() && !again_ && !signals_.stop_requested(); };
+  while (stays_open() && page_.empty()) ProcessEvents();  // a short run may end before its viewer has a page
+  if (stays_open()) progress_.Tell(kPageStaysOpen);
+  while (stays_open()) ProcessEvents();
 }
 
 int DistributedRun::Run(const ReportEnd& report) {

@@ -2,9 +2,9 @@
 of the programs under test, byte by byte.
 
     platforms_test.py FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
-                      [--platforms clang,arm64,wasm] [--cases golden,worlds,random] [--seeds FIRST,COUNT]
+                      [--platforms gcc,arm64,wasm] [--cases golden,worlds,random] [--seeds FIRST,COUNT]
 
-Platforms: the target troupe-core of the preset clang, and the program troupe of arm64 in qemu, where they are built; the
+Platforms: the target troupe-core of the preset gcc, and the program troupe of arm64 in qemu, where they are built; the
 preset wasm in node, which is built here where emscripten is. Cases: the scenarios of scenario_hash_test; all other worlds
 of the project, and those of Stage's, for fewer ticks; random scenarios (random_scenario.py), whose seeds are in their
 names.
@@ -83,7 +83,7 @@ class Module:
 
 def platforms(source):
     builds = source / "build"
-    return {"clang": Programs("clang", builds / "clang/bin/troupe-core"),
+    return {"gcc": Programs("gcc", builds / "gcc/bin/troupe-core"),
             "arm64": Programs("arm64", builds / "arm64/bin/troupe",
                               ("qemu-aarch64-static", "-L", builds / "arm64-root")),
             "wasm": Module(source)}
@@ -147,7 +147,7 @@ def main():
     parser.add_argument("programs", type=pathlib.Path)
     parser.add_argument("source", type=pathlib.Path)
     parser.add_argument("files", type=pathlib.Path)
-    parser.add_argument("--platforms", default="clang,arm64,wasm")
+    parser.add_argument("--platforms", default="gcc,arm64,wasm")
     parser.add_argument("--cases", default="golden,worlds,random")
     parser.add_argument("--seeds", default="1,12", metavar="FIRST,COUNT")
     arguments = parser.parse_args()
