@@ -112,7 +112,7 @@ macro(troupe_add_test)
     # drive processes, which mostly wait.
     set(processors 4)
     if(TROUPE_SANITIZER)
-      set(processors 2)  # of two places for each core
+      set(processors 2)  # of three places for each core
     elseif("process" IN_LIST arg_LABELS)
       set(processors 1)
     endif()
