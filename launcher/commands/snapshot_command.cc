@@ -26,6 +26,7 @@
 #include "troupe/simulation.h"
 #include "world-service/replay/run_replay.h"
 #include "worldfile/load_world.h"
+#include "worldfile/sites/building_text.h"
 #include "worldfile/sites/lif_json.h"
 
 namespace troupe {
@@ -181,6 +182,7 @@ struct ExportMapOptions {
   std::optional<double> resolution;
   std::optional<double> height;
   bool lanes = false;
+  bool building = false;
 };
 
 // Of the lanes and places of a building, beside its map.
@@ -188,6 +190,14 @@ Status WriteLanes(const ExportMapOptions& options, const Site* site) {
   if (site == nullptr) return Error{{options.file}, "found no lanes, expected a building (.building.yaml) or a layout"};
   const std::string now = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   return WriteWholeFile(options.output + ".lif.json", LayoutText(*site, now));
+}
+
+// The whole site, beside its map.
+Status WriteBuilding(const ExportMapOptions& options, const Site* site) {
+  if (site == nullptr) {
+    return Error{{options.file}, "found no building, expected one (.building.yaml), a layout, or a scenario in one"};
+  }
+  return WriteWholeFile(options.output + ".building.yaml", BuildingText(*site));
 }
 
 // Both or none: the image of one map beside the scale of another would be a wrong map.
@@ -225,6 +235,9 @@ std::string Yaml(const OccupancyGrid& grid, const std::string& image) {
 int ExportMapCommand(const ExportMapOptions& options) {
   Result<LoadedWorld> loaded = LoadWorld(options.file, {});
   if (!loaded.ok()) return Fail(loaded.error());
+  if (options.building) {
+    if (Status failure = WriteBuilding(options, loaded.value().site.get()); !failure.ok()) return Fail(failure.error());
+  }
   if (options.lanes) {
     if (Status failure = WriteLanes(options, loaded.value().site.get()); !failure.ok()) return Fail(failure.error());
   }
@@ -361,6 +374,8 @@ void AddExportMapCommand(CLI::App& app, int& exit_status) {
       ->check(NumberFromZero())
       ->type_name("METRES");
   command->add_flag("--lanes", options->lanes, "Also write the lanes of a building as a layout (LIF), NAME.lif.json");
+  command->add_flag("--building", options->building,
+                    "Also write the building itself, in metres, as NAME.building.yaml of Open-RMF");
   command->final_callback([options, &exit_status] { exit_status = ExportMapCommand(*options); });
 }
 

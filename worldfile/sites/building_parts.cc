@@ -4,28 +4,11 @@
 #include <map>
 #include <numbers>
 #include <set>
-#include <utility>
+
+#include "worldfile/sites/building_keys.h"
 
 namespace troupe {
 namespace {
-
-constexpr std::pair<const char*, bool SiteVertex::*> kVertexFlags[] = {
-    {"is_charger", &SiteVertex::is_charger},
-    {"is_parking_spot", &SiteVertex::is_parking_spot},
-    {"is_holding_point", &SiteVertex::is_holding_point},
-    {"is_cleaning_zone", &SiteVertex::is_cleaning_zone},
-    {"is_passthrough_point", &SiteVertex::is_passthrough_point},
-};
-constexpr std::pair<const char*, std::string SiteVertex::*> kVertexTexts[] = {
-    {"dock_name", &SiteVertex::dock},
-    {"lift_cabin", &SiteVertex::lift_cabin},
-    {"pickup_dispenser", &SiteVertex::pickup_dispenser},
-    {"dropoff_ingestor", &SiteVertex::dropoff_ingestor},
-    {"mutex", &SiteVertex::mutex},
-    {"human_goal_set_name", &SiteVertex::human_goal_set},
-    {"spawn_robot_type", &SiteVertex::robot_type},
-    {"spawn_robot_name", &SiteVertex::robot_name},
-};
 
 std::uint32_t ReadGraph(YamlReader& yaml, const YAML::Node& params) {
   return static_cast<std::uint32_t>(yaml.Number(yaml.Parameter(params, "graph_idx"), "'graph_idx'", 0.0, 0.0, 1e6));

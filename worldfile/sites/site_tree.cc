@@ -8,6 +8,7 @@
 
 #include "troupe/deterministic_math.h"
 #include "troupe/rectangle.h"
+#include "worldfile/sites/building_keys.h"
 #include "worldfile/sites/building_yaml.h"
 #include "worldfile/sites/lif_json.h"
 #include "worldfile/sites/site_robots.h"
@@ -123,20 +124,6 @@ NodeMaker DoorNode(const std::string& name, const Pose& X_WD, double width, doub
   return door.Number("opening", is_open ? 1.0 : 0.0).Number("operated", is_operated ? 1.0 : 0.0);
 }
 
-const char* Word(SiteDoorKind kind) {
-  switch (kind) {
-    case SiteDoorKind::kHinged:
-      return "hinged";
-    case SiteDoorKind::kDoubleHinged:
-      return "double_hinged";
-    case SiteDoorKind::kSliding:
-      return "sliding";
-    case SiteDoorKind::kDoubleSliding:
-      break;
-  }
-  return "double_sliding";
-}
-
 class TreeMaker {
  public:
   TreeMaker(const Site& site, WorldTree& tree) : site_(site), tree_(tree) {}
@@ -220,7 +207,7 @@ class TreeMaker {
     const Pose X_WD{middle.x(), middle.y(), level.elevation, Atan2(start.y() - end.y(), start.x() - end.x())};
     NodeMaker node = DoorNode(DoorName(level, door), X_WD, (end - start).norm(), kDoorHeight, door.is_operated,
                               door.is_operated, door.edge.where);
-    node.Text("kind", Word(door.kind)).Text("side", door.hinge_at_end ? "left" : "right");
+    node.Text("kind", DoorKindWord(door.kind)).Text("side", door.hinge_at_end ? "left" : "right");
     node.Number("swing", RadiansToDegrees(door.opens_clockwise ? door.swing : -door.swing));
     AddToWorld(std::move(node.Number("ratio", door.right_left_ratio).node));
   }
@@ -304,7 +291,7 @@ class TreeMaker {
       const Pose X_CD{at_end_of_x ? distance : along, at_end_of_x ? along : distance, 0.0, WrapAngle(door.heading)};
       const Pose X_WD = X_WC * X_CD;
       AddToWorld(std::move(DoorNode(name, X_WD, door.width, kCabinHeight, is_open, false, lift.where)
-                               .Text("kind", Word(SiteDoorKind::kDoubleSliding))
+                               .Text("kind", DoorKindWord(SiteDoorKind::kDoubleSliding))
                                .node));
     };
     const auto opens_at = [&](std::size_t level) {

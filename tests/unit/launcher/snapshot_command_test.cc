@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -305,6 +306,16 @@ TEST(ExportMap, EnlargesAMapByWholeCellsForBodiesBesideIt) {
   EXPECT_EQ(read.value().map_width, 7);  // from -1.75, a whole number of cells before -1, to 0
   EXPECT_EQ(read.value().map_height, 3);
   EXPECT_EQ(read.value().world.models[0].X_PM, (Pose{-1.75, 2.5, 0, 0}));
+}
+
+TEST(ExportMap, WritesABuildingThatIsTheSameWorld) {
+  const test::TemporaryFolder folder;
+  const std::string path = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/sites/guesthouse.building.yaml";
+  ASSERT_EQ(Export({"export-map", path, "-o", folder.Path("copy"), "--building"}), 0);
+  const LoadedWorld read = test::ValueOf(LoadWorld(folder.Path("copy.building.yaml"), {}));
+  EXPECT_TRUE(read.world == test::ValueOf(LoadWorld(path, {})).world);
+  std::ofstream(folder.Path("a.world")) << "model ( name \"l\" size [ 2 1 1 ] )\n";
+  EXPECT_EQ(Export({"export-map", folder.Path("a.world"), "-o", folder.Path("map"), "--building"}), 2);
 }
 
 TEST(ExportMap, RefusesAWorldWithoutStaticBodies) {

@@ -1,0 +1,44 @@
+// The parameters of a vertex in a building file, by their keys.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "worldfile/sites/site.h"
+
+namespace troupe {
+
+inline constexpr std::pair<const char*, bool SiteVertex::*> kVertexFlags[] = {
+    {"is_charger", &SiteVertex::is_charger},
+    {"is_parking_spot", &SiteVertex::is_parking_spot},
+    {"is_holding_point", &SiteVertex::is_holding_point},
+    {"is_cleaning_zone", &SiteVertex::is_cleaning_zone},
+    {"is_passthrough_point", &SiteVertex::is_passthrough_point},
+};
+inline constexpr std::pair<const char*, std::string SiteVertex::*> kVertexTexts[] = {
+    {"dock_name", &SiteVertex::dock},
+    {"lift_cabin", &SiteVertex::lift_cabin},
+    {"pickup_dispenser", &SiteVertex::pickup_dispenser},
+    {"dropoff_ingestor", &SiteVertex::dropoff_ingestor},
+    {"mutex", &SiteVertex::mutex},
+    {"human_goal_set_name", &SiteVertex::human_goal_set},
+    {"spawn_robot_type", &SiteVertex::robot_type},
+    {"spawn_robot_name", &SiteVertex::robot_name},
+};
+
+// The types of doors, as SiteTree names them to world files and building files name them, too.
+inline std::string DoorKindWord(SiteDoorKind kind) {
+  switch (kind) {
+    case SiteDoorKind::kHinged:
+      return "hinged";
+    case SiteDoorKind::kDoubleHinged:
+      return "double_hinged";
+    case SiteDoorKind::kSliding:
+      return "sliding";
+    case SiteDoorKind::kDoubleSliding:
+      break;
+  }
+  return "double_sliding";
+}
+
+}  // namespace troupe
