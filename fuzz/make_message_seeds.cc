@@ -63,6 +63,12 @@ WorldDescription SmallWorld() {
   map.shape = ShapeId(world.shapes.size());
   Shape& shape = world.shapes.emplace_back();
   shape.rectangles_z = {0.0, 1.0};
+  world.levels = {{"ground", 0.0}, {"first", 4.0}};
+  LaneGraph& lanes = world.lane_graphs.emplace_back();
+  lanes.vertices.resize(2);
+  lanes.vertices[1].name = "dock";
+  lanes.vertices[1].position = {3.0, 0.0};
+  lanes.lanes.push_back({.start = 0, .end = 1, .mutex = "narrow", .doors = {}});
   shape.area = PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), {.factor = 0.1}, {.factor = 0.2});
   world.models.push_back(std::move(map));
   return world;

@@ -27,18 +27,24 @@ Result<LoadedWorld> LoadStageWorld(const std::string& path, const LoadOverrides&
   return BuildWorld(tree.value(), overrides);
 }
 
+// The controller of the robots of a building, without one of their own: they wait for goals on its lanes.
+std::optional<std::string> ControllerOf(const Site& site, const LoadOverrides& overrides) {
+  const bool has_lanes =
+      std::any_of(site.levels.begin(), site.levels.end(), [](const auto& level) { return !level.lanes.empty(); });
+  return overrides.controller || !has_lanes ? overrides.controller : std::optional<std::string>("lanes");
+}
+
 Result<LoadedWorld> LoadBuilding(const std::string& path, const LoadOverrides& overrides) {
   const Result<WorldTree> tree = ReadSiteTree(path, overrides.allowed);
   if (!tree.ok()) return tree.error();
   LoadOverrides build = overrides;
-  const std::vector<SiteLevel>& levels = tree.value().site->levels;
-  const bool has_lanes =
-      std::any_of(levels.begin(), levels.end(), [](const auto& level) { return !level.lanes.empty(); });
-  if (!build.controller && has_lanes) build.controller = "lanes";  // its robots wait for goals
+  build.controller = ControllerOf(*tree.value().site, overrides);
   Result<LoadedWorld> built = BuildWorld(tree.value(), build);
   if (!built.ok()) return built;
   Result<LoadedWorld> crowded = AddCrowd(std::move(built).value());
-  return crowded.ok() ? AddLanes(std::move(crowded).value(), overrides) : crowded;
+  if (!crowded.ok()) return crowded;
+  if (Status error = CheckControllersInWorld(crowded.value(), path, overrides); !error.ok()) return error.error();
+  return crowded;
 }
 
 Result<LoadedWorld> LoadByEnding(const std::string& path, const LoadOverrides& overrides) {
@@ -70,7 +76,9 @@ Result<ScenarioWorld> ReadDefinitions(const std::string& path, const LoadOverrid
   if (!tree.ok()) return tree.error();
   ScenarioWorld world;
   world.tree = std::move(tree).value();
-  if (overrides.controller) world.controller = ControllerDescription{*overrides.controller, "{}"};
+  std::optional<std::string> controller = overrides.controller;
+  if (world.tree.site != nullptr) controller = ControllerOf(*world.tree.site, overrides);
+  if (controller) world.controller = ControllerDescription{*controller, "{}"};
   return world;
 }
 

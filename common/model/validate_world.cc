@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/geometry/limits.h"
+#include "common/model/validate_site.h"
 #include "troupe/world_description.h"
 
 namespace troupe {
@@ -374,6 +375,7 @@ Status Validate(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.people.size(); ++i) {
     if (Status error = InPart(CheckPerson(world, i), "person", i); !error.ok()) return error;
   }
+  if (Status error = ValidateSite(world); !error.ok()) return error;
   if (Status error = CheckAreas(world); !error.ok()) return error;
   if (!AreUsable({world.gravity}) || world.gravity < 0.0) return Problem("its gravity is not finite or negative");
   return Status();

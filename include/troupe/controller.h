@@ -125,11 +125,19 @@ struct CameraCommand {
   double tilt = 0.0;  // rad, upwards; bounded so that its picture ends within 85 degrees above and below the horizontal
 };
 
+// The disc around its hinge that a turning leaf of a door stays in.
+struct LeafSweep {
+  Vec2 hinge{0.0, 0.0};  // m, in W
+  double radius = 0.0;   // m
+  bool operator==(const LeafSweep&) const = default;
+};
+
 // A door of the world, which its controls tell every robot about.
 struct DoorInfo {
   std::string name;
-  Vec2 middle{0.0, 0.0};  // m, of the doorway, in W
-  double z = 0.0;         // m, of its floor
+  Vec2 middle{0.0, 0.0};               // m, of the doorway, in W
+  double z = 0.0;                      // m, of its floor
+  std::vector<LeafSweep> sweeps = {};  // of the leaves that turn
   bool operator==(const DoorInfo&) const = default;
 };
 
@@ -145,6 +153,7 @@ struct LiftInfo {
   std::string name;
   Vec2 middle{0.0, 0.0};  // m, of the cabin, in W
   std::vector<std::string> floors;
+  std::vector<std::vector<std::size_t>> doors = {};  // by floor: those that open there, in RobotInfo::doors
   bool operator==(const LiftInfo&) const = default;
 };
 
@@ -225,6 +234,10 @@ struct RobotInfo {
   std::vector<LightInfo> lights = {};                // in id order
   std::vector<DoorInfo> doors = {};                  // of the world, in the order of its models
   std::vector<LiftInfo> lifts = {};                  // likewise
+  Pose start = {};                                   // of R in W, when the world was loaded or the robot spawned
+  // Of the world, ascending by their numbers; their doors and lifts are those above. They live as long as the
+  // controller.
+  std::span<const LaneGraph> lane_graphs = {};
 };
 
 class Controller {
@@ -252,7 +265,7 @@ class Controller {
 // A shared library defines these two (TROUPE_CONTROLLER does it):
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
-#define TROUPE_CONTROLLER_ABI 8
+#define TROUPE_CONTROLLER_ABI 9
 #define TROUPE_CONTROLLER(Type)                                                                   \
   extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
     return TROUPE_CONTROLLER_ABI;                                                                 \

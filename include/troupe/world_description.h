@@ -16,7 +16,8 @@
 // - doors are in the order of their models, which never move, and so are lifts; an object is at most once a leaf or a
 // cabin;
 // - people are in the order of their root models, which have no parent and are neither robots nor objects; the leader
-// of a person precedes it and has none; goal sets and the choices among them exist.
+// of a person precedes it and has none; goal sets and the choices among them exist;
+// - levels ascend, and so do the numbers of lane graphs; the vertices, doors, lifts and floors that lanes name exist.
 #pragma once
 
 #include <cstdint>
@@ -33,6 +34,7 @@
 #include "troupe/rectangle.h"
 #include "troupe/result.h"
 #include "troupe/sensor_description.h"
+#include "troupe/site_description.h"
 #include "troupe/z_range.h"
 
 namespace troupe {
@@ -334,6 +336,8 @@ struct WorldDescription {
   std::vector<LiftDescription> lifts = {};
   std::vector<GoalSet> goal_sets = {};
   std::vector<PersonDescription> people = {};
+  std::vector<LevelDescription> levels = {};  // of a building, or the floors of lifts; none: the world is one level
+  std::vector<LaneGraph> lane_graphs = {};
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
   const ModelDescription& model(ModelId id) const { return models[id.index()]; }

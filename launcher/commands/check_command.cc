@@ -260,6 +260,7 @@ int CheckCommand(const std::string& file) {
   if (const Status status = CheckControllers(file); !status.ok()) return Fail(status.error());
   LoadOverrides overrides;
   overrides.check_controller = CheckController;  // also of what a scenario adds to a world
+  overrides.check_in_world = CheckControllerInWorld;
   const Result<LoadedWorld> loaded = LoadWorld(file, overrides);
   if (!loaded.ok()) return Fail(loaded.error());
   fmt::print("{}", DescribeWorld(loaded.value()));
@@ -294,6 +295,7 @@ Status CheckControllers(const std::string& file, const std::optional<std::string
   }
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
+  overrides.check_in_world = CheckControllerInWorld;
   return file.ends_with(".json") ? CheckScenario(file, overrides) : Status();
 }
 

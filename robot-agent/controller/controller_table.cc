@@ -110,7 +110,8 @@ constexpr ParameterHelp kLanesParameters[] = {
     {"charge_below", "number", "", "0.3", 0.0, 1.0,
      "Of the store's capacity: below it the robot drives to the nearest charger"},
     kChargeToHelp,
-    {"graph", "json", "", "", 0.0, 0.0, "The lanes, or the number of a graph of the building"}};
+    {"close_doors", "flag", "", "true", 0.0, 0.0, "Close doors behind it"},
+    {"graph", "number", "", "", 0.0, 1e6, "The number of a graph of lanes; without it that nearest to its start"}};
 constexpr ParameterHelp kLaserNoiseParameters[] = {
     {"samples", "number", "", "100", 2.0, 1e6, "Readings for each report"}};
 constexpr ParameterHelp kPioneerFlockingParameters[] = {kDistanceHelp, kSpeedHelp, kTurnRateHelp, kClearanceHelp};

@@ -257,6 +257,20 @@ Status CheckController(const std::string& name, const std::string& parameters) {
   return UnknownName(name);
 }
 
+Status CheckControllerInWorld(const WorldDescription& world, RobotId robot) {
+  const RobotDescription& description = world.robot(robot);
+  for (const BuiltInController& built_in : BuiltIns()) {
+    if (description.controller.name != built_in.name || built_in.check_in_world == nullptr) continue;
+    RobotInfo info{.id = robot, .robot = &description, .parameters = description.controller.parameters};
+    info.start = world.model(description.root).X_PM;
+    info.lane_graphs = world.lane_graphs;
+    if (Status status = built_in.check_in_world(info); !status.ok()) {
+      return Error{{}, fmt::format("robot '{}': {}", description.name, status.error().message)};
+    }
+  }
+  return Status();
+}
+
 BuiltInController Dynamic() {
   return {"dynamic", CheckDynamic, CreateDynamic};
 }

@@ -23,4 +23,7 @@ Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info, cons
 // Checks name and parameters without making a controller; a library is not opened.
 Status CheckController(const std::string& name, const std::string& parameters);
 
+// Checks that the world has what the controller of the robot needs, as lanes and places. The error names both.
+Status CheckControllerInWorld(const WorldDescription& world, RobotId robot);
+
 }  // namespace troupe

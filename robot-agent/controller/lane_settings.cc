@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <utility>
+#include <vector>
 
 #include "common/base/text.h"
 #include "robot-agent/controller/built_in.h"
@@ -15,138 +15,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kFar = 1e6;  // m
-constexpr std::size_t kMostOfEach = 100'000;
-
-// Reads one entry of a list of the graph; the first fault is the error of all.
-class EntryReader {
- public:
-  EntryReader(std::string place, const json& object) : reader_(std::move(place), object) {}
-
-  std::string Text(const char* key) { return reader_.ReadText(key).value_or(""); }
-  double Number(const char* key, double least, double otherwise) {
-    return reader_.ReadNumber(key, {least, kFar}).value_or(otherwise);
-  }
-  bool Flag(const char* key) { return reader_.ReadBool(key).value_or(false); }
-
-  std::size_t Vertex(const char* key, std::size_t count) {
-    const std::optional<double> number = reader_.ReadNumber(key, {0.0, static_cast<double>(count) - 1.0});
-    if (!number) reader_.Fail(fmt::format("'{}' is missing, expected the number of a vertex", key));
-    return number ? static_cast<std::size_t>(*number) : 0;
-  }
-
-  // `[x, y]` or `[x, y, z]`.
-  void ReadPoint(LaneVertex& vertex) {
-    const std::vector<json> point = reader_.ReadArray("at");
-    bool is_good = point.size() == 2 || point.size() == 3;
-    for (const json& value : point) {
-      is_good = is_good && value.is_number() && std::abs(value.get<double>()) <= kFar;
-    }
-    if (!is_good) return reader_.Fail("'at' is no point, expected [x, y] or [x, y, z]");
-    vertex.position = {point[0].get<double>(), point[1].get<double>()};
-    if (point.size() == 3) vertex.z = point[2].get<double>();
-  }
-
-  LaneFacing Facing() {
-    const std::string text = Text("facing");
-    if (text == "forward") return LaneFacing::kForward;
-    if (text == "backward") return LaneFacing::kBackward;
-    if (!text.empty()) reader_.Fail(fmt::format("'facing' is \"{}\", expected \"forward\" or \"backward\"", text));
-    return LaneFacing::kAny;
-  }
-
-  std::vector<std::string> Texts(const char* key) {
-    std::vector<std::string> texts;
-    for (const json& value : reader_.ReadArray(key)) {
-      if (value.is_string()) {
-        texts.push_back(value.get<std::string>());
-      } else {
-        reader_.Fail(fmt::format("'{}' has an item that is no text, expected names", key));
-      }
-    }
-    return texts;
-  }
-
-  std::vector<LaneDoor> Doors() {
-    std::vector<LaneDoor> doors;
-    for (const json& value : reader_.ReadArray("doors")) {
-      EntryReader door("door " + std::to_string(doors.size()), value);
-      LaneDoor read{door.Text("name"), door.Number("at", 0.0, 0.0), door.Number("clearance", 0.0, 1.0)};
-      if (Status status = door.Finish(); !status.ok()) {
-        reader_.Fail(status.error().message);
-        return {};
-      }
-      doors.push_back(std::move(read));
-    }
-    return doors;
-  }
-
-  Status Finish() { return reader_.Finish(); }
-
- private:
-  NestedParameters reader_;
-};
-
-LaneVertex ReadLaneVertex(EntryReader& entry) {
-  LaneVertex vertex;
-  vertex.name = entry.Text("name");
-  entry.ReadPoint(vertex);
-  vertex.is_charger = entry.Flag("charger");
-  vertex.dock = entry.Text("dock");
-  vertex.mutex = entry.Text("mutex");
-  vertex.lift = entry.Text("lift");
-  vertex.floor = entry.Text("floor");
-  vertex.lift_doors = entry.Texts("lift_doors");
-  return vertex;
-}
-
-Lane ReadLaneEntry(EntryReader& entry, std::size_t vertices) {
-  Lane lane;
-  lane.start = entry.Vertex("from", vertices);
-  lane.end = entry.Vertex("to", vertices);
-  lane.is_bidirectional = entry.Flag("both_ways");
-  lane.speed_limit = entry.Number("speed", 0.0, 0.0);
-  lane.facing = entry.Facing();
-  lane.mutex = entry.Text("mutex");
-  lane.doors = entry.Doors();
-  return lane;
-}
-
-// `graph`: an object, or the number of a graph of the site, which the loader of the world replaces.
-void ReadGraph(NestedParameters& reader, LaneSettings& settings) {
-  const std::optional<json> value = reader.ReadAny("graph");
-  if (!value || value->is_number_unsigned()) return;
-  const auto read = std::make_shared<LaneGraph>();
-  NestedParameters graph("graph", *value);
-  for (const json& item : graph.ReadArray("vertices")) {
-    EntryReader entry(fmt::format("vertex {}", read->vertices.size()), item);
-    read->vertices.push_back(ReadLaneVertex(entry));
-    if (Status status = entry.Finish(); !status.ok()) graph.Fail(status.error().message);
-  }
-  const std::size_t count = read->vertices.size();
-  if (count == 0) graph.Fail("found no vertices, expected some");
-  for (const json& item : graph.ReadArray("lanes")) {
-    if (count == 0) break;  // has failed
-    EntryReader entry(fmt::format("lane {}", read->lanes.size()), item);
-    read->lanes.push_back(ReadLaneEntry(entry, count));
-    if (Status status = entry.Finish(); !status.ok()) graph.Fail(status.error().message);
-  }
-  if (count > kMostOfEach || read->lanes.size() > kMostOfEach) graph.Fail("found more than 100000 of a kind");
-  if (Status status = graph.Finish(); !status.ok()) return reader.Fail(status.error().message);
-  settings.graph = read;
-}
-
 void ReadPlaces(NestedParameters& reader, LaneSettings& settings) {
   for (const json& place : reader.ReadArray("places")) {
     if (!place.is_string()) return reader.Fail("'places' has an item that is no text, expected names of places");
     settings.places.push_back(place.get<std::string>());
-    if (settings.graph == nullptr || settings.graph->Find(settings.places.back())) continue;
-    std::vector<std::string> names;
-    for (const LaneVertex& vertex : settings.graph->vertices) {
-      if (!vertex.name.empty()) names.push_back(vertex.name);
-    }
-    return reader.Fail(fmt::format("the lanes have no place '{}', expected one of: {}{}", settings.places.back(),
-                                   fmt::join(names, ", "), DidYouMean(settings.places.back(), names)));
   }
 }
 
@@ -155,9 +27,13 @@ void ReadPlaces(NestedParameters& reader, LaneSettings& settings) {
 Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   LaneSettings settings;
   NestedParameters reader("lanes", text);
-  ReadGraph(reader, settings);
+  if (const std::optional<double> graph = reader.ReadNumber("graph", {0.0, 1e6})) {
+    settings.graph = static_cast<std::uint32_t>(*graph);
+    if (*settings.graph != *graph) reader.Fail(fmt::format("'graph' is {}, expected a whole number", *graph));
+  }
   ReadPlaces(reader, settings);
   settings.repeat = reader.ReadBool("repeat").value_or(settings.repeat);
+  settings.close_doors = reader.ReadBool("close_doors").value_or(settings.close_doors);
   const auto read = [&](const char* key, double& value, double least, double most) {
     value = reader.ReadNumber(key, {least, most}).value_or(value);
   };
@@ -171,6 +47,32 @@ Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   if (settings.charge_to < settings.charge_below) reader.Fail("'charge_to' is below 'charge_below'");
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return settings;
+}
+
+Result<const LaneGraph*> FindLanes(const LaneSettings& settings, const RobotInfo& info) {
+  if (info.lane_graphs.empty()) {
+    return Error{{}, "lanes: the world has no lanes, expected a building or a layout with some"};
+  }
+  const LaneGraph* const graph =
+      settings.graph ? FindGraph(info.lane_graphs, *settings.graph) : GraphAt(info.lane_graphs, info.start);
+  if (graph == nullptr || graph->vertices.empty()) {
+    std::vector<std::uint32_t> numbers;
+    for (const LaneGraph& each : info.lane_graphs) numbers.push_back(each.number);
+    return Error{{},
+                 fmt::format("lanes: found no lanes of graph {}, expected one of: {}", settings.graph.value_or(0),
+                             fmt::join(numbers, ", "))};
+  }
+  std::vector<std::string> names;
+  for (const LaneVertex& vertex : graph->vertices) {
+    if (!vertex.name.empty()) names.push_back(vertex.name);
+  }
+  for (const std::string& place : settings.places) {
+    if (graph->Find(place)) continue;
+    return Error{{},
+                 fmt::format("lanes: the lanes have no place '{}', expected one of: {}{}", place,
+                             fmt::join(names, ", "), DidYouMean(place, names))};
+  }
+  return graph;
 }
 
 }  // namespace troupe

@@ -1,21 +1,19 @@
 // The parameters of the controller `lanes`.
 #pragma once
 
-#include <cstddef>
-#include <memory>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "robot-agent/navigation/lane_graph.h"
-#include "robot-agent/navigation/steering.h"
 #include "troupe/controller.h"
 #include "troupe/result.h"
 
 namespace troupe {
 
 struct LaneSettings {
-  std::shared_ptr<const LaneGraph> graph = {};  // null: the world has to give it
-  std::vector<std::string> places;              // to visit, by name
+  std::optional<std::uint32_t> graph = {};  // its number; nothing: the one nearest to the start
+  std::vector<std::string> places;          // to visit, by name
   bool repeat = true;
   double wait = 3.0;  // s, at each place
   // 0: as the drive allows, at most kMostSpeed
@@ -25,11 +23,15 @@ struct LaneSettings {
   double tolerance = 0.1;   // m
   double charge_below = 0.3;
   double charge_to = 0.95;
+  bool close_doors = true;  // behind it
 
   static constexpr double kMostSpeed = 1.0;  // m/s, without `speed`
 };
 
 // The error names the controller.
 Result<LaneSettings> ParseLaneSettings(const std::string& text);
+
+// The graph of the world, which has all places of the settings. Likewise.
+Result<const LaneGraph*> FindLanes(const LaneSettings& settings, const RobotInfo& info);
 
 }  // namespace troupe

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
+#include "robot-agent/navigation/lane_route.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {
@@ -22,8 +22,8 @@ std::string NameOf(const LaneGraph& graph, std::size_t vertex) {
   return name.empty() ? "vertex " + std::to_string(vertex) : name;
 }
 
-LaneTasks::LaneTasks(const LaneSettings& settings, std::shared_ptr<const LaneGraph> graph, double speed, bool can_turn)
-    : graph_(std::move(graph)),
+LaneTasks::LaneTasks(const LaneSettings& settings, const LaneGraph& graph, double speed, bool can_turn)
+    : graph_(&graph),
       speed_(speed),
       can_turn_(can_turn),
       turn_rate_(settings.turn_rate),
@@ -49,7 +49,7 @@ void LaneTasks::ReadGoal(const Observation& observation) {
   next_goal_ = 0;
   if (goal == nullptr) return;
   for (const Vec2& point : goal->waypoints) {
-    goal_stops_.push_back(NearestVertex(*graph_, point, observation.pose_estimate.z, kOnAnyLevel));
+    goal_stops_.push_back(FindNearestVertex(*graph_, point, observation.pose_estimate.z, kOnAnyLevel)->vertex);
   }
   goal_heading_ = goal->heading;
 }

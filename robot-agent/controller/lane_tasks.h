@@ -3,21 +3,20 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "robot-agent/controller/lane_settings.h"
-#include "robot-agent/navigation/lane_graph.h"
 #include "troupe/controller.h"
 
 namespace troupe {
 
 class LaneTasks {
  public:
-  // `speed`: m/s, of the robot; `can_turn`: on the spot. REQUIRES: the graph has all places of the settings.
-  LaneTasks(const LaneSettings& settings, std::shared_ptr<const LaneGraph> graph, double speed, bool can_turn);
+  // `speed`: m/s, of the robot; `can_turn`: on the spot. REQUIRES: the graph, which outlives this, has all places of
+  // the settings.
+  LaneTasks(const LaneSettings& settings, const LaneGraph& graph, double speed, bool can_turn);
 
   // Reads the goal and the energy of a tick. `at`: the vertex that the robot was at last.
   void Update(const Observation& observation, std::size_t at);
@@ -42,7 +41,7 @@ class LaneTasks {
   bool ArriveAtGoal(const Observation& observation, Command& command);
   void NextStop();
 
-  std::shared_ptr<const LaneGraph> graph_;
+  const LaneGraph* graph_;
   double speed_;
   bool can_turn_;
   double turn_rate_;

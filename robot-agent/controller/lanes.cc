@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "robot-agent/controller/built_in.h"
+#include "robot-agent/controller/giving_way.h"
 #include "robot-agent/controller/lane_settings.h"
 #include "robot-agent/controller/lane_tasks.h"
 #include "robot-agent/controller/site_controls.h"
@@ -26,26 +28,22 @@ constexpr double kTurnFirst = 0.35;      // rad: it turns on the spot to a point
 constexpr double kStraightOn = 0.955;    // cosine of the turn between two lanes that it passes without braking
 constexpr double kCreep = 0.02;          // m/s: it rather stands
 constexpr double kDockTolerance = 0.03;  // m
-constexpr double kGap = 0.3;             // m: between bodies that wait for each other
+constexpr double kGap = 0.3;             // m: behind another robot
 constexpr double kSeeAhead = 4.0;        // m
-constexpr double kCallAhead = 3.0;       // m before a door
 constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
-constexpr double kGiveWaySeconds = 6.0;  // behind another robot; twice that for the one of the smaller id
-constexpr double kDetourSeconds = 60.0;  // a longer way round another robot is worth it
-constexpr double kAsideSeconds = 4.0;    // beside the way of another robot, and up to as many more
-constexpr double kPoliteSeconds = 8.0;   // until a robot that waits makes room
 
 class LanesController final : public Controller, public RobotWatcher {
  public:
-  LanesController(const RobotInfo& info, const LaneSettings& settings)
+  LanesController(const RobotInfo& info, const LaneSettings& settings, const LaneGraph& graph)
       : id_(info.id),
         settings_(settings),
-        graph_(settings.graph),
+        graph_(&graph),
         drive_(info.robot->drive),
         steer_{SpeedOf(drive_, settings), settings.turn_rate},
         recovery_(drive_, steer_),
-        tasks_(settings, graph_, steer_.speed, can_turn()),
-        controls_(info, graph_) {
+        tasks_(settings, graph, steer_.speed, can_turn()),
+        controls_(info, graph),
+        giving_way_(id_, graph, steer_.speed) {
     for (const LaneVertex& vertex : graph_->vertices) AddGroup(vertex.mutex);
     for (const Lane& lane : graph_->lanes) AddGroup(lane.mutex);
   }
@@ -74,7 +72,7 @@ class LanesController final : public Controller, public RobotWatcher {
     } else {
       Follow();
     }
-    controls_.CloseBehind(position(), radius_, others_);
+    if (settings_.close_doors) controls_.CloseBehind(position(), radius_, others_);
     controls_.EndSessions(NeededVertices());
     return std::move(command_);
   }
@@ -96,11 +94,25 @@ class LanesController final : public Controller, public RobotWatcher {
   const LaneVertex& vertex(std::size_t number) const { return graph_->vertices[number]; }
   const Lane& lane(std::size_t number) const { return graph_->lanes[number]; }
   Vec2 WayOf(const Leg& leg) const { return graph_->Way(leg.from, leg.to); }
+  LanePlace place() const { return {*now_, at_, target_, others_, radius_, half_width_}; }
 
-  // The way to the nearest vertex of the level is the first leg.
+  // The way to a vertex of the level is the first leg: to the nearest one whose way keeps clear of the leaves of doors,
+  // if there is one.
   void Start() {
     has_started_ = true;
-    at_ = NearestVertex(*graph_, position(), now_->pose_estimate.z, kOnOneLevel);
+    const double z = now_->pose_estimate.z;
+    at_ = FindNearestVertex(*graph_, position(), z, kOnOneLevel)->vertex;
+    if (!controls_.IsClear(position(), vertex(at_).position, z, radius_)) {
+      std::optional<double> least;
+      for (std::size_t i = 0; i < graph_->vertices.size(); ++i) {
+        const LaneVertex& to = vertex(i);
+        const double distance = (to.position - position()).norm();
+        if (std::fabs(to.z - z) >= kLevelGap || (least && distance >= *least)) continue;
+        if (!controls_.IsClear(position(), to.position, z, radius_)) continue;
+        least = distance;
+        at_ = i;
+      }
+    }
     legs_ = {{at_, at_, {}}};
     is_on_leg_ = true;
   }
@@ -143,13 +155,9 @@ class LanesController final : public Controller, public RobotWatcher {
 
   // A robot that has waited for `rested` s, or has no destination, makes room for one that stands near, `towards` it.
   void GiveRoom(double rested, const Vec2& towards) {
-    const bool is_asked = std::any_of(others_.begin(), others_.end(), [&](const SeenRobot& other) {
-      const Vec2 offset = other.position - position();
-      return !other.moves && std::fabs(other.z - now_->pose_estimate.z) < kLevelGap &&
-             offset.norm() < radius_ + other.radius + 2.0 * kGap && offset.dot(towards) >= 0.0;
-    });
-    if (is_asked && rested < kPoliteSeconds) return;
-    const bool has_gone = is_asked && StepAside(std::nullopt);
+    const bool is_asked = GivingWay::IsAskedForRoom(place(), towards);
+    if (is_asked && rested < GivingWay::kPoliteSeconds) return;
+    const bool has_gone = is_asked && Take(giving_way_.StepAside(place()));
     if (has_gone || !tasks_.is_aside()) rest_since_ = now_->time;
   }
 
@@ -164,7 +172,7 @@ class LanesController final : public Controller, public RobotWatcher {
         if (!rest_since_) rest_since_ = now_->time;
         return GiveRoom(now_->time - *rest_since_, WayOf(leg));
       }
-      controls_.Note(lane(*leg.lane));
+      if (settings_.close_doors) controls_.Note(lane(*leg.lane));
     }
     Drive(leg);
   }
@@ -173,7 +181,7 @@ class LanesController final : public Controller, public RobotWatcher {
     at_ = leg.to;
     legs_.erase(legs_.begin());
     is_on_leg_ = false;
-    blocked_since_.reset();
+    giving_way_.OnFree();
     turn_.Forget();
     rest_since_.reset();
     if (legs_.empty() && target_ == at_ && !vertex(at_).dock.empty()) {
@@ -201,21 +209,20 @@ class LanesController final : public Controller, public RobotWatcher {
   // At the start of a leg: what has to be there before it. Lifts come first, because another robot may need a group to
   // leave one; groups come last, because a robot that has them moves.
   bool MayEnter(const Leg& leg) {
-    const std::string& lift = vertex(leg.from).lift;
-    if (!lift.empty()) {  // out of a cabin
+    const std::optional<std::uint32_t> lift = vertex(leg.from).lift;
+    if (lift) {  // out of a cabin
       controls_.CallLift(leg.from);
       if (!controls_.StandsOpenAt(leg.from)) return false;
     }
     for (std::size_t i = 0; i < std::min<std::size_t>(legs_.size(), 2); ++i) {
       const std::size_t to = legs_[i].to;
-      if (vertex(to).lift.empty() || vertex(to).lift == lift || !legs_[i].lane) continue;
+      if (!vertex(to).lift || vertex(to).lift == lift || !legs_[i].lane) continue;
       if (!controls_.CallLift(to)) return false;
       if (i == 0 && (!controls_.StandsOpenAt(to) || IsTaken(vertex(to), others_, radius_))) return false;
     }
-    for (const LaneDoor& door : lane(*leg.lane).doors) {
-      const double way = WayTo(door, leg) - door.clearance - radius_ - kDoorMargin;
-      if (way > 0.0 || controls_.OpenDoor(door)) continue;
-      if (controls_.IsBlocked(door)) Block(id_, leg);  // by this robot, perhaps
+    for (const SiteControls::DoorAhead& ahead : controls_.DoorsAhead(legs_, position(), 0.0, radius_)) {
+      if (ahead.way_before > 0.0 || controls_.OpenDoor(*ahead.door)) continue;
+      if (controls_.IsBlocked(*ahead.door)) Block(id_, leg);  // by this robot, perhaps
       return false;
     }
     return EnterGroups(leg);
@@ -236,11 +243,6 @@ class LanesController final : public Controller, public RobotWatcher {
     return true;
   }
 
-  // From the start of the leg.
-  double WayTo(const LaneDoor& door, const Leg& leg) const {
-    return leg.from == lane(*leg.lane).start ? door.at : WayOf(leg).norm() - door.at;
-  }
-
   void Drive(const Leg& leg) {
     const Vec2 end = vertex(leg.to).position;
     const bool is_docking = legs_.size() == 1 && target_ == leg.to && !vertex(leg.to).dock.empty();
@@ -257,24 +259,14 @@ class LanesController final : public Controller, public RobotWatcher {
     double most = steer_.speed;
     if (PausesAtEnd(along)) most = std::min(most, BrakingSpeed(drive_, rest));
     if (is_docking && rest < kLookAhead) most = std::min(most, settings_.dock_speed);
-    if (legs_.size() > 1 && legs_[1].lane) {
-      for (const LaneDoor& door : lane(*legs_[1].lane).doors) {
-        most = std::min(most, SpeedTo(door, rest + WayTo(door, legs_[1])));
-      }
-    }
-    if (leg.lane) {
-      const double limit = lane(*leg.lane).speed_limit;
-      if (limit > 0.0) most = std::min(most, limit);
-      for (const LaneDoor& door : lane(*leg.lane).doors) most = std::min(most, SpeedTo(door, WayTo(door, leg) - at));
+    const double limit = leg.lane ? lane(*leg.lane).speed_limit : 0.0;
+    if (limit > 0.0) most = std::min(most, limit);
+    for (const SiteControls::DoorAhead& ahead : controls_.DoorsAhead(legs_, position(), at, radius_)) {
+      if (controls_.OpenDoor(*ahead.door)) continue;
+      most = std::min(most, BrakingSpeed(drive_, ahead.way_before));
+      if (most < kCreep && controls_.IsBlocked(*ahead.door)) return Block(id_, leg, at);
     }
     SteerTo(aim, most, leg, at);
-  }
-
-  // The speed towards a door `way` m ahead, which it calls: it waits beside the ways of its leaves.
-  double SpeedTo(const LaneDoor& door, double way) {
-    if (way < 0.0 || way > kCallAhead + door.clearance + radius_ || controls_.OpenDoor(door)) return steer_.speed;
-    const double to_leaf = way - door.clearance - radius_ - kDoorMargin;
-    return to_leaf > -radius_ ? BrakingSpeed(drive_, to_leaf) : steer_.speed;
   }
 
   // At the end of the present leg, along that: it stands there, waits, or turns.
@@ -282,8 +274,8 @@ class LanesController final : public Controller, public RobotWatcher {
     if (legs_.size() < 2 || !legs_[1].lane) return true;
     const Leg& next = legs_[1];
     const Lane& there = lane(*next.lane);
-    if (!there.mutex.empty() || !vertex(next.to).mutex.empty() || !vertex(next.to).lift.empty()) return true;
-    if (legs_.size() > 2 && !vertex(legs_[2].to).lift.empty()) return true;
+    if (!there.mutex.empty() || !vertex(next.to).mutex.empty() || vertex(next.to).lift) return true;
+    if (legs_.size() > 2 && vertex(legs_[2].to).lift) return true;
     if (!there.doors.empty() || there.facing != LaneFacing::kAny) return true;
     const Vec2 way = WayOf(next);
     return way.norm() == 0.0 || way.normalized().dot(along) < kStraightOn;
@@ -311,61 +303,38 @@ class LanesController final : public Controller, public RobotWatcher {
       if (leg.lane && at < kAtStart) is_on_leg_ = false;  // it asks again for what it needs
       return Block(ahead->robot.id, leg, at);
     }
-    blocked_since_.reset();
+    giving_way_.OnFree();
     const Command motion = SteerToPoint(drive_, steer_, p_R, turns ? 0.0 : most);
     command_.twist = {sign * motion.twist.vx, motion.twist.vy, motion.twist.wz};
     command_.speed = motion.speed;
     command_.steering = motion.steering;
   }
 
-  // Another robot is in the way: after a while this one takes another way, or makes room.
+  // Another robot is in the way.
   void Block(RobotId other, const Leg& leg, double at = 0.0) {
-    if (!blocked_since_) {
-      blocked_since_ = now_->time;
-      give_way_seconds_ = kGiveWaySeconds * ((other < id_ ? 1.0 : 2.0) + 0.5 * now_->Random(0));
-    }
-    if (now_->time - *blocked_since_ < give_way_seconds_) return;
-    blocked_since_.reset();
-    if (!vertex(at_).lift.empty() || !leg.lane) return;  // the others make room
-    const bool is_away = is_on_leg_ && at >= kAtStart;
-    if (is_away && !graph_->LaneBetween(leg.to, leg.from)) return;
-    if (target_) {
-      const std::optional<LaneRoute> route = FastestRoute(*graph_, at_, *target_, steer_.speed);
-      std::optional<LaneRoute> around = FastestRoute(*graph_, at_, *target_, steer_.speed, {*leg.lane});
-      if (route && around && around->seconds <= route->seconds + kDetourSeconds) {
-        legs_ = std::move(around->legs);
-        return GoBackFirst(leg, is_away);
-      }
-    }
-    if (StepAside(leg.to)) GoBackFirst(leg, is_away);
+    Take(giving_way_.OnBlocked(place(), other, leg, is_on_leg_ && at >= kAtStart));
   }
 
-  void GoBackFirst(const Leg& leg, bool is_away) {
-    is_on_leg_ = is_away;
-    if (is_away) legs_.insert(legs_.begin(), {leg.to, leg.from, graph_->LaneBetween(leg.to, leg.from)});
-  }
-
-  // Goes for a while to a random neighbour of its vertex, but for `not_to`. False if there is no free one.
-  bool StepAside(std::optional<std::size_t> not_to) {
-    std::vector<Leg> ways = FreeLegs(*graph_, at_, others_, radius_, half_width_);
-    std::erase_if(ways, [&](const Leg& way) { return way.to == not_to; });
-    if (ways.empty()) return false;
-    const Leg& way = ways[static_cast<std::size_t>(now_->Random(1) * static_cast<double>(ways.size()))];
-    tasks_.GoAside(way.to, kAsideSeconds * (1.0 + now_->Random(2)));
-    target_ = way.to;
-    legs_ = {way};
-    is_on_leg_ = false;
+  // False if there is no such way.
+  bool Take(std::optional<WayAround> way) {
+    if (!way) return false;
+    legs_ = std::move(way->legs);
+    is_on_leg_ = way->is_on_first;
+    if (!way->seconds_aside) return true;
+    target_ = legs_.back().to;
+    tasks_.GoAside(*target_, *way->seconds_aside);
     return true;
   }
 
   RobotId id_;
   LaneSettings settings_;
-  std::shared_ptr<const LaneGraph> graph_;
+  const LaneGraph* graph_;
   DriveDescription drive_;
   SteerSettings steer_;
   Recovery recovery_;
   LaneTasks tasks_;
   SiteControls controls_;
+  GivingWay giving_way_;
   std::map<std::string, MutexGroup> groups_;
   std::vector<double> radii_;  // by robot
   double radius_ = 0.0;
@@ -385,8 +354,6 @@ class LanesController final : public Controller, public RobotWatcher {
   std::vector<std::string> held_;  // mutex groups of the present leg
   MutexTurn turn_;
   std::optional<double> rest_since_;  // s, simulated
-  std::optional<double> blocked_since_;
-  double give_way_seconds_ = 0.0;
 };
 
 Status CheckLanes(const std::string& parameters) {
@@ -397,16 +364,22 @@ Status CheckLanes(const std::string& parameters) {
 Result<std::unique_ptr<Controller>> CreateLanes(const RobotInfo& info) {
   const Result<LaneSettings> settings = ParseLaneSettings(info.parameters);
   if (!settings.ok()) return settings.error();
-  if (settings.value().graph == nullptr) {
-    return Error{{}, "lanes: the world has no lanes, expected a building with some, or the parameter 'graph'"};
-  }
-  return std::unique_ptr<Controller>(std::make_unique<LanesController>(info, settings.value()));
+  const Result<const LaneGraph*> graph = FindLanes(settings.value(), info);
+  if (!graph.ok()) return graph.error();
+  return std::unique_ptr<Controller>(std::make_unique<LanesController>(info, settings.value(), *graph.value()));
+}
+
+Status CheckLanesInWorld(const RobotInfo& info) {
+  const Result<LaneSettings> settings = ParseLaneSettings(info.parameters);
+  if (!settings.ok()) return settings.error();
+  const Result<const LaneGraph*> graph = FindLanes(settings.value(), info);
+  return graph.ok() ? Status() : graph.error();
 }
 
 }  // namespace
 
 BuiltInController Lanes() {
-  return {"lanes", CheckLanes, CreateLanes};
+  return {"lanes", CheckLanes, CreateLanes, CheckLanesInWorld};
 }
 
 }  // namespace troupe

@@ -2,68 +2,62 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace troupe {
 namespace {
 
-constexpr double kOpen = 0.999;  // of a door
-
-template <typename Info>
-std::map<std::string, std::size_t> NumbersOf(const std::vector<Info>& infos) {
-  std::map<std::string, std::size_t> numbers;
-  for (std::size_t i = 0; i < infos.size(); ++i) numbers.emplace(infos[i].name, i);
-  return numbers;
-}
-
-std::optional<std::size_t> FindIn(const std::map<std::string, std::size_t>& numbers, const std::string& name) {
-  const auto found = numbers.find(name);
-  return found == numbers.end() ? std::nullopt : std::optional(found->second);
-}
+constexpr double kOpen = 0.999;      // of a door
+constexpr double kCallAhead = 3.0;   // m, before it waits for a door
+constexpr double kMostSweep = 3.0;   // m, from a doorway to where a robot waits
+constexpr double kDoorMargin = 0.2;  // m, between a robot and the way of a leaf
+constexpr double kLeafBeside = 0.1;  // m, that a sliding leaf reaches out of its doorway
 
 }  // namespace
 
-SiteControls::SiteControls(const RobotInfo& info, std::shared_ptr<const LaneGraph> graph)
-    : id_(info.id),
-      graph_(std::move(graph)),
-      door_infos_(info.doors),
-      lift_infos_(info.lifts),
-      doors_(NumbersOf(info.doors)),
-      lifts_(NumbersOf(info.lifts)) {}
+std::optional<double> WayIntoDisc(std::span<const Vec2> path, const Vec2& center, double radius) {
+  double before = 0.0;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vec2 way = path[i + 1] - path[i];
+    const double length = way.norm();
+    const Vec2 offset = center - path[i];
+    if (offset.norm() < radius) return before;
+    if (length == 0.0) continue;
+    const double along = offset.dot(way) / length;
+    const double half_squared = radius * radius - (offset.squaredNorm() - along * along);
+    if (half_squared > 0.0) {
+      const double at = along - std::sqrt(half_squared);
+      if (at >= 0.0 && at < length) return before + at;
+    }
+    before += length;
+  }
+  return std::nullopt;
+}
+
+SiteControls::SiteControls(const RobotInfo& info, const LaneGraph& graph)
+    : id_(info.id), graph_(&graph), doors_(info.doors), lifts_(info.lifts) {}
 
 void SiteControls::Begin(const Observation& observation, Command& command) {
   now_ = &observation;
   command_ = &command;
 }
 
-std::optional<std::size_t> SiteControls::LiftOf(std::size_t vertex) const {
-  return FindIn(lifts_, graph_->vertices[vertex].lift);
-}
-
 bool SiteControls::CallLift(std::size_t vertex) {
-  const std::optional<std::size_t> lift = LiftOf(vertex);
+  const std::optional<std::uint32_t> lift = LiftOf(vertex);
   if (!lift) return true;
-  const std::vector<std::string>& floors = lift_infos_[*lift].floors;
-  const auto floor = std::find(floors.begin(), floors.end(), graph_->vertices[vertex].floor);
-  if (floor == floors.end()) return true;
   const std::optional<RobotId>& session = now_->lifts[*lift].session;
   if (session && *session != id_) return false;
-  command_->lifts.push_back({*lift, static_cast<std::size_t>(floor - floors.begin())});
+  command_->lifts.push_back({*lift, graph_->vertices[vertex].floor});
   return session.has_value();
 }
 
 bool SiteControls::StandsOpenAt(std::size_t vertex) const {
-  const std::optional<std::size_t> lift = LiftOf(vertex);
+  const std::optional<std::uint32_t> lift = LiftOf(vertex);
   if (!lift) return true;
   const LaneVertex& place = graph_->vertices[vertex];
   const LiftState& state = now_->lifts[*lift];
-  const std::vector<std::string>& floors = lift_infos_[*lift].floors;
-  if (state.floor >= floors.size() || floors[state.floor] != place.floor) return false;
-  if (std::fabs(state.z - place.z) > 1e-6) return false;
-  return std::all_of(place.lift_doors.begin(), place.lift_doors.end(), [&](const std::string& name) {
-    const std::optional<std::size_t> door = FindIn(doors_, name);
-    return !door || now_->doors[*door].opening >= kOpen;
-  });
+  if (state.floor != place.floor || std::fabs(state.z - place.z) > 1e-6) return false;
+  const std::vector<std::size_t>& doors = lifts_[*lift].doors[place.floor];
+  return std::all_of(doors.begin(), doors.end(), [&](std::size_t door) { return now_->doors[door].opening >= kOpen; });
 }
 
 void SiteControls::EndSessions(const std::vector<std::size_t>& needed) {
@@ -75,39 +69,92 @@ void SiteControls::EndSessions(const std::vector<std::size_t>& needed) {
   }
 }
 
+std::vector<SiteControls::DoorAhead> SiteControls::DoorsAhead(const std::vector<Leg>& legs, const Vec2& position,
+                                                              double at, double radius) const {
+  struct Doorway {
+    const LaneDoor* door = nullptr;
+    double way = 0.0;  // m
+  };
+  std::vector<Vec2> path{position};
+  std::vector<Doorway> doorways;
+  double way = -at;  // m, to the start of the leg
+  for (const Leg& leg : legs) {
+    if (way > kCallAhead + kMostSweep || (!leg.lane && leg.from != leg.to)) break;
+    const Vec2& end = graph_->vertices[leg.to].position;
+    double length = (end - path.back()).norm();
+    if (leg.lane) {
+      const Lane& lane = graph_->lanes[*leg.lane];
+      length = graph_->Way(leg.from, leg.to).norm();
+      for (const LaneDoor& door : lane.doors) {
+        const double to_door = way + (leg.from == lane.start ? door.at : length - door.at);
+        if (to_door >= 0.0) doorways.push_back({&door, to_door});
+      }
+    }
+    way += length;
+    path.push_back(end);
+  }
+  std::vector<DoorAhead> doors;
+  for (const Doorway& doorway : doorways) {
+    const double way_before = WayBefore(*doorway.door, doorway.way, path, radius);
+    if (way_before <= kCallAhead) doors.push_back({doorway.door, way_before});
+  }
+  return doors;
+}
+
+// `way`: m along the path to the doorway.
+double SiteControls::WayBefore(const LaneDoor& door, double way, std::span<const Vec2> path, double radius) const {
+  way = std::max(way - kLeafBeside - radius - kDoorMargin, 0.0);
+  for (const LeafSweep& sweep : doors_[door.door].sweeps) {
+    const std::optional<double> entry = WayIntoDisc(path, sweep.hinge, sweep.radius + radius + kDoorMargin);
+    if (entry) way = std::min(way, *entry);
+  }
+  return way;
+}
+
+bool SiteControls::IsClear(const Vec2& from, const Vec2& to, double z, double radius) const {
+  const Vec2 path[] = {from, to};
+  return std::none_of(doors_.begin(), doors_.end(), [&](const DoorInfo& door) {
+    return std::fabs(door.z - z) < kLevelGap &&
+           std::any_of(door.sweeps.begin(), door.sweeps.end(), [&](const LeafSweep& sweep) {
+             return WayIntoDisc(path, sweep.hinge, sweep.radius + radius).has_value();
+           });
+  });
+}
+
 bool SiteControls::OpenDoor(const LaneDoor& door) {
-  const std::optional<std::size_t> number = FindIn(doors_, door.name);
-  if (!number) return true;
-  command_->doors.push_back({*number, 1.0});
-  return now_->doors[*number].opening >= kOpen;
+  command_->doors.push_back({door.door, 1.0});
+  return now_->doors[door.door].opening >= kOpen;
 }
 
 bool SiteControls::IsBlocked(const LaneDoor& door) const {
-  const std::optional<std::size_t> number = FindIn(doors_, door.name);
-  return number && now_->doors[*number].blocked;
+  return now_->doors[door.door].blocked;
 }
 
 void SiteControls::Note(const Lane& lane) {
   for (const LaneDoor& door : lane.doors) {
-    const std::optional<std::size_t> number = FindIn(doors_, door.name);
     const bool is_known = std::any_of(passing_.begin(), passing_.end(),
-                                      [&](const Passing& passing) { return passing.door.name == door.name; });
-    if (number && !is_known) passing_.push_back({door, *number});
+                                      [&](const Passing& passing) { return passing.door == door.door; });
+    if (!is_known) passing_.push_back({door.door});
   }
+}
+
+bool SiteControls::IsNearLeaves(const DoorInfo& door, const Vec2& position, double radius) {
+  if ((position - door.middle).norm() < kLeafBeside + radius + kDoorMargin) return true;
+  return std::any_of(door.sweeps.begin(), door.sweeps.end(), [&](const LeafSweep& sweep) {
+    return (position - sweep.hinge).norm() < sweep.radius + radius + kDoorMargin;
+  });
 }
 
 void SiteControls::CloseBehind(const Vec2& position, double radius, const std::vector<SeenRobot>& others) {
   for (Passing& passing : passing_) {
-    const DoorInfo& place = door_infos_[passing.number];
-    const double distance = (place.middle - position).norm();
-    if (distance < radius + kDoorMargin) passing.is_through = true;
-    if (!passing.is_through || distance < passing.door.clearance + radius + kDoorMargin) continue;
+    const DoorInfo& door = doors_[passing.door];
+    if ((position - door.middle).norm() < radius + kDoorMargin) passing.is_through = true;
+    if (!passing.is_through || IsNearLeaves(door, position, radius)) continue;
     const bool is_used = std::any_of(others.begin(), others.end(), [&](const SeenRobot& other) {
-      return std::fabs(other.z - place.z) < kLevelGap &&
-             (other.position - place.middle).norm() < passing.door.clearance + other.radius + kDoorMargin;
+      return std::fabs(other.z - door.z) < kLevelGap && IsNearLeaves(door, other.position, other.radius);
     });
     if (is_used) continue;  // it stays open until that is gone, too
-    command_->doors.push_back({passing.number, 0.0});
+    command_->doors.push_back({passing.door, 0.0});
     passing.is_done = true;
   }
   std::erase_if(passing_, [](const Passing& passing) { return passing.is_done; });

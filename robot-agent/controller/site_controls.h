@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
-#include <memory>
+#include <cstdint>
 #include <optional>
-#include <string>
+#include <span>
 #include <vector>
 
-#include "robot-agent/navigation/lane_graph.h"
+#include "robot-agent/navigation/lane_route.h"
 #include "robot-agent/navigation/lane_traffic.h"
 #include "troupe/controller.h"
 
@@ -16,7 +15,8 @@ namespace troupe {
 
 class SiteControls {
  public:
-  SiteControls(const RobotInfo& info, std::shared_ptr<const LaneGraph> graph);
+  // The graph is one of the info, and outlives this.
+  SiteControls(const RobotInfo& info, const LaneGraph& graph);
 
   // What follows is of this tick, and adds to its command. Both live until the next call.
   void Begin(const Observation& observation, Command& command);
@@ -28,7 +28,16 @@ class SiteControls {
   // Ends the sessions of lifts that the robot has and that no vertex of `needed` is in.
   void EndSessions(const std::vector<std::size_t>& needed);
 
-  // Requests it. True if it is open, or there is none.
+  // A door on the way of the robot, so near that it calls it.
+  struct DoorAhead {
+    const LaneDoor* door = nullptr;
+    double way_before = 0.0;  // m, to where it waits: before all that the leaves sweep; 0: it is not before that
+  };
+  // Along `legs`, of which the robot is `at` m on the first; `radius`: m, its own.
+  std::vector<DoorAhead> DoorsAhead(const std::vector<Leg>& legs, const Vec2& position, double at, double radius) const;
+  // Whether a straight way keeps out of all that the leaves of doors sweep, also open ones, for a robot of that radius.
+  bool IsClear(const Vec2& from, const Vec2& to, double z, double radius) const;
+  // Requests it. True if it is open.
   bool OpenDoor(const LaneDoor& door);
   bool IsBlocked(const LaneDoor& door) const;  // a leaf by a body
   // The doors of a lane that the robot begins: CloseBehind closes them when it is through and no other robot is near.
@@ -37,25 +46,26 @@ class SiteControls {
 
  private:
   struct Passing {
-    LaneDoor door;
-    std::size_t number = 0;
+    std::uint32_t door = 0;
     bool is_through = false;
     bool is_done = false;
   };
 
-  std::optional<std::size_t> LiftOf(std::size_t vertex) const;
+  double WayBefore(const LaneDoor& door, double way, std::span<const Vec2> path, double radius) const;
+  // Whether a body of that radius may touch the leaves on their way.
+  static bool IsNearLeaves(const DoorInfo& door, const Vec2& position, double radius);
+  std::optional<std::uint32_t> LiftOf(std::size_t vertex) const { return graph_->vertices[vertex].lift; }
 
   RobotId id_;
-  std::shared_ptr<const LaneGraph> graph_;
-  std::vector<DoorInfo> door_infos_;
-  std::vector<LiftInfo> lift_infos_;
-  std::map<std::string, std::size_t> doors_;  // numbers by name
-  std::map<std::string, std::size_t> lifts_;
+  const LaneGraph* graph_;
+  std::vector<DoorInfo> doors_;
+  std::vector<LiftInfo> lifts_;
   std::vector<Passing> passing_;
   const Observation* now_ = nullptr;
   Command* command_ = nullptr;
 };
 
-inline constexpr double kDoorMargin = 0.2;  // m, between a robot and the way of a leaf
+// The m along a polyline to where it comes nearer to a point than `radius`; 0: it begins there. Nothing: it does not.
+std::optional<double> WayIntoDisc(std::span<const Vec2> path, const Vec2& center, double radius);
 
 }  // namespace troupe

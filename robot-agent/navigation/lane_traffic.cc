@@ -142,7 +142,7 @@ std::vector<Leg> FreeLegs(const LaneGraph& graph, std::size_t from, const std::v
     std::optional<std::size_t> to;
     if (lane.start == from) to = lane.end;
     if (lane.end == from && lane.is_bidirectional) to = lane.start;
-    if (!to || !graph.vertices[*to].lift.empty() || IsTaken(graph.vertices[*to], others, radius)) continue;
+    if (!to || graph.vertices[*to].lift || IsTaken(graph.vertices[*to], others, radius)) continue;
     const double length = graph.Way(from, *to).norm();
     if (length == 0.0) continue;
     const Vec2 along = graph.Way(from, *to) / length;

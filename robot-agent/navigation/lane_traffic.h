@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "robot-agent/navigation/lane_graph.h"
+#include "robot-agent/navigation/lane_route.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/world_state.h"

@@ -43,6 +43,20 @@ std::string_view NameOnRobot(const RobotDescription& robot, const ModelDescripti
   return name.starts_with(robot.name + ".") ? name.substr(robot.name.size() + 1) : name;
 }
 
+std::vector<LeafSweep> SweepsOf(const WorldDescription& world, const DoorDescription& door) {
+  std::vector<LeafSweep> sweeps;
+  for (const DoorLeaf& leaf : door.leaves) {
+    if (leaf.turn == 0.0) continue;
+    const ModelId object = world.objects[leaf.object.index()];
+    double radius = 0.0;
+    for (const Block& block : world.shape(world.model(object).shape).blocks) {
+      for (const Vec2& corner : block.outline) radius = std::max(radius, corner.norm());
+    }
+    sweeps.push_back({leaf.X_WH.translation(), radius});
+  }
+  return sweeps;
+}
+
 double TimeOf(const WorldDescription& world, Tick tick) {
   return static_cast<double>(tick) * static_cast<double>(world.interval_ns) / 1e9;
 }
@@ -191,14 +205,22 @@ RobotInfo Robot::Info() const {
                  .grippers = manipulator_.grippers(),
                  .lights = {},
                  .doors = {},
-                 .lifts = {}};
+                 .lifts = {},
+                 .start = scene_->world().model(description().root).X_PM,
+                 .lane_graphs = scene_->world().lane_graphs};
   for (const DoorDescription& door : scene_->world().doors) {
     const Pose& X_WD = scene_->X_LM(door.model);
-    info.doors.push_back({scene_->world().model(door.model).name, X_WD.translation(), X_WD.z});
+    info.doors.push_back(
+        {scene_->world().model(door.model).name, X_WD.translation(), X_WD.z, SweepsOf(scene_->world(), door)});
   }
   for (const LiftDescription& lift : scene_->world().lifts) {
-    info.lifts.push_back({scene_->world().model(lift.model).name, scene_->X_LM(lift.model).translation(), {}});
-    for (const LiftFloor& floor : lift.floors) info.lifts.back().floors.push_back(floor.name);
+    LiftInfo& added = info.lifts.emplace_back();
+    added.name = scene_->world().model(lift.model).name;
+    added.middle = scene_->X_LM(lift.model).translation();
+    for (const LiftFloor& floor : lift.floors) {
+      added.floors.push_back(floor.name);
+      added.doors.push_back(floor.doors);
+    }
   }
   for (const LightPlace& light : scene_->lights_of(id_)) {
     info.lights.push_back({light.model, NameOnRobot(description(), scene_->world().model(light.model))});

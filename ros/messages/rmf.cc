@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
 
 namespace troupe::ros {
 
@@ -34,32 +32,7 @@ std::vector<std::size_t> DoorsOf(const WorldDescription& world) {
 }
 
 std::string LevelAt(const WorldDescription& world, double z) {
-  std::optional<double> least;
-  std::string name = "L1";
-  for (const LiftDescription& lift : world.lifts) {
-    for (const LiftFloor& floor : lift.floors) {
-      const double distance = std::fabs(floor.z - z);
-      if (least && distance >= *least) continue;
-      least = distance;
-      name = floor.name;
-    }
-  }
-  if (least) return name;
-  std::map<std::string, std::size_t> tags;  // of the places at the least distance
-  for (const NamedPlace& place : world.places) {
-    const double distance = std::fabs(place.X_WN.z - z);
-    if (place.tags.empty() || (least && distance > *least)) continue;
-    if (!least || distance < *least) tags.clear();
-    least = distance;
-    ++tags[place.tags.front()];
-  }
-  std::size_t most = 0;
-  for (const auto& [tag, count] : tags) {
-    if (count <= most) continue;
-    most = count;
-    name = tag;
-  }
-  return name;
+  return troupe::LevelAt(world.levels, z);
 }
 
 DoorMode ModeOf(const DoorState& door) {

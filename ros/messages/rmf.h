@@ -56,8 +56,7 @@ bool HasRmf(const WorldDescription& world);
 // The doors that take requests of their own: those that are operated, but for those of lifts. By number.
 std::vector<std::size_t> DoorsOf(const WorldDescription& world);
 
-// The name of the level at a height: that of the nearest floor of a lift; without lifts the commonest first tag of the
-// places nearest to the height; without these "L1".
+// The name of the level at a height.
 std::string LevelAt(const WorldDescription& world, double z);
 
 DoorMode ModeOf(const DoorState& door);

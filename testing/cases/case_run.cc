@@ -173,6 +173,7 @@ Result<LoadedWorld> CaseWorlds::Load(const TestCase& draws, const LoadOverrides&
 Status CaseWorlds::Check(const TestCase& draws) const {
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
+  overrides.check_in_world = CheckControllerInWorld;
   const Result<LoadedWorld> loaded = Load(draws, overrides);
   if (!loaded.ok()) return loaded.error();
   if (!loaded.value().settings.ticks) {

@@ -1,4 +1,5 @@
 // Robots that follow the lanes of buildings: through doors, with lifts, past each other.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -52,6 +53,7 @@ WorldDescription LoadOnLanes(const test::TemporaryFolder& folder, const std::str
   folder.Write("s.building.yaml", building);
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
+  overrides.check_in_world = CheckControllerInWorld;
   return ValueOf(LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" + robots + "]}"),
                            overrides))
       .world;
@@ -145,6 +147,7 @@ TEST(Lanes, RobotsThatMeetHeadOnMakeRoom) {
 TEST(Lanes, OfTheGuesthouseLeadThroughTheDoorAndTheLift) {
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
+  overrides.check_in_world = CheckControllerInWorld;
   ScenarioRun run(ValueOf(LoadWorld(LaneSites() + "guesthouse_lanes.json", overrides)).world);
   const std::size_t door = *FindDoor(run.scene().world(), "lobby_door");
   int rooms = 0;  // ticks at the places
@@ -209,26 +212,35 @@ levels:
   EXPECT_TRUE(IsNearPlace(run.state().robots[robot.index()], 0, 0));
 }
 
-// The graph is in the parameters, so no building is needed.
+// Lanes without walls, and a station of the scenario.
 TEST(Lanes, LeadToTheChargerAtLowEnergy) {
   test::TemporaryFolder folder;
-  folder.Write("w.world", R"(
-position( name "r" pose [0 0 0 0] size [0.4 0.4 0.4] drive "diff" kjoules 8 watts 20 mass 8 take_watts 300
+  folder.Write("s.building.yaml", R"(
+coordinate_system: cartesian_meters
+levels:
+  G:
+    vertices: [[0, 0, 0, a], [10, 0, 0, b], [5, 0, 0, ""], [5, 1, 0, pad, {is_charger: [4, true]}]]
+    lanes: [[0, 2, {bidirectional: true}], [2, 1, {bidirectional: true}], [2, 3, {bidirectional: true}]]
+)");
+  folder.Write("w.inc", R"(
+define cart position( size [0.4 0.4 0.4] drive "diff" kjoules 8 watts 20 mass 8 take_watts 300
   velocity_bounds [-1 1 0 0 0 0 -90 90] acceleration_bounds [-1 1 0 0 0 0 -180 180] )
-model( name "station" pose [5 1.3 0 0] size [0.4 0.4 0.4] joules -1 give_watts 300 obstacle_return 0 ))");
-  const std::string scenario = folder.Write("s.json", R"({"world": "w.world", "robots": [)" + OnLanes("r", R"({
-      "graph": {"vertices": [{"at": [0, 0], "name": "a"}, {"at": [10, 0], "name": "b"}, {"at": [5, 0]},
-                             {"at": [5, 1], "name": "pad", "charger": true}],
-                "lanes": [{"from": 0, "to": 2, "both_ways": true}, {"from": 2, "to": 1, "both_ways": true},
-                          {"from": 2, "to": 3, "both_ways": true}]},
-      "places": ["b", "a"]})") + "]}");
+define station model( size [0.4 0.4 0.4] joules -1 give_watts 300 obstacle_return 0 ))");
+  const std::string scenario = folder.Write("s.json", R"({"world": "s.building.yaml", "include": ["w.inc"],
+    "robots": [{"name": "r", "model": "cart", "pose": [0, 0, 0, 0],
+                "controller": {"name": "lanes", "parameters": {"places": ["b", "a"]}}}],
+    "models": [{"name": "station", "model": "station", "pose": [5, 1.3, 0, 0]}]})");
   Simulation run = ValueOf(Simulation::Load(scenario));
+  const std::vector<ModelId> stores = FindStores(run.world());
+  const auto of_robot = std::find(stores.begin(), stores.end(), run.world().robots[0].root);
+  ASSERT_NE(of_robot, stores.end());
+  const auto store = static_cast<std::size_t>(of_robot - stores.begin());
   bool was_low = false;
   bool was_charged = false;
   bool has_gone_on = false;
   for (int i = 0; i < 6000; ++i) {
     run.Step();
-    const double level = run.state().stores[0].joules / 8000.0;
+    const double level = run.state().stores[store].joules / 8000.0;
     EXPECT_GT(level, 0.05) << run.tick();
     was_low = was_low || level < 0.3;
     was_charged = was_charged || (was_low && level > 0.9);
@@ -243,6 +255,7 @@ TEST(Lanes, OfABuildingAreNamedByControllersAndInErrors) {
   folder.Write("s.building.yaml", kNarrow);
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
+  overrides.check_in_world = CheckControllerInWorld;
   const auto error = [&](const std::string& parameters) {
     const std::string robots = OnLanes("alpha", parameters);
     return LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" + robots + "]}"), overrides)
@@ -251,10 +264,14 @@ TEST(Lanes, OfABuildingAreNamedByControllersAndInErrors) {
   };
   EXPECT_THAT(error(R"({"places": ["e"]})"),
               HasSubstr("robot 'alpha': lanes: the lanes have no place 'e', expected one of: a, b, left, right, c, d"));
-  EXPECT_THAT(error(R"({"graph": 3})"), HasSubstr("found no lanes of graph 3 for robot 'alpha'"));
+  EXPECT_THAT(error(R"({"graph": 3})"),
+              HasSubstr("robot 'alpha': lanes: found no lanes of graph 3, expected one of: 0"));
   overrides.controller = "lanes";
   const LoadedWorld loaded = ValueOf(LoadWorld(folder.Path("s.building.yaml"), overrides));
-  EXPECT_THAT(loaded.world.robots[0].controller.parameters, HasSubstr(R"("mutex":"narrow")"));
+  EXPECT_EQ(loaded.world.robots[0].controller.parameters, "{}") << "the lanes are in the world, once";
+  ASSERT_EQ(loaded.world.lane_graphs.size(), 1u);
+  EXPECT_EQ(loaded.world.lane_graphs[0].lanes[2].mutex, "narrow");
+  EXPECT_EQ(loaded.world.levels, (std::vector<LevelDescription>{{"G", 0.0}}));
 }
 
 // A controller that continues from the middle of a run is the same.

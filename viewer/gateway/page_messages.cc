@@ -236,6 +236,11 @@ std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   for (const LiftDescription& lift : world.lifts) Write(writer, lift);
   writer.WriteCount(world.people.size());
   for (const PersonDescription& person : world.people) writer.WriteCount(person.root.index());
+  writer.WriteCount(world.levels.size());
+  for (const LevelDescription& level : world.levels) {
+    writer.WriteText(level.name);
+    writer.Write(level.z);
+  }
   return writer.ReleaseBytes();
 }
 

@@ -145,7 +145,7 @@ class StateRows {
 enum class PageMessage : std::uint8_t { kWorld = 1, kUpdate = 2 };
 
 // Version of the layout of messages; the page refuses another one.
-inline constexpr std::uint32_t kPageProtocol = 6;
+inline constexpr std::uint32_t kPageProtocol = 7;
 
 // A dense bitmap is sent with at most this many pixels along each side; beyond that a pixel of the page stands for
 // several, and is occupied if one of them is.

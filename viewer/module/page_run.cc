@@ -106,6 +106,7 @@ Result<std::unique_ptr<PageRun>> PageRun::Start(const std::string& file, std::op
   LoadOverrides overrides;
   overrides.seed = seed;
   overrides.check_controller = CheckController;
+  overrides.check_in_world = CheckControllerInWorld;
   Result<LoadedWorld> loaded = LoadWorld(file, overrides);
   if (!loaded.ok()) return loaded.error();
   return std::unique_ptr<PageRun>(new PageRun(std::move(loaded).value(), file, overrides, observer));

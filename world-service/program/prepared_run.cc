@@ -189,6 +189,7 @@ Status CheckLockstep(const RunSource& source, const RunSettings& settings, const
 Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
   RunSource source = unchecked;
   source.overrides.check_controller = CheckController;
+  source.overrides.check_in_world = CheckControllerInWorld;
   Result<PreparedRun> run = Prepare(source);
   if (!run.ok()) return run;
   ServiceOptions& options = run.value().options;

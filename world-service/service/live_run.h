@@ -38,6 +38,8 @@ struct CoordinatorOptions {
   std::uint32_t pid = 0;
   // ServiceOptions::check_world.
   std::function<Status(const WorldDescription& world)> check_world = {};
+  // LoadOverrides::check_in_world, of robots that are spawned.
+  std::function<Status(const WorldDescription& world, RobotId robot)> check_in_world = {};
   std::optional<ResumedRun> resumed = {};  // a run to be continued; then `run` and `incarnation` are its
 };
 

@@ -335,6 +335,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
   coordinator.advice_on_silence = options.advice_on_silence;
   coordinator.check_world = options.check_world;
+  coordinator.check_in_world = options.overrides.check_in_world;
   coordinator.start_paused = options.start_paused;
   coordinator.has_history = options.history != nullptr;
   coordinator.pool = options.pool;

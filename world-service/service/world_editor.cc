@@ -88,6 +88,9 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
   if (world != nullptr) {
     if (const Status allowed = CheckWorld(edited.value().scene->world()); !allowed.ok()) return allowed.error();
   }
+  if (request.command == ControlCommand::kSpawn) {
+    if (const Status able = CheckSpawned(edited.value().scene->world(), request.name); !able.ok()) return able.error();
+  }
   if (deleted) {
     deleted_.push_back(std::move(*deleted));
     if (deleted_.size() > kMostDeleted) deleted_.pop_front();
@@ -96,6 +99,13 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
   if (request.command == ControlCommand::kLoadWorld) original_ = edited.value().scene;
   Commit(std::move(edited).value(), edit, now);
   return request;
+}
+
+// The world has what its controller needs.
+Status WorldEditor::CheckSpawned(const WorldDescription& world, const std::string& name) const {
+  const std::optional<RobotId> robot = FindRobot(world, name);
+  const auto& check = run_.options.check_in_world;
+  return robot && check ? check(world, *robot) : Status();
 }
 
 Status WorldEditor::CheckWorld(const WorldDescription& world) const {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <tuple>
 
+#include "worldfile/models/lanes.h"
 #include "worldfile/models/properties/color_names.h"
 #include "worldfile/models/properties/property_reader.h"
 #include "worldfile/models/types/model_types.h"
@@ -334,7 +335,13 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
             [](const GripperDescription& a, const GripperDescription& b) { return a.model < b.model; });
   loaded.placed_alone = builder.placed_alone();
   loaded.site = tree.site;
-  if (tree.site != nullptr) loaded.world.places = PlacesOf(*tree.site);
+  if (tree.site != nullptr) {
+    loaded.world.places = PlacesOf(*tree.site);
+    loaded.world.levels = LevelsOf(*tree.site);
+    loaded.world.lane_graphs = LaneGraphsOf(*tree.site, loaded.world);
+  } else {
+    loaded.world.levels = LevelsOf(loaded.world.lifts);
+  }
   loaded.files = tree.files;
   const std::vector<std::string> bitmaps = context.bitmaps.Paths();
   loaded.files.insert(loaded.files.end(), bitmaps.begin(), bitmaps.end());

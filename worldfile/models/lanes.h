@@ -1,15 +1,25 @@
-// The lanes of a building for the robots that follow them.
+// The levels and the lanes of a building for the robots of its world.
 #pragma once
 
+#include <vector>
+
 #include "troupe/result.h"
+#include "troupe/world_description.h"
 #include "worldfile/models/build_world.h"
+#include "worldfile/sites/site.h"
 
 namespace troupe {
 
-// Gives the lanes of the world's building to each robot with the controller `lanes`, as its parameter `graph`, unless
-// it has an object there: those of the graph with the number that it has there, or of the graph of the lane nearest to
-// its start. A lane through a door that nothing operates, and one into a lift that nothing operates, is left out. The
-// error: no lane has that number, or the check of `overrides` finds a fault in the parameters.
-Result<LoadedWorld> AddLanes(LoadedWorld loaded, const LoadOverrides& overrides);
+// Those of the site, ascending; those of one height are one.
+std::vector<LevelDescription> LevelsOf(const Site& site);
+// The floors of the lifts of a world without a site, likewise.
+std::vector<LevelDescription> LevelsOf(const std::vector<LiftDescription>& lifts);
+
+// The graphs of the site, by number. A lane through a door that nothing operates is left out, and no ride is in a lift
+// that nothing operates. The world has the doors and lifts of the site, or some of them.
+std::vector<LaneGraph> LaneGraphsOf(const Site& site, const WorldDescription& world);
+
+// The error of the first robot whose controller lacks something in the world, by the check of `overrides`.
+Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides);
 
 }  // namespace troupe

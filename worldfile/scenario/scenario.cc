@@ -290,7 +290,9 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   const auto completed = [&](LoadedWorld loaded) -> Result<LoadedWorld> {
     Result<LoadedWorld> crowded = AddCrowd(std::move(loaded));
     if (crowded.ok()) crowded = AddPeople(std::move(crowded).value(), file.people);
-    return crowded.ok() ? AddLanes(std::move(crowded).value(), overrides) : crowded;
+    if (!crowded.ok()) return crowded;
+    if (Status error = CheckControllersInWorld(crowded.value(), path, overrides); !error.ok()) return error.error();
+    return crowded;
   };
   if (file.without.empty()) return completed(std::move(built).value());
   if (Status error = RemoveEntities(plan.value().tree, file.without); !error.ok()) return error.error();

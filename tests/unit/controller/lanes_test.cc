@@ -2,7 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "robot-agent/navigation/lane_graph.h"
+#include <cmath>
+#include <cstdint>
+
+#include "robot-agent/controller/site_controls.h"
+#include "robot-agent/navigation/lane_route.h"
 #include "robot-agent/navigation/lane_traffic.h"
 #include "tests/support/values.h"
 #include "tests/unit/controller/controlled_robot.h"
@@ -21,7 +25,7 @@ LaneVertex Vertex(double x, double y, double z = 0.0) {
   return vertex;
 }
 
-Lane Between(std::size_t start, std::size_t end, bool both_ways = true) {
+Lane Between(std::uint32_t start, std::uint32_t end, bool both_ways = true) {
   Lane lane;
   lane.start = start;
   lane.end = end;
@@ -31,7 +35,8 @@ Lane Between(std::size_t start, std::size_t end, bool both_ways = true) {
 
 // A square of 10 m with vertices 0 to 3 around it.
 LaneGraph Square() {
-  return {{Vertex(0, 0), Vertex(10, 0), Vertex(10, 10), Vertex(0, 10)},
+  return {0,
+          {Vertex(0, 0), Vertex(10, 0), Vertex(10, 10), Vertex(0, 10)},
           {Between(0, 1), Between(1, 2), Between(2, 3), Between(3, 0)}};
 }
 
@@ -60,31 +65,53 @@ TEST(FastestRoute, GoesAroundSlowOneWayAndClosedLanes) {
   EXPECT_THAT(Vertices(FastestRoute(Square(), 0, 1, 1.0, {0})), ElementsAre(3, 2, 1));
   EXPECT_FALSE(FastestRoute(Square(), 0, 1, 1.0, {0, 2}));
   graph = Square();
-  graph.lanes[0].doors = {{"a", 1.0, 0.1}, {"b", 2.0, 0.1}, {"c", 3.0, 0.1}, {"d", 4.0, 0.1}};
+  graph.lanes[0].doors = {{0, 1.0}, {1, 2.0}, {2, 3.0}, {3, 4.0}};
   EXPECT_THAT(Vertices(FastestRoute(graph, 0, 2, 1.0)), ElementsAre(3, 2));
 }
 
 TEST(FastestRoute, RidesALiftBetweenItsFloorsOnly) {
-  LaneGraph graph{{Vertex(0, 0), Vertex(5, 0), Vertex(5, 0, 4), Vertex(0, 0, 4)}, {Between(0, 1), Between(2, 3)}};
+  LaneGraph graph{0, {Vertex(0, 0), Vertex(5, 0), Vertex(5, 0, 4), Vertex(0, 0, 4)}, {Between(0, 1), Between(2, 3)}};
   EXPECT_FALSE(FastestRoute(graph, 0, 3, 1.0));
-  graph.vertices[1].lift = graph.vertices[2].lift = "up";
-  graph.vertices[1].floor = "L1";
-  graph.vertices[2].floor = "L2";
+  graph.vertices[1].lift = graph.vertices[2].lift = 0;
+  graph.vertices[2].floor = 1;
   const std::optional<LaneRoute> route = FastestRoute(graph, 0, 3, 1.0);
   EXPECT_THAT(Vertices(route), ElementsAre(1, 2, 3));
   EXPECT_FALSE(route->legs[1].lane);
   EXPECT_EQ(route->legs[2].lane, 1u);
-  graph.vertices[2].lift = "other";
+  graph.vertices[2].lift = 1;
   EXPECT_FALSE(FastestRoute(graph, 0, 3, 1.0));
 }
 
 TEST(NearestVertex, IsOnTheLevelOrAtThePoint) {
-  const LaneGraph graph{{Vertex(0, 0, 4), Vertex(1, 0), Vertex(0, 0)}, {}};
-  EXPECT_EQ(NearestVertex(graph, {0.9, 0.0}, 0.0, kOnOneLevel), 1u);
-  EXPECT_EQ(NearestVertex(graph, {0.9, 0.0}, 4.0, kOnOneLevel), 0u);
-  EXPECT_EQ(NearestVertex(graph, {0.0, 0.0}, 0.0, kOnAnyLevel), 2u);
-  EXPECT_EQ(NearestVertex(graph, {0.0, 0.0}, 4.0, kOnAnyLevel), 0u);
+  const LaneGraph graph{0, {Vertex(0, 0, 4), Vertex(1, 0), Vertex(0, 0)}, {}};
+  const auto nearest = [&](const Vec2& point, double z, double per_height) {
+    return FindNearestVertex(graph, point, z, per_height)->vertex;
+  };
+  EXPECT_EQ(nearest({0.9, 0.0}, 0.0, kOnOneLevel), 1u);
+  EXPECT_EQ(nearest({0.9, 0.0}, 4.0, kOnOneLevel), 0u);
+  EXPECT_EQ(nearest({0.0, 0.0}, 0.0, kOnAnyLevel), 2u);
+  EXPECT_EQ(nearest({0.0, 0.0}, 4.0, kOnAnyLevel), 0u);
+  EXPECT_FALSE(FindNearestVertex(LaneGraph{}, {0.0, 0.0}, 0.0, kOnOneLevel));
   EXPECT_EQ(graph.Find(""), std::nullopt);
+}
+
+TEST(GraphAt, IsThatOfTheNearestVertexOfTheLevel) {
+  const std::vector<LaneGraph> graphs = {{0, {Vertex(0, 0), Vertex(5, 0, 4)}, {}},
+                                         {3, {Vertex(0, 0), Vertex(4, 0)}, {}}};
+  EXPECT_EQ(GraphAt(graphs, {0.1, 0.0, 0.0, 0.0}), &graphs[0]) << "of two the first";
+  EXPECT_EQ(GraphAt(graphs, {4.0, 0.0, 0.0, 0.0}), &graphs[1]);
+  EXPECT_EQ(GraphAt(graphs, {4.0, 0.0, 4.0, 0.0}), &graphs[0]);
+  EXPECT_EQ(GraphAt({}, {}), nullptr);
+  EXPECT_EQ(FindGraph(graphs, 3), &graphs[1]);
+  EXPECT_EQ(FindGraph(graphs, 1), nullptr);
+}
+
+TEST(LevelAt, IsTheNearest) {
+  const std::vector<LevelDescription> levels = {{"low", 0.0}, {"high", 4.0}};
+  EXPECT_EQ(LevelAt(levels, -9.0), "low");
+  EXPECT_EQ(LevelAt(levels, 2.0), "low");
+  EXPECT_EQ(LevelAt(levels, 2.1), "high");
+  EXPECT_EQ(LevelAt({}, 2.1), "L1");
 }
 
 SeenRobot Seen(std::size_t id, double x, double y, bool moves, double z = 0.0) {
@@ -93,8 +120,8 @@ SeenRobot Seen(std::size_t id, double x, double y, bool moves, double z = 0.0) {
 
 // 0 --- 1 ===== 2 --- 3: the lane in the middle is the group.
 LaneGraph Narrow() {
-  LaneGraph graph{{Vertex(0, 0), Vertex(5, 0), Vertex(10, 0), Vertex(15, 0)},
-                  {Between(0, 1), Between(1, 2), Between(2, 3)}};
+  LaneGraph graph{
+      0, {Vertex(0, 0), Vertex(5, 0), Vertex(10, 0), Vertex(15, 0)}, {Between(0, 1), Between(1, 2), Between(2, 3)}};
   graph.lanes[1].mutex = "narrow";
   return graph;
 }
@@ -154,26 +181,39 @@ TEST(RobotAhead, IsTheNearestInTheWayOnTheLevel) {
   EXPECT_FALSE(FindRobotAhead(others, {0, 0}, 0.0, {0, -1}, 4.0, 0.3, 0.2));
 }
 
-TEST(LanesController, NamesFaultsOfItsGraphAndPlaces) {
+// A robot waits before the disc that a leaf sweeps, also where its way goes round a corner.
+TEST(WayIntoDisc, EndsAtItsEdge) {
+  const std::vector<Vec2> corner = {{0, 0}, {4, 0}, {4, 4}};
+  EXPECT_NEAR(*WayIntoDisc(corner, {4, 3}, 1.0), 6.0, 1e-12);
+  EXPECT_NEAR(*WayIntoDisc(corner, {3, 1}, std::sqrt(2.0)), 2.0, 1e-12) << "beside the first part";
+  EXPECT_EQ(WayIntoDisc(corner, {0, 0.5}, 1.0), 0.0) << "it begins there";
+  EXPECT_FALSE(WayIntoDisc(corner, {0, 4}, 3.9));
+  EXPECT_FALSE(WayIntoDisc(corner, {-3, 0}, 2.9)) << "behind it";
+}
+
+TEST(LanesController, NamesFaultsOfItsParametersAndPlaces) {
   const auto message = [](const std::string& parameters) { return MessageOf(CheckController("lanes", parameters)); };
-  const std::string line = R"("vertices": [{"at": [0, 0], "name": "here"}, {"at": [1, 0, 2], "name": "there"}])";
-  EXPECT_EQ(message(R"({"places": ["anywhere"]})"), "") << "the lanes may come with the world";
-  EXPECT_EQ(message(R"({"graph": 1})"), "");
-  EXPECT_EQ(message("{\"graph\": {" + line + R"(, "lanes": [{"from": 0, "to": 1, "both_ways": true, "speed": 0.3,
-             "facing": "backward", "mutex": "m", "doors": [{"name": "d", "at": 0.5}]}]}, "places": ["there"]})"),
-            "");
-  EXPECT_EQ(message("{\"graph\": {" + line + R"(, "lanes": [{"from": 0, "to": 2}]}})"),
-            "lanes: graph: lane 0: 'to' is 2, expected a number between 0 and 1");
-  EXPECT_EQ(message("{\"graph\": {" + line + R"(, "lanes": [{"from": 0, "to": 1, "facing": "up"}]}})"),
-            "lanes: graph: lane 0: 'facing' is \"up\", expected \"forward\" or \"backward\"");
-  EXPECT_EQ(message("{\"graph\": {" + line + R"(, "lanes": [{"from": 0, "to": 1, "doors": [{"nam": "d"}]}]}})"),
-            "lanes: graph: lane 0: door 0: unknown parameter \"nam\", expected one of: at, clearance, name; did you "
-            "mean 'name'?");
-  EXPECT_EQ(message(R"({"graph": {"vertices": [{"at": [1]}]}})"),
-            "lanes: graph: vertex 0: 'at' is no point, expected [x, y] or [x, y, z]");
-  EXPECT_EQ(message(R"({"graph": {}})"), "lanes: graph: found no vertices, expected some");
-  EXPECT_EQ(message("{\"graph\": {" + line + R"(}, "places": ["hre"]})"),
-            "lanes: the lanes have no place 'hre', expected one of: here, there; did you mean 'here'?");
+  EXPECT_EQ(message(R"({"places": ["anywhere"], "graph": 1})"), "") << "the lanes are of the world";
+  EXPECT_EQ(message(R"({"graph": 0.5})"), "lanes: 'graph' is 0.5, expected a whole number");
+  EXPECT_EQ(message(R"({"places": [1]})"), "lanes: 'places' has an item that is no text, expected names of places");
+
+  WorldDescription world;
+  world.models.emplace_back();
+  world.robots.push_back(MakeRobot("lanes", "{}"));
+  world.robots[0].root = ModelId(0);
+  const auto in_world = [&](const std::string& parameters) {
+    world.robots[0].controller.parameters = parameters;
+    return MessageOf(CheckControllerInWorld(world, RobotId(0)));
+  };
+  EXPECT_EQ(in_world("{}"), "robot 'r0': lanes: the world has no lanes, expected a building or a layout with some");
+  world.lane_graphs = {Square()};
+  world.lane_graphs[0].number = 2;
+  world.lane_graphs[0].vertices[1].name = "here";
+  world.lane_graphs[0].vertices[2].name = "there";
+  EXPECT_EQ(in_world(R"({"places": ["there"]})"), "");
+  EXPECT_EQ(in_world(R"({"places": ["hre"]})"),
+            "robot 'r0': lanes: the lanes have no place 'hre', expected one of: here, there; did you mean 'here'?");
+  EXPECT_EQ(in_world(R"({"graph": 1})"), "robot 'r0': lanes: found no lanes of graph 1, expected one of: 2");
   const Result<std::unique_ptr<Controller>> controller = CreateFor(MakeRobot("lanes", "{}"));
   EXPECT_THAT(MessageOf(controller.ok() ? Status() : controller.error()), HasSubstr("the world has no lanes"));
 }

@@ -230,7 +230,36 @@ WorldDescription RandomMessages::RandomWorld() {
     world.lifts.push_back(lift);
   }
   world.gravity = Number(0.0);
+  for (std::size_t i = Below(3); i > 0; --i) world.levels.push_back({Text(), -static_cast<double>(i)});
+  for (std::size_t i = Below(3); i > 0; --i) world.lane_graphs.push_back(RandomLanes(world));
+  for (std::size_t i = 0; i < world.lane_graphs.size(); ++i) {
+    world.lane_graphs[i].number = static_cast<std::uint32_t>(2 * i + Below(2));
+  }
   return world;
+}
+
+LaneGraph RandomMessages::RandomLanes(const WorldDescription& world) {
+  LaneGraph graph;
+  graph.vertices.resize(2 + Below(4));
+  for (LaneVertex& vertex : graph.vertices) {
+    vertex = {Text(), {Number(), Number()}, Number(), Coin(), Text(), Text(), {}, 0};
+    if (world.lifts.empty() || Coin()) continue;
+    vertex.lift = 0;
+    vertex.floor = static_cast<std::uint32_t>(Below(world.lifts[0].floors.size()));
+  }
+  graph.lanes.resize(Below(5));
+  for (Lane& lane : graph.lanes) {
+    lane.start = static_cast<std::uint32_t>(Below(graph.vertices.size() - 1));
+    lane.end = static_cast<std::uint32_t>(graph.vertices.size() - 1);
+    lane.is_bidirectional = Coin();
+    lane.speed_limit = Number(0.0);
+    lane.facing = static_cast<LaneFacing>(Below(3));
+    lane.mutex = Text();
+    for (std::size_t i = 0; i < world.doors.size() && Coin(); ++i) {
+      lane.doors.push_back({static_cast<std::uint32_t>(i), static_cast<double>(i)});
+    }
+  }
+  return graph;
 }
 
 SessionMessage RandomMessages::Session() {

@@ -43,6 +43,7 @@ class RandomMessages {
   // A robot with a gripper, after all other models and robots.
   void AddGripper(WorldDescription& world);
   WorldDescription RandomWorld();
+  LaneGraph RandomLanes(const WorldDescription& world);  // without number
   // An id below `count`, or none.
   template <typename Id>
   std::optional<Id> MaybeId(std::size_t count) {

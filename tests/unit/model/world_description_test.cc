@@ -16,6 +16,14 @@
 namespace troupe {
 namespace {
 
+std::vector<LaneGraph> OneLane() {
+  LaneGraph graph;
+  graph.vertices.resize(2);
+  graph.vertices[1].position = {4.0, 0.0};
+  graph.lanes.push_back({.start = 0, .end = 1, .mutex = "", .doors = {}});
+  return {graph};
+}
+
 // A world in which every field of a description can be changed.
 WorldDescription FullWorld() {
   test::TestWorld test;
@@ -115,6 +123,40 @@ TEST(WorldHash, ChangesWithEveryField) {
       [](WorldDescription& w) { w.robots[0].controller.name = "wander"; },
       [](WorldDescription& w) { w.robots[0].controller.parameters = "{\"a\":1}"; },
       [](WorldDescription& w) { w.robots.clear(); },
+      [](WorldDescription& w) {
+        w.levels.push_back({"L1", 0.0});
+      },
+      [](WorldDescription& w) {
+        w.levels.push_back({"L2", 0.0});
+      },
+      [](WorldDescription& w) {
+        w.levels.push_back({"L2", 1.0});
+      },
+      [](WorldDescription& w) { w.lane_graphs = OneLane(); },
+      [](WorldDescription& w) {
+        w.lane_graphs = OneLane();
+        w.lane_graphs[0].number = 3;
+      },
+      [](WorldDescription& w) {
+        w.lane_graphs = OneLane();
+        w.lane_graphs[0].vertices[1].is_charger = true;
+      },
+      [](WorldDescription& w) {
+        w.lane_graphs = OneLane();
+        w.lane_graphs[0].vertices[1].lift = 0;
+      },
+      [](WorldDescription& w) {
+        w.lane_graphs = OneLane();
+        w.lane_graphs[0].lanes[0].is_bidirectional = true;
+      },
+      [](WorldDescription& w) {
+        w.lane_graphs = OneLane();
+        w.lane_graphs[0].lanes[0].facing = LaneFacing::kBackward;
+      },
+      [](WorldDescription& w) {
+        w.lane_graphs = OneLane();
+        w.lane_graphs[0].lanes[0].doors = {{0, 0.5}};
+      },
   };
   std::set<std::uint64_t> hashes;
   for (const auto& change : changes) {
@@ -219,6 +261,39 @@ const Fault kFaults[] = {
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].noise_variance = -1.0; },
      "robot 0 'm1': ranger 'ranger:0': the noise of a sensor is not finite or its variance negative"},
 };
+
+// The lanes of a peer.
+TEST(Validate, NamesTheFaultOfASite) {
+  const Fault faults[] = {
+      {[](auto& w) { w.levels[1].z = -1.0; }, "level 1: it is too far away or below the one before it"},
+      {[](auto& w) { w.levels[0].z = kNan; }, "level 0: it is too far away or below the one before it"},
+      {[](auto& w) { w.lane_graphs.push_back(w.lane_graphs[0]); },
+       "lanes 0: they are not in the order of their numbers"},
+      {[](auto& w) { w.lane_graphs[0].vertices[1].z = kInfinity; },
+       "lanes 0: vertex 1: it is not finite or too far away"},
+      {[](auto& w) { w.lane_graphs[0].vertices[0].lift = 0; }, "lanes 0: vertex 0: its lift does not exist"},
+      {[](auto& w) { w.lane_graphs[0].lanes[0].end = 2; }, "lanes 0: lane 0: an end of it does not exist"},
+      {[](auto& w) { w.lane_graphs[0].lanes[0].end = 0; }, "lanes 0: lane 0: its ends are one vertex"},
+      {[](auto& w) { w.lane_graphs[0].lanes[0].speed_limit = -1.0; },
+       "lanes 0: lane 0: its speed limit is negative or too large"},
+      {[](auto& w) { w.lane_graphs[0].lanes[0].facing = static_cast<LaneFacing>(3); },
+       "lanes 0: lane 0: the direction in which robots face does not exist"},
+      {[](auto& w) {
+         w.lane_graphs[0].lanes[0].doors = {{0, 1.0}};
+       },
+       "lanes 0: lane 0: a door of it does not exist"},
+  };
+  for (const Fault& c : faults) {
+    WorldDescription world = GoodWorld();
+    world.levels = {{"L1", 0.0}, {"L2", 4.0}};
+    world.lane_graphs = OneLane();
+    ASSERT_TRUE(Validate(world).ok());
+    c.change(world);
+    const Status problem = Validate(world);
+    ASSERT_FALSE(problem.ok()) << c.message;
+    EXPECT_EQ(problem.error().message, c.message);
+  }
+}
 
 TEST(Validate, ARemovedRobotHasNoRosDomain) {
   WorldDescription world = GoodWorld();

@@ -36,8 +36,8 @@ std::string Without(const std::string& text, const std::vector<std::string>& wor
   return left;
 }
 
-// As before there were doors and lifts.
-const std::vector<std::string> kNewFields = {" doors;", " lifts;"};
+// As before there were doors, lifts, levels and lanes.
+const std::vector<std::string> kNewFields = {" doors;", " lifts;", " levels;", " lane_graphs;"};
 
 TEST(OlderLayout, FieldsThatAreNewAreEmptyAndOthersKeepTheirBits) {
   SmallWorld world;

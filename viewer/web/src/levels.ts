@@ -1,13 +1,8 @@
 // The levels of a building, and where each is drawn: at its height, alone, or on the ground beside the others.
 import {Box3, Plane, Vector3} from 'three';
-import type {World} from './protocol';
+import type {Level} from './protocol';
 
 export type LevelView = 'stacked' | 'beside' | 'one';
-
-export interface Level {
-  name: string;
-  z: number;  // m, of its floor
-}
 
 // What is between two heights, and by how much it is drawn elsewhere.
 export interface LevelPart {
@@ -17,25 +12,10 @@ export interface LevelPart {
   shift: Vector3;
 }
 
-const NEAR = 0.5;  // m between heights of one level
 const BELOW = 0.3;  // m: so far below its floor a level begins, with the plate of the floor
 const GAP = 0.06;  // of the building's size, between levels that are beside each other
 const ASPECT = 1.6;  // width by depth, to which levels beside each other come as near as they can
 const FAR = 1e6;  // m
-
-// By height: those of Open-RMF's files, which are models with floors or walls, and the floors of lifts.
-export function levelsOf(world: World): Level[] {
-  const found: Level[] = [];
-  const add = (name: string, z: number): void => {
-    if (!found.some(level => Math.abs(level.z - z) < NEAR)) found.push({name, z});
-  };
-  const names = new Set(world.models.map(({name}) => name));
-  for (const {name, parent, pose} of world.models) {
-    if (parent < 0 && (names.has(`${name}.floors`) || names.has(`${name}.walls`))) add(name, pose.z);
-  }
-  for (const {floors, heights} of world.lifts) floors.forEach((floor, i) => add(floor, heights[i]));
-  return found.sort((a, b) => a.z - b.z);
-}
 
 export class Levels {
   private view: LevelView = 'stacked';

@@ -3,7 +3,7 @@
 // state and their readers (generated/rows.ts, by write_rows.cc).
 import {readStateRows, type EventType, type StateRows} from '../generated/rows';
 
-export const PROTOCOL = 6;
+export const PROTOCOL = 7;
 
 export interface Pose {
   x: number;
@@ -112,6 +112,11 @@ export interface Lift {
   heights: number[];  // m
 }
 
+export interface Level {
+  name: string;
+  z: number;  // m, of its floor
+}
+
 export interface World {
   number: number;
   run: string;  // of which it is a world
@@ -129,6 +134,7 @@ export interface World {
   doors: Door[];
   lifts: Lift[];
   people: number[];  // models
+  levels: Level[];  // of a building, ascending
 }
 
 export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held', 'mounted'];
@@ -449,6 +455,7 @@ function readWorld(r: Reader): World {
       model: r.u32(), cabin: r.u32(), floors: r.list(() => r.text()), heights: r.list(() => r.f64()),
     })),
     people: r.list(() => r.u32()),
+    levels: r.list((): Level => ({name: r.text(), z: r.f64()})),
   };
 }
 

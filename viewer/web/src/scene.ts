@@ -6,7 +6,7 @@ import {
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Bodies, Labels} from './bodies';
 import {makeGraphics, Quality} from './graphics';
-import {Levels, levelsOf, planesOf} from './levels';
+import {Levels, planesOf} from './levels';
 import {Motion, Trails} from './motion';
 import type {Pose, World} from './protocol';
 import {poseOf, toMatrix, type Entity, type Run} from './run';
@@ -142,7 +142,7 @@ export class WorldScene {
     const bodies = new Bodies(world, this.surfaces);
     const map = new StaticMap(world, this.surfaces, model => bodies.contains(model));
     const choice = this.levels.choice;
-    this.levels = new Levels(levelsOf(world));
+    this.levels = new Levels(world.levels);
     this.levels.choose(choice);
     const box = this.contentBox(world, map);
     const ground = this.makeGround(box);

@@ -1,4 +1,4 @@
-#include "robot-agent/navigation/lane_graph.h"
+#include "robot-agent/navigation/lane_route.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ std::vector<std::vector<Exit>> ExitsOf(const LaneGraph& graph, double speed, con
   }
   std::vector<std::size_t> in_lifts;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!vertices[i].lift.empty()) in_lifts.push_back(i);
+    if (vertices[i].lift) in_lifts.push_back(i);
   }
   for (const std::size_t a : in_lifts) {
     for (const std::size_t b : in_lifts) {
@@ -45,21 +45,6 @@ std::vector<std::vector<Exit>> ExitsOf(const LaneGraph& graph, double speed, con
 }
 
 }  // namespace
-
-std::optional<std::size_t> LaneGraph::Find(const std::string& name) const {
-  const auto found =
-      std::find_if(vertices.begin(), vertices.end(), [&](const LaneVertex& vertex) { return vertex.name == name; });
-  if (name.empty() || found == vertices.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - vertices.begin());
-}
-
-std::optional<std::size_t> LaneGraph::LaneBetween(std::size_t from, std::size_t to) const {
-  for (std::size_t i = 0; i < lanes.size(); ++i) {
-    if (lanes[i].start == from && lanes[i].end == to) return i;
-    if (lanes[i].is_bidirectional && lanes[i].start == to && lanes[i].end == from) return i;
-  }
-  return std::nullopt;
-}
 
 std::optional<LaneRoute> FastestRoute(const LaneGraph& graph, std::size_t from, std::size_t to, double speed,
                                       const std::vector<std::size_t>& closed) {
@@ -96,19 +81,6 @@ std::optional<LaneRoute> FastestRoute(const LaneGraph& graph, std::size_t from, 
   }
   std::reverse(route.legs.begin(), route.legs.end());
   return route;
-}
-
-std::size_t NearestVertex(const LaneGraph& graph, const Vec2& point, double z, double per_height) {
-  std::size_t nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < graph.vertices.size(); ++i) {
-    const LaneVertex& vertex = graph.vertices[i];
-    const double distance = (vertex.position - point).norm() + per_height * std::fabs(vertex.z - z);
-    if (distance >= least) continue;
-    least = distance;
-    nearest = i;
-  }
-  return nearest;
 }
 
 }  // namespace troupe

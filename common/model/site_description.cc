@@ -1,0 +1,59 @@
+#include "troupe/site_description.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace troupe {
+
+std::string LevelAt(std::span<const LevelDescription> levels, double z) {
+  const LevelDescription* nearest = nullptr;
+  for (const LevelDescription& level : levels) {
+    if (nearest == nullptr || std::fabs(level.z - z) < std::fabs(nearest->z - z)) nearest = &level;
+  }
+  return nearest == nullptr ? "L1" : nearest->name;
+}
+
+std::optional<std::size_t> LaneGraph::Find(const std::string& name) const {
+  const auto found =
+      std::find_if(vertices.begin(), vertices.end(), [&](const LaneVertex& vertex) { return vertex.name == name; });
+  if (name.empty() || found == vertices.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - vertices.begin());
+}
+
+std::optional<std::size_t> LaneGraph::LaneBetween(std::size_t from, std::size_t to) const {
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    if (lanes[i].start == from && lanes[i].end == to) return i;
+    if (lanes[i].is_bidirectional && lanes[i].start == to && lanes[i].end == from) return i;
+  }
+  return std::nullopt;
+}
+
+std::optional<NearVertex> FindNearestVertex(const LaneGraph& graph, const Vec2& point, double z, double per_height) {
+  std::optional<NearVertex> nearest;
+  for (std::size_t i = 0; i < graph.vertices.size(); ++i) {
+    const LaneVertex& vertex = graph.vertices[i];
+    const double distance = (vertex.position - point).norm() + per_height * std::fabs(vertex.z - z);
+    if (!nearest || distance < nearest->distance) nearest = {i, distance};
+  }
+  return nearest;
+}
+
+const LaneGraph* GraphAt(std::span<const LaneGraph> graphs, const Pose& X_WR) {
+  const LaneGraph* found = nullptr;
+  double least = 0.0;
+  for (const LaneGraph& graph : graphs) {
+    const std::optional<NearVertex> near = FindNearestVertex(graph, X_WR.translation(), X_WR.z, kOnOneLevel);
+    if (!near || (found != nullptr && near->distance >= least)) continue;
+    found = &graph;
+    least = near->distance;
+  }
+  return found;
+}
+
+const LaneGraph* FindGraph(std::span<const LaneGraph> graphs, std::uint32_t number) {
+  const auto found =
+      std::find_if(graphs.begin(), graphs.end(), [&](const auto& graph) { return graph.number == number; });
+  return found == graphs.end() ? nullptr : &*found;
+}
+
+}  // namespace troupe

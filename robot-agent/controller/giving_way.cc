@@ -1,0 +1,62 @@
+#include "robot-agent/controller/giving_way.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+constexpr double kAsking = 0.6;          // m, between bodies of which one may wait for the other
+constexpr double kGiveWaySeconds = 6.0;  // behind another robot; twice that for the one of the smaller id
+constexpr double kDetourSeconds = 60.0;  // a longer way round another robot is worth it
+constexpr double kAsideSeconds = 4.0;    // beside the way of another robot, and up to as many more
+
+}  // namespace
+
+std::optional<WayAround> GivingWay::OnBlocked(const LanePlace& place, RobotId other, const Leg& leg, bool is_away) {
+  const double time = place.now.time;
+  if (!blocked_since_) {
+    blocked_since_ = time;
+    give_way_seconds_ = kGiveWaySeconds * ((other < own_ ? 1.0 : 2.0) + 0.5 * place.now.Random(0));
+  }
+  if (time - *blocked_since_ < give_way_seconds_) return std::nullopt;
+  blocked_since_.reset();
+  if (graph_->vertices[place.vertex].lift || !leg.lane) return std::nullopt;  // the others make room
+  const std::optional<std::size_t> back = graph_->LaneBetween(leg.to, leg.from);
+  if (is_away && !back) return std::nullopt;
+  std::optional<WayAround> way = FindDetour(place, leg);
+  if (!way) way = StepAside(place, leg.to);
+  if (way && is_away) {
+    way->is_on_first = true;
+    way->legs.insert(way->legs.begin(), {leg.to, leg.from, back});
+  }
+  return way;
+}
+
+std::optional<WayAround> GivingWay::FindDetour(const LanePlace& place, const Leg& leg) const {
+  if (!place.target) return std::nullopt;
+  const std::optional<LaneRoute> route = FastestRoute(*graph_, place.vertex, *place.target, speed_);
+  std::optional<LaneRoute> around = FastestRoute(*graph_, place.vertex, *place.target, speed_, {*leg.lane});
+  if (!route || !around || around->seconds > route->seconds + kDetourSeconds) return std::nullopt;
+  return WayAround{.legs = std::move(around->legs)};
+}
+
+bool GivingWay::IsAskedForRoom(const LanePlace& place, const Vec2& towards) {
+  const Pose& own = place.now.pose_estimate;
+  return std::any_of(place.others.begin(), place.others.end(), [&](const SeenRobot& other) {
+    const Vec2 offset = other.position - own.translation();
+    return !other.moves && std::fabs(other.z - own.z) < kLevelGap &&
+           offset.norm() < place.radius + other.radius + kAsking && offset.dot(towards) >= 0.0;
+  });
+}
+
+std::optional<WayAround> GivingWay::StepAside(const LanePlace& place, std::optional<std::size_t> not_to) const {
+  std::vector<Leg> ways = FreeLegs(*graph_, place.vertex, place.others, place.radius, place.half_width);
+  std::erase_if(ways, [&](const Leg& way) { return way.to == not_to; });
+  if (ways.empty()) return std::nullopt;
+  const auto chosen = static_cast<std::size_t>(place.now.Random(1) * static_cast<double>(ways.size()));
+  return WayAround{.legs = {ways[chosen]}, .seconds_aside = kAsideSeconds * (1.0 + place.now.Random(2))};
+}
+
+}  // namespace troupe

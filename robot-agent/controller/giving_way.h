@@ -1,0 +1,59 @@
+// GivingWay: what a robot on lanes does when another one is in its way, or waits for it: it takes another route, or
+// goes to a free vertex beside the way for a while.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "robot-agent/navigation/lane_route.h"
+#include "robot-agent/navigation/lane_traffic.h"
+#include "troupe/controller.h"
+
+namespace troupe {
+
+// A robot among others, in one tick.
+struct LanePlace {
+  const Observation& now;
+  std::size_t vertex = 0;  // that it was at last
+  std::optional<std::size_t> target = {};
+  const std::vector<SeenRobot>& others;
+  double radius = 0.0;      // m
+  double half_width = 0.0;  // m
+};
+
+// The way that a robot takes instead of its own.
+struct WayAround {
+  std::vector<Leg> legs;
+  bool is_on_first = false;                  // it is on the first leg, back to the vertex from which it came
+  std::optional<double> seconds_aside = {};  // at the end of the legs, which is no destination
+};
+
+class GivingWay {
+ public:
+  // The graph outlives this. `speed`: m/s.
+  GivingWay(RobotId own, const LaneGraph& graph, double speed) : own_(own), graph_(&graph), speed_(speed) {}
+
+  // Another robot blocks `leg`; `is_away`: this one has left the start of the leg. Called in each tick in which that is
+  // so. After a while there is a way, if one exists.
+  std::optional<WayAround> OnBlocked(const LanePlace& place, RobotId other, const Leg& leg, bool is_away);
+  void OnFree() { blocked_since_.reset(); }
+
+  // Another robot stands near this one, `towards` it (zero: on any side), and so perhaps waits for it.
+  static bool IsAskedForRoom(const LanePlace& place, const Vec2& towards);
+  static constexpr double kPoliteSeconds = 8.0;  // until a robot that waits makes room
+
+  // To a random free neighbour of its vertex, but for `not_to`. Nothing if there is none.
+  std::optional<WayAround> StepAside(const LanePlace& place, std::optional<std::size_t> not_to = {}) const;
+
+ private:
+  std::optional<WayAround> FindDetour(const LanePlace& place, const Leg& leg) const;
+
+  RobotId own_;
+  const LaneGraph* graph_;
+  double speed_;
+  std::optional<double> blocked_since_;  // s, simulated
+  double give_way_seconds_ = 0.0;
+};
+
+}  // namespace troupe
