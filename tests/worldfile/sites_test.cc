@@ -185,7 +185,7 @@ TEST(Guesthouse, HasTheLevelsDoorsLanesAndPeopleOfItsFile) {
   EXPECT_EQ(ground.vertices.size(), 32u);
   EXPECT_EQ(ground.walls.size(), 15u);
   EXPECT_EQ(ground.doors.size(), 4u);
-  EXPECT_EQ(ground.lanes.size(), 9u);
+  EXPECT_EQ(ground.lanes.size(), 10u);
   EXPECT_EQ(ground.human_lanes.size(), 1u);
   EXPECT_EQ(ground.lanes[2].speed_limit, 0.3);
   EXPECT_EQ(ground.lanes[4].orientation, "forward");
@@ -242,7 +242,7 @@ TEST(Guesthouse, ModelsAreWhereThePlanHasThem) {
   EXPECT_EQ(tiny.drive.velocity.x.max, 0.5);
   // Backward: away from its lane.
   const RobotDescription& delivery = world.robot(*FindRobot(world, "delivery_1"));
-  EXPECT_NEAR(world.model(delivery.root).X_PM.heading, std::atan2(2.25, -0.5), 1e-12);
+  EXPECT_NEAR(world.model(delivery.root).X_PM.heading, std::atan2(2.25, 1.5), 1e-12);
 }
 
 TEST(Guesthouse, VerticesWithANameOrARoleArePlaces) {
