@@ -136,7 +136,7 @@ struct SiteCase {
   std::size_t people;
   Vec2 size;                                 // m, of the building, from the origin
   std::vector<double> levels;                // m
-  std::map<std::string, double> passengers;  // robots that have taken a lift, and the level on which they are then
+  std::map<std::string, double> passengers;  // robots that take a lift, and a level to which it brings them
 };
 
 class SiteScenario : public testing::TestWithParam<SiteCase> {};
@@ -172,7 +172,15 @@ TEST_P(SiteScenario, LoadsWithoutWarningsAndLosesNothingBetweenItsLevels) {
     }
   }
   EXPECT_GT(walked / (5.0 * static_cast<double>(site.people)), 2.0);
-  for (const auto& [name, z] : site.passengers) EXPECT_EQ(run[name].X_WR.z, z) << name << " after its ride";
+  std::set<std::string> arrived;
+  for (int i = 0; i < 20 && arrived.size() < site.passengers.size(); ++i) {
+    run.Run(50);
+    for (const auto& [name, z] : site.passengers) {
+      if (run[name].X_WR.z == z) arrived.insert(name);
+    }
+  }
+  for (const auto& [name, z] : site.passengers)
+    EXPECT_TRUE(arrived.contains(name)) << name << " does not arrive at " << z;
 }
 
 INSTANTIATE_TEST_SUITE_P(
