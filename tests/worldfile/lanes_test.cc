@@ -169,6 +169,8 @@ TEST(Lanes, OfTheGuesthouseLeadThroughTheDoorAndTheLift) {
   EXPECT_GT(entrances, 90);
   for (const int robot : {0, 1}) EXPECT_LT(watch.longest(robot), 1200) << robot;
   EXPECT_TRUE(was_closed);
+  // They wait outside of what its leaves sweep, and go round the open ones.
+  for (const char* robot : {"tiny_1", "delivery_1"}) EXPECT_FALSE(run.EverStalled(robot)) << robot;
 }
 
 TEST(Lanes, BackwardAndDockedAsTheBuildingSays) {
