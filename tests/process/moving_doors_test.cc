@@ -75,21 +75,6 @@ TEST(LanesOverDds, LeadToPlacesThatUsersName) {
   run.Interrupt();
 }
 
-TEST(LanesOverDds, AreThoseOfTheWorldForSpawnedRobots) {
-  const std::string session = TestSession("newlanes");
-  Program run = Troupe(RunOf("guesthouse.building.yaml", {"--session", session, "--speed", "50"}));
-  run.WaitForLine("ready");
-  const std::vector<std::string> network = Words("--domain % --session %", {std::to_string(TestDomain()), session});
-  const auto ctl = [&](const std::vector<std::string>& words, int status) {
-    return OutputOf(Troupe(Words("ctl") + network + words, status), status);
-  };
-  ctl({"spawn", "TinyRobot", "--name", "late", "--pose=3,-7,0,0"}, 0);
-  run.WaitForLineAfter("late");
-  EXPECT_THAT(OutputOf(Troupe(Words("goto") + network + Words("late corridor"))),
-              testing::ContainsRegex("late is at (6\\.9|7\\.0)"));
-  run.Interrupt();
-}
-
 TEST(DoorsOverDds, AreTheSameWhateverDies) {
   TemporaryFolder folder;
   Program run =

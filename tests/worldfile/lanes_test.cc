@@ -3,12 +3,15 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 
 #include "common/model/states.h"
 #include "robot-agent/controller/create_controller.h"
 #include "tests/support/values.h"
 #include "tests/worldfile/scenario_run.h"
 #include "tests/worldfile/world_folder.h"
+#include "world-service/core/edit_world.h"
+#include "world-service/core/step.h"
 
 namespace troupe {
 namespace {
@@ -274,6 +277,29 @@ TEST(Lanes, OfABuildingAreNamedByControllersAndInErrors) {
   ASSERT_EQ(loaded.world.lane_graphs.size(), 1u);
   EXPECT_EQ(loaded.world.lane_graphs[0].lanes[2].mutex, "narrow");
   EXPECT_EQ(loaded.world.levels, (std::vector<LevelDescription>{{"G", 0.0}}));
+}
+
+// As `troupe ctl spawn TinyRobot --name late` in a run of the building.
+TEST(Lanes, AreThoseOfTheWorldForSpawnedRobots) {
+  const std::string building = LaneSites() + "guesthouse.building.yaml";
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  overrides.check_in_world = CheckControllerInWorld;
+  const auto scene = std::make_shared<const Scene>(ValueOf(LoadWorld(building, overrides)).world);
+  WorldDescription robot = ValueOf(LoadSpawnable(building, "TinyRobot", overrides)).world;
+  ASSERT_EQ(robot.robots.size(), 1u);
+  EXPECT_EQ(robot.robots[0].controller.name, "lanes");
+  robot.robots[0].controller.parameters = R"({"places": ["corridor"], "repeat": false})";
+  const EditedWorld edited =
+      ValueOf(SpawnEntity(scene, InitialState(*scene), robot, "late", Pose{3.0, -7.0, 0.0, 0.0}));
+  WorldDescription world = edited.scene->world();
+  const RobotId late = *FindRobot(world, "late");
+  EXPECT_TRUE(CheckControllerInWorld(world, late).ok());
+  world.robots[late.index()].controller.parameters = R"({"places": ["nowhere"]})";
+  EXPECT_FALSE(CheckControllerInWorld(world, late).ok());
+  ScenarioRun run(edited.scene->world());
+  run.Run(900);
+  EXPECT_TRUE(IsNearPlace(run["late"], 7, -3.75));
 }
 
 // A controller that continues from the middle of a run is the same.

@@ -46,8 +46,8 @@ class WorldEditor {
   // As ApplyEdit; an error without memory for the edited world.
   Result<EditedWorld> ApplyIfRoom(const AppliedEdit& edit) const;
   // As ServiceOptions::check_world.
-  Status CheckSpawned(const WorldDescription& world, const std::string& name) const;
   Status CheckWorld(const WorldDescription& world) const;
+  Status CheckSpawned(const WorldDescription& world, const std::string& name) const;
   // `spawned`, a world with one robot, which has the first free ROS domain from `first` on.
   Result<WorldDescription> WithRosDomain(std::uint32_t first, const WorldDescription& spawned) const;
   void Commit(EditedWorld edited, const AppliedEdit& edit, double now);
