@@ -11,7 +11,7 @@ set(host_headers ${CMAKE_BINARY_DIR}/host_headers)
 file(MAKE_DIRECTORY ${host_headers})
 foreach(name fmt nlohmann valijson stb dds ddsc)
   if(NOT EXISTS /usr/include/${name})
-    message(FATAL_ERROR "/usr/include/${name} is not there: run scripts/setup emscripten node-acorn libstb-dev")
+    message(FATAL_ERROR "/usr/include/${name} is not there: run scripts/setup-wasm")
   endif()
   file(CREATE_LINK /usr/include/${name} ${host_headers}/${name} SYMBOLIC)
 endforeach()
@@ -34,7 +34,17 @@ endfunction()
 troupe_header_targets(Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json Threads::Threads CycloneDDS::ddsc
   PNG::PNG JPEG::JPEG PkgConfig::CAIRO)
 add_library(valijson INTERFACE)
-add_library(yaml-cpp INTERFACE)
+
+# What Debian has for this machine only, from its source.
+set(yaml ${PROJECT_SOURCE_DIR}/build/wasm-root/yaml-cpp)
+file(GLOB yaml_sources ${yaml}/src/*.cpp)
+if(NOT yaml_sources)
+  message(FATAL_ERROR "${yaml} is not there: run scripts/setup-wasm")
+endif()
+add_library(yaml-cpp STATIC EXCLUDE_FROM_ALL ${yaml_sources})
+set_target_properties(yaml-cpp PROPERTIES UNITY_BUILD OFF)
+target_compile_definitions(yaml-cpp PUBLIC YAML_CPP_STATIC_DEFINE)
+target_include_directories(yaml-cpp SYSTEM PUBLIC ${yaml}/include)
 
 # The C types of IDL files, by the host's idlc.
 find_program(IDLC idlc REQUIRED)

@@ -93,8 +93,8 @@ Result<Module> ReadModule(std::string folder) {
   const Result<std::string> worker = read("page_worker.js");
   if (!wasm.ok() || !loader.ok() || !worker.ok()) {
     return Error{{folder},
-                 "found no WebAssembly module, expected that of the preset wasm (scripts/setup emscripten node-acorn "
-                 "libstb-dev; cmake --preset wasm; cmake --build --preset wasm), or its folder by --module"};
+                 "found no WebAssembly module, expected that of the preset wasm (scripts/setup-wasm; "
+                 "cmake --preset wasm; cmake --build --preset wasm), or its folder by --module"};
   }
   return Module{std::move(wasm).value(), loader.value() + "\n" + worker.value()};
 }

@@ -1,10 +1,8 @@
-// What needs a library that the module does not have: YAML, JPEG, pictures and the files of a web server. Each answers
+// What needs a library that the module does not have: JPEG, pictures and the files of a web server. Each answers
 // that it is not there.
 #include "common/image/image_reader.h"
 #include "library/save_picture.h"
 #include "viewer/gateway/web_server.h"
-#include "worldfile/map/map_yaml.h"
-#include "worldfile/sites/building_yaml.h"
 
 namespace troupe {
 namespace {
@@ -18,14 +16,6 @@ Error NotHere(const std::string& path, const std::string& what) {
 // The page has them already.
 std::span<const PageFile> PageFiles() {
   return {};
-}
-
-Result<MapYaml> ReadMapYamlText(const std::string& /*text*/, const std::string& path) {
-  return NotHere(path, "ROS maps are not read");
-}
-
-Result<Site> ReadBuilding(const std::string& path, const AllowedPaths& /*allowed*/) {
-  return NotHere(path, "buildings are not read");
 }
 
 Result<Bitmap> ReadJpeg(const ImageFile& file, const PixelRule& /*rule*/) {
