@@ -1,12 +1,14 @@
-// The scenarios of scenario_hash_test by the WebAssembly module in Chromium: the state hash of every tick and the
-// readings of all sensors are those of the program, byte by byte.
-//   node module_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES [SCENARIO ...]
+// The scenarios of scenario_hash_test, and the random ones of platforms_test, by the WebAssembly module in Chromium: the
+// state hash of every tick and the readings of all sensors are those of the program, byte by byte.
+//   node module_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES [FILE ...]
 import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
 import {existsSync, mkdirSync, readdirSync, readFileSync, rmSync} from 'node:fs';
+import {relative, resolve} from 'node:path';
 import {Pages} from './pages.mjs';
 import {Program} from './programs.mjs';
 
-const [programs, source, files] = process.argv.slice(2);
+const [programs, source, files] = process.argv.slice(2, 5).map(folder => resolve(folder));
 const built = `${source}/build/wasm/bin/troupe-core`;
 if (!existsSync(`${built}.wasm`)) {
   console.log('module_test: no WebAssembly module (preset wasm); nothing was checked');
@@ -17,20 +19,26 @@ rmSync(files, {recursive: true, force: true});
 mkdirSync(files, {recursive: true});
 const path = name => `${files}/${name}`;
 
-// [file, ticks]; the module reads no buildings, which are YAML.
+// Of both, [file, ticks].
 function goldenCases() {
   const test = readFileSync(`${source}/tests/determinism/scenario_hash_test.cc`, 'utf8');
   const found = [...test.matchAll(/(?:HashAfter|StateAfter)\("([\w./]+\.json)", (\d+)\)/g)];
-  const cases = found.map(([, name, ticks]) => [`worlds/scenarios/${name}`, Number(ticks)])
-    .filter(([name]) => !/"world":\s*"[^"]*\.yaml"/.test(readFileSync(`${source}/${name}`, 'utf8')));
-  assert.ok(cases.length >= 10, `found ${cases.length} scenarios`);
-  return cases;
+  assert.ok(found.length >= 12, `found ${found.length} scenarios`);
+  return found.map(([, name, ticks]) => [resolve(`${source}/worlds/scenarios`, name), Number(ticks)]);
 }
+function randomCases() {
+  const script = `${source}/tests/determinism/random_scenario.py`;
+  const found = execFileSync('python3', [script, files, '1', '12'], {encoding: 'utf8'}).trim().split('\n');
+  return found.map(file => [file, 200]);
+}
+const cases = [...goldenCases(), ...randomCases()];
 
-// The worlds with all that they name, as [path below the source folder, bytes in base64].
-const worlds = readdirSync(`${source}/worlds`, {recursive: true, withFileTypes: true}).filter(entry => entry.isFile())
+// In the page as on this machine: the worlds and the random scenarios, as [path, bytes in base64].
+const worlds = [`${source}/worlds`, files]
+  .flatMap(folder => readdirSync(folder, {recursive: true, withFileTypes: true}))
+  .filter(entry => entry.isFile())
   .map(entry => `${entry.parentPath ?? entry.path}/${entry.name}`)
-  .map(file => [file.slice(source.length), readFileSync(file).toString('base64')]);
+  .map(file => [file, readFileSync(file).toString('base64')]);
 const wasm = readFileSync(`${built}.wasm`).toString('base64');
 
 // In the page: runs the scenario, and returns its logs, or what the module complained of.
@@ -59,9 +67,9 @@ function assertSameLines(found, expected, ticks) {
 }
 
 const testOf = ([file, ticks]) => async () => {
-  const log = name => path(`${file.replaceAll(/\W/g, '_')}.${name}`);
+  const log = name => path(`log.${name}`);
   const program = new Program(`${programs}/troupe`, [
-    'run', `${source}/${file}`, '--in-process', '--headless', '--ticks', String(ticks),
+    'run', file, '--in-process', '--headless', '--ticks', String(ticks),
     '--hash-log', log('hashes'), '--scans', log('scans'),
   ]);
   assert.equal(await program.end, 0, program.lines.join('\n'));
@@ -70,7 +78,7 @@ const testOf = ([file, ticks]) => async () => {
 
   const page = await pages.open('about:blank', 400, 300);
   await page.addScriptTag({path: `${built}.js`});
-  const found = await page.evaluate(runModule, {wasm, worlds, file: `/${file}`, ticks});
+  const found = await page.evaluate(runModule, {wasm, worlds, file, ticks});
   assert.deepEqual(found.complaints, []);
   assertSameLines(found.hashes, hashes, ticks);
   assertSameLines(found.scans, scans, ticks);
@@ -78,5 +86,5 @@ const testOf = ([file, ticks]) => async () => {
   for (const name of ['hashes', 'scans']) rmSync(log(name), {force: true});
 };
 
-const tests = goldenCases().map(golden => Object.defineProperty(testOf(golden), 'name', {value: golden[0]}));
+const tests = cases.map(each => Object.defineProperty(testOf(each), 'name', {value: relative(source, each[0])}));
 await pages.runAll(tests, path);
