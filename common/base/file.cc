@@ -1,5 +1,6 @@
 #include "common/base/file.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <linux/magic.h>
 #include <poll.h>
@@ -10,6 +11,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -53,6 +55,32 @@ namespace fs = std::filesystem;
 
 Error CannotWrite(const std::string& path) {
   return {{path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+}
+
+bool RemoveIn(int folder, const char* name) noexcept;
+
+// True if an entry was removed.
+bool RemoveEntries(int folder) noexcept {
+  alignas(dirent64) std::array<char, 4096> entries;  // on the stack: readdir would need memory
+  bool removed = false;
+  for (;;) {
+    const auto size = getdents64(folder, reinterpret_cast<dirent64*>(entries.data()), entries.size());
+    if (size <= 0) return removed;
+    for (std::size_t at = 0; at < static_cast<std::size_t>(size);) {
+      const auto* const entry = reinterpret_cast<const dirent64*>(entries.data() + at);
+      at += entry->d_reclen;
+      const std::string_view name = entry->d_name;
+      if (name != "." && name != "..") removed = RemoveIn(folder, entry->d_name) || removed;
+    }
+  }
+}
+
+bool RemoveIn(int folder, const char* name) noexcept {
+  if (unlinkat(folder, name, 0) == 0) return true;
+  const FileDescriptor inner(openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  if (inner.get() < 0) return false;
+  while (RemoveEntries(inner.get())) lseek(inner.get(), 0, SEEK_SET);  // a removal may hide an entry from the reading
+  return unlinkat(folder, name, AT_REMOVEDIR) == 0;
 }
 
 constexpr std::size_t kLongestFileName = 255;  // bytes
@@ -203,6 +231,10 @@ FileReplacement::FileReplacement(FileReplacement&& other) noexcept
     : named_(std::move(other.named_)),
       path_(std::move(other.path_)),
       temporary_(std::exchange(other.temporary_, std::string())) {}
+
+void RemoveAll(const std::string& path) noexcept {
+  RemoveIn(AT_FDCWD, path.c_str());
+}
 
 FileReplacement::~FileReplacement() {
   if (temporary_.empty()) return;

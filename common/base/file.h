@@ -57,6 +57,10 @@ Result<std::string> ReadWholeFile(const std::string& path, std::size_t most);
 // Waits where the descriptor itself does not. False, with the reason in errno: not all is written.
 bool WriteAll(int descriptor, std::string_view bytes);
 
+// Removes what is at the path, a folder with all that is in it, as far as the system allows. It needs no memory, so
+// that destructors can call it.
+void RemoveAll(const std::string& path) noexcept;
+
 // FileReplacement: the new content of a file, written beside it, that then takes its place as a whole: on a full disk,
 // or after a loss of power, the file is as before. For all files that are written at once.
 class FileReplacement {

@@ -1,6 +1,7 @@
 #include "common/base/text.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 namespace troupe {
@@ -147,7 +148,10 @@ std::string DidYouMean(std::string_view found, const std::vector<std::string>& n
 FloodLimiter::FloodLimiter(Tell tell) : tell_(std::move(tell)), second_began_(std::chrono::steady_clock::now()) {}
 
 FloodLimiter::~FloodLimiter() {
-  TellSum();
+  try {
+    TellSum();
+  } catch (const std::exception&) {  // without memory the line is missing
+  }
 }
 
 void FloodLimiter::Add(const std::string& line) {

@@ -15,6 +15,7 @@
 #include <string_view>
 
 #include "common/base/file.h"
+#include "common/base/or_failure.h"
 #include "common/base/output_file.h"
 
 namespace troupe {
@@ -159,7 +160,8 @@ Result<std::unique_ptr<TickTrace>> TickTrace::Create(const TraceOptions& options
 }
 
 TickTrace::~TickTrace() {
-  (void)Close();  // an owner that needs the outcome has closed it before
+  // An owner that needs the outcome has closed it before.
+  (void)OrFailure([this] { return Close(); });
 }
 
 TraceLane* TickTrace::AddLane() {

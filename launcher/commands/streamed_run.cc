@@ -9,6 +9,8 @@
 #include <variant>
 
 #include "common/base/identity.h"
+#include "common/base/or_failure.h"
+#include "common/base/print.h"
 #include "library/runs/state_stream.h"
 
 namespace troupe {
@@ -46,19 +48,27 @@ StreamedRun::~StreamedRun() {
 }
 
 void StreamedRun::Run() {
-  for (;;) {
-    Result<StreamedMessage> message = ReceiveState(input_);
-    if (!message.ok() || std::holds_alternative<EndOfStream>(message.value())) break;
-    const std::lock_guard lock(mutex_);
-    if (auto* const session = std::get_if<SessionMessage>(&message.value())) {
-      session_ = std::move(*session);
-      if (handler_ != nullptr) handler_->OnSession(*session_);
-    } else if (auto* const frame = std::get_if<FrameMessage>(&message.value())) {
-      frame_ = std::make_shared<const FrameMessage>(std::move(*frame));
-      if (handler_ != nullptr) handler_->OnFrame(frame_);
+  const Status outcome = OrFailure([this]() -> Status {
+    while (Receive()) {
     }
-  }
+    return {};
+  });
+  if (!outcome.ok()) PrintPlain(stderr, "{}\n", outcome.error().ToString());
   kill(getpid(), SIGTERM);
+}
+
+bool StreamedRun::Receive() {
+  Result<StreamedMessage> message = ReceiveState(input_);
+  if (!message.ok() || std::holds_alternative<EndOfStream>(message.value())) return false;
+  const std::lock_guard lock(mutex_);
+  if (auto* const session = std::get_if<SessionMessage>(&message.value())) {
+    session_ = std::move(*session);
+    if (handler_ != nullptr) handler_->OnSession(*session_);
+  } else if (auto* const frame = std::get_if<FrameMessage>(&message.value())) {
+    frame_ = std::make_shared<const FrameMessage>(std::move(*frame));
+    if (handler_ != nullptr) handler_->OnFrame(frame_);
+  }
+  return true;
 }
 
 Result<std::unique_ptr<RunObservation>> StreamedRun::Observe(ObserverHandler& handler) {

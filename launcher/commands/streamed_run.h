@@ -32,6 +32,8 @@ class StreamedRun final : public RunLink {
   class Observation;
   explicit StreamedRun(int input);
   void Run();
+  // One message; false at the end of them.
+  bool Receive();
 
   const int input_;
   std::mutex mutex_;  // guards the next three

@@ -5,6 +5,9 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+
+#include "common/base/file.h"
 
 namespace troupe {
 
@@ -13,11 +16,10 @@ class TemporaryFolder {
   TemporaryFolder() {
     std::error_code ignored;
     std::string pattern = (std::filesystem::temp_directory_path(ignored) / "troupe-XXXXXX").string();
-    if (mkdtemp(pattern.data()) != nullptr) path_ = pattern;
+    if (mkdtemp(pattern.data()) != nullptr) path_ = std::move(pattern);
   }
   ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+    if (!path_.empty()) RemoveAll(path_);
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;

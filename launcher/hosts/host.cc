@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/file.h"
 #include "common/base/json.h"
 
 namespace troupe {
@@ -213,8 +214,7 @@ void HostFolder::TakeOver(const std::string& name) {
 
 HostFolder::~HostFolder() {
   if (path_.empty()) return;
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
+  RemoveAll(path_);
   close(lock_);
 }
 

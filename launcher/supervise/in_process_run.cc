@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <stop_token>
 #include <thread>
@@ -61,7 +63,9 @@ class NewAgents {
     threads_.emplace_back([this, options] {
       const Result<AgentEnd> end =
           OrFailure([&] { return RunAgent(transport_.MakeAgentEndpoint(options.agent), options, stop_.get_token()); });
-      if (!end.ok()) ReactToFailure(options, end.error());
+      if (end.ok()) return;
+      const Status reported = OrFailure([&] { return ReactToFailure(options, end.error()); });
+      if (!reported.ok()) stop_run_ = true;
     });
   }
 
@@ -94,13 +98,15 @@ class NewAgents {
   static void Tell(const std::string& text) { PrintPlain(stderr, "{}\n", text); }
 
   // On the thread of an agent.
-  void ReactToFailure(const AgentOptions& agent, const Error& error) {
+  Status ReactToFailure(const AgentOptions& agent, const Error& error) {
     if (error.code != ErrorCode::kOutputFailed) {
-      return Tell("agent of " + agent.robots.front() + ": " + error.ToString());
+      Tell("agent of " + agent.robots.front() + ": " + error.ToString());
+      return {};
     }
     const std::lock_guard lock(failure_mutex_);
     if (failure_.ok()) failure_ = Error{{options_.scan_log}, error.message, error.code};
     stop_run_ = true;
+    return {};
   }
 
   Transport& transport_;
@@ -143,9 +149,9 @@ std::unique_ptr<Transport> MakeTransport(const std::string& faults) {
 
 // Waits until `done` is readable. The first stop request sets `stop`, the second ends the process.
 void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop) {
-  std::vector<pollfd> waited = {{signals.descriptor(), POLLIN, 0}, {done, POLLIN, 0}};
+  pollfd waited[] = {{signals.descriptor(), POLLIN, 0}, {done, POLLIN, 0}};
   while (waited[1].revents == 0) {
-    poll(waited.data(), waited.size(), -1);
+    poll(waited, std::size(waited), -1);
     if (!signals.ReadStopRequest()) continue;
     ClearLine();
     if (stop) std::_Exit(kExitInterrupted);
@@ -219,10 +225,11 @@ class InProcessRun {
     Result<RunSummary> summary = Failure("the run did not end");
     Result<AgentEnd> agent = AgentEnd::kStopped;
     std::thread service_thread([&] {
-      ProgressObserver progress(run_.world().robots.size(), new_agents_);
-      observers_.push_back(&progress);
-      summary = OrFailure(
-          [&] { return RunService(run_.scene, run_.options, transport_->MakeServiceEndpoint(), observers_, stop_); });
+      summary = OrFailure([&] {
+        ProgressObserver progress(run_.world().robots.size(), new_agents_);
+        observers_.push_back(&progress);
+        return RunService(run_.scene, run_.options, transport_->MakeServiceEndpoint(), observers_, stop_);
+      });
       done.Signal();
     });
     std::thread agent_thread;  // of the robots at the start, if there are any
@@ -236,6 +243,9 @@ class InProcessRun {
       if (!run_.world().robots.empty()) agent_thread = std::thread(run_agent);
     } catch (const std::system_error& error) {
       agent = Failure(std::string("cannot start a thread: ") + error.what());
+      stop_ = true;
+    } catch (const std::bad_alloc& error) {
+      agent = FailureOf(error);
       stop_ = true;
     }
     WaitForEnd(done.descriptor(), signals, stop_);

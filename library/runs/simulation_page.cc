@@ -17,6 +17,7 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -187,7 +188,13 @@ void SimulationPage::Impl::Run() {
   fcntl(output.get(), F_SETFL, O_NONBLOCK);
   while (is_open) {
     changed.wait(lock, [this] { return is_new || is_ending; });
-    is_open = SendNewest(lock, is_ending) && !is_ending;
+    try {
+      is_open = SendNewest(lock, is_ending) && !is_ending;
+    } catch (
+        const std::exception&) {  // as without memory: the page ends, and not the program that steps the simulation
+      if (!lock.owns_lock()) lock.lock();
+      is_open = false;
+    }
     if (is_open) changed.wait_for(lock, kPeriod, [this] { return is_ending; });
   }
   is_done = true;

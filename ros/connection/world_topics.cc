@@ -1,6 +1,7 @@
 #include "ros/connection/world_topics.h"
 
 #include <algorithm>
+#include <exception>
 
 #include "common/spatial/occupancy_grid.h"
 #include "ros/connection/ros_network.h"
@@ -126,8 +127,12 @@ void MapOutput::Poll() {
   written_ = true;
   Join();
   thread_ = std::thread([this] {
-    WriteMap(map_, *scene_, topics_);
-    connection_.Flush();
+    try {
+      WriteMap(map_, *scene_, topics_);
+      connection_.Flush();
+    } catch (const std::exception&) {  // as without memory: at the next Poll
+      written_ = false;
+    }
   });
 }
 

@@ -3,6 +3,7 @@
 // which ticks arrive, because an agent does not know it.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -77,7 +78,7 @@ class MapOutput {
   const WorldTopics topics_;
   RosWriter<OccupancyGridMessage> map_;
   const Scene* scene_ = nullptr;
-  bool written_ = false;
+  std::atomic<bool> written_ = false;
   std::thread thread_;  // last, because it uses all other members
 };
 

@@ -298,7 +298,14 @@ HostConnection::Watched HostConnection::watched() {
 void HostConnection::Run() {
   int delay = kFirstDelay;
   while (!stop_) {
-    if (Open()) {
+    bool is_open = false;
+    try {
+      is_open = Open();
+    } catch (const std::bad_alloc&) {  // it is opened after the delay
+      const std::lock_guard lock(mutex_);
+      Close();
+    }
+    if (is_open) {
       const Clock::time_point opened = Clock::now();
       Serve();
       // One that is refused again and again is tried ever more rarely.

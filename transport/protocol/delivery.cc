@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <utility>
 
 namespace troupe {
@@ -169,7 +170,12 @@ void ObserverQueue::Run() {
     const Message next = std::move(messages_.front());
     messages_.pop_front();
     lock.unlock();
-    Deliver(next);
+    try {
+      Deliver(next);
+    } catch (const std::bad_alloc&) {
+      lock.lock();
+      continue;  // the message is lost, as one for which there is no room
+    }
     lock.lock();
   }
 }

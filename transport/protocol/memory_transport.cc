@@ -1,5 +1,6 @@
 #include <map>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <set>
 #include <utility>
@@ -9,6 +10,16 @@
 
 namespace troupe {
 namespace {
+
+// For the ends of endpoints, which cannot fail. Without memory the others learn of the end later, or from the run.
+template <typename Tell>
+void TellUnlessOutOfMemory(const Tell& tell) {
+  try {
+    tell();
+  } catch (const std::bad_alloc&) {
+    return;
+  }
+}
 
 // Delivers each message to the endpoints of its receivers. Shared by the endpoints, which live no longer than the
 // transport.
@@ -84,13 +95,15 @@ void Exchange::RemoveService(Target service) {
     const std::lock_guard lock(mutex_);
     services_.erase(service);
     sessions_.erase(service);
-    for (const auto& [target, handler] : agents_) {
-      delivery_.Post(target, [handler = handler] { handler->OnServiceGone(); });
-    }
     if (sessions_.empty()) newest_frame_.reset();
-    for (ObserverQueue* observer : observers_) {
-      if (sessions_.empty()) observer->PostServiceGone();
-    }
+    TellUnlessOutOfMemory([this] {
+      for (const auto& [target, handler] : agents_) {
+        delivery_.Post(target, [handler = handler] { handler->OnServiceGone(); });
+      }
+      for (ObserverQueue* observer : observers_) {
+        if (sessions_.empty()) observer->PostServiceGone();
+      }
+    });
   }
   delivery_.RemoveTarget(service);
 }
@@ -99,9 +112,11 @@ void Exchange::RemoveAgent(Target target, AgentId agent) {
   {
     const std::lock_guard lock(mutex_);
     agents_.erase(target);
-    for (const auto& [service, handler] : services_) {
-      delivery_.Post(service, [handler = handler, agent] { handler->OnAgentGone(agent); });
-    }
+    TellUnlessOutOfMemory([this, agent] {
+      for (const auto& [service, handler] : services_) {
+        delivery_.Post(service, [handler = handler, agent] { handler->OnAgentGone(agent); });
+      }
+    });
   }
   delivery_.RemoveTarget(target);
 }

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <openssl/crypto.h>
-#include <openssl/rand.h>
 #include <openssl/sha.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -16,6 +15,7 @@
 #include <optional>
 #include <span>
 #include <system_error>
+#include <utility>
 
 #include "common/base/file.h"
 #include "common/base/text.h"
@@ -91,12 +91,21 @@ Status Publish(const fs::path& temporary, const fs::path& folder) {
   return FolderFailure(folder);
 }
 
+// A folder that is removed, unless it has been published.
+struct UnfinishedFolder {
+  ~UnfinishedFolder() {
+    if (!path.empty()) RemoveAll(path);
+  }
+  std::string path;
+};
+
 }  // namespace
 
 Result<RunToken> RunToken::Make() {
   RunToken token;
-  if (RAND_bytes(token.secret_.data(), static_cast<int>(token.secret_.size())) == 1) return token;
-  return Failure("no random numbers for the token of a run");
+  // Not by OpenSSL, which without memory for its start uses a lock that is not there.
+  if (getentropy(token.secret_.data(), token.secret_.size()) == 0) return token;
+  return Failure(std::string("no random numbers for the token of a run: ") + std::strerror(errno));
 }
 
 Result<RunToken> RunToken::ReadFrom(const std::string& keys) {
@@ -141,16 +150,13 @@ Status WritePrivateFolder(const std::string& folder, const std::vector<PrivateFi
   if (Status above = MakeFolders(path.parent_path()); !above.ok()) return above;
   std::string temporary = path.string() + ".new-XXXXXX";
   if (mkdtemp(temporary.data()) == nullptr) return FolderFailure(path);
-  Status status;
+  UnfinishedFolder unfinished{std::move(temporary)};
   for (const PrivateFile& file : files) {
-    status = WriteFile(fs::path(temporary) / file.name, file.content);
-    if (!status.ok()) break;
+    if (Status status = WriteFile(fs::path(unfinished.path) / file.name, file.content); !status.ok()) return status;
   }
-  if (status.ok()) status = Publish(temporary, path);
-  if (status.ok()) return status;
-  std::error_code ignored;
-  fs::remove_all(temporary, ignored);
-  return status;
+  if (Status status = Publish(unfinished.path, path); !status.ok()) return status;
+  unfinished.path.clear();
+  return {};
 }
 
 Result<std::string> ReadFileOfKeys(const std::string& path) {

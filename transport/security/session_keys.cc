@@ -9,11 +9,13 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "common/base/file.h"
 #include "common/base/paths.h"
 #include "common/run/run_settings.h"
 
@@ -122,8 +124,7 @@ PublishedKeys& PublishedKeys::operator=(PublishedKeys&& other) noexcept {
 }
 
 PublishedKeys::~PublishedKeys() {
-  std::error_code ignored;
-  if (!link_.empty()) fs::remove(link_, ignored);
+  if (!link_.empty()) unlink(link_.c_str());
 }
 
 std::vector<SessionKeys> FindSessionKeys(std::uint32_t domain) {
@@ -212,10 +213,12 @@ RunKeysFolder& RunKeysFolder::operator=(RunKeysFolder&& other) noexcept {
 }
 
 RunKeysFolder::~RunKeysFolder() {
-  std::error_code ignored;
   if (path_.empty()) return;
-  fs::remove_all(path_, ignored);
-  DeleteNamesOfDeletedKeys();  // the service may have been killed at its end
+  RemoveAll(path_);
+  try {
+    DeleteNamesOfDeletedKeys();      // the service may have been killed at its end
+  } catch (const std::exception&) {  // without memory the next run deletes them
+  }
 }
 
 }  // namespace troupe

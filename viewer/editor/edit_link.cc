@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <type_traits>
@@ -201,7 +202,12 @@ void EditLink::Run() {
     const auto interval = std::chrono::duration<double>(speed_ ? test_->world().interval_seconds() / *speed_ : 1e-4);
     next = std::max(next + std::chrono::duration_cast<Clock::duration>(interval), Clock::now());
     changed_.wait_until(lock, next, [this] { return ending_ || !playing_ || !test_; });
-    if (!ending_ && playing_ && test_ && Clock::now() >= next) StepTest();
+    if (ending_ || !playing_ || !test_ || Clock::now() < next) continue;
+    try {
+      StepTest();
+    } catch (const std::exception&) {  // as without memory: the test pauses
+      playing_ = false;
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -80,10 +81,14 @@ class RequestQueue {
       const auto [viewer, request] = std::move(waiting_.front());
       waiting_.pop_front();
       lock.unlock();
-      Answer answer = perform_(request);
-      lock.lock();
-      answers_.emplace_back(viewer, std::move(answer));
-      on_answer_();
+      try {
+        Answer answer = perform_(request);
+        lock.lock();
+        answers_.emplace_back(viewer, std::move(answer));
+        on_answer_();
+      } catch (const std::exception&) {  // as without memory: the viewer gets no answer
+        if (!lock.owns_lock()) lock.lock();
+      }
     }
   }
 

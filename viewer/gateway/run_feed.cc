@@ -1,8 +1,11 @@
 #include "viewer/gateway/run_feed.h"
 
 #include <algorithm>
+#include <exception>
 #include <memory>
 #include <utility>
+
+#include "common/base/or_failure.h"
 
 namespace troupe {
 namespace {
@@ -222,13 +225,16 @@ void Follower::Run() {
     // Before the observation: a frame of the run has its position by the journal. And later: a run that ends before the
     // observation has found it sends no frame, and its journal may have been read when it was not whole.
     if (open || (observation && !feed_.has_state() && now >= journal_at)) {
-      feed_.SetRecorded(link_.ReadJournal(feed_.shelf()));
+      try {
+        feed_.SetRecorded(link_.ReadJournal(feed_.shelf()));
+      } catch (const std::exception&) {  // as without memory: it is read again
+      }
       const auto end = Clock::now();
       journal_at = end + std::max<Clock::duration>(kPeriod, kJournalShare * (end - now));
     }
     std::string problem;
     if (open) {
-      Result<std::unique_ptr<RunObservation>> opened = link_.Observe(feed_);
+      Result<std::unique_ptr<RunObservation>> opened = OrFailure([this] { return link_.Observe(feed_); });
       if (opened.ok()) {
         observation = std::move(opened).value();
       } else {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/base/identity.h"
+#include "common/base/or_failure.h"
 #include "viewer/gateway/foxglove_client.h"
 #include "viewer/gateway/metrics.h"
 #include "viewer/gateway/page_texts.h"
@@ -216,10 +217,10 @@ Viewers::Changed Viewers::Executed(RunLink& link, const Change& change) {
     return reply.ok() ? SlowestOf(reply.value().entities) : std::nullopt;
   }
   if (const auto* edit = std::get_if<PageEdit>(&change)) {
-    return ReplyToEdit(edit->id, link.Edit(edit->operation.value()));
+    return ReplyToEdit(edit->id, OrFailure([&] { return link.Edit(edit->operation.value()); }));
   }
   const auto& control = std::get<PageControl>(change);
-  return ReplyToControl(control.id, link.Ask(control.request));
+  return ReplyToControl(control.id, OrFailure([&] { return link.Ask(control.request); }));
 }
 
 void Viewers::Seek(ViewerId id, std::uint64_t position) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <exception>
 #include <iterator>
 #include <map>
 #include <thread>
@@ -186,7 +187,11 @@ Status WebServer::Implementation::Listen() {
 void WebServer::Implementation::OnTimer(lws_sorted_usec_list_t* timer) {
   Implementation& self = *reinterpret_cast<Period*>(timer)->owner;
   lws_sul_schedule(self.context_, 0, timer, OnTimer, self.period_us_);
-  self.handler_->OnPeriod(self);
+  try {
+    self.handler_->OnPeriod(self);
+  } catch (const std::exception&) {  // as without memory: the next period repeats what is missing
+    return;
+  }
 }
 
 int WebServer::Implementation::Callback(lws* socket, lws_callback_reasons reason, void* user, void* in, size_t length) {
@@ -194,14 +199,18 @@ int WebServer::Implementation::Callback(lws* socket, lws_callback_reasons reason
   auto* const connection = static_cast<Connection*>(user);
   const char* const text = static_cast<const char*>(in);
   if (self->ending_) return 0;
-  switch (reason) {
-    case LWS_CALLBACK_ESTABLISHED:
-    case LWS_CALLBACK_CLOSED:
-    case LWS_CALLBACK_RECEIVE:
-    case LWS_CALLBACK_SERVER_WRITEABLE:
-      return self->OnViewer(socket, reason, *connection, text, length);
-    default:
-      return self->OnHttp(socket, reason, connection, text);
+  try {
+    switch (reason) {
+      case LWS_CALLBACK_ESTABLISHED:
+      case LWS_CALLBACK_CLOSED:
+      case LWS_CALLBACK_RECEIVE:
+      case LWS_CALLBACK_SERVER_WRITEABLE:
+        return self->OnViewer(socket, reason, *connection, text, length);
+      default:
+        return self->OnHttp(socket, reason, connection, text);
+    }
+  } catch (const std::exception&) {  // as without memory: the connection ends; no exception may pass a library in C
+    return reason == LWS_CALLBACK_EVENT_WAIT_CANCELLED ? 0 : -1;
   }
 }
 

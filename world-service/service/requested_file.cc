@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/file.h"
 #include "common/base/paths.h"
 
 namespace troupe {
@@ -139,13 +140,14 @@ Result<RequestedFile> ReadRequestedFile(const ServiceOptions& options, const Con
 Result<std::shared_ptr<const RequestedText>> RequestedText::Write(const std::string& text) {
   std::error_code no_folder;
   std::string folder = (std::filesystem::temp_directory_path(no_folder) / "troupe-text-XXXXXX").string();
+  std::shared_ptr<RequestedText> file(new RequestedText());  // before the folder, which it removes
   if (no_folder || mkdtemp(folder.data()) == nullptr) {
     return Failure(std::string("cannot make a folder for the text: ") + std::strerror(errno));
   }
-  std::shared_ptr<RequestedText> file(new RequestedText(folder));
+  file->folder_ = std::move(folder);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   const bool is_scenario = first != std::string::npos && text[first] == '{';
-  file->path_ = folder + (is_scenario ? "/text.json" : "/text.world");
+  file->path_ = file->folder_ + (is_scenario ? "/text.json" : "/text.world");
   std::ofstream out(file->path_, std::ios::binary);
   out << text;
   out.close();
@@ -154,8 +156,7 @@ Result<std::shared_ptr<const RequestedText>> RequestedText::Write(const std::str
 }
 
 RequestedText::~RequestedText() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
+  if (!folder_.empty()) RemoveAll(folder_);
 }
 
 void RestrictRequests(const OwnerPermissions& permissions, const WorldDescription& world,

@@ -26,7 +26,7 @@ class RequestedText {
   const std::string& path() const { return path_; }
 
  private:
-  explicit RequestedText(std::string folder) : folder_(std::move(folder)) {}
+  RequestedText() = default;
 
   std::string folder_;
   std::string path_;

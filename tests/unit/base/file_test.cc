@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "common/base/output_file.h"
+#include "tests/support/without_memory.h"
 
 namespace troupe {
 namespace {
@@ -192,6 +193,22 @@ TEST_F(FileTest, ADeviceIsWrittenToAndNeverReplaced) {
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
   EXPECT_EQ(WriteWholeFile(MakePipe(), "x").error().message,
             "cannot write: it is a named pipe, expected a regular file");
+}
+
+TEST_F(FileTest, AFolderIsRemovedWithAllInItAndWithoutMemory) {
+  Write("kept", "x");
+  for (const std::string folder : {"tree", "tree/inner", "tree/inner/empty"})
+    std::filesystem::create_directory(Path(folder));
+  for (int i = 0; i < 500; ++i)
+    Write("tree/inner/a file with a long name, so that many are read at once " + std::to_string(i), "x");
+  Write("tree/.hidden", "x");
+  std::filesystem::create_symlink(folder_, Path("tree/link"));
+  EXPECT_EQ(test::StatusWithoutMemory([tree = Path("tree")] { RemoveAll(tree); }), 0);
+  EXPECT_FALSE(std::filesystem::exists(Path("tree")));
+  EXPECT_EQ(Read("kept"), "x");
+  RemoveAll(Path("kept"));
+  RemoveAll(Path("none"));
+  EXPECT_EQ(FilesInFolder(), 0u);
 }
 
 TEST_F(FileTest, AStreamedFileKeepsWhatWasWrittenBeforeAnError) {

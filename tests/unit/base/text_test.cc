@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "tests/support/without_memory.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -90,6 +93,12 @@ TEST(Error, NamesThePlaceAsFarAsItIsKnown) {
   EXPECT_EQ((Error{.where = {"a.world", 0, 0}, .message = "found x"}.ToString()), "a.world: error: found x");
   EXPECT_EQ((Error{.where = {}, .message = "found x"}.ToString()), "error: found x");
   EXPECT_EQ((Warning{.where = {"a.world", 1, 1}, .message = "odd"}.ToString()), "a.world:1:1: warning: odd");
+}
+
+TEST(FloodLimiter, EndsWithoutMemoryForItsLastLine) {
+  std::optional<FloodLimiter> lines(std::in_place, [](const std::string&) {});
+  for (int i = 0; i < 100; ++i) lines->Add("a line");
+  EXPECT_EQ(test::StatusWithoutMemory([&] { lines.reset(); }), 0);
 }
 
 TEST(CheckDeathTest, NamesTheBrokenContract) {

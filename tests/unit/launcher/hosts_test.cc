@@ -13,11 +13,13 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "common/base/file.h"
 #include "launcher/hosts/connect_hosts.h"
 #include "launcher/hosts/host.h"
 #include "tests/support/files.h"
+#include "tests/support/without_memory.h"
 
 namespace troupe {
 namespace {
@@ -71,6 +73,14 @@ class HostFolderTest : public testing::Test {
   std::optional<std::string> before_;
   pid_t process_ = -1;
 };
+
+TEST_F(HostFolderTest, IsDeletedWithoutMemory) {
+  std::optional<HostFolder> folder(std::in_place);
+  const std::string path = folder->path();
+  std::ofstream(path + "/service-hashes") << "1";
+  EXPECT_EQ(test::StatusWithoutMemory([&] { folder.reset(); }), 0);
+  EXPECT_FALSE(fs::exists(path));
+}
 
 TEST_F(HostFolderTest, ExistsAsLongAsItsHost) {
   std::string path;

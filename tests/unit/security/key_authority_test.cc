@@ -12,11 +12,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include "common/base/paths.h"
 #include "tests/support/files.h"
 #include "tests/support/values.h"
+#include "tests/support/without_memory.h"
 #include "transport/protocol/message_texts.h"
 #include "transport/security/run_token.h"
 #include "transport/security/session_keys.h"
@@ -268,6 +270,18 @@ TEST_F(RunKeysFolderTest, DeletesTheNameThatAKilledServiceHasLeft) {
   EXPECT_EQ(CountFiles(), 0);
 }
 
+TEST_F(RunKeysFolderTest, KeysAndTheirNamesAreDeletedWithoutMemory) {
+  std::optional<RunKeysFolder> keys(RunKeysFolder::MakeWithToken().value());
+  std::optional<PublishedKeys> published(PublishedKeys::Publish(kDomain, "first", keys->path()).value());
+  ASSERT_EQ(CountFiles(), 2);
+  EXPECT_EQ(test::StatusWithoutMemory([&] {
+              published.reset();
+              keys.reset();
+            }),
+            0);
+  EXPECT_EQ(CountFiles(), 0);
+}
+
 TEST_F(RunKeysFolderTest, NamesOfKeysThatExistStay) {
   fs::create_directory(folder_ + "/keys");  // of a user, or of `troupe host`
   const PublishedKeys first = PublishedKeys::Publish(kDomain, "first", folder_ + "/keys").value();
@@ -287,6 +301,13 @@ class RunTokenTest : public testing::Test {
   const test::TemporaryFolder temporary_;
   const std::string folder_ = temporary_.path();
 };
+
+TEST_F(RunTokenTest, IsMadeWithoutMemory) {
+  EXPECT_EQ(test::StatusWithoutMemory([] {
+              if (!RunToken::Make().ok()) _exit(1);
+            }),
+            0);
+}
 
 TEST_F(RunTokenTest, AProofIsOfOneParticipantAndOneToken) {
   const RunToken token = RunToken::Make().value();

@@ -178,7 +178,7 @@ Status RunRecorder::Append(const TickSource& next) {
       if (Status failure = Write(std::move(tick)); !failure.ok()) return failure;
     }
   });
-  if (!outcome.ok()) thread_->Fail(outcome.error());
+  if (!outcome.ok()) thread_->Fail(outcome);
   return outcome;
 }
 
@@ -197,7 +197,7 @@ Status RunRecorder::WriteProgress(const RunProgress& progress) {
 
 Status RunRecorder::Reported(const Status& outcome) {
   if (outcome.ok() || !options_.journal_is_optional || committed_.tail == nullptr) return outcome;
-  thread_->Fail(outcome.error());
+  thread_->Fail(outcome);
   if (!std::exchange(committed_.is_dropped, true)) {
     PrintPlain(stderr,
                "the journal of the run cannot be written ({}): the run cannot be continued if its world service "
@@ -246,7 +246,7 @@ RecordingThread::RecordingThread(RecordingWriter writer, Options options)
     : options_(std::move(options)), writer_(std::move(writer)), chunk_ended_(Clock::now()) {}
 
 RecordingThread::~RecordingThread() {
-  (void)Close();
+  Join();
 }
 
 void RecordingThread::Start() {
@@ -290,13 +290,17 @@ Status RecordingThread::Flush() {
 }
 
 Status RecordingThread::Close() {
+  Join();
+  return status();
+}
+
+void RecordingThread::Join() {
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
   }
   changed_.notify_all();
   if (thread_.joinable()) thread_.join();
-  return status();
 }
 
 Status RecordingThread::status() const {
@@ -304,24 +308,26 @@ Status RecordingThread::status() const {
   return status_;
 }
 
-void RecordingThread::Fail(const Error& error) {
+void RecordingThread::Fail(Status failure) {
   {
     const std::lock_guard lock(mutex_);
-    if (status_.ok()) status_ = error;
+    if (status_.ok()) status_ = std::move(failure);
   }
   changed_.notify_all();
 }
 
 void RecordingThread::Run() {
-  bool closed = false;
-  while (!closed) {
-    std::optional<Work> work = Await();
-    if (!work) return;
-    const Status written = OrFailure([&] { return Write(*work); });
-    if (!written.ok()) return Fail(written.error());
-    closed = work->closes;
-    Finish(std::move(*work));
-  }
+  Status outcome = OrFailure([this]() -> Status {
+    for (bool closed = false; !closed;) {
+      std::optional<Work> work = Await();
+      if (!work) return {};
+      if (Status failure = Write(*work); !failure.ok()) return failure;
+      closed = work->closes;
+      Finish(std::move(*work));
+    }
+    return {};
+  });
+  if (!outcome.ok()) Fail(std::move(outcome));
 }
 
 std::optional<RecordingThread::Work> RecordingThread::Await() {

@@ -60,7 +60,7 @@ class RecordingThread {
 
   // The first failure: that of the file, or of Fail. No tick is written after it.
   Status status() const;
-  void Fail(const Error& error);
+  void Fail(Status failure);
 
  private:
   struct Entry {
@@ -74,6 +74,7 @@ class RecordingThread {
     bool closes = false;   // the queue is closed, and empty
   };
 
+  void Join();
   void Run();
   // Waits for work, or until a chunk is to be ended for its age; nothing after a failure.
   std::optional<Work> Await();

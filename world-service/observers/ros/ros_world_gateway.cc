@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -133,9 +134,18 @@ void WorldPictures::Run() {
     const bool blocks_due = !std::exchange(blocks_written_, blocks_written_ || blocks_.wanted()) && blocks_written_;
     const bool replaces = blocks_replaced_;
     lock.unlock();
-    if (map_due) ros::WriteMap(map_, *scene, options_.world);
-    if (blocks_due) WriteBlocks(*scene, replaces);
+    bool all_written = true;
+    try {
+      if (map_due) ros::WriteMap(map_, *scene, options_.world);
+      if (blocks_due) WriteBlocks(*scene, replaces);
+    } catch (const std::exception&) {  // as without memory: after the next period
+      all_written = false;
+    }
     lock.lock();
+    if (!all_written && scene == scene_) {
+      map_written_ = map_written_ && !map_due;
+      blocks_written_ = blocks_written_ && !blocks_due;
+    }
     const auto changed = [&] { return stop_ || scene_ != scene; };
     if (map_written_ && blocks_written_) {
       wake_.wait(lock, changed);

@@ -1,0 +1,45 @@
+// Calls in a process without memory: destructors and other functions that cannot fail must work there.
+#pragma once
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdlib>
+
+namespace troupe::test {
+
+// No allocation of this process succeeds any more, of whatever size.
+inline void UseUpMemory() {
+  volatile char stack[256 * 1024];  // what the calls use of it exists already: it could not grow
+  for (std::size_t i = 0; i < sizeof stack; i += 1024) stack[i] = 0;
+  const rlimit none = {0, 0};
+  setrlimit(RLIMIT_AS, &none);
+  constexpr std::size_t kLargestOfOneSize = 2048;  // bytes; the allocator keeps free pieces by size
+  for (std::size_t size = std::size_t{1} << 24; size > kLargestOfOneSize; size /= 2) {
+    while (std::malloc(size) != nullptr) continue;
+  }
+  for (std::size_t size = kLargestOfOneSize; size >= 8; size -= 8) {
+    while (std::malloc(size) != nullptr) continue;
+  }
+}
+
+// Makes the call in a copy of this process without memory. Its exit status, 0 if the call returns; negative: the signal
+// that ended it. With a sanitizer, whose allocator ends the process instead of failing, the copy has memory.
+template <typename Call>
+int StatusWithoutMemory(const Call& call) {
+  const pid_t copy = fork();
+  if (copy == 0) {
+#ifndef TROUPE_SANITIZED
+    UseUpMemory();
+#endif
+    call();
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(copy, &status, 0);
+  return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+}  // namespace troupe::test
