@@ -224,10 +224,6 @@ void DistributedRun::ProcessEvents() {
   if (signals_.ReadChildEnd() || !options_.hosts.empty()) ended = agents_.PollEnded();
   const Status viewer = viewer_.Poll();
   PrintOutput();
-  {
-    const std::lock_guard lock(ros_mutex_);
-    for (const std::string& line : std::exchange(ros_lines_, {})) progress_.Tell(line);
-  }
   if (!viewer.ok()) progress_.Tell(viewer.error().message);
   ProcessReports();
   if (dies) PlanRestartOfService();
@@ -255,6 +251,8 @@ void DistributedRun::PrintOutput() {
     if (hosts_.is_lost(*host)) continue;  // of an attempt to connect again
     if (const Status loss = host->PollLoss(); !loss.ok()) ReactToLoss(*host, loss.error());
   }
+  const std::lock_guard lock(ros_mutex_);
+  for (const std::string& line : std::exchange(ros_lines_, {})) progress_.Tell(line);
 }
 
 bool DistributedRun::NotePage(const std::string& line, const Host& host) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <string_view>
@@ -28,8 +29,9 @@ Enclave EnclaveOf(const RosNetwork& network, const std::string& name) {
   return std::move(enclave).value();
 }
 
-dds::DomainConfig ConfigOf(const RosNetwork& network, const Enclave& enclave) {
+dds::DomainConfig ConfigOf(const RosNetwork& network, const Enclave& enclave, RosParticipant::WriterEnd writer_end) {
   dds::DomainConfig config = NetworkConfig(network);
+  if (writer_end == RosParticipant::WriterEnd::kAtOnce) config.linger_seconds = 0.0;
   config.security_enclave = enclave.folder;
   config.numbered_as_on_network = !enclave.folder.empty();  // permissions of ROS name its domain
   return config;
@@ -172,12 +174,13 @@ class InfoWriter final : public Base {
 
 }  // namespace
 
-RosParticipant::RosParticipant(const RosNetwork& network, const std::string& enclave)
-    : RosParticipant(network, EnclaveOf(network, enclave)) {}
+RosParticipant::RosParticipant(const RosNetwork& network, const std::string& enclave, WriterEnd writer_end)
+    : RosParticipant(network, EnclaveOf(network, enclave), writer_end) {}
 
-RosParticipant::RosParticipant(const RosNetwork& network, const Enclave& enclave)
+RosParticipant::RosParticipant(const RosNetwork& network, const Enclave& enclave, WriterEnd writer_end)
     : RosConnection(network.distribution),
-      participant_(ConfigOf(network, enclave), dds::Qos() << dds::UserData{"enclave=" + enclave.name + ";"}),
+      participant_(ConfigOf(network, enclave, writer_end), dds::Qos()
+                                                               << dds::UserData{"enclave=" + enclave.name + ";"}),
       publisher_(participant_),
       subscriber_(participant_),
       service_publisher_(participant_, ServicePartitions(network)),
@@ -263,6 +266,14 @@ void RosParticipant::RemoveEndpoint(dds_entity_t endpoint) {
 void RosParticipant::Announce() {
   const std::lock_guard lock(announcer_->mutex);
   announcer_->Write();
+}
+
+void RosParticipant::AwaitAcknowledgments(double seconds) const {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  for (const dds::Publisher* publisher : {&publisher_, &service_publisher_}) {
+    const auto left = end - std::chrono::steady_clock::now();
+    publisher->AwaitAcknowledgments(std::chrono::duration<double>(left).count());
+  }
 }
 
 std::vector<std::string> RosParticipant::DrainMismatches() {

@@ -2,6 +2,7 @@
 // (ros_endpoints.h) belong to a node; Announce publishes the nodes and their endpoints, as the ROS graph needs.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -67,9 +68,14 @@ class WriterWatch {
 
 class RosParticipant final : public RosConnection {
  public:
+  // How a writer ends while readers have not acknowledged its samples: it waits for them, each for itself, or at once:
+  // then the owner calls AwaitAcknowledgments before it ends the last ones.
+  enum class WriterEnd : std::uint8_t { kWaits, kAtOnce };
+
   // `enclave`: whose keys it has if the network asks for security and names none. Throws dds::Exception when DDS cannot
   // start, or where FindEnclave fails.
-  explicit RosParticipant(const RosNetwork& network, const std::string& enclave = "/");
+  explicit RosParticipant(const RosNetwork& network, const std::string& enclave = "/",
+                          WriterEnd writer_end = WriterEnd::kWaits);
   ~RosParticipant() override;
 
   const dds::DomainParticipant& participant() const { return participant_; }
@@ -95,6 +101,8 @@ class RosParticipant final : public RosConnection {
   // Lists a reader or writer no longer.
   void RemoveEndpoint(dds_entity_t endpoint);
   void Announce() override;
+  // Waits until the readers have all samples, for this time at most.
+  void AwaitAcknowledgments(double seconds) const;
 
   // Looks from now on for writers that do not match the readers added after this call. DrainMismatches must be called
   // now and then, because all writers of the domain are kept for it.
@@ -110,7 +118,7 @@ class RosParticipant final : public RosConnection {
  private:
   class Announcer;
 
-  RosParticipant(const RosNetwork& network, const Enclave& enclave);
+  RosParticipant(const RosNetwork& network, const Enclave& enclave, WriterEnd writer_end);
 
   dds::DomainParticipant participant_;
   dds::Publisher publisher_;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <utility>
 
@@ -76,14 +77,34 @@ HostProgram::HostProgram(std::string socket, RosNetwork network, AtEnd at_end,
                          std::function<void(const std::string&)> report)
     : socket_(std::move(socket)), network_(std::move(network)), at_end_(at_end), report_(std::move(report)) {}
 
+// Without memory the line is missing, and all else happens.
+template <typename MakeText>
+void HostProgram::Report(const MakeText& make_text) const {
+  try {
+    report_(make_text());
+  } catch (const std::exception&) {
+    return;
+  }
+}
+
 HostProgram::~HostProgram() {
   stop_ = true;
   wake_.Signal();
   if (thread_.joinable()) thread_.join();
+  if (at_end_ == AtEnd::kAwait && child_ > 0) AwaitChild();
+}
+
+void HostProgram::AwaitChild() const {
   const Clock::time_point end = Clock::now() + kStopTime;
-  while (at_end_ == AtEnd::kAwait && child_ > 0 && waitpid(child_, nullptr, WNOHANG) == 0) {
-    if (Clock::now() > end) kill(child_, SIGKILL);
+  while (waitpid(child_, nullptr, WNOHANG) == 0) {
     std::this_thread::sleep_for(kPoll);
+    if (Clock::now() <= end) continue;
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+    return Report([this] {
+      return fmt::format("the ROS participant of this host (process {}) was killed, because it did not end in time",
+                         child_);
+    });
   }
 }
 
@@ -149,16 +170,22 @@ void HostProgram::Run(int connection) {
     int status = 0;
     if (const pid_t ended = std::exchange(child_, 0); ended > 0) {
       if (waitpid(ended, &status, 0) == ended) {
-        report_(fmt::format("the ROS participant of this host (process {}) {}; it is started again", ended,
-                            ToText(status)));
+        Report([&] {
+          return fmt::format("the ROS participant of this host (process {}) {}; it is started again", ended,
+                             ToText(status));
+        });
       }
     }
     while (!open) {
       if (!Wait(delay)) return;
       delay = std::min(2 * delay, kLongestStartDelay);
       Status error;
-      open = Open(error);
-      if (!error.ok()) report_(error.error().message);
+      try {
+        open = Open(error);
+      } catch (const std::exception&) {  // as without memory: after the next delay
+        continue;
+      }
+      if (!error.ok()) Report([&] { return error.error().message; });
     }
   }
 }

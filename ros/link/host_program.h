@@ -39,7 +39,7 @@ class HostProgram {
   // REQUIRES for kAwait: no other process uses it any more.
   enum class AtEnd : std::uint8_t { kAwait, kLeave };
 
-  // `report`: receives the ends of a program, one line each, on a thread of this.
+  // `report`: receives the ends of a program, one line each, on a thread of this or in its destructor.
   HostProgram(std::string socket, RosNetwork network, AtEnd at_end, std::function<void(const std::string&)> report);
   ~HostProgram();
   HostProgram(const HostProgram&) = delete;
@@ -54,6 +54,10 @@ class HostProgram {
   using Clock = std::chrono::steady_clock;
 
   void Run(int connection);
+  template <typename MakeText>
+  void Report(const MakeText& make_text) const;
+  // Kills it if it does not end in time.
+  void AwaitChild() const;
   // The connection; nothing: at the stop request, or for the error.
   std::optional<int> Open(Status& error);
   // Whether the time has passed without a stop request.

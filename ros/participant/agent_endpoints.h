@@ -72,7 +72,7 @@ struct HostDomain {
       : number(network.domain),
         on_cyclone(side == nullptr || network.service_clients != ServiceClients::kFastDds),
         fast_dds(side),
-        participant(network) {
+        participant(network, "/", RosParticipant::WriterEnd::kAtOnce) {
     participant.WatchWriters();
   }
 

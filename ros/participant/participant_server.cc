@@ -25,6 +25,9 @@ constexpr auto kCheckInterval = std::chrono::milliseconds(500);
 constexpr auto kFirstConnection = std::chrono::seconds(10);
 // For which a domain without agents waits for the next one: longer than its endpoints.
 constexpr auto kUnusedTime = std::chrono::seconds(3);
+// For which the readers of all topics together may acknowledge the last samples. One that was killed does not, until
+// its lease expires.
+constexpr auto kLastAcknowledgments = std::chrono::seconds(1);
 constexpr int kLastReads = 10;  // of an agent: more than a socket holds
 
 [[noreturn]] void Throw(const std::string& doing) {
@@ -52,6 +55,10 @@ ParticipantServer::ParticipantServer(const RosNetwork& network, int listening, S
 
 ParticipantServer::~ParticipantServer() {
   agents_.clear();
+  const Clock::time_point end = Clock::now() + kLastAcknowledgments;
+  for (const auto& [number, domain] : domains_) {
+    domain.participant.AwaitAcknowledgments(std::chrono::duration<double>(end - Clock::now()).count());
+  }
   domains_.clear();  // its services end on the other side, too
   for (const int descriptor : {listening_, events_}) {
     if (descriptor >= 0) close(descriptor);

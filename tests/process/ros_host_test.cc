@@ -2,8 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,6 +26,7 @@ namespace troupe::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using StepClient = TROUPE_SIMULATION_CLIENT(StepSimulation);
 
 std::vector<pid_t> ParticipantsOf(const Program& run) {
@@ -187,6 +194,45 @@ double LastStamp(const std::string& mode) {
 TEST(RosHost, TheSamplesOfTheLastTicksArrive) {
   EXPECT_NEAR(LastStamp("--in-process"), 14.95, 0.06);
   EXPECT_NEAR(LastStamp("--headless"), 14.95, 0.06);
+}
+
+// A tool that reads many topics, in a process of its own, which the test kills: this program again, with this test
+// alone.
+TEST(RosHostTool, DISABLED_ReadsUntilItIsKilled) {
+  const char* const domain = std::getenv("TOOL_DOMAIN");
+  ASSERT_NE(domain, nullptr);
+  ros::RosNetwork network = TestRosNetwork();
+  network.domain = static_cast<std::uint32_t>(std::stoul(domain));
+  ros::RosParticipant participant(network);
+  const ros::RosNode node = ros::MakeNode(participant, "/", "tool");
+  std::vector<std::unique_ptr<ros::RosReader<ros::OdometryMessage>>> readers;
+  for (const std::string robot : {"/r0", "/r1", "/r2", "/r3"}) {
+    for (const std::string topic : {"/odom", "/ground_truth"}) {
+      readers.push_back(std::make_unique<ros::RosReader<ros::OdometryMessage>>(node, robot + topic, ros::Stream(10)));
+    }
+  }
+  for (const auto& reader : readers) ExpectMessages(*reader);
+  std::puts("reads all topics");
+  std::fflush(stdout);
+  for (;;) pause();
+}
+
+// Its readers acknowledge no sample any more, and for the 10 s of its lease the run cannot know that it has ended. Each
+// of the eight writers would wait 1 s for it, beyond the time after which the program is killed.
+TEST(RosHost, EndsInOrderAfterAToolThatWasKilled) {
+  const std::string session = TestSession("killed-tool");
+  const auto tick = [&] { return CallRun(session, {.command = ControlCommand::kStatus}).tick; };
+  Program run = RunPen(RosArguments({"--session", session, "--speed", "1", "--ros-services", "cyclone"}));
+  Program tool({"/usr/bin/env", "TOOL_DOMAIN=" + std::to_string(TestRosNetwork().domain),
+                std::filesystem::read_symlink("/proc/self/exe").string(), "--gtest_also_run_disabled_tests",
+                "--gtest_filter=RosHostTool.DISABLED_ReadsUntilItIsKilled"});
+  tool.WaitForLine("reads all topics");
+  tool.Signal(SIGKILL);
+  tool.Wait();
+  const Tick killed_at = tick();
+  EXPECT_TRUE(Eventually([&] { return tick() > killed_at + 1; }));  // samples of all topics that it does not read
+  run.Interrupt();
+  EXPECT_THAT(run.output(), Not(HasSubstr("did not end in time")));
 }
 
 // Those of one machine share it; the world service is on the host of the launcher.

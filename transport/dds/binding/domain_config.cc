@@ -123,6 +123,7 @@ std::string ToXml(const DomainConfig& config) {
       {"MAX_SAMPLE", std::to_string(config.max_sample_bytes) + "B"},
       {"KEY_HASHES", config.key_hashes ? "true" : "false"},
       {"ANNOUNCE", std::to_string(std::min(config.announce_seconds, kAnnouncementPeriod * config.lease_seconds)) + "s"},
+      {"LINGER", std::to_string(config.linger_seconds) + "s"},
       {"HEARTBEAT", std::to_string(config.heartbeat_seconds) + "s"},
       {"LEASE", std::to_string(config.lease_seconds) + "s"},
   };

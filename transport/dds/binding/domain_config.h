@@ -31,6 +31,9 @@ struct DomainConfig {
   bool describes_types = true;
   // The time from one announcement of unacknowledged samples to the next, in the profile one-host.
   double heartbeat_seconds = 1.0;
+  // For which a writer that ends waits until its samples are acknowledged. Readers that were killed do not acknowledge,
+  // and one writer waits after the other; with 0 their owner waits for all: Publisher::AwaitAcknowledgments.
+  double linger_seconds = 1.0;
   std::string tag;  // only participants with the same one discover each other
   // The process knows the domain by its number on the network. Needed where permissions name domains, because Cyclone
   // compares them with the number in the process. All such participants of one domain need equal configurations.

@@ -5,12 +5,15 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <initializer_list>
 #include <map>
 #include <mutex>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "common/base/paths.h"
 
@@ -183,6 +186,17 @@ GuidPrefix DomainParticipant::guid_prefix() const {
   dds_guid_t guid;
   Check(dds_get_guid(participant_.handle(), &guid), "reading the identity of a participant");
   return PrefixOf(guid);
+}
+
+void Publisher::AwaitAcknowledgments(double seconds) const {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  std::vector<dds_entity_t> writers(static_cast<std::size_t>(std::max(0, dds_get_children(handle(), nullptr, 0))));
+  dds_get_children(handle(), writers.data(), writers.size());
+  for (const dds_entity_t writer : writers) {
+    const double left = std::chrono::duration<double>(end - Clock::now()).count();
+    dds_wait_for_acks(writer, ToDuration(std::max(0.0, left)));
+  }
 }
 
 dds_entity_t CreateTopic(const DomainParticipant& participant, const dds_topic_descriptor_t& type,

@@ -40,6 +40,9 @@ class Publisher {
       : entity_(Check(dds_create_publisher(participant.handle(), qos.get(), nullptr), "creating a publisher")) {}
   dds_entity_t handle() const { return entity_.handle(); }
 
+  // Waits until all samples of its writers are acknowledged, for this time at most for all of them.
+  void AwaitAcknowledgments(double seconds) const;
+
  private:
   Entity entity_;
 };

@@ -104,6 +104,7 @@ DdsAgentEndpoint::~DdsAgentEndpoint() {
     last.agent = agent;
     joins_.SendWire(last);
   }
+  connection_.publisher.AwaitAcknowledgments(DdsConnection::kLastAcknowledgments);
 }
 
 void DdsAgentEndpoint::Start(AgentHandler& handler) {

@@ -68,11 +68,16 @@ DdsServiceEndpoint::~DdsServiceEndpoint() {
     segment_->Close();
     collector_.join();
   }
-  if (run_ == 0) return;
   troupe_wire_Session last{};
   last.run = run_;
   last.ended = true;
-  for (const auto& group : groups_) group->sessions.SendWire(last);
+  for (const auto& group : groups_) {
+    if (run_ != 0) group->sessions.SendWire(last);
+  }
+  const auto end = Clock::now() + std::chrono::duration<double>(DdsConnection::kLastAcknowledgments);
+  for (const auto& group : groups_) {
+    group->connection.publisher.AwaitAcknowledgments(std::chrono::duration<double>(end - Clock::now()).count());
+  }
 }
 
 void DdsServiceEndpoint::Start(ServiceHandler& handler) {
@@ -267,8 +272,9 @@ void DdsServiceEndpoint::Flush(double seconds) {
   control_replies_.writer().wait_for_acknowledgments(seconds);
 }
 
-AgentGroup::AgentGroup(const DdsConnection& connection, const std::string& sharing)
-    : sessions(connection, topics::kSession, qos_profiles::Description(connection.lease_seconds), sharing),
+AgentGroup::AgentGroup(const DdsConnection& connection_of_group, const std::string& sharing)
+    : connection(connection_of_group),
+      sessions(connection, topics::kSession, qos_profiles::Description(connection.lease_seconds), sharing),
       admissions(connection, topics::kAdmission, qos_profiles::Admission()),
       frames(connection, topics::kFrame, qos_profiles::Frame()),
       histories(connection, topics::kHistory, qos_profiles::PastStates()),

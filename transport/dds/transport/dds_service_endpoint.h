@@ -31,7 +31,7 @@ namespace troupe::dds {
 // joining agent grows with its group, and a run on one machine divides hundreds of agents into groups.
 struct AgentGroup {
   // `sharing`: the address of the service's shared memory; empty: none. REQUIRES: the connection outlives it.
-  AgentGroup(const DdsConnection& connection, const std::string& sharing);
+  AgentGroup(const DdsConnection& connection_of_group, const std::string& sharing);
 
   // Sends a frame to the readers of the network, if there are any: the changes since `base`, unless that is null or a
   // reader is new.
@@ -44,6 +44,7 @@ struct AgentGroup {
     frames.writer().wait_for_acknowledgments(remaining());
   }
 
+  const DdsConnection& connection;
   Outbox<troupe_wire_Session> sessions;
   Outbox<troupe_wire_Admissions> admissions;
   Outbox<troupe_wire_Frame> frames;

@@ -100,6 +100,7 @@ DomainConfig ConfigOf(const DdsOptions& options) {
   // With data sharing hardly any agent receives samples, so that heartbeats cost little. While agents start, they are
   // the answer to a reader that has asked for samples before its writer had discovered it.
   if (options.data_sharing) config.heartbeat_seconds = kHeartbeatWithSharing;
+  config.linger_seconds = 0.0;  // the endpoints wait for acknowledgments
   config.security_enclave = options.keys.enclave;
   return config;
 }
