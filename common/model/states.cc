@@ -164,6 +164,11 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
     if (person.goals >= world.goal_sets.size()) return StateError("found a person with a goal set that does not exist");
     const std::size_t points = world.goal_sets[person.goals].points.size();
     if (person.goal != 0 && person.goal >= points) return StateError("found a person with a goal that does not exist");
+    if (person.door > world.doors.size()) return StateError("found a person at a door that does not exist");
+    const std::size_t floors = person.lift == 0                   ? 1
+                               : person.lift > world.lifts.size() ? 0
+                                                                  : world.lifts[person.lift - 1].floors.size();
+    if (person.floor >= floors) return StateError("found a person with a lift or a floor that does not exist");
   }
   for (const RadioTransmission& transmission : state.transmissions) {
     if (FindRadio(world.robot(transmission.from), transmission.message.radio) == nullptr) {

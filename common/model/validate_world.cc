@@ -277,6 +277,12 @@ Status CheckGoalSet(const WorldDescription& world, const GoalSet& set) {
   for (const Vec2& point : set.points) {
     if (!AreUsable({point.x(), point.y()})) return Problem("one of its points is not finite or too far away");
   }
+  if (!set.heights.empty() && set.heights.size() != set.points.size()) {
+    return Problem("it has heights of some of its points only");
+  }
+  for (const double height : set.heights) {
+    if (!AreUsable({height})) return Problem("one of its heights is not finite or too far away");
+  }
   if (!AreUsable({set.reach}) || set.reach <= 0.0) return Problem("its reach is not a positive number");
   if (!IsUsable(set.wait) || set.wait.min < 0.0) return Problem("its waiting times are not an interval from 0 on");
   for (const NextGoals& next : set.next) {

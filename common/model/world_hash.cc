@@ -226,6 +226,7 @@ class DescriptionHasher {
     Add(set.reach);
     Add(set.wait);
     AddAll(set.next);
+    AddAll(set.heights);
   }
   void Add(const NextGoals& next) {
     Add(std::uint64_t{next.goals});

@@ -1,7 +1,9 @@
-// WalkRoutes: the ways of people through the static bodies of a world, on grids of cells in which a person fits.
+// WalkRoutes: the ways of people through the static bodies of a world, on grids of cells in which a person fits,
+// through doors, and with lifts between levels.
 //
-// A grid for each height, radius and z of people, and on it a field for each goal: the length of the shortest way from
-// every cell. A field is made when a person first asks for it, by any thread; it is a pure function of the world.
+// Levels are the heights at which people start and lifts stop. A grid for each level, height and radius of people, and
+// on it a field for each goal and each stop of a lift: the length of the shortest way from every cell. A field is made
+// when a person first asks for it, by any thread; it is a pure function of the world.
 #pragma once
 
 #include <cstdint>
@@ -11,40 +13,101 @@
 #include <vector>
 
 #include "common/spatial/scene.h"
+#include "common/spatial/walk_portals.h"
 #include "troupe/ids.h"
 #include "troupe/vec2.h"
 
 namespace troupe {
 
+class WalkGrid;
+class WalkField;
+
 class WalkRoutes {
  public:
+  // A point of a goal set of the world. REQUIRES, here and below: the set and the point exist.
+  struct Goal {
+    std::uint32_t goals = 0;
+    std::uint32_t point = 0;
+  };
+  // A floor of a lift at which people get on and off. REQUIRES, here and below: it has such a stop.
+  struct Stop {
+    std::uint32_t lift = 0;
+    std::uint32_t floor = 0;
+  };
+  struct Ride {
+    std::uint32_t lift = 0;
+    std::uint32_t to = 0;  // floor
+  };
+  // The next part of a way.
+  struct Ahead {
+    Vec2 point;                            // m, W: a person can walk straight there
+    std::optional<std::size_t> door = {};  // the first doorway on the next metres of the way, if there is one
+  };
+
   explicit WalkRoutes(const Scene& scene);
   ~WalkRoutes();
 
-  // The place (m, W) at which a person can stand that is nearest to a point of a goal set: mostly the point itself.
-  // Nothing if there is none nearby. REQUIRES, here and below: the set and the point exist.
-  std::optional<Vec2> Target(PersonId person, std::uint32_t goals, std::uint32_t point) const;
+  const WalkPortals& portals() const { return portals_; }
 
-  // A point (m, W) to which the person can walk straight from `from`, on the shortest way to the target: the target
-  // itself where it is near. Nothing if no way is known.
-  std::optional<Vec2> NextPoint(PersonId person, std::uint32_t goals, std::uint32_t point, const Vec2& from) const;
+  // The level of a person at height `z`.
+  std::size_t LevelAt(double z) const;
+  // The level of a goal; of one without a height that on which the person starts.
+  std::size_t LevelOf(PersonId person, const Goal& goal) const;
+
+  // The place (m, W) at which a person can stand that is nearest to a goal: mostly the goal itself. Nothing if there is
+  // none nearby.
+  std::optional<Vec2> Target(PersonId person, const Goal& goal) const;
+
+  // The way from a point on the level of the goal or stop: a point on the shortest one, the target itself where it is
+  // near. Nothing if no way is known.
+  std::optional<Ahead> AheadTo(PersonId person, const Goal& goal, const Vec2& from) const;
+  std::optional<Ahead> AheadTo(PersonId person, const Stop& stop, const Vec2& from) const;
 
   // The length of that way, m, by steps between cells.
-  std::optional<double> Length(PersonId person, std::uint32_t goals, std::uint32_t point, const Vec2& from) const;
+  std::optional<double> Length(PersonId person, const Goal& goal, const Vec2& from) const;
+  std::optional<double> Length(PersonId person, const Stop& stop, const Vec2& from) const;
+
+  // The next ride of the shortest way from a point on `level` to a goal on another one: with as few rides as possible.
+  // Nothing if no lift leads there.
+  std::optional<Ride> FindRide(PersonId person, std::size_t level, const Goal& goal, const Vec2& from) const;
 
  private:
-  class Layer;
-  struct Field;
+  struct Size {  // of people: few, so that there are few grids
+    ZRange z;    // above their floor
+    double radius = 0.0;
+    bool operator==(const Size&) const = default;
+  };
+  static Size SizeOf(const Scene& scene, PersonId person);
 
-  const Field& FieldOf(PersonId person, std::uint32_t goals, std::uint32_t point) const;
+  Rectangle FindBounds(const Scene& scene) const;
+  void FindLevels(const WorldDescription& world);
+  void FindSizes(const Scene& scene);
+  void NumberTargets(const WorldDescription& world);
+  void CountRides();
 
-  std::vector<std::vector<Vec2>> goals_;  // points, by set
-  std::vector<std::size_t> first_point_;  // by set: how many points the sets before it have
-  std::size_t points_ = 0;                // of all sets
-  std::vector<Layer> layers_;
-  std::vector<std::size_t> layer_of_;         // by person
-  mutable std::vector<std::once_flag> made_;  // by layer and point, like the next
-  mutable std::vector<std::unique_ptr<const Field>> fields_;
+  // The numbers of goals and stops among the targets.
+  std::size_t NumberOf(const Goal& goal) const;
+  std::size_t NumberOf(const Stop& stop) const { return first_stop_[stop.lift] + stop.floor; }
+  const LiftStop& StopOf(const Stop& stop) const { return *portals_.lifts[stop.lift].stops[stop.floor]; }
+  const WalkField& FieldTo(PersonId person, const Goal& goal) const;
+  const WalkField& FieldTo(PersonId person, const Stop& stop) const;
+  const WalkField& FieldOf(PersonId person, std::size_t level, std::size_t number, const Vec2& target) const;
+  std::size_t RidesFrom(std::size_t level, std::size_t to) const { return rides_[level * levels_.size() + to]; }
+
+  const WalkPortals portals_;
+  std::vector<double> levels_;                             // m, ascending
+  std::vector<std::vector<Vec2>> goals_;                   // points, by set
+  std::vector<std::vector<std::size_t>> levels_of_goals_;  // likewise; empty for a set without heights
+  std::vector<std::size_t> first_point_;                   // by set: the number of its first point among the targets
+  std::vector<std::size_t> first_stop_;                    // by lift, likewise
+  std::size_t targets_ = 0;
+  std::vector<std::size_t> rides_;  // by level and level: the fewest from one to the other
+  std::vector<Size> sizes_;
+  std::vector<std::size_t> size_of_;  // by person, like the next
+  std::vector<std::size_t> start_level_;
+  std::vector<std::unique_ptr<const WalkGrid>> grids_;  // by size and level
+  mutable std::vector<std::once_flag> made_;            // by size, level and target, like the next
+  mutable std::vector<std::unique_ptr<const WalkField>> fields_;
 };
 
 // Those of a scene, once they are asked for.

@@ -301,10 +301,11 @@ struct NextGoals {
 // Goals of people: a person chooses one of the points, walks there, waits, and chooses among the next sets.
 struct GoalSet {
   std::string name;
-  std::vector<Vec2> points;     // m, frame W; none: the person stays where it is
-  double reach = 0.5;           // m: so near to the point the person has arrived
-  Interval wait;                // s, at the goal; drawn between these
-  std::vector<NextGoals> next;  // none: the person stays at its goal
+  std::vector<Vec2> points;          // m, frame W; none: the person stays where it is
+  double reach = 0.5;                // m: so near to the point the person has arrived
+  Interval wait;                     // s, at the goal; drawn between these
+  std::vector<NextGoals> next;       // none: the person stays at its goal
+  std::vector<double> heights = {};  // m, of the points; none: on the level on which the person starts
   bool operator==(const GoalSet&) const = default;
 };
 

@@ -145,7 +145,7 @@ struct CameraState {
 struct DoorState {
   double opening = 0.0;  // from 0, closed, to 1
   double target = 0.0;   // likewise, as it was requested last
-  bool held = false;     // open for a robot within its reach, whatever the target
+  bool held = false;     // open for a robot within its reach or a person that asks, whatever the target
   bool blocked = false;  // the motion of the last tick was cut short by a body in its way
   bool operator==(const DoorState&) const = default;
   static constexpr auto Fields() {
@@ -186,6 +186,12 @@ struct PersonState {
   std::uint32_t choices = 0;  // goals that it has chosen so far; 0: none yet
   std::uint32_t waits = 0;    // ticks until it leaves the goal that it has reached; 0: it walks
   std::uint32_t watched = 0;  // ticks for which it has watched robots, of a curious one
+  std::uint32_t door = 0;     // the door that it asks for, by its number from 1 on; 0: none
+  std::uint32_t lift = 0;     // that it goes to or rides, likewise
+  std::uint32_t floor = 0;    // where it gets off, in LiftDescription::floors
+  std::uint32_t called = 0;   // the tick since which it calls that lift; 0: not yet
+  std::uint32_t place = 0;    // where it stands in the cabin, or may get on to; from 1 on; 0: it waits
+  std::uint32_t passing = 0;  // ticks for which it has been getting on or off
   bool operator==(const PersonState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -193,8 +199,14 @@ struct PersonState {
         Field{"vy", &PersonState::vy},       Field{"goals", &PersonState::goals},
         Field{"goal", &PersonState::goal},   Field{"choices", &PersonState::choices},
         Field{"waits", &PersonState::waits}, Field{"watched", &PersonState::watched},
+        Field{"door", &PersonState::door},   Field{"lift", &PersonState::lift},
+        Field{"floor", &PersonState::floor}, Field{"called", &PersonState::called},
+        Field{"place", &PersonState::place}, Field{"passing", &PersonState::passing},
     };
   }
+
+  // It goes to no lift any more, or has left the one that it rode.
+  void EndRide() { lift = floor = called = place = passing = 0; }
 };
 
 struct WorldState {

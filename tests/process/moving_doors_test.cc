@@ -15,6 +15,8 @@ namespace {
 constexpr const char* kLift = "guesthouse_lift.json";
 // Two robots follow lanes through the same door and with the same lift.
 constexpr const char* kLanes = "guesthouse_lanes.json";
+// Guests open doors and ride the lift, which they share with a robot.
+constexpr const char* kGuests = "guesthouse_guests.json";
 
 std::vector<std::string> RunOf(const std::string& scenario, const std::vector<std::string>& options) {
   return Words("run % --domain % --headless",
@@ -57,6 +59,51 @@ TEST(LanesOverDds, AreFollowedAlikeInEveryKindOfRun) {
   EXPECT_TRUE(HashesOf({}, kLanes) == expected) << "a process for each robot";
   EXPECT_TRUE(HashesOf({"--robots-per-process", "2", "--threads", "2"}, kLanes) == expected);
   OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify", "--controllers"}));
+}
+
+TEST(GuestsOverDds, RideAlikeInEveryKindOfRun) {
+  TemporaryFolder folder;
+  const std::string expected = HashesOf({"--in-process", "--record", folder.Path("run.mcap")}, kGuests);
+  ASSERT_FALSE(expected.empty());
+  EXPECT_TRUE(HashesOf({"--in-process", "--threads", "2"}, kGuests) == expected);
+  EXPECT_TRUE(HashesOf({"--data-sharing", "off", "--threads", "2"}, kGuests) == expected) << "processes";
+  OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify", "--controllers"}));
+}
+
+TEST(GuestsOverDds, RideAlikeWhateverDies) {
+  TemporaryFolder folder;
+  Program run = Troupe(RunOf(
+      kGuests, Words("--ticks 700 --speed 20 --on-agent-loss rebuild --lease 1 --hash-log %", {folder.Path("hashes")}) +
+                   Words("--record %", {folder.Path("run.mcap")})));
+  run.WaitForLine("ready");
+  Kill(run, "world-service");
+  run.WaitForLineAfter("the world service has been started again");
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_TRUE(folder.Read("hashes") == HashesOf({"--in-process"}, kGuests));
+}
+
+// A rewind to a tick at which guests wait for the lift or ride in it.
+TEST(GuestsOverDds, RideOnFromATickThatIsRewoundTo) {
+  TemporaryFolder folder;
+  const std::string session = TestSession("guests");
+  Program run = Troupe(RunOf(kGuests, {"--paused", "--session", session, "--record", folder.Path("run.mcap")}));
+  ControlClient client(NetworkOf(session));
+  ASSERT_TRUE(client.WaitForService(kSeconds).ok()) << run.output();
+  run.WaitForLine("ready");
+  const auto call = [&](ControlCommand command, std::uint64_t ticks) {
+    ControlRequest request;
+    request.command = command;
+    request.ticks = ticks;
+    const Result<ControlReply> reply = client.Call(request, kSeconds);
+    EXPECT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
+    return reply.ok() ? reply.value() : ControlReply();
+  };
+  call(ControlCommand::kStep, 200);
+  const std::uint64_t first = call(ControlCommand::kStep, 200).state_hash;
+  EXPECT_EQ(call(ControlCommand::kRewind, 200).tick, 200u);
+  EXPECT_EQ(call(ControlCommand::kStep, 200).state_hash, first);
+  run.Interrupt();
+  OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify"}));
 }
 
 TEST(LanesOverDds, LeadToPlacesThatUsersName) {

@@ -39,7 +39,7 @@ TEST(PeopleScenario, ARuleMakesPeopleWithBodiesGoalsAndGroups) {
     "people": [
       {"count": 5, "region": [0, 0, 6, 6], "goals": ["desk", [1, 2]], "wait": [3, 4], "speed": [1, 1.2], "group": 2,
        "reaction": "scared", "radius": 0.3, "height": 1.6, "name_prefix": "guest"},
-      {"count": 1, "region": [8, 0, 9, 1], "z": 4, "goals": [[1, 2], [3, 4]], "order": "in turn", "speed": 1,
+      {"count": 1, "region": [8, 0, 9, 1], "z": 4, "goals": [[1, 2], [3, 4, 9]], "order": "in turn", "speed": 1,
        "max_speed": 2}
     ]})")
                                      .world;
@@ -47,6 +47,9 @@ TEST(PeopleScenario, ARuleMakesPeopleWithBodiesGoalsAndGroups) {
   ASSERT_EQ(world.people.size(), 6u);
   ASSERT_EQ(world.goal_sets.size(), 3u);
   EXPECT_THAT(world.goal_sets[0].points, testing::ElementsAre(Vec2(3.0, 4.0), Vec2(1.0, 2.0)));
+  EXPECT_THAT(world.goal_sets[0].heights, testing::ElementsAre(0.0, 0.0));
+  EXPECT_THAT(world.goal_sets[1].heights, testing::ElementsAre(4.0));
+  EXPECT_THAT(world.goal_sets[2].heights, testing::ElementsAre(9.0));
   EXPECT_EQ(world.goal_sets[0].wait, (Interval{3.0, 4.0}));
   EXPECT_EQ(world.goal_sets[0].next.at(0).goals, 0u);
   EXPECT_EQ(world.goal_sets[1].next.at(0).goals, 2u);
@@ -105,13 +108,34 @@ TEST(PeopleScenario, PeopleOfTheShowsWalk) {
 
 TEST(PeopleScenario, ErrorsNameThePlace) {
   EXPECT_EQ(ErrorOfPeople(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "goals": ["desk"]}]})"),
-            "s.json:1:60: error: found no place 'desk', expected the name of one, or a point [x, y]");
+            "s.json:1:60: error: found no place 'desk', expected the name of one, or a point [x, y] or [x, y, z]");
   EXPECT_EQ(ErrorOfPeople(R"({"people": [{"count": 9, "region": [0, 0, 1, 1]}]})").substr(0, 30),
             "s.json:1:13: error: found room");
   EXPECT_EQ(ErrorOfPeople(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "speed": [2, 1]}]})"),
             "s.json:1:63: error: found a greatest value below the least, expected one that is not");
   EXPECT_THAT(ErrorOfPeople(R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "reaction": "angry"}]})"),
               testing::HasSubstr("expected 'regular', 'curious', 'scared' or 'careless'"));
+}
+
+TEST(Guesthouse, ItsGuestsOpenDoorsAndReachTheOtherLevel) {
+  const Scene scene(ValueOf(LoadWorld(Worlds() + "sites/guesthouse_guests.json")).world);
+  const WorldDescription& world = scene.world();
+  ASSERT_EQ(world.people.size(), 9u);
+  EXPECT_THAT(world.goal_sets.back().heights, testing::ElementsAre(4.0, 4.0, 0.0, 0.0));
+  WorldState state = InitialState(scene);
+  BodyIndex bodies(scene);
+  std::set<std::size_t> upstairs;
+  bool opened = false;
+  const std::size_t door = *FindDoor(world, "room_1_door");
+  for (int i = 0; i < 4000; ++i) {
+    state = Step(scene, state, {}, bodies).state;
+    opened = opened || state.doors[door].opening == 1.0;
+    for (std::size_t p = 0; p < state.people.size(); ++p) {
+      if (state.people[p].X_WP.z == 4.0) upstairs.insert(p);
+    }
+  }
+  EXPECT_TRUE(opened);
+  EXPECT_GE(upstairs.size(), 4u);
 }
 
 TEST(Guesthouse, ItsCrowdWalksToTheSeats) {

@@ -12,11 +12,17 @@ namespace {
 // One door in one tick.
 class DoorTurn {
  public:
-  DoorTurn(StepWorkspace& workspace, std::size_t number)
-      : workspace_(workspace), door_(workspace.world().doors[number]), state_(workspace.next.doors[number]) {}
+  // `is_asked_for`: by a person; nothing in a world without people.
+  DoorTurn(StepWorkspace& workspace, std::size_t number, std::optional<bool> is_asked_for)
+      : workspace_(workspace),
+        door_(workspace.world().doors[number]),
+        state_(workspace.next.doors[number]),
+        is_asked_for_(is_asked_for) {}
 
   void Act() {
-    if (door_.reach > 0.0) state_.held = HasRobotInReach();
+    if (door_.reach > 0.0 || is_asked_for_) {
+      state_.held = is_asked_for_.value_or(false) || (door_.reach > 0.0 && HasRobotInReach());
+    }
     state_.blocked = false;
     const double way = state_.Aim() - state_.opening;
     if (way == 0.0) return;
@@ -89,7 +95,24 @@ class DoorTurn {
   StepWorkspace& workspace_;
   const DoorDescription& door_;
   DoorState& state_;
+  const std::optional<bool> is_asked_for_;
 };
+
+// The doors for which people ask. One that nothing operates stays as it is for them, too.
+std::vector<std::optional<bool>> AskedFor(const StepWorkspace& workspace) {
+  const WorldDescription& world = workspace.world();
+  std::vector<std::optional<bool>> asked(world.doors.size());
+  if (world.people.empty()) return asked;
+  for (std::size_t i = 0; i < world.doors.size(); ++i) {
+    if (world.doors[i].is_operated) asked[i] = false;
+  }
+  for (std::size_t i = 0; i < world.people.size(); ++i) {
+    const std::uint32_t door = workspace.next.people[i].door;
+    if (door == 0 || !asked[door - 1] || world.model(world.people[i].root).removed) continue;
+    asked[door - 1] = true;
+  }
+  return asked;
+}
 
 }  // namespace
 
@@ -104,9 +127,10 @@ void MoveDoors(std::span<const Proposal* const> by_robot, StepWorkspace& workspa
       target = std::max(target.value_or(0.0), order.target);
     }
   }
+  const std::vector<std::optional<bool>> asked = AskedFor(workspace);
   for (std::size_t i = 0; i < doors.size(); ++i) {
     if (targets[i] && doors[i].is_operated) workspace.next.doors[i].target = *targets[i];
-    DoorTurn(workspace, i).Act();
+    DoorTurn(workspace, i, asked[i]).Act();
   }
 }
 

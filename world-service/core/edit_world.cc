@@ -62,7 +62,10 @@ void Detach(StepWorkspace& workspace, ModelId root) {
     workspace.next.robots[robot->index()].stalled = false;
   }
   if (const std::optional<PersonId> person = workspace.scene.person_of(root)) {
-    workspace.next.people[person->index()].vx = workspace.next.people[person->index()].vy = 0.0;
+    PersonState& state = workspace.next.people[person->index()];
+    state.vx = state.vy = 0.0;
+    state.door = 0;
+    state.EndRide();
   }
   for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
     ObjectState& other = workspace.next.objects[i];

@@ -4,6 +4,7 @@
 
 #include "common/spatial/convex_piece.h"
 #include "world-service/core/edit_world.h"
+#include "world-service/core/rides_of_people.h"
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {
@@ -156,9 +157,10 @@ class CabinMotion {
 
 void CallLifts(std::span<const Proposal* const> by_robot, StepWorkspace& workspace) {
   const std::vector<LiftDescription>& lifts = workspace.world().lifts;
+  for (std::size_t i = 0; i < lifts.size(); ++i) TakeOrders(workspace.world(), i, by_robot, workspace.next.lifts[i]);
+  ServePeople(workspace);
   for (std::size_t i = 0; i < lifts.size(); ++i) {
     LiftState& state = workspace.next.lifts[i];
-    TakeOrders(workspace.world(), i, by_robot, state);
     const bool stands = state.z == lifts[i].floors[state.floor].z;
     for (const LiftFloor& floor : lifts[i].floors) {
       for (const std::size_t door : floor.doors) workspace.next.doors[door].target = 0.0;

@@ -72,7 +72,7 @@ WorldState InitialState(const Scene& scene);
 // The version of the step: a recording can be stepped again only by programs with the same one.
 // Changes with every change of Step or of an edit that gives another result for the same input, as the golden hashes
 // do.
-inline constexpr std::uint32_t kStepVersion = 4;
+inline constexpr std::uint32_t kStepVersion = 5;
 
 // Validates proposals from the network before they enter a step.
 // Success if the proposal is for an existing robot, finite, and within the declared bounds of its drive (velocity and,

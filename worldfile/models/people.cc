@@ -181,24 +181,16 @@ class Crowd {
   std::pmr::vector<BodyId> near_bodies_;
 };
 
-// The points of a site that belong to a goal set, and the level on which they are.
-struct AreaPoints {
-  std::vector<Vec2> points;
-  std::optional<double> elevation;
-};
-
-AreaPoints PointsOf(const Site& site, const CrowdGoalSet& set) {
-  AreaPoints found;
+// The points of a site that belong to a goal set, on all levels.
+void AddPoints(const Site& site, const CrowdGoalSet& set, GoalSet& goals) {
   for (const SiteLevel& level : site.levels) {
     for (const SiteVertex& vertex : level.vertices) {
       const std::string& area = vertex.human_goal_set;
       if (area.empty() || std::find(set.areas.begin(), set.areas.end(), area) == set.areas.end()) continue;
-      if (!found.elevation) found.elevation = level.elevation;
-      // People call no lifts: the points of another level cannot be reached.
-      if (level.elevation == *found.elevation) found.points.push_back(vertex.position);
+      goals.points.push_back(vertex.position);
+      goals.heights.push_back(level.elevation);
     }
   }
-  return found;
 }
 
 }  // namespace
@@ -230,16 +222,12 @@ Result<LoadedWorld> AddCrowd(LoadedWorld loaded) {
     return static_cast<std::uint32_t>(found - crowd.states.begin());
   };
   const auto first = static_cast<std::uint32_t>(loaded.world.goal_sets.size());
-  std::vector<std::optional<double>> elevations;  // by state
   for (const CrowdState& state : crowd.states) {
     GoalSet goals;
     goals.name = state.name;
     const auto set = std::find_if(crowd.goal_sets.begin(), crowd.goal_sets.end(),
                                   [&](const CrowdGoalSet& each) { return each.id == state.goal_set; });
-    AreaPoints area;
-    if (set != crowd.goal_sets.end()) area = PointsOf(*site, *set);
-    goals.points = std::move(area.points);
-    elevations.push_back(area.elevation);
+    if (set != crowd.goal_sets.end()) AddPoints(*site, *set, goals);
     for (const CrowdTransition& transition : crowd.transitions) {
       if (transition.from != state.name) continue;
       if (transition.distance > 0.0) goals.reach = transition.distance;
@@ -266,11 +254,12 @@ Result<LoadedWorld> AddCrowd(LoadedWorld loaded) {
     // A person that first stands has the level of the goals that follow.
     std::uint32_t at_state = state;
     for (std::size_t steps = 0; steps <= crowd.states.size(); ++steps) {
-      if (elevations[at_state]) {
-        rule.z = *elevations[at_state];
+      const GoalSet& goals = loaded.world.goal_sets[first + at_state];
+      if (!goals.heights.empty()) {
+        rule.z = goals.heights.front();
         break;
       }
-      const std::vector<NextGoals>& next = loaded.world.goal_sets[first + at_state].next;
+      const std::vector<NextGoals>& next = goals.next;
       if (next.empty()) break;
       at_state = next.front().goals - first;
     }

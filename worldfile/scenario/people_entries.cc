@@ -64,39 +64,44 @@ Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
       if (goal.is_string()) {
         entry.goals.push_back({goal.text, tree.Where(goal)});
       } else {
-        entry.goals.push_back({Vec2(goal.items[0].number, goal.items[1].number), tree.Where(goal)});
+        const Vec2 point(goal.items[0].number, goal.items[1].number);
+        const double z = goal.items.size() > 2 ? goal.items[2].number : rule.z;
+        entry.goals.push_back({PeopleEntry::PlacedGoal{point, z}, tree.Where(goal)});
       }
     }
   }
   return entry;
 }
 
-Result<Vec2> PointOf(const WorldDescription& world, const PeopleEntry::Goal& goal) {
-  if (const auto* const point = std::get_if<Vec2>(&goal.place)) return *point;
+Result<PeopleEntry::PlacedGoal> PlaceOf(const WorldDescription& world, const PeopleEntry::Goal& goal) {
+  if (const auto* const placed = std::get_if<PeopleEntry::PlacedGoal>(&goal.place)) return *placed;
   const std::string& name = std::get<std::string>(goal.place);
   std::vector<std::string> names;
   for (const NamedPlace& place : world.places) {
-    if (place.name == name) return place.X_WN.translation();
+    if (place.name == name) return PeopleEntry::PlacedGoal{place.X_WN.translation(), place.X_WN.z};
     names.push_back(place.name);
   }
-  return Error{goal.where, "found no place " + Quoted(name) + ", expected the name of one, or a point [x, y]" +
-                               DidYouMean(name, names)};
+  return Error{goal.where, "found no place " + Quoted(name) +
+                               ", expected the name of one, or a point [x, y] or [x, y, z]" + DidYouMean(name, names)};
 }
 
 // Appends the goal sets of an entry; the number of the first.
 Result<std::uint32_t> AddGoals(WorldDescription& world, const PeopleEntry& entry, std::size_t number) {
   const auto first = static_cast<std::uint32_t>(world.goal_sets.size());
   std::vector<Vec2> points;
+  std::vector<double> heights;
   for (const PeopleEntry::Goal& goal : entry.goals) {
-    const Result<Vec2> point = PointOf(world, goal);
-    if (!point.ok()) return point.error();
-    points.push_back(point.value());
+    const Result<PeopleEntry::PlacedGoal> place = PlaceOf(world, goal);
+    if (!place.ok()) return place.error();
+    points.push_back(place.value().point);
+    heights.push_back(place.value().z);
   }
   const std::size_t sets = entry.in_turn && !points.empty() ? points.size() : 1;
   for (std::size_t i = 0; i < sets; ++i) {
     GoalSet set;
     set.name = "people " + std::to_string(number + 1) + (sets > 1 ? ", goal " + std::to_string(i + 1) : "");
     set.points = sets > 1 ? std::vector<Vec2>{points[i]} : points;
+    set.heights = sets > 1 ? std::vector<double>{heights[i]} : heights;
     set.wait = entry.wait;
     if (points.size() > 1) set.next = {{first + static_cast<std::uint32_t>((i + 1) % sets), 1.0}};
     world.goal_sets.push_back(std::move(set));

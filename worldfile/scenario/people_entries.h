@@ -14,8 +14,12 @@ namespace troupe {
 
 // An entry, whose goals may be named places that the world has.
 struct PeopleEntry {
+  struct PlacedGoal {
+    Vec2 point;      // m, frame W
+    double z = 0.0;  // m, of its level
+  };
   struct Goal {
-    std::variant<Vec2, std::string> place;  // m, frame W; or its name
+    std::variant<PlacedGoal, std::string> place;  // or its name
     SourceLocation where;
   };
 

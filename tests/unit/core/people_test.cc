@@ -7,6 +7,7 @@
 
 #include "common/model/states.h"
 #include "common/spatial/walk_routes.h"
+#include "tests/support/people_run.h"
 #include "tests/support/people_world.h"
 #include "tests/support/values.h"
 #include "troupe/random.h"
@@ -18,24 +19,8 @@ namespace troupe {
 namespace {
 
 using test::Box;
+using test::PeopleRun;
 using test::PeopleWorld;
-
-class PeopleRun {
- public:
-  explicit PeopleRun(const WorldDescription& world)
-      : scene(std::make_shared<const Scene>(world)), state(InitialState(*scene)), bodies_(*scene) {}
-
-  void Step(const std::vector<Proposal>& proposals = {}) {
-    state = troupe::Step(*scene, state, proposals, bodies_).state;
-  }
-  Vec2 Place(PersonId person) const { return state.people[person.index()].X_WP.translation(); }
-
-  const std::shared_ptr<const Scene> scene;
-  WorldState state;
-
- private:
-  BodyIndex bodies_;
-};
 
 TEST(People, APersonWalksAroundAWallToItsGoalWaitsThereAndChoosesAnother) {
   PeopleWorld test;
@@ -209,12 +194,12 @@ TEST(WalkRoutes, AGoalInAWallIsThePlaceBesideIt) {
   test.AddPerson({0.0, 0.0}, test.AddGoals({{4.3, 0.0}, {-3.0, 0.0}}));
   const Scene scene(test.world);
   const WalkRoutes& routes = scene.walk_routes();
-  const std::optional<Vec2> target = routes.Target(PersonId(0), 0, 0);
+  const std::optional<Vec2> target = routes.Target(PersonId(0), {0, 0});
   ASSERT_TRUE(target);
   EXPECT_NEAR(target->x(), 3.7, 0.11);
-  EXPECT_EQ(*routes.Target(PersonId(0), 0, 1), Vec2(-3.0, 0.0));
-  EXPECT_NEAR(*routes.Length(PersonId(0), 0, 1, {0.0, 0.0}), 3.0, 0.1);
-  EXPECT_EQ(*routes.NextPoint(PersonId(0), 0, 1, {0.0, 0.0}), Vec2(-3.0, 0.0));
+  EXPECT_EQ(*routes.Target(PersonId(0), {0, 1}), Vec2(-3.0, 0.0));
+  EXPECT_NEAR(*routes.Length(PersonId(0), WalkRoutes::Goal{0, 1}, {0.0, 0.0}), 3.0, 0.1);
+  EXPECT_EQ(routes.AheadTo(PersonId(0), WalkRoutes::Goal{0, 1}, {0.0, 0.0})->point, Vec2(-3.0, 0.0));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // People and their goals.
+#include <algorithm>
 #include <string>
 
 #include "transport/dds/convert/convert_parts.h"
@@ -23,6 +24,7 @@ troupe_wire_GoalSet ToWire(const GoalSet& set, WireArena& arena) {
     *next++ = choice.goals;
     *weight++ = choice.weight;
   }
+  std::copy(set.heights.begin(), set.heights.end(), arena.Fill(wire.z, set.heights.size()));
   return wire;
 }
 Status FromWire(const troupe_wire_GoalSet& wire, GoalSet& set) {
@@ -38,6 +40,8 @@ Status FromWire(const troupe_wire_GoalSet& wire, GoalSet& set) {
   set.reach = wire.reach;
   set.wait = {wire.wait_min, wire.wait_max};
   for (std::size_t i = 0; i < next.size(); ++i) set.next.push_back({next[i], weight[i]});
+  const auto z = Elements(wire.z);
+  set.heights.assign(z.begin(), z.end());
   return {};
 }
 

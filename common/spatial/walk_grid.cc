@@ -1,0 +1,125 @@
+#include "common/spatial/walk_grid.h"
+
+#include <algorithm>
+
+namespace troupe {
+namespace {
+
+constexpr double kFinestCell = 0.1;       // m
+constexpr double kCoarsestCell = 0.25;    // m
+constexpr double kManyCells = 400'000.0;  // with more, cells are coarser
+constexpr double kMostCells = 16e6;
+constexpr double kComfort = 0.2;  // m: a cell so near to a wall counts twice
+
+// Numbers of steps, and two more.
+constexpr std::uint8_t kUnknownStep = 0xff;  // not looked for so far
+constexpr std::uint8_t kNoStep = 0xfe;
+
+}  // namespace
+
+WalkGrid::WalkGrid(const StaticIndex& walls, const WalkPortals& portals, const ZRange& z, double radius,
+                   const Rectangle& bounds)
+    : z_(z), radius_(radius), bounds_(bounds) {
+  cell_ = std::clamp(std::sqrt(bounds.width() * bounds.height() / kManyCells), kFinestCell, kCoarsestCell);
+  cell_ = std::max(cell_, std::sqrt(bounds.width() * bounds.height() / kMostCells));
+  columns_ = static_cast<int>(bounds.width() / cell_) + 1;
+  rows_ = static_cast<int>(bounds.height() / cell_) + 1;
+  room_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), Room::kFree);
+  for (std::size_t i = 0; i < kSteps.size(); ++i)
+    offsets_[i] = kSteps[i].rows * std::ptrdiff_t{columns_} + kSteps[i].columns;
+  walls.ForEachPiece([&](const ConvexPiece& piece) { Block(piece); });
+  for (const ConvexPiece& wall : portals.walls) Block(wall);
+  for (const ConvexPiece& leaf : portals.open_leaves) {
+    if (!leaf.obstacle || !leaf.z.Overlaps(z_)) continue;
+    ForEachNear(leaf, radius_, [&](std::size_t cell, double) { room_[cell] = Room::kAtLeaf; });
+  }
+  for (std::size_t i = 0; i < portals.doors.size(); ++i) {
+    if (!portals.doors[i]) continue;
+    for (const ConvexPiece& leaf : portals.doors[i]->closed) {
+      if (!leaf.obstacle || !leaf.z.Overlaps(z_)) continue;
+      door_.resize(room_.size(), 0);
+      ForEachNear(leaf, radius_, [&](std::size_t cell, double) {
+        if (door_[cell] == 0) door_[cell] = static_cast<std::uint32_t>(i + 1);
+      });
+    }
+  }
+}
+
+template <typename Visit>
+void WalkGrid::ForEachNear(const ConvexPiece& piece, double reach, Visit visit) const {
+  const Rectangle box = BoundingBox(piece.vertices).Inflated(reach);
+  if (!box.Overlaps(bounds_)) return;
+  for (int row = RowAt(box.min_y); row <= RowAt(box.max_y); ++row) {
+    for (int column = ColumnAt(box.min_x); column <= ColumnAt(box.max_x); ++column) {
+      const std::size_t cell = CellAt(column, row);
+      if (room_[cell] == Room::kBlocked) continue;
+      const Vec2 center = CenterOf(cell);
+      const double distance = FindNearestPoints(std::span(&center, 1), piece.vertices).distance;
+      if (distance < reach) visit(cell, distance);
+    }
+  }
+}
+
+void WalkGrid::Block(const ConvexPiece& piece) {
+  if (!piece.obstacle || !piece.z.Overlaps(z_)) return;
+  ForEachNear(piece, radius_ + kComfort, [&](std::size_t cell, double distance) {
+    room_[cell] = distance < radius_ ? Room::kBlocked : Room::kNearWall;
+  });
+}
+
+bool WalkGrid::IsClear(const Vec2& from, const Vec2& to) const {
+  const Vec2 way = to - from;
+  const int parts = static_cast<int>(2.0 * way.norm() / cell_) + 1;
+  for (int i = 1; i <= parts; ++i) {
+    const Room room = room_[CellOf(from + (static_cast<double>(i) / parts) * way)];
+    if (room == Room::kBlocked || room == Room::kAtLeaf) return false;
+  }
+  return true;
+}
+
+WalkField::WalkField(const WalkGrid& grid, const Vec2& goal) : grid_(grid) {
+  const std::optional<std::size_t> cell = grid.Nearest(goal, [&](std::size_t c) { return grid.IsFree(c); });
+  if (!cell) return;
+  target_ = grid.CellOf(goal) == *cell ? goal : grid.CenterOf(*cell);
+  length_.assign(grid.cell_count(), kUnreached);
+  // Dijkstra's algorithm with a list for each length that may be in it: lengths are small numbers.
+  std::array<std::vector<std::size_t>, WalkGrid::kMostCost * WalkGrid::kDiagonal + 1> lists;
+  length_[*cell] = 0;
+  lists[0].push_back(*cell);
+  std::size_t waiting = 1;
+  for (std::uint32_t at = 0; waiting > 0; ++at) {
+    std::vector<std::size_t>& list = lists[at % lists.size()];
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::size_t from = list[i];
+      --waiting;
+      if (length_[from] != at) continue;  // it was found on a shorter way
+      grid.ForEachStep(from, [&](std::size_t to, std::size_t step) {
+        const std::uint32_t there = at + WalkGrid::kSteps[step].length * grid.CostOf(to);
+        if (there >= length_[to]) return;
+        length_[to] = there;
+        lists[there % lists.size()].push_back(to);
+        ++waiting;
+      });
+    }
+    list.clear();
+  }
+  steps_ = std::vector<std::atomic<std::uint8_t>>(length_.size());
+  for (std::atomic<std::uint8_t>& step : steps_) step.store(kUnknownStep, std::memory_order_relaxed);
+}
+
+std::size_t WalkField::NextCell(std::size_t cell) const {
+  std::uint8_t step = steps_[cell].load(std::memory_order_relaxed);
+  if (step == kUnknownStep) {
+    step = kNoStep;
+    std::uint32_t least = length_[cell];
+    grid_.ForEachStep(cell, [&](std::size_t to, std::size_t number) {
+      if (length_[to] >= least) return;
+      least = length_[to];
+      step = static_cast<std::uint8_t>(number);
+    });
+    steps_[cell].store(step, std::memory_order_relaxed);
+  }
+  return step == kNoStep ? cell : grid_.Beside(cell, step);
+}
+
+}  // namespace troupe

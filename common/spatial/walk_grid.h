@@ -1,0 +1,160 @@
+// WalkGrid: the cells of a level in which people of one size fit, and the steps between them. WalkField: the shortest
+// way from every cell to a goal.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/spatial/convex_piece.h"
+#include "common/spatial/static_index.h"
+#include "common/spatial/walk_portals.h"
+#include "troupe/rectangle.h"
+#include "troupe/vec2.h"
+
+namespace troupe {
+
+class WalkGrid {
+ public:
+  static constexpr std::uint32_t kStraight = 10;  // the length of a step to the side of a cell
+  static constexpr std::uint32_t kDiagonal = 14;
+  struct Step {
+    int columns;
+    int rows;
+    std::uint32_t length;
+  };
+  static constexpr std::array kSteps{Step{1, 0, kStraight},   Step{0, 1, kStraight}, Step{-1, 0, kStraight},
+                                     Step{0, -1, kStraight},  Step{1, 1, kDiagonal}, Step{-1, 1, kDiagonal},
+                                     Step{-1, -1, kDiagonal}, Step{1, -1, kDiagonal}};
+
+  // Of people at the heights `z` (m, W) with a radius.
+  WalkGrid(const StaticIndex& walls, const WalkPortals& portals, const ZRange& z, double radius,
+           const Rectangle& bounds);
+
+  std::size_t cell_count() const { return room_.size(); }
+  double cell() const { return cell_; }
+  bool IsFree(std::size_t cell) const { return room_[cell] != Room::kBlocked; }
+  static constexpr std::uint32_t kMostCost = 8;
+  std::uint32_t CostOf(std::size_t cell) const {
+    return room_[cell] == Room::kAtLeaf ? kMostCost : room_[cell] == Room::kNearWall ? 2 : 1;
+  }
+  // The door in whose doorway the cell is: a person there touches its leaves while they are closed.
+  std::optional<std::size_t> DoorOf(std::size_t cell) const {
+    if (door_.empty() || door_[cell] == 0) return std::nullopt;
+    return door_[cell] - std::size_t{1};
+  }
+  std::size_t CellAt(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+  }
+  int ColumnOf(std::size_t cell) const { return static_cast<int>(cell % static_cast<std::size_t>(columns_)); }
+  int RowOf(std::size_t cell) const { return static_cast<int>(cell / static_cast<std::size_t>(columns_)); }
+  // Points beyond the grid belong to the nearest cell.
+  int ColumnAt(double x) const { return Clamped((x - bounds_.min_x) / cell_, columns_); }
+  int RowAt(double y) const { return Clamped((y - bounds_.min_y) / cell_, rows_); }
+  std::size_t CellOf(const Vec2& p) const { return CellAt(ColumnAt(p.x()), RowAt(p.y())); }
+  Vec2 CenterOf(std::size_t cell) const {
+    return {bounds_.min_x + (ColumnOf(cell) + 0.5) * cell_, bounds_.min_y + (RowOf(cell) + 0.5) * cell_};
+  }
+
+  // The cell nearest to `p` for which accept(cell), within kDetour; of equally near ones the first.
+  template <typename Accept>
+  std::optional<std::size_t> Nearest(const Vec2& p, Accept accept) const {
+    if (const std::size_t own = CellOf(p); accept(own)) return own;
+    const int reach = static_cast<int>(kDetour / cell_);
+    const int column = ColumnAt(p.x());
+    const int row = RowAt(p.y());
+    std::optional<std::size_t> best;
+    double least = kDetour * kDetour;
+    for (int r = std::max(0, row - reach); r <= std::min(rows_ - 1, row + reach); ++r) {
+      for (int c = std::max(0, column - reach); c <= std::min(columns_ - 1, column + reach); ++c) {
+        const std::size_t cell = CellAt(c, r);
+        const double square = (CenterOf(cell) - p).squaredNorm();
+        if (square >= least || !accept(cell)) continue;
+        best = cell;
+        least = square;
+      }
+    }
+    return best;
+  }
+
+  // The cell behind a step.
+  std::size_t Beside(std::size_t cell, std::size_t step) const {
+    return cell + static_cast<std::size_t>(offsets_[step]);
+  }
+
+  // Calls visit(cell, number of the step) for the free neighbours, never across the corner of a blocked cell.
+  template <typename Visit>
+  void ForEachStep(std::size_t cell, Visit visit) const {
+    const int column = ColumnOf(cell);
+    const int row = RowOf(cell);
+    for (std::size_t i = 0; i < kSteps.size(); ++i) {
+      const Step& step = kSteps[i];
+      const int c = column + step.columns;
+      const int r = row + step.rows;
+      if (c < 0 || r < 0 || c >= columns_ || r >= rows_ || !IsFree(CellAt(c, r))) continue;
+      if (step.length == kDiagonal && (!IsFree(CellAt(c, row)) || !IsFree(CellAt(column, r)))) continue;
+      visit(CellAt(c, r), i);
+    }
+  }
+
+  // All cells between the points are free, and not at the leaf of an open door.
+  bool IsClear(const Vec2& from, const Vec2& to) const;
+
+ private:
+  enum class Room : std::uint8_t { kFree, kNearWall, kAtLeaf, kBlocked };
+
+  static constexpr double kDetour = 1.5;  // m: a target is at most so far from its goal
+
+  static int Clamped(double at, int count) { return at <= 0.0 ? 0 : at >= count ? count - 1 : static_cast<int>(at); }
+  // Calls visit(cell, distance) for the cells within `reach` m of a piece.
+  template <typename Visit>
+  void ForEachNear(const ConvexPiece& piece, double reach, Visit visit) const;
+  void Block(const ConvexPiece& piece);
+
+  const ZRange z_;
+  const double radius_;
+  Rectangle bounds_;
+  double cell_ = 0.0;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::array<std::ptrdiff_t, kSteps.size()> offsets_{};  // of the numbers of cells, by step
+  std::vector<Room> room_;
+  std::vector<std::uint32_t> door_;  // by cell: the number of its door from 1 on; 0: none; empty without doors
+};
+
+class WalkField {
+ public:
+  WalkField(const WalkGrid& grid, const Vec2& goal);
+
+  const WalkGrid& grid() const { return grid_; }
+  // The place nearest to the goal at which a person can stand: mostly the goal itself.
+  const std::optional<Vec2>& target() const { return target_; }
+
+  // The cell from which a way begins for a person at `from`; nothing if no way is known.
+  std::optional<std::size_t> StartOf(const Vec2& from) const {
+    if (!target_) return std::nullopt;
+    return grid_.Nearest(from, [&](std::size_t cell) { return length_[cell] != kUnreached; });
+  }
+  // m, by steps between cells.
+  double LengthFrom(std::size_t cell) const { return length_[cell] * grid_.cell() / WalkGrid::kStraight; }
+  bool IsTarget(std::size_t cell) const { return length_[cell] == 0; }
+  // The neighbour with the shortest way, of equal ones the first; the cell itself where no way is shorter.
+  std::size_t NextCell(std::size_t cell) const;
+
+ private:
+  static constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
+
+  const WalkGrid& grid_;
+  std::optional<Vec2> target_;
+  std::vector<std::uint32_t> length_;  // by cell, kStraight for the side of one; empty without a target
+  // By cell, in kSteps: found when a person first comes by, by any thread, as a pure function of the lengths.
+  mutable std::vector<std::atomic<std::uint8_t>> steps_;
+};
+
+}  // namespace troupe

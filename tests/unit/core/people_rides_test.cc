@@ -1,0 +1,199 @@
+// People at doors and in lifts.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/model/states.h"
+#include "common/spatial/walk_routes.h"
+#include "tests/support/house_world.h"
+#include "tests/support/people_run.h"
+#include "tests/support/values.h"
+#include "world-service/core/edit_world.h"
+#include "world-service/core/find_overlap.h"
+#include "world-service/core/step.h"
+
+namespace troupe {
+namespace {
+
+using test::HouseWorld;
+using test::PeopleRun;
+
+constexpr std::size_t kDoor = 0;  // of the hall on the ground
+
+// The room (m) between a person and the sweep of the door.
+double RoomAtDoor(const PeopleRun& run, PersonId person) {
+  const WalkPortals& portals = run.scene->walk_routes().portals();
+  return portals.doors[kDoor]->ClearanceOf(run.Place(person)).distance - 0.25;
+}
+
+class DoorKinds : public testing::TestWithParam<HouseWorld::Leaf> {};
+
+TEST_P(DoorKinds, APersonAsksForADoorWaitsBesideItsSweepPassesAndLetsItGo) {
+  for (const bool to_east : {true, false}) {
+    SCOPED_TRACE(to_east ? "to the east" : "to the west");
+    HouseWorld house(1, GetParam(), 4.0);
+    const double from = to_east ? 3.0 : 12.5;
+    const double to = to_east ? 12.5 : 3.0;
+    const PersonId anna = house.AddPersonOn(0, {from, 6.0}, house.AddTour({{{to, 5.0}, 0}}));
+    PeopleRun run(house.world);
+    bool asked_before = false;
+    const auto is_there = [&] { return std::fabs(run.Place(anna).x() - to) < 0.6; };
+    for (int tick = 0; tick < 400 && !is_there(); ++tick) {
+      run.Step();
+      const DoorState& door = run.state.doors[kDoor];
+      const bool is_beyond = to_east ? run.Place(anna).x() > 8.4 : run.Place(anna).x() < 7.6;
+      if (door.opening > 0.0 && door.opening < 0.9 && !is_beyond) {
+        EXPECT_GT(RoomAtDoor(run, anna), 0.0) << "at an opening of " << door.opening;
+      }
+      EXPECT_FALSE(door.blocked);
+      EXPECT_EQ(door.target, 0.0);
+      asked_before = asked_before || (run.state.people[0].door == kDoor + 1 && !is_beyond);
+      ASSERT_FALSE(FindOverlap(*run.scene, run.state, run.scene->world().person(anna).root));
+    }
+    EXPECT_TRUE(asked_before);
+    EXPECT_TRUE(is_there());
+    EXPECT_TRUE(run.StepUntil(60, [&] { return run.state.doors[kDoor].opening == 0.0; }));
+    EXPECT_FALSE(run.state.doors[kDoor].held);
+    EXPECT_EQ(run.state.people[0].door, 0u);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(People, DoorKinds,
+                         testing::Values(HouseWorld::Leaf::kHinged, HouseWorld::Leaf::kHingedBack,
+                                         HouseWorld::Leaf::kSliding, HouseWorld::Leaf::kDouble));
+
+TEST(PeopleAtDoors, ADoorThatIsNotOperatedIsAWallAndAnOpenOneStaysOpen) {
+  HouseWorld closed(1);
+  closed.world.doors[kDoor].is_operated = false;
+  const PersonId bob = closed.AddPersonOn(0, {6.0, 5.0}, closed.AddTour({{{12.0, 5.0}, 0}}));
+  PeopleRun locked(closed.world);
+  for (int i = 0; i < 100; ++i) locked.Step();
+  EXPECT_LT((locked.Place(bob) - Vec2(6.0, 5.0)).norm(), 0.1);
+  EXPECT_EQ(locked.state.doors[kDoor].opening, 0.0);
+
+  HouseWorld house(1);
+  house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{12.0, 5.0}, 0}}));
+  PeopleRun run(house.world);
+  run.state.doors[kDoor].target = 1.0;  // as a robot has requested
+  ASSERT_TRUE(run.StepUntil(300, [&] { return run.Place(PersonId(0)).x() > 11.0; }));
+  EXPECT_EQ(run.state.doors[kDoor].opening, 1.0);
+}
+
+TEST(PeopleAtDoors, OneWhoStandsInTheSweepMakesRoomForAnother) {
+  HouseWorld house(1, HouseWorld::Leaf::kHinged);
+  const PersonId anna = house.AddPersonOn(0, {12.0, 5.0}, house.AddTour({{{4.0, 5.0}, 0}}));
+  const PersonId bob = house.AddPersonOn(0, {7.5, 5.1}, house.AddTour({{{7.5, 5.1}, 0}}));
+  PeopleRun run(house.world);
+  EXPECT_LT(RoomAtDoor(run, bob), 0.0);
+  EXPECT_TRUE(run.StepUntil(500, [&] { return run.Place(anna).x() < 4.6; }));
+}
+
+// Lifts.
+
+constexpr std::size_t kLift = 0;
+
+std::size_t Level(const PeopleRun& run, PersonId person) {
+  return run.scene->walk_routes().LevelAt(run.state.people[person.index()].X_WP.z);
+}
+
+TEST(PeopleInLifts, APersonRidesToAGoalOnAnotherLevelAndBack) {
+  HouseWorld house(3);
+  const std::uint32_t tour = house.AddTour({{{12.0, 7.0}, 2}, {{4.0, 2.0}, 0}});
+  const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, tour);
+  PeopleRun run(house.world);
+  const auto is_at = [&](const Vec2& at, std::size_t level) {
+    return (run.Place(anna) - at).norm() < 0.7 && run.state.people[0].X_WP.z == HouseWorld::LevelZ(level);
+  };
+  EXPECT_TRUE(run.StepUntil(900, [&] { return is_at({12.0, 7.0}, 2); }));
+  EXPECT_EQ(run.state.people[0].lift, 0u);
+  EXPECT_EQ(run.state.people[0].place, 0u);
+  EXPECT_TRUE(run.StepUntil(900, [&] { return is_at({4.0, 2.0}, 0); }));
+}
+
+TEST(PeopleInLifts, MorePeopleThanPlacesRideInTurnsAndThoseWhoGetOffAreNotBlocked) {
+  HouseWorld house(2);
+  const std::uint32_t up = house.AddTour({{{10.0, 5.0}, 1}});
+  const std::uint32_t down = house.AddTour({{{10.0, 5.0}, 0}});
+  for (int i = 0; i < 20; ++i) {
+    house.AddPersonOn(i % 2 == 0 ? 0 : 1, {2.0 + 0.8 * (i / 4), 3.0 + 1.2 * (i / 2 % 2)}, i % 2 == 0 ? up : down);
+  }
+  PeopleRun run(house.world);
+  const std::size_t places = run.scene->walk_routes().portals().lifts[kLift].places.size();
+  EXPECT_GE(places, 4u);
+  std::size_t most = 0;
+  const auto have_all_arrived = [&] {
+    std::size_t arrived = 0;
+    std::size_t aboard = 0;
+    for (std::size_t i = 0; i < run.state.people.size(); ++i) {
+      const PersonState& person = run.state.people[i];
+      arrived += person.lift == 0 && Level(run, PersonId(i)) == (i % 2 == 0 ? 1u : 0u) ? 1 : 0;
+      aboard += person.place != 0 ? 1 : 0;
+    }
+    most = std::max(most, aboard);
+    return arrived == run.state.people.size();
+  };
+  EXPECT_TRUE(run.StepUntil(4000, have_all_arrived));
+  EXPECT_GT(most, 2u);
+  EXPECT_LE(most, places);
+}
+
+TEST(PeopleInLifts, PeopleLeaveTheLiftToARobotUntilItsSessionEnds) {
+  HouseWorld house(2);
+  house.AddRobot(test::Square(0.6), {0.0, 0.6}, {12.0, 1.0, 0.0, 0.0});
+  const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
+  PeopleRun run(house.world);
+  ASSERT_TRUE(run.StepUntil(400, [&] { return run.state.people[0].place != 0; }));
+  Proposal call{RobotId(0), {}};
+  call.lifts.push_back({kLift, 0});
+  run.Step({call});
+  EXPECT_EQ(run.state.lifts[kLift].session, RobotId(0));
+  for (int i = 0; i < 200; ++i) {
+    run.Step();
+    EXPECT_EQ(run.state.lifts[kLift].floor, 0u);
+  }
+  EXPECT_EQ(run.state.people[0].place, 0u);
+  EXPECT_GT(run.state.people[0].called, 0u);
+  EXPECT_GT(run.Place(anna).x(), 0.2);
+  call.lifts = {{kLift, 0, true}};
+  run.Step({call});
+  EXPECT_TRUE(run.StepUntil(600, [&] { return (run.Place(anna) - Vec2(10.0, 5.0)).norm() < 0.7; }));
+  EXPECT_EQ(Level(run, anna), 1u);
+}
+
+TEST(PeopleInLifts, APersonThatIsMovedForgetsItsRideAndOneWithoutALiftGivesUp) {
+  HouseWorld house(2);
+  const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
+  PeopleRun run(house.world);
+  ASSERT_TRUE(run.StepUntil(400, [&] { return run.state.people[0].called != 0; }));
+  const std::string name = house.world.model(house.world.person(anna).root).name;
+  const EditedWorld moved = test::ValueOf(SetPose(run.scene, run.state, name, {6.0, 5.0, 0.0, 0.0}));
+  EXPECT_EQ(moved.state.people[0].lift, 0u);
+  EXPECT_EQ(moved.state.people[0].called, 0u);
+
+  house.AddPersonOn(1, {12.0, 5.0}, house.AddTour({{{12.0, 5.0}, 1}}));  // so that the level is known
+  for (LiftFloor& floor : house.world.lifts[kLift].floors) floor.doors.clear();
+  PeopleRun without(house.world);
+  for (int i = 0; i < 50; ++i) without.Step();
+  EXPECT_LT((without.Place(anna) - Vec2(4.0, 5.0)).norm(), 0.1);
+}
+
+TEST(PeopleInLifts, AStateWithALiftOrDoorThatDoesNotExistIsRefused) {
+  HouseWorld house(2);
+  house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
+  const WorldState state = PlacedState(house.world);
+  ASSERT_TRUE(CheckState(house.world, state).ok());
+  const auto is_refused = [&](auto change) {
+    WorldState changed = state;
+    change(changed.people[0]);
+    return !CheckState(house.world, changed).ok();
+  };
+  EXPECT_TRUE(is_refused([](PersonState& person) { person.lift = 2; }));
+  EXPECT_TRUE(is_refused([](PersonState& person) { person.floor = 1; }));
+  EXPECT_TRUE(is_refused([](PersonState& person) { person.lift = 1, person.floor = 2; }));
+  EXPECT_TRUE(is_refused([](PersonState& person) { person.door = 99; }));
+  EXPECT_FALSE(is_refused([](PersonState& person) { person.lift = 1, person.floor = 1; }));
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,137 @@
+#include "world-service/core/avoidance.h"
+
+#include <algorithm>
+
+#include "world-service/core/goals_of_people.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kAvoidReach = 5.0;         // m: others farther away are not avoided
+constexpr std::size_t kMostNeighbors = 12;  // the nearest
+constexpr double kWalkerHorizon = 1.5;      // s
+constexpr double kWallHorizon = 0.5;        // s
+constexpr double kGap = 0.01;               // m that people leave to others and to walls if they can
+constexpr double kSight = 4.0;              // m at which curious and scared people notice a robot
+constexpr double kForget = 6.0;             // m at which curious ones forget the robots that they have watched
+constexpr double kWatchDistance = 1.2;      // m between a curious person and a robot
+constexpr double kWatchTime = 10.0;         // s
+constexpr double kScaredGap = 1.0;          // m that scared people leave to robots
+
+// The nearest robot at the person's height; null if none is within kForget.
+const Disc* NearestRobot(const PeopleView& view, std::size_t i) {
+  const Disc* nearest = nullptr;
+  double least = kForget;
+  std::uint32_t number = 0;
+  view.walkers().ForEachNear(view.disc(i).center, view.disc(i).z, kForget, [&](std::uint32_t k) {
+    const Disc& disc = view.disc(k);
+    if (!disc.is_robot) return;
+    const double distance = (disc.center - view.disc(i).center).norm() - disc.radius;
+    if (distance > least || (distance == least && k > number)) return;
+    nearest = &disc;
+    least = distance;
+    number = k;
+  });
+  return nearest;
+}
+
+}  // namespace
+
+std::optional<Vec2> ReactToRobots(const PeopleView& view, PersonId id, PersonState& person, Vec2& velocity) {
+  const PersonDescription& description = view.world().person(id);
+  if (description.reaction != PersonReaction::kCurious && description.reaction != PersonReaction::kScared) return {};
+  const Disc* const robot = NearestRobot(view, id.index());
+  if (robot == nullptr) {
+    person.watched = 0;
+    return {};
+  }
+  const Vec2 to = robot->center - view.disc(id.index()).center;
+  const double distance = to.norm() - robot->radius;
+  if (distance > kSight) return {};
+  if (description.reaction == PersonReaction::kScared) {
+    velocity -= description.speed * (1.0 - std::max(0.0, distance) / kSight) * Unit(to);
+    return {};
+  }
+  if (person.watched >= TicksOf(view.world(), kWatchTime)) return {};
+  ++person.watched;
+  velocity = distance > kWatchDistance ? Vec2(description.speed * Unit(to)) : Vec2(0.0, 0.0);
+  return robot->center;
+}
+
+Avoidance::Avoidance(const PeopleView& view) : view_(view), orca_({kWalkerHorizon, kWallHorizon, view.seconds()}) {}
+
+Vec2 Avoidance::Velocity(PersonId id, const Vec2& preferred) {
+  const Disc& me = view_.disc(id.index());
+  FindOthers(id);
+  FindWalls(id);
+  const Walker walker{me.center, me.velocity, preferred, me.radius + kGap, view_.world().person(id).max_speed};
+  return orca_.Velocity(walker, neighbors_, nearest_);
+}
+
+void Avoidance::FindOthers(PersonId id) {
+  const std::size_t i = id.index();
+  const Disc& me = view_.disc(i);
+  const PersonReaction reaction = view_.world().person(id).reaction;
+  others_.clear();
+  objects_.clear();
+  // Its square, if it is within reach.
+  const auto square_to = [&](const Disc& other) -> std::optional<double> {
+    const double reach = kAvoidReach + other.radius;
+    const double square = (other.center - me.center).squaredNorm();
+    return square < reach * reach ? std::optional(square) : std::nullopt;
+  };
+  view_.walkers().ForEachNear(
+      me.center, me.z, kAvoidReach,
+      [&](std::uint32_t k) {
+        if (k == i || (view_.disc(k).is_robot && reaction == PersonReaction::kCareless)) return;
+        if (const auto square = square_to(view_.disc(k))) AddNearest({*square, k}, kMostNeighbors, others_);
+      },
+      [&](double distance) { return others_.size() == kMostNeighbors && others_.back().square < distance * distance; });
+  view_.objects().ForEachNear(me.center, me.z, kAvoidReach, [&](std::uint32_t k) {
+    if (const auto square = square_to(view_.disc(k))) objects_.push_back({*square, k});
+  });
+  neighbors_.clear();
+  for (const NearDisc& near : others_) {
+    const Disc& other = view_.disc(near.number);
+    const bool avoids = other.pieces == nullptr;
+    const bool is_feared = other.is_robot && reaction == PersonReaction::kScared;
+    neighbors_.push_back(
+        {other.center, other.velocity, other.radius + (is_feared ? kScaredGap : 0.0), avoids ? 0.5 : 1.0});
+  }
+}
+
+void Avoidance::FindWalls(PersonId id) {
+  const Disc& me = view_.disc(id.index());
+  walls_.clear();
+  std::sort(objects_.begin(), objects_.end());
+  for (const NearDisc& near : objects_) {
+    for (const ConvexPiece& piece : *view_.disc(near.number).pieces) AddWalls(piece, me);
+  }
+  const double reach = me.radius + kGap + kWallHorizon * view_.world().person(id).max_speed;
+  view_.scene().static_index().Query(Rectangle::Around(me.center, reach), pieces_);
+  for (const ConvexPiece* piece : pieces_) AddWalls(*piece, me);
+  const auto distance_to = [&](const WallSegment& wall) {
+    const Vec2 along = wall.b - wall.a;
+    const double s = std::clamp((me.center - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    return (wall.a + s * along - me.center).squaredNorm();
+  };
+  order_.clear();
+  for (std::size_t k = 0; k < walls_.size(); ++k) {
+    const double square = distance_to(walls_[k]);
+    if (square < reach * reach) order_.emplace_back(square, k);
+  }
+  std::sort(order_.begin(), order_.end());
+  nearest_.clear();
+  for (const auto& [square, k] : order_) nearest_.push_back(walls_[k]);
+}
+
+void Avoidance::AddWalls(const ConvexPiece& piece, const Disc& me) {
+  if (!piece.obstacle || !piece.z.Overlaps(me.z)) return;
+  for (std::size_t k = 0; k < piece.vertices.size(); ++k) {
+    const Vec2& a = piece.vertices[k];
+    const Vec2& b = piece.vertices[(k + 1) % piece.vertices.size()];
+    if (Cross(b - a, me.center - a) < 0.0) walls_.push_back({a, b});
+  }
+}
+
+}  // namespace troupe

@@ -1,0 +1,208 @@
+// How lifts serve people: ServePeople of rides_of_people.h.
+#include <algorithm>
+#include <cmath>
+#include <memory_resource>
+#include <optional>
+#include <vector>
+
+#include "common/spatial/walk_routes.h"
+#include "world-service/core/goals_of_people.h"
+#include "world-service/core/rides_of_people.h"
+
+namespace troupe {
+namespace {
+
+// A person that has called a lift, or is in it.
+struct Passenger {
+  PersonState* state = nullptr;
+  bool is_inside = false;
+  std::optional<std::uint32_t> at = {};  // the floor at which it is outside
+  // The floor at which the lift serves it next.
+  std::optional<std::uint32_t> Wants() const { return is_inside ? std::optional(state->floor) : at; }
+};
+
+class LiftService {
+ public:
+  LiftService(StepWorkspace& workspace, std::size_t number, const std::vector<PersonId>& people)
+      : workspace_(workspace),
+        number_(number),
+        description_(workspace.world().lifts[number]),
+        portal_(workspace.scene.walk_routes().portals().lifts[number]),
+        lift_(workspace.next.lifts[number]),
+        is_open_(IsOpen(workspace.world(), workspace.next, number)) {
+    for (const PersonId id : people) {
+      PersonState& state = workspace.next.people[id.index()];
+      const Vec2 here = state.X_WP.translation();
+      Passenger passenger{.state = &state, .is_inside = portal_.IsInside(here, state.X_WP.z - lift_.z)};
+      if (state.place > portal_.places.size()) state.place = 0;
+      if (!passenger.is_inside) passenger.at = portal_.FloorAt(state.X_WP.z);
+      if (passenger.is_inside || state.called != 0) passengers_.push_back(passenger);
+    }
+  }
+
+  void Serve() {
+    for (Passenger& passenger : passengers_) CountPassing(passenger);
+    if (lift_.session) return;
+    for (Passenger& passenger : passengers_) {
+      if (passenger.is_inside && passenger.state->place == 0) passenger.state->place = FreePlace().value_or(0);
+    }
+    if (!Stands(workspace_.world(), workspace_.next, number_)) return;
+    if (AreGettingOff() || LetGetOn() || AreGettingOn()) return;
+    if (const std::optional<std::uint32_t> floor = NextFloor()) lift_.floor = *floor;
+  }
+
+ private:
+  std::uint32_t limit() const { return PassingTicks(workspace_.world()); }
+
+  // The time for which a person has been getting on or off at this floor. One that takes too long, because its way is
+  // blocked, calls anew: the others are served first.
+  void CountPassing(Passenger& passenger) {
+    PersonState& state = *passenger.state;
+    const auto now = static_cast<std::uint32_t>(workspace_.next.tick);
+    if (passenger.is_inside) {
+      if (state.called == 0) state.called = now;
+      const bool gets_off = is_open_ && (state.floor == lift_.floor || lift_.session || state.place == 0);
+      state.passing = gets_off ? (state.passing + 1) % (2 * limit()) : 0;  // it tries again after a pause
+      if (state.passing == limit()) state.called = now;
+      return;
+    }
+    if (state.place == 0) return;
+    const bool gets_on = is_open_ && !lift_.session && passenger.at == lift_.floor;
+    if (gets_on && ++state.passing < limit()) return;
+    // Its floor is the one at which it is: it has got off, and is still in the doorway.
+    if (passenger.at == state.floor) return;
+    if (gets_on) state.called = now;
+    state.place = state.passing = 0;
+  }
+
+  bool AreGettingOff() const {
+    return std::any_of(passengers_.begin(), passengers_.end(), [&](const Passenger& each) {
+      return each.is_inside && each.state->floor == lift_.floor && each.state->passing < limit();
+    });
+  }
+  bool IsGettingOn(const Passenger& each) const {
+    return !each.is_inside && each.state->place != 0 && each.at == lift_.floor;
+  }
+  bool AreGettingOn() const {
+    return std::any_of(passengers_.begin(), passengers_.end(),
+                       [&](const Passenger& each) { return IsGettingOn(each); });
+  }
+  bool Waits(const Passenger& each, std::uint32_t floor) const {
+    return !each.is_inside && each.state->place == 0 && each.at == floor && each.state->floor != floor;
+  }
+
+  // The one for which accept(passenger) that called first; of equal ones the first by id.
+  template <typename Accept>
+  const Passenger* Oldest(Accept accept) const {
+    const Passenger* oldest = nullptr;
+    for (const Passenger& each : passengers_) {
+      if (accept(each) && (oldest == nullptr || each.state->called < oldest->state->called)) oldest = &each;
+    }
+    return oldest;
+  }
+  const Passenger* Oldest() const {
+    return Oldest([](const Passenger& each) { return each.Wants().has_value(); });
+  }
+
+  // Others get on only where the oldest one is, or with it in the cabin: so no one waits for ever.
+  bool MayPickUp(std::uint32_t floor) const {
+    const Passenger* const oldest = Oldest();
+    return oldest != nullptr && (oldest->is_inside || oldest->at == floor);
+  }
+
+  // Gives places to those who wait at this floor, and keeps the lift there for them until its doors are open.
+  bool LetGetOn() {
+    if (!MayPickUp(lift_.floor)) return false;
+    bool stays = false;
+    while (true) {
+      const Passenger* const next = Oldest([&](const Passenger& each) { return Waits(each, lift_.floor); });
+      const std::optional<std::uint32_t> place = next != nullptr ? FreePlace() : std::nullopt;
+      if (!place) return stays;
+      stays = true;
+      if (!is_open_) return true;
+      next->state->place = *place;
+      next->state->passing = 0;
+    }
+  }
+
+  // The first place that no person has, and on which no robot or object is; from 1 on.
+  std::optional<std::uint32_t> FreePlace() const {
+    for (std::uint32_t place = 1; place <= portal_.places.size(); ++place) {
+      const bool is_given = std::any_of(passengers_.begin(), passengers_.end(),
+                                        [&](const Passenger& each) { return each.state->place == place; });
+      if (!is_given && IsClear(portal_.places[place - 1])) return place;
+    }
+    return std::nullopt;
+  }
+  bool IsClear(const Vec2& place) const {
+    constexpr double kBody = 0.3;  // m
+    constexpr double kKnee = 0.1;
+    const ZRange z{lift_.z + kKnee, lift_.z + portal_.height - kKnee};
+    std::pmr::vector<BodyId> bodies;
+    workspace_.bodies.Query(Rectangle::Around(place, kBody), bodies);
+    return std::none_of(bodies.begin(), bodies.end(), [&](const BodyId body) {
+      if (workspace_.scene.person_of(body) || workspace_.IsMounted(body)) return false;
+      const std::vector<ConvexPiece>& pieces = workspace_.bodies.pieces_in_world(body);
+      return std::any_of(pieces.begin(), pieces.end(), [&](const ConvexPiece& piece) {
+        return piece.obstacle && piece.z.Overlaps(z) &&
+               FindNearestPoints(std::span(&place, 1), piece.vertices).distance < kBody;
+      });
+    });
+  }
+
+  // That of the oldest call, or one on the way there at which others get off or on.
+  std::optional<std::uint32_t> NextFloor() const {
+    const bool has_room = FreePlace().has_value();
+    const Passenger* const oldest = Oldest([&](const Passenger& each) {
+      return each.Wants() && *each.Wants() != lift_.floor && (each.is_inside || has_room);
+    });
+    if (oldest == nullptr) return std::nullopt;
+    std::uint32_t next = *oldest->Wants();
+    const bool picks_up = oldest->is_inside && has_room;
+    const double start = description_.floors[lift_.floor].z;
+    const double end = description_.floors[next].z;
+    for (const Passenger& each : passengers_) {
+      if (!each.Wants() || (!each.is_inside && !(picks_up && each.state->place == 0))) continue;
+      const double z = description_.floors[*each.Wants()].z;
+      const bool is_between = (z - start) * (end - start) > 0.0 && std::fabs(z - start) < std::fabs(end - start);
+      if (is_between && std::fabs(z - start) < std::fabs(description_.floors[next].z - start)) next = *each.Wants();
+    }
+    return next;
+  }
+
+  StepWorkspace& workspace_;
+  const std::size_t number_;
+  const LiftDescription& description_;
+  const LiftPortal& portal_;
+  LiftState& lift_;
+  const bool is_open_;
+  std::vector<Passenger> passengers_;  // by id
+};
+
+}  // namespace
+
+bool Stands(const WorldDescription& world, const WorldState& state, std::size_t lift) {
+  return state.lifts[lift].z == world.lifts[lift].floors[state.lifts[lift].floor].z;
+}
+
+bool IsOpen(const WorldDescription& world, const WorldState& state, std::size_t lift) {
+  if (!Stands(world, state, lift)) return false;
+  const LiftFloor& floor = world.lifts[lift].floors[state.lifts[lift].floor];
+  return std::all_of(floor.doors.begin(), floor.doors.end(),
+                     [&](std::size_t door) { return state.doors[door].opening == 1.0; });
+}
+
+void ServePeople(StepWorkspace& workspace) {
+  const WorldDescription& world = workspace.world();
+  if (world.people.empty() || world.lifts.empty()) return;
+  std::vector<std::vector<PersonId>> people(world.lifts.size());
+  for (std::size_t i = 0; i < workspace.next.people.size(); ++i) {
+    const PersonState& person = workspace.next.people[i];
+    if (person.lift != 0 && !world.model(world.people[i].root).removed) people[person.lift - 1].emplace_back(i);
+  }
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    if (!people[i].empty()) LiftService(workspace, i, people[i]).Serve();
+  }
+}
+
+}  // namespace troupe

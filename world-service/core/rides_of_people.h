@@ -1,0 +1,48 @@
+// The rides of people on lifts: who waits, gets on, stands in the cabin and gets off. Private to this folder.
+//
+// A person that goes to another level walks to a lift, calls it (PersonState::called) and waits beside the way of those
+// who get off. Before the doors move, each lift serves its people (ServePeople): while no robot has its session, it
+// goes towards the person that called first, stops on the way for others, and gives places in its cabin to those who
+// wait at its floor, once all who get off are out. While a robot has the session, people leave the lift to it: they get
+// off where its doors open and wait. So robots never wait for people's calls.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "world-service/core/goals_of_people.h"
+#include "world-service/core/people_view.h"
+#include "world-service/core/step_workspace.h"
+
+namespace troupe {
+
+// Decides for all lifts who gets on, and where each goes next, by the people's calls.
+void ServePeople(StepWorkspace& workspace);
+
+// All doors of the floor at which a lift stands are open.
+bool IsOpen(const WorldDescription& world, const WorldState& state, std::size_t lift);
+// A lift stands at the floor that it was called to.
+bool Stands(const WorldDescription& world, const WorldState& state, std::size_t lift);
+
+// For so many ticks a person tries to get on or off; then it lets the lift serve others.
+inline std::uint32_t PassingTicks(const WorldDescription& world) {
+  constexpr double kPassingTime = 15.0;  // s
+  return std::max<std::uint32_t>(TicksOf(world, kPassingTime), 1);
+}
+
+// The lift in whose cabin a person is, if it is in one.
+std::optional<std::uint32_t> CabinAround(const PeopleView& view, const Pose& X_WP);
+
+// The part of a walk of a person with a lift, alone.
+struct RideWalk {
+  Vec2 velocity{0.0, 0.0};                        // m/s
+  bool is_bound = false;                          // in a cabin or on its way into one: it does not react to robots
+  std::optional<WalkRoutes::Stop> walks_to = {};  // instead of the velocity: it walks to this stop
+  bool gave_up = false;                           // it has waited for too long, or is where the lift does not stop
+};
+// Ends the ride of `person` where it has got off. REQUIRES: person.lift is not 0.
+RideWalk RideLift(const PeopleView& view, PersonId id, PersonState& person);
+
+}  // namespace troupe
