@@ -1,0 +1,46 @@
+// A trial of a long trip by Open-RMF's messages alone, ten times each.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/process/rmf_trips.h"
+
+namespace troupe::test {
+namespace {
+
+constexpr const char* kHotel = "../../../worlds/sites/hotel.building.yaml";
+constexpr int kRuns = 10;
+
+TEST_F(RmfTrials, ARobotCrossesThreeLevelsThroughDoorsAndTwoLifts) {
+  folder_.Write("hotel.json", R"({"world": ")" + WorldPath(kHotel) + R"(",
+    "robots": [{"name": "tiny_1", "controller": {"name": "slotcar"}}]})");
+  const std::vector<Leg> legs = {
+      Close("housekeeping_entrance"),
+      Close("door_304"),
+      Drive({{34.5, 5.7}}),
+      Open("housekeeping_entrance"),
+      Drive({{31.2, 5.7}, {24, 9}, {20.5, 18.5}}),
+      Close("housekeeping_entrance"),
+      Call("Lift1", "L1"),
+      Drive({{20.5, 22.2}}),
+      Call("Lift1", "L2"),
+      Drive({{20.5, 18.5}}),
+      Leave("Lift1"),
+      Drive({{24, 14.5}, {27.5, 18.5}}),
+      Call("Lift2", "L2"),
+      Drive({{27.5, 22.2}}),
+      Call("Lift2", "L3"),
+      Drive({{27.5, 18.5}}),
+      Leave("Lift2"),
+      Drive({{24, 14.5}, {24, 10.7}}),
+      Open("door_304"),
+      Drive({{21.6, 10.4}, {21.6, 5.4}}),
+      Close("door_304"),
+  };
+  const Outcome outcome = ExpectSame(folder_.Path("hotel.json"), {{"tiny_1", legs}}, 2400, kRuns);
+  EXPECT_EQ(outcome.trips[0].levels, (std::vector<std::string>{"L1", "L2", "L3"}));
+}
+
+}  // namespace
+}  // namespace troupe::test
