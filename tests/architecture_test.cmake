@@ -89,7 +89,7 @@ set(may_include_world-service/observers/status
   common/base common/model transport/protocol common/run world-service/service)
 set(may_include_world-service/observers/ros
   common/base common/geometry common/model common/run common/spatial transport/protocol transport/dds/binding ros/messages
-  ros/connection ros/link world-service/service)
+  ros/connection ros/link idl/ros world-service/core world-service/service worldfile/sites)
 set(may_include_world-service/program
   common/base command_line common/model transport/protocol recording ros/flags ros/messages common/run common/spatial robot-agent/controller
   worldfile worldfile/models world-service/observers/recorder world-service/observers/ros world-service/replay

@@ -27,6 +27,7 @@ struct SlotcarParameters {
   double turn_rate = 0.6;       // rad/s
   double stop_distance = 0.75;  // m: it does not drive while a robot or a person is near the point so far ahead,
   double stop_radius = 0.75;    // m: nearer than that; 0: it looks for none
+  std::string fleet;            // by which Open-RMF knows it; empty: as ros::FleetOf says
 };
 Result<SlotcarParameters> ReadSlotcarParameters(const std::string& text);
 

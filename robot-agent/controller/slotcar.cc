@@ -31,6 +31,10 @@ Result<SlotcarParameters> ReadSlotcarParameters(const std::string& text) {
   p.turn_rate = reader.ReadNumber("turn_rate", {0.0, 100.0}).value_or(p.turn_rate);
   p.stop_distance = reader.ReadNumber("stop_distance", {0.0, 100.0}).value_or(p.stop_distance);
   p.stop_radius = reader.ReadNumber("stop_radius", {0.0, 100.0}).value_or(p.stop_radius);
+  if (std::optional<std::string> fleet = reader.ReadText("fleet")) {
+    p.fleet = *std::move(fleet);
+    if (p.fleet.empty()) reader.Fail("'fleet' is '', expected a name");
+  }
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return p;
 }

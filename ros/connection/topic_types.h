@@ -11,6 +11,7 @@
 #include "idl/ros/kilted.h"
 #include "idl/ros/node.h"
 #include "idl/ros/parameters.h"
+#include "idl/ros/people.h"
 #include "idl/ros/rmf.h"
 #include "idl/ros/rolling.h"
 #include "idl/ros/simulate_steps.h"
@@ -36,6 +37,7 @@
   TYPE(geometry_msgs_msg_dds__TwistStamped_)                              \
   TYPE(nav_msgs_msg_dds__OccupancyGrid_)                                  \
   TYPE(nav_msgs_msg_dds__Odometry_)                                       \
+  TYPE(people_msgs_msg_dds__People_)                                      \
   TYPE(rcl_interfaces_msg_dds__Log_)                                      \
   TYPE(rcl_interfaces_msg_dds__ParameterEvent_)                           \
   TYPE(rcl_interfaces_srv_dds__DescribeParameters_Request_)               \
@@ -51,6 +53,8 @@
   TYPE(rcl_interfaces_srv_dds__SetParameters_Request_)                    \
   TYPE(rcl_interfaces_srv_dds__SetParameters_Response_)                   \
   TYPE(rmf_building_map_msgs_msg_dds__BuildingMap_)                       \
+  TYPE(rmf_building_map_msgs_srv_dds__GetBuildingMap_Request_)            \
+  TYPE(rmf_building_map_msgs_srv_dds__GetBuildingMap_Response_)           \
   TYPE(rmf_dispenser_msgs_msg_dds__DispenserRequest_)                     \
   TYPE(rmf_dispenser_msgs_msg_dds__DispenserResult_)                      \
   TYPE(rmf_dispenser_msgs_msg_dds__DispenserState_)                       \

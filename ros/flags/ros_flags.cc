@@ -62,6 +62,7 @@ std::vector<std::string> WorldTopicArguments(const ros::WorldTopics& world) {
   if (world.map_resolution) {
     arguments.push_back("--ros-map-resolution=" + CLI::detail::to_string(*world.map_resolution));
   }
+  if (world.building_map) arguments.emplace_back("--ros-map=building");
   if (world.map_height) arguments.push_back("--ros-map-height=" + CLI::detail::to_string(*world.map_height));
   return arguments;
 }
@@ -169,6 +170,10 @@ void AddWorldTopicFlags(CLI::App& app, ros::WorldTopics& world, const std::strin
       ->check(NumberFromZero())
       ->type_name("HZ")
       ->group(group);
+  AddText(app, group, "--ros-map",
+          "What /map is: grid: the occupancy grid (default); building: of a building, its map for Open-RMF, with the "
+          "occupancy grid on /occupancy_grid",
+          {"grid", "building"}, [&world](const std::string& word) { world.building_map = word == "building"; });
   app.add_option("--ros-map-resolution", world.map_resolution,
                  "Side of a cell of /map in metres (default: that of the world's ROS map, or 0.05)")
       ->check(PositiveNumber())

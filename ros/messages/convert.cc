@@ -330,4 +330,23 @@ MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::
   return markers.Message(arena);
 }
 
+PeopleMessage MakePeople(const WorldDescription& world, const WorldState& state, dds::WireArena& arena) {
+  std::vector<std::size_t> present;
+  for (std::size_t i = 0; i < state.people.size(); ++i) {
+    if (!world.model(world.people[i].root).removed) present.push_back(i);
+  }
+  PeopleMessage message{};
+  message.header = MakeHeader(ToTime(state.tick, world.interval_ns), kMapFrame, arena);
+  auto* person = arena.Fill(message.people, present.size());
+  for (const std::size_t i : present) {
+    const PersonState& from = state.people[i];
+    person->name = arena.Copy(world.model(world.people[i].root).name);
+    person->position = {from.X_WP.x, from.X_WP.y, from.X_WP.z};
+    person->velocity = {from.vx, from.vy, 0.0};
+    person->reliability = 1.0;
+    ++person;
+  }
+  return message;
+}
+
 }  // namespace troupe::ros

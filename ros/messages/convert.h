@@ -106,6 +106,9 @@ MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<s
 MarkerArray MakeObjectMarkers(const Scene& scene, const WorldState& state, dds::WireArena& arena,
                               bool replaces = false);
 
+// The people at their places, with their velocities: exact, so the reliability is 1.
+PeopleMessage MakePeople(const WorldDescription& world, const WorldState& state, dds::WireArena& arena);
+
 // Pure functions from the readings of cameras, finders and scanners with several planes to ROS messages.
 
 // Red, green and blue of each pixel, encoding "rgb8".

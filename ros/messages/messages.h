@@ -5,6 +5,7 @@
 #include "idl/ros/geometry.h"
 #include "idl/ros/humble.h"
 #include "idl/ros/navigation.h"
+#include "idl/ros/people.h"
 #include "idl/ros/sensors.h"
 #include "idl/ros/std.h"
 #include "idl/ros/vision.h"
@@ -35,6 +36,7 @@ using PointCloud2 = sensor_msgs_msg_dds__PointCloud2_;
 using JointStateMessage = sensor_msgs_msg_dds__JointState_;
 using Detection2dArray = vision_msgs_msg_dds__Detection2DArray_;
 using Detection3dArray = vision_msgs_msg_dds__Detection3DArray_;
+using PeopleMessage = people_msgs_msg_dds__People_;
 using BatteryState = sensor_msgs_msg_dds__BatteryState_;
 using Marker = visualization_msgs_msg_dds__Marker_;
 using MarkerArray = visualization_msgs_msg_dds__MarkerArray_;

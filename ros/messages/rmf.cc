@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 namespace troupe::ros {
 
@@ -15,6 +17,28 @@ bool HasRmf(const WorldDescription& world) {
   return !world.doors.empty() || !world.lifts.empty() ||
          std::any_of(world.robots.begin(), world.robots.end(),
                      [](const RobotDescription& robot) { return robot.controller.name == kPathController; });
+}
+
+std::optional<std::string> TagAfter(const NamedPlace& place, const std::string& prefix) {
+  for (const std::string& tag : place.tags) {
+    if (tag.starts_with(prefix)) return tag.substr(prefix.size());
+  }
+  return std::nullopt;
+}
+
+std::string FleetOf(const WorldDescription& world, RobotId robot) {
+  const RobotDescription& description = world.robot(robot);
+  if (description.controller.name == kPathController) {
+    const auto parameters = nlohmann::json::parse(description.controller.parameters, nullptr, false);
+    if (parameters.is_object() && parameters.contains("fleet") && parameters["fleet"].is_string()) {
+      return parameters["fleet"];
+    }
+  }
+  for (const NamedPlace& place : world.places) {
+    if (TagAfter(place, "robot:") != description.name) continue;
+    if (std::optional<std::string> fleet = TagAfter(place, "fleet:")) return *fleet;
+  }
+  return world.model(description.root).type;
 }
 
 std::vector<std::size_t> DoorsOf(const WorldDescription& world) {

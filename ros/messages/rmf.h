@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "idl/ros/building_map.h"
@@ -22,6 +24,12 @@ using DoorRequest = rmf_door_msgs_msg_dds__DoorRequest_;
 using DoorStateMessage = rmf_door_msgs_msg_dds__DoorState_;
 using LiftRequest = rmf_lift_msgs_msg_dds__LiftRequest_;
 using LiftStateMessage = rmf_lift_msgs_msg_dds__LiftState_;
+using DispenserRequest = rmf_dispenser_msgs_msg_dds__DispenserRequest_;
+using DispenserResult = rmf_dispenser_msgs_msg_dds__DispenserResult_;
+using DispenserStateMessage = rmf_dispenser_msgs_msg_dds__DispenserState_;
+using IngestorRequest = rmf_ingestor_msgs_msg_dds__IngestorRequest_;
+using IngestorResult = rmf_ingestor_msgs_msg_dds__IngestorResult_;
+using IngestorStateMessage = rmf_ingestor_msgs_msg_dds__IngestorState_;
 using LocationMessage = rmf_fleet_msgs_msg_dds__Location_;
 using PathRequest = rmf_fleet_msgs_msg_dds__PathRequest_;
 using PauseRequest = rmf_fleet_msgs_msg_dds__PauseRequest_;
@@ -52,6 +60,13 @@ inline constexpr const char* kPathController = "slotcar";
 
 // Whether the world has something for Open-RMF: doors, lifts, or a robot that drives along its paths.
 bool HasRmf(const WorldDescription& world);
+
+// The fleet of a robot: the parameter "fleet" of a slotcar; else the tag "fleet:NAME" of the place where a building has
+// it start; else the type of its model.
+std::string FleetOf(const WorldDescription& world, RobotId robot);
+
+// What follows `prefix` in the first tag of the place that begins with it; nothing without one.
+std::optional<std::string> TagAfter(const NamedPlace& place, const std::string& prefix);
 
 // The doors that take requests of their own: those that are operated, but for those of lifts. By number.
 std::vector<std::size_t> DoorsOf(const WorldDescription& world);
@@ -123,6 +138,19 @@ Message MakeRobotState(const RmfRobot& robot, dds::WireArena& arena) {
   message.location = ToMessage(robot.location, arena);
   LocationMessage* location = arena.Fill(message.path, robot.path.size());
   for (const RmfLocation& each : robot.path) *location++ = ToMessage(each, arena);
+  return message;
+}
+
+// `Message`: FleetStateMessage or LaterFleetStateMessage.
+template <typename Message>
+Message MakeFleetState(const std::string& fleet, const std::vector<const RmfRobot*>& robots, dds::WireArena& arena) {
+  Message message{};
+  message.name = arena.Copy(fleet);
+  auto* state = arena.Fill(message.robots, robots.size());
+  for (const RmfRobot* robot : robots) {
+    *state = MakeRobotState<std::remove_reference_t<decltype(*state)>>(*robot, arena);
+    ++state;
+  }
   return message;
 }
 

@@ -93,7 +93,8 @@ struct RobotTopics {
 
 // /clock and /map: of the world service, and of the agent of a robot in a domain of its own.
 struct WorldTopics {
-  double clock_rate = 0.0;  // Hz of wall time at which /clock advances between ticks; 0: only at ticks
+  double clock_rate = 0.0;    // Hz of wall time at which /clock advances between ticks; 0: only at ticks
+  bool building_map = false;  // of a building /map is the map for Open-RMF, and /occupancy_grid the occupancy grid
   std::optional<double> map_resolution = {};  // m, side of a cell of /map; none: that of the ROS map, or 0.05
   std::optional<double> map_height = {};      // m, height of the section that /map shows; none: UsualMapHeight
 };

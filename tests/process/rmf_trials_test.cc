@@ -1,4 +1,4 @@
-// A trial of a long trip by Open-RMF's messages alone, ten times each.
+// Trials of long trips by Open-RMF's messages alone, ten times each.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -40,6 +40,22 @@ TEST_F(RmfTrials, ARobotCrossesThreeLevelsThroughDoorsAndTwoLifts) {
   };
   const Outcome outcome = ExpectSame(folder_.Path("hotel.json"), {{"tiny_1", legs}}, 2400, kRuns);
   EXPECT_EQ(outcome.trips[0].levels, (std::vector<std::string>{"L1", "L2", "L3"}));
+}
+
+TEST_F(RmfTrials, TwoRobotsAndACrowdContendForOneLift) {
+  folder_.Write("crowd.json", R"({"world": ")" + WorldPath(kHotel) + R"(",
+    "robots": [{"name": "tiny_1", "pose": [20.5, 14, 90], "controller": {"name": "slotcar"}},
+               {"name": "tiny_2", "pose": [27.5, 16, 90], "controller": {"name": "slotcar"}}],
+    "people": [{"count": 40, "region": [17, 2, 31, 19], "name_prefix": "guest", "wait": [2, 8],
+                "goals": ["lobby", "entrance", "reception", "lift1_lobby_L1", "lift2_lobby_L1"]}]})");
+  const auto legs_to = [](double x, double y) {
+    return std::vector<Leg>{Call("Lift1", "L1"), Drive({{20.5, 18.5}, {20.5, 22.2}}),
+                            Call("Lift1", "L2"), Drive({{20.5, 18.5}}),
+                            Drive({{x, y}}),     Leave("Lift1")};
+  };
+  const Outcome outcome = ExpectSame(folder_.Path("crowd.json"),
+                                     {{"tiny_1", legs_to(24, 14.5)}, {"tiny_2", legs_to(20.5, 14.5)}}, 3000, kRuns);
+  for (const Trip& trip : outcome.trips) EXPECT_EQ(trip.levels, (std::vector<std::string>{"L1", "L2"})) << trip.robot;
 }
 
 }  // namespace

@@ -250,7 +250,8 @@ TEST(Guesthouse, VerticesWithANameOrARoleArePlaces) {
   std::map<std::string, NamedPlace> places;
   for (const NamedPlace& place : world.places) places.emplace(place.name, place);
   EXPECT_EQ(places.size(), 12u);
-  EXPECT_THAT(places["charger_1"].tags, ElementsAre("L1", "charger", "parking_spot", "robot:tiny_1"));
+  EXPECT_THAT(places["charger_1"].tags,
+              ElementsAre("L1", "charger", "parking_spot", "robot:tiny_1", "fleet:TinyRobot"));
   EXPECT_THAT(places["pantry"].tags, ElementsAre("L1", "dock:pantry_dock", "dispenser:pantry_dispenser"));
   EXPECT_THAT(places["L1.31"].tags, ElementsAre("L1", "people:seats"));
   EXPECT_EQ(places["room_1"].X_WN, (Pose{3.0, -5.5, 4.0, 0.0}));

@@ -35,6 +35,7 @@ Result<PreparedRun> LoadFile(const RunSource& source) {
   PreparedRun run;
   run.scene = std::make_shared<const Scene>(std::move(loaded.value().world));
   run.files = std::move(loaded.value().files);
+  run.site = std::move(loaded.value().site);
   run.first_world = WorldOf(run.scene);
   run.options = source.service;
   run.options.settings = loaded.value().settings;
@@ -139,6 +140,7 @@ Result<PreparedRun> Resume(Journal journal, const RunSource& source) {
   Result<LoadedWorld> file = LoadWorld(begin.file, source.overrides);
   if (file.ok()) {
     run.files = std::move(file.value().files);
+    run.site = std::move(file.value().site);
     run.ros_lockstep = file.value().ros_lockstep;
   }
   run.options.resumed = std::move(resumed).value();
@@ -211,7 +213,7 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
   if (run.options.settings.ros) {
     ros::RosOptions ros = source.ros;
     ros.lockstep = run.ros_lockstep;
-    run.gateway = MakeRosWorldGateway(ros, run.scene);
+    run.gateway = MakeRosWorldGateway(ros, run.scene, run.site);
     observers.push_back(run.gateway.get());
   }
   const std::optional<ResumedRun>& resumed = run.options.resumed;

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "troupe/deterministic_math.h"
 #include "worldfile/sites/building_parts.h"
 #include "worldfile/sites/crowd_yaml.h"
 #include "worldfile/sites/site_frame.h"
@@ -205,7 +206,9 @@ class BuildingReader {
     }
     for (std::size_t i = 0; i < site_.levels.size(); ++i) {
       maps_.push_back(coordinates == SiteCoordinates::kReferenceImage ? MapOf(i) : PlaneMap());
-      site_.levels[i].scale = maps_.back().scale;
+      const PlaneMap& map = maps_.back();
+      site_.levels[i].scale = map.scale;
+      site_.levels[i].X_WF = {map.shift.x(), map.shift.y(), 0.0, Atan2(map.sin, map.cos)};
     }
     to_world_ = [this, frame](std::size_t level, const Vec2& p) { return Rounded(maps_[level] * (frame * p)); };
     for (std::size_t i = 0; i < site_.levels.size(); ++i) {

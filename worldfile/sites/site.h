@@ -80,6 +80,7 @@ struct SiteLevel {
   double elevation = 0.0;  // m
   std::string drawing;     // file name; empty for none
   double scale = 1.0;      // m for a unit of the file: a pixel of the drawing, or a metre
+  Pose X_WF;               // of the drawing's upper left corner, with x to its right
   std::size_t measurements = 0;
   std::vector<SiteVertex> vertices;
   std::vector<SiteEdge> walls;

@@ -373,6 +373,7 @@ std::vector<std::string> RolesOf(const SiteVertex& vertex) {
   add(!vertex.dropoff_ingestor.empty(), "ingestor:" + vertex.dropoff_ingestor);
   add(!vertex.human_goal_set.empty(), "people:" + vertex.human_goal_set);
   add(!vertex.robot_name.empty(), "robot:" + vertex.robot_name);
+  add(!vertex.robot_name.empty(), "fleet:" + vertex.robot_type.substr(vertex.robot_type.rfind('/') + 1));
   return roles;
 }
 

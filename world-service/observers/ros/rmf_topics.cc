@@ -57,6 +57,12 @@ struct RmfTopics::Shared {
   std::mutex mutex;                           // guards the members below
   std::size_t open = 0;                       // edits without a reply
   std::map<std::string, std::string> wanted;  // by door or lift: the newest of these
+  struct Moved {
+    std::string item;
+    bool is_done = false;
+    std::string problem;
+  };
+  std::vector<Moved> moved;  // replies to edits of workcells
 };
 
 struct RmfTopics::Topics {
@@ -79,6 +85,7 @@ RmfTopics::RmfTopics(const ros::RosNode& node, std::shared_ptr<const Scene> scen
       reports_(std::make_shared<FloodLimiter>(std::move(report))),
       shared_(std::make_shared<Shared>()),
       scene_(std::move(scene)),
+      has_workcells_(!FindWorkcells(scene_->world()).empty()),
       doors_(ros::DoorsOf(scene_->world())) {
   shared_->duties.Add(&Duties::Due::follow);
   thread_ = std::thread([this] { Run(); });
@@ -93,7 +100,10 @@ void RmfTopics::ChangeWorld(std::shared_ptr<const Scene> scene) {
   const std::lock_guard lock(shared_->mutex);
   scene_ = std::move(scene);
   doors_ = ros::DoorsOf(scene_->world());
+  has_workcells_ = !FindWorkcells(scene_->world()).empty();
   state_ = {};
+  if (workcells_) workcells_->ChangeWorld(scene_);
+  if (fleets_) fleets_->ChangeWorld(scene_->world());
   shared_->duties.Add(&Duties::Due::follow);
 }
 
@@ -104,6 +114,7 @@ void RmfTopics::Run() {
     try {
       if (due.follow) Follow();
       std::unique_lock lock(shared_->mutex);
+      FinishMoves();
       const std::vector<ControlRequest> edits = Take();
       lock.unlock();
       Send(edits);
@@ -112,31 +123,64 @@ void RmfTopics::Run() {
     }
     if (due.answered) control_.Wake();
   }
-  topics_.reset();  // without the mutex: the thread of the connection may wait for it
+  // Without the mutex: the thread of the connection may wait for it.
+  topics_.reset();
+  workcells_.reset();
+  fleets_.reset();
 }
 
-// Only this thread changes topics_.
+// Only this thread changes the pointers. The mutex is not held while a part is made or ends.
+template <typename Part, typename Make>
+bool RmfTopics::FollowPart(std::unique_ptr<Part>& part, bool is_needed, const Make& make) {
+  if (is_needed == (part != nullptr)) return false;
+  std::unique_ptr<Part> other;  // the one before ends after the lock
+  if (is_needed) other = make();
+  const std::lock_guard lock(shared_->mutex);
+  other.swap(part);
+  return true;
+}
+
 void RmfTopics::Follow() {
   std::unique_lock lock(shared_->mutex);
-  const WorldDescription& world = scene_->world();
-  const bool is_needed = !world.doors.empty() || !world.lifts.empty();
-  if (is_needed == (topics_ != nullptr)) return;
-  std::unique_ptr<Topics> ended = std::move(topics_);
+  const std::shared_ptr<const Scene> scene = scene_;
+  const bool has_workcells = has_workcells_;
   lock.unlock();
-  ended.reset();
-  std::unique_ptr<Topics> made;
-  if (is_needed) made = std::make_unique<Topics>(node_, [this] { shared_->duties.Add(&Duties::Due::arrived); });
-  node_.connection->Announce();
+  const WorldDescription& world = scene->world();
+  const auto notify = [this] { shared_->duties.Add(&Duties::Due::arrived); };
+  bool has_changed = FollowPart(topics_, !world.doors.empty() || !world.lifts.empty(),
+                                [&] { return std::make_unique<Topics>(node_, notify); });
+  has_changed |= FollowPart(workcells_, has_workcells, [&] {
+    const auto report = [reports = reports_](const std::string& line) { reports->Add(line); };
+    auto workcells = std::make_unique<RmfWorkcells>(node_, notify, report);
+    workcells->ChangeWorld(scene);
+    return workcells;
+  });
+  has_changed |= FollowPart(fleets_, ros::HasRmf(world), [&] {
+    auto fleets = std::make_unique<RmfFleets>(node_);
+    fleets->ChangeWorld(world);
+    return fleets;
+  });
+  if (fleets_ && fleets_->IsToFollow()) {
+    fleets_->Follow();
+    has_changed = true;
+  }
+  if (has_changed) node_.connection->Announce();
   lock.lock();
-  topics_ = std::move(made);
+  if (scene_ == scene) return;  // else another one has come meanwhile
+  if (workcells_) workcells_->ChangeWorld(scene_);
+  if (fleets_) fleets_->ChangeWorld(scene_->world());
 }
 
 void RmfTopics::OnCommit(const FrameMessage& frame) {
   const std::lock_guard lock(shared_->mutex);
   const WorldDescription& world = scene_->world();
   if (!KnowsState()) shared_->duties.Add(&Duties::Due::arrived);  // the samples have waited for it
-  state_.doors = frame.state.doors;
-  state_.lifts = frame.state.lifts;
+  if (has_workcells_) {
+    state_ = frame.state;
+  } else {
+    state_.doors = frame.state.doors;
+    state_.lifts = frame.state.lifts;
+  }
   for (std::size_t i = 0; i < state_.lifts.size(); ++i) {
     const LiftDescription& lift = world.lifts[i];
     const std::string& name = world.model(lift.model).name;
@@ -153,11 +197,19 @@ void RmfTopics::OnCommit(const FrameMessage& frame) {
 void RmfTopics::OnTick(const FrameMessage& frame) {
   const std::lock_guard lock(shared_->mutex);
   const WorldDescription& world = scene_->world();
+  const ros::Time stamp = ros::ToTime(frame.state.tick, world.interval_ns);
+  const auto is_due_by = [&](double period) {
+    return frame.paused || ros::IsDue(frame.state.tick, world.interval_ns, period);
+  };
+  if (fleets_) {
+    if (fleets_->IsToFollow()) shared_->duties.Add(&Duties::Due::follow);
+    fleets_->OnTick(is_due_by(ros::kRobotStatePeriod));
+  }
+  if (workcells_) workcells_->OnTick(stamp, is_due_by(ros::kWorkcellStatePeriod));
   if (!topics_ || frame.state.doors.size() != world.doors.size() || frame.state.lifts.size() != world.lifts.size()) {
     return;
   }
-  const bool is_due = frame.paused || ros::IsDue(frame.state.tick, world.interval_ns, ros::kDoorStatePeriod);
-  const ros::Time stamp = ros::ToTime(frame.state.tick, world.interval_ns);
+  const bool is_due = is_due_by(ros::kDoorStatePeriod);
   for (const std::size_t i : topics_->door_states.wanted() ? doors_ : std::vector<std::size_t>()) {
     const std::string& name = world.model(world.doors[i].model).name;
     const ros::DoorMode mode = ros::ModeOf(frame.state.doors[i]);
@@ -193,21 +245,33 @@ bool RmfTopics::Settle() {
   }
   Send(edits);
   const std::lock_guard lock(shared_->mutex);
+  FinishMoves();
   return shared_->open == 0;
 }
 
 bool RmfTopics::KnowsState() const {
   const WorldDescription& world = scene_->world();
-  return state_.doors.size() == world.doors.size() && state_.lifts.size() == world.lifts.size();
+  return state_.doors.size() == world.doors.size() && state_.lifts.size() == world.lifts.size() &&
+         (!has_workcells_ ||
+          (state_.robots.size() == world.robots.size() && state_.objects.size() == world.objects.size()));
 }
 
 std::vector<ControlRequest> RmfTopics::Take() {
   std::vector<ControlRequest> edits;
-  if (!topics_ || !KnowsState()) return edits;
-  topics_->door_requests.Drain([&](const ros::DoorRequest& request) { TakeDoor(request, edits); });
-  topics_->lift_requests.Drain([&](const ros::LiftRequest& request) { TakeLift(request, edits); });
+  if (!KnowsState()) return edits;
+  if (topics_) {
+    topics_->door_requests.Drain([&](const ros::DoorRequest& request) { TakeDoor(request, edits); });
+    topics_->lift_requests.Drain([&](const ros::LiftRequest& request) { TakeLift(request, edits); });
+  }
+  if (workcells_) workcells_->Take(state_, edits);
   shared_->open += edits.size();
   return edits;
+}
+
+void RmfTopics::FinishMoves() {
+  for (const Shared::Moved& moved : std::exchange(shared_->moved, {})) {
+    if (workcells_) workcells_->Finish(moved.item, moved.is_done, moved.problem);
+  }
 }
 
 void RmfTopics::TakeDoor(const ros::DoorRequest& request, std::vector<ControlRequest>& edits) {
@@ -284,9 +348,11 @@ std::string RmfTopics::SessionOf(std::size_t lift, const LiftState& state) const
 void RmfTopics::Send(const std::vector<ControlRequest>& edits) {
   for (const ControlRequest& edit : edits) {
     control_.Request(edit, [shared = shared_, reports = reports_, edit](const ControlReply& reply) {
-      if (!reply.done) reports->Add(edit.name + ": " + reply.problem);
+      const bool is_move = edit.command == ControlCommand::kSetPose;
+      if (!reply.done && !is_move) reports->Add(edit.name + ": " + reply.problem);
       const std::lock_guard lock(shared->mutex);
       --shared->open;
+      if (is_move) shared->moved.push_back({edit.name, reply.done, reply.problem});
       const auto wanted = shared->wanted.find(edit.name);
       if (wanted != shared->wanted.end() && wanted->second == edit.source) shared->wanted.erase(wanted);
       shared->duties.Add(&Duties::Due::answered);

@@ -1,6 +1,7 @@
 // RmfTopics: the doors and lifts of a world as Open-RMF sees them. Their states are on /door_states and /lift_states;
 // requests on /door_requests and /lift_requests become edits of the run, as those of other tools are. It does what the
 // plugins of rmf_simulation do: a door follows the newest request; a lift finishes a request before it takes another.
+// It also has the dispensers, ingestors and fleets of the world (RmfWorkcells, RmfFleets).
 //
 // A thread of its own makes and ends the topics, because a reader must not end on the thread that receives its samples.
 #pragma once
@@ -17,6 +18,8 @@
 #include "common/spatial/scene.h"
 #include "ros/connection/ros_connection.h"
 #include "ros/messages/rmf.h"
+#include "world-service/observers/ros/rmf_fleets.h"
+#include "world-service/observers/ros/rmf_workcells.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
@@ -62,12 +65,17 @@ class RmfTopics {
   };
 
   void Run();
-  // Makes or ends the topics as the world needs.
+  // Makes or ends the topics as the world, and the readers of fleets, need.
   void Follow();
+  // Makes or ends one of them; whether it has.
+  template <typename Part, typename Make>
+  bool FollowPart(std::unique_ptr<Part>& part, bool is_needed, const Make& make);
   // REQUIRES of those below: the mutex is held.
   // False before the first frame of a world: samples wait until then.
   bool KnowsState() const;
   std::vector<ControlRequest> Take();
+  // Tells the workcells of the edits that have been answered.
+  void FinishMoves();
   void TakeDoor(const ros::DoorRequest& request, std::vector<ControlRequest>& edits);
   void TakeLift(const ros::LiftRequest& request, std::vector<ControlRequest>& edits);
   // Adds the edit, unless the newest one that is not answered yet is the same.
@@ -84,14 +92,18 @@ class RmfTopics {
   const std::shared_ptr<FloodLimiter> reports_;
   const std::shared_ptr<Shared> shared_;  // its mutex guards the members below
   std::shared_ptr<const Scene> scene_;
-  WorldState state_;                                  // of the newest frame; without doors and lifts before the first
+  // Of the newest frame: doors and lifts, and in a world with workcells all. Empty before the first.
+  WorldState state_;
+  bool has_workcells_ = false;
   std::vector<std::size_t> doors_;                    // with requests of their own
   std::map<std::string, LiftTask> tasks_;             // by lift
   std::map<std::string, ros::DoorMode> shown_doors_;  // by door
   std::map<std::string, LiftView> shown_lifts_;
   std::set<std::string> refused_;
-  std::unique_ptr<Topics> topics_;  // null: the world has neither doors nor lifts
-  std::thread thread_;              // last, because it uses all other members
+  std::unique_ptr<Topics> topics_;           // null: the world has neither doors nor lifts
+  std::unique_ptr<RmfWorkcells> workcells_;  // null: it has none
+  std::unique_ptr<RmfFleets> fleets_;        // null: it has nothing for Open-RMF
+  std::thread thread_;                       // last, because it uses all other members
 };
 
 }  // namespace troupe

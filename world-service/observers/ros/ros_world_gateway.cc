@@ -24,6 +24,7 @@
 #include "ros/messages/names.h"
 #include "ros/messages/robot_frames.h"
 #include "transport/dds/binding/wire.h"
+#include "world-service/observers/ros/building_topics.h"
 #include "world-service/observers/ros/pose_commands.h"
 #include "world-service/observers/ros/rmf_topics.h"
 #include "world-service/observers/ros/ros_lockstep.h"
@@ -74,7 +75,9 @@ void SimulationServices::ChangeWorld(const std::shared_ptr<const Scene>& scene) 
 // its own makes them as soon as they have a reader, so that no tick waits for them, and a paused run sends them too.
 class WorldPictures {
  public:
-  WorldPictures(const ros::RosNode& node, const ros::RosOptions& options, std::shared_ptr<const Scene> scene);
+  // `map`: the name of the occupancy grid.
+  WorldPictures(const ros::RosNode& node, const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
+                const char* map);
   ~WorldPictures();
 
   // An edit has replaced the world: both topics are sent again.
@@ -100,9 +103,9 @@ class WorldPictures {
 constexpr auto kPeriod = std::chrono::milliseconds(100);
 
 WorldPictures::WorldPictures(const ros::RosNode& node, const ros::RosOptions& options,
-                             std::shared_ptr<const Scene> scene)
+                             std::shared_ptr<const Scene> scene, const char* map)
     : options_(options),
-      map_(node, "/map", ros::Latched()),
+      map_(node, map, ros::Latched()),
       blocks_(node, "/blocks", ros::Latched()),
       scene_(std::move(scene)),
       thread_([this] { Run(); }) {}
@@ -169,11 +172,12 @@ void WorldPictures::WriteBlocks(const Scene& scene, bool replaces) {
 }
 
 constexpr std::int32_t kEventDepth = 100;
+constexpr std::int32_t kPeopleDepth = 10;
 constexpr const char* kNodeName = "world";
 
 class RosWorldGateway final : public RunObserver {
  public:
-  RosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene)
+  RosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene, std::shared_ptr<const Site> site)
       : options_(options),
         scene_(std::move(scene)),
         connection_(options.network.distribution, options.socket, options.network.domain,
@@ -182,10 +186,12 @@ class RosWorldGateway final : public RunObserver {
         clock_(node_, options.world.clock_rate),
         events_(node_, "/events", ros::Stream(kEventDepth)),
         objects_(node_, "/objects", ros::Latched()),
-        pictures_(node_, options, scene_),
+        pictures_(node_, options, scene_, site && options.world.building_map ? "/occupancy_grid" : "/map"),
         parameters_(node_, kNodeName, ros::Parameters{{"use_sim_time", true}, {"world", scene_->world().name}}),
         type_descriptions_(node_, kNodeName),
         log_(node_) {
+    if (site) building_.emplace(node_, options.world.building_map ? "/map" : "/building_map", std::move(site));
+    FollowPeople();
     connection_.Announce();
   }
 
@@ -219,6 +225,8 @@ class RosWorldGateway final : public RunObserver {
     shown_objects_.clear();
     objects_replaced_ = true;
     pictures_.ChangeWorld(scene);
+    if (building_) building_->ChangeWorld(scene->world());
+    if (FollowPeople()) connection_.Announce();
     if (poses_) poses_->ChangeWorld(scene);
     if (rmf_) rmf_->ChangeWorld(scene);
     if (lockstep_) lockstep_->OnWorldChange(scene);
@@ -265,6 +273,10 @@ class RosWorldGateway final : public RunObserver {
         events_.Write({arena.Copy(EventLine(scene_->world(), event))});
       }
     }
+    if (people_ && people_->wanted()) {
+      dds::WireArena arena;
+      people_->Write(ros::MakePeople(scene_->world(), frame.state, arena));
+    }
     // In a pause even without a reader, for one that comes before the next tick.
     const bool is_wanted = objects_.wanted() || frame.paused;
     if (is_wanted && (objects_replaced_ || frame.state.objects != shown_objects_)) {
@@ -285,6 +297,12 @@ class RosWorldGateway final : public RunObserver {
     PrintPlain(stderr, "ROS: {}\n", text);
     const std::lock_guard lock(log_mutex_);
     log_.Write(ros::LogLevel::kWarning, "/world", text);
+  }
+  // The topic of people, from the first world with some on. Whether it is new.
+  bool FollowPeople() {
+    if (people_ || scene_->world().people.empty()) return false;
+    people_.emplace(node_, "/people", ros::Stream(kPeopleDepth));
+    return true;
   }
   // Each notice once.
   void ReportNames() {
@@ -313,6 +331,8 @@ class RosWorldGateway final : public RunObserver {
   std::set<std::string> told_names_;
   bool objects_replaced_ = false;  // viewers may show markers of the world before
   WorldPictures pictures_;
+  std::optional<BuildingTopics> building_;                    // of a building
+  std::optional<ros::RosWriter<ros::PeopleMessage>> people_;  // of a world with people
   ros::ParameterServices parameters_;
   ros::TypeDescriptionService type_descriptions_;
   std::mutex log_mutex_;
@@ -327,8 +347,9 @@ class RosWorldGateway final : public RunObserver {
 
 }  // namespace
 
-std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene) {
-  return std::make_unique<RosWorldGateway>(options, std::move(scene));
+std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
+                                                 std::shared_ptr<const Site> site) {
+  return std::make_unique<RosWorldGateway>(options, std::move(scene), std::move(site));
 }
 
 }  // namespace troupe

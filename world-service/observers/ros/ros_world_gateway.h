@@ -6,10 +6,12 @@
 #include "common/spatial/scene.h"
 #include "ros/messages/ros_options.h"
 #include "world-service/service/run_observer.h"
+#include "worldfile/sites/site.h"
 
 namespace troupe {
 
-// Throws std::exception if it cannot.
-std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene);
+// `site`: the building that the world was made from; null: none. Throws std::exception if it cannot.
+std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
+                                                 std::shared_ptr<const Site> site);
 
 }  // namespace troupe

@@ -1,0 +1,37 @@
+// RmfFleets: /fleet_states, as the adapter of a fleet of slotcars has them: for each fleet the newest states of its
+// robots, which it collects from /robot_state. It reads these only while /fleet_states has a reader.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "ros/connection/ros_connection.h"
+#include "ros/messages/rmf.h"
+
+namespace troupe {
+
+class RmfFleets {
+ public:
+  explicit RmfFleets(const ros::RosNode& node);
+  ~RmfFleets();
+  RmfFleets(const RmfFleets&) = delete;
+  RmfFleets& operator=(const RmfFleets&) = delete;
+
+  void ChangeWorld(const WorldDescription& world);
+  // Whether the reader of /robot_state is to be made or ended, by Follow. Not on a thread that receives its samples.
+  bool IsToFollow() const;
+  void Follow();
+  // Receives states, and writes those of all fleets if they are due.
+  void OnTick(bool is_due);
+
+  // The topics in the layout of one distribution.
+  class Topics;
+
+ private:
+  const std::unique_ptr<Topics> topics_;
+  std::map<std::string, std::string> fleets_;    // by robot
+  std::map<std::string, ros::RmfRobot> robots_;  // by name: the newest states
+};
+
+}  // namespace troupe
