@@ -23,7 +23,7 @@ namespace troupe::dds {
 template <typename Struct>
 auto MembersOf(Struct& s) {
   constexpr std::size_t count = kMemberCount<std::remove_const_t<Struct>>;
-  static_assert(count >= 2 && count <= 12, "add the struct's number of members here");
+  static_assert((count >= 2 && count <= 12) || count == 18, "add the struct's number of members here");
   if constexpr (count == 2) {
     auto& [a, b] = s;
     return std::tie(a, b);
@@ -54,9 +54,12 @@ auto MembersOf(Struct& s) {
   } else if constexpr (count == 11) {
     auto& [a, b, c, d, e, f, g, h, i, j, k] = s;
     return std::tie(a, b, c, d, e, f, g, h, i, j, k);
-  } else {
+  } else if constexpr (count == 12) {
     auto& [a, b, c, d, e, f, g, h, i, j, k, l] = s;
     return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
+  } else {
+    auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r] = s;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r);
   }
 }
 
