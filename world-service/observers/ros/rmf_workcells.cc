@@ -47,8 +47,8 @@ template <typename RequestMessage, typename ResultMessage, typename StateMessage
 class TopicsOfKind final : public RmfWorkcells::Topics {
  public:
   TopicsOfKind(const ros::RosNode& node, WorkcellKind kind, const std::function<void()>& notify)
-      : requests_(node, fmt::format("/{}_requests", Word(kind)), ros::Stream(kWorkcellRequestDepth), ros::Part::kOnlyReader,
-                  notify),
+      : requests_(node, fmt::format("/{}_requests", Word(kind)), ros::Stream(kWorkcellRequestDepth),
+                  ros::Part::kOnlyReader, notify),
         results_(node, fmt::format("/{}_results", Word(kind)), ros::Stream(kWorkcellDepth)),
         states_(node, fmt::format("/{}_states", Word(kind)), ros::Stream(kWorkcellDepth)) {}
 
