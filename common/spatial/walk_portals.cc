@@ -136,7 +136,8 @@ class PlaceFinder {
     if (!back) return {};
     std::vector<Vec2> places;
     if (may_close_the_end) places.push_back(stop_.FromU({*back, 0.0}));
-    for (double u = *back; u <= front + 1e-9; u += pitch) {
+    for (int row = 0; *back + row * pitch <= front + 1e-9; ++row) {
+      const double u = *back + row * pitch;
       for (const double side : {1.0, -1.0}) {
         const double end = side > 0.0 ? outline_.max_y : outline_.min_y;
         const std::optional<double> v = Last(side * pitch, end, [u](double at) { return Vec2(u, at); });

@@ -122,6 +122,8 @@ constexpr ParameterHelp kScriptParameters[] = {
     {"repeat", "flag", "", "false", 0.0, 0.0, "Begins again at the end"},
     {"period", "number", "s", "", 0.0, kAnything, "With repeat: the time of the restart"}};
 constexpr ParameterHelp kSlotcarParameters[] = {
+    {"fleet", "json", "", "", 0.0, 0.0,
+     R"("name": in /fleet_states, else that of its place's tag or its model's type)"},
     {"speed", "number", "m/s", "0.7", 0.0, 100.0, "Within the bounds of the drive, and those of the path"},
     {"turn_rate", "number", "rad/s", "0.6", 0.0, 100.0, "When it turns in place"},
     {"stop_distance", "number", "m", "0.75", 0.0, 100.0, "It waits for robots and people near the point so far ahead"},

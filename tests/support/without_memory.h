@@ -10,10 +10,15 @@
 
 namespace troupe::test {
 
+// Makes the stack as large as later calls need it: without memory it cannot grow.
+[[gnu::noinline]] inline void GrowStack() {
+  volatile char stack[256 * 1024];
+  for (std::size_t i = 0; i < sizeof stack; i += 1024) stack[i] = 0;
+}
+
 // No allocation of this process succeeds any more, of whatever size.
 inline void UseUpMemory() {
-  volatile char stack[256 * 1024];  // what the calls use of it exists already: it could not grow
-  for (std::size_t i = 0; i < sizeof stack; i += 1024) stack[i] = 0;
+  GrowStack();
   const rlimit none = {0, 0};
   setrlimit(RLIMIT_AS, &none);
   constexpr std::size_t kLargestOfOneSize = 2048;  // bytes; the allocator keeps free pieces by size
