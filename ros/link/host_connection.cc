@@ -415,6 +415,7 @@ std::uint32_t HostConnection::AddEndpoint(LinkKind kind, const EndpointText& end
   if (reader != nullptr) readers_[id] = reader;
   if (service != nullptr) services_[id] = service;
   AddSetup(kind, id, ToText(endpoint));
+  if (sending_ == Sending::kAtOnce) FlushNow();  // nothing else may be sent for long
   return id;
 }
 
@@ -428,6 +429,7 @@ void HostConnection::Remove(std::uint32_t id) {
   const auto is_of_endpoint = [id](const Setup& setup) { return setup.id == id && setup.kind != LinkKind::kAddNode; };
   std::erase_if(setups_, is_of_endpoint);
   Send(LinkKind::kRemove, id);
+  if (sending_ == Sending::kAtOnce) FlushNow();
 }
 
 void HostConnection::Process(const LinkMessage& message) {

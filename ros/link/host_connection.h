@@ -30,7 +30,7 @@ namespace troupe::ros {
 
 class HostConnection final : public RosConnection {
  public:
-  // Whether a sample is sent at once, or by Flush with all others that were written since the last one.
+  // Whether a sample, an endpoint or its end is sent at once, or by Flush with all others since the last one.
   enum class Sending : std::uint8_t { kAtOnce, kByFlush };
 
   // `socket`: the name at which the program listens, or will. Throws std::system_error without resources.

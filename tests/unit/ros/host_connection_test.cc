@@ -193,6 +193,20 @@ TEST_F(HostConnectionTest, AReaderTellsOfItsSamples) {
   EXPECT_TRUE(Eventually([&] { return arrived > 0; }));
 }
 
+TEST_F(HostConnectionTest, AReaderIsMadeAndRemovedWhileNothingElseIsSent) {
+  HostConnection connection(network_.distribution, host_.socket(), network_.domain, HostConnection::Sending::kAtOnce);
+  const RosNode node = MakeNode(connection, "/a", "robot");
+  const RosReader<Float64> first(node, "first", Commands(true));
+  connection.Announce();
+  const RosWriter<Float64> of_first(peer_, "/a/first", Stream(1));
+  EXPECT_TRUE(Eventually([&] { return of_first.wanted(); }));
+  std::optional<RosReader<Float64>> late(std::in_place, node, "late", Commands(true));
+  const RosWriter<Float64> of_late(peer_, "/a/late", Stream(1));
+  EXPECT_TRUE(Eventually([&] { return of_late.wanted(); }));
+  late.reset();
+  EXPECT_TRUE(Eventually([&] { return !of_late.wanted(); }));
+}
+
 TEST_F(HostConnectionTest, AnEndpointThatEndsIsListedNoMore) {
   test::RosGraph graph(network_);
   const std::unique_ptr<HostConnection> connection = Connect();
