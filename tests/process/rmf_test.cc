@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "tests/process/rmf_run.h"
-#include "tests/process/rmf_trips.h"
 
 namespace troupe::test {
 namespace {
@@ -161,18 +160,6 @@ TEST_F(Rmf, RequestsOfANodeInTheLockstepRepeat) {
   EXPECT_TRUE(hashes_of({"--in-process"}) == expected);
   OutputOf(Troupe(Words("run % --headless --in-process --ticks 120 --hash-log %", {world, folder_.Path("idle")})));
   EXPECT_FALSE(folder_.Read("idle") == expected) << "the requests had effect";
-}
-
-// A trip by messages alone, twice: run after run has the same hashes.
-TEST_F(RmfTrials, ARobotTakesTheLiftOfAGuesthouse) {
-  folder_.Write("house.json", R"({"world": ")" + WorldPath(kHouse) + R"(", "people": [],
-    "robots": [{"name": "tiny_1", "pose": [4, -3.75, 0], "controller": {"name": "slotcar"}}]})");
-  const std::vector<Leg> legs = {
-      Close("lobby_door"),  Drive({{4.5, -3.75}}),    Open("lobby_door"),  Drive({{7, -3.75}, {10, -3.75}}),
-      Close("lobby_door"),  Call("guest_lift", "L1"), Drive({{10, -1.5}}), Call("guest_lift", "L2"),
-      Drive({{10, -3.75}}), Leave("guest_lift")};
-  const Outcome outcome = ExpectSame(folder_.Path("house.json"), {{"tiny_1", legs}}, 700, 2);
-  EXPECT_EQ(outcome.trips[0].levels, (std::vector<std::string>{"L1", "L2"}));
 }
 
 }  // namespace

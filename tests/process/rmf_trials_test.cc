@@ -12,6 +12,18 @@ namespace {
 constexpr const char* kHotel = "../../../worlds/sites/hotel.building.yaml";
 constexpr int kRuns = 10;
 
+// A trip by messages alone, twice: run after run has the same hashes.
+TEST_F(RmfTrials, ARobotTakesTheLiftOfAGuesthouse) {
+  folder_.Write("house.json", R"({"world": ")" + WorldPath(kHouse) + R"(", "people": [],
+    "robots": [{"name": "tiny_1", "pose": [4, -3.75, 0], "controller": {"name": "slotcar"}}]})");
+  const std::vector<Leg> legs = {
+      Close("lobby_door"),  Drive({{4.5, -3.75}}),    Open("lobby_door"),  Drive({{7, -3.75}, {10, -3.75}}),
+      Close("lobby_door"),  Call("guest_lift", "L1"), Drive({{10, -1.5}}), Call("guest_lift", "L2"),
+      Drive({{10, -3.75}}), Leave("guest_lift")};
+  const Outcome outcome = ExpectSame(folder_.Path("house.json"), {{"tiny_1", legs}}, 700, 2);
+  EXPECT_EQ(outcome.trips[0].levels, (std::vector<std::string>{"L1", "L2"}));
+}
+
 TEST_F(RmfTrials, ARobotCrossesThreeLevelsThroughDoorsAndTwoLifts) {
   folder_.Write("hotel.json", R"({"world": ")" + WorldPath(kHotel) + R"(",
     "robots": [{"name": "tiny_1", "controller": {"name": "slotcar"}}]})");

@@ -31,6 +31,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 using StateClient = TROUPE_SIMULATION_CLIENT(GetSimulationState);
 
 std::string Domain() {
@@ -192,6 +193,29 @@ TEST_F(RosFastDds, AGoalGoesOnWhileTheSideIsKilledAndIsAnsweredToANewCall) {
   EXPECT_THAT(caller.output(),
               HasSubstr(R"({"accepted":true,"feedback":30,"result":1,"status":4,"topic":"simulated"})"));
   run.WaitForLine("the Fast DDS side (process ");
+  End(run);
+}
+
+TEST_F(RosFastDds, ACallWithoutAnAnswerIsLostWithTheSideAndItsStepsGoOn) {
+  constexpr Tick kSteps = 30;
+  const std::string session = TestSession("fast-dds");
+  const auto tick = [&] { return CallRun(session, {.command = ControlCommand::kStatus}).tick; };
+  Program run = Run({"--paused", "--session", session});
+  run.WaitForLine(", ready");
+  Program lost = Caller({"step", std::to_string(kSteps)});
+  lost.WaitForLine("asked");
+  EXPECT_TRUE(Eventually([&] { return tick() > 0; }));
+  for (const pid_t side : SidesOf(run)) kill(side, SIGKILL);
+  run.WaitForLine("it is started again");
+  EXPECT_TRUE(Eventually([&] { return tick() == kSteps; }));
+  // The answer to the first call is on its way before the second one, which must not get it.
+  Program next = Caller({"step", "1"});
+  EXPECT_EQ(next.Wait(), 0) << next.output();
+  EXPECT_THAT(next.output(), HasSubstr(R"({"repeated":0,"result":1,"topic":"stepped"})"));
+  EXPECT_EQ(tick(), kSteps + 1);
+  lost.Signal(SIGTERM);
+  lost.Wait();
+  EXPECT_THAT(lost.output(), Not(HasSubstr("stepped")));
   End(run);
 }
 

@@ -5,6 +5,7 @@
 //   fastdds_caller DOMAIN leaves /NODE       the same, and waits until the service is gone
 //   fastdds_caller DOMAIN describe N         asks N times for the description of a large type
 //   fastdds_caller DOMAIN simulate N         sends the goal of N steps to the action simulate_steps of a paused run
+//   fastdds_caller DOMAIN step N             has a paused run make N steps, by the service
 //   fastdds_caller DOMAIN endpoints          counts the servers' endpoints that a client of each service can match;
 //                                            ends by a signal
 #include <unistd.h>
@@ -113,6 +114,18 @@ void Simulate(Peer& peer, std::uint64_t steps) {
   peer.Close();
 }
 
+void Step(Peer& peer, std::uint64_t steps) {
+  Client<srv::StepSimulation_Request_PubSubType, srv::StepSimulation_Response_PubSubType> client(
+      peer, "/world/step_simulation");
+  client.WaitForService();
+  srv::StepSimulation_Request_ request;
+  request.steps(steps);
+  const std::int64_t number = client.Send(request);
+  Print({{"topic", "asked"}});
+  const int result = client.Await(number).result().result();
+  Print({{"topic", "stepped"}, {"result", result}, {"repeated", client.repeated()}});
+}
+
 // The endpoints in no partition, or in "", of servers: readers of requests and writers of responses.
 class Endpoints final : public DomainParticipantListener {
  public:
@@ -161,6 +174,8 @@ int main(int argc, char** argv) {
       Describe(peer, std::atoi(argv[3]));
     } else if (what == "simulate") {
       Simulate(peer, std::strtoull(argv[3], nullptr, 10));
+    } else if (what == "step") {
+      Step(peer, std::strtoull(argv[3], nullptr, 10));
     }
     peer.Close();
   } catch (const std::exception& exception) {
