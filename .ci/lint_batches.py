@@ -81,7 +81,7 @@ class Batch:
         """The findings, each with its notes and excerpts."""
         tidy = ["clang-tidy", "-p", os.path.dirname(self.path), "--quiet", self.path]
         gcc = ["g++", *shlex.split(self.command["command"])[1:], "-Werror", "-fsyntax-only"]
-        return (self.findings_of(tidy, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) +
+        return (self.findings_of(tidy, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE) +
                 self.findings_of(gcc, cwd=self.command["directory"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT))
 
     def findings_of(self, command, **options):
@@ -93,7 +93,7 @@ class Batch:
                 findings.append(line)
             else:
                 findings[-1] += "\n" + line
-        return findings or ([f"{command[0]} failed on {self.path}"] if run.returncode else [])
+        return findings or ([f"{command[0]} failed on {self.path}\n{run.stderr or ''}"] if run.returncode else [])
 
 
 @functools.cache

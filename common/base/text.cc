@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <utility>
 
 namespace troupe {
@@ -168,7 +169,11 @@ void FloodLimiter::Add(const std::string& line) {
     return;
   }
   ++reported_;
-  tell_(PlainLine(line));
+  try {
+    tell_(PlainLine(line));
+  } catch (const std::bad_alloc&) {  // the line is missing
+    ++left_out_;
+  }
 }
 
 void FloodLimiter::TellSum() {

@@ -111,7 +111,7 @@ class WalkGrid {
 
   static constexpr double kDetour = 1.5;  // m: a target is at most so far from its goal
 
-  static int Clamped(double at, int count) { return at <= 0.0 ? 0 : at >= count ? count - 1 : static_cast<int>(at); }
+  static int Clamped(double at, int count) { return !(at > 0.0) ? 0 : at >= count ? count - 1 : static_cast<int>(at); }
   // Calls visit(cell, distance) for the cells within `reach` m of a piece.
   template <typename Visit>
   void ForEachNear(const ConvexPiece& piece, double reach, Visit visit) const;

@@ -22,11 +22,13 @@ std::optional<WayAround> GivingWay::OnBlocked(const LanePlace& place, RobotId ot
   }
   if (time - *blocked_since_ < give_way_seconds_) return std::nullopt;
   blocked_since_.reset();
-  if (graph_->vertices[place.vertex].lift || !leg.lane) return std::nullopt;  // the others make room
+  LanePlace start = place;
+  start.vertex = leg.from;  // also while it drives back to the vertex that it left
+  if (graph_->vertices[start.vertex].lift || !leg.lane) return std::nullopt;  // the others make room
   const std::optional<std::size_t> back = graph_->LaneBetween(leg.to, leg.from);
   if (is_away && !back) return std::nullopt;
-  std::optional<WayAround> way = FindDetour(place, leg);
-  if (!way) way = StepAside(place, leg.to);
+  std::optional<WayAround> way = FindDetour(start, leg);
+  if (!way) way = StepAside(start, leg.to);
   if (way && is_away) {
     way->is_on_first = true;
     way->legs.insert(way->legs.begin(), {leg.to, leg.from, back});

@@ -1,4 +1,4 @@
-// Trials of long trips by Open-RMF's messages alone, ten times each.
+// Trials of long trips by Open-RMF's messages alone, again and again.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -78,6 +78,14 @@ TEST_F(GivingWayTest, GoesBackFirstFromTheMiddleOfALane) {
   EXPECT_FALSE(WaitForWay(RobotId(1), {0, 1, 0}, true)) << "it cannot go back";
 }
 
+TEST_F(GivingWayTest, DrivesOnAgainWhereItIsBlockedOnItsWayBack) {
+  place_.vertex = 0;
+  place_.target = 2;
+  const auto way = WaitForWay(RobotId(1), {1, 0, 0}, true);
+  ASSERT_TRUE(way);
+  EXPECT_THAT(way->second.legs, ElementsAre(Leg{0, 1, 0}, Leg{1, 2, 1}));
+}
+
 TEST_F(GivingWayTest, GoesAsideWhereNoOtherRouteIsWorthIt) {
   place_.vertex = 1;
   place_.target = 2;

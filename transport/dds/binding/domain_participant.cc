@@ -11,6 +11,7 @@
 #include <initializer_list>
 #include <map>
 #include <mutex>
+#include <new>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -188,10 +189,15 @@ GuidPrefix DomainParticipant::guid_prefix() const {
   return PrefixOf(guid);
 }
 
-void Publisher::AwaitAcknowledgments(double seconds) const {
+void Publisher::AwaitAcknowledgments(double seconds) const noexcept {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-  std::vector<dds_entity_t> writers(static_cast<std::size_t>(std::max(0, dds_get_children(handle(), nullptr, 0))));
+  std::vector<dds_entity_t> writers;
+  try {
+    writers.resize(static_cast<std::size_t>(std::max(0, dds_get_children(handle(), nullptr, 0))));
+  } catch (const std::bad_alloc&) {  // destructors wait, too
+    return;
+  }
   dds_get_children(handle(), writers.data(), writers.size());
   for (const dds_entity_t writer : writers) {
     const double left = std::chrono::duration<double>(end - Clock::now()).count();

@@ -41,7 +41,7 @@ class Publisher {
   dds_entity_t handle() const { return entity_.handle(); }
 
   // Waits until all samples of its writers are acknowledged, for this time at most for all of them.
-  void AwaitAcknowledgments(double seconds) const;
+  void AwaitAcknowledgments(double seconds) const noexcept;
 
  private:
   Entity entity_;

@@ -1,6 +1,8 @@
 #include "world-service/observers/ros/rmf_fleets.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <utility>
@@ -13,8 +15,14 @@
 namespace troupe {
 namespace {
 
-constexpr std::int32_t kFleetDepth = 10;   // as of the adapters of Open-RMF
-constexpr std::int32_t kRobotDepth = 100;  // of all robots
+constexpr std::int32_t kFleetDepth = 10;  // as of the adapters of Open-RMF
+
+// Of the topic of all robots, which write in the same tick.
+std::int32_t DepthFor(std::size_t robots) {
+  constexpr std::size_t kTicks = 4;
+  constexpr std::size_t kMost = 1'000'000;
+  return static_cast<std::int32_t>(std::clamp<std::size_t>(kTicks * robots, 100, kMost));
+}
 
 }  // namespace
 
@@ -29,7 +37,8 @@ class RmfFleets::Topics {
 
   virtual bool wanted() const = 0;
   virtual bool reads() const = 0;
-  virtual void Read(bool reads) = 0;
+  // `robots`: whose states may come between two calls of Drain.
+  virtual void Read(bool reads, std::size_t robots) = 0;
   virtual void Drain(const Consume& consume) = 0;
   virtual void Write(const std::string& fleet, const std::vector<const ros::RmfRobot*>& robots) = 0;
 };
@@ -46,9 +55,9 @@ class TopicsOf final : public RmfFleets::Topics {
     const std::lock_guard lock(mutex_);
     return robots_ != nullptr;
   }
-  void Read(bool reads) override {
+  void Read(bool reads, std::size_t robots) override {
     std::unique_ptr<Reader> reader;  // the one before ends without the mutex
-    if (reads) reader = std::make_unique<Reader>(node_, "/robot_state", ros::Stream(kRobotDepth));
+    if (reads) reader = std::make_unique<Reader>(node_, "/robot_state", ros::Stream(DepthFor(robots)));
     const std::lock_guard lock(mutex_);
     reader.swap(robots_);
   }
@@ -88,6 +97,7 @@ void RmfFleets::ChangeWorld(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (RobotExists(world, RobotId(i))) fleets_[world.robots[i].name] = ros::FleetOf(world, RobotId(i));
   }
+  robot_count_ = fleets_.size();
   std::erase_if(robots_, [&](const auto& robot) { return !fleets_.contains(robot.first); });
 }
 
@@ -96,7 +106,7 @@ bool RmfFleets::IsToFollow() const {
 }
 
 void RmfFleets::Follow() {
-  topics_->Read(topics_->wanted());
+  topics_->Read(topics_->wanted(), robot_count_);
 }
 
 void RmfFleets::OnTick(bool is_due) {

@@ -2,6 +2,8 @@
 // robots, which it collects from /robot_state. It reads these only while /fleet_states has a reader.
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
@@ -31,6 +33,7 @@ class RmfFleets {
  private:
   const std::unique_ptr<Topics> topics_;
   std::map<std::string, std::string> fleets_;    // by robot
+  std::atomic<std::size_t> robot_count_ = 0;     // Follow has a thread of its own
   std::map<std::string, ros::RmfRobot> robots_;  // by name: the newest states
 };
 

@@ -15,6 +15,7 @@ namespace {
 constexpr std::int32_t kWorkcellDepth = 10;          // as of the plugins of Open-RMF
 constexpr std::int32_t kWorkcellRequestDepth = 100;  // of all workcells
 constexpr std::size_t kMostPast = 10'000;
+constexpr std::size_t kLongestNumber = 256;  // bytes
 
 enum class ResultStatus : std::uint8_t { kAcknowledged = 0, kFulfilled = 1, kRefused = 2 };
 enum class WorkcellMode : std::int32_t { kIdle = 0, kBusy = 1 };
@@ -116,11 +117,17 @@ void RmfWorkcells::TakeRequest(WorkcellKind kind, const Request& request, const 
     return each.kind == kind && each.name == request.workcell;
   });
   if (workcell == workcells_.end()) return;
+  if (request.number.size() > kLongestNumber) {
+    report_(fmt::format("/{}_requests: {} '{}': found a request_guid of {} bytes, expected at most {}", Word(kind),
+                        Word(kind), request.workcell, request.number.size(), kLongestNumber));
+    return;
+  }
   const Move move{request.workcell, request.number, kind};
-  if (const auto past = past_.find({kind, request.number}); past != past_.end()) return Answer(move, past->second);
+  if (const auto past = past_.find({kind, request.workcell, request.number}); past != past_.end())
+    return Answer(move, past->second);
   std::set<std::string> moving;
   for (const auto& [item, open] : moves_) {
-    if (open.kind == kind && open.number == request.number) return;
+    if (open.kind == kind && open.workcell == request.workcell && open.number == request.number) return;
     moving.insert(item);
   }
   TopicsOf(kind).WriteResult(stamp_, move.workcell, move.number, ResultStatus::kAcknowledged);
@@ -154,7 +161,7 @@ void RmfWorkcells::Fail(const Move& move, const std::string& reason) {
 
 void RmfWorkcells::Answer(const Move& move, bool is_done) {
   if (past_.size() >= kMostPast) past_.clear();
-  past_[{move.kind, move.number}] = is_done;
+  past_[{move.kind, move.workcell, move.number}] = is_done;
   TopicsOf(move.kind).WriteResult(stamp_, move.workcell, move.number,
                                   is_done ? ResultStatus::kFulfilled : ResultStatus::kRefused);
 }

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -63,8 +64,9 @@ class RmfWorkcells {
   std::vector<std::unique_ptr<Topics>> topics_;  // by kind
   std::shared_ptr<const Scene> scene_;
   std::vector<Workcell> workcells_;
-  std::map<std::string, Move> moves_;                          // by item: those without an answer
-  std::map<std::pair<WorkcellKind, std::string>, bool> past_;  // by request: whether it was fulfilled
+  std::map<std::string, Move> moves_;  // by item: those without an answer
+  // By request, with the workcell and number: whether it was fulfilled.
+  std::map<std::tuple<WorkcellKind, std::string, std::string>, bool> past_;
   std::map<std::pair<WorkcellKind, std::string>, bool> busy_;  // by workcell: as it was shown last
   ros::Time stamp_ = {};                                       // of the newest tick
 };
