@@ -57,6 +57,23 @@ class PeopleView {
   std::vector<std::size_t> blocked_doors_;
 };
 
+constexpr double kQueueReach = 5.0;  // m from a target, for those behind others who wait for it
+constexpr double kQueueGap = 0.3;    // m between people who wait
+
+// Another person that waits for the same target, waits(person), is beside this one, and nearer to it.
+template <typename Waits>
+bool IsInQueue(const PeopleView& view, std::size_t i, const Vec2& target, Waits waits) {
+  bool found = false;
+  const Disc& me = view.disc(i);
+  const double distance = (target - me.center).norm();
+  view.walkers().ForEachNear(me.center, me.z, me.radius + kQueueGap, [&](std::uint32_t k) {
+    if (k >= view.count() || k == i || !waits(view.person(k))) return;
+    const double gap = (view.disc(k).center - me.center).norm() - view.disc(k).radius - me.radius;
+    found = found || (gap <= kQueueGap && (target - view.disc(k).center).norm() < distance);
+  });
+  return found;
+}
+
 // The direction of a vector; zero for a vector without one.
 inline Vec2 Unit(const Vec2& v) {
   const double length = v.norm();

@@ -10,8 +10,6 @@ namespace {
 
 constexpr double kAisle = 0.2;         // m, beside the middle of the doorway, on the way in and out
 constexpr double kCallDistance = 2.0;  // m from a lift's entrance
-constexpr double kQueueReach = 5.0;    // m from there, for those behind others who wait
-constexpr double kQueueGap = 0.3;      // m between people who wait
 constexpr double kPatience = 300.0;    // s: then a person gives up its goal
 constexpr double kSidestep = 0.6;      // of the speed, out of the way of those who get off
 constexpr double kAtPlace = 0.05;      // m
@@ -46,21 +44,6 @@ const LiftStop* AnyStop(const LiftPortal& portal) {
     if (stop) return &*stop;
   }
   return nullptr;
-}
-
-// Another one that waits for the same lift is beside the person, and nearer to it.
-bool IsInQueue(const PeopleView& view, std::size_t i, std::uint32_t lift, const Vec2& entrance) {
-  bool found = false;
-  const Disc& me = view.disc(i);
-  const double distance = (entrance - me.center).norm();
-  view.walkers().ForEachNear(me.center, me.z, me.radius + kQueueGap, [&](std::uint32_t k) {
-    if (k >= view.count() || k == i) return;
-    const PersonState& other = view.person(k);
-    if (other.lift != lift || other.called == 0 || other.place != 0) return;
-    const double gap = (view.disc(k).center - me.center).norm() - view.disc(k).radius - me.radius;
-    found = found || (gap <= kQueueGap && (entrance - view.disc(k).center).norm() < distance);
-  });
-  return found;
 }
 
 class Rider {
@@ -140,8 +123,7 @@ class Rider {
     const Tick tick = view_.state().tick;
     const double distance = (stop.Entrance() - here_).norm();
     if (person_.called == 0) {
-      const bool is_there = distance <= kCallDistance ||
-                            (distance <= kQueueReach && IsInQueue(view_, id_.index(), person_.lift, stop.Entrance()));
+      const bool is_there = distance <= kCallDistance || (distance <= kQueueReach && IsInQueue(stop.Entrance()));
       if (!is_there) return {.walks_to = WalkRoutes::Stop{person_.lift - 1, floor}};
       person_.called = static_cast<std::uint32_t>(tick);
     }
@@ -158,6 +140,12 @@ class Rider {
     }
     if (distance > kQueueReach) return {.walks_to = WalkRoutes::Stop{person_.lift - 1, floor}};
     return {};
+  }
+
+  bool IsInQueue(const Vec2& entrance) const {
+    return troupe::IsInQueue(view_, id_.index(), entrance, [&](const PersonState& other) {
+      return other.lift == person_.lift && other.called != 0 && other.place == 0;
+    });
   }
 
   const PeopleView& view_;

@@ -10,8 +10,6 @@ namespace troupe {
 namespace {
 
 constexpr double kSlowDown = 0.5;      // s: so far ahead of its goal a person slows down
-constexpr double kQueueReach = 5.0;    // m from a goal that is taken
-constexpr double kQueueGap = 0.3;      // m between people at one goal
 constexpr double kTogether = 1.5;      // m between the people of a group
 constexpr double kTooFar = 3.0;        // m at which a leader waits
 constexpr double kPassable = 0.9;      // the opening of a door from which on people pass
@@ -149,19 +147,11 @@ class Walk {
     return PassDoors(*ahead, speed * std::min(1.0, distance / (kSlowDown * speed + 1e-9)) * Unit(ahead->point - here_));
   }
 
-  // True where another one that waits for the same point is beside it: the point itself may be taken.
+  // The point itself may be taken.
   bool IsInQueue(const Vec2& target) const {
-    bool found = false;
-    const double distance = (target - here_).norm();
-    const Disc& me = view_.disc(i_);
-    view_.walkers().ForEachNear(here_, me.z, me.radius + kQueueGap, [&](std::uint32_t k) {
-      if (k >= view_.count() || k == i_) return;
-      const PersonState& other = view_.person(k);
-      if (other.goals != person_.goals || other.goal != person_.goal || other.waits == 0) return;
-      const double gap = (view_.disc(k).center - here_).norm() - view_.disc(k).radius - me.radius;
-      found = found || (gap <= kQueueGap && (target - view_.disc(k).center).norm() < distance);
+    return troupe::IsInQueue(view_, i_, target, [&](const PersonState& other) {
+      return other.goals == person_.goals && other.goal == person_.goal && other.waits != 0;
     });
-    return found;
   }
 
   void KeepTogether(Vec2& velocity) const {
