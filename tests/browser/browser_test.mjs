@@ -258,6 +258,8 @@ async function drivesARobot() {
   // Undo and redo.
   await page.click('#play');
   await stateOf(page, 'the run is paused', state => state.paused);
+  await page.click('#reset');  // beside a wall, where its controller may have driven it by now, a move can be refused
+  await until('anna is at its first pose', async () => (await anna())?.pose.x === -8);
   const before = (await anna()).pose.x;
   await page.click('#move');
   const from = await page.evaluate(() => window.troupe.placeOf('anna'));
