@@ -26,6 +26,10 @@ def grouped_sections(path):
         sys.exit(f"error: {path} is no object file of 64-bit ELF")
     start, = struct.unpack_from("<Q", data, 0x28)
     entry_size, count, names_index = struct.unpack_from("<HHH", data, 0x3A)
+    # Numbers of 65,280 sections and more do not fit: they are in the size and the link of the first header.
+    first = SECTION_HEADER.unpack_from(data, start)
+    count = count or first[5]
+    names_index = first[6] if names_index == 0xFFFF else names_index
     headers = [SECTION_HEADER.unpack_from(data, start + i * entry_size) for i in range(count)]
     names = headers[names_index][4]
     for name, kind, flags, _, offset, size, *_ in headers:
