@@ -31,6 +31,7 @@ NEEDS = {  # a part of the line: the reason
     "troupe teleop": "the same",
     "troupe top": "the same",
     "curl ": "a gateway that goes on",
+    "--static": "the WebAssembly module: tests/browser/static_test.mjs",
     " &": "a run that goes on, for the next line",
 }
 # Until Ctrl-C, so that the first address is enough.
