@@ -19,8 +19,15 @@ endif()
 add_library(troupe_test_main OBJECT ${PROJECT_SOURCE_DIR}/tests/support/test_main.cc)
 target_link_libraries(troupe_test_main PRIVATE troupe_options GTest::gtest GTest::gmock)
 
-# All that the tests need.
+# All that the tests need, and the part of it that tests need which are commands.
 add_custom_target(test_programs ALL)
+add_custom_target(command_programs)
+# While these tests run, which mostly wait, scripts/test lets CTest compile the rest. Without the variable the entry does
+# nothing.
+add_test(NAME test_programs
+  COMMAND sh -c "[ -z \"$TROUPE_BUILD_TESTS\" ] || exec \"$0\" --build \"$1\" --target test_programs"
+    ${CMAKE_COMMAND} ${CMAKE_BINARY_DIR})
+set_tests_properties(test_programs PROPERTIES FIXTURES_SETUP test_programs TIMEOUT 3600 PROCESSORS 8 COST 1000)
 
 # troupe_test_program(GROUP [OPTIMIZED]): the GoogleTest program GROUP_tests, of all tests of that group. OPTIMIZED: the
 # tests themselves calculate much.
@@ -59,6 +66,7 @@ function(troupe_test name)
   set(selection ${arg_SOURCES})
   list(TRANSFORM selection REPLACE "^${PROJECT_SOURCE_DIR}/tests/" "")
   list(JOIN selection "," selection)
+  set(needs_test_programs TRUE)
   troupe_add_test(COMMAND ${program} --sources=${selection})
   if(NOT TEST ${name})
     return()
@@ -89,6 +97,10 @@ endfunction()
 # A test that is a command. With exit status 77 it was skipped, for the reason in the last line that it printed.
 function(troupe_command_test name)
   cmake_parse_arguments(arg "" "TIMEOUT" "COMMAND;LABELS;NEEDS;PROPERTIES" ${ARGN})
+  set(needs_test_programs FALSE)
+  if("slow" IN_LIST arg_LABELS)
+    set(needs_test_programs TRUE)
+  endif()
   troupe_add_test(COMMAND ${arg_COMMAND})
 endfunction()
 
@@ -118,6 +130,11 @@ macro(troupe_add_test)
     endif()
     set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}" ENVIRONMENT "${environment}"
       SKIP_RETURN_CODE 77 PROCESSORS ${processors} ${arg_PROPERTIES})
+    if(needs_test_programs)
+      set_property(TEST ${name} APPEND PROPERTY FIXTURES_REQUIRED test_programs)
+    elseif(arg_NEEDS)
+      add_dependencies(command_programs ${arg_NEEDS})
+    endif()
     if(arg_NEEDS)
       add_dependencies(test_programs ${arg_NEEDS})
     endif()
