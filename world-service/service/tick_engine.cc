@@ -343,7 +343,12 @@ void TickEngine::Continue(double now) {
   run_.endpoint.SendFrame(frame);
   Opened(now);
   if (run_.is_branch()) ReportBranch(now);
-  if (frame.last) End(now);
+  if (!frame.last) return;
+  // The agents that were there may have left because they have seen the last frame: they are not lost.
+  std::vector<RobotId> lost = run_.members.AbsentRobots();
+  const std::vector<RobotId>& before = run_.options.resumed->progress.absent;
+  std::erase_if(lost, [&](RobotId robot) { return std::find(before.begin(), before.end(), robot) == before.end(); });
+  End(now, lost);
 }
 
 void TickEngine::ReportBranch(double now) {
@@ -508,29 +513,29 @@ void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
   outcome = CallObservers(run_.observers,
                           [&](RunObserver& observer) { return observer.OnTick(committed(run_.frame, before)); });
   if (!outcome.ok()) return Fail(outcome.error(), now);
-  if (run_.frame.last) return End(now);
+  if (run_.frame.last) return End(now, run_.members.AbsentRobots());
   EnterPhase(TickPhase::kWait, run_.next_tick());
 }
 
 void TickEngine::Stop(double now) {
   if (run_.phase == RunPhase::kEnding || run_.phase == RunPhase::kOver) return;
   run_.interrupted = true;
-  End(now);
+  End(now, run_.members.AbsentRobots());
 }
 
 void TickEngine::Fail(Error error, double now) {
   if (run_.phase == RunPhase::kEnding || run_.phase == RunPhase::kOver) return;
   run_.error = std::move(error);
-  End(now);
+  End(now, run_.members.AbsentRobots());
 }
 
-void TickEngine::End(double now) {
+void TickEngine::End(double now, const std::vector<RobotId>& lost) {
   // First, so that the run ends also if the rest throws.
   run_.phase = run_.members.present_members() == 0 ? RunPhase::kOver : RunPhase::kEnding;
   end_at_ = now + kLongestEnd;
   resend_timer_.Start(now, kFirstResendOfLast);
   if (!std::exchange(run_.frame.last, true)) run_.endpoint.SendFrame(run_.frame);
-  for (RobotId robot : run_.members.AbsentRobots()) run_.lost_robots.push_back(run_.world().robot(robot).name);
+  for (RobotId robot : lost) run_.lost_robots.push_back(run_.world().robot(robot).name);
 }
 
 void TickEngine::Poll(double now) {

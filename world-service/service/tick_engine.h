@@ -136,7 +136,8 @@ class TickEngine {
   // world: after a failure the run ends with the frame before.
   void Publish(FrameMessage next, const Origin& origin, double now);
   // Resends the frame as the last one.
-  void End(double now);
+  // `lost`: the robots that have no agent at the end of the run.
+  void End(double now, const std::vector<RobotId>& lost);
   void ResendFrame();
   // The time of the next resend, unless the frame is answered before.
   double ResendDue() const;

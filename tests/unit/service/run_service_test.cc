@@ -431,6 +431,20 @@ TEST_F(ResumedRunTest, EndsARunWhoseLastTickWasCommitted) {
   Wait(1.1);
   EXPECT_EQ(coordinator->phase(), Phase::kOver);
   EXPECT_TRUE(coordinator->error().ok());
+  EXPECT_THAT(coordinator->MakeSummary().lost, testing::IsEmpty());
+}
+
+TEST_F(ResumedRunTest, NamesTheRobotsThatWereLostBeforeTheLastTick) {
+  options.settings.ticks = 1;
+  MakeAndStart(2);
+  coordinator->OnAgentGone(2, now);
+  Propose(1);
+  ASSERT_TRUE(endpoint.frames.back().last);
+  Resume();
+  Wait(2.0 * options.lease_seconds + 0.1);
+  Wait(1.1);
+  EXPECT_EQ(coordinator->phase(), Phase::kOver);
+  EXPECT_THAT(coordinator->MakeSummary().lost, testing::ElementsAre("r1"));
 }
 
 TEST_F(ResumedRunTest, OfTwoServicesOfARunTheEarlierOneStops) {
