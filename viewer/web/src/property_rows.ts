@@ -35,7 +35,10 @@ const GROUPS: Array<[string, string[]]> = [
 const FIRST = ['ctrl', 'drive'];  // of a robot
 const TITLES: Record<string, string> = {position: 'Robot', world: 'World', scenario: 'Scenario'};
 
+const AFTER_PRESS = 50;  // ms, between looks whether a press has ended
+
 const opened = new Map<string, boolean>();  // groups that the user has opened or closed
+const postponed = new WeakMap<HTMLElement, number>();  // timers of forms that are pressed
 
 function rowOf(name: string, known: HelpRow[]): HelpRow | undefined {
   return known.find(row => row.name === name.replace(/\[\d+\]$/, ''));
@@ -119,6 +122,12 @@ function renewing(parent: HTMLElement, target: PropertyTarget): PropertyTarget {
 }
 
 export function showProperties(parent: HTMLElement, shown: ShownProperty[], help: EditorHelp, given: PropertyTarget): void {
+  // A press inside the form ends on the element on which it began; then the form is made anew.
+  clearTimeout(postponed.get(parent));
+  if (parent.matches(':active')) {
+    postponed.set(parent, window.setTimeout(() => showProperties(parent, shown, help, given), AFTER_PRESS));
+    return;
+  }
   const target = renewing(parent, given);
   // What a user types is not replaced by what the file had before, and an unchanged form stays as it is.
   const active = document.activeElement;
@@ -128,6 +137,8 @@ export function showProperties(parent: HTMLElement, shown: ShownProperty[], help
   if (parent.dataset.signature === signature && parent.dataset.of === target.of) return;
   Object.assign(parent.dataset, {signature, of: target.of});
   const focused = isInside ? [active.dataset.property, active.dataset.element, active.dataset.parameter] : null;
+  // The selection of a number field has no other access.
+  const isSelected = isInside && active instanceof HTMLInputElement && document.getSelection()?.toString() === active.value;
 
   const known = help.properties.filter(row => target.types.includes(row.type));
   const boxes = groupsOf(shown, known).map(({title, names}, i) => {
@@ -138,10 +149,8 @@ export function showProperties(parent: HTMLElement, shown: ShownProperty[], help
     const hasOwn = present.some(name => shown.some(property => property.name === name && property.own));
     const hasController = Boolean(target.controller) && names.includes('ctrl');
     box.open = opened.get(key) ?? (i === 0 || hasOwn || hasController);
-    box.ontoggle = () => {
-      if (box.isConnected) opened.set(key, box.open);
-    };
     const summary = make('summary', '', title);
+    summary.onclick = () => opened.set(key, !box.open);  // at once: the event `toggle` comes later
     if (present.length > 0) summary.append(make('span', 'faint', String(present.length)));
     box.append(summary);
     const drive = shown.find(({name}) => name === 'drive')?.value ?? '';
@@ -168,4 +177,5 @@ export function showProperties(parent: HTMLElement, shown: ShownProperty[], help
   const again = [...parent.querySelectorAll<HTMLElement>('[data-property], [data-parameter]')].find(
     each => [each.dataset.property, each.dataset.element, each.dataset.parameter].every((value, i) => value === focused[i]));
   again?.focus();
+  if (isSelected && again instanceof HTMLInputElement) again.select();
 }
