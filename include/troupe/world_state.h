@@ -189,9 +189,10 @@ struct PersonState {
   std::uint32_t door = 0;     // the door that it asks for, by its number from 1 on; 0: none
   std::uint32_t lift = 0;     // that it goes to or rides, likewise
   std::uint32_t floor = 0;    // where it gets off, in LiftDescription::floors
-  std::uint32_t called = 0;   // the tick since which it calls that lift; 0: not yet
+  std::uint32_t called = 0;   // the tick (modulo 2^32) since which it calls that lift; 0: not yet
   std::uint32_t place = 0;    // where it stands in the cabin, or may get on to; from 1 on; 0: it waits
-  std::uint32_t passing = 0;  // ticks for which it has been getting on or off
+  // Ticks for which it has been getting on or off; while it waits, from its call to its last vain try to get on.
+  std::uint32_t passing = 0;
   bool operator==(const PersonState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{

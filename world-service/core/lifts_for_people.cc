@@ -19,6 +19,8 @@ struct Passenger {
   std::optional<std::uint32_t> at = {};  // the floor at which it is outside
   // The floor at which the lift serves it next.
   std::optional<std::uint32_t> Wants() const { return is_inside ? std::optional(state->floor) : at; }
+  // The tick by which it has its turn: that of its call, or, while it waits, of its last vain try to get on.
+  std::uint32_t turn() const { return state->called + (is_inside || state->place != 0 ? 0 : state->passing); }
 };
 
 class LiftService {
@@ -29,6 +31,7 @@ class LiftService {
         description_(workspace.world().lifts[number]),
         portal_(workspace.scene.walk_routes().portals().lifts[number]),
         lift_(workspace.next.lifts[number]),
+        now_(static_cast<std::uint32_t>(workspace.next.tick)),
         is_open_(IsOpen(workspace.world(), workspace.next, number)) {
     for (const PersonId id : people) {
       PersonState& state = workspace.next.people[id.index()];
@@ -55,24 +58,26 @@ class LiftService {
   std::uint32_t limit() const { return PassingTicks(workspace_.world()); }
 
   // The time for which a person has been getting on or off at this floor. One that takes too long, because its way is
-  // blocked, calls anew: the others are served first.
+  // blocked, has its turn anew: the others are served first.
   void CountPassing(Passenger& passenger) {
     PersonState& state = *passenger.state;
-    const auto now = static_cast<std::uint32_t>(workspace_.next.tick);
     if (passenger.is_inside) {
-      if (state.called == 0) state.called = now;
+      if (state.called == 0) state.called = now_;
       const bool gets_off = is_open_ && (state.floor == lift_.floor || lift_.session || state.place == 0);
       state.passing = gets_off ? (state.passing + 1) % (2 * limit()) : 0;  // it tries again after a pause
-      if (state.passing == limit()) state.called = now;
+      if (state.passing == limit()) state.called = now_;
       return;
     }
-    if (state.place == 0) return;
+    if (state.place == 0) {
+      if (state.passing > now_ - state.called) state.passing = 0;  // of its way out of the cabin
+      return;
+    }
     const bool gets_on = is_open_ && !lift_.session && passenger.at == lift_.floor;
     if (gets_on && ++state.passing < limit()) return;
     // Its floor is the one at which it is: it has got off, and is still in the doorway.
     if (passenger.at == state.floor) return;
-    if (gets_on) state.called = now;
-    state.place = state.passing = 0;
+    state.place = 0;
+    state.passing = gets_on ? now_ - state.called : 0;
   }
 
   bool AreGettingOff() const {
@@ -91,12 +96,13 @@ class LiftService {
     return !each.is_inside && each.state->place == 0 && each.at == floor && each.state->floor != floor;
   }
 
-  // The one for which accept(passenger) that called first; of equal ones the first by id.
+  // The one for which accept(passenger) whose turn comes first; of equal ones the first by id.
   template <typename Accept>
   const Passenger* Oldest(Accept accept) const {
     const Passenger* oldest = nullptr;
     for (const Passenger& each : passengers_) {
-      if (accept(each) && (oldest == nullptr || each.state->called < oldest->state->called)) oldest = &each;
+      const bool is_older = oldest == nullptr || now_ - each.turn() > now_ - oldest->turn();
+      if (is_older && accept(each)) oldest = &each;
     }
     return oldest;
   }
@@ -175,6 +181,7 @@ class LiftService {
   const LiftDescription& description_;
   const LiftPortal& portal_;
   LiftState& lift_;
+  const std::uint32_t now_;  // ticks, like the others of people: the last 32 bits, of which differences are taken
   const bool is_open_;
   std::vector<Passenger> passengers_;  // by id
 };

@@ -120,12 +120,12 @@ class Rider {
   }
 
   RideWalk Wait(const LiftStop& stop, const Vec2& here_U, std::uint32_t floor) {
-    const Tick tick = view_.state().tick;
+    const auto tick = static_cast<std::uint32_t>(view_.state().tick);  // the last bits, as of the call
     const double distance = (stop.Entrance() - here_).norm();
     if (person_.called == 0) {
       const bool is_there = distance <= kCallDistance || (distance <= kQueueReach && IsInQueue(stop.Entrance()));
       if (!is_there) return {.walks_to = WalkRoutes::Stop{person_.lift - 1, floor}};
-      person_.called = static_cast<std::uint32_t>(tick);
+      person_.called = tick;
     }
     if (tick - person_.called > TicksOf(view_.world(), kPatience)) {
       person_.EndRide();

@@ -178,6 +178,36 @@ TEST(PeopleInLifts, APersonThatIsMovedForgetsItsRideAndOneWithoutALiftGivesUp) {
   EXPECT_LT((without.Place(anna) - Vec2(4.0, 5.0)).norm(), 0.1);
 }
 
+TEST(PeopleInLifts, APersonThatTriesAgainAndAgainToGetOnGivesUpAfterItsPatience) {
+  HouseWorld house(2);
+  house.AddRobot(test::Box(-0.2, -0.58, 0.2, 0.58), {0.0, 0.6}, {0.3, 5.0, 0.0, 0.0});  // in the doorway
+  house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
+  PeopleRun run(house.world);
+  ASSERT_TRUE(run.StepUntil(400, [&] { return run.state.people[0].called != 0; }));
+  const Tick called = run.state.tick;
+  int tries = 0;
+  bool had_place = false;
+  ASSERT_TRUE(run.StepUntil(3100, [&] {
+    const bool has_place = run.state.people[0].place != 0;
+    tries += has_place && !had_place ? 1 : 0;
+    had_place = has_place;
+    return run.state.people[0].choices > 1;
+  }));
+  EXPECT_GE(run.state.tick - called, 3000u);
+  EXPECT_GE(tries, 10);
+}
+
+TEST(PeopleInLifts, TheLastBitsOfTicksAreEnoughForRides) {
+  HouseWorld house(3);
+  const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{12.0, 7.0}, 2}, {{4.0, 2.0}, 0}}));
+  house.AddPersonOn(1, {4.0, 5.0}, house.AddTour({{{12.0, 7.0}, 2}, {{4.0, 2.0}, 0}}));
+  PeopleRun run(house.world);
+  run.state.tick = (Tick{1} << 32) - 60;
+  EXPECT_TRUE(run.StepUntil(900, [&] { return Level(run, anna) == 2 && run.state.people[0].lift == 0; }));
+  EXPECT_TRUE(run.StepUntil(900, [&] { return Level(run, anna) == 0 && run.state.people[0].lift == 0; }));
+  EXPECT_EQ(run.state.people[0].choices, 2u);
+}
+
 TEST(PeopleInLifts, AStateWithALiftOrDoorThatDoesNotExistIsRefused) {
   HouseWorld house(2);
   house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
