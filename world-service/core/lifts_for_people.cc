@@ -32,7 +32,8 @@ class LiftService {
         portal_(workspace.scene.walk_routes().portals().lifts[number]),
         lift_(workspace.next.lifts[number]),
         now_(static_cast<std::uint32_t>(workspace.next.tick)),
-        is_open_(IsOpen(workspace.world(), workspace.next, number)) {
+        is_open_(IsOpen(workspace.world(), workspace.next, number)),
+        is_stuck_(!is_open_ && IsStuck()) {
     for (const PersonId id : people) {
       PersonState& state = workspace.next.people[id.index()];
       const Vec2 here = state.X_WP.translation();
@@ -55,21 +56,30 @@ class LiftService {
   }
 
  private:
+  // A body is in the way of a door that opens at this floor.
+  bool IsStuck() const {
+    if (!Stands(workspace_.world(), workspace_.next, number_)) return false;
+    const std::vector<std::size_t>& doors = description_.floors[lift_.floor].doors;
+    return std::any_of(doors.begin(), doors.end(),
+                       [&](std::size_t door) { return workspace_.next.doors[door].blocked; });
+  }
+
   std::uint32_t limit() const { return PassingTicks(workspace_.world()); }
 
   // The time for which a person has been getting on or off at this floor. One that takes too long, because its way is
-  // blocked, has its turn anew: the others are served first.
+  // blocked, has its turn anew: the others are served first; likewise those who wait at a door that cannot open.
   void CountPassing(Passenger& passenger) {
     PersonState& state = *passenger.state;
     if (passenger.is_inside) {
       if (state.called == 0) state.called = now_;
-      const bool gets_off = is_open_ && (state.floor == lift_.floor || lift_.session || state.place == 0);
+      const bool gets_off = (is_open_ || is_stuck_) && (state.floor == lift_.floor || lift_.session || state.place == 0);
       state.passing = gets_off ? (state.passing + 1) % (2 * limit()) : 0;  // it tries again after a pause
       if (state.passing == limit()) state.called = now_;
       return;
     }
     if (state.place == 0) {
       if (state.passing > now_ - state.called) state.passing = 0;  // of its way out of the cabin
+      if (is_stuck_ && passenger.at == lift_.floor) state.passing = now_ - state.called;
       return;
     }
     const bool gets_on = is_open_ && !lift_.session && passenger.at == lift_.floor;
@@ -116,12 +126,14 @@ class LiftService {
     return oldest != nullptr && (oldest->is_inside || oldest->at == floor);
   }
 
-  // Gives places to those who wait at this floor, and keeps the lift there for them until its doors are open.
+  // Gives places to those who wait at this floor, and keeps the lift there for them until its doors are open. Those
+  // whose turn has just ended are left to a later tick, so that the lift serves the others.
   bool LetGetOn() {
     if (!MayPickUp(lift_.floor)) return false;
     bool stays = false;
     while (true) {
-      const Passenger* const next = Oldest([&](const Passenger& each) { return Waits(each, lift_.floor); });
+      const Passenger* const next =
+          Oldest([&](const Passenger& each) { return Waits(each, lift_.floor) && each.turn() != now_; });
       const std::optional<std::uint32_t> place = next != nullptr ? FreePlace() : std::nullopt;
       if (!place) return stays;
       stays = true;
@@ -183,6 +195,7 @@ class LiftService {
   LiftState& lift_;
   const std::uint32_t now_;  // ticks, like the others of people: the last 32 bits, of which differences are taken
   const bool is_open_;
+  const bool is_stuck_;
   std::vector<Passenger> passengers_;  // by id
 };
 

@@ -208,6 +208,35 @@ TEST(PeopleInLifts, TheLastBitsOfTicksAreEnoughForRides) {
   EXPECT_EQ(run.state.people[0].choices, 2u);
 }
 
+// A box in the way of a leaf of the lift on level 1.
+TEST(PeopleInLifts, ADoorThatCannotOpenFullyKeepsNoLiftFromTheOthers) {
+  HouseWorld house(3);
+  house.world.objects.push_back(house.AddModel(test::Square(0.1), {0.5, 1.0}, {0.0, 6.0, HouseWorld::kStorey, 0.0}));
+  const PersonId bob = house.AddPersonOn(1, {2.0, 5.0}, house.AddTour({{{10.0, 5.0}, 2}}));
+  const PersonId carol = house.AddPersonOn(0, {2.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
+  const PersonId dave = house.AddPersonOn(0, {3.0, 5.0}, house.AddTour({{{10.0, 5.0}, 2}}));
+  const PersonId erin = house.AddPersonOn(2, {6.0, 5.0}, house.AddTour({{{10.0, 5.0}, 0}}));
+  PeopleRun run(house.world);
+  bool was_stuck = false;
+  EXPECT_TRUE(run.StepUntil(1500, [&] {
+    was_stuck = was_stuck || (run.state.lifts[kLift].floor == 1 && run.state.doors[5].blocked);
+    return Level(run, dave) == 2 && run.state.people[dave.index()].lift == 0 && Level(run, erin) == 0 &&
+           run.state.people[erin.index()].lift == 0;
+  }));
+  EXPECT_TRUE(was_stuck);
+  EXPECT_EQ(Level(run, bob), 1u);
+  EXPECT_NE(run.state.people[carol.index()].lift, 0u);
+}
+
+TEST(PeopleInLifts, ALiftServesThoseInItsCabinWhileAnotherCannotGetOn) {
+  HouseWorld house(3);
+  house.AddRobot(test::Box(-0.2, -0.58, 0.2, 0.58), {0.0, 0.6}, {0.3, 5.0, HouseWorld::kStorey, 0.0});
+  const PersonId anna = house.AddPersonOn(0, {2.0, 5.0}, house.AddTour({{{10.0, 5.0}, 2}}));
+  house.AddPersonOn(1, {3.0, 5.0}, house.AddTour({{{10.0, 5.0}, 2}}));
+  PeopleRun run(house.world);
+  EXPECT_TRUE(run.StepUntil(1000, [&] { return Level(run, anna) == 2 && run.state.people[0].lift == 0; }));
+}
+
 TEST(PeopleInLifts, AStateWithALiftOrDoorThatDoesNotExistIsRefused) {
   HouseWorld house(2);
   house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
