@@ -88,6 +88,7 @@ Rectangle WalkRoutes::FindBounds(const Scene& scene) const {
 void WalkRoutes::FindLevels(const WorldDescription& world) {
   std::vector<double> heights;
   for (const PersonDescription& person : world.people) heights.push_back(world.model(person.root).X_PM.z);
+  for (const LevelDescription& level : world.levels) heights.push_back(level.z);  // also without a stop
   for (const LiftPortal& lift : portals_.lifts) {
     for (const std::optional<LiftStop>& stop : lift.stops) {
       if (stop) heights.push_back(stop->z);

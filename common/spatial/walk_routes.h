@@ -1,7 +1,7 @@
 // WalkRoutes: the ways of people through the static bodies of a world, on grids of cells in which a person fits,
 // through doors, and with lifts between levels.
 //
-// Levels are the heights at which people start and lifts stop. A grid for each level, height and radius of people, and
+// Levels are those of the world and the heights at which people start and lifts stop. A grid for each level, height and radius of people, and
 // on it a field for each goal and each stop of a lift: the length of the shortest way from every cell. A field is made
 // when a person first asks for it, by any thread; it is a pure function of the world.
 #pragma once

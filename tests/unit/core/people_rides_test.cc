@@ -237,6 +237,17 @@ TEST(PeopleInLifts, ALiftServesThoseInItsCabinWhileAnotherCannotGetOn) {
   EXPECT_TRUE(run.StepUntil(1000, [&] { return Level(run, anna) == 2 && run.state.people[0].lift == 0; }));
 }
 
+TEST(PeopleInLifts, AGoalOnALevelWithoutAStopIsNotOnTheLevelBelow) {
+  HouseWorld house(3);
+  for (std::size_t i = 0; i < 3; ++i) house.world.levels.push_back({"L" + std::to_string(i), HouseWorld::LevelZ(i)});
+  house.world.lifts[kLift].floors[2].doors.clear();
+  const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 2}}));
+  PeopleRun run(house.world);
+  for (int i = 0; i < 300; ++i) run.Step();
+  EXPECT_LT((run.Place(anna) - Vec2(4.0, 5.0)).norm(), 0.1);
+  EXPECT_EQ(Level(run, anna), 0u);
+}
+
 TEST(PeopleInLifts, AStateWithALiftOrDoorThatDoesNotExistIsRefused) {
   HouseWorld house(2);
   house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
