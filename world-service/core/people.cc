@@ -9,6 +9,7 @@
 #include "world-service/core/avoidance.h"
 #include "world-service/core/moves_of_people.h"
 #include "world-service/core/people_view.h"
+#include "world-service/core/rides_of_people.h"
 #include "world-service/core/walks_of_people.h"
 
 namespace troupe {
@@ -43,6 +44,12 @@ void Decide(const PeopleView& view, PersonId id, Avoidance& avoidance, PersonSta
   person.X_WP.heading = WrapAngle(person.X_WP.heading + std::clamp(turn, -most, most));
 }
 
+// The plan of one on whose head an object rests: it stands, lets its door go, and its lift if it is not in that.
+void Stand(const PeopleView& view, PersonState& person) {
+  person.door = 0;
+  if (person.lift != 0 && CabinAround(view, person.X_WP) != person.lift - 1) person.EndRide();
+}
+
 // The plans of all people, by the threads of `pool`, which may be null.
 std::vector<PersonState> DecideAll(const PeopleView& view, ThreadPool* pool) {
   const std::size_t count = view.count();
@@ -54,7 +61,12 @@ std::vector<PersonState> DecideAll(const PeopleView& view, ThreadPool* pool) {
       for (std::size_t i = first; i < std::min(first + kPeopleClaim, count); ++i) {
         plans[i] = view.person(i);
         plans[i].vx = plans[i].vy = 0.0;
-        if (view.Exists(i) && !view.IsBurdened(i)) Decide(view, PersonId(i), avoidance, plans[i]);
+        if (!view.Exists(i)) continue;
+        if (view.IsBurdened(i)) {
+          Stand(view, plans[i]);
+        } else {
+          Decide(view, PersonId(i), avoidance, plans[i]);
+        }
       }
     }
   };

@@ -248,6 +248,35 @@ TEST(PeopleInLifts, AGoalOnALevelWithoutAStopIsNotOnTheLevelBelow) {
   EXPECT_EQ(Level(run, anna), 0u);
 }
 
+// As objects rest on heads that have been put there.
+void PutOnHead(PeopleRun& run, ObjectId object, PersonId person) {
+  ObjectState& state = run.state.objects[object.index()];
+  state.X_WO = run.state.people[person.index()].X_WP;
+  state.X_WO.z += 1.75;
+  state.mode = ObjectMode::kResting;
+  state.support = run.scene->world().person(person).root;
+}
+
+TEST(PeopleInLifts, APersonWithABurdenLetsItsDoorAndItsLiftGo) {
+  HouseWorld house(2);
+  const ObjectId box(house.world.objects.size());
+  house.world.objects.push_back(house.AddModel(test::Square(0.1), {0.0, 0.1}, {12.0, 1.0, 0.0, 0.0}));
+  const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
+  const PersonId bob = house.AddPersonOn(0, {6.0, 5.0}, house.AddTour({{{12.0, 5.0}, 0}}));
+  PeopleRun at_door(house.world);
+  ASSERT_TRUE(at_door.StepUntil(200, [&] { return at_door.state.people[bob.index()].door == kDoor + 1; }));
+  PutOnHead(at_door, box, bob);
+  at_door.Step();
+  EXPECT_EQ(at_door.state.people[bob.index()].door, 0u);
+  EXPECT_TRUE(at_door.StepUntil(100, [&] { return at_door.state.doors[kDoor].opening == 0.0; }));
+  PeopleRun at_lift(house.world);
+  ASSERT_TRUE(at_lift.StepUntil(400, [&] { return at_lift.state.people[anna.index()].place != 0; }));
+  PutOnHead(at_lift, box, anna);
+  at_lift.Step();
+  EXPECT_EQ(at_lift.state.people[anna.index()].lift, 0u);
+  EXPECT_EQ(at_lift.state.people[anna.index()].place, 0u);
+}
+
 TEST(PeopleInLifts, AStateWithALiftOrDoorThatDoesNotExistIsRefused) {
   HouseWorld house(2);
   house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
