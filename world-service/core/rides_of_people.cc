@@ -75,6 +75,7 @@ class Rider {
     const bool is_in_doorway =
         here_U.x() > -radius_ && here_U.x() < stop.outside && std::fabs(here_U.y()) < stop.half_width;
     if (is_in_doorway) {
+      if (gets_on) person_.X_WP.z = stop.z;  // a step up or down, onto the floor of the cabin
       const Vec2 velocity = gets_on ? TowardsPlace(portal_, stop, here_, person_.place, speed_)
                                     : TowardsDoor(stop, here_, radius_, speed_);
       return {.velocity = velocity, .is_bound = true};

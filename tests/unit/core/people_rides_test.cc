@@ -277,6 +277,18 @@ TEST(PeopleInLifts, APersonWithABurdenLetsItsDoorAndItsLiftGo) {
   EXPECT_EQ(at_lift.state.people[anna.index()].place, 0u);
 }
 
+TEST(PeopleInLifts, APersonStepsOntoTheFloorOfTheCabin) {
+  for (const double z : {-0.1, 0.1}) {
+    SCOPED_TRACE(z);
+    HouseWorld house(2);
+    const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
+    house.model(house.world.person(anna).root).X_PM.z = z;
+    PeopleRun run(house.world);
+    EXPECT_TRUE(run.StepUntil(700, [&] { return Level(run, anna) == 1 && run.state.people[0].lift == 0; }));
+    EXPECT_EQ(run.state.people[0].X_WP.z, HouseWorld::kStorey);
+  }
+}
+
 TEST(PeopleInLifts, AStateWithALiftOrDoorThatDoesNotExistIsRefused) {
   HouseWorld house(2);
   house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
