@@ -17,6 +17,7 @@ constexpr double kHalfOpen = 0.5;      // of one that is blocked
 constexpr double kWaitingGap = 0.3;    // m between people who wait and the sweep of a leaf
 constexpr double kLeastGap = 0.03;     // m: those who are nearer step back
 constexpr double kSteppingBack = 0.6;  // of the speed
+constexpr double kGivenUp = 1.0;       // s: so long a person stands after a goal that it cannot reach
 
 class Walk {
  public:
@@ -63,9 +64,10 @@ class Walk {
     if (has_changed && person_.place == 0) person_.EndRide();
   }
 
-  // A follower waits for its leader's choice.
+  // The next goal comes after a while, as after one that it has reached: the search for a way takes time, too. A
+  // follower waits for its leader's choice.
   void GiveUp() {
-    if (!leader_) ChooseGoal(view_.world(), id_, person_);
+    if (!leader_) person_.waits = std::max<std::uint32_t>(TicksOf(view_.world(), kGivenUp), 1);
   }
   void Arrive() {
     if (!leader_) ArriveAtGoal(view_.world(), id_, person_);
@@ -108,6 +110,7 @@ class Walk {
     for (std::size_t i = 0; i < portal.stops.size(); ++i) {
       if (!portal.stops[i] || routes_.LevelAt(portal.stops[i]->z) != routes_.LevelOf(id_, goal)) continue;
       person_.floor = static_cast<std::uint32_t>(i);
+      break;
     }
   }
 

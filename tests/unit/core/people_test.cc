@@ -59,6 +59,7 @@ TEST(People, APersonWithoutAWayStaysAndOneWithoutGoalsStands) {
   PeopleRun run(test.world);
   for (int i = 0; i < 50; ++i) run.Step();
   EXPECT_LT(run.Place(locked_in).norm(), 0.1);
+  EXPECT_LE(run.state.people[locked_in.index()].choices, 6u);  // it looks for a way once a second
   EXPECT_EQ(run.Place(standing), Vec2(5.0, 0.0));
 }
 
