@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace troupe {
@@ -176,8 +177,10 @@ class PlaceFinder {
   const double radius_;
 };
 
+// For people of a radius; without stops where there is no room for them.
 LiftPortal MakeLift(const Scene& scene, const LiftDescription& lift, double radius) {
   LiftPortal portal;
+  portal.radius = radius;
   const Body& cabin = scene.body(scene.body_of(lift.cabin));
   portal.X_WC = scene.world().model(scene.world().objects[lift.cabin.index()]).X_PM;
   portal.height = cabin.z.max;
@@ -211,7 +214,21 @@ LiftPortal MakeLift(const Scene& scene, const LiftDescription& lift, double radi
   return portal;
 }
 
+// For the widest people that find room in the cabin. `radii`: of all people, descending.
+LiftPortal MakeLift(const Scene& scene, const LiftDescription& lift, std::span<const double> radii) {
+  for (const double radius : radii) {
+    LiftPortal portal = MakeLift(scene, lift, radius);
+    if (!portal.places.empty() || radius == radii.back()) return portal;
+  }
+  return MakeLift(scene, lift, 0.0);
+}
+
 }  // namespace
+
+double RadiusOf(const Scene& scene, PersonId person) {
+  const std::optional<BodyId> body = scene.body_of(scene.world().person(person).root);
+  return std::max(scene.world().person(person).radius, body ? scene.body(*body).radius : 0.0);
+}
 
 DoorPortal::Clearance DoorPortal::ClearanceOf(const Vec2& p) const {
   Clearance least{.distance = 1e9};
@@ -241,18 +258,17 @@ std::optional<std::uint32_t> LiftPortal::FloorAt(double z) const {
 
 WalkPortals::WalkPortals(const Scene& scene) {
   const WorldDescription& world = scene.world();
-  double radius = 0.0;
-  for (const PersonDescription& person : world.people) {
-    const std::optional<BodyId> body = scene.body_of(person.root);
-    radius = std::max({radius, person.radius, body ? scene.body(*body).radius : 0.0});
-  }
+  std::vector<double> radii;
+  for (std::size_t i = 0; i < world.people.size(); ++i) radii.push_back(RadiusOf(scene, PersonId(i)));
+  std::sort(radii.begin(), radii.end(), std::greater<>());
+  radii.erase(std::unique(radii.begin(), radii.end()), radii.end());
   std::vector<bool> is_of_lift(world.doors.size(), false);
   for (const LiftDescription& lift : world.lifts) {
     for (const LiftFloor& floor : lift.floors) {
       for (const std::size_t door : floor.doors) is_of_lift[door] = true;
     }
     for (const std::size_t door : lift.cabin_doors) is_of_lift[door] = true;
-    lifts.push_back(MakeLift(scene, lift, radius));
+    lifts.push_back(MakeLift(scene, lift, radii));
     const LiftPortal& portal = lifts.back();
     if (portal.outline.min_x > portal.outline.max_x) continue;  // a cabin without blocks
     ConvexPiece shaft{.vertices = OutlineOf(portal.outline, portal.X_WC), .z = {1e9, -1e9}, .model = lift.model};

@@ -14,6 +14,9 @@
 
 namespace troupe {
 
+// The radius (m) of a person and its body.
+double RadiusOf(const Scene& scene, PersonId person);
+
 // A door that people may ask for.
 struct DoorPortal {
   std::vector<ConvexPiece> closed;          // its leaves, in W
@@ -54,6 +57,7 @@ struct LiftPortal {
   double height = 0.0;                         // m, of the cabin's top above its floor
   std::vector<std::optional<LiftStop>> stops;  // by floor; nothing where people cannot get on
   std::vector<Vec2> places;  // m, W: where people stand; along the walls, so that the way to the door is free
+  double radius = 0.0;       // m, of the widest people that the places are for: wider ones do not ride
 
   // True for a person at `p`, `above` m above the floor of the cabin.
   bool IsInside(const Vec2& p, double above) const;

@@ -102,12 +102,12 @@ void WalkRoutes::FindLevels(const WorldDescription& world) {
 
 WalkRoutes::Size WalkRoutes::SizeOf(const Scene& scene, PersonId person) {
   constexpr double kClass = 0.05;  // m
-  const Body& body = scene.body(scene.body_of(person));
-  return {body.z, kClass * std::ceil(std::max(scene.world().person(person).radius, body.radius) / kClass - 1e-6)};
+  return {scene.body(scene.body_of(person)).z, kClass * std::ceil(RadiusOf(scene, person) / kClass - 1e-6)};
 }
 
 void WalkRoutes::FindSizes(const Scene& scene) {
   for (std::size_t i = 0; i < scene.world().people.size(); ++i) {
+    radii_.push_back(RadiusOf(scene, PersonId(i)));
     const Size size = SizeOf(scene, PersonId(i));
     const auto same = std::find(sizes_.begin(), sizes_.end(), size);
     size_of_.push_back(static_cast<std::size_t>(same - sizes_.begin()));
@@ -217,6 +217,7 @@ std::optional<WalkRoutes::Ride> WalkRoutes::FindRide(PersonId person, std::size_
   std::optional<Ride> best;
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t lift = 0; lift < portals_.lifts.size(); ++lift) {
+    if (radii_[person.index()] > portals_.lifts[lift].radius) continue;
     const std::vector<std::optional<LiftStop>>& stops = portals_.lifts[lift].stops;
     for (std::uint32_t on = 0; on < stops.size(); ++on) {
       if (!stops[on] || LevelAt(stops[on]->z) != level) continue;

@@ -103,7 +103,8 @@ class WalkRoutes {
   std::size_t targets_ = 0;
   std::vector<std::size_t> rides_;  // by level and level: the fewest from one to the other
   std::vector<Size> sizes_;
-  std::vector<std::size_t> size_of_;  // by person, like the next
+  std::vector<double> radii_;         // m, by person, like the next
+  std::vector<std::size_t> size_of_;
   std::vector<std::size_t> start_level_;
   std::vector<std::unique_ptr<const WalkGrid>> grids_;  // by size and level
   mutable std::vector<std::once_flag> made_;            // by size, level and target, like the next

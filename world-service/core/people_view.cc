@@ -22,7 +22,7 @@ void PeopleView::AddPeople() {
     const Body& body = scene().body(scene().body_of(PersonId(i)));
     discs_.push_back({.center = state.X_WP.translation(),
                       .velocity = {state.vx, state.vy},
-                      .radius = std::max(world().people[i].radius, body.radius),
+                      .radius = RadiusOf(scene(), PersonId(i)),
                       .z = Exists(i) ? body.z + state.X_WP.z : ZRange()});
   }
 }

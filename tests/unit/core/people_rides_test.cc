@@ -289,6 +289,16 @@ TEST(PeopleInLifts, APersonStepsOntoTheFloorOfTheCabin) {
   }
 }
 
+TEST(PeopleInLifts, OneWhoIsTooWideForACabinKeepsNoneFromRiding) {
+  HouseWorld house(2, HouseWorld::Leaf::kHinged, 5.0, 1.4);
+  const PersonId wide = house.AddPersonOn(0, {5.0, 2.5}, house.AddTour({{{10.0, 5.0}, 1}}), 0.8);
+  const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
+  PeopleRun run(house.world);
+  EXPECT_TRUE(run.StepUntil(700, [&] { return Level(run, anna) == 1 && run.state.people[anna.index()].lift == 0; }));
+  EXPECT_EQ(run.state.people[wide.index()].lift, 0u);
+  EXPECT_EQ(Level(run, wide), 0u);
+}
+
 TEST(PeopleInLifts, AStateWithALiftOrDoorThatDoesNotExistIsRefused) {
   HouseWorld house(2);
   house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
