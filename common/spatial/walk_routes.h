@@ -1,9 +1,9 @@
 // WalkRoutes: the ways of people through the static bodies of a world, on grids of cells in which a person fits,
 // through doors, and with lifts between levels.
 //
-// Levels are those of the world and the heights at which people start and lifts stop. A grid for each level, height and radius of people, and
-// on it a field for each goal and each stop of a lift: the length of the shortest way from every cell. A field is made
-// when a person first asks for it, by any thread; it is a pure function of the world.
+// Levels are those of the world and the heights at which people start and lifts stop. A grid for each level, height and
+// radius of people, and on it a field for each goal and each stop of a lift: the length of the shortest way from every
+// cell. A field is made when a person first asks for it, by any thread; it is a pure function of the world.
 #pragma once
 
 #include <cstdint>
@@ -103,7 +103,7 @@ class WalkRoutes {
   std::size_t targets_ = 0;
   std::vector<std::size_t> rides_;  // by level and level: the fewest from one to the other
   std::vector<Size> sizes_;
-  std::vector<double> radii_;         // m, by person, like the next
+  std::vector<double> radii_;  // m, by person, like the next
   std::vector<std::size_t> size_of_;
   std::vector<std::size_t> start_level_;
   std::vector<std::unique_ptr<const WalkGrid>> grids_;  // by size and level

@@ -15,6 +15,7 @@ namespace {
 // A person that has called a lift, or is in it.
 struct Passenger {
   PersonState* state = nullptr;
+  double radius = 0.0;  // m
   bool is_inside = false;
   std::optional<std::uint32_t> at = {};  // the floor at which it is outside
   // The floor at which the lift serves it next.
@@ -37,7 +38,9 @@ class LiftService {
     for (const PersonId id : people) {
       PersonState& state = workspace.next.people[id.index()];
       const Vec2 here = state.X_WP.translation();
-      Passenger passenger{.state = &state, .is_inside = portal_.IsInside(here, state.X_WP.z - lift_.z)};
+      Passenger passenger{.state = &state,
+                          .radius = RadiusOf(workspace.scene, id),
+                          .is_inside = portal_.IsInside(here, state.X_WP.z - lift_.z)};
       if (state.place > portal_.places.size()) state.place = 0;
       if (!passenger.is_inside) passenger.at = portal_.FloorAt(state.X_WP.z);
       if (passenger.is_inside || state.called != 0) passengers_.push_back(passenger);
@@ -48,7 +51,8 @@ class LiftService {
     for (Passenger& passenger : passengers_) CountPassing(passenger);
     if (lift_.session) return;
     for (Passenger& passenger : passengers_) {
-      if (passenger.is_inside && passenger.state->place == 0) passenger.state->place = FreePlace().value_or(0);
+      if (!passenger.is_inside || passenger.state->place != 0) continue;
+      passenger.state->place = FreePlace(passenger).value_or(0);
     }
     if (!Stands(workspace_.world(), workspace_.next, number_)) return;
     if (AreGettingOff() || LetGetOn() || AreGettingOn()) return;
@@ -72,7 +76,8 @@ class LiftService {
     PersonState& state = *passenger.state;
     if (passenger.is_inside) {
       if (state.called == 0) state.called = now_;
-      const bool gets_off = (is_open_ || is_stuck_) && (state.floor == lift_.floor || lift_.session || state.place == 0);
+      const bool gets_off =
+          (is_open_ || is_stuck_) && (state.floor == lift_.floor || lift_.session || state.place == 0);
       state.passing = gets_off ? (state.passing + 1) % (2 * limit()) : 0;  // it tries again after a pause
       if (state.passing == limit()) state.called = now_;
       return;
@@ -134,7 +139,7 @@ class LiftService {
     while (true) {
       const Passenger* const next =
           Oldest([&](const Passenger& each) { return Waits(each, lift_.floor) && each.turn() != now_; });
-      const std::optional<std::uint32_t> place = next != nullptr ? FreePlace() : std::nullopt;
+      const std::optional<std::uint32_t> place = next != nullptr ? FreePlace(*next) : std::nullopt;
       if (!place) return stays;
       stays = true;
       if (!is_open_) return true;
@@ -143,47 +148,48 @@ class LiftService {
     }
   }
 
-  // The first place that no person has, and on which no robot or object is; from 1 on.
-  std::optional<std::uint32_t> FreePlace() const {
+  // The first place that no person has, and on which no robot or object is in the way of this one; from 1 on.
+  std::optional<std::uint32_t> FreePlace(const Passenger& passenger) const {
     for (std::uint32_t place = 1; place <= portal_.places.size(); ++place) {
       const bool is_given = std::any_of(passengers_.begin(), passengers_.end(),
                                         [&](const Passenger& each) { return each.state->place == place; });
-      if (!is_given && IsClear(portal_.places[place - 1])) return place;
+      if (!is_given && IsClear(portal_.places[place - 1], passenger.radius)) return place;
     }
     return std::nullopt;
   }
-  bool IsClear(const Vec2& place) const {
-    constexpr double kBody = 0.3;  // m
+  // For a person of that radius.
+  bool IsClear(const Vec2& place, double radius) const {
+    constexpr double kRoom = 0.05;  // m
     constexpr double kKnee = 0.1;
+    const double reach = radius + kRoom;
     const ZRange z{lift_.z + kKnee, lift_.z + portal_.height - kKnee};
     std::pmr::vector<BodyId> bodies;
-    workspace_.bodies.Query(Rectangle::Around(place, kBody), bodies);
+    workspace_.bodies.Query(Rectangle::Around(place, reach), bodies);
     return std::none_of(bodies.begin(), bodies.end(), [&](const BodyId body) {
       if (workspace_.scene.person_of(body) || workspace_.IsMounted(body)) return false;
       const std::vector<ConvexPiece>& pieces = workspace_.bodies.pieces_in_world(body);
       return std::any_of(pieces.begin(), pieces.end(), [&](const ConvexPiece& piece) {
         return piece.obstacle && piece.z.Overlaps(z) &&
-               FindNearestPoints(std::span(&place, 1), piece.vertices).distance < kBody;
+               FindNearestPoints(std::span(&place, 1), piece.vertices).distance < reach;
       });
     });
   }
 
   // That of the oldest call, or one on the way there at which others get off or on.
   std::optional<std::uint32_t> NextFloor() const {
-    const bool has_room = FreePlace().has_value();
     const Passenger* const oldest = Oldest([&](const Passenger& each) {
-      return each.Wants() && *each.Wants() != lift_.floor && (each.is_inside || has_room);
+      return each.Wants() && *each.Wants() != lift_.floor && (each.is_inside || FreePlace(each));
     });
     if (oldest == nullptr) return std::nullopt;
     std::uint32_t next = *oldest->Wants();
-    const bool picks_up = oldest->is_inside && has_room;
     const double start = description_.floors[lift_.floor].z;
     const double end = description_.floors[next].z;
     for (const Passenger& each : passengers_) {
-      if (!each.Wants() || (!each.is_inside && !(picks_up && each.state->place == 0))) continue;
+      if (!each.Wants() || (!each.is_inside && (!oldest->is_inside || each.state->place != 0))) continue;
       const double z = description_.floors[*each.Wants()].z;
       const bool is_between = (z - start) * (end - start) > 0.0 && std::fabs(z - start) < std::fabs(end - start);
-      if (is_between && std::fabs(z - start) < std::fabs(description_.floors[next].z - start)) next = *each.Wants();
+      const bool is_first = is_between && std::fabs(z - start) < std::fabs(description_.floors[next].z - start);
+      if (is_first && (each.is_inside || FreePlace(each))) next = *each.Wants();
     }
     return next;
   }
