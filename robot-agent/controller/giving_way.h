@@ -37,6 +37,7 @@ class GivingWay {
   // Another robot blocks `leg`; `is_away`: this one has left the start of the leg. Called in each tick in which that is
   // so. After a while there is a way, if one exists.
   std::optional<WayAround> OnBlocked(const LanePlace& place, RobotId other, const Leg& leg, bool is_away);
+  // In each other tick, so that waits for other things are no part of that while.
   void OnFree() { blocked_since_.reset(); }
 
   // Another robot stands near this one, `towards` it (zero: on any side), and so perhaps waits for it.

@@ -60,6 +60,7 @@ class LanesController final : public Controller, public RobotWatcher {
   Command Update(const Observation& observation) override {
     now_ = &observation;
     command_ = {};
+    is_blocked_ = false;
     controls_.Begin(observation, command_);
     if (!has_started_) Start();
     const double patience = observation.stalled ? Recovery::kPatience : Recovery::kNever;
@@ -72,6 +73,7 @@ class LanesController final : public Controller, public RobotWatcher {
     } else {
       Follow();
     }
+    if (!is_blocked_) giving_way_.OnFree();
     if (settings_.close_doors) controls_.CloseBehind(position(), radius_, others_);
     controls_.EndSessions(NeededVertices());
     return std::move(command_);
@@ -181,7 +183,6 @@ class LanesController final : public Controller, public RobotWatcher {
     at_ = leg.to;
     legs_.erase(legs_.begin());
     is_on_leg_ = false;
-    giving_way_.OnFree();
     turn_.Forget();
     rest_since_.reset();
     if (legs_.empty() && target_ == at_ && !vertex(at_).dock.empty()) {
@@ -303,7 +304,6 @@ class LanesController final : public Controller, public RobotWatcher {
       if (leg.lane && at < kAtStart) is_on_leg_ = false;  // it asks again for what it needs
       return Block(ahead->robot.id, leg, at);
     }
-    giving_way_.OnFree();
     const Command motion = SteerToPoint(drive_, steer_, p_R, turns ? 0.0 : most);
     command_.twist = {sign * motion.twist.vx, motion.twist.vy, motion.twist.wz};
     command_.speed = motion.speed;
@@ -312,6 +312,7 @@ class LanesController final : public Controller, public RobotWatcher {
 
   // Another robot is in the way.
   void Block(RobotId other, const Leg& leg, double at = 0.0) {
+    is_blocked_ = true;
     Take(giving_way_.OnBlocked(place(), other, leg, is_on_leg_ && at >= kAtStart));
   }
 
@@ -344,6 +345,7 @@ class LanesController final : public Controller, public RobotWatcher {
   const Observation* now_ = nullptr;
   Command command_;
   std::vector<SeenRobot> others_;
+  bool is_blocked_ = false;
 
   bool has_started_ = false;
   std::size_t at_ = 0;      // the vertex that it was at last
