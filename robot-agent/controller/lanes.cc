@@ -30,6 +30,7 @@ constexpr double kCreep = 0.02;          // m/s: it rather stands
 constexpr double kDockTolerance = 0.03;  // m
 constexpr double kGap = 0.3;             // m: behind another robot
 constexpr double kSeeAhead = 4.0;        // m
+constexpr double kNoWaySeconds = 1.0;    // at rest, until it leaves a destination out to which no lanes lead
 constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
 
 class LanesController final : public Controller, public RobotWatcher {
@@ -146,6 +147,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const double rested = now_->time - *rest_since_;
     const bool was_aside = tasks_.is_aside();
     if (target_ && *target_ != at_) {
+      if (rested < kNoWaySeconds) return;
       tasks_.LeaveOut(*now_);
       rest_since_.reset();
     } else if (target_ && tasks_.Rest(*now_, rested, command_)) {
