@@ -75,7 +75,7 @@ class LanesController final : public Controller, public RobotWatcher {
       Follow();
     }
     if (!is_blocked_) giving_way_.OnFree();
-    if (settings_.close_doors) controls_.CloseBehind(position(), radius_, others_);
+    if (settings_.close_doors) controls_.CloseBehind(legs_, position(), radius_, others_);
     controls_.EndSessions(NeededVertices());
     return std::move(command_);
   }

@@ -123,6 +123,7 @@ bool SiteControls::IsClear(const Vec2& from, const Vec2& to, double z, double ra
 
 bool SiteControls::OpenDoor(const LaneDoor& door) {
   command_->doors.push_back({door.door, 1.0});
+  Note(door.door);
   return now_->doors[door.door].opening >= kOpen;
 }
 
@@ -130,12 +131,22 @@ bool SiteControls::IsBlocked(const LaneDoor& door) const {
   return now_->doors[door.door].blocked;
 }
 
+void SiteControls::Note(std::uint32_t door) {
+  const bool is_known =
+      std::any_of(passing_.begin(), passing_.end(), [&](const Passing& passing) { return passing.door == door; });
+  if (!is_known) passing_.push_back({door});
+}
+
 void SiteControls::Note(const Lane& lane) {
-  for (const LaneDoor& door : lane.doors) {
-    const bool is_known = std::any_of(passing_.begin(), passing_.end(),
-                                      [&](const Passing& passing) { return passing.door == door.door; });
-    if (!is_known) passing_.push_back({door.door});
-  }
+  for (const LaneDoor& door : lane.doors) Note(door.door);
+}
+
+bool SiteControls::IsOnWay(std::uint32_t door, const std::vector<Leg>& legs) const {
+  return std::any_of(legs.begin(), legs.end(), [&](const Leg& leg) {
+    if (!leg.lane) return false;
+    const std::vector<LaneDoor>& doors = graph_->lanes[*leg.lane].doors;
+    return std::any_of(doors.begin(), doors.end(), [&](const LaneDoor& each) { return each.door == door; });
+  });
 }
 
 bool SiteControls::IsNearLeaves(const DoorInfo& door, const Vec2& position, double radius) {
@@ -145,15 +156,19 @@ bool SiteControls::IsNearLeaves(const DoorInfo& door, const Vec2& position, doub
   });
 }
 
-void SiteControls::CloseBehind(const Vec2& position, double radius, const std::vector<SeenRobot>& others) {
+void SiteControls::CloseBehind(const std::vector<Leg>& legs, const Vec2& position, double radius,
+                               const std::vector<SeenRobot>& others) {
   for (Passing& passing : passing_) {
     const DoorInfo& door = doors_[passing.door];
     if ((position - door.middle).norm() < radius + kDoorMargin) passing.is_through = true;
-    if (!passing.is_through || IsNearLeaves(door, position, radius)) continue;
+    const bool is_on_way = IsOnWay(passing.door, legs);
+    if ((is_on_way && !passing.is_through) || IsNearLeaves(door, position, radius)) continue;
     const bool is_used = std::any_of(others.begin(), others.end(), [&](const SeenRobot& other) {
       return std::fabs(other.z - door.z) < kLevelGap && IsNearLeaves(door, other.position, other.radius);
     });
     if (is_used) continue;  // it stays open until that is gone, too
+    // A request of this tick was for a way that the robot has just left.
+    if (!is_on_way) std::erase_if(command_->doors, [&](const DoorCommand& each) { return each.door == passing.door; });
     command_->doors.push_back({passing.door, 0.0});
     passing.is_done = true;
   }

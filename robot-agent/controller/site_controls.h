@@ -40,9 +40,12 @@ class SiteControls {
   // Requests it. True if it is open.
   bool OpenDoor(const LaneDoor& door);
   bool IsBlocked(const LaneDoor& door) const;  // a leaf by a body
-  // The doors of a lane that the robot begins: CloseBehind closes them when it is through and no other robot is near.
+  // A lane that the robot begins: its doors count as requested, also if they are open.
   void Note(const Lane& lane);
-  void CloseBehind(const Vec2& position, double radius, const std::vector<SeenRobot>& others);
+  // Closes the requested doors through which the robot is, or that are on no lane of its `legs` any more, once no robot
+  // is near them.
+  void CloseBehind(const std::vector<Leg>& legs, const Vec2& position, double radius,
+                   const std::vector<SeenRobot>& others);
 
  private:
   struct Passing {
@@ -51,6 +54,8 @@ class SiteControls {
     bool is_done = false;
   };
 
+  void Note(std::uint32_t door);
+  bool IsOnWay(std::uint32_t door, const std::vector<Leg>& legs) const;
   double WayBefore(const LaneDoor& door, double way, std::span<const Vec2> path, double radius) const;
   // Whether a body of that radius may touch the leaves on their way.
   static bool IsNearLeaves(const DoorInfo& door, const Vec2& position, double radius);

@@ -191,6 +191,55 @@ TEST(WayIntoDisc, EndsAtItsEdge) {
   EXPECT_FALSE(WayIntoDisc(corner, {-3, 0}, 2.9)) << "behind it";
 }
 
+TEST(SiteControls, CloseADoorThatIsNotOnTheWayAnyMore) {
+  LaneGraph graph = Square();
+  graph.lanes[0].doors = {{0, 5.0}};
+  RobotInfo info;
+  info.id = RobotId(0);
+  info.doors = {{"door", {5.0, 0.0}, 0.0, {}}};
+  SiteControls controls(info, graph);
+  const std::vector<DoorState> doors(1);
+  Observation observation;
+  observation.doors = doors;
+  const std::vector<Leg> through{{0, 1, 0}};
+  const std::vector<Leg> around{{0, 3, 3}};
+  const Vec2 before(3.0, 0.0);
+  const auto target = [](const Command& command) {
+    EXPECT_EQ(command.doors.size(), 1u);
+    return command.doors.empty() ? -1.0 : command.doors.front().opening;
+  };
+  Command command;
+  controls.Begin(observation, command);
+  controls.OpenDoor(graph.lanes[0].doors[0]);
+  controls.CloseBehind(through, before, 0.3, {});
+  EXPECT_EQ(target(command), 1.0);
+  for (const bool requests : {false, true}) {
+    command = {};
+    controls.Begin(observation, command);
+    controls.OpenDoor(graph.lanes[0].doors[0]);  // on the way at first
+    controls.CloseBehind(through, before, 0.3, {});
+    if (!requests) {
+      command = {};
+      controls.Begin(observation, command);
+    }
+    SeenRobot other;
+    other.position = {5.0, 0.3};
+    other.radius = 0.3;
+    const std::size_t orders = command.doors.size();
+    Command unused = command;
+    controls.CloseBehind(around, {4.8, 0.0}, 0.3, {});
+    EXPECT_EQ(command.doors.size(), orders) << "while the robot is at the door";
+    controls.CloseBehind(around, before, 0.3, {other});
+    EXPECT_EQ(command.doors.size(), orders) << "while another robot is";
+    controls.CloseBehind(around, before, 0.3, {});
+    EXPECT_EQ(target(command), 0.0);
+  }
+  command = {};
+  controls.Begin(observation, command);
+  controls.CloseBehind(around, before, 0.3, {});
+  EXPECT_TRUE(command.doors.empty()) << "once";
+}
+
 TEST(LanesController, NamesFaultsOfItsParametersAndPlaces) {
   const auto message = [](const std::string& parameters) { return MessageOf(CheckController("lanes", parameters)); };
   EXPECT_EQ(message(R"({"places": ["anywhere"], "graph": 1})"), "") << "the lanes are of the world";
