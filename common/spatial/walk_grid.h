@@ -54,6 +54,9 @@ class WalkGrid {
   }
   int ColumnOf(std::size_t cell) const { return static_cast<int>(cell % static_cast<std::size_t>(columns_)); }
   int RowOf(std::size_t cell) const { return static_cast<int>(cell / static_cast<std::size_t>(columns_)); }
+  bool Contains(const Vec2& p) const {
+    return p.x() >= bounds_.min_x && p.x() <= bounds_.max_x && p.y() >= bounds_.min_y && p.y() <= bounds_.max_y;
+  }
   // Points beyond the grid belong to the nearest cell.
   int ColumnAt(double x) const { return Clamped((x - bounds_.min_x) / cell_, columns_); }
   int RowAt(double y) const { return Clamped((y - bounds_.min_y) / cell_, rows_); }

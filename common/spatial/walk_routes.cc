@@ -22,8 +22,8 @@ std::optional<WalkRoutes::Ahead> AheadIn(const WalkField& field, const Vec2& fro
   const std::optional<std::size_t> start = field.StartOf(from);
   if (!start) return std::nullopt;
   const WalkGrid& grid = field.grid();
-  // Beside the free cells, where a person is pressed against a wall: back to them first.
-  if (*start != grid.CellOf(from)) return WalkRoutes::Ahead{grid.CenterOf(*start)};
+  // Beside the free cells, where a person is pressed against a wall, or beyond the grid: back to them first.
+  if (*start != grid.CellOf(from) || !grid.Contains(from)) return WalkRoutes::Ahead{grid.CenterOf(*start)};
   std::optional<std::size_t> door = grid.DoorOf(*start);
   const int door_steps = static_cast<int>(kDoorAhead / grid.cell());
   std::array<std::size_t, kLookAhead> way;

@@ -63,6 +63,22 @@ TEST(People, APersonWithoutAWayStaysAndOneWithoutGoalsStands) {
   EXPECT_EQ(run.Place(standing), Vec2(5.0, 0.0));
 }
 
+// The line from there to its goal has 4 million cells, more than a test should look at in each tick.
+TEST(People, APersonFarBeyondTheWorldWalksStraightBackToIt) {
+  PeopleWorld test;
+  test.AddModel(Box(4.0, -1.0, 4.1, 1.0), {0.0, 2.0});
+  test.AddPerson({0.0, 0.0}, test.AddGoals({{8.0, 0.0}}));
+  PeopleRun run(test.world);
+  run.state.people[0].X_WP.x = -400'000.0;
+  for (int i = 0; i < 1000; ++i) run.Step();
+  EXPECT_NEAR(run.Place(PersonId(0)).x(), -400'000.0 + 130.0, 3.0);
+  EXPECT_NEAR(run.Place(PersonId(0)).y(), 0.0, 3.0);
+  const WalkRoutes::Goal goal{0, 0};
+  const std::optional<WalkRoutes::Ahead> ahead = run.scene->walk_routes().AheadTo(PersonId(0), goal, {-400'000.0, 0.0});
+  ASSERT_TRUE(ahead);
+  EXPECT_LT(ahead->point.x(), 0.0) << "the edge of the grid, not the goal";
+}
+
 // The least distance between the axis of a person and the origin of a robot that stands on its way, and the distance at
 // the end.
 struct Passing {
