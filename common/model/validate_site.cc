@@ -57,8 +57,8 @@ Status CheckGraph(const WorldDescription& world, const LaneGraph& graph) {
 Status ValidateSite(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.levels.size(); ++i) {
     const double z = world.levels[i].z;
-    if (IsNearEnough(z) && (i == 0 || z >= world.levels[i - 1].z)) continue;
-    return Error{{}, "level " + std::to_string(i) + ": it is too far away or below the one before it"};
+    if (IsNearEnough(z) && (i == 0 || z > world.levels[i - 1].z)) continue;
+    return Error{{}, "level " + std::to_string(i) + ": it is too far away or not above the one before it"};
   }
   for (std::size_t i = 0; i < world.lane_graphs.size(); ++i) {
     const LaneGraph& graph = world.lane_graphs[i];

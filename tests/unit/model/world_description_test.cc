@@ -265,8 +265,9 @@ const Fault kFaults[] = {
 // The lanes of a peer.
 TEST(Validate, NamesTheFaultOfASite) {
   const Fault faults[] = {
-      {[](auto& w) { w.levels[1].z = -1.0; }, "level 1: it is too far away or below the one before it"},
-      {[](auto& w) { w.levels[0].z = kNan; }, "level 0: it is too far away or below the one before it"},
+      {[](auto& w) { w.levels[1].z = -1.0; }, "level 1: it is too far away or not above the one before it"},
+      {[](auto& w) { w.levels[1].z = 0.0; }, "level 1: it is too far away or not above the one before it"},
+      {[](auto& w) { w.levels[0].z = kNan; }, "level 0: it is too far away or not above the one before it"},
       {[](auto& w) { w.lane_graphs.push_back(w.lane_graphs[0]); },
        "lanes 0: they are not in the order of their numbers"},
       {[](auto& w) { w.lane_graphs[0].vertices[1].z = kInfinity; },
