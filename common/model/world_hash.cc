@@ -226,6 +226,8 @@ class DescriptionHasher {
     Add(set.reach);
     Add(set.wait);
     AddAll(set.next);
+    if (set.heights.empty()) return;  // as before there were any
+    Add(std::string("heights"));
     AddAll(set.heights);
   }
   void Add(const NextGoals& next) {
