@@ -195,22 +195,14 @@ Status CheckControllers(const WorldDescription& world) {
   return {};
 }
 
-// Why the module cannot read a file; ok: it can.
-Status CheckFile(const std::string& file, const std::string& bytes) {
-  const std::string ending = std::filesystem::path(file).extension().string();
-  const bool is_jpeg = bytes.starts_with("\xff\xd8\xff");
-  if (!is_jpeg && ending != ".yaml" && ending != ".yml") return {};
-  return Error{{file},
-               fmt::format("found {}, which a page does not read, expected {}; a page with a recording shows any run "
-                           "(troupe run --record)",
-                           is_jpeg ? "a JPEG image" : "YAML",
-                           is_jpeg ? "a PNG image" : "a Stage world or a scenario without ROS maps and buildings")};
-}
-
 Result<std::string> ReadForPage(const std::string& file) {
   Result<std::string> bytes = ReadWholeFile(file, kMostContentBytes);
   if (!bytes.ok()) return Error{{file}, "cannot read: " + bytes.error().message};
-  if (Status problem = CheckFile(file, bytes.value()); !problem.ok()) return problem.error();
+  if (bytes.value().starts_with("\xff\xd8\xff")) {
+    return Error{{file},
+                 "found a JPEG image, which a page does not read, expected a PNG image; a page with a recording shows "
+                 "any run (troupe run --record)"};
+  }
   return bytes;
 }
 

@@ -175,6 +175,32 @@ async function aScenarioRunsInThePage() {
   assert.deepEqual(requests, [`file://${path('swarm.html')}`]);
 }
 
+// A ROS map with a wall across the way of the robot, and a building, which are YAML.
+async function mapsAndBuildingsRunInThePage() {
+  const scenarios = `${source}/worlds`;
+  cpSync(`${scenarios}/sites/guesthouse.building.yaml`, path('guesthouse.building.yaml'));
+  const house = JSON.parse(readFileSync(`${scenarios}/sites/guesthouse_lift.json`, 'utf8'));
+  writeFileSync(path('house.json'), JSON.stringify({...house, ticks: 300}));
+  writeFileSync(path('room.pgm'), `P2\n40 20\n255\n${('255 '.repeat(30) + '0 ' + '255 '.repeat(9)).repeat(20)}\n`);
+  writeFileSync(path('room.yaml'), 'image: room.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\n'
+    + 'occupied_thresh: 0.65\nfree_thresh: 0.196\n');
+  const room = {world: 'room.yaml', include: ['include/robots.inc'], ticks: 100,
+                robots: [{...swarm.robots[0], pose: [1, 1, 0]}]};
+  writeFileSync(path('room.json'), JSON.stringify(room));
+  for (const [name, ticks, robot] of [['house', 300, 'tiny_1'], ['room', 100, 'rover']]) {
+    await run('view', path(`${name}.json`), '--static', '-o', path(`${name}.html`));
+    console.log(`${name}.html: ${statSync(path(`${name}.html`)).size} bytes`);
+    const host = await hashesOf(path(`${name}.json`), ticks);
+    const {page} = await open(path(`${name}.html`));
+    await until('the run has begun', () => stateOf(page));
+    const end = await runsAtMostSpeed(page);
+    assert.deepEqual([end.tick, end.hash], [ticks, host[ticks]]);
+    const shown = await page.evaluate(which => window.troupe.robots().find(each => each.name === which), robot);
+    assert.equal(shown.stalled, name === 'room', JSON.stringify(shown));
+    await page.screenshot({path: path(`${name}.png`)});
+  }
+}
+
 // With another seed and other values, from the form; a value that is wrong is refused, and the run stays.
 async function aRunIsStartedAgainWithOtherValues() {
   const {page} = await open(path('swarm.html'));
@@ -271,6 +297,6 @@ async function aCaseThatFailsLeavesAPage() {
 
 await pages.runAll([
   theBadgeTellsThatAllStatesAreEqual, everyStateAndReadingIsThatOfTheRun, aChangedByteIsNamed, aScenarioRunsInThePage,
-  aRunIsStartedAgainWithOtherValues, aRobotIsMovedAndTheRunReset, aPhoneShowsIt, whatAPageCannotRunIsTold,
+  mapsAndBuildingsRunInThePage, aRunIsStartedAgainWithOtherValues, aRobotIsMovedAndTheRunReset, aPhoneShowsIt, whatAPageCannotRunIsTold,
   aCaseThatFailsLeavesAPage,
 ], path);
