@@ -5,13 +5,13 @@
 The file .ci/linted has a hash of each batch that had no finding: of its sources, all headers of the project that they
 include, its command and the checks. Batches with such a hash are left out, except with --all or FILES. With --record
 the hashes are written, of the batches without a finding. It works without history, and a change of a header reaches all
-batches that include it.
+batches that include it. The first line of the record names gcc's version: by another one all batches are read again.
 
 Tests are compiled by clang, users' programs often by gcc: an error or warning of gcc is a finding.
 
 Most of clang-tidy's time goes into headers that all sources share, so each batch of the unity build is read as one
-file. The sources are copied into it, not included, because clang's analyzer skips functions of included files. Findings are
-printed with the place in the original source.
+file. The sources are copied into it, not included, because clang's analyzer skips functions of included files. Findings
+are printed with the place in the original source.
 """
 
 import argparse
@@ -104,6 +104,17 @@ def read_text(path):
         return file.read()
 
 
+def gcc_version():
+    run = subprocess.run(["g++", "-dumpfullversion"], capture_output=True, text=True, check=True)
+    return f"g++ {run.stdout.strip()}"
+
+
+def read_record(gcc):
+    """The hashes of the record; none if it is of another version of gcc."""
+    first, *hashes = (read_text(RECORD) or "").splitlines() or [""]
+    return set(hashes) if first == gcc else set()
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--all", action="store_true")
@@ -123,13 +134,14 @@ def main():
 
     version = subprocess.run(["clang-tidy", "--version"], capture_output=True, text=True, check=True).stdout
     checks = re.search(r"version \S+", version).group() + read_text(".clang-tidy")
+    gcc = gcc_version()
     hashes = {batch.hash(read_text, checks): batch for batch in batches}
     hash_of = {batch: hash_ for hash_, batch in hashes.items()}
     clean = set(hashes)
     if selected:
         batches = [batch for batch in batches if selected & set(batch.sources)]
     elif not arguments.all:
-        linted = (read_text(RECORD) or "").split()
+        linted = read_record(gcc)
         batches = [batch for hash_, batch in hashes.items() if hash_ not in linted]
         print(f"{len(hashes) - len(batches)} of {len(hashes)} batches are as they were when {RECORD} was written")
     batches.sort(key=lambda batch: -len(batch.origins))  # the longest first, so that all processors end together
@@ -146,7 +158,7 @@ def main():
     print(f"{len(printed)} findings in {sources} sources and their headers")
     if arguments.record and not selected:
         with open(RECORD, "w", encoding="utf-8") as record:
-            record.write("\n".join(sorted(clean)) + "\n")
+            record.write("\n".join([gcc, *sorted(clean)]) + "\n")
     sys.exit(1 if printed else 0)
 
 

@@ -80,7 +80,7 @@ def outputs(build):
 
 
 def print_failures(build):
-    """The end of what each failed test printed, once more: what is above the closing lines survives where logs are cut."""
+    """What each failed test printed last, once more: what is above the closing lines survives where logs are cut."""
     for test, output, result in outputs(build):
         if result.startswith(("Failed", "Timeout")):
             print(f"--- {test} failed; the end of its output:", *output.rstrip().split("\n")[-30:], sep="\n")
