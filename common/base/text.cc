@@ -155,29 +155,30 @@ FloodLimiter::~FloodLimiter() {
   }
 }
 
-void FloodLimiter::Add(const std::string& line) {
+void FloodLimiter::Add(std::string_view line) noexcept {
   if (!tell_) return;
   const std::lock_guard lock(mutex_);
-  const auto now = std::chrono::steady_clock::now();
-  if (now - second_began_ >= std::chrono::seconds(1)) {
-    TellSum();
-    second_began_ = now;
-    reported_ = 0;
-  }
-  if (reported_ == kLinesInASecond) {
-    ++left_out_;
-    return;
-  }
-  ++reported_;
   try {
-    tell_(PlainLine(line));
-  } catch (const std::bad_alloc&) {  // the line is missing
-    ++left_out_;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - second_began_ >= std::chrono::seconds(1)) {
+      second_began_ = now;
+      reported_ = 0;
+      TellSum();
+    }
+    if (reported_ < kLinesInASecond) {
+      tell_(PlainLine(line));
+      ++reported_;
+      return;
+    }
+  } catch (const std::exception&) {  // as without memory
   }
+  ++left_out_;
 }
 
 void FloodLimiter::TellSum() {
-  if (left_out_ > 0) tell_(std::to_string(std::exchange(left_out_, 0)) + " more lines like these");
+  if (left_out_ == 0) return;
+  tell_(std::to_string(left_out_) + " more lines like these");
+  left_out_ = 0;
 }
 
 }  // namespace troupe

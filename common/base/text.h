@@ -61,7 +61,8 @@ class FloodLimiter {
   FloodLimiter(const FloodLimiter&) = delete;
   FloodLimiter& operator=(const FloodLimiter&) = delete;
 
-  void Add(const std::string& line);
+  // Never throws: without memory the line is missing.
+  void Add(std::string_view line) noexcept;
 
  private:
   void TellSum();

@@ -101,6 +101,12 @@ TEST(FloodLimiter, EndsWithoutMemoryForItsLastLine) {
   EXPECT_EQ(test::StatusWithoutMemory([&] { lines.reset(); }), 0);
 }
 
+// As in the handler of an exception that a lack of memory has caused.
+TEST(FloodLimiter, LeavesALineOutWithoutMemory) {
+  FloodLimiter lines([](const std::string&) {});
+  EXPECT_EQ(test::StatusWithoutMemory([&] { lines.Add("a line that is too long to be kept within the text"); }), 0);
+}
+
 TEST(CheckDeathTest, NamesTheBrokenContract) {
   const Result<int> bad(Error{.where = {}, .message = "no"});
   EXPECT_DEATH(bad.value(), "check failed: ok()");

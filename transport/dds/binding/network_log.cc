@@ -3,6 +3,7 @@
 #include <dds/ddsrt/log.h>
 
 #include <cstdio>
+#include <string_view>
 #include <utility>
 
 namespace troupe::dds {
@@ -11,8 +12,8 @@ NetworkLog::NetworkLog(FloodLimiter::Tell tell)
     : lines_([tell = std::move(tell)](const std::string& line) { tell("network: " + line); }) {
   dds_set_log_sink(
       [](void* lines, const dds_log_data_t* entry) {
-        std::string line(entry->message, entry->size);
-        while (!line.empty() && line.back() == '\n') line.pop_back();
+        std::string_view line(entry->message, entry->size);
+        while (!line.empty() && line.back() == '\n') line.remove_suffix(1);
         static_cast<FloodLimiter*>(lines)->Add(line);
       },
       &lines_);
