@@ -126,13 +126,11 @@ void RosLockstepWait::Arm(const std::string& text) {
   for (const auto& channel : channels_) channel->connection.Arm(text);
 }
 
-// Where no topic is watched, nothing can be noted for the wrong tick.
+// Then the program of the host counts the messages of the tick, and notes the awaited ones, from the first on: an agent
+// may reach it before this process.
 bool RosLockstepWait::IsArmed() const {
-  return std::all_of(channels_.begin(), channels_.end(), [this](const auto& channel) {
-    return std::none_of(channel->awaited.begin(), channel->awaited.end(),
-                        [](const Awaited& awaited) { return awaited.is_topic; }) ||
-           channel->connection.watched().armed == armed_;
-  });
+  return std::all_of(channels_.begin(), channels_.end(),
+                     [this](const auto& channel) { return channel->connection.watched().armed == armed_; });
 }
 
 bool RosLockstepWait::IsPrepared() {
