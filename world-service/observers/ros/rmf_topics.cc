@@ -6,9 +6,11 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <utility>
 
+#include "common/base/or_failure.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/topic_types.h"
@@ -36,8 +38,7 @@ class Duties {
     due_.*duty = true;
     changed_.notify_one();
   }
-  // Waits for some.
-  Due Take() {
+  Due Await() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return due_.any(); });
     return std::exchange(due_, {});
@@ -62,7 +63,23 @@ struct RmfTopics::Shared {
     bool is_done = false;
     std::string problem;
   };
-  std::vector<Moved> moved;  // replies to edits of workcells
+  std::vector<Moved> moved;  // replies to edits of workcells, with room for those of open ones
+
+  // The reply to an edit, which then has no name any more.
+  void Finish(ControlRequest& edit, bool is_done, const std::string& problem) noexcept {
+    const std::lock_guard lock(mutex);
+    --open;
+    const auto found = wanted.find(edit.name);
+    if (found != wanted.end() && found->second == edit.source) wanted.erase(found);
+    if (edit.command == ControlCommand::kSetPose) {
+      moved.push_back({std::move(edit.name), is_done, {}});
+      try {
+        moved.back().problem = problem;
+      } catch (const std::bad_alloc&) {  // the report has no reason
+      }
+    }
+    duties.Add(&Duties::Due::answered);
+  }
 };
 
 struct RmfTopics::Topics {
@@ -79,9 +96,10 @@ struct RmfTopics::Topics {
 };
 
 RmfTopics::RmfTopics(const ros::RosNode& node, std::shared_ptr<const Scene> scene, WorldControl& control,
-                     std::function<void(const std::string&)> report)
+                     RmfWorkcells::Results results, std::function<void(const std::string&)> report)
     : node_(node),
       control_(control),
+      results_(results),
       reports_(std::make_shared<FloodLimiter>(std::move(report))),
       shared_(std::make_shared<Shared>()),
       scene_(std::move(scene)),
@@ -109,19 +127,23 @@ void RmfTopics::ChangeWorld(std::shared_ptr<const Scene> scene) {
 
 void RmfTopics::Run() {
   for (;;) {
-    const Duties::Due due = shared_->duties.Take();
+    const Duties::Due due = shared_->duties.Await();
     if (due.stop) break;
+    bool wakes = due.answered;
     try {
       if (due.follow) Follow();
-      std::unique_lock lock(shared_->mutex);
-      FinishMoves();
-      const std::vector<ControlRequest> edits = Take();
-      lock.unlock();
-      Send(edits);
+      {
+        const std::lock_guard lock(shared_->mutex);
+        FinishMoves();
+        ReadRequests();
+      }
+      SendEdits();
+      wakes = PlanMoves() || wakes;
     } catch (const std::exception& exception) {  // of DDS, as without memory
       reports_->Add(exception.what());
+      wakes = true;
     }
-    if (due.answered) control_.Wake();
+    if (wakes) control_.Wake();
   }
   // Without the mutex: the thread of the connection may wait for it.
   topics_.reset();
@@ -130,12 +152,13 @@ void RmfTopics::Run() {
 }
 
 // Only this thread changes the pointers. The mutex is not held while a part is made or ends.
-template <typename Part, typename Make>
-bool RmfTopics::FollowPart(std::unique_ptr<Part>& part, bool is_needed, const Make& make) {
+template <typename Part, typename Make, typename Enter>
+bool RmfTopics::FollowPart(std::unique_ptr<Part>& part, bool is_needed, const Make& make, const Enter& enter) {
   if (is_needed == (part != nullptr)) return false;
   std::unique_ptr<Part> other;  // the one before ends after the lock
   if (is_needed) other = make();
   const std::lock_guard lock(shared_->mutex);
+  if (other) enter(*other);  // its world may be newer than the one that needs it
   other.swap(part);
   return true;
 }
@@ -147,28 +170,45 @@ void RmfTopics::Follow() {
   lock.unlock();
   const WorldDescription& world = scene->world();
   const auto notify = [this] { shared_->duties.Add(&Duties::Due::arrived); };
-  bool has_changed = FollowPart(topics_, !world.doors.empty() || !world.lifts.empty(),
-                                [&] { return std::make_unique<Topics>(node_, notify); });
-  has_changed |= FollowPart(workcells_, has_workcells, [&] {
-    const auto report = [reports = reports_](const std::string& line) { reports->Add(line); };
-    auto workcells = std::make_unique<RmfWorkcells>(node_, notify, report);
-    workcells->ChangeWorld(scene);
-    return workcells;
-  });
-  has_changed |= FollowPart(fleets_, ros::HasRmf(world), [&] {
-    auto fleets = std::make_unique<RmfFleets>(node_);
-    fleets->ChangeWorld(world);
-    return fleets;
-  });
+  bool has_changed = FollowPart(
+      topics_, !world.doors.empty() || !world.lifts.empty(), [&] { return std::make_unique<Topics>(node_, notify); },
+      [](Topics&) {});
+  has_changed |= FollowPart(
+      workcells_, has_workcells,
+      [&] {
+        const auto report = [reports = reports_](const std::string& line) { reports->Add(line); };
+        return std::make_unique<RmfWorkcells>(node_, notify, results_, report);
+      },
+      [this](RmfWorkcells& workcells) { workcells.ChangeWorld(scene_); });
+  has_changed |= FollowPart(
+      fleets_, ros::HasRmf(world), [&] { return std::make_unique<RmfFleets>(node_); },
+      [this](RmfFleets& fleets) { fleets.ChangeWorld(scene_->world()); });
   if (fleets_ && fleets_->IsToFollow()) {
     fleets_->Follow();
     has_changed = true;
   }
   if (has_changed) node_.connection->Announce();
-  lock.lock();
-  if (scene_ == scene) return;  // else another one has come meanwhile
-  if (workcells_) workcells_->ChangeWorld(scene_);
-  if (fleets_) fleets_->ChangeWorld(scene_->world());
+}
+
+bool RmfTopics::PlanMoves() {
+  for (bool has_planned = false;; has_planned = true) {
+    std::unique_lock lock(shared_->mutex);
+    if (!workcells_ || !KnowsState()) return has_planned;
+    workcells_->Read();
+    const std::optional<RmfWorkcells::Question> question = workcells_->NextQuestion();
+    if (!question) return has_planned;
+    ReserveEdit();
+    const std::shared_ptr<const Scene> scene = scene_;
+    const WorldState state = state_;
+    lock.unlock();
+    const Result<ItemMove> planned =
+        OrFailure([&] { return PlanMove(scene, state, question->workcell, question->order, question->moving); });
+    lock.lock();
+    if (scene != scene_) continue;  // it is planned again
+    if (std::optional<ControlRequest> edit = workcells_->Plan(planned)) AddEdit(std::move(*edit));
+    lock.unlock();
+    SendEdits();
+  }
 }
 
 void RmfTopics::OnCommit(const FrameMessage& frame) {
@@ -205,7 +245,7 @@ void RmfTopics::OnTick(const FrameMessage& frame) {
     if (fleets_->IsToFollow()) shared_->duties.Add(&Duties::Due::follow);
     fleets_->OnTick(is_due_by(ros::kRobotStatePeriod));
   }
-  if (workcells_) workcells_->OnTick(stamp, is_due_by(ros::kWorkcellStatePeriod));
+  if (workcells_) workcells_->OnTick(frame.state.tick, stamp, is_due_by(ros::kWorkcellStatePeriod));
   if (!topics_ || frame.state.doors.size() != world.doors.size() || frame.state.lifts.size() != world.lifts.size()) {
     return;
   }
@@ -238,15 +278,16 @@ void RmfTopics::OnTick(const FrameMessage& frame) {
 }
 
 bool RmfTopics::Settle() {
-  std::vector<ControlRequest> edits;
   {
     const std::lock_guard lock(shared_->mutex);
-    edits = Take();
+    ReadRequests();
   }
-  Send(edits);
+  SendEdits();
   const std::lock_guard lock(shared_->mutex);
   FinishMoves();
-  return shared_->open == 0;
+  const bool is_to_plan = workcells_ && workcells_->has_requests();
+  if (is_to_plan) shared_->duties.Add(&Duties::Due::arrived);
+  return !is_to_plan && shared_->open == 0;
 }
 
 bool RmfTopics::KnowsState() const {
@@ -256,25 +297,23 @@ bool RmfTopics::KnowsState() const {
           (state_.robots.size() == world.robots.size() && state_.objects.size() == world.objects.size()));
 }
 
-std::vector<ControlRequest> RmfTopics::Take() {
-  std::vector<ControlRequest> edits;
-  if (!KnowsState()) return edits;
+void RmfTopics::ReadRequests() {
+  if (!KnowsState()) return;
   if (topics_) {
-    topics_->door_requests.Drain([&](const ros::DoorRequest& request) { TakeDoor(request, edits); });
-    topics_->lift_requests.Drain([&](const ros::LiftRequest& request) { TakeLift(request, edits); });
+    topics_->door_requests.Drain([&](const ros::DoorRequest& request) { OperateDoor(request); });
+    topics_->lift_requests.Drain([&](const ros::LiftRequest& request) { CallLift(request); });
   }
-  if (workcells_) workcells_->Take(state_, edits);
-  shared_->open += edits.size();
-  return edits;
+  if (workcells_) workcells_->Read();
 }
 
 void RmfTopics::FinishMoves() {
-  for (const Shared::Moved& moved : std::exchange(shared_->moved, {})) {
+  for (const Shared::Moved& moved : shared_->moved) {
     if (workcells_) workcells_->Finish(moved.item, moved.is_done, moved.problem);
   }
+  shared_->moved.clear();
 }
 
-void RmfTopics::TakeDoor(const ros::DoorRequest& request, std::vector<ControlRequest>& edits) {
+void RmfTopics::OperateDoor(const ros::DoorRequest& request) {
   const WorldDescription& world = scene_->world();
   const std::string name = dds::Text(request.door_name);
   const auto door = std::find_if(doors_.begin(), doors_.end(),
@@ -283,10 +322,10 @@ void RmfTopics::TakeDoor(const ros::DoorRequest& request, std::vector<ControlReq
     return Refuse(fmt::format("/door_requests: the world has no door '{}' that takes requests", name));
   }
   const bool opens = request.requested_mode.value == static_cast<std::uint32_t>(ros::DoorMode::kOpen);
-  Ask(ControlCommand::kDoor, name, opens ? "open" : "close", state_.doors[*door].target == (opens ? 1.0 : 0.0), edits);
+  Ask(ControlCommand::kDoor, name, opens ? "open" : "close", state_.doors[*door].target == (opens ? 1.0 : 0.0));
 }
 
-void RmfTopics::TakeLift(const ros::LiftRequest& request, std::vector<ControlRequest>& edits) {
+void RmfTopics::CallLift(const ros::LiftRequest& request) {
   const WorldDescription& world = scene_->world();
   const std::string name = dds::Text(request.lift_name);
   const std::optional<std::size_t> number = FindLift(world, name);
@@ -316,19 +355,29 @@ void RmfTopics::TakeLift(const ros::LiftRequest& request, std::vector<ControlReq
                               name, task.floor, task.session, asked.session));
   }
   task = asked;
-  Ask(ControlCommand::kLift, name, asked.floor, lift.floors[state.floor].name == asked.floor, edits);
+  Ask(ControlCommand::kLift, name, asked.floor, lift.floors[state.floor].name == asked.floor);
 }
 
-void RmfTopics::Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so,
-                    std::vector<ControlRequest>& edits) {
+void RmfTopics::Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so) {
   const auto wanted = shared_->wanted.find(name);
   if (wanted != shared_->wanted.end() ? wanted->second == source : is_so) return;
-  shared_->wanted[name] = source;
   ControlRequest edit;
   edit.command = command;
   edit.name = name;
   edit.source = source;
-  edits.push_back(std::move(edit));
+  ReserveEdit();
+  shared_->wanted[name] = source;
+  AddEdit(std::move(edit));
+}
+
+void RmfTopics::ReserveEdit() {
+  edits_.reserve(edits_.size() + 1);
+  shared_->moved.reserve(shared_->moved.size() + shared_->open + 1);
+}
+
+void RmfTopics::AddEdit(ControlRequest edit) {
+  edits_.push_back(std::move(edit));
+  ++shared_->open;
 }
 
 void RmfTopics::Refuse(const std::string& line) {
@@ -345,18 +394,26 @@ std::string RmfTopics::SessionOf(std::size_t lift, const LiftState& state) const
   return task->second.session;
 }
 
-void RmfTopics::Send(const std::vector<ControlRequest>& edits) {
-  for (const ControlRequest& edit : edits) {
-    control_.Request(edit, [shared = shared_, reports = reports_, edit](const ControlReply& reply) {
-      const bool is_move = edit.command == ControlCommand::kSetPose;
-      if (!reply.done && !is_move) reports->Add(edit.name + ": " + reply.problem);
-      const std::lock_guard lock(shared->mutex);
-      --shared->open;
-      if (is_move) shared->moved.push_back({edit.name, reply.done, reply.problem});
-      const auto wanted = shared->wanted.find(edit.name);
-      if (wanted != shared->wanted.end() && wanted->second == edit.source) shared->wanted.erase(wanted);
-      shared->duties.Add(&Duties::Due::answered);
-    });
+void RmfTopics::SendEdits() {
+  std::vector<ControlRequest> edits;
+  {
+    const std::lock_guard lock(shared_->mutex);
+    edits.swap(edits_);
+  }
+  for (ControlRequest& edit : edits) {
+    try {
+      control_.Request(edit, [shared = shared_, reports = reports_,
+                              sent = std::make_shared<ControlRequest>(edit)](const ControlReply& reply) {
+        try {
+          if (!reply.done && sent->command != ControlCommand::kSetPose) reports->Add(sent->name + ": " + reply.problem);
+        } catch (const std::bad_alloc&) {  // the line is missing
+        }
+        shared->Finish(*sent, reply.done, reply.problem);
+      });
+    } catch (const std::exception& exception) {  // as without memory
+      reports_->Add(exception.what());
+      shared_->Finish(edit, false, {});
+    }
   }
 }
 

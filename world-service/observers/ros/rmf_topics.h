@@ -29,7 +29,7 @@ class RmfTopics {
   // `report` receives refused requests, one line each, on any thread. All outlive this; `control` and `report` outlive
   // the replies, too.
   RmfTopics(const ros::RosNode& node, std::shared_ptr<const Scene> scene, WorldControl& control,
-            std::function<void(const std::string&)> report);
+            RmfWorkcells::Results results, std::function<void(const std::string&)> report);
   // After it no call into the control runs.
   ~RmfTopics();
   RmfTopics(const RmfTopics&) = delete;
@@ -67,34 +67,42 @@ class RmfTopics {
   void Run();
   // Makes or ends the topics as the world, and the readers of fleets, need.
   void Follow();
-  // Makes or ends one of them; whether it has.
-  template <typename Part, typename Make>
-  bool FollowPart(std::unique_ptr<Part>& part, bool is_needed, const Make& make);
+  // Makes or ends one of them; whether it has. A new one enters the world of now.
+  template <typename Part, typename Make, typename Enter>
+  bool FollowPart(std::unique_ptr<Part>& part, bool is_needed, const Make& make, const Enter& enter);
+  // Plans the moves that workcells are asked for, and sends them, without the mutex: no tick waits for it but one that
+  // nodes have answered. Whether there were some.
+  bool PlanMoves();
   // REQUIRES of those below: the mutex is held.
   // False before the first frame of a world: samples wait until then.
   bool KnowsState() const;
-  std::vector<ControlRequest> Take();
+  // Reads the requests that have arrived, and adds the edits of doors and lifts.
+  void ReadRequests();
   // Tells the workcells of the edits that have been answered.
   void FinishMoves();
-  void TakeDoor(const ros::DoorRequest& request, std::vector<ControlRequest>& edits);
-  void TakeLift(const ros::LiftRequest& request, std::vector<ControlRequest>& edits);
+  void OperateDoor(const ros::DoorRequest& request);
+  void CallLift(const ros::LiftRequest& request);
   // Adds the edit, unless the newest one that is not answered yet is the same.
-  void Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so,
-           std::vector<ControlRequest>& edits);
+  void Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so);
+  // Memory for one edit more, and for its reply, which must not fail. Then AddEdit does not.
+  void ReserveEdit();
+  void AddEdit(ControlRequest edit);
   // Once for each line.
   void Refuse(const std::string& line);
   std::string SessionOf(std::size_t lift, const LiftState& state) const;
-  // REQUIRES of this: the mutex is not held.
-  void Send(const std::vector<ControlRequest>& edits);
+  // REQUIRES of this: the mutex is not held. An edit that cannot be sent, as without memory, has failed.
+  void SendEdits();
 
   const ros::RosNode node_;
   WorldControl& control_;
+  const RmfWorkcells::Results results_;
   const std::shared_ptr<FloodLimiter> reports_;
   const std::shared_ptr<Shared> shared_;  // its mutex guards the members below
   std::shared_ptr<const Scene> scene_;
   // Of the newest frame: doors and lifts, and in a world with workcells all. Empty before the first.
   WorldState state_;
   bool has_workcells_ = false;
+  std::vector<ControlRequest> edits_;                 // to be sent
   std::vector<std::size_t> doors_;                    // with requests of their own
   std::map<std::string, LiftTask> tasks_;             // by lift
   std::map<std::string, ros::DoorMode> shown_doors_;  // by door

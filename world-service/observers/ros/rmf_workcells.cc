@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <utility>
 
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
@@ -15,9 +15,9 @@ namespace {
 constexpr std::int32_t kWorkcellDepth = 10;          // as of the plugins of Open-RMF
 constexpr std::int32_t kWorkcellRequestDepth = 100;  // of all workcells
 constexpr std::size_t kMostPast = 10'000;
+constexpr std::size_t kMostLateResults = 10'000;
 constexpr std::size_t kLongestNumber = 256;  // bytes
 
-enum class ResultStatus : std::uint8_t { kAcknowledged = 0, kFulfilled = 1, kRefused = 2 };
 enum class WorkcellMode : std::int32_t { kIdle = 0, kBusy = 1 };
 
 const char* Word(WorkcellKind kind) {
@@ -62,7 +62,7 @@ class TopicsOfKind final : public RmfWorkcells::Topics {
     });
   }
   void WriteResult(const ros::Time& stamp, const std::string& workcell, const std::string& number,
-                   ResultStatus status) override {
+                   RmfWorkcells::ResultStatus status) override {
     dds::WireArena arena;
     results_.Write({stamp, arena.Copy(number), arena.Copy(workcell), static_cast<std::uint8_t>(status)});
   }
@@ -86,9 +86,9 @@ class TopicsOfKind final : public RmfWorkcells::Topics {
 
 }  // namespace
 
-RmfWorkcells::RmfWorkcells(const ros::RosNode& node, const std::function<void()>& notify,
+RmfWorkcells::RmfWorkcells(const ros::RosNode& node, const std::function<void()>& notify, Results results,
                            std::function<void(const std::string&)> report)
-    : report_(std::move(report)) {
+    : results_(results), report_(std::move(report)) {
   topics_.push_back(
       std::make_unique<TopicsOfKind<ros::DispenserRequest, ros::DispenserResult, ros::DispenserStateMessage>>(
           node, WorkcellKind::kDispenser, notify));
@@ -99,24 +99,26 @@ RmfWorkcells::RmfWorkcells(const ros::RosNode& node, const std::function<void()>
 
 RmfWorkcells::~RmfWorkcells() = default;
 
-void RmfWorkcells::ChangeWorld(std::shared_ptr<const Scene> scene) {
-  scene_ = std::move(scene);
-  workcells_ = FindWorkcells(scene_->world());
+void RmfWorkcells::ChangeWorld(const std::shared_ptr<const Scene>& scene) {
+  workcells_ = FindWorkcells(scene->world());
 }
 
-void RmfWorkcells::Take(const WorldState& state, std::vector<ControlRequest>& edits) {
+const Workcell* RmfWorkcells::Find(WorkcellKind kind, const std::string& name) const {
+  const auto found = std::find_if(workcells_.begin(), workcells_.end(),
+                                  [&](const Workcell& each) { return each.kind == kind && each.name == name; });
+  return found == workcells_.end() ? nullptr : &*found;
+}
+
+void RmfWorkcells::Read() {
+  if (has_requests()) return;
   for (const WorkcellKind kind : {WorkcellKind::kDispenser, WorkcellKind::kIngestor}) {
-    TopicsOf(kind).Drain([&](const Request& request) { TakeRequest(kind, request, state, edits); });
+    TopicsOf(kind).Drain([&](const Request& request) { Accept(kind, request); });
   }
 }
 
 // As for the plugins, another dispenser or ingestor may have the workcell's name: it is no error.
-void RmfWorkcells::TakeRequest(WorkcellKind kind, const Request& request, const WorldState& state,
-                               std::vector<ControlRequest>& edits) {
-  const auto workcell = std::find_if(workcells_.begin(), workcells_.end(), [&](const Workcell& each) {
-    return each.kind == kind && each.name == request.workcell;
-  });
-  if (workcell == workcells_.end()) return;
+void RmfWorkcells::Accept(WorkcellKind kind, const Request& request) {
+  if (Find(kind, request.workcell) == nullptr) return;
   if (request.number.size() > kLongestNumber) {
     report_(fmt::format("/{}_requests: {} '{}': found a request_guid of {} bytes, expected at most {}", Word(kind),
                         Word(kind), request.workcell, request.number.size(), kLongestNumber));
@@ -125,20 +127,43 @@ void RmfWorkcells::TakeRequest(WorkcellKind kind, const Request& request, const 
   const Move move{request.workcell, request.number, kind};
   if (const auto past = past_.find({kind, request.workcell, request.number}); past != past_.end())
     return Answer(move, past->second);
-  std::set<std::string> moving;
-  for (const auto& [item, open] : moves_) {
-    if (open.kind == kind && open.workcell == request.workcell && open.number == request.number) return;
-    moving.insert(item);
+  if (IsOpen(move)) return;
+  WriteResult(move, ResultStatus::kAcknowledged);
+  requests_.push_back({move, request.order});
+}
+
+bool RmfWorkcells::IsOpen(const Move& move) const {
+  return std::any_of(requests_.begin(), requests_.end(),
+                     [&](const Waiting& waiting) { return waiting.move == move; }) ||
+         std::any_of(moves_.begin(), moves_.end(), [&](const auto& open) { return open.second == move; });
+}
+
+std::optional<RmfWorkcells::Question> RmfWorkcells::NextQuestion() {
+  while (has_requests()) {
+    const Waiting& oldest = requests_.front();
+    if (const Workcell* const workcell = Find(oldest.move.kind, oldest.move.workcell)) {
+      Question question{*workcell, oldest.order, {}};
+      for (const auto& [item, move] : moves_) question.moving.insert(item);
+      return question;
+    }
+    requests_.pop_front();  // another world has come, without the workcell
   }
-  TopicsOf(kind).WriteResult(stamp_, move.workcell, move.number, ResultStatus::kAcknowledged);
-  const Result<ItemMove> planned = PlanMove(scene_, state, *workcell, request.order, moving);
-  if (!planned.ok()) return Fail(move, planned.error().message);
+  return std::nullopt;
+}
+
+std::optional<ControlRequest> RmfWorkcells::Plan(const Result<ItemMove>& planned) {
+  const Move move = requests_.front().move;
+  requests_.pop_front();
+  if (!planned.ok()) {
+    Fail(move, planned.error().message);
+    return std::nullopt;
+  }
   moves_.emplace(planned.value().item, move);
   ControlRequest edit;
   edit.command = ControlCommand::kSetPose;
   edit.name = planned.value().item;
   edit.pose = planned.value().X_WO;
-  edits.push_back(std::move(edit));
+  return edit;
 }
 
 void RmfWorkcells::Finish(const std::string& item, bool is_done, const std::string& problem) {
@@ -162,11 +187,23 @@ void RmfWorkcells::Fail(const Move& move, const std::string& reason) {
 void RmfWorkcells::Answer(const Move& move, bool is_done) {
   if (past_.size() >= kMostPast) past_.clear();
   past_[{move.kind, move.workcell, move.number}] = is_done;
-  TopicsOf(move.kind).WriteResult(stamp_, move.workcell, move.number,
-                                  is_done ? ResultStatus::kFulfilled : ResultStatus::kRefused);
+  WriteResult(move, is_done ? ResultStatus::kFulfilled : ResultStatus::kRefused);
 }
 
-void RmfWorkcells::OnTick(const ros::Time& stamp, bool is_due) {
+void RmfWorkcells::WriteResult(const Move& move, ResultStatus status) {
+  if (results_ == Results::kAtOnce) return TopicsOf(move.kind).WriteResult(stamp_, move.workcell, move.number, status);
+  if (late_results_.size() < kMostLateResults) return late_results_.push_back({move, status, stamp_});
+  report_(
+      fmt::format("/{}_results: the run is paused; left out a result of request '{}'", Word(move.kind), move.number));
+}
+
+void RmfWorkcells::OnTick(Tick tick, const ros::Time& stamp, bool is_due) {
+  // An edit shows its tick again.
+  if (std::exchange(tick_, tick) != tick) {
+    for (const LateResult& late : std::exchange(late_results_, {})) {
+      TopicsOf(late.move.kind).WriteResult(late.stamp, late.move.workcell, late.move.number, late.status);
+    }
+  }
   stamp_ = stamp;
   for (const Workcell& workcell : workcells_) {
     if (!TopicsOf(workcell.kind).wants_states()) continue;

@@ -2,13 +2,16 @@
 // and /ingestor_states; a request moves an item by an edit of the run, whose outcome is on /dispenser_results and
 // /ingestor_results. A repeated request has the same result again, and moves nothing.
 //
-// RmfTopics calls it, one call at a time; it makes and ends it on its own thread.
+// RmfTopics calls it, one call at a time; it makes and ends it on its own thread. What a request moves is planned
+// between two calls (NextQuestion, Plan), because that may take long.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -23,23 +26,40 @@ namespace troupe {
 
 class RmfWorkcells {
  public:
+  // When a result is written: at once; or, where ticks wait for nodes, with the first tick after that of its request,
+  // so that the announcement of the tick counts it.
+  enum class Results : std::uint8_t { kAtOnce, kWithTicks };
+
   // `notify`: called when a request has arrived, on a thread of the connection. `report`: a line for each request that
   // fails.
-  RmfWorkcells(const ros::RosNode& node, const std::function<void()>& notify,
+  RmfWorkcells(const ros::RosNode& node, const std::function<void()>& notify, Results results,
                std::function<void(const std::string&)> report);
   ~RmfWorkcells();
   RmfWorkcells(const RmfWorkcells&) = delete;
   RmfWorkcells& operator=(const RmfWorkcells&) = delete;
 
-  void ChangeWorld(std::shared_ptr<const Scene> scene);
-  // Adds the edits of the requests that have arrived.
-  void Take(const WorldState& state, std::vector<ControlRequest>& edits);
+  void ChangeWorld(const std::shared_ptr<const Scene>& scene);
+  // Reads the requests that have arrived, unless some are not planned yet: those stay in the readers, which have a
+  // bound.
+  void Read();
+  bool has_requests() const { return !requests_.empty(); }
+  // Arguments of PlanMove.
+  struct Question {
+    Workcell workcell;
+    WorkcellOrder order;
+    std::set<std::string> moving;
+  };
+  // Of the oldest request; nothing if there is none.
+  std::optional<Question> NextQuestion();
+  // The answer to that. Returns the edit that moves the item, if there is one. REQUIRES: the world is the same.
+  std::optional<ControlRequest> Plan(const Result<ItemMove>& planned);
   // The edit that moves the item has been answered.
   void Finish(const std::string& item, bool is_done, const std::string& problem);
   // Writes the states, if they are due, and those of workcells that have become busy or idle.
-  void OnTick(const ros::Time& stamp, bool is_due);
+  void OnTick(Tick tick, const ros::Time& stamp, bool is_due);
 
   class Topics;
+  enum class ResultStatus : std::uint8_t { kAcknowledged = 0, kFulfilled = 1, kRefused = 2 };
   // A request, whatever its type.
   struct Request {
     std::string number;  // request_guid
@@ -52,23 +72,38 @@ class RmfWorkcells {
     std::string workcell;
     std::string number;  // of the request
     WorkcellKind kind = WorkcellKind::kDispenser;
+    bool operator==(const Move&) const = default;
+  };
+  struct Waiting {
+    Move move;
+    WorkcellOrder order;
   };
 
   Topics& TopicsOf(WorkcellKind kind) { return *topics_[static_cast<std::size_t>(kind)]; }
-  void TakeRequest(WorkcellKind kind, const Request& request, const WorldState& state,
-                   std::vector<ControlRequest>& edits);
+  const Workcell* Find(WorkcellKind kind, const std::string& name) const;
+  void Accept(WorkcellKind kind, const Request& request);
+  bool IsOpen(const Move& move) const;
   void Answer(const Move& move, bool is_done);
   void Fail(const Move& move, const std::string& reason);
+  void WriteResult(const Move& move, ResultStatus status);
 
+  const Results results_;
   const std::function<void(const std::string&)> report_;
   std::vector<std::unique_ptr<Topics>> topics_;  // by kind
-  std::shared_ptr<const Scene> scene_;
   std::vector<Workcell> workcells_;
+  std::deque<Waiting> requests_;       // without a plan
   std::map<std::string, Move> moves_;  // by item: those without an answer
   // By request, with the workcell and number: whether it was fulfilled.
   std::map<std::tuple<WorkcellKind, std::string, std::string>, bool> past_;
   std::map<std::pair<WorkcellKind, std::string>, bool> busy_;  // by workcell: as it was shown last
-  ros::Time stamp_ = {};                                       // of the newest tick
+  Tick tick_ = 0;                                              // the newest, and its time
+  ros::Time stamp_ = {};
+  struct LateResult {
+    Move move;
+    ResultStatus status;
+    ros::Time stamp;
+  };
+  std::vector<LateResult> late_results_;  // to be written with the next tick
 };
 
 }  // namespace troupe

@@ -202,8 +202,11 @@ class RosWorldGateway final : public RunObserver {
     if (options_.pose_topics.goals || options_.pose_topics.poses) {
       poses_.emplace(connection_, options_, scene_, start.control, [this](const std::string& text) { Warn(text); });
     }
-    rmf_.emplace(node_, scene_, start.control, [this](const std::string& text) { Warn(text); });
-    if (!options_.lockstep.names.empty()) {
+    const bool waits = !options_.lockstep.names.empty();
+    rmf_.emplace(node_, scene_, start.control,
+                 waits ? RmfWorkcells::Results::kWithTicks : RmfWorkcells::Results::kAtOnce,
+                 [this](const std::string& text) { Warn(text); });
+    if (waits) {
       lockstep_.emplace(
           connection_, options_, scene_, start.run, start.control,
           RosLockstepWait::Hooks{[this](Tick tick, std::int64_t interval_ns) { clock_.Show(tick, interval_ns, true); },

@@ -32,14 +32,23 @@ double DistanceTo(const Pose& X_WC, const Pose& pose) {
   return (pose.translation() - X_WC.translation()).squaredNorm();
 }
 
-// The nearest robot of the fleet.
+// At present: its entity may be a robot, an object or a person.
+Pose PoseOf(const Scene& scene, const WorldState& state, const Workcell& workcell) {
+  if (!workcell.root) return workcell.X_WN;
+  if (const auto robot = scene.robot_of(*workcell.root)) return state.robots[robot->index()].X_WR;
+  if (const auto object = scene.object_of(*workcell.root)) return state.objects[object->index()].X_WO;
+  if (const auto person = scene.person_of(*workcell.root)) return state.people[person->index()].X_WP;
+  return scene.world().model(*workcell.root).X_PM;
+}
+
+// The nearest robot of the fleet but `other`.
 std::optional<RobotId> FindRobotNear(const WorldDescription& world, const WorldState& state, const Pose& X_WC,
-                                     const std::string& fleet) {
+                                     const std::string& fleet, std::optional<RobotId> other) {
   std::optional<RobotId> nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const Pose& X_WR = state.robots[i].X_WR;
-    if (!RobotExists(world, RobotId(i)) || !IsInReach(X_WC, X_WR)) continue;
+    if (RobotId(i) == other || !RobotExists(world, RobotId(i)) || !IsInReach(X_WC, X_WR)) continue;
     if (!fleet.empty() && ros::FleetOf(world, RobotId(i)) != fleet) continue;
     if (DistanceTo(X_WC, X_WR) >= least) continue;
     least = DistanceTo(X_WC, X_WR);
@@ -114,14 +123,14 @@ Result<ItemMove> MoveTo(const std::shared_ptr<const Scene>& scene, const WorldSt
 
 // On top of the workcell's entity, or on the ground at its place, or beside that.
 Result<ItemMove> MoveInto(const std::shared_ptr<const Scene>& scene, const WorldState& state, const Workcell& workcell,
-                          std::size_t item) {
-  if (workcell.root) return MoveTo(scene, state, item, workcell.X_WC * TopOf(scene->world(), *workcell.root));
+                          const Pose& X_WC, std::size_t item) {
+  if (workcell.root) return MoveTo(scene, state, item, X_WC * TopOf(scene->world(), *workcell.root));
   Error refused;
   for (const double distance : kSpotDistances) {
     for (int i = 0; i < (distance > 0.0 ? kSpotDirections : 1); ++i) {
       const double angle = 2.0 * kPi * i / kSpotDirections;
-      Pose spot = workcell.X_WC * Pose{0.0, 0.0, 0.0, WrapAngle(angle)} * Pose{distance, 0.0, 0.0, 0.0};
-      spot.heading = workcell.X_WC.heading;
+      Pose spot = X_WC * Pose{0.0, 0.0, 0.0, WrapAngle(angle)} * Pose{distance, 0.0, 0.0, 0.0};
+      spot.heading = X_WC.heading;
       Result<ItemMove> move = MoveTo(scene, state, item, spot);
       if (move.ok()) return move;
       refused = move.error();
@@ -136,15 +145,15 @@ std::vector<Workcell> FindWorkcells(const WorldDescription& world) {
   std::vector<Workcell> workcells;
   const auto add = [&](const NamedPlace& place, const std::string& prefix, WorkcellKind kind) {
     const std::optional<std::string> name = ros::TagAfter(place, prefix);
-    if (!name || std::any_of(workcells.begin(), workcells.end(),
-                             [&](const Workcell& each) { return each.name == *name && each.kind == kind; })) {
+    if (!name) return;
+    const auto known = std::find_if(workcells.begin(), workcells.end(),
+                                    [&](const Workcell& each) { return each.name == *name && each.kind == kind; });
+    if (known != workcells.end()) {
+      if (place.name == *name) known->X_WN = place.X_WN;
       return;
     }
     Workcell workcell{*name, kind, place.X_WN};
-    if (const Result<ModelId> root = FindEntity(world, *name); root.ok()) {
-      workcell.root = root.value();
-      workcell.X_WC = world.model(root.value()).X_PM;
-    }
+    if (const Result<ModelId> root = FindEntity(world, *name); root.ok()) workcell.root = root.value();
     workcells.push_back(std::move(workcell));
   };
   for (const NamedPlace& place : world.places) {
@@ -157,7 +166,9 @@ std::vector<Workcell> FindWorkcells(const WorldDescription& world) {
 Result<ItemMove> PlanMove(const std::shared_ptr<const Scene>& scene, const WorldState& state, const Workcell& workcell,
                           const WorkcellOrder& order, const std::set<std::string>& moving) {
   const WorldDescription& world = scene->world();
-  const std::optional<RobotId> robot = FindRobotNear(world, state, workcell.X_WC, order.fleet);
+  const Pose X_WC = PoseOf(*scene, state, workcell);
+  const std::optional<RobotId> body = workcell.root ? scene->robot_of(*workcell.root) : std::nullopt;
+  const std::optional<RobotId> robot = FindRobotNear(world, state, X_WC, order.fleet, body);
   if (!robot) {
     return Error{
         {},
@@ -165,18 +176,19 @@ Result<ItemMove> PlanMove(const std::shared_ptr<const Scene>& scene, const World
   }
   const bool dispenses = workcell.kind == WorkcellKind::kDispenser;
   const auto is_candidate = [&](std::size_t i) {
-    if (moving.contains(world.model(world.objects[i]).name)) return false;
+    if (world.objects[i] == workcell.root || moving.contains(world.model(world.objects[i]).name)) return false;
     const std::optional<RobotId> carrier = CarrierOf(*scene, state.objects[i]);
-    return dispenses ? !carrier && IsInReach(workcell.X_WC, state.objects[i].X_WO) : carrier == robot;
+    if (!dispenses) return carrier == robot;
+    return (!carrier || carrier == body) && IsInReach(X_WC, state.objects[i].X_WO);
   };
-  const std::optional<std::size_t> item = FindItem(world, state, workcell.X_WC, order.item, is_candidate);
+  const std::optional<std::size_t> item = FindItem(world, state, X_WC, order.item, is_candidate);
   const std::string& name = world.robot(*robot).name;
   if (!item) {
     return Error{{},
                  dispenses ? fmt::format("no item for robot '{}' is within {} m", name, kReach)
                            : fmt::format("robot '{}' carries no item", name)};
   }
-  if (!dispenses) return MoveInto(scene, state, workcell, *item);
+  if (!dispenses) return MoveInto(scene, state, workcell, X_WC, *item);
   const Pose& X_WR = state.robots[robot->index()].X_WR;
   return MoveTo(scene, state, *item, X_WR * TopOf(world, world.robot(*robot).root));
 }

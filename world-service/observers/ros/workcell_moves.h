@@ -17,15 +17,16 @@ namespace troupe {
 enum class WorkcellKind : std::uint8_t { kDispenser, kIngestor };
 
 // A dispenser or an ingestor: a place with the tag "dispenser:NAME" or "ingestor:NAME". Items are at the entity of that
-// name, or at the place.
+// name, which may move, or at the place.
 struct Workcell {
   std::string name;
   WorkcellKind kind = WorkcellKind::kDispenser;
-  Pose X_WC;                         // of the entity, else of the place
+  Pose X_WN;                         // of the place
   std::optional<ModelId> root = {};  // of the entity, if there is one
 };
 
-// In the order of their places; a name once for each kind.
+// In the order of their places; a name once for each kind: of several places the one with the workcell's name counts,
+// else the first.
 std::vector<Workcell> FindWorkcells(const WorldDescription& world);
 
 // What a request asks for.
