@@ -147,6 +147,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   const char* ros = "ROS 2";
   AddRosFlags(command, options.run.ros, options.ros, ros);
   AddRobotTopicFlags(command, options.ros.robots, ros);
+  AddBuildingMapFlag(command, options.ros.world, ros);
   AddWorldTopicFlags(command, options.ros.world, ros);
   AddPoseTopicFlags(command, options.ros.pose_topics, ros);
   AddLockstepFlags(command, options.ros.lockstep, ros);

@@ -62,7 +62,6 @@ std::vector<std::string> WorldTopicArguments(const ros::WorldTopics& world) {
   if (world.map_resolution) {
     arguments.push_back("--ros-map-resolution=" + CLI::detail::to_string(*world.map_resolution));
   }
-  if (world.building_map) arguments.emplace_back("--ros-map=building");
   if (world.map_height) arguments.push_back("--ros-map-height=" + CLI::detail::to_string(*world.map_height));
   return arguments;
 }
@@ -164,16 +163,19 @@ void AddRobotTopicFlags(CLI::App& app, ros::RobotTopics& robots, const std::stri
       ->group(group);
 }
 
+void AddBuildingMapFlag(CLI::App& app, ros::WorldTopics& world, const std::string& group) {
+  AddText(app, group, "--ros-map",
+          "What /map is: grid: the occupancy grid (default); building: of a building, its map for Open-RMF, with the "
+          "occupancy grid on /occupancy_grid",
+          {"grid", "building"}, [&world](const std::string& word) { world.building_map = word == "building"; });
+}
+
 void AddWorldTopicFlags(CLI::App& app, ros::WorldTopics& world, const std::string& group) {
   app.add_option("--ros-clock-rate", world.clock_rate,
                  "Rate of /clock in Hz of wall time, between the ticks; 0: each tick (default)")
       ->check(NumberFromZero())
       ->type_name("HZ")
       ->group(group);
-  AddText(app, group, "--ros-map",
-          "What /map is: grid: the occupancy grid (default); building: of a building, its map for Open-RMF, with the "
-          "occupancy grid on /occupancy_grid",
-          {"grid", "building"}, [&world](const std::string& word) { world.building_map = word == "building"; });
   app.add_option("--ros-map-resolution", world.map_resolution,
                  "Side of a cell of /map in metres (default: that of the world's ROS map, or 0.05)")
       ->check(PositiveNumber())
@@ -226,12 +228,14 @@ void AddLockstepFlags(CLI::App& app, RosLockstep& lockstep, const std::string& g
 }
 
 std::vector<std::string> ServiceRosArguments(const ros::RosOptions& options) {
+  std::vector<std::string> map;
+  if (options.world.building_map) map.emplace_back("--ros-map=building");
   std::vector<std::string> poses;
   if (options.pose_topics.goals || options.pose_topics.poses) {
     const bool both = options.pose_topics.goals && options.pose_topics.poses;
     poses.emplace_back(both ? "--ros-rviz=both" : options.pose_topics.goals ? "--ros-rviz=goal" : "--ros-rviz=pose");
   }
-  return Joined(ros::NetworkArguments(options.network), NameArguments(options), WorldTopicArguments(options.world),
+  return Joined(ros::NetworkArguments(options.network), NameArguments(options), WorldTopicArguments(options.world), map,
                 poses, LockstepArguments(options.lockstep));
 }
 

@@ -20,6 +20,8 @@ void AddRosNetworkFlags(CLI::App& app, ros::RosNetwork& network, ros::Environmen
 // --ros and --no-ros `on` keeps its value.
 void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& options, const std::string& group);
 void AddRobotTopicFlags(CLI::App& app, ros::RobotTopics& robots, const std::string& group);
+// Of a run; robots have no map of a building.
+void AddBuildingMapFlag(CLI::App& app, ros::WorldTopics& world, const std::string& group);
 void AddWorldTopicFlags(CLI::App& app, ros::WorldTopics& world, const std::string& group);
 void AddPoseTopicFlags(CLI::App& app, ros::PoseTopics& topics, const std::string& group);
 void AddLockstepFlags(CLI::App& app, RosLockstep& lockstep, const std::string& group);

@@ -313,6 +313,33 @@ TEST_F(RmfMap, TheMapOfTheBuildingHasTheNameMapByChoice) {
   EXPECT_TRUE(Has<ros::OccupancyGridMessage>("/occupancy_grid"));
 }
 
+TEST_F(RmfMap, AnotherBuildingWithTheSameLevelsLeavesTheMapEmpty) {
+  Start({"--speed", "20", "--lease", "1"});
+  ControlRequest load;
+  load.command = ControlCommand::kLoadWorld;
+  load.source = WorldPath("../../../worlds/sites/clinic.building.yaml");
+  const ControlReply loaded = CallRun(session_, load);
+  ASSERT_TRUE(loaded.done) << loaded.problem;
+  const auto levels = [&] {
+    Client<MapRequest, MapResponse> client(participant_, "/get_building_map");
+    std::optional<std::size_t> count;
+    client.Call({}, [&](const MapResponse& response) { count = Read(response.building_map).levels.size(); });
+    return count.value_or(99);
+  };
+  EXPECT_EQ(levels(), 0u);
+  for (const pid_t service : ChildrenWith(*run_, "world-service")) ASSERT_EQ(kill(service, SIGKILL), 0);
+  run_->WaitForLine("the world service has been started again");
+  EXPECT_EQ(levels(), 0u);
+}
+
+TEST_F(RmfMap, AWorldWithoutABuildingHasNoMapToChoose) {
+  Program run(Troupe(
+      Words("run % --headless --domain % --ros-map building", {WorldPath("pen.world"), std::to_string(TestDomain())}) +
+      RosArguments({})));
+  EXPECT_EQ(run.Wait(), 2);
+  EXPECT_THAT(run.output(), testing::HasSubstr("--ros-map building: found a run without the map of a building"));
+}
+
 TEST_F(Rmf, PeopleHavePlacesAndVelocities) {
   ros::RosReader<ros::PeopleMessage> reader(node_, "/people", ros::Stream(100));
   participant_.Announce();

@@ -75,6 +75,7 @@ void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
       ->check(WholeNumber(0, 1 << 20))
       ->type_name("N");
   AddRosFlags(app, line.run.ros, line.ros, "ROS 2");
+  AddBuildingMapFlag(app, line.ros.world, "ROS 2");
   AddWorldTopicFlags(app, line.ros.world, "ROS 2");
   AddPoseTopicFlags(app, line.ros.pose_topics, "ROS 2");
   AddLockstepFlags(app, line.ros.lockstep, "ROS 2");

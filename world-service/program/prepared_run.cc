@@ -36,6 +36,7 @@ Result<PreparedRun> LoadFile(const RunSource& source) {
   run.scene = std::make_shared<const Scene>(std::move(loaded.value().world));
   run.files = std::move(loaded.value().files);
   run.site = std::move(loaded.value().site);
+  run.site_world = run.scene->world().name;
   run.first_world = WorldOf(run.scene);
   run.options = source.service;
   run.options.settings = loaded.value().settings;
@@ -141,6 +142,7 @@ Result<PreparedRun> Resume(Journal journal, const RunSource& source) {
   if (file.ok()) {
     run.files = std::move(file.value().files);
     run.site = std::move(file.value().site);
+    run.site_world = file.value().world.name;
     run.ros_lockstep = file.value().ros_lockstep;
   }
   run.options.resumed = std::move(resumed).value();
@@ -201,6 +203,12 @@ Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
   lockstep.ReplaceBy(source.ros.lockstep);
   if (Status fault = CheckLockstep(source, options.settings, lockstep); !fault.ok()) return fault.error();
   if (!options.settings.ros) return run;
+  // That of a run that is continued was checked; its file may be gone.
+  if (source.ros.world.building_map && !run.value().site && !source.resume) {
+    return Error{{},
+                 "--ros-map building: found a run without the map of a building, expected a building or a scenario on "
+                 "one; recordings have no such map"};
+  }
   options.check_world = [ros = source.ros, domain = source.domain](const WorldDescription& world) {
     return ros::CheckDomains(world, ros.network.domain, ros.names, domain);
   };
@@ -213,7 +221,7 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
   if (run.options.settings.ros) {
     ros::RosOptions ros = source.ros;
     ros.lockstep = run.ros_lockstep;
-    run.gateway = MakeRosWorldGateway(ros, run.scene, run.site);
+    run.gateway = MakeRosWorldGateway(ros, run.scene, run.site, run.site_world);
     observers.push_back(run.gateway.get());
   }
   const std::optional<ResumedRun>& resumed = run.options.resumed;

@@ -39,6 +39,7 @@ struct PreparedRun {
   std::shared_ptr<const Scene> scene;  // of a run that is continued: now
   std::vector<std::string> files;      // that were loaded
   std::shared_ptr<const Site> site;    // of a building; null: none, or it is not here
+  std::string site_world;              // the name of the world of that; a run that is continued may have another one
   ServiceOptions options;
   std::shared_ptr<const WorldDescription> first_world;  // of which the recorders have the names
   std::shared_ptr<const RecordedStart> begin;           // of the recordings; null: they begin with the run

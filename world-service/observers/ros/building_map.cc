@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common/base/file.h"
@@ -22,7 +23,6 @@ using LevelMessage = rmf_building_map_msgs_msg_dds__Level_;
 using LiftMessage = rmf_building_map_msgs_msg_dds__Lift_;
 using ParamMessage = rmf_building_map_msgs_msg_dds__Param_;
 
-constexpr std::size_t kMostImageBytes = std::size_t{64} << 20;
 constexpr std::size_t kGraphs = 9;  // as many as Open-RMF's own map server has
 
 enum class ParamType : std::uint32_t { kString = 1, kDouble = 3, kBool = 4 };
@@ -46,7 +46,8 @@ constexpr float kRangeOfLiftDoors = 1.571F;  // as Open-RMF's own map server has
 
 class Maker {
  public:
-  Maker(const Site& site, dds::WireArena& arena) : site_(site), arena_(arena) {}
+  Maker(const Site& site, dds::WireArena& arena, std::vector<std::string>& left_out)
+      : site_(site), arena_(arena), left_out_(left_out) {}
 
   LevelMessage MakeLevel(const SiteLevel& level) {
     LevelMessage message{};
@@ -97,8 +98,13 @@ class Maker {
   void AddImage(const SiteLevel& level, LevelMessage& message) {
     if (level.drawing.empty()) return;
     const auto path = std::filesystem::path(site_.file).parent_path() / level.drawing;
-    const Result<std::string> bytes = ReadWholeFile(path.string(), kMostImageBytes);
+    std::error_code missing;
+    const std::uintmax_t size = std::filesystem::file_size(path, missing);
+    if (missing) return;
+    if (size > room_) return left_out_.push_back(path.string());
+    const Result<std::string> bytes = ReadWholeFile(path.string(), room_);
     if (!bytes.ok()) return;
+    room_ -= bytes.value().size();
     AffineImage& image = *arena_.Fill(message.images, 1);
     const std::size_t dot = level.drawing.rfind('.');
     image.name = arena_.Copy(level.drawing.substr(0, level.drawing.find('.')));
@@ -235,12 +241,14 @@ class Maker {
 
   const Site& site_;
   dds::WireArena& arena_;
+  std::vector<std::string>& left_out_;
+  std::size_t room_ = kMostDrawingBytes;
 };
 
 }  // namespace
 
-BuildingMapMessage MakeBuildingMap(const Site& site, dds::WireArena& arena) {
-  Maker maker(site, arena);
+BuildingMapMessage MakeBuildingMap(const Site& site, dds::WireArena& arena, std::vector<std::string>& left_out) {
+  Maker maker(site, arena, left_out);
   BuildingMapMessage message{};
   message.name = arena.Copy(site.name);
   auto* level = arena.Fill(message.levels, site.levels.size());

@@ -2,6 +2,10 @@
 // it reads. The strings and sequences live in the arena.
 #pragma once
 
+#include <cstddef>
+#include <string>
+#include <vector>
+
 #include "idl/ros/building_map.h"
 #include "transport/dds/binding/wire.h"
 #include "worldfile/sites/site.h"
@@ -10,7 +14,10 @@ namespace troupe::ros {
 
 using BuildingMapMessage = rmf_building_map_msgs_msg_dds__BuildingMap_;
 
-// A drawing that is not there is left out, as any file of more than 64 MiB.
-BuildingMapMessage MakeBuildingMap(const Site& site, dds::WireArena& arena);
+// All drawings of a map together. A message has at most 64 MiB.
+inline constexpr std::size_t kMostDrawingBytes = std::size_t{60} << 20;
+
+// A drawing that is not there is left out. `left_out`: is added those for which the map has no room, by their files.
+BuildingMapMessage MakeBuildingMap(const Site& site, dds::WireArena& arena, std::vector<std::string>& left_out);
 
 }  // namespace troupe::ros

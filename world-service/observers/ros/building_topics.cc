@@ -1,50 +1,59 @@
 #include "world-service/observers/ros/building_topics.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "ros/connection/ros_network.h"
 #include "ros/connection/topic_types.h"
 
 namespace troupe {
 
-BuildingTopics::BuildingTopics(const ros::RosNode& node, const char* topic, std::shared_ptr<const Site> site)
+BuildingTopics::BuildingTopics(const ros::RosNode& node, const char* topic, std::shared_ptr<const Site> site,
+                               std::string world_name, const WorldDescription& world,
+                               const std::function<void(const std::string&)>& report)
     : site_(std::move(site)),
-      map_(node, topic, ros::Latched()),
+      world_name_(std::move(world_name)),
+      is_in_building_(IsOfBuilding(world)),
+      topic_(node, topic, ros::Latched()),
       service_(
           node, "/get_building_map",
           [this](const ros::RosCaller& caller, const Request&) {
-            dds::WireArena arena;
             Response response{};
             {
               const std::lock_guard lock(mutex_);
-              response.building_map = Make(arena);
+              response.building_map = map();
             }
             service_.Respond(caller, response);
           },
           ros::Service(), ros::Serving::kWhenStarted) {
-  dds::WireArena arena;
-  map_.Write(Make(arena));
+  std::vector<std::string> left_out;
+  building_ = ros::MakeBuildingMap(*site_, arena_, left_out);
+  empty_.name = arena_.Copy("");
+  if (!left_out.empty()) {
+    report(fmt::format("the map of the building has no room for {}: its drawings may have {} MiB together",
+                       fmt::join(left_out, ", "), ros::kMostDrawingBytes >> 20));
+  }
+  topic_.Write(map());
   service_.Start();
 }
 
-void BuildingTopics::ChangeWorld(const WorldDescription& world) {
-  const bool is_in_building = std::all_of(site_->levels.begin(), site_->levels.end(), [&](const SiteLevel& level) {
-    return std::any_of(world.models.begin(), world.models.end(), [&](const ModelDescription& model) {
-      return !model.parent && !model.removed && model.name == level.name;
-    });
-  });
-  const std::lock_guard lock(mutex_);
-  if (std::exchange(is_in_building_, is_in_building) == is_in_building) return;
-  dds::WireArena arena;
-  map_.Write(Make(arena));
+// Other buildings may have levels of the same names.
+bool BuildingTopics::IsOfBuilding(const WorldDescription& world) const {
+  return world.name == world_name_ &&
+         std::all_of(site_->levels.begin(), site_->levels.end(), [&](const SiteLevel& level) {
+           return std::any_of(world.models.begin(), world.models.end(), [&](const ModelDescription& model) {
+             return !model.parent && !model.removed && model.name == level.name;
+           });
+         });
 }
 
-ros::BuildingMapMessage BuildingTopics::Make(dds::WireArena& arena) const {
-  if (is_in_building_) return ros::MakeBuildingMap(*site_, arena);
-  ros::BuildingMapMessage empty{};
-  empty.name = arena.Copy("");
-  return empty;
+void BuildingTopics::ChangeWorld(const WorldDescription& world) {
+  const bool is_in_building = IsOfBuilding(world);
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(is_in_building_, is_in_building) != is_in_building) topic_.Write(map());
 }
 
 }  // namespace troupe

@@ -2,8 +2,10 @@
 // service /get_building_map.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include "ros/connection/ros_endpoints.h"
 #include "troupe/world_description.h"
@@ -13,23 +15,30 @@ namespace troupe {
 
 class BuildingTopics {
  public:
-  // `topic`: its name.
-  BuildingTopics(const ros::RosNode& node, const char* topic, std::shared_ptr<const Site> site);
+  // `topic`: its name. `world_name`: of the world of the building; `world`: the one of now, because a run that is
+  // continued may have left the building. `report`: a line for drawings that have no room in the map.
+  BuildingTopics(const ros::RosNode& node, const char* topic, std::shared_ptr<const Site> site, std::string world_name,
+                 const WorldDescription& world, const std::function<void(const std::string&)>& report);
 
-  // An edit has replaced the world. One that has not the levels of the building has a map without any.
+  // An edit has replaced the world. One that is not of the building has a map without any level.
   void ChangeWorld(const WorldDescription& world);
 
  private:
   using Request = rmf_building_map_msgs_srv_dds__GetBuildingMap_Request_;
   using Response = rmf_building_map_msgs_srv_dds__GetBuildingMap_Response_;
 
-  // REQUIRES: the mutex is held.
-  ros::BuildingMapMessage Make(dds::WireArena& arena) const;
+  bool IsOfBuilding(const WorldDescription& world) const;
+  // Of now, with strings and sequences that live as long as this.
+  const ros::BuildingMapMessage& map() const { return is_in_building_ ? building_ : empty_; }
 
   const std::shared_ptr<const Site> site_;
+  const std::string world_name_;
+  dds::WireArena arena_;
+  ros::BuildingMapMessage building_{};
+  ros::BuildingMapMessage empty_{};
   std::mutex mutex_;  // guards the flag
-  bool is_in_building_ = true;
-  ros::RosWriter<ros::BuildingMapMessage> map_;
+  bool is_in_building_;
+  ros::RosWriter<ros::BuildingMapMessage> topic_;
   ros::RosService<Request, Response> service_;  // last, because its handler uses all other members
 };
 

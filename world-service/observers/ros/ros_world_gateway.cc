@@ -177,7 +177,8 @@ constexpr const char* kNodeName = "world";
 
 class RosWorldGateway final : public RunObserver {
  public:
-  RosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene, std::shared_ptr<const Site> site)
+  RosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene, std::shared_ptr<const Site> site,
+                  const std::string& site_world)
       : options_(options),
         scene_(std::move(scene)),
         connection_(options.network.distribution, options.socket, options.network.domain,
@@ -190,7 +191,10 @@ class RosWorldGateway final : public RunObserver {
         parameters_(node_, kNodeName, ros::Parameters{{"use_sim_time", true}, {"world", scene_->world().name}}),
         type_descriptions_(node_, kNodeName),
         log_(node_) {
-    if (site) building_.emplace(node_, options.world.building_map ? "/map" : "/building_map", std::move(site));
+    if (site) {
+      building_.emplace(node_, options.world.building_map ? "/map" : "/building_map", std::move(site), site_world,
+                        scene_->world(), [this](const std::string& text) { Warn(text); });
+    }
     FollowPeople();
     connection_.Announce();
   }
@@ -351,8 +355,8 @@ class RosWorldGateway final : public RunObserver {
 }  // namespace
 
 std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
-                                                 std::shared_ptr<const Site> site) {
-  return std::make_unique<RosWorldGateway>(options, std::move(scene), std::move(site));
+                                                 std::shared_ptr<const Site> site, const std::string& site_world) {
+  return std::make_unique<RosWorldGateway>(options, std::move(scene), std::move(site), site_world);
 }
 
 }  // namespace troupe

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "common/spatial/scene.h"
 #include "ros/messages/ros_options.h"
@@ -10,8 +11,8 @@
 
 namespace troupe {
 
-// `site`: the building that the world was made from; null: none. Throws std::exception if it cannot.
+// `site`: the building that the world named `site_world` was made from; null: none. Throws std::exception if it cannot.
 std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
-                                                 std::shared_ptr<const Site> site);
+                                                 std::shared_ptr<const Site> site, const std::string& site_world);
 
 }  // namespace troupe
