@@ -55,6 +55,9 @@ levels:
       - [0.333333, -1e-6, 0, "null", {dock_name: [1, "a \"quoted\" dock"], is_charger: [4, true], human_goal_set_name: [1, "~"]}]
       - [2, 0, 0, "a:b, [c]"]
       - [2, 3, 0, "", {mutex: [1, m], spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, "true"]}]
+    models:
+      - {model_name: TeleportDispenser, name: "can: 1", x: 1.25, y: 0.5, z: 0.75, yaw: 0}
+      - {model_name: TeleportIngestor, name: "bin", x: 1, y: 1.5}
     doors:
       - [0, 1, {name: [1, "no"], type: [1, double_hinged], motion_degrees: [3, 33.3], motion_direction: [2, -1], motion_axis: [1, end], right_left_ratio: [3, 0.7], plugin: [1, none]}]
     lanes:

@@ -306,6 +306,27 @@ TEST(SiteTree, AnUnknownRobotModelIsABoxAndUnknownKeysAreNamedOnce) {
   EXPECT_EQ(ValueOf(BuildWorld(tree)).world.robots.size(), 2u);
 }
 
+// Those of Open-RMF's demo sites: a vertex beside them has the same name as a tag.
+TEST(SiteTree, TeleportingModelsArePlacesOfDispensersAndIngestors) {
+  Site site = Read(
+      "levels:\n  L1:\n    elevation: 1\n    vertices: [[0, 0, 0, pantry, {pickup_dispenser: [1, "
+      "coke_dispenser]}], [90, 0, 0, b]]\n" +
+      std::string(kMeasured) +
+      "    models: [{model_name: TeleportDispenser, name: coke_dispenser, x: 90, y: 90, yaw: 1.5, z: 0.5}, "
+      "{model_name: TeleportIngestor, name: b, x: 0, y: 90}]\n");
+  EXPECT_EQ(site.furniture, 0u);
+  const double metres = site.levels[0].vertices[1].position.x();
+  const WorldDescription world = ValueOf(BuildWorld(ValueOf(SiteTree(std::make_shared<const Site>(site))))).world;
+  ASSERT_EQ(world.places.size(), 4u);
+  EXPECT_EQ(world.places[2].name, "coke_dispenser");
+  EXPECT_THAT(world.places[2].tags, ElementsAre("L1", "dispenser:coke_dispenser"));
+  EXPECT_NEAR(world.places[2].X_WN.x, metres, 1e-6);
+  EXPECT_NEAR(world.places[2].X_WN.y, -metres, 1e-6);
+  EXPECT_NEAR(world.places[2].X_WN.z, 1.5, 1e-9);
+  EXPECT_NE(world.places[3].name, "b") << "a vertex has this name";
+  EXPECT_THAT(world.places[3].tags, ElementsAre("L1", "ingestor:b"));
+}
+
 struct BadBuilding {
   std::string text;
   std::string where;

@@ -26,6 +26,10 @@ inline constexpr std::pair<const char*, std::string SiteVertex::*> kVertexTexts[
     {"spawn_robot_name", &SiteVertex::robot_name},
 };
 
+// The models of Open-RMF's demo sites that are workcells.
+inline constexpr const char* kDispenserModel = "TeleportDispenser";
+inline constexpr const char* kIngestorModel = "TeleportIngestor";
+
 // The types of doors, as SiteTree names them to world files and building files name them, too.
 inline std::string DoorKindWord(SiteDoorKind kind) {
   switch (kind) {

@@ -43,6 +43,21 @@ SiteVertex ReadVertex(YamlReader& yaml, const YAML::Node& node) {
   return vertex;
 }
 
+std::optional<SiteWorkcell> ReadWorkcell(YamlReader& yaml, const YAML::Node& model) {
+  const std::string kind = yaml.Text(yaml.Find(model, "model_name"), "a model's name");
+  if (kind != kDispenserModel && kind != kIngestorModel) return std::nullopt;
+  SiteWorkcell workcell;
+  workcell.where = yaml.At(model);
+  workcell.dispenses = kind == kDispenserModel;
+  workcell.name = yaml.Text(yaml.Require(model, "name", "a " + kind), "the name of a " + kind);
+  const auto number = [&](const char* key) {
+    return yaml.Number(yaml.Require(model, key, "a " + kind), Quoted(key) + " of a " + kind, 0.0, -1e9, 1e9);
+  };
+  workcell.position = {number("x"), number("y")};
+  workcell.height = yaml.Number(yaml.Find(model, "z"), "'z' of a " + kind, 0.0, -kMaxMagnitude, kMaxMagnitude);
+  return workcell;
+}
+
 SiteDoor ReadDoor(YamlReader& yaml, const SiteEdge& edge, const YAML::Node& params) {
   SiteDoor door;
   door.edge = edge;

@@ -78,6 +78,12 @@ std::string DoorText(const SiteDoor& door) {
   return EdgeText(door.edge, parameters);
 }
 
+std::string WorkcellText(const SiteWorkcell& workcell) {
+  return fmt::format("{{model_name: {}, name: {}, static: true, x: {}, y: {}, yaw: 0, z: {}}}",
+                     workcell.dispenses ? kDispenserModel : kIngestorModel, InQuotes(workcell.name),
+                     DigitsOf(workcell.position.x()), DigitsOf(workcell.position.y()), DigitsOf(workcell.height));
+}
+
 std::string LaneText(const SiteLane& lane) {
   ParameterList parameters;
   parameters.Flag("bidirectional", lane.is_bidirectional);
@@ -114,6 +120,7 @@ std::string LevelText(const SiteLevel& level) {
   });
   text += Lines(kIndent, "doors", level.doors, DoorText);
   text += Lines(kIndent, "lanes", level.lanes, LaneText);
+  text += Lines(kIndent, "models", level.workcells, WorkcellText);
   text += Lines(kIndent, "human_lanes", level.human_lanes, HumanLaneText);
   return text;
 }

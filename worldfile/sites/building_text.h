@@ -7,8 +7,8 @@
 
 namespace troupe {
 
-// In metres (`cartesian_meters`), without drawings and furniture: ReadBuildingText makes the same levels, walls,
-// floors, doors, lifts, lanes, vertices with their roles, robots and people of it.
+// In metres (`cartesian_meters`), without drawings and furniture but with workcells: ReadBuildingText makes the same
+// levels, walls, floors, doors, lifts, lanes, vertices with their roles, robots and people of it.
 std::string BuildingText(const Site& site);
 
 }  // namespace troupe

@@ -95,6 +95,9 @@ class BuildingReader {
       level.floors.push_back(std::move(read));
     });
     yaml_.ForEachItem(yaml_.Find(node, "models"), "the models of " + of, [&](const Node& model) {
+      if (std::optional<SiteWorkcell> workcell = ReadWorkcell(yaml_, model)) {
+        return level.workcells.push_back(std::move(*workcell));
+      }
       if (site_.furniture++ == 0) first_model_ = model;
       furniture_.insert(yaml_.Text(yaml_.Find(model, "model_name"), "a model's name"));
     });
@@ -216,6 +219,11 @@ class BuildingReader {
         vertex.position = to_world_(i, vertex.position);
         if (IsNear(vertex.position)) continue;
         return diagnostics_.Fail(vertex.where, "found a vertex beyond 1000 km, expected it nearer");
+      }
+      for (SiteWorkcell& workcell : site_.levels[i].workcells) {
+        workcell.position = to_world_(i, workcell.position);
+        if (IsNear(workcell.position)) continue;
+        return diagnostics_.Fail(workcell.where, "found a model beyond 1000 km, expected it nearer");
       }
     }
     SeparateLevels();

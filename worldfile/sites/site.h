@@ -54,6 +54,15 @@ struct SiteDoor {
   bool is_operated = true;            // false: nothing moves it
 };
 
+// A model that puts items onto robots, or takes them from there.
+struct SiteWorkcell {
+  std::string name;
+  bool dispenses = true;  // false: an ingestor
+  Vec2 position{0.0, 0.0};
+  double height = 0.0;  // m above the level
+  SourceLocation where;
+};
+
 struct SiteFloor {
   std::vector<std::size_t> vertices;
   SourceLocation where;
@@ -87,6 +96,7 @@ struct SiteLevel {
   std::vector<SiteDoor> doors;
   std::vector<SiteFloor> floors;
   std::vector<SiteLane> lanes;
+  std::vector<SiteWorkcell> workcells;
   std::vector<SiteHumanLane> human_lanes;
   SourceLocation where;
 };

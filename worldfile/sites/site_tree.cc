@@ -420,6 +420,7 @@ std::vector<std::vector<std::string>> PlaceNames(const Site& site) {
 std::vector<NamedPlace> PlacesOf(const Site& site) {
   std::vector<NamedPlace> places;
   const std::vector<std::vector<std::string>> names = PlaceNames(site);
+  FreeNames free_names;
   for (std::size_t l = 0; l < site.levels.size(); ++l) {
     const SiteLevel& level = site.levels[l];
     for (std::size_t i = 0; i < level.vertices.size(); ++i) {
@@ -430,6 +431,16 @@ std::vector<NamedPlace> PlacesOf(const Site& site) {
       place.name = names[l][i];
       place.tags.insert(place.tags.begin(), level.name);
       place.X_WN = {vertex.position.x(), vertex.position.y(), level.elevation, 0.0};
+      places.push_back(std::move(place));
+      free_names.Add(names[l][i]);
+    }
+  }
+  for (const SiteLevel& level : site.levels) {
+    for (const SiteWorkcell& workcell : level.workcells) {
+      NamedPlace place;
+      place.name = free_names.Add(workcell.name);
+      place.tags = {level.name, (workcell.dispenses ? "dispenser:" : "ingestor:") + workcell.name};
+      place.X_WN = {workcell.position.x(), workcell.position.y(), level.elevation + workcell.height, 0.0};
       places.push_back(std::move(place));
     }
   }
