@@ -20,13 +20,6 @@ using testing::HasSubstr;
 
 constexpr std::size_t kMebibyte = 1024 * 1024;
 
-// Sanitizers reserve more addresses than any limit leaves.
-#ifdef TROUPE_SANITIZED
-constexpr bool kCanLimitMemory = false;
-#else
-constexpr bool kCanLimitMemory = true;
-#endif
-
 std::string BigEndian(std::uint32_t number) {
   std::string bytes;
   for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift & 255);

@@ -25,6 +25,13 @@ struct Caller {
 inline constexpr double kSeconds = 60.0;                  // longest time to an answer on the slowest machine
 inline constexpr std::int64_t kIntervalNs = 100'000'000;  // of pen.world
 
+// Sanitizers reserve more addresses than any limit leaves.
+#ifdef TROUPE_SANITIZED
+inline constexpr bool kCanLimitMemory = false;
+#else
+inline constexpr bool kCanLimitMemory = true;
+#endif
+
 // The path of a program of this build.
 std::string ProgramPath(const std::string& name);
 // The path of a world beside these tests.
