@@ -73,7 +73,7 @@ DoorPortal MakeDoor(const Scene& scene, const DoorDescription& door) {
     for (const ConvexPiece& piece : scene.body(scene.body_of(leaf.object)).pieces) {
       box.Extend(BoundingBox(piece.vertices));
     }
-    if (box.min_x > box.max_x) continue;  // a leaf without blocks
+    if (box.empty()) continue;  // a leaf without blocks
     for (ConvexPiece& piece : LeafAt(scene, leaf, 0.0)) portal.closed.push_back(std::move(piece));
     const bool is_hinged = leaf.turn != 0.0;
     portal.sweeps.push_back(is_hinged ? HingedSweep(box, leaf) : SlidingSweep(box, leaf));
@@ -108,14 +108,14 @@ std::optional<LiftStop> MakeStop(const Scene& scene, const LiftDescription& lift
   stop.door = door.leaves.front().X_WH.translation();
   if (stop.ToU(cabin).x() > 0.0) stop.outward = -stop.outward;
   const Rectangle box = extent(door);
-  if (box.min_x > box.max_x) return std::nullopt;  // leaves without blocks
+  if (box.empty()) return std::nullopt;  // leaves without blocks
   stop.door = stop.FromU({0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)});
   stop.half_width = 0.5 * box.height();
   double edge = 0.5 * box.width();
   constexpr double kBeside = 1.0;  // m
   for (const std::size_t other : floor.doors) {
     const Rectangle its = extent(world.doors[other]);
-    if (its.min_x > its.max_x) continue;
+    if (its.empty()) continue;
     const bool is_beside = std::fabs(0.5 * (its.min_x + its.max_x)) < kBeside && its.min_y < stop.half_width &&
                            its.max_y > -stop.half_width;
     if (is_beside) edge = std::max(edge, its.max_x);
@@ -270,7 +270,7 @@ WalkPortals::WalkPortals(const Scene& scene) {
     for (const std::size_t door : lift.cabin_doors) is_of_lift[door] = true;
     lifts.push_back(MakeLift(scene, lift, radii));
     const LiftPortal& portal = lifts.back();
-    if (portal.outline.min_x > portal.outline.max_x) continue;  // a cabin without blocks
+    if (portal.outline.empty()) continue;  // a cabin without blocks
     ConvexPiece shaft{.vertices = OutlineOf(portal.outline, portal.X_WC), .z = {1e9, -1e9}, .model = lift.model};
     for (const LiftFloor& floor : lift.floors) {
       shaft.z.min = std::min(shaft.z.min, floor.z);
