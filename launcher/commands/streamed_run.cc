@@ -4,6 +4,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <exception>
 #include <string>
 #include <utility>
 #include <variant>
@@ -48,12 +50,16 @@ StreamedRun::~StreamedRun() {
 }
 
 void StreamedRun::Run() {
-  const Status outcome = OrFailure([this]() -> Status {
-    while (Receive()) {
-    }
-    return {};
-  });
-  if (!outcome.ok()) PrintPlain(stderr, "{}\n", outcome.error().ToString());
+  try {
+    const Status outcome = OrFailure([this]() -> Status {
+      while (Receive()) {
+      }
+      return {};
+    });
+    if (!outcome.ok()) PrintPlain(stderr, "{}\n", outcome.error().ToString());
+  } catch (const std::exception&) {  // no memory for the message either
+    std::fputs("error: there is not enough memory\n", stderr);
+  }
   kill(getpid(), SIGTERM);
 }
 
