@@ -220,7 +220,7 @@ class LanesController final : public Controller, public RobotWatcher {
     for (std::size_t i = 0; i < std::min<std::size_t>(legs_.size(), 2); ++i) {
       const std::size_t to = legs_[i].to;
       if (!vertex(to).lift || vertex(to).lift == lift || !legs_[i].lane) continue;
-      if (!controls_.CallLift(to)) return false;
+      if (!controls_.AwaitLift(to)) return false;
       if (i == 0 && (!controls_.StandsOpenAt(to) || IsTaken(vertex(to), others_, radius_))) return false;
     }
     for (const SiteControls::DoorAhead& ahead : controls_.DoorsAhead(legs_, position(), 0.0, radius_)) {

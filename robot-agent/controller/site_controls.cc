@@ -7,6 +7,7 @@ namespace troupe {
 namespace {
 
 constexpr double kOpen = 0.999;      // of a door
+constexpr double kPatience = 5.0;    // s, with a blocked landing door
 constexpr double kCallAhead = 3.0;   // m, before it waits for a door
 constexpr double kMostSweep = 3.0;   // m, from a doorway to where a robot waits
 constexpr double kDoorMargin = 0.2;  // m, between a robot and the way of a leaf
@@ -34,7 +35,7 @@ std::optional<double> WayIntoDisc(std::span<const Vec2> path, const Vec2& center
 }
 
 SiteControls::SiteControls(const RobotInfo& info, const LaneGraph& graph)
-    : id_(info.id), graph_(&graph), doors_(info.doors), lifts_(info.lifts) {}
+    : id_(info.id), graph_(&graph), doors_(info.doors), lifts_(info.lifts), blocked_since_(lifts_.size()) {}
 
 void SiteControls::Begin(const Observation& observation, Command& command) {
   now_ = &observation;
@@ -50,13 +51,31 @@ bool SiteControls::CallLift(std::size_t vertex) {
   return session.has_value();
 }
 
+bool SiteControls::AwaitLift(std::size_t vertex) {
+  const std::optional<std::uint32_t> lift = LiftOf(vertex);
+  if (!lift) return true;
+  const std::vector<std::size_t>& doors = lifts_[*lift].doors[graph_->vertices[vertex].floor];
+  const bool is_blocked = StandsAt(*lift, vertex) && std::any_of(doors.begin(), doors.end(), [&](std::size_t door) {
+                            return now_->doors[door].blocked;
+                          });
+  std::optional<double>& since = blocked_since_[*lift];
+  since = is_blocked ? std::optional(since.value_or(now_->time)) : std::nullopt;
+  if (!since || now_->time - *since < kPatience) return CallLift(vertex);
+  if (now_->lifts[*lift].session == id_) command_->lifts.push_back({*lift, 0, true});
+  return false;
+}
+
+bool SiteControls::StandsAt(std::uint32_t lift, std::size_t vertex) const {
+  const LaneVertex& place = graph_->vertices[vertex];
+  const LiftState& state = now_->lifts[lift];
+  return state.floor == place.floor && std::fabs(state.z - place.z) <= 1e-6;
+}
+
 bool SiteControls::StandsOpenAt(std::size_t vertex) const {
   const std::optional<std::uint32_t> lift = LiftOf(vertex);
   if (!lift) return true;
-  const LaneVertex& place = graph_->vertices[vertex];
-  const LiftState& state = now_->lifts[*lift];
-  if (state.floor != place.floor || std::fabs(state.z - place.z) > 1e-6) return false;
-  const std::vector<std::size_t>& doors = lifts_[*lift].doors[place.floor];
+  if (!StandsAt(*lift, vertex)) return false;
+  const std::vector<std::size_t>& doors = lifts_[*lift].doors[graph_->vertices[vertex].floor];
   return std::all_of(doors.begin(), doors.end(), [&](std::size_t door) { return now_->doors[door].opening >= kOpen; });
 }
 

@@ -23,6 +23,9 @@ class SiteControls {
 
   // Calls the lift of a vertex to its floor. True while the session is the robot's own, or there is no lift.
   bool CallLift(std::size_t vertex);
+  // As CallLift, for a robot that waits outside. A landing door that a body has blocked for a while does not keep the
+  // lift from others: until the door is free, the session is not the robot's own.
+  bool AwaitLift(std::size_t vertex);
   // The lift of the vertex is there with open doors, or there is no lift.
   bool StandsOpenAt(std::size_t vertex) const;
   // Ends the sessions of lifts that the robot has and that no vertex of `needed` is in.
@@ -59,12 +62,14 @@ class SiteControls {
   double WayBefore(const LaneDoor& door, double way, std::span<const Vec2> path, double radius) const;
   // Whether a body of that radius may touch the leaves on their way.
   static bool IsNearLeaves(const DoorInfo& door, const Vec2& position, double radius);
+  bool StandsAt(std::uint32_t lift, std::size_t vertex) const;
   std::optional<std::uint32_t> LiftOf(std::size_t vertex) const { return graph_->vertices[vertex].lift; }
 
   RobotId id_;
   const LaneGraph* graph_;
   std::vector<DoorInfo> doors_;
   std::vector<LiftInfo> lifts_;
+  std::vector<std::optional<double>> blocked_since_;  // s, by lift: the landing door at which the robot waits
   std::vector<Passing> passing_;
   const Observation* now_ = nullptr;
   Command* command_ = nullptr;

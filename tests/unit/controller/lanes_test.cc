@@ -191,6 +191,42 @@ TEST(WayIntoDisc, EndsAtItsEdge) {
   EXPECT_FALSE(WayIntoDisc(corner, {-3, 0}, 2.9)) << "behind it";
 }
 
+TEST(SiteControls, KeepNoLiftWhoseLandingDoorIsBlocked) {
+  LaneGraph graph = Square();
+  graph.vertices[1].lift = 0;
+  RobotInfo info;
+  info.id = RobotId(0);
+  info.doors = {{"landing", {10.0, 0.0}, 0.0, {}}};
+  info.lifts = {{"lift", {11.0, 0.0}, {"L1", "L2"}, {{0}, {}}}};
+  SiteControls controls(info, graph);
+  std::vector<DoorState> doors(1);
+  std::vector<LiftState> lifts(1);
+  Observation observation;
+  observation.doors = doors;
+  observation.lifts = lifts;
+  lifts[0].session = RobotId(0);
+  // Whether it has the lift at that time, and what it tells the lift.
+  const auto await = [&](double time, bool is_blocked) {
+    doors[0].blocked = is_blocked;
+    observation.time = time;
+    Command command;
+    controls.Begin(observation, command);
+    const bool has_it = controls.AwaitLift(1);
+    EXPECT_EQ(command.lifts.size(), 1u);
+    EXPECT_EQ(!command.lifts.empty() && command.lifts[0].ends, !has_it);
+    return has_it;
+  };
+  EXPECT_TRUE(await(0.0, true));
+  EXPECT_TRUE(await(4.9, true));
+  EXPECT_TRUE(await(5.0, false));
+  EXPECT_TRUE(await(5.1, true)) << "its time begins anew";
+  EXPECT_FALSE(await(10.2, true));
+  EXPECT_TRUE(await(10.3, false));
+  lifts[0].floor = 1;
+  EXPECT_TRUE(await(11.0, true));
+  EXPECT_TRUE(await(20.0, true)) << "the lift is not there";
+}
+
 TEST(SiteControls, CloseADoorThatIsNotOnTheWayAnyMore) {
   LaneGraph graph = Square();
   graph.lanes[0].doors = {{0, 5.0}};
