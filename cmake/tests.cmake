@@ -11,8 +11,9 @@ set(TROUPE_SANITIZER_ENVIRONMENT
   TSAN_OPTIONS=ignore_noninstrumented_modules=1)
 
 troupe_precompiled_headers(troupe_test_headers
-  HEADERS <gmock/gmock.h> <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry> <map> <string> <vector>
-  DEPENDS Eigen3::Eigen GTest::gtest GTest::gmock)
+  HEADERS <gmock/gmock.h> <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry> <chrono> <filesystem> <fstream> <map>
+          <nlohmann/json.hpp> <string> <thread> <vector> <common/spatial/scene.h> <transport/protocol/messages.h>
+  DEPENDS Eigen3::Eigen nlohmann_json::nlohmann_json GTest::gtest GTest::gmock)
 if(TARGET troupe_test_headers)
   target_compile_options(troupe_test_headers PRIVATE ${TROUPE_TEST_OPTIONS})
 endif()
