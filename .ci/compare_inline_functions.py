@@ -4,7 +4,8 @@
 
 A function that several objects define has a section group of its own in each, of which the linker keeps one. Without
 optimization its bytes depend on its source alone: addresses are in the relocations, which are not compared. The option
-keeps the compiler from inferring that a function throws nothing, which it can only where it has seen all definitions.
+keeps the compiler from inferring that a function throws nothing, which it can only where it has seen all definitions. Headers
+must not switch the optimization on by a pragma.
 """
 
 import collections
