@@ -9,6 +9,9 @@ export const SOFTWARE_GRAPHICS = [
   '--no-sandbox', '--disable-gpu-compositing', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
 ];
 
+// Of a page: most of the processor time of a test would be of pictures that it does not look at.
+const FRAMES_PER_SECOND = 10;
+
 export class Pages {
   // Ends the process as a skipped test, with the reason, where chromium or a package of the page is missing.
   // `packages`: names of further packages, which `loaded` then has.
@@ -51,6 +54,11 @@ export class Pages {
       const to = new URL(request.url());
       if (to.protocol.startsWith('http') && to.hostname !== '127.0.0.1') this.problems.push(`request to ${to}`);
     });
+    await page.addInitScript(milliseconds => {
+      const request = window.requestAnimationFrame.bind(window);
+      window.requestAnimationFrame = callback => setTimeout(() => request(callback), milliseconds);
+      window.cancelAnimationFrame = clearTimeout.bind(window);
+    }, 1000 / FRAMES_PER_SECOND);
     page.setDefaultTimeout(120_000);  // ms: without a graphics card, beside other work
     await page.goto(url);
     return page;
