@@ -25,9 +25,9 @@ endfunction()
 # leave code alone in which tests spend little time.
 set(TROUPE_UNOPTIMIZED "" CACHE STRING "Folders whose libraries are compiled with -O0, as a regular expression")
 
-# For a library of this folder.
+# For a library or a program of this folder.
 function(troupe_compile_as_its_folder name)
-  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${name} PRIVATE -fPIC)  # as the precompiled headers; of a program CMake would make it -fPIE
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   if(TROUPE_UNOPTIMIZED AND folder MATCHES "${TROUPE_UNOPTIMIZED}")
     target_compile_options(${name} PRIVATE -O0)

@@ -262,13 +262,13 @@ TEST(BitmapEditingTest, TheHistoryOfPixelsIsBounded) {
       {"op", "create_bitmap"}, {"file", "yard.png"}, {"size", {100, 100, 1}}, {"pixel", 0.05}, {"pose", {0, 0, 0, 0}}};
   Applied(*house.editor, create);
   // Each stroke changes all of its 4 MB.
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 20; ++i) {
     Json stroke = Stroke("filled", {{0, 0}, {1999, 1999}}, 1, i % 2 == 1);
     stroke["name"] = "yard1";
     Applied(*house.editor, stroke);
   }
   int undone = 0;
-  for (; Executed(*house.editor, {{"op", "undo"}}).ok(); ++undone) EXPECT_LT(undone, 40);
+  for (; Executed(*house.editor, {{"op", "undo"}}).ok(); ++undone) EXPECT_LT(undone, 20);
   EXPECT_GT(undone, 10);
   EXPECT_LT(undone, 17);
 }
