@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "worldfile/map/map_yaml.h"
-#include "worldfile/models/lanes.h"
 #include "worldfile/models/people.h"
 #include "worldfile/models/start_overlap.h"
 #include "worldfile/models/types/model_types.h"

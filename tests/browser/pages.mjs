@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {existsSync} from 'node:fs';
 import {createRequire} from 'node:module';
-import {Program} from './programs.mjs';
+import {DEADLINE, Program} from './programs.mjs';
 
 // As Chromium draws where there is no graphics card, on any machine.
 export const SOFTWARE_GRAPHICS = [
@@ -32,6 +32,7 @@ export class Pages {
     const browser = await loaded['playwright-core'].chromium.launch({
       executablePath,
       args: SOFTWARE_GRAPHICS,
+      timeout: DEADLINE,
     });
     return new Pages(browser, loaded);
   }
@@ -59,7 +60,7 @@ export class Pages {
       window.requestAnimationFrame = callback => setTimeout(() => request(callback), milliseconds);
       window.cancelAnimationFrame = clearTimeout.bind(window);
     }, 1000 / FRAMES_PER_SECOND);
-    page.setDefaultTimeout(120_000);  // ms: without a graphics card, beside other work
+    page.setDefaultTimeout(DEADLINE);
     await page.goto(url);
     return page;
   }

@@ -3,7 +3,7 @@ import {spawn} from 'node:child_process';
 import {readFileSync, readdirSync} from 'node:fs';
 import {createInterface} from 'node:readline';
 
-const DEADLINE = 120_000;  // ms, on the slowest machine
+export const DEADLINE = 240_000;  // ms, on the slowest machine, beside a hundred other processes
 
 // Waits until `ask` returns something that is true, and returns that.
 export async function until(what, ask) {
@@ -12,7 +12,7 @@ export async function until(what, ask) {
     const answer = await ask();
     if (answer) return answer;
     if (Date.now() > end) throw new Error(`waited in vain until ${what}`);
-    await new Promise(resolve => setTimeout(resolve, 20));
+    await new Promise(resolve => setTimeout(resolve, 50));
   }
 }
 

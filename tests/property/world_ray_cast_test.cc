@@ -17,7 +17,7 @@ using test::BruteForceHit;
 using test::BruteForceRays;
 using test::RandomStream;
 
-constexpr int kRays = 20000;
+constexpr int kRays = 12000;
 
 struct Ray {
   Vec2 origin;

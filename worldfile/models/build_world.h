@@ -63,4 +63,7 @@ struct BuildOptions {
 Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overrides = {},
                                const BuildOptions& options = {});
 
+// The error of the first robot whose controller lacks something in the world, by the check of `overrides`.
+Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides);
+
 }  // namespace troupe

@@ -151,13 +151,4 @@ std::vector<LaneGraph> LaneGraphsOf(const Site& site, const WorldDescription& wo
   return graphs;
 }
 
-Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides) {
-  if (!overrides.check_in_world) return Status();
-  for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) {
-    const Status checked = overrides.check_in_world(loaded.world, RobotId(i));
-    if (!checked.ok()) return Error{{file}, checked.error().message};
-  }
-  return Status();
-}
-
 }  // namespace troupe

@@ -3,9 +3,7 @@
 
 #include <vector>
 
-#include "troupe/result.h"
 #include "troupe/world_description.h"
-#include "worldfile/models/build_world.h"
 #include "worldfile/sites/site.h"
 
 namespace troupe {
@@ -18,8 +16,5 @@ std::vector<LevelDescription> LevelsOf(const std::vector<LiftDescription>& lifts
 // The graphs of the site, by number. A lane through a door that nothing operates is left out, and no ride is in a lift
 // that nothing operates. The world has the doors and lifts of the site, or some of them.
 std::vector<LaneGraph> LaneGraphsOf(const Site& site, const WorldDescription& world);
-
-// The error of the first robot whose controller lacks something in the world, by the check of `overrides`.
-Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides);
 
 }  // namespace troupe

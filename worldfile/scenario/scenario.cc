@@ -7,7 +7,6 @@
 #include "common/base/glob.h"
 #include "common/model/find_robots.h"
 #include "worldfile/map/map_yaml.h"
-#include "worldfile/models/lanes.h"
 #include "worldfile/scenario/scenario_tree.h"
 #include "worldfile/sites/building_yaml.h"
 #include "worldfile/sites/lif_json.h"

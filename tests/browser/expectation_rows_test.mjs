@@ -1,13 +1,13 @@
 // Checks what the page tells of a run over time: the reports of controllers among its events, and the rows of the
 // expectations of its scenario; in a live run, in its recording and after seeks.
-//   node expectations_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
+//   node expectation_rows_test.mjs FOLDER_OF_PROGRAMS SOURCE_FOLDER FOLDER_FOR_FILES
 import assert from 'node:assert/strict';
 import {mkdirSync, rmSync, writeFileSync} from 'node:fs';
 import {Pages} from './pages.mjs';
 import {Program, until} from './programs.mjs';
 
 const [programs, source, files] = process.argv.slice(2);
-const pages = await Pages.launch('expectations_test', source, ['axe-core']);
+const pages = await Pages.launch('expectation_rows_test', source, ['axe-core']);
 const troupe = `${programs}/troupe`;
 const domain = String(181 + (process.pid % 19));
 rmSync(files, {recursive: true, force: true});
