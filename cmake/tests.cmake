@@ -47,15 +47,19 @@ function(troupe_test_program group)
 endfunction()
 
 # troupe_test(NAME GROUP group SOURCES a_test.cc ... DEPENDS lib ... [LABELS l ...] [TIMEOUT seconds] [NEEDS target ...]
-#             [DEFINITIONS d ...] [PROPERTIES name value ...])
+#             [DEFINITIONS d ...] [WAITS seconds] [PROPERTIES name value ...])
 # The tests in these sources (or headers), run by CTest as one test. DEPENDS: libraries; NEEDS: what they run or load;
+# WAITS: they mostly wait, for so long: they begin early, beside others;
 # PROPERTIES: of CTest, for instance COST: about how many seconds it takes, if many (the longest begin first), or
 # PROCESSORS: how many of the places for tests, six for each core, it takes. Labels: slow (not in scripts/test), process
 # (drives the programs), determinism (whole runs), threads (runs under the thread sanitizer too), addresses (under the
 # address sanitizer; all that have none of the first three have it). In a unity build the sources of a folder are
 # compiled together, up to 12 at a time.
 function(troupe_test name)
-  cmake_parse_arguments(arg "" "GROUP;TIMEOUT" "SOURCES;DEPENDS;LABELS;NEEDS;DEFINITIONS;PROPERTIES" ${ARGN})
+  cmake_parse_arguments(arg "" "GROUP;TIMEOUT;WAITS" "SOURCES;DEPENDS;LABELS;NEEDS;DEFINITIONS;PROPERTIES" ${ARGN})
+  if(arg_WAITS)
+    list(APPEND arg_PROPERTIES PROCESSORS 1 COST ${arg_WAITS})
+  endif()
   if(NOT arg_LABELS MATCHES "slow|process|determinism")
     list(APPEND arg_LABELS addresses)
   endif()

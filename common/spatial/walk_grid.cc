@@ -15,15 +15,29 @@ constexpr double kComfort = 0.2;  // m: a cell so near to a wall counts twice
 constexpr std::uint8_t kUnknownStep = 0xff;  // not looked for so far
 constexpr std::uint8_t kNoStep = 0xfe;
 
+// m, of a cell.
+double SideOf(const Rectangle& bounds) {
+  const double area = bounds.width() * bounds.height();
+  return std::max(std::clamp(std::sqrt(area / kManyCells), kFinestCell, kCoarsestCell), std::sqrt(area / kMostCells));
+}
+
+std::size_t CountOf(double length, double cell) {
+  return static_cast<std::size_t>(length / cell) + 1;
+}
+
 }  // namespace
+
+std::size_t WalkGrid::CountCells(const Rectangle& bounds) {
+  const double cell = SideOf(bounds);
+  return CountOf(bounds.width(), cell) * CountOf(bounds.height(), cell);
+}
 
 WalkGrid::WalkGrid(const StaticIndex& walls, const WalkPortals& portals, const ZRange& z, double radius,
                    const Rectangle& bounds)
     : z_(z), radius_(radius), bounds_(bounds) {
-  cell_ = std::clamp(std::sqrt(bounds.width() * bounds.height() / kManyCells), kFinestCell, kCoarsestCell);
-  cell_ = std::max(cell_, std::sqrt(bounds.width() * bounds.height() / kMostCells));
-  columns_ = static_cast<int>(bounds.width() / cell_) + 1;
-  rows_ = static_cast<int>(bounds.height() / cell_) + 1;
+  cell_ = SideOf(bounds);
+  columns_ = static_cast<int>(CountOf(bounds.width(), cell_));
+  rows_ = static_cast<int>(CountOf(bounds.height(), cell_));
   room_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), Room::kFree);
   for (std::size_t i = 0; i < kSteps.size(); ++i)
     offsets_[i] = kSteps[i].rows * std::ptrdiff_t{columns_} + kSteps[i].columns;

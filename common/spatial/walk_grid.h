@@ -33,6 +33,11 @@ class WalkGrid {
                                      Step{0, -1, kStraight},  Step{1, 1, kDiagonal}, Step{-1, 1, kDiagonal},
                                      Step{-1, -1, kDiagonal}, Step{1, -1, kDiagonal}};
 
+  // The cells of a grid with these bounds: of a wide one they are larger.
+  static std::size_t CountCells(const Rectangle& bounds);
+  // Of memory, at most, for each cell of a grid, and of a field.
+  static constexpr std::size_t kBytesOfCell = 5;
+
   // Of people at the heights `z` (m, W) with a radius.
   WalkGrid(const StaticIndex& walls, const WalkPortals& portals, const ZRange& z, double radius,
            const Rectangle& bounds);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "common/spatial/walk_grid.h"
@@ -48,6 +49,28 @@ std::optional<double> LengthIn(const WalkField& field, const Vec2& from) {
   return start ? std::optional(field.LengthFrom(*start)) : std::nullopt;
 }
 
+// m: people of nearly one radius have one grid.
+double ClassOf(double radius) {
+  constexpr double kClass = 0.05;  // m
+  return kClass * std::ceil(radius / kClass - 1e-6);
+}
+
+// With room around all that people come to.
+Rectangle FindBounds(const StaticIndex& walls, const WorldDescription& world, const WalkPortals& portals) {
+  Rectangle bounds = walls.bounds();
+  for (const GoalSet& set : world.goal_sets) {
+    for (const Vec2& point : set.points) bounds.Extend(point);
+  }
+  for (const PersonDescription& person : world.people) bounds.Extend(world.model(person.root).X_PM.translation());
+  for (const LiftPortal& lift : portals.lifts) {
+    for (const std::optional<LiftStop>& stop : lift.stops) {
+      if (stop) bounds.Extend(stop->Entrance());
+    }
+  }
+  constexpr double kBorder = 2.0;  // m
+  return bounds.Inflated(kBorder);
+}
+
 }  // namespace
 
 WalkRoutes::~WalkRoutes() = default;
@@ -58,7 +81,7 @@ WalkRoutes::WalkRoutes(const Scene& scene) : portals_(scene) {
   FindSizes(scene);
   NumberTargets(world);
   CountRides();
-  const Rectangle bounds = FindBounds(scene);
+  const Rectangle bounds = FindBounds(scene.static_index(), world, portals_);
   for (const Size& size : sizes_) {
     for (const double level : levels_) {
       grids_.push_back(
@@ -69,20 +92,19 @@ WalkRoutes::WalkRoutes(const Scene& scene) : portals_(scene) {
   fields_.resize(grids_.size() * targets_);
 }
 
-Rectangle WalkRoutes::FindBounds(const Scene& scene) const {
-  const WorldDescription& world = scene.world();
-  Rectangle bounds = scene.static_index().bounds();
-  for (const GoalSet& set : world.goal_sets) {
-    for (const Vec2& point : set.points) bounds.Extend(point);
+double WalkRoutes::MostBytes(const Scene& scene, const WorldDescription& world) {
+  const WalkPortals portals(scene);
+  std::set<std::pair<double, double>> sizes;
+  for (const PersonDescription& person : world.people) {
+    sizes.emplace(ClassOf(person.radius), world.model(person.root).size_z);
   }
-  for (const PersonDescription& person : world.people) bounds.Extend(world.model(person.root).X_PM.translation());
-  for (const LiftPortal& lift : portals_.lifts) {
-    for (const std::optional<LiftStop>& stop : lift.stops) {
-      if (stop) bounds.Extend(stop->Entrance());
-    }
-  }
-  constexpr double kBorder = 2.0;  // m
-  return bounds.Inflated(kBorder);
+  std::size_t goals = 0;
+  for (const GoalSet& set : world.goal_sets) goals += set.points.size();
+  for (const LiftPortal& lift : portals.lifts) goals += lift.stops.size();
+  const std::size_t levels = std::max<std::size_t>(1, world.levels.size());
+  const std::size_t cells = WalkGrid::CountCells(FindBounds(scene.static_index(), world, portals));
+  return static_cast<double>(WalkGrid::kBytesOfCell) * static_cast<double>(cells) *
+         static_cast<double>(sizes.size() * (goals + levels));
 }
 
 void WalkRoutes::FindLevels(const WorldDescription& world) {
@@ -101,8 +123,7 @@ void WalkRoutes::FindLevels(const WorldDescription& world) {
 }
 
 WalkRoutes::Size WalkRoutes::SizeOf(const Scene& scene, PersonId person) {
-  constexpr double kClass = 0.05;  // m
-  return {scene.body(scene.body_of(person)).z, kClass * std::ceil(RadiusOf(scene, person) / kClass - 1e-6)};
+  return {scene.body(scene.body_of(person)).z, ClassOf(RadiusOf(scene, person))};
 }
 
 void WalkRoutes::FindSizes(const Scene& scene) {

@@ -45,6 +45,8 @@ class WalkRoutes {
   };
 
   explicit WalkRoutes(const Scene& scene);
+  // The memory (bytes) that those of a world with people may take at most. `scene`: that world, or it without people.
+  static double MostBytes(const Scene& scene, const WorldDescription& world);
   ~WalkRoutes();
 
   const WalkPortals& portals() const { return portals_; }
@@ -79,7 +81,6 @@ class WalkRoutes {
   };
   static Size SizeOf(const Scene& scene, PersonId person);
 
-  Rectangle FindBounds(const Scene& scene) const;
   void FindLevels(const WorldDescription& world);
   void FindSizes(const Scene& scene);
   void NumberTargets(const WorldDescription& world);

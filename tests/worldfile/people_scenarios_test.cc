@@ -117,6 +117,22 @@ TEST(PeopleScenario, ErrorsNameThePlace) {
               testing::HasSubstr("expected 'regular', 'curious', 'scared' or 'careless'"));
 }
 
+// The way to each goal takes a grid of the whole ground.
+TEST(PeopleScenario, MoreWaysThanMemoryAreAnError) {
+  const auto with_goals = [](int count, const std::string& more) {
+    std::string goals = "[4000, 4000]";
+    for (int i = 1; i < count; ++i) goals += ", [" + std::to_string(i) + ", 0]";
+    return R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "goals": [)" + goals + "]}" + more + "]}";
+  };
+  EXPECT_EQ(ErrorOfPeople(with_goals(90, "")), "");
+  EXPECT_EQ(
+      ErrorOfPeople(with_goals(120, "")),
+      "s.json:1:13: error: found people whose ways may take 10 GiB of memory, expected at most 8: each goal takes a "
+      "grid of the whole ground for each size of people");
+  const std::string child = R"(, {"count": 1, "region": [4, 4, 5, 5], "radius": 0.15, "height": 1.1})";
+  EXPECT_THAT(ErrorOfPeople(with_goals(90, child)), testing::HasSubstr("may take 14 GiB"));
+}
+
 TEST(Guesthouse, ItsGuestsOpenDoorsAndReachTheOtherLevel) {
   const Scene scene(ValueOf(LoadWorld(Worlds() + "sites/guesthouse_guests.json")).world);
   const WorldDescription& world = scene.world();

@@ -11,6 +11,7 @@
 #include "common/model/states.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
+#include "common/spatial/walk_routes.h"
 #include "troupe/random.h"
 #include "worldfile/text/text_file.h"
 
@@ -55,6 +56,16 @@ class Crowd {
       if (leads) leader_ = PersonId(world_.people.size() - 1);
     }
     return Status();
+  }
+
+  // An error if the ways of the people would not fit into the memory of most machines.
+  Status CheckWays(const SourceLocation& where) const {
+    constexpr std::uint64_t kMost = 8;  // GiB
+    const double size = std::ceil(WalkRoutes::MostBytes(scene_, world_) / (1 << 30));
+    if (size <= static_cast<double>(kMost)) return Status();
+    return Error{where, "found people whose ways may take " + std::to_string(static_cast<std::uint64_t>(size)) +
+                            " GiB of memory, expected at most " + std::to_string(kMost) +
+                            ": each goal takes a grid of the whole ground for each size of people"};
   }
 
   LoadedWorld Release() { return std::move(loaded_); }
@@ -209,6 +220,7 @@ Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>&
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (Status full = crowd.Add(rules[i], first + i); !full.ok()) return full.error();
   }
+  if (Status large = crowd.CheckWays(rules.front().where); !large.ok()) return large.error();
   return crowd.Release();
 }
 
