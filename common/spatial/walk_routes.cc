@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -16,7 +17,7 @@ namespace {
 
 constexpr int kLookAhead = 48;      // steps
 constexpr double kDoorAhead = 3.0;  // m, by steps: a door that is nearer is seen
-constexpr std::size_t kNoRide = std::numeric_limits<std::size_t>::max();
+constexpr std::uint32_t kNoRide = std::numeric_limits<std::uint32_t>::max();
 
 // The next part of the way of a field.
 std::optional<WalkRoutes::Ahead> AheadIn(const WalkField& field, const Vec2& from) {
@@ -80,7 +81,6 @@ WalkRoutes::WalkRoutes(const Scene& scene) : portals_(scene) {
   FindLevels(world);
   FindSizes(scene);
   NumberTargets(world);
-  CountRides();
   const Rectangle bounds = FindBounds(scene.static_index(), world, portals_);
   for (const Size& size : sizes_) {
     for (const double level : levels_) {
@@ -90,6 +90,8 @@ WalkRoutes::WalkRoutes(const Scene& scene) : portals_(scene) {
   }
   made_ = std::vector<std::once_flag>(grids_.size() * targets_);
   fields_.resize(grids_.size() * targets_);
+  counted_ = std::vector<std::once_flag>(kinds_ * levels_.size() * targets_);
+  rides_.resize(counted_.size());
 }
 
 double WalkRoutes::MostBytes(const Scene& scene, const WorldDescription& world) {
@@ -127,14 +129,18 @@ WalkRoutes::Size WalkRoutes::SizeOf(const Scene& scene, PersonId person) {
 }
 
 void WalkRoutes::FindSizes(const Scene& scene) {
+  std::map<std::pair<std::size_t, double>, std::size_t> kinds;
   for (std::size_t i = 0; i < scene.world().people.size(); ++i) {
     radii_.push_back(RadiusOf(scene, PersonId(i)));
     const Size size = SizeOf(scene, PersonId(i));
     const auto same = std::find(sizes_.begin(), sizes_.end(), size);
     size_of_.push_back(static_cast<std::size_t>(same - sizes_.begin()));
     if (same == sizes_.end()) sizes_.push_back(size);
+    const auto kind = kinds.emplace(std::pair(size_of_.back(), radii_.back()), kinds.size()).first;
+    kind_of_.push_back(kind->second);
     start_level_.push_back(LevelAt(scene.world().model(scene.world().people[i].root).X_PM.z));
   }
+  kinds_ = kinds.size();
 }
 
 void WalkRoutes::NumberTargets(const WorldDescription& world) {
@@ -153,27 +159,6 @@ void WalkRoutes::NumberTargets(const WorldDescription& world) {
   for (const LiftPortal& lift : portals_.lifts) {
     first_stop_.push_back(targets_);
     targets_ += lift.stops.size();
-  }
-}
-
-void WalkRoutes::CountRides() {
-  const std::size_t count = levels_.size();
-  rides_.assign(count * count, kNoRide);
-  for (std::size_t to = 0; to < count; ++to) {
-    rides_[to * count + to] = 0;
-    for (std::size_t rides = 1; rides < count; ++rides) {
-      for (const LiftPortal& lift : portals_.lifts) {
-        const bool leads_on = std::any_of(lift.stops.begin(), lift.stops.end(), [&](const auto& stop) {
-          return stop && rides_[LevelAt(stop->z) * count + to] == rides - 1;
-        });
-        if (!leads_on) continue;
-        for (const std::optional<LiftStop>& stop : lift.stops) {
-          if (!stop) continue;
-          std::size_t& from = rides_[LevelAt(stop->z) * count + to];
-          from = std::min(from, rides);
-        }
-      }
-    }
   }
 }
 
@@ -230,31 +215,77 @@ std::optional<double> WalkRoutes::Length(PersonId person, const Stop& stop, cons
   return LengthIn(FieldTo(person, stop), from);
 }
 
-std::optional<WalkRoutes::Ride> WalkRoutes::FindRide(PersonId person, std::size_t level, const Goal& goal,
-                                                     const Vec2& from) const {
+template <typename Visit>
+void WalkRoutes::ForEachStop(std::uint32_t lift, Visit visit) const {
+  const std::vector<std::optional<LiftStop>>& stops = portals_.lifts[lift].stops;
+  for (std::uint32_t floor = 0; floor < stops.size(); ++floor) {
+    if (stops[floor]) visit(Stop{lift, floor});
+  }
+}
+
+// From the goal backwards: each round finds the stops from which one ride more is needed.
+std::vector<std::uint32_t> WalkRoutes::CountRides(PersonId person, const Goal& goal) const {
+  std::vector<Stop> stops;
+  for (std::uint32_t lift = 0; lift < portals_.lifts.size(); ++lift)
+    ForEachStop(lift, [&](const Stop& stop) { stops.push_back(stop); });
+  std::vector<std::uint32_t> rides(targets_ - first_stop_.front(), kNoRide);
+  const auto rides_from = [&](const Stop& stop) -> std::uint32_t& {
+    return rides[NumberOf(stop) - first_stop_.front()];
+  };
   const std::size_t to = LevelOf(person, goal);
-  const std::size_t rides = RidesFrom(level, to);
-  if (rides == 0 || rides == kNoRide) return std::nullopt;
-  std::optional<Ride> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::uint32_t lift = 0; lift < portals_.lifts.size(); ++lift) {
-    if (radii_[person.index()] > portals_.lifts[lift].radius) continue;
-    const std::vector<std::optional<LiftStop>>& stops = portals_.lifts[lift].stops;
-    for (std::uint32_t on = 0; on < stops.size(); ++on) {
-      if (!stops[on] || LevelAt(stops[on]->z) != level) continue;
-      const std::optional<double> before = Length(person, Stop{lift, on}, from);
-      if (!before) continue;
-      for (std::uint32_t off = 0; off < stops.size(); ++off) {
-        if (!stops[off] || RidesFrom(LevelAt(stops[off]->z), to) != rides - 1) continue;
-        const std::optional<double> after =
-            rides == 1 ? Length(person, goal, stops[off]->Entrance()) : std::optional(0.0);
-        if (!after) continue;
-        const double length = *before + std::fabs(stops[off]->z - stops[on]->z) + *after;
-        if (length >= least) continue;
-        least = length;
-        best = Ride{lift, off};
+  for (const Stop& stop : stops) {
+    if (LevelAt(StopOf(stop).z) == to && Length(person, goal, StopOf(stop).Entrance())) rides_from(stop) = 0;
+  }
+  bool has_found = true;
+  for (std::uint32_t count = 1; has_found; ++count) {
+    has_found = false;
+    for (const Stop& on : stops) {
+      if (!FitsIn(person, portals_.lifts[on.lift])) continue;
+      const bool leads_on = std::any_of(stops.begin(), stops.end(), [&](const Stop& off) {
+        return off.lift == on.lift && rides_from(off) == count - 1;
+      });
+      if (!leads_on) continue;
+      for (const Stop& from : stops) {
+        if (rides_from(from) != kNoRide || LevelAt(StopOf(from).z) != LevelAt(StopOf(on).z)) continue;
+        if (!Length(person, on, StopOf(from).Entrance())) continue;
+        rides_from(from) = count;
+        has_found = true;
       }
     }
+  }
+  return rides;
+}
+
+const std::vector<std::uint32_t>& WalkRoutes::RidesTo(PersonId person, const Goal& goal) const {
+  const std::size_t number =
+      (kind_of_[person.index()] * levels_.size() + LevelOf(person, goal)) * targets_ + NumberOf(goal);
+  std::call_once(counted_[number], [&] { rides_[number] = CountRides(person, goal); });
+  return rides_[number];
+}
+
+std::optional<WalkRoutes::Ride> WalkRoutes::FindRide(PersonId person, std::size_t level, const Goal& goal,
+                                                     const Vec2& from) const {
+  if (level == LevelOf(person, goal) || first_stop_.empty()) return std::nullopt;
+  const std::vector<std::uint32_t>& rides = RidesTo(person, goal);
+  std::optional<Ride> best;
+  std::pair least(kNoRide, std::numeric_limits<double>::infinity());  // rides after this one, and the length
+  for (std::uint32_t lift = 0; lift < portals_.lifts.size(); ++lift) {
+    if (!FitsIn(person, portals_.lifts[lift])) continue;
+    ForEachStop(lift, [&](const Stop& on) {
+      if (LevelAt(StopOf(on).z) != level) return;
+      const std::optional<double> before = Length(person, on, from);
+      if (!before) return;
+      ForEachStop(lift, [&](const Stop& off) {
+        const std::uint32_t more = rides[NumberOf(off) - first_stop_.front()];
+        if (more == kNoRide) return;
+        // The way after a further ride is not counted.
+        const double after = more == 0 ? *Length(person, goal, StopOf(off).Entrance()) : 0.0;
+        const std::pair length(more, *before + std::fabs(StopOf(off).z - StopOf(on).z) + after);
+        if (length >= least) return;
+        least = length;
+        best = Ride{lift, off.floor};
+      });
+    });
   }
   return best;
 }

@@ -70,7 +70,7 @@ class WalkRoutes {
   std::optional<double> Length(PersonId person, const Stop& stop, const Vec2& from) const;
 
   // The next ride of the shortest way from a point on `level` to a goal on another one: with as few rides as possible.
-  // Nothing if no lift leads there.
+  // Nothing if no lift leads there for a person of this width.
   std::optional<Ride> FindRide(PersonId person, std::size_t level, const Goal& goal, const Vec2& from) const;
 
  private:
@@ -84,7 +84,6 @@ class WalkRoutes {
   void FindLevels(const WorldDescription& world);
   void FindSizes(const Scene& scene);
   void NumberTargets(const WorldDescription& world);
-  void CountRides();
 
   // The numbers of goals and stops among the targets.
   std::size_t NumberOf(const Goal& goal) const;
@@ -93,7 +92,13 @@ class WalkRoutes {
   const WalkField& FieldTo(PersonId person, const Goal& goal) const;
   const WalkField& FieldTo(PersonId person, const Stop& stop) const;
   const WalkField& FieldOf(PersonId person, std::size_t level, std::size_t number, const Vec2& target) const;
-  std::size_t RidesFrom(std::size_t level, std::size_t to) const { return rides_[level * levels_.size() + to]; }
+  bool FitsIn(PersonId person, const LiftPortal& lift) const { return radii_[person.index()] <= lift.radius; }
+  // Calls visit(stop) for the stops of a lift, by floor.
+  template <typename Visit>
+  void ForEachStop(std::uint32_t lift, Visit visit) const;
+  // By number of a stop among the targets, from first_stop_[0] on: the fewest rides from its entrance to the goal.
+  const std::vector<std::uint32_t>& RidesTo(PersonId person, const Goal& goal) const;
+  std::vector<std::uint32_t> CountRides(PersonId person, const Goal& goal) const;
 
   const WalkPortals portals_;
   std::vector<double> levels_;                             // m, ascending
@@ -102,14 +107,17 @@ class WalkRoutes {
   std::vector<std::size_t> first_point_;                   // by set: the number of its first point among the targets
   std::vector<std::size_t> first_stop_;                    // by lift, likewise
   std::size_t targets_ = 0;
-  std::vector<std::size_t> rides_;  // by level and level: the fewest from one to the other
   std::vector<Size> sizes_;
   std::vector<double> radii_;  // m, by person, like the next
   std::vector<std::size_t> size_of_;
+  std::vector<std::size_t> kind_of_;  // people of one size and radius are of one kind
+  std::size_t kinds_ = 0;
   std::vector<std::size_t> start_level_;
   std::vector<std::unique_ptr<const WalkGrid>> grids_;  // by size and level
   mutable std::vector<std::once_flag> made_;            // by size, level and target, like the next
   mutable std::vector<std::unique_ptr<const WalkField>> fields_;
+  mutable std::vector<std::once_flag> counted_;  // by kind, level and target, like the next
+  mutable std::vector<std::vector<std::uint32_t>> rides_;
 };
 
 // Those of a scene, once they are asked for.

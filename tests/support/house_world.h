@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <numeric>
+#include <string>
 #include <vector>
 
 #include "tests/support/people_world.h"
@@ -15,10 +17,41 @@ class HouseWorld : public PeopleWorld {
 
   explicit HouseWorld(std::size_t levels, Leaf kind = Leaf::kHinged, double door_y = 5.0, double cabin = 2.3) {
     for (std::size_t i = 0; i < levels; ++i) AddHall(LevelZ(i), kind, door_y);
-    AddLift(levels, cabin);
+    std::vector<std::size_t> all(levels);
+    std::iota(all.begin(), all.end(), 0);
+    AddLift(all, cabin, {0.0, 5.0});
   }
 
   static double LevelZ(std::size_t level) { return kStorey * static_cast<double>(level); }
+
+  // A lift between levels, ascending, whose door is at `at` and opens towards x; its cabin is a square of `size` m,
+  // the doorway twice `half_width` wide.
+  void AddLift(const std::vector<std::size_t>& levels, double size, const Vec2& at, double half_width = 0.6) {
+    constexpr double kCabinDoor = -0.09;  // m, of the door of the cabin from that of the level
+    const double half = 0.5 * size;
+    const double start = LevelZ(levels.front());
+    const ModelId lift_model = AddModel(Box(0.0, 0.0, 0.1, 0.1), {60.0, 60.1});
+    const ZRange walls{0.0, 2.5};
+    const std::vector<Block> blocks{{Box(-half, -half, half, half), {-0.05, 0.0}},
+                                    {Box(-half, -half, half, -half + 0.05), walls},
+                                    {Box(-half, half - 0.05, half, half), walls},
+                                    {Box(-half, -half + 0.05, -half + 0.05, half - 0.05), walls},
+                                    {Box(half - 0.05, -half + 0.05, half, -half_width), walls},
+                                    {Box(half - 0.05, half_width, half, half - 0.05), walls}};
+    const ModelId cabin = AddModel(blocks, {at.x() + kCabinDoor + 0.025 - half, at.y(), start, 0.0});
+    LiftDescription lift{.model = lift_model,
+                         .cabin = AddMounted(cabin),
+                         .cabin_doors = {world.doors.size()},
+                         .floors = {},
+                         .speed = 1.5};
+    AddLiftDoor({at.x() + kCabinDoor, at.y()}, start, half_width, true);
+    for (const std::size_t level : levels) {
+      AddLiftDoor(at, LevelZ(level), half_width, level == levels.front());
+      lift.floors.push_back(
+          {"L" + std::to_string(level), LevelZ(level), {lift.cabin_doors[0], world.doors.size() - 1}});
+    }
+    world.lifts.push_back(lift);
+  }
 
   // A point of the goals of people, on a level.
   struct Place {
@@ -87,40 +120,16 @@ class HouseWorld : public PeopleWorld {
     return ObjectId(world.objects.size() - 1);
   }
 
-  // A sliding door of two leaves across x, at y = 5.
-  void AddLiftDoor(double x, double z) {
-    AddDoor(z, {{{x, 5.0, z, -0.5 * kPi}, 0.6, 0.0, 0.6}, {{x, 5.0, z, 0.5 * kPi}, 0.6, 0.0, 0.6}}, 2.5);
+  // A sliding door of two leaves across x.
+  void AddLiftDoor(const Vec2& at, double z, double half_width, bool is_open) {
+    const Pose south{at.x(), at.y(), z, -0.5 * kPi};
+    const Pose north{at.x(), at.y(), z, 0.5 * kPi};
+    AddDoor(z, {{south, half_width, 0.0, half_width}, {north, half_width, 0.0, half_width}}, 2.5);
     world.doors.back().is_operated = false;
-    const bool is_open = z == 0.0;
     world.doors.back().opening = is_open ? 1.0 : 0.0;
     for (const DoorLeaf& leaf : world.doors.back().leaves) {
       model(world.objects[leaf.object.index()]).X_PM = leaf.X_WH_at(world.doors.back().opening);
     }
-  }
-
-  void AddLift(std::size_t levels, double size) {
-    constexpr double kDoorX = -0.09;
-    const double half = 0.5 * size;
-    const ModelId lift_model = AddModel(Box(0.0, 0.0, 0.1, 0.1), {60.0, 60.1});
-    const ZRange walls{0.0, 2.5};
-    const std::vector<Block> blocks{{Box(-half, -half, half, half), {-0.05, 0.0}},
-                                    {Box(-half, -half, half, -half + 0.05), walls},
-                                    {Box(-half, half - 0.05, half, half), walls},
-                                    {Box(-half, -half + 0.05, -half + 0.05, half - 0.05), walls},
-                                    {Box(half - 0.05, -half + 0.05, half, -0.6), walls},
-                                    {Box(half - 0.05, 0.6, half, half - 0.05), walls}};
-    const ModelId cabin = AddModel(blocks, {kDoorX + 0.025 - half, 5.0, 0.0, 0.0});
-    LiftDescription lift{.model = lift_model,
-                         .cabin = AddMounted(cabin),
-                         .cabin_doors = {world.doors.size()},
-                         .floors = {},
-                         .speed = 1.5};
-    AddLiftDoor(kDoorX, 0.0);
-    for (std::size_t i = 0; i < levels; ++i) {
-      AddLiftDoor(0.0, LevelZ(i));
-      lift.floors.push_back({"L" + std::to_string(i), LevelZ(i), {lift.cabin_doors[0], world.doors.size() - 1}});
-    }
-    world.lifts.push_back(lift);
   }
 };
 

@@ -178,6 +178,25 @@ TEST(PeopleInLifts, APersonThatIsMovedForgetsItsRideAndOneWithoutALiftGivesUp) {
   EXPECT_LT((without.Place(anna) - Vec2(4.0, 5.0)).norm(), 0.1);
 }
 
+// The lift that goes there directly is too narrow.
+TEST(PeopleInLifts, AWidePersonTakesTheLongerWayWithWiderLifts) {
+  HouseWorld house(3);
+  for (LiftFloor& floor : house.world.lifts[kLift].floors) floor.doors.clear();
+  house.AddLift({0, 2}, 0.9, {2.6, 1.4}, 0.35);
+  house.AddLift({0, 1}, 2.3, {2.6, 4.0});
+  house.AddLift({1, 2}, 2.3, {2.6, 7.5});
+  const PersonId anna = house.AddPersonOn(0, {5.0, 5.0}, house.AddTour({{{6.0, 5.0}, 2}}), 0.4);
+  const PersonId bob = house.AddPersonOn(0, {6.0, 7.0}, house.AddTour({{{6.0, 3.0}, 2}}), 0.2);
+  PeopleRun run(house.world);
+  const WalkRoutes& routes = run.scene->walk_routes();
+  EXPECT_NEAR(routes.portals().lifts[1].radius, 0.2, 1e-9);
+  const auto longer = routes.FindRide(anna, 0, {0, 0}, {5.0, 5.0});
+  ASSERT_TRUE(longer.has_value());
+  EXPECT_EQ(longer->lift, 2u);
+  EXPECT_EQ(routes.FindRide(bob, 0, {1, 0}, {5.0, 5.0})->lift, 1u);
+  EXPECT_TRUE(run.StepUntil(1500, [&] { return Level(run, anna) == 2 && run.state.people[0].lift == 0; }));
+}
+
 TEST(PeopleInLifts, APersonThatTriesAgainAndAgainToGetOnGivesUpAfterItsPatience) {
   HouseWorld house(2);
   house.AddRobot(test::Box(-0.2, -0.58, 0.2, 0.58), {0.0, 0.6}, {0.3, 5.0, 0.0, 0.0});  // in the doorway
