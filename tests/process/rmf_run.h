@@ -45,9 +45,9 @@ class Rmf : public testing::Test {
     run_->WaitForLine(", ready");
   }
 
-  void RequestDoor(const char* door, ros::DoorMode mode) {
+  void RequestDoor(const char* door, ros::DoorMode mode, const char* requester = "test") {
     ros::DoorRequest request{};
-    request.requester_id = Text("test");
+    request.requester_id = Text(requester);
     request.door_name = Text(door);
     request.requested_mode.value = static_cast<std::uint32_t>(mode);
     door_requests_.Write(request);

@@ -135,7 +135,8 @@ void RmfTopics::Run() {
       {
         const std::lock_guard lock(shared_->mutex);
         FinishMoves();
-        ReadRequests();
+        has_held_ |= holds_;
+        if (!holds_) ReadRequests();
       }
       SendEdits();
       wakes = PlanMoves() || wakes;
@@ -194,7 +195,7 @@ bool RmfTopics::PlanMoves() {
   for (bool has_planned = false;; has_planned = true) {
     std::unique_lock lock(shared_->mutex);
     if (!workcells_ || !KnowsState()) return has_planned;
-    workcells_->Read();
+    if (!holds_) workcells_->Read();
     const std::optional<RmfWorkcells::Question> question = workcells_->NextQuestion();
     if (!question) return has_planned;
     ReserveEdit();
@@ -277,9 +278,15 @@ void RmfTopics::OnTick(const FrameMessage& frame) {
   }
 }
 
+void RmfTopics::Hold() {
+  const std::lock_guard lock(shared_->mutex);
+  holds_ = true;
+}
+
 bool RmfTopics::Settle() {
   {
     const std::lock_guard lock(shared_->mutex);
+    has_held_ = false;
     ReadRequests();
   }
   SendEdits();
@@ -287,7 +294,10 @@ bool RmfTopics::Settle() {
   FinishMoves();
   const bool is_to_plan = workcells_ && workcells_->has_requests();
   if (is_to_plan) shared_->duties.Add(&Duties::Due::arrived);
-  return !is_to_plan && shared_->open == 0;
+  if (is_to_plan || shared_->open > 0) return false;
+  holds_ = false;
+  if (std::exchange(has_held_, false)) shared_->duties.Add(&Duties::Due::arrived);
+  return true;
 }
 
 bool RmfTopics::KnowsState() const {
@@ -300,8 +310,24 @@ bool RmfTopics::KnowsState() const {
 void RmfTopics::ReadRequests() {
   if (!KnowsState()) return;
   if (topics_) {
-    topics_->door_requests.Drain([&](const ros::DoorRequest& request) { OperateDoor(request); });
-    topics_->lift_requests.Drain([&](const ros::LiftRequest& request) { CallLift(request); });
+    std::vector<DoorAsk> doors;
+    topics_->door_requests.Drain([&](const ros::DoorRequest& request) {
+      const bool opens = request.requested_mode.value == static_cast<std::uint32_t>(ros::DoorMode::kOpen);
+      doors.push_back({dds::Text(request.requester_id), dds::Text(request.door_name), opens});
+    });
+    std::vector<LiftAsk> lifts;
+    topics_->lift_requests.Drain([&](const ros::LiftRequest& request) {
+      lifts.push_back({dds::Text(request.session_id), dds::Text(request.lift_name),
+                       dds::Text(request.destination_floor), request.request_type});
+    });
+    if (results_ == RmfWorkcells::Results::kWithTicks) {
+      std::stable_sort(doors.begin(), doors.end(),
+                       [](const DoorAsk& a, const DoorAsk& b) { return a.requester < b.requester; });
+      std::stable_sort(lifts.begin(), lifts.end(),
+                       [](const LiftAsk& a, const LiftAsk& b) { return a.session < b.session; });
+    }
+    for (const DoorAsk& ask : doors) OperateDoor(ask);
+    for (const LiftAsk& ask : lifts) CallLift(ask);
   }
   if (workcells_) workcells_->Read();
 }
@@ -313,33 +339,30 @@ void RmfTopics::FinishMoves() {
   shared_->moved.clear();
 }
 
-void RmfTopics::OperateDoor(const ros::DoorRequest& request) {
+void RmfTopics::OperateDoor(const DoorAsk& ask) {
   const WorldDescription& world = scene_->world();
-  const std::string name = dds::Text(request.door_name);
   const auto door = std::find_if(doors_.begin(), doors_.end(),
-                                 [&](std::size_t i) { return world.model(world.doors[i].model).name == name; });
+                                 [&](std::size_t i) { return world.model(world.doors[i].model).name == ask.door; });
   if (door == doors_.end()) {
-    return Refuse(fmt::format("/door_requests: the world has no door '{}' that takes requests", name));
+    return Refuse(fmt::format("/door_requests: the world has no door '{}' that takes requests", ask.door));
   }
-  const bool opens = request.requested_mode.value == static_cast<std::uint32_t>(ros::DoorMode::kOpen);
-  Ask(ControlCommand::kDoor, name, opens ? "open" : "close", state_.doors[*door].target == (opens ? 1.0 : 0.0));
+  Ask(ControlCommand::kDoor, ask.door, ask.opens ? "open" : "close",
+      state_.doors[*door].target == (ask.opens ? 1.0 : 0.0));
 }
 
-void RmfTopics::CallLift(const ros::LiftRequest& request) {
+void RmfTopics::CallLift(const LiftAsk& ask) {
   const WorldDescription& world = scene_->world();
-  const std::string name = dds::Text(request.lift_name);
+  const std::string& name = ask.lift;
   const std::optional<std::size_t> number = FindLift(world, name);
   if (!number) return Refuse(fmt::format("/lift_requests: the world has no lift '{}'", name));
   const LiftDescription& lift = world.lifts[*number];
-  const LiftTask asked{dds::Text(request.session_id), static_cast<ros::LiftRequestType>(request.request_type),
-                       dds::Text(request.destination_floor), false};
+  const LiftTask asked{ask.session, static_cast<ros::LiftRequestType>(ask.type), ask.floor, false};
   if (std::none_of(lift.floors.begin(), lift.floors.end(),
                    [&](const LiftFloor& floor) { return floor.name == asked.floor; })) {
     return Refuse(fmt::format("/lift_requests: lift '{}' has no floor '{}'", name, asked.floor));
   }
-  if (request.request_type > static_cast<std::uint8_t>(ros::LiftRequestType::kHuman)) {
-    return Refuse(
-        fmt::format("/lift_requests: lift '{}': found the type {}, expected 0 to 2", name, request.request_type));
+  if (ask.type > static_cast<std::uint8_t>(ros::LiftRequestType::kHuman)) {
+    return Refuse(fmt::format("/lift_requests: lift '{}': found the type {}, expected 0 to 2", name, ask.type));
   }
   const LiftState& state = state_.lifts[*number];
   if (state.session) {

@@ -41,6 +41,8 @@ class RmfTopics {
   void OnCommit(const FrameMessage& frame);
   // Writes the states that have changed, or are due.
   void OnTick(const FrameMessage& frame);
+  // Requests wait for Settle from here on: nodes have not answered the tick. Else their order would depend on threads.
+  void Hold();
   // Passes on the requests that have arrived. False: some are not answered yet; WorldControl::Wake follows.
   bool Settle();
 
@@ -54,6 +56,17 @@ class RmfTopics {
     std::string floor;  // "": none yet
     bool is_done = true;
     bool operator==(const LiftTask&) const = default;
+  };
+  struct DoorAsk {
+    std::string requester;
+    std::string door;
+    bool opens = false;
+  };
+  struct LiftAsk {
+    std::string session;
+    std::string lift;
+    std::string floor;
+    std::uint8_t type = 0;
   };
   // What a lift has shown.
   struct LiftView {
@@ -76,12 +89,13 @@ class RmfTopics {
   // REQUIRES of those below: the mutex is held.
   // False before the first frame of a world: samples wait until then.
   bool KnowsState() const;
-  // Reads the requests that have arrived, and adds the edits of doors and lifts.
+  // Reads the requests that have arrived, and adds the edits of doors and lifts. Where ticks wait for nodes, those of
+  // one requester after those of another, by name.
   void ReadRequests();
   // Tells the workcells of the edits that have been answered.
   void FinishMoves();
-  void OperateDoor(const ros::DoorRequest& request);
-  void CallLift(const ros::LiftRequest& request);
+  void OperateDoor(const DoorAsk& ask);
+  void CallLift(const LiftAsk& ask);
   // Adds the edit, unless the newest one that is not answered yet is the same.
   void Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so);
   // Memory for one edit more, and for its reply, which must not fail. Then AddEdit does not.
@@ -102,6 +116,8 @@ class RmfTopics {
   // Of the newest frame: doors and lifts, and in a world with workcells all. Empty before the first.
   WorldState state_;
   bool has_workcells_ = false;
+  bool holds_ = false;                                // requests stay in the readers
+  bool has_held_ = false;                             // some may have arrived since they were read last
   std::vector<ControlRequest> edits_;                 // to be sent
   std::vector<std::size_t> doors_;                    // with requests of their own
   std::map<std::string, LiftTask> tasks_;             // by lift

@@ -112,7 +112,14 @@ const Workcell* RmfWorkcells::Find(WorkcellKind kind, const std::string& name) c
 void RmfWorkcells::Read() {
   if (has_requests()) return;
   for (const WorkcellKind kind : {WorkcellKind::kDispenser, WorkcellKind::kIngestor}) {
-    TopicsOf(kind).Drain([&](const Request& request) { Accept(kind, request); });
+    std::vector<Request> requests;
+    TopicsOf(kind).Drain([&](const Request& request) { requests.push_back(request); });
+    if (results_ == Results::kWithTicks) {
+      std::stable_sort(requests.begin(), requests.end(), [](const Request& a, const Request& b) {
+        return std::tie(a.number, a.workcell) < std::tie(b.number, b.workcell);
+      });
+    }
+    for (const Request& request : requests) Accept(kind, request);
   }
 }
 

@@ -40,7 +40,7 @@ class RmfWorkcells {
 
   void ChangeWorld(const std::shared_ptr<const Scene>& scene);
   // Reads the requests that have arrived, unless some are not planned yet: those stay in the readers, which have a
-  // bound.
+  // bound. With kWithTicks in the order of their numbers.
   void Read();
   bool has_requests() const { return !requests_.empty(); }
   // Arguments of PlanMove.

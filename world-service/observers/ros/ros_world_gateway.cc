@@ -249,7 +249,9 @@ class RosWorldGateway final : public RunObserver {
     return Status();
   }
   Status OnShown(const FrameMessage& frame) override {
-    if (lockstep_) lockstep_->OnShown(frame);
+    if (!lockstep_) return Status();
+    if (rmf_) rmf_->Hold();
+    lockstep_->OnShown(frame);
     return Status();
   }
   // The requests that came before the last answer are edits of the shown tick.
