@@ -12,6 +12,7 @@ namespace troupe::dds {
 
 namespace {
 
+constexpr double kMostLeaveWait = 1.0;  // s, for which the service may acknowledge the last samples
 constexpr auto kMakePeriod = std::chrono::milliseconds(500);  // between two attempts to make the network's endpoints
 
 }  // namespace
@@ -104,7 +105,7 @@ DdsAgentEndpoint::~DdsAgentEndpoint() {
     last.agent = agent;
     joins_.SendWire(last);
   }
-  connection_.publisher.AwaitAcknowledgments(DdsConnection::kLastAcknowledgments);
+  connection_.publisher.AwaitAcknowledgments(kMostLeaveWait);
 }
 
 void DdsAgentEndpoint::Start(AgentHandler& handler) {

@@ -36,10 +36,6 @@ struct DdsConnection {
   bool proves() const { return secured || proof.asks(); }
   void Report(const std::string& problem) const { problems.Add(problem); }
 
-  // Of the last samples, at the end of an endpoint: the time in which the readers of all its topics together may
-  // acknowledge them, in s. One that was killed does not, until its lease expires.
-  static constexpr double kLastAcknowledgments = 1.0;
-
   const std::string session;
   const bool secured;  // DDS Security keeps others out
   DomainParticipant participant;

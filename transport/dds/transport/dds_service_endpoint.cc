@@ -10,6 +10,10 @@
 namespace troupe::dds {
 namespace {
 
+// s, for which all readers together may acknowledge the last samples. A viewer has a low priority: on a busy machine it
+// may be a second behind. A reader that was killed does not acknowledge, until its lease expires.
+constexpr double kMostEndWait = 5.0;
+
 using Clock = std::chrono::steady_clock;
 
 // Agents that may join through one writer: an agent that rejoins as another one is a new agent.
@@ -74,7 +78,7 @@ DdsServiceEndpoint::~DdsServiceEndpoint() {
   for (const auto& group : groups_) {
     if (run_ != 0) group->sessions.SendWire(last);
   }
-  const auto end = Clock::now() + std::chrono::duration<double>(DdsConnection::kLastAcknowledgments);
+  const auto end = Clock::now() + std::chrono::duration<double>(kMostEndWait);
   for (const auto& group : groups_) {
     group->connection.publisher.AwaitAcknowledgments(std::chrono::duration<double>(end - Clock::now()).count());
   }
