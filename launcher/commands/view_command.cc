@@ -264,7 +264,8 @@ int ViewCommand(ViewOptions options) {
                  "writes a page that runs it"});
   }
   SignalWatch signals;
-  setpriority(PRIO_PROCESS, 0, kNiceness);
+  // From that of the run, whose own may be any.
+  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kNiceness);
   try {
     Result<std::string> token = std::string();
     if (!options.token_file.empty()) token = ReadToken(options.token_file);

@@ -26,7 +26,8 @@ const ask = (page, command, more) => page.evaluate(([name, rest]) => window.trou
 // Steps the paused run, and returns the contents of the state after, with the images of cameras.
 async function step(page, robot, ticks) {
   const before = await page.evaluate(() => window.troupe.state());
-  assert.equal((await ask(page, 'step', {ticks})).done, true);
+  const answer = await ask(page, 'step', {ticks});
+  assert.equal(answer.done, true, answer.problem);
   const tick = before.tick + ticks;
   const contents = await until(`the readings of tick ${tick} arrive`, async () => {
     const now = await contentsOf(page, robot);
