@@ -14,11 +14,7 @@ const session = `browser-${process.pid}`;
 mkdirSync(files, {recursive: true});
 const path = name => `${files}/${name}`;
 
-async function open(url) {
-  const page = await pages.open(url, 1200, 640);
-  await stateOf(page, 'the page has a state', state => state !== null);
-  return page;
-}
+const open = url => pages.openRun(url, 1200, 640);
 
 // All at one instant of the page.
 function look(page, robot) {

@@ -34,17 +34,8 @@ const run = (name, more) => new Program(troupe, [
   'run', path('watched.json'), '--domain', domain, '--session', `expectations-${process.pid}-${name}`, ...more,
 ]);
 
-async function open(url, width = 1280, height = 720, more = {}) {
-  const page = await pages.open(url, width, height, more);
-  await until('the page has a state', () => page.evaluate(() => window.troupe?.state() ?? null));
-  return page;
-}
-
-async function close(page, program) {
-  pages.expectLossOfGateway(page);
-  await page.close();
-  await program.stop();
-}
+const open = (url, width = 1280, height = 720, more = {}) => pages.openRun(url, width, height, more);
+const close = (page, program) => pages.closeRun(page, program);
 
 const stateOf = page => page.evaluate(() => window.troupe.state());
 const rowsOf = page => page.$$eval('.expect-row', rows => rows.map(row => ({

@@ -19,8 +19,7 @@ async function start(name, hash) {
     'run', `${source}/worlds/sites/guesthouse_lift.json`, '--domain', domain, '--session', `${session}-${name}`, '--paused',
     '--speed', 'max',
   ]);
-  const page = await pages.open(`${await run.line('viewer: ')}#smooth=0&${hash}`, 1280, 800);
-  await until('the page has a state', () => page.evaluate(() => window.troupe?.state() ?? null));
+  const page = await pages.openRun(`${await run.line('viewer: ')}#smooth=0&${hash}`, 1280, 800);
   return {run, page};
 }
 
@@ -28,11 +27,7 @@ const levels = page => page.evaluate(() => window.troupe.levels());
 const placeOf = (page, name) => page.evaluate(of => window.troupe.placeOf(of), name);
 const labels = page => page.evaluate(() => [...document.querySelectorAll('.label')].map(label => label.textContent).sort());
 
-async function end(page, run) {
-  pages.expectLossOfGateway(page);
-  await page.close();
-  await run.stop();
-}
+const end = (page, run) => pages.closeRun(page, run);
 
 async function choosesLevels() {
   const {run, page} = await start('choice', 'view=top');

@@ -18,17 +18,8 @@ const run = (name, more) => new Program(troupe, [
 ]);
 const LIVE = ['--ticks', '1000000', '--speed', '1'];
 
-async function open(url, width, height, more) {
-  const page = await pages.open(url, width, height, more);
-  await until('the page has a state', () => page.evaluate(() => window.troupe?.state() ?? null));
-  return page;
-}
-
-async function close(page, program) {
-  pages.expectLossOfGateway(page);
-  await page.close();
-  await program.stop();
-}
+const open = (url, width, height, more) => pages.openRun(url, width, height, more);
+const close = (page, program) => pages.closeRun(page, program);
 
 const robotOf = (page, name) => page.evaluate(
   wanted => window.troupe.robots().find(robot => robot.name === wanted) ?? null, name);

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {existsSync} from 'node:fs';
 import {createRequire} from 'node:module';
-import {DEADLINE, Program} from './programs.mjs';
+import {DEADLINE, Program, until} from './programs.mjs';
 
 // As Chromium draws where there is no graphics card, on any machine.
 export const SOFTWARE_GRAPHICS = [
@@ -63,6 +63,20 @@ export class Pages {
     page.setDefaultTimeout(DEADLINE);
     await page.goto(url);
     return page;
+  }
+
+  // One that shows a run, when it has a state.
+  async openRun(url, width, height, more = {}) {
+    const page = await this.open(url, width, height, more);
+    await until('the page has a state', () => page.evaluate(() => window.troupe?.state() ?? null));
+    return page;
+  }
+
+  // Closes it and ends its run.
+  async closeRun(page, program) {
+    this.expectLossOfGateway(page);
+    await page.close();
+    await program.stop();
   }
 
   // The gateway of the pages ends from here on: failed connections are no problems, however late the browser tells of them.

@@ -14,11 +14,7 @@ const session = `sensors-${process.pid}`;
 mkdirSync(files, {recursive: true});
 const path = name => `${files}/${name}`;
 
-async function open(url) {
-  const page = await pages.open(url, 1280, 800);
-  await until('the page has a state', () => page.evaluate(() => window.troupe?.state() ?? null));
-  return page;
-}
+const open = url => pages.openRun(url, 1280, 800);
 
 const contentsOf = (page, robot) => page.evaluate(name => window.troupe.contents(name), robot);
 const ask = (page, command, more) => page.evaluate(([name, rest]) => window.troupe.request(name, rest), [command, more]);
