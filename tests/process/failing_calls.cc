@@ -63,7 +63,7 @@ __attribute__((constructor)) void Begin() {
   const char* const call = getenv("FAILING_CALL");
   if (program == nullptr || call == nullptr) return;
   char path[4096] = {};
-  if (syscall(SYS_readlink, "/proc/self/exe", path, sizeof path - 1) <= 0) return;
+  if (syscall(SYS_readlinkat, AT_FDCWD, "/proc/self/exe", path, sizeof path - 1) <= 0) return;
   const char* const name = strrchr(path, '/');
   if (name == nullptr || strcmp(name + 1, program) != 0) return;
   mark = getenv("FAILING_MARK");
@@ -233,7 +233,7 @@ int fallocate64(int file, int mode, off64_t offset, off64_t size) {
   return fallocate(file, mode, offset, size);
 }
 int rename(const char* from, const char* to) noexcept {
-  return Fails(kRename, ENOSPC) ? -1 : static_cast<int>(syscall(SYS_rename, from, to));
+  return Fails(kRename, ENOSPC) ? -1 : static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
 }
 // The descriptor is closed nevertheless, as by Linux.
 int close(int file) {
