@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "worldfile/map/map_yaml.h"
+#include "worldfile/models/build_world.h"
 #include "worldfile/models/people.h"
-#include "worldfile/models/start_overlap.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/sites/building_yaml.h"
@@ -124,11 +124,7 @@ Result<LoadedWorld> LoadFile(const std::string& path, const LoadOverrides& overr
 
 Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides) {
   Result<LoadedWorld> loaded = LoadByEnding(path, overrides);
-  if (loaded.ok()) {
-    for (const std::string& message : FindStartOverlaps(loaded.value().world)) {
-      loaded.value().warnings.push_back({{path}, message});
-    }
-  }
+  if (loaded.ok()) AppendPlacementWarnings(path, loaded.value());
   return loaded;
 }
 

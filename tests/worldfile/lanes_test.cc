@@ -18,7 +18,9 @@ namespace {
 
 using test::ValueOf;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 std::string LaneSites() {
   return std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/sites/";
@@ -312,6 +314,45 @@ TEST(Lanes, AreFollowedAlikeByCopies) {
   ASSERT_TRUE(run.Restore(middle).ok());
   run.Step(1500);
   EXPECT_EQ(run.state_hash(), expected);
+}
+
+// Messages about a lane along x at the given y, through a door of 1 m whose open leaf is on y = -0.5.
+std::vector<std::string> MessagesAboutALaneAt(double y, const std::string& robot) {
+  const std::string at = std::to_string(y);
+  const test::TemporaryFolder folder;
+  const std::string path = folder.Write("s.building.yaml", R"(
+name: passage
+coordinate_system: cartesian_meters
+levels:
+  G:
+    elevation: 0
+    vertices:
+      - [5, -0.5, 0, ""]
+      - [5, 0.5, 0, ""]
+      - [2, )" + at + R"(, 0, a)" + robot + R"(]
+      - [8, )" + at + R"(, 0, ""]
+      - [2, 9, 0, b]
+    doors:
+      - [0, 1, {name: [1, gate], type: [1, hinged], motion_axis: [1, start]}]
+    lanes:
+      - [2, 3, {bidirectional: [4, true]}]
+      - [2, 4, {bidirectional: [4, true]}]
+)");
+  std::vector<std::string> messages;
+  for (const Warning& warning : ValueOf(LoadWorld(path)).warnings) messages.push_back(warning.message);
+  return messages;
+}
+
+TEST(NarrowLanes, LanesAtOpenLeavesAreNamed) {
+  const std::string tiny = ", {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, tiny]}";
+  EXPECT_THAT(MessagesAboutALaneAt(0.0, tiny), IsEmpty());
+  EXPECT_THAT(MessagesAboutALaneAt(-0.4, ""), IsEmpty());
+  EXPECT_THAT(MessagesAboutALaneAt(-0.4, tiny),
+              ElementsAre("lane from 'a' to (8, -0.4) is 0.08 m from the open leaf 'gate.right', expected 0.21 m, half "
+                          "the width of the narrowest robot, or more; robots may be stuck there"));
+  EXPECT_THAT(MessagesAboutALaneAt(-0.5, ""),
+              ElementsAre("lane from 'a' to (8, -0.5) passes through the open leaf 'gate.right', so robots may be "
+                          "stuck there"));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "robot-agent/controller/create_controller.h"
 #include "worldfile/edit/stage_edit.h"
-#include "worldfile/models/start_overlap.h"
+#include "worldfile/models/build_world.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
@@ -201,10 +201,8 @@ Result<std::unique_ptr<EditableWorld>> MakeEditedWorld(EditedKind kind, const st
     if (!loaded.ok()) return loaded.error();
     edited->loaded = std::move(loaded).value();
   }
+  if (kind != EditedKind::kInclude) AppendPlacementWarnings(path, edited->loaded);
   const WorldDescription& world = edited->loaded.world;
-  if (kind != EditedKind::kInclude) {
-    for (const std::string& message : FindStartOverlaps(world)) edited->loaded.warnings.push_back({{path}, message});
-  }
   Names names{{}, world};
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     if (!world.models[i].removed) names.models.emplace(world.models[i].name, ModelId(i));

@@ -7,8 +7,10 @@
 #include <tuple>
 
 #include "worldfile/models/lanes.h"
+#include "worldfile/models/narrow_lanes.h"
 #include "worldfile/models/properties/color_names.h"
 #include "worldfile/models/properties/property_reader.h"
+#include "worldfile/models/start_overlap.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/sites/site_tree.h"
 #include "worldfile/text/text_file.h"
@@ -359,6 +361,11 @@ Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& fil
     if (!checked.ok()) return Error{{file}, checked.error().message};
   }
   return Status();
+}
+
+void AppendPlacementWarnings(const std::string& file, LoadedWorld& loaded) {
+  for (const std::string& message : FindStartOverlaps(loaded.world)) loaded.warnings.push_back({{file}, message});
+  for (const std::string& message : FindNarrowLanes(loaded.world)) loaded.warnings.push_back({{file}, message});
 }
 
 }  // namespace troupe

@@ -66,4 +66,7 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
 // The error of the first robot whose controller lacks something in the world, by the check of `overrides`.
 Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides);
 
+// Warnings about the places of things in the whole world of a file: starts inside other models, lanes at open doors.
+void AppendPlacementWarnings(const std::string& file, LoadedWorld& loaded);
+
 }  // namespace troupe
