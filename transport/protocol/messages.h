@@ -13,10 +13,12 @@
 #include "troupe/event.h"
 #include "troupe/fields.h"
 #include "troupe/ids.h"
+#include "troupe/rectangle.h"
 #include "troupe/result.h"
 #include "troupe/robot_command.h"
 #include "troupe/world_description.h"
 #include "troupe/world_state.h"
+#include "troupe/z_range.h"
 
 namespace troupe {
 
@@ -254,8 +256,8 @@ enum class EntityKind : std::uint8_t {
 
 // The smallest box around an entity, upright and aligned with its frame E, m. Empty: it has no body.
 struct EntityBox {
-  double min_x = 0.0, min_y = 0.0, min_z = 0.0;
-  double max_x = 0.0, max_y = 0.0, max_z = 0.0;
+  Rectangle area = {};
+  ZRange z = {};
   bool operator==(const EntityBox&) const = default;
 };
 

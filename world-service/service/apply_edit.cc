@@ -4,6 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "common/model/states.h"
@@ -37,32 +38,19 @@ EditedWorld Load(const WorldDescription& world) {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 EntityBox NoBox() {
-  return {kInfinity, kInfinity, kInfinity, -kInfinity, -kInfinity, -kInfinity};
+  return {Rectangle::Nothing(), {kInfinity, -kInfinity}};
 }
 
-void Extend(EntityBox& box, const Pose& X_EM, const Vec2& point, const ZRange& z) {
-  const Vec2 p = Transform2(X_EM) * point;
-  box.min_x = std::min(box.min_x, p.x());
-  box.min_y = std::min(box.min_y, p.y());
-  box.max_x = std::max(box.max_x, p.x());
-  box.max_y = std::max(box.max_y, p.y());
-  box.min_z = std::min(box.min_z, X_EM.z + z.min);
-  box.max_z = std::max(box.max_z, X_EM.z + z.max);
-}
-
-void Extend(EntityBox& box, const Pose& X_EM, const Rectangle& r, const ZRange& z) {
-  for (const Vec2& corner :
-       {Vec2(r.min_x, r.min_y), Vec2(r.max_x, r.min_y), Vec2(r.max_x, r.max_y), Vec2(r.min_x, r.max_y)}) {
-    Extend(box, X_EM, corner, z);
-  }
+void Extend(EntityBox& box, const Pose& X_EM, std::span<const Vec2> points, const ZRange& z) {
+  for (const Vec2& point : points) box.area.Extend(Transform2(X_EM) * point);
+  box.z.min = std::min(box.z.min, X_EM.z + z.min);
+  box.z.max = std::max(box.z.max, X_EM.z + z.max);
 }
 
 void Extend(EntityBox& box, const Pose& X_EM, const Shape& shape) {
-  for (const Block& block : shape.blocks) {
-    for (const Vec2& corner : block.outline) Extend(box, X_EM, corner, block.z);
-  }
-  for (const Rectangle& rectangle : shape.rectangles) Extend(box, X_EM, rectangle, shape.rectangles_z);
-  if (shape.area) Extend(box, X_EM * shape.area->X_MA(), shape.area->bounds(), shape.rectangles_z);
+  for (const Block& block : shape.blocks) Extend(box, X_EM, block.outline, block.z);
+  for (const Rectangle& rectangle : shape.rectangles) Extend(box, X_EM, Corners(rectangle), shape.rectangles_z);
+  if (shape.area) Extend(box, X_EM * shape.area->X_MA(), Corners(shape.area->bounds()), shape.rectangles_z);
 }
 
 }  // namespace
@@ -250,7 +238,7 @@ void SetBoxes(const WorldDescription& world, const WorldState& state, std::vecto
     Extend(owners[i]->box, Inverse(owners[i]->X_WE) * X_WM[i], world.shape(model.shape));
   }
   for (EntityReport& entity : entities) {
-    if (entity.box.min_x > entity.box.max_x) entity.box = {};
+    if (entity.box.area.empty()) entity.box = {};
   }
 }
 

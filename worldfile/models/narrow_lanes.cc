@@ -37,7 +37,7 @@ std::optional<double> HalfWidthOfNarrowestRobot(const WorldDescription& world) {
   }
   double narrowest = std::numeric_limits<double>::infinity();
   for (const Rectangle& box : boxes) {
-    const double width = box.empty() ? 0.0 : std::min(box.max_x - box.min_x, box.max_y - box.min_y);
+    const double width = box.empty() ? 0.0 : std::min(box.width(), box.height());
     narrowest = std::min(narrowest, 0.5 * width);
   }
   return narrowest;

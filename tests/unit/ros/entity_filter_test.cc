@@ -80,7 +80,7 @@ Result<BoundsFilter> MakeBounds(std::uint8_t type, const Points& points) {
 
 // A box of 2 m x 1 m x 0.5 m, turned by 90 degrees.
 EntityReport BoxAt(double x, double y, double z) {
-  return {.X_WE = {x, y, z, 1.5707963267948966}, .box = {-1.0, -0.5, 0.0, 1.0, 0.5, 0.5}};
+  return {.X_WE = {x, y, z, 1.5707963267948966}, .box = {{-1.0, -0.5, 1.0, 0.5}, {0.0, 0.5}}};
 }
 
 TEST(BoundsFilter, ABoxOverlapsInAreaAndHeight) {

@@ -126,8 +126,8 @@ void OnGetEntityBounds(SimulationContext& context, const GetEntityBoundsCall& ca
               if (box == EntityBox()) return;
               response.bounds.type = kTypeBox;
               auto* corners = arena.Fill(response.bounds.points, 2);
-              corners[0] = {box.max_x, box.max_y, box.max_z};
-              corners[1] = {box.min_x, box.min_y, box.min_z};
+              corners[0] = {box.area.max_x, box.area.max_y, box.z.max};
+              corners[1] = {box.area.min_x, box.area.min_y, box.z.min};
             });
 }
 

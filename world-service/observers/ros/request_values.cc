@@ -47,10 +47,10 @@ bool EdgeSeparates(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
 }
 
 std::vector<Vec2> FootprintOf(const EntityReport& entity) {
-  const EntityBox& box = entity.box;
   const Transform2 X_WE(entity.X_WE);
-  return {X_WE * Vec2(box.min_x, box.min_y), X_WE * Vec2(box.max_x, box.min_y), X_WE * Vec2(box.max_x, box.max_y),
-          X_WE * Vec2(box.min_x, box.max_y)};
+  std::vector<Vec2> footprint;
+  for (const Vec2& corner : Corners(entity.box.area)) footprint.push_back(X_WE * corner);
+  return footprint;
 }
 
 }  // namespace
@@ -122,18 +122,18 @@ Result<BoundsFilter> BoundsFilter::Make(const simulation_interfaces_msg_dds__Bou
 bool BoundsFilter::TouchesSphere(const EntityReport& entity) const {
   const auto& [x, y, z] = sphere_->center;
   const Vec2 center = Transform2(entity.X_WE).InverseTransform({x, y});
-  const EntityBox& box = entity.box;
-  const double dx = center.x() - std::clamp(center.x(), box.min_x, box.max_x);
-  const double dy = center.y() - std::clamp(center.y(), box.min_y, box.max_y);
+  const auto& [area, heights] = entity.box;
+  const double dx = center.x() - std::clamp(center.x(), area.min_x, area.max_x);
+  const double dy = center.y() - std::clamp(center.y(), area.min_y, area.max_y);
   const double height = z - entity.X_WE.z;
-  const double dz = height - std::clamp(height, box.min_z, box.max_z);
+  const double dz = height - std::clamp(height, heights.min, heights.max);
   return dx * dx + dy * dy + dz * dz <= sphere_->radius * sphere_->radius;
 }
 
 bool BoundsFilter::Overlaps(const EntityReport& entity) const {
   if (entity.box == EntityBox()) return false;
   if (sphere_) return TouchesSphere(entity);
-  if (entity.X_WE.z + entity.box.min_z > z_.max || entity.X_WE.z + entity.box.max_z < z_.min) return false;
+  if (entity.X_WE.z + entity.box.z.min > z_.max || entity.X_WE.z + entity.box.z.max < z_.min) return false;
   const std::vector<Vec2> footprint = FootprintOf(entity);
   return !EdgeSeparates(footprint, outline_) && !EdgeSeparates(outline_, footprint);
 }
