@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -23,12 +24,22 @@ std::string NewServiceId() {
   return id;
 }
 
-// Whether `writer` matches a reader of the participant that owns the writer `publication`, which `reader` matches.
-bool HasReaderOf(dds_entity_t writer, dds_entity_t reader, dds_instance_handle_t publication) {
+// The participant of a writer that the reader matches; nothing once it has left.
+std::optional<dds_guid_t> SenderOf(dds_entity_t reader, dds_instance_handle_t publication) {
   dds_builtintopic_endpoint_t* const sender = dds_get_matched_publication_data(reader, publication);
-  if (sender == nullptr) return true;  // the caller has left; an answer does no harm
+  if (sender == nullptr) return std::nullopt;
   const dds_guid_t participant = sender->participant_key;
   dds_builtintopic_free_endpoint(sender);
+  return participant;
+}
+
+// RTPS 2.2, section 9.3.1.1: a GUID begins with the number of the vendor.
+bool IsOfFastDds(const dds_guid_t& participant) {
+  return participant.v[0] == 0x01 && participant.v[1] == 0x0f;
+}
+
+// Whether `writer` matches a reader of the participant.
+bool HasReaderOf(dds_entity_t writer, const dds_guid_t& participant) {
   std::vector<dds_instance_handle_t> subscriptions(64);
   dds_return_t count = 0;
   for (;;) {
@@ -191,8 +202,11 @@ void DdsService::Deliver(Batch& batch, std::size_t i) {
   if (batch.handled[i]) return;
   const auto sample = batch.samples[i];
   if (sample.info().valid()) {
-    if (!HasReaderOf(writer_.handle(), reader_.handle(), sample.info().publication_handle())) return;
-    handler_(&sample.data(), false);
+    const std::optional<dds_guid_t> sender = SenderOf(reader_.handle(), sample.info().publication_handle());
+    const bool is_foreign = sender && IsOfFastDds(*sender);  // without the header: the side on Fast DDS answers it
+    // An answer to a caller that has left does no harm.
+    if (sender && !is_foreign && !HasReaderOf(writer_.handle(), *sender)) return;
+    if (!is_foreign) handler_(&sample.data(), false);
   }
   batch.handled[i] = true;
 }

@@ -5,6 +5,7 @@
 
 #include <dds/dds.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -29,6 +30,9 @@ struct TopicSpec {
 };
 
 // The types begin with a CallHeader.
+// Of an endpoint or a participant, as on the network.
+using Guid = std::array<std::uint8_t, 16>;
+
 struct ServiceSpec {
   std::string name;  // "/anna/robot/get_parameters"
   const dds_topic_descriptor_t* request = nullptr;

@@ -29,21 +29,19 @@ Enclave EnclaveOf(const RosNetwork& network, const std::string& name) {
   return std::move(enclave).value();
 }
 
-dds::DomainConfig ConfigOf(const RosNetwork& network, const Enclave& enclave, RosParticipant::WriterEnd writer_end) {
+dds::DomainConfig ConfigOf(const RosNetwork& network, const Enclave& enclave, RosParticipant::Owner owner) {
   dds::DomainConfig config = NetworkConfig(network);
-  if (writer_end == RosParticipant::WriterEnd::kAtOnce) config.linger_seconds = 0.0;
+  if (owner == RosParticipant::Owner::kHost) config.linger_seconds = 0.0;
   config.security_enclave = enclave.folder;
   config.numbered_as_on_network = !enclave.folder.empty();  // permissions of ROS name its domain
   return config;
 }
 
 // Clients are in no partition: those on Cyclone DDS match "*", and those on Fast DDS, whose requests have no number of
-// the call here, do not.
+// the call here, do not, up to Fast DDS 2.14.5 and 3.2.2.
 dds::Qos ServicePartitions(const RosNetwork& network) {
   return UsesFastDds(network) ? dds::Qos() << dds::Partitions{{"*"}} : dds::Qos();
 }
-
-using Guid = std::array<std::uint8_t, sizeof(dds_guid_t)>;
 
 Guid GuidOf(dds_entity_t entity) {
   dds_guid_t guid{};
@@ -174,13 +172,14 @@ class InfoWriter final : public Base {
 
 }  // namespace
 
-RosParticipant::RosParticipant(const RosNetwork& network, const std::string& enclave, WriterEnd writer_end)
-    : RosParticipant(network, EnclaveOf(network, enclave), writer_end) {}
+RosParticipant::RosParticipant(const RosNetwork& network, const std::string& enclave, Owner owner)
+    : RosParticipant(network, EnclaveOf(network, enclave), owner) {}
 
-RosParticipant::RosParticipant(const RosNetwork& network, const Enclave& enclave, WriterEnd writer_end)
+RosParticipant::RosParticipant(const RosNetwork& network, const Enclave& enclave, Owner owner)
     : RosConnection(network.distribution),
-      participant_(ConfigOf(network, enclave, writer_end), dds::Qos()
-                                                               << dds::UserData{"enclave=" + enclave.name + ";"}),
+      participant_(ConfigOf(network, enclave, owner),
+                   dds::Qos() << dds::UserData{fmt::format("enclave={};{}", enclave.name,
+                                                           owner == Owner::kHost ? kMarkOfRuns : "")}),
       publisher_(participant_),
       subscriber_(participant_),
       service_publisher_(participant_, ServicePartitions(network)),
@@ -261,6 +260,18 @@ void RosParticipant::AddWriter(std::size_t node, dds_entity_t writer) {
 void RosParticipant::RemoveEndpoint(dds_entity_t endpoint) {
   const std::lock_guard lock(announcer_->mutex);
   announcer_->Remove(GuidOf(endpoint));
+}
+
+void RosParticipant::AddForeignService(std::size_t node, const Guid& reader, const Guid& writer) {
+  const std::lock_guard lock(announcer_->mutex);
+  announcer_->List(node, reader, &Node::readers);
+  announcer_->List(node, writer, &Node::writers);
+}
+
+void RosParticipant::RemoveForeignService(const Guid& reader, const Guid& writer) {
+  const std::lock_guard lock(announcer_->mutex);
+  announcer_->Remove(reader);
+  announcer_->Remove(writer);
 }
 
 void RosParticipant::Announce() {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -66,16 +67,19 @@ class WriterWatch {
   std::set<std::pair<std::string, std::string>> reported_;  // topic and problem
 };
 
+// In the user data of participants of runs, beside the enclave that ROS has there.
+inline constexpr std::string_view kMarkOfRuns = "simulator=troupe;";
+
 class RosParticipant final : public RosConnection {
  public:
-  // How a writer ends while readers have not acknowledged its samples: it waits for them, each for itself, or at once:
-  // then the owner calls AwaitAcknowledgments before it ends the last ones.
-  enum class WriterEnd : std::uint8_t { kWaits, kAtOnce };
+  // A program, whose writers wait at their end for readers that have not acknowledged their samples, each for itself;
+  // or the program ros-participant of a host, whose participants are marked. Their writers end at once: the owner calls
+  // AwaitAcknowledgments before it ends the last ones.
+  enum class Owner : std::uint8_t { kProgram, kHost };
 
   // `enclave`: whose keys it has if the network asks for security and names none. Throws dds::Exception when DDS cannot
   // start, or where FindEnclave fails.
-  explicit RosParticipant(const RosNetwork& network, const std::string& enclave = "/",
-                          WriterEnd writer_end = WriterEnd::kWaits);
+  explicit RosParticipant(const RosNetwork& network, const std::string& enclave = "/", Owner owner = Owner::kProgram);
   ~RosParticipant() override;
 
   const dds::DomainParticipant& participant() const { return participant_; }
@@ -100,6 +104,9 @@ class RosParticipant final : public RosConnection {
   void AddWriter(std::size_t node, dds_entity_t writer);
   // Lists a reader or writer no longer.
   void RemoveEndpoint(dds_entity_t endpoint);
+  // Lists the endpoints of a service that another participant serves for the node, and no longer.
+  void AddForeignService(std::size_t node, const Guid& reader, const Guid& writer);
+  void RemoveForeignService(const Guid& reader, const Guid& writer);
   void Announce() override;
   // Waits until the readers have all samples, for this time at most.
   void AwaitAcknowledgments(double seconds) const;
@@ -118,7 +125,7 @@ class RosParticipant final : public RosConnection {
  private:
   class Announcer;
 
-  RosParticipant(const RosNetwork& network, const Enclave& enclave, WriterEnd writer_end);
+  RosParticipant(const RosNetwork& network, const Enclave& enclave, Owner owner);
 
   dds::DomainParticipant participant_;
   dds::Publisher publisher_;

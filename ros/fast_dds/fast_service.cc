@@ -9,6 +9,7 @@
 #include <ifaddrs.h>
 #include <netdb.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -244,6 +245,13 @@ bool IsOfCyclone(const rtps::GUID_t& guid) {
   return guid.guidPrefix.value[0] == 0x01 && guid.guidPrefix.value[1] == 0x10;
 }
 
+Guid BytesOf(const rtps::GUID_t& guid) {
+  Guid bytes;
+  std::copy_n(guid.guidPrefix.value, rtps::GuidPrefix_t::size, bytes.begin());
+  std::copy_n(guid.entityId.value, rtps::EntityId_t::size, bytes.begin() + rtps::GuidPrefix_t::size);
+  return bytes;
+}
+
 // RTPS 2.2, section 9.3.1.2.
 bool IsReader(const rtps::GUID_t& guid) {
   return (guid.entityId.value[3] & 0x04U) != 0;
@@ -320,6 +328,10 @@ FastService::FastService(const FastDomain& domain, const ServiceText& service, D
 
 FastService::~FastService() {
   Delete();
+}
+
+ServedContent FastService::endpoints() const {
+  return {BytesOf(requests_->guid()), BytesOf(responses_->guid())};
 }
 
 void FastService::Delete() {

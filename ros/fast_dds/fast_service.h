@@ -56,6 +56,8 @@ class FastService final : private eprosima::fastdds::dds::DataReaderListener,
   FastService(const FastService&) = delete;
   FastService& operator=(const FastService&) = delete;
 
+  ServedContent endpoints() const;
+
   // `response`: with a header; without effect if no client waits for it.
   void Respond(std::span<const std::uint8_t> response);
 

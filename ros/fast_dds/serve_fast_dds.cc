@@ -83,6 +83,8 @@ class Services {
                            *domain.participant, service.value(), network_.distribution, guid_,
                            [this] { return ++last_call_; }, [this, id](const Bytes& request) { Pass(id, request); })};
       ++domain.services;
+      const ServedContent served = services_[id].service->endpoints();
+      link_.Add(LinkKind::kServed, id, std::as_bytes(std::span(&served, 1)));
     } catch (const std::runtime_error& error) {
       reports_.Add(error.what());
     }

@@ -1,7 +1,7 @@
 // Link: the messages between a process with nodes in ROS, here called an agent, and the program
 // ros-participant of its host, over a connected Unix socket; both are of one build, which the first message states. And
 // those between that program and its side on Fast DDS, which uses kHello (with the GUID of the client in its calls),
-// kMakeService (a ServiceText), kRemove, kRequest and kRespond.
+// kMakeService (a ServiceText), kRemove, kRequest, kRespond and kServed.
 #pragma once
 
 #include <cstddef>
@@ -48,13 +48,21 @@ enum class LinkKind : std::uint8_t {
   kArmed,     // the text of kArm
   kArrived,   // of a watch: a message has arrived since the text was armed, which is the content
   kTold,      // of a writer: the sample of kTell that was written, as CDR
+  // Of the side on Fast DDS.
+  kServed,  // a ServedContent: of a service
 };
-inline constexpr LinkKind kLastLinkKind = LinkKind::kTold;
+inline constexpr LinkKind kLastLinkKind = LinkKind::kServed;
 
 struct LinkMessage {
   LinkKind kind;
   std::uint32_t id = 0;
   std::span<const std::byte> content;  // valid during the call
+};
+
+// The content of kServed: the GUIDs of the endpoints.
+struct ServedContent {
+  Guid reader{};
+  Guid writer{};
 };
 
 // The content of kWanted.

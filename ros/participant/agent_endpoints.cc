@@ -72,6 +72,15 @@ std::string TextOf(std::span<const std::byte> bytes) {
 
 }  // namespace
 
+void HostDomain::ServeCycloneIfFound() {
+  if (!cyclone_programs || !cyclone_programs->Found()) return;
+  cyclone_programs.reset();
+  on_cyclone = true;
+  for (AgentEndpoints* const agent : agents) agent->ServeCyclone();
+  pools.services.VisitAll([](ReusableService& service) { service.ServeCyclone(); });
+  announce_at = Time::clock::now();
+}
+
 AgentEndpoints::AgentEndpoints(Join join, int connection, std::function<void()> wake)
     : join_(std::move(join)), link_(connection), wake_(std::move(wake)) {}
 
@@ -84,6 +93,10 @@ AgentEndpoints::~AgentEndpoints() {
   for (const auto& [id, node] : nodes_) domain_->participant.RemoveNode(node);
   if (domain_->watch) domain_->watch->RemoveAll(this);
   domain_->agents.erase(this);
+}
+
+void AgentEndpoints::ServeCyclone() {
+  for (auto& [id, service] : services_) service.endpoint->ServeCyclone();
 }
 
 bool AgentEndpoints::Process() {

@@ -16,6 +16,7 @@
 
 #include "ros/connection/ros_participant.h"
 #include "ros/link/link.h"
+#include "ros/participant/cyclone_programs.h"
 #include "ros/participant/reusable_endpoints.h"
 #include "ros/participant/topic_watch.h"
 
@@ -37,6 +38,10 @@ class EndpointPool {
     std::unique_ptr<Endpoint> endpoint = std::move(found->second.endpoint);
     kept_.erase(found);
     return endpoint;
+  }
+  template <typename Visit>
+  void VisitAll(Visit visit) {
+    for (auto& [text, kept] : kept_) visit(*kept.endpoint);
   }
   void EndThoseUntil(Time now) {
     std::erase_if(kept_, [now](const auto& kept) { return kept.second.until <= now; });
@@ -67,20 +72,30 @@ struct EndpointPools {
 class AgentEndpoints;
 
 struct HostDomain {
-  // `side`: null if no clients on Fast DDS are served. Throws dds::Exception when DDS cannot start.
-  HostDomain(const RosNetwork& network, FastDdsSide* side)
+  // `side`: null if no clients on Fast DDS are served. `wake`: of ServeCycloneIfFound, called on any thread. Throws
+  // dds::Exception when DDS cannot start.
+  HostDomain(const RosNetwork& network, FastDdsSide* side, std::function<void()> wake)
       : number(network.domain),
-        on_cyclone(side == nullptr || network.service_clients != ServiceClients::kFastDds),
+        on_cyclone(side == nullptr),
         fast_dds(side),
-        participant(network, "/", RosParticipant::WriterEnd::kAtOnce) {
+        participant(network, "/", RosParticipant::Owner::kHost) {
     participant.WatchWriters();
+    if (!on_cyclone && network.service_clients != ServiceClients::kFastDds) {
+      cyclone_programs.emplace(participant, std::move(wake));
+    }
   }
+
+  // Serves clients on Cyclone DDS, too, once the domain has a program on it. Until then nothing on Cyclone stands
+  // beside the services on Fast DDS: clients on Fast DDS from 2.14.6 and 3.2.3 on would match both, and could send a
+  // first call to the one that does not understand it. Throws dds::Exception.
+  void ServeCycloneIfFound();
 
   using Time = std::chrono::steady_clock::time_point;
   const std::uint32_t number;
-  const bool on_cyclone;  // services answer clients on Cyclone DDS
+  bool on_cyclone;  // services answer clients on Cyclone DDS
   FastDdsSide* const fast_dds;
   RosParticipant participant;
+  std::optional<CyclonePrograms> cyclone_programs = {};  // while services wait for one
   EndpointPools pools;
   std::set<AgentEndpoints*> agents;
   TopicReaders readers;                          // of agents
@@ -102,6 +117,9 @@ class AgentEndpoints {
   ~AgentEndpoints();
   AgentEndpoints(const AgentEndpoints&) = delete;
   AgentEndpoints& operator=(const AgentEndpoints&) = delete;
+
+  // Its services answer clients on Cyclone DDS from now on, too. Throws dds::Exception.
+  void ServeCyclone();
 
   // Performs the messages that have arrived, and sends those that wait. False: the connection has ended, or must, for
   // the reason of problem().

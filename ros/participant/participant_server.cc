@@ -45,7 +45,7 @@ ParticipantServer::ParticipantServer(const RosNetwork& network, int listening, S
       listening_(listening),
       check_at_(Clock::now() + kCheckInterval) {
   if (UsesFastDds(network)) fast_dds_ = std::make_unique<FastDdsSide>(network, report_);
-  domains_.try_emplace(network.domain, network, fast_dds_.get());
+  domains_.try_emplace(network.domain, network, fast_dds_.get(), [this] { wake_.Signal(); });
   events_ = epoll_create1(EPOLL_CLOEXEC);
   if (events_ < 0 || listen(listening_, SOMAXCONN) != 0) Throw("waiting for agents");
   for (const int descriptor : {listening_, wake_.descriptor(), stop_.descriptor()}) {
@@ -81,6 +81,7 @@ void ParticipantServer::Run() {
         for (const auto& [connection, agent] : agents_) WatchOutput(connection, *agent);
         for (auto& [number, domain] : domains_) {
           if (domain.watch) domain.watch->Update();
+          ServeCycloneIfFound(domain);
         }
       } else {
         Process(descriptor);
@@ -93,13 +94,25 @@ void ParticipantServer::Run() {
   }
 }
 
+void ParticipantServer::ServeCycloneIfFound(HostDomain& domain) {
+  try {
+    domain.ServeCycloneIfFound();
+  } catch (const dds::Exception& exception) {
+    report_(std::string("serving clients on Cyclone DDS: ") + exception.what());
+  }
+}
+
 bool ParticipantServer::IsUnused() const {
   return agents_.empty() && (had_agents_ || Clock::now() - started_ > kFirstConnection);
 }
 
 void ParticipantServer::ProcessFastDds() {
   if (!fast_dds_) return;
-  fast_dds_->Process();
+  if (fast_dds_->Process()) {
+    for (auto& [number, domain] : domains_) {
+      domain.announce_at = std::min(domain.announce_at, Clock::now() + kAnnounceDelay);
+    }
+  }
   const int descriptor = fast_dds_->descriptor();  // that of an ended process is closed, and watched no more
   if (descriptor < 0) {
     watched_side_ = -1;
@@ -113,7 +126,7 @@ void ParticipantServer::ProcessFastDds() {
 HostDomain& ParticipantServer::Join(std::uint32_t number) {
   RosNetwork network = network_;
   network.domain = number;
-  HostDomain& domain = domains_.try_emplace(number, network, fast_dds_.get()).first->second;
+  HostDomain& domain = domains_.try_emplace(number, network, fast_dds_.get(), [this] { wake_.Signal(); }).first->second;
   domain.unused_until.reset();
   return domain;
 }

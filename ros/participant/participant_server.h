@@ -51,6 +51,7 @@ class ParticipantServer {
   void CheckIfDue();
   void PassMismatches(HostDomain& domain);
   void ProcessFastDds();
+  void ServeCycloneIfFound(HostDomain& domain);
   bool IsUnused() const;
   void PassLastSamples();
   int WaitMilliseconds() const;

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <thread>
 #include <utility>
@@ -100,34 +101,64 @@ void ReusableReader::Pass() {
 
 ReusableService::ReusableService(RosParticipant& participant, const ServiceSpec& spec, std::uint32_t domain,
                                  FastDdsSide* fast_dds, bool on_cyclone)
-    : participant_(participant), request_(*spec.request), response_(*spec.response), fast_dds_(fast_dds) {
-  if (on_cyclone) {
-    cyclone_.emplace(participant, spec,
-                     [this](const void* request, bool) { Pass(wire::SampleToCdr(request, request_)); });
-  }
+    : participant_(participant), spec_(spec), request_(*spec.request), response_(*spec.response), fast_dds_(fast_dds) {
+  if (on_cyclone) ServeCyclone();
   if (fast_dds_ == nullptr) return;
   fast_id_ = fast_dds_->Add({domain, spec.name, request_.m_typename, response_.m_typename},
-                            [this](std::span<const std::byte> request) { PassOfFastDds(request); });
+                            {[this](std::span<const std::byte> request) { PassOfFastDds(request); },
+                             [this](const ServedContent& served) { ListServed(served); }});
 }
 
 ReusableService::~ReusableService() {
   if (fast_dds_ != nullptr) fast_dds_->Remove(fast_id_);
 }
 
-void ReusableService::Attach(std::size_t node, Sink sink) {
+// Those of a side that was started again have other endpoints.
+void ReusableService::ListServed(const ServedContent& served) {
+  Unlist();
+  served_ = served;
+  List();
+}
+
+void ReusableService::ServeCyclone() {
+  if (cyclone_) return;
+  Unlist();
+  cyclone_.emplace(participant_, spec_,
+                   [this](const void* request, bool) { Pass(wire::SampleToCdr(request, request_)); });
+  List();
+  if (started_) cyclone_->Start();
+}
+
+// Tools of either implementation know both kinds.
+void ReusableService::List() {
+  if (!node_) return;
   if (cyclone_) {
-    participant_.AddReader(node, cyclone_->request_reader());
-    participant_.AddWriter(node, cyclone_->response_writer());
+    participant_.AddReader(*node_, cyclone_->request_reader());
+    participant_.AddWriter(*node_, cyclone_->response_writer());
+  } else if (served_) {
+    participant_.AddForeignService(*node_, served_->reader, served_->writer);
   }
+}
+
+void ReusableService::Unlist() {
+  if (cyclone_) {
+    participant_.RemoveEndpoint(cyclone_->request_reader());
+    participant_.RemoveEndpoint(cyclone_->response_writer());
+  } else if (served_) {
+    participant_.RemoveForeignService(served_->reader, served_->writer);
+  }
+}
+
+void ReusableService::Attach(std::size_t node, Sink sink) {
+  node_ = node;
+  List();
   const std::lock_guard lock(mutex_);
   sink_ = std::move(sink);
 }
 
 void ReusableService::Detach() {
-  if (cyclone_) {
-    participant_.RemoveEndpoint(cyclone_->request_reader());
-    participant_.RemoveEndpoint(cyclone_->response_writer());
-  }
+  Unlist();
+  node_.reset();
   const std::lock_guard lock(mutex_);
   passes_ = false;
   sink_ = {};
@@ -236,10 +267,10 @@ void FastDdsSide::Send(LinkKind kind, std::uint32_t id, std::span<const std::byt
   link_->Flush();  // an end is noticed by Process
 }
 
-std::uint32_t FastDdsSide::Add(const ServiceText& service, OnRequest on_request) {
+std::uint32_t FastDdsSide::Add(const ServiceText& service, Sink sink) {
   const std::uint32_t id = next_service_++;
   const std::string text = ToText(service);
-  services_[id] = {text, std::move(on_request)};
+  services_[id] = {text, std::move(sink)};
   Send(LinkKind::kMakeService, id, std::as_bytes(std::span(text)));
   return id;
 }
@@ -255,14 +286,21 @@ bool FastDdsSide::Respond(std::uint32_t service, std::uint64_t client_guid, std:
   return true;
 }
 
-void FastDdsSide::Process() {
+bool FastDdsSide::Process() {
   if (due_ && Clock::now() >= *due_) Start();
-  if (!link_) return;
-  const auto receive = [this](const LinkMessage& message) {
+  if (!link_) return false;
+  bool served = false;
+  const auto receive = [&](const LinkMessage& message) {
     const auto found = services_.find(message.id);
-    if (message.kind == LinkKind::kRequest && found != services_.end()) found->second.on_request(message.content);
+    if (found == services_.end()) return;
+    if (message.kind == LinkKind::kRequest) found->second.sink.on_request(message.content);
+    ServedContent content;
+    if (message.kind != LinkKind::kServed || message.content.size() != sizeof content) return;
+    std::memcpy(&content, message.content.data(), sizeof content);
+    found->second.sink.on_served(content);
+    served = true;
   };
-  if (link_->Receive(receive) && link_->Flush()) return;
+  if (link_->Receive(receive) && link_->Flush()) return served;
   link_.reset();
   int status = 0;
   kill(child_, SIGKILL);  // one that has only closed its link
@@ -271,6 +309,7 @@ void FastDdsSide::Process() {
   child_ = 0;
   if (Clock::now() - started_ > kHealthyTime) delay_ = {};
   due_ = Clock::now() + std::max(delay_, kFirstDelay);
+  return served;
 }
 
 }  // namespace troupe::ros

@@ -32,8 +32,11 @@ namespace troupe::ros {
 class FastDdsSide {
  public:
   using Clock = std::chrono::steady_clock;
-  // Receives a call as the CDR bytes of its request, with a header.
-  using OnRequest = std::function<void(std::span<const std::byte> request)>;
+  struct Sink {
+    // Receives a call as the CDR bytes of its request, with a header.
+    std::function<void(std::span<const std::byte> request)> on_request;
+    std::function<void(const ServedContent& served)> on_served;  // the service has these endpoints from now on
+  };
 
   // The arguments by which this program becomes the side: NetworkArguments, and this one.
   static constexpr const char* kFlag = "--fast-dds-side";
@@ -46,7 +49,7 @@ class FastDdsSide {
   FastDdsSide& operator=(const FastDdsSide&) = delete;
 
   // Serves a service until Remove of the id that it returns.
-  std::uint32_t Add(const ServiceText& service, OnRequest on_request);
+  std::uint32_t Add(const ServiceText& service, Sink sink);
   void Remove(std::uint32_t service);
   // Whether the response with a header of this client is one for the side, which it then gets.
   bool Respond(std::uint32_t service, std::uint64_t client_guid, std::span<const std::byte> response);
@@ -54,15 +57,16 @@ class FastDdsSide {
   // Readable when Process has something to do; -1: none. It changes with each start.
   int descriptor() const { return link_ ? link_->descriptor() : -1; }
   bool has_output() const { return link_ && link_->pending() > 0; }
-  // Passes on the calls that have arrived; notices the end of the process, and starts it again when that is due.
-  void Process();
+  // Passes on what has arrived; notices the end of the process, and starts it again when that is due. True: services
+  // have endpoints now.
+  bool Process();
   // When Process is to be called in any case.
   std::optional<Clock::time_point> due() const { return due_; }
 
  private:
   struct Service {
     std::string text;
-    OnRequest on_request;
+    Sink sink;
   };
 
   void Start();
@@ -153,6 +157,9 @@ class ReusableService {
   // before has not answered: no client waits without end.
   void Start();
 
+  // Serves clients on Cyclone DDS, too, as the constructor does with `on_cyclone`.
+  void ServeCyclone();
+
   // Whether a client waits for a response of the agent.
   bool has_unanswered() const {
     const std::lock_guard lock(mutex_);
@@ -165,15 +172,22 @@ class ReusableService {
  private:
   using Bytes = std::vector<std::byte>;
 
+  void ListServed(const ServedContent& served);
+  // Lists the endpoints as those of the node, if there is one, and no longer.
+  void List();
+  void Unlist();
   void Pass(std::span<const std::byte> request);
   void PassOfFastDds(std::span<const std::byte> request);
   // REQUIRES: mutex_ is held.
   void KeepUnanswered(Bytes request);
 
   RosParticipant& participant_;
+  const ServiceSpec spec_;
   const dds_topic_descriptor_t& request_;
   const dds_topic_descriptor_t& response_;
-  mutable std::mutex mutex_;  // guards the four below
+  std::optional<std::size_t> node_;      // while attached
+  std::optional<ServedContent> served_;  // by the side on Fast DDS
+  mutable std::mutex mutex_;             // guards the four below
   Sink sink_;
   bool passes_ = false;
   std::deque<Bytes> waiting_;                            // requests
@@ -181,7 +195,7 @@ class ReusableService {
   bool started_ = false;
   FastDdsSide* const fast_dds_;
   std::uint32_t fast_id_ = 0;          // with fast_dds_
-  std::optional<DdsService> cyclone_;  // none: for clients on Fast DDS only
+  std::optional<DdsService> cyclone_;  // none: clients on Cyclone DDS are not served, or not yet
 };
 
 }  // namespace troupe::ros

@@ -26,11 +26,12 @@ struct TopicWatch::AnyReader {
     descriptor.m_typename = type_name.c_str();
     topic_entity = dds::Entity(dds::CreateTopic(participant.participant(), descriptor, topic));
     reader = dds::Entity(dds::Check(
-        dds_create_reader(participant.subscriber().handle(), topic_entity.handle(),
-                          (dds::Qos() << (reliable ? dds::Reliability::Reliable(0.0) : dds::Reliability::BestEffort())
-                                      << dds::History::KeepLast(kDepth))
-                              .get(),
-                          nullptr),
+        dds_create_reader(
+            participant.subscriber().handle(), topic_entity.handle(),
+            (dds::Qos() << (reliable ? dds::Reliability::Reliable(0.0) : dds::Reliability::BestEffort())
+                        << dds::History::KeepLast(kDepth) << TypeUserData(participant.distribution(), descriptor))
+                .get(),
+            nullptr),
         "creating a reader of topic '" + topic + "'"));
     listener.on_data_available = [this] { Read(); };
     dds::SetListener(reader.handle(), listener);

@@ -126,7 +126,7 @@ void Step(Peer& peer, std::uint64_t steps) {
   Print({{"topic", "stepped"}, {"result", result}, {"repeated", client.repeated()}});
 }
 
-// The endpoints in no partition, or in "", of servers: readers of requests and writers of responses.
+// The endpoints of servers: readers of requests and writers of responses.
 class Endpoints final : public DomainParticipantListener {
  public:
   void on_subscriber_discovery(DomainParticipant*, eprosima::fastrtps::rtps::ReaderDiscoveryInfo&& info) override {
@@ -141,11 +141,13 @@ class Endpoints final : public DomainParticipantListener {
  private:
   template <typename Data>
   void Note(const Data& data, bool gone) {
-    if (data.m_qos.m_partition.begin() != data.m_qos.m_partition.end()) return;
+    std::string partitions;
+    for (const auto& partition : data.m_qos.m_partition) partitions += partition.name();
     std::string user_data;
     for (const auto octet : data.m_qos.m_userData.getValue()) user_data += static_cast<char>(octet);
     Print({{"topic", gone ? "left" : "found"},
            {"on", data.topicName().to_string()},
+           {"partitions", partitions},
            {"type", data.typeName().to_string()},
            {"user_data", user_data}});
   }
