@@ -13,6 +13,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 FOLDER = pathlib.Path(__file__).resolve().parent
+OF_DISTRIBUTION = "params_humble.yaml" if os.environ.get("ROS_DISTRO") == "humble" else "params_jazzy.yaml"
 # By package, in the order in which the lifecycle manager activates them.
 SERVERS = {
     "nav2_controller": "controller_server",
@@ -34,18 +35,18 @@ def nodes_of_domain(number, localization, navigation, ekf, params):
 
     def add(package, executable):
         nodes.append(Node(package=package, executable=executable, name=executable, output="screen",
-                          additional_env=domain, parameters=[params]))
+                          additional_env=domain, parameters=params))
 
     if ekf == "true":
         nodes.append(Node(package="robot_localization", executable="ekf_node", name="ekf_filter_node", output="screen",
-                          additional_env=domain, parameters=[params]))
+                          additional_env=domain, parameters=params))
     if localization == "amcl":
         add("nav2_amcl", "amcl")
         nodes.append(manager("lifecycle_manager_localization", ["amcl"], domain))
     if localization == "slam":
         # Its map is not Troupe's.
         nodes.append(Node(package="slam_toolbox", executable="async_slam_toolbox_node", name="slam_toolbox",
-                          output="screen", additional_env=domain, parameters=[params],
+                          output="screen", additional_env=domain, parameters=params,
                           remappings=[("/map", "/slam_map"), ("/map_metadata", "/slam_map_metadata")]))
     if navigation == "true":
         for package, executable in SERVERS.items():
@@ -60,7 +61,8 @@ def start(context):
 
     nodes = []
     for number in value("domains").split(","):
-        nodes += nodes_of_domain(number, value("localization"), value("navigation"), value("ekf"), value("params_file"))
+        nodes += nodes_of_domain(number, value("localization"), value("navigation"), value("ekf"),
+                                 [value("params_file"), os.fspath(FOLDER / OF_DISTRIBUTION)])
     return nodes
 
 
