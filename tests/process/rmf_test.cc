@@ -56,6 +56,9 @@ TEST_F(Rmf, ALiftServesOneSessionAfterTheOther) {
   })) << Lift().session
       << " at " << Lift().floor << ", doors " << int{Lift().doors} << ", motion " << int{Lift().motion} << "\n"
       << run_->output();
+  RequestLift("", "bert", ros::LiftRequestType::kEndSession);  // without a floor, as Open-RMF's supervisor
+  ASSERT_TRUE(Eventually([&] { return Lift().session.empty(); }));
+  EXPECT_EQ(Lift().floor, "L1");
   run_->Interrupt();
   OutputOf(Troupe({"replay", folder_.Path("run.mcap"), "--verify"}));
 }

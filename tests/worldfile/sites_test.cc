@@ -312,7 +312,8 @@ TEST(SiteTree, TeleportingModelsArePlacesOfDispensersAndIngestors) {
       "levels:\n  L1:\n    elevation: 1\n    vertices: [[0, 0, 0, pantry, {pickup_dispenser: [1, "
       "coke_dispenser]}], [90, 0, 0, b]]\n" +
       std::string(kMeasured) +
-      "    models: [{model_name: TeleportDispenser, name: coke_dispenser, x: 90, y: 90, yaw: 1.5, z: 0.5}, "
+      "    models: [{model_name: OpenRobotics/TeleportDispenser, name: coke_dispenser, x: 90, y: 90, yaw: 1.5, z: "
+      "0.5}, "
       "{model_name: TeleportIngestor, name: b, x: 0, y: 90}]\n");
   EXPECT_EQ(site.furniture, 0u);
   const double metres = site.levels[0].vertices[1].position.x();

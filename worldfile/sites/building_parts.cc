@@ -44,7 +44,8 @@ SiteVertex ReadVertex(YamlReader& yaml, const YAML::Node& node) {
 }
 
 std::optional<SiteWorkcell> ReadWorkcell(YamlReader& yaml, const YAML::Node& model) {
-  const std::string kind = yaml.Text(yaml.Find(model, "model_name"), "a model's name");
+  const std::string model_name = yaml.Text(yaml.Find(model, "model_name"), "a model's name");
+  const std::string kind = model_name.substr(model_name.rfind('/') + 1);  // "OpenRobotics/TeleportDispenser", too
   if (kind != kDispenserModel && kind != kIngestorModel) return std::nullopt;
   SiteWorkcell workcell;
   workcell.where = yaml.At(model);

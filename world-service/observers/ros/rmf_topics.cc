@@ -356,7 +356,11 @@ void RmfTopics::CallLift(const LiftAsk& ask) {
   const std::optional<std::size_t> number = FindLift(world, name);
   if (!number) return Refuse(fmt::format("/lift_requests: the world has no lift '{}'", name));
   const LiftDescription& lift = world.lifts[*number];
-  const LiftTask asked{ask.session, static_cast<ros::LiftRequestType>(ask.type), ask.floor, false};
+  const LiftState& state = state_.lifts[*number];
+  LiftTask asked{ask.session, static_cast<ros::LiftRequestType>(ask.type), ask.floor, false};
+  // RMF ends sessions so.
+  if (asked.type == ros::LiftRequestType::kEndSession && asked.floor.empty())
+    asked.floor = lift.floors[state.floor].name;
   if (std::none_of(lift.floors.begin(), lift.floors.end(),
                    [&](const LiftFloor& floor) { return floor.name == asked.floor; })) {
     return Refuse(fmt::format("/lift_requests: lift '{}' has no floor '{}'", name, asked.floor));
@@ -364,7 +368,6 @@ void RmfTopics::CallLift(const LiftAsk& ask) {
   if (ask.type > static_cast<std::uint8_t>(ros::LiftRequestType::kHuman)) {
     return Refuse(fmt::format("/lift_requests: lift '{}': found the type {}, expected 0 to 2", name, ask.type));
   }
-  const LiftState& state = state_.lifts[*number];
   if (state.session) {
     return Refuse(fmt::format("/lift_requests: lift '{}' is in the session of robot '{}': ignored that of '{}'", name,
                               world.robot(*state.session).name, asked.session));
