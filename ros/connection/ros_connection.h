@@ -29,10 +29,10 @@ struct TopicSpec {
   TopicQos qos;
 };
 
-// The types begin with a CallHeader.
 // Of an endpoint or a participant, as on the network.
 using Guid = std::array<std::uint8_t, 16>;
 
+// The types begin with a CallHeader.
 struct ServiceSpec {
   std::string name;  // "/anna/robot/get_parameters"
   const dds_topic_descriptor_t* request = nullptr;

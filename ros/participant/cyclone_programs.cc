@@ -1,6 +1,5 @@
 #include "ros/participant/cyclone_programs.h"
 
-#include <cstring>
 #include <string_view>
 #include <utility>
 
