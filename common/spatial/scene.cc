@@ -11,17 +11,18 @@
 
 namespace troupe {
 
-Scene::Scene(WorldDescription world) : world_(std::move(world)), walk_routes_(std::make_shared<LazyWalkRoutes>()) {
+Scene::Scene(Shared<WorldDescription> description)
+    : world_(std::move(description)), walk_routes_(std::make_shared<LazyWalkRoutes>()) {
   FindBodies();
   FindStoresOfModels();
-  imus_ = FindImus(world_);
-  cameras_ = FindCameras(world_);
-  lights_ = FindLights(world_);
-  light_of_.resize(world_.models.size());
+  imus_ = FindImus(world());
+  cameras_ = FindCameras(world());
+  lights_ = FindLights(world());
+  light_of_.resize(world().models.size());
   for (std::size_t i = 0; i < lights_.size(); ++i) light_of_[lights_[i].model.index()] = i;
   std::vector<ConvexPiece> static_pieces;
   std::vector<PixelPieces> areas;
-  for (std::size_t i = 0; i < world_.models.size(); ++i) AddModel(ModelId(i), static_pieces, areas);
+  for (std::size_t i = 0; i < world().models.size(); ++i) AddModel(ModelId(i), static_pieces, areas);
   static_index_ = StaticIndex(std::move(static_pieces), std::move(areas));
   for (Body& body : bodies_) {
     MeasureBody(body);
@@ -37,41 +38,41 @@ const WalkRoutes& Scene::walk_routes() const {
 }
 
 void Scene::FindBodies() {
-  const std::size_t models = world_.models.size();
+  const std::size_t models = world().models.size();
   body_of_.resize(models);
   link_of_.resize(models, 0);
   X_LM_.resize(models);
   joint_of_.resize(models);
   for (std::size_t i = 0; i < models; ++i) {
-    const ModelDescription& model = world_.models[i];
+    const ModelDescription& model = world().models[i];
     ranger_returns_.push_back(model.ranger_return);
     if (model.fiducial_return != 0 && !model.removed) fiducials_.emplace_back(i);
   }
-  bodies_.resize(world_.robots.size() + world_.objects.size() + world_.people.size());
+  bodies_.resize(world().robots.size() + world().objects.size() + world().people.size());
   for (Body& body : bodies_) body.links.push_back({});
-  for (std::size_t i = 0; i < world_.robots.size(); ++i) body_of_[world_.robots[i].root.index()] = BodyId(i);
-  for (std::size_t i = 0; i < world_.objects.size(); ++i) {
-    body_of_[world_.objects[i].index()] = body_of(ObjectId(i));
+  for (std::size_t i = 0; i < world().robots.size(); ++i) body_of_[world().robots[i].root.index()] = BodyId(i);
+  for (std::size_t i = 0; i < world().objects.size(); ++i) {
+    body_of_[world().objects[i].index()] = body_of(ObjectId(i));
   }
-  for (std::size_t i = 0; i < world_.people.size(); ++i) {
-    body_of_[world_.people[i].root.index()] = body_of(PersonId(i));
+  for (std::size_t i = 0; i < world().people.size(); ++i) {
+    body_of_[world().people[i].root.index()] = body_of(PersonId(i));
   }
-  joints_of_.resize(world_.robots.size());
-  grippers_of_.resize(world_.robots.size());
-  joint_links_.resize(world_.joints.size(), 0);
-  for (std::size_t i = 0; i < world_.joints.size(); ++i) {
-    joint_of_[world_.joints[i].model.index()] = JointId(i);
-    joints_of_[world_.joints[i].robot.index()].push_back(JointId(i));
+  joints_of_.resize(world().robots.size());
+  grippers_of_.resize(world().robots.size());
+  joint_links_.resize(world().joints.size(), 0);
+  for (std::size_t i = 0; i < world().joints.size(); ++i) {
+    joint_of_[world().joints[i].model.index()] = JointId(i);
+    joints_of_[world().joints[i].robot.index()].push_back(JointId(i));
   }
-  for (std::size_t i = 0; i < world_.grippers.size(); ++i) {
-    grippers_of_[world_.grippers[i].robot.index()].push_back(GripperId(i));
+  for (std::size_t i = 0; i < world().grippers.size(); ++i) {
+    grippers_of_[world().grippers[i].robot.index()].push_back(GripperId(i));
   }
 }
 
 Status Scene::CheckState(const WorldState& state) const {
   const DeviceCounts devices{
       .stores = stores_.size(), .imus = imus_.size(), .lights = lights_.size(), .cameras = cameras_.size()};
-  return troupe::CheckState(world_, devices, state);
+  return troupe::CheckState(world(), devices, state);
 }
 
 std::size_t Scene::first_light_of(RobotId robot) const {
@@ -88,29 +89,29 @@ std::span<const LightPlace> Scene::lights_of(RobotId robot) const {
 }
 
 void Scene::FindStoresOfModels() {
-  store_of_.resize(world_.models.size());
-  for (const ModelId model : FindStores(world_)) {
+  store_of_.resize(world().models.size());
+  for (const ModelId model : FindStores(world())) {
     store_of_[model.index()] = stores_.size();
     stores_.push_back({.model = model, .robot = std::nullopt});
   }
   if (stores_.empty()) return;
   // Parents first.
-  for (std::size_t i = 0; i < world_.models.size(); ++i) {
-    const ModelDescription& model = world_.models[i];
+  for (std::size_t i = 0; i < world().models.size(); ++i) {
+    const ModelDescription& model = world().models[i];
     if (!store_of_[i] && model.parent) store_of_[i] = store_of_[model.parent->index()];
     if (store_of_[i] && !model.removed) stores_[*store_of_[i]].watts += model.power.watts;
   }
-  for (std::size_t i = 0; i < world_.robots.size(); ++i) {
-    const RobotDescription& robot = world_.robots[i];
+  for (std::size_t i = 0; i < world().robots.size(); ++i) {
+    const RobotDescription& robot = world().robots[i];
     const std::optional<std::size_t> of_drive = store_of_[robot.root.index()];
     if (!of_drive) continue;
     stores_[*of_drive].robot = RobotId(i);
-    stores_[*of_drive].mass = world_.model(robot.root).power.mass;
+    stores_[*of_drive].mass = world().model(robot.root).power.mass;
   }
 }
 
 void Scene::MeasureRadioReach() {
-  for (const RobotDescription& robot : world_.robots) {
+  for (const RobotDescription& robot : world().robots) {
     for (const SensorDescription& sensor : robot.sensors) {
       const auto* const radio = std::get_if<RadioParameters>(&sensor.parameters);
       if (radio == nullptr) continue;
@@ -125,7 +126,7 @@ void Scene::MeasureRadioReach() {
 
 void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces, std::vector<PixelPieces>& areas) {
   const std::size_t i = id.index();
-  const ModelDescription& model = world_.models[i];
+  const ModelDescription& model = world().models[i];
   if (model.parent) {
     const std::size_t parent = model.parent->index();
     body_of_[i] = body_of_[parent];
@@ -135,9 +136,9 @@ void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces, std::v
     X_LM_[i] = body_of_[i] ? Pose{} : model.X_PM;
   }
   if (!body_of_[i]) {
-    std::vector<ConvexPiece> pieces = MakePieces(world_, id, X_LM_[i]);
+    std::vector<ConvexPiece> pieces = MakePieces(world(), id, X_LM_[i]);
     std::move(pieces.begin(), pieces.end(), std::back_inserter(static_pieces));
-    AppendAreaPieces(world_, id, X_LM_[i], areas);
+    AppendAreaPieces(world(), id, X_LM_[i], areas);
     return;
   }
   Body& body = bodies_[body_of_[i]->index()];
@@ -147,7 +148,7 @@ void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces, std::v
     X_LM_[i] = Pose{};
     joint_links_[joint_of_[i]->index()] = link_of_[i];
   }
-  std::vector<ConvexPiece> pieces = MakePieces(world_, id, X_LM_[i]);
+  std::vector<ConvexPiece> pieces = MakePieces(world(), id, X_LM_[i]);
   body.piece_links.resize(body.piece_links.size() + pieces.size(), link_of_[i]);
   std::move(pieces.begin(), pieces.end(), std::back_inserter(body.pieces));
 }
@@ -158,7 +159,7 @@ void Scene::MeasureBody(Body& body) const {
   std::vector<ZRange> heights(body.links.size());
   for (std::size_t k = 1; k < body.links.size(); ++k) {
     const Link& link = body.links[k];
-    const JointDescription& joint = world_.joint(*link.joint);
+    const JointDescription& joint = world().joint(*link.joint);
     reach[k] = reach[link.parent] + link.X_PL.translation().norm();
     heights[k] = heights[link.parent] + link.X_PL.z;
     if (joint.type == JointType::kRevolute) continue;
@@ -180,7 +181,7 @@ void Scene::MeasureBody(Body& body) const {
 
 std::optional<RobotId> Scene::robot_of(ModelId model) const {
   const std::optional<BodyId>& body = body_of_[model.index()];
-  return body && body->index() < world_.robots.size() ? std::optional(RobotId(body->index())) : std::nullopt;
+  return body && body->index() < world().robots.size() ? std::optional(RobotId(body->index())) : std::nullopt;
 }
 
 std::optional<ObjectId> Scene::object_of(ModelId model) const {
@@ -189,8 +190,8 @@ std::optional<ObjectId> Scene::object_of(ModelId model) const {
 }
 
 std::optional<ObjectId> Scene::object_of(BodyId body) const {
-  const std::size_t robots = world_.robots.size();
-  if (body.index() < robots || body.index() - robots >= world_.objects.size()) return std::nullopt;
+  const std::size_t robots = world().robots.size();
+  if (body.index() < robots || body.index() - robots >= world().objects.size()) return std::nullopt;
   return ObjectId(body.index() - robots);
 }
 
@@ -200,7 +201,7 @@ std::optional<PersonId> Scene::person_of(ModelId model) const {
 }
 
 std::optional<PersonId> Scene::person_of(BodyId body) const {
-  const std::size_t others = world_.robots.size() + world_.objects.size();
+  const std::size_t others = world().robots.size() + world().objects.size();
   return body.index() >= others ? std::optional(PersonId(body.index() - others)) : std::nullopt;
 }
 
@@ -209,13 +210,13 @@ void Scene::ComputeLinkPoses(BodyId id, std::span<const double> positions, std::
   X_BL.resize(body.links.size());
   for (std::size_t k = 1; k < body.links.size(); ++k) {
     const Link& link = body.links[k];
-    X_BL[k] = X_BL[link.parent] * link.X_PL * JointMotion(world_.joint(*link.joint), positions[link.joint->index()]);
+    X_BL[k] = X_BL[link.parent] * link.X_PL * JointMotion(world().joint(*link.joint), positions[link.joint->index()]);
   }
 }
 
 std::vector<Pose> Scene::LinkPosesAtStart(BodyId body) const {
   std::vector<double> positions;
-  for (const JointDescription& joint : world_.joints) positions.push_back(joint.start);
+  for (const JointDescription& joint : world().joints) positions.push_back(joint.start);
   std::vector<Pose> X_BL;
   ComputeLinkPoses(body, positions, X_BL);
   return X_BL;

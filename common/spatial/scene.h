@@ -1,5 +1,5 @@
 // Scene: a world description prepared for fast queries. Immutable, so any thread may read it; made once by the service
-// and once by each agent.
+// and once by each agent in another process.
 #pragma once
 
 #include <memory>
@@ -12,6 +12,7 @@
 #include "common/spatial/static_index.h"
 #include "troupe/ids.h"
 #include "troupe/result.h"
+#include "troupe/shared.h"
 #include "troupe/world_description.h"
 #include "troupe/world_state.h"
 
@@ -48,10 +49,10 @@ struct Store {
 
 class Scene {
  public:
-  // REQUIRES: Validate(world) found nothing.
-  explicit Scene(WorldDescription world);
+  // REQUIRES: Validate(description) found nothing.
+  explicit Scene(Shared<WorldDescription> description);
 
-  const WorldDescription& world() const { return world_; }
+  const WorldDescription& world() const { return *world_; }
   // As troupe::CheckState, without counting the rows again: that took a fifth of an agent's time.
   Status CheckState(const WorldState& state) const;
   const StaticIndex& static_index() const { return static_index_; }
@@ -63,9 +64,9 @@ class Scene {
   const Body& body(BodyId id) const { return bodies_[id.index()]; }
   const RayShape& ray_shape(BodyId id) const { return ray_shapes_[ray_shape_of_[id.index()]]; }
   BodyId body_of(RobotId robot) const { return BodyId(robot.index()); }
-  BodyId body_of(ObjectId object) const { return BodyId(world_.robots.size() + object.index()); }
+  BodyId body_of(ObjectId object) const { return BodyId(world().robots.size() + object.index()); }
   BodyId body_of(PersonId person) const {
-    return BodyId(world_.robots.size() + world_.objects.size() + person.index());
+    return BodyId(world().robots.size() + world().objects.size() + person.index());
   }
   // The body that the model belongs to; nothing for a static model.
   std::optional<BodyId> body_of(ModelId model) const { return body_of_[model.index()]; }
@@ -128,7 +129,7 @@ class Scene {
   void AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces, std::vector<PixelPieces>& areas);
   void MeasureBody(Body& body) const;
 
-  WorldDescription world_;
+  Shared<WorldDescription> world_;
   std::vector<std::optional<BodyId>> body_of_;  // by model, like the next four
   std::vector<std::uint32_t> link_of_;
   std::vector<Pose> X_LM_;  // in W for static models
@@ -152,5 +153,10 @@ class Scene {
   double max_body_radius_ = 0.0;
   std::shared_ptr<LazyWalkRoutes> walk_routes_;
 };
+
+// The world of a scene, without a copy: it lives as long as one of both.
+inline std::shared_ptr<const WorldDescription> WorldOf(const std::shared_ptr<const Scene>& scene) {
+  return {scene, &scene->world()};
+}
 
 }  // namespace troupe

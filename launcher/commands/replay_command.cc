@@ -118,7 +118,7 @@ Status ControllerCheck::AddReplica(const ReplayedWorld& world, const std::vector
   if (robots.empty()) return {};
   RobotOptions options;
   options.libraries = AllowedPaths::All();  // as of the user's own scenario
-  Result<std::unique_ptr<Replica>> replica = Replica::Create(world.world(), robots, options, pool_);
+  Result<std::unique_ptr<Replica>> replica = Replica::Create(world.scene(), robots, options, pool_);
   if (!replica.ok()) return replica.error();
   replicas_.push_back(std::move(replica).value());
   return {};
@@ -132,7 +132,7 @@ Status ControllerCheck::Follow(const ReplayedWorld& world) {
   for (const auto& replica : replicas_) {
     Status changed;
     if (world.scene() != scene_) {
-      changed = replica->ChangeWorld(world.world(), fresh, fresh_edition_);
+      changed = replica->ChangeWorld(world.scene(), fresh, fresh_edition_);
     } else if (fresh) {
       changed = replica->Renew(fresh_edition_);
     }

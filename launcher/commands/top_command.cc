@@ -173,8 +173,8 @@ void SessionTop::OnFrame(const SharedFrame& frame) {
   const std::lock_guard lock(mutex_);
   if (!session_ || frame->run != session_->run || frame->world_edition != session_->world_edition) return;
   for (const Event& event : frame->events) {
-    if (!event.robot || event.robot->index() >= session_->world.robots.size()) continue;
-    const std::string& name = session_->world.robot(*event.robot).name;
+    if (!event.robot || event.robot->index() >= session_->world->robots.size()) continue;
+    const std::string& name = session_->world->robot(*event.robot).name;
     if (event.type == EventType::kLeft) lost_.insert(name);
     if (event.type == EventType::kJoined) lost_.erase(name);
   }
@@ -209,8 +209,8 @@ std::string SessionTop::RunText(double ticks_per_second, std::size_t lost) const
   const FrameMessage& frame = *frame_;
   const char* const state = frame.last ? "over" : frame.paused && !frame.holds ? "paused" : "playing";
   std::string text =
-      fmt::format("{} on {}:{}, {}, tick {} ({:.1f} s)", shown_->world.name, shown_->host, shown_->pid, state,
-                  frame.state.tick, static_cast<double>(frame.state.tick) * shown_->world.interval_seconds());
+      fmt::format("{} on {}:{}, {}, tick {} ({:.1f} s)", shown_->world->name, shown_->host, shown_->pid, state,
+                  frame.state.tick, static_cast<double>(frame.state.tick) * shown_->world->interval_seconds());
   if (!status_) return text + "\n";
   text += fmt::format("\n{:.1f} ticks a second, {:.2f} x real time, {} robots, {} agents, {} robots have lost theirs",
                       ticks_per_second, status_->real_time_factor, status_->robots, status_->agents, lost);

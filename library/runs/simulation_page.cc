@@ -232,7 +232,7 @@ bool SimulationPage::Impl::SendNewest(std::unique_lock<std::mutex>& lock, bool l
     session.host = HostName();
     session.pid = static_cast<std::uint32_t>(getpid());
     session.begun = true;
-    session.world = shown_scene->world();
+    session.world = WorldOf(shown_scene);
     session.world_edition = frame.world_edition;
     sent = SendState(socket.get(), session);
   }

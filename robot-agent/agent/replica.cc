@@ -55,12 +55,6 @@ std::vector<std::string> RobotNamesOf(const WorldDescription& world) {
   return names;
 }
 
-std::shared_ptr<const Scene> MakeScene(WorldDescription world, const FindEqualMemory& find_map) {
-  const auto scene = std::make_shared<Scene>(std::move(world));
-  scene->ShareMap(find_map);
-  return scene;
-}
-
 class View final : public RobotView {
  public:
   View(Robot& robot, const WorldState& state, const BodyIndex& bodies)
@@ -80,20 +74,13 @@ class View final : public RobotView {
 
 }  // namespace
 
-Replica::Replica(WorldDescription world, const RobotOptions& options, const MakeGateway& make_gateway,
-                 const FindEqualMemory& find_map)
-    : scene_(MakeScene(std::move(world), find_map)),
-      options_(options),
-      make_gateway_(make_gateway),
-      find_map_(find_map) {}
-
-Result<std::unique_ptr<Replica>> Replica::Create(WorldDescription world, const std::vector<std::string>& robots,
-                                                 const RobotOptions& options, std::shared_ptr<ThreadPool> pool,
-                                                 const MakeGateway& make_gateway, TickTrace* trace,
-                                                 const FindEqualMemory& find_map) {
-  const Result<std::vector<RobotId>> ids = RobotsNamed(world, robots);
+Result<std::unique_ptr<Replica>> Replica::Create(std::shared_ptr<const Scene> scene,
+                                                 const std::vector<std::string>& robots, const RobotOptions& options,
+                                                 std::shared_ptr<ThreadPool> pool, const MakeGateway& make_gateway,
+                                                 TickTrace* trace) {
+  const Result<std::vector<RobotId>> ids = RobotsNamed(scene->world(), robots);
   if (!ids.ok()) return ids.error();
-  std::unique_ptr<Replica> replica(new Replica(std::move(world), options, make_gateway, find_map));
+  std::unique_ptr<Replica> replica(new Replica(std::move(scene), options, make_gateway));
   if (Status status = replica->MakeRobots(ids.value()); !status.ok()) return status.error();
   const std::size_t most = pool != nullptr && options.scan_log == nullptr ? pool->size() : 1;
   const std::size_t threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, most);
@@ -137,7 +124,8 @@ Status Replica::MakeNewGateway() {
   }
 }
 
-Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition) {
+Status Replica::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edition edition) {
+  const WorldDescription& world = scene->world();
   const std::vector<RobotId> before = Ids();
   std::vector<RobotId> ids;
   if (fresh) {
@@ -150,7 +138,7 @@ Status Replica::ChangeWorld(WorldDescription world, bool fresh, Edition edition)
   }
   std::sort(ids.begin(), ids.end());
   const std::shared_ptr<const Scene> before_scene = scene_;
-  scene_ = MakeScene(std::move(world), find_map_);
+  scene_ = std::move(scene);
   ResetIndices(indices_.size());
   NameRobotsInTrace();
   if (fresh) {

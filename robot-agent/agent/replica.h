@@ -8,9 +8,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "common/base/hash.h"
 #include "common/base/thread_pool.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
@@ -26,25 +26,25 @@ class Replica {
  public:
   // `robots`: names; empty: every robot. `options` are those of each robot. Threads of the pool divide
   // the robots, one for each 16; without a pool (null) and with a scan log, one does all. `make_gateway` may be empty,
-  // `trace` null, and `find_map`, which finds memory for the map of the world, empty. The error is a robot that is
-  // unknown or named twice, or a controller or a gateway that cannot be made. REQUIRES: Validate(world) succeeded.
-  static Result<std::unique_ptr<Replica>> Create(WorldDescription world, const std::vector<std::string>& robots,
+  // and `trace` null. The error is a robot that is unknown or named twice, or a controller or a gateway that cannot be
+  // made.
+  static Result<std::unique_ptr<Replica>> Create(std::shared_ptr<const Scene> scene,
+                                                 const std::vector<std::string>& robots,
                                                  const RobotOptions& options = {},
                                                  std::shared_ptr<ThreadPool> pool = {},
-                                                 const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr,
-                                                 const FindEqualMemory& find_map = {});
+                                                 const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
   // Applies an edit of the world. If `fresh`, the robots that the new world has by name start anew; otherwise its ids
   // are those of the old world, and all robots continue but removed ones, and those with another controller. `edition`:
   // of the newest fresh start, for the scan log. The error is a controller or a gateway that cannot be made.
-  Status ChangeWorld(WorldDescription world, bool fresh, Edition edition);
+  Status ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edition edition);
   // Starts the robots anew in the present world. The error is as above.
   Status Renew(Edition edition);
 
   // Makes those of the robots that the world has, and the replica lacks. The error is as above.
   Status AddRobots(const std::vector<std::string>& names);
 
-  const WorldDescription& world() const { return scene_->world(); }
+  const std::shared_ptr<const Scene>& scene() const { return scene_; }
   bool has_robots() const { return !robots_.empty(); }
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
@@ -82,8 +82,8 @@ class Replica {
   bool has_gateway() const { return gateway_ != nullptr; }
 
  private:
-  Replica(WorldDescription world, const RobotOptions& options, const MakeGateway& make_gateway,
-          const FindEqualMemory& find_map);
+  Replica(std::shared_ptr<const Scene> scene, const RobotOptions& options, const MakeGateway& make_gateway)
+      : scene_(std::move(scene)), options_(options), make_gateway_(make_gateway) {}
   // Takes the robots to the scene; those that have another controller there are made anew.
   Status FollowWorld(const Scene& before);
   Status MakeRobots(const std::vector<RobotId>& ids);
@@ -108,7 +108,6 @@ class Replica {
   RobotOptions options_;
   TickTrace* trace_ = nullptr;  // may be null
   MakeGateway make_gateway_;
-  FindEqualMemory find_map_;                    // may be empty
   std::vector<std::unique_ptr<Robot>> robots_;  // by id
   std::vector<BodyIndex> indices_;              // one for each thread
   std::shared_ptr<ThreadPool> pool_;            // null: one thread

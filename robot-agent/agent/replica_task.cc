@@ -10,17 +10,34 @@
 #include "robot-agent/robot/robot.h"
 
 namespace troupe {
+namespace {
+
+// Validated, with the map that is in memory already if it is.
+Result<std::shared_ptr<const Scene>> MakeScene(Shared<WorldDescription> world, const AgentResources& resources) {
+  if (const Status status = Validate(world); !status.ok()) return status.error();
+  const auto scene = std::make_shared<Scene>(std::move(world));
+  scene->ShareMap(resources.find_map);
+  return std::shared_ptr<const Scene>(scene);
+}
+
+// The service's own in its process.
+Result<std::shared_ptr<const Scene>> SceneOf(const SessionMessage& session, const AgentResources& resources) {
+  if (session.scene != nullptr) return session.scene;
+  return MakeScene(session.world, resources);
+}
+
+}  // namespace
 
 void ReplicaTask::Perform(const AgentOptions& options, const AgentResources& resources) {
   try {
     if (auto* const making = std::get_if<Making>(&work)) {
       outcome = Make(*making->session, options, resources);
     } else if (auto* const change = std::get_if<Changing>(&work)) {
-      outcome = Change(*change);
+      outcome = Change(*change, resources);
     } else {
       // The lines of the past are in the log, or in that of the agent before.
       if (resources.scan_log != nullptr) resources.scan_log->Mute(true);
-      outcome = Retrace(std::get<Retracing>(work));
+      outcome = Retrace(std::get<Retracing>(work), resources);
       if (resources.scan_log != nullptr) resources.scan_log->Mute(false);
     }
   } catch (const std::bad_alloc& no_memory) {
@@ -28,14 +45,15 @@ void ReplicaTask::Perform(const AgentOptions& options, const AgentResources& res
   }
 }
 
-Status ReplicaTask::Make(SessionMessage& session, const AgentOptions& options, const AgentResources& resources) {
+Status ReplicaTask::Make(const SessionMessage& session, const AgentOptions& options, const AgentResources& resources) {
   robots = {};
   if (session.protocol_version != kProtocolVersion) {
     return Failure(fmt::format("the world service on {} speaks protocol version {}, expected {}", session.host,
                                session.protocol_version, kProtocolVersion));
   }
-  if (const Status status = Validate(session.world); !status.ok()) {
-    return Failure(fmt::format("the world service on {} sent a bad world: {}", session.host, status.error().message));
+  Result<std::shared_ptr<const Scene>> scene = SceneOf(session, resources);
+  if (!scene.ok()) {
+    return Failure(fmt::format("the world service on {} sent a bad world: {}", session.host, scene.error().message));
   }
   std::vector<std::string> names = options.robots;
   if (options.skip_deleted) {
@@ -45,25 +63,24 @@ Status ReplicaTask::Make(SessionMessage& session, const AgentOptions& options, c
   robots.world_hash = Hash(session.world);
   robots.world_edition = session.world_edition;
   Result<std::unique_ptr<Replica>> made =
-      Replica::Create(std::move(session.world), names, {resources.scan_log, options.libraries}, options.pool,
-                      options.make_gateway, resources.trace, resources.find_map);
+      Replica::Create(std::move(scene).value(), names, {resources.scan_log, options.libraries}, options.pool,
+                      options.make_gateway, resources.trace);
   if (!made.ok()) return made.error();
   robots.replica = std::move(made).value();
   robots.names = robots.replica->RobotNames();
   return {};
 }
 
-Status ReplicaTask::Change(Changing& change) {
+Status ReplicaTask::Change(const Changing& change, const AgentResources& resources) {
   Status status;
   if (change.session) {
-    status = Validate(change.session->world);
+    Result<std::shared_ptr<const Scene>> scene = SceneOf(*change.session, resources);
     robots.world_hash = Hash(change.session->world);
     robots.world_edition = change.session->world_edition;
-  }
-  if (status.ok()) {
-    status = change.session
-                 ? robots.replica->ChangeWorld(std::move(change.session->world), change.fresh, change.fresh_edition)
-                 : robots.replica->Renew(change.fresh_edition);
+    status = scene.ok() ? robots.replica->ChangeWorld(std::move(scene).value(), change.fresh, change.fresh_edition)
+                        : Status(scene.error());
+  } else {
+    status = robots.replica->Renew(change.fresh_edition);
   }
   // A history may have ended in a world without some of the robots: one that was spawned in the newest state.
   if (status.ok() && change.session) status = robots.replica->AddRobots(robots.names);
@@ -79,9 +96,9 @@ Status ReplicaTask::Change(Changing& change) {
   return {};
 }
 
-Status ReplicaTask::Retrace(Retracing& past) {
+Status ReplicaTask::Retrace(Retracing& past, const AgentResources& resources) {
   for (HistoryEntry& entry : past.history->entries) {
-    if (Status problem = Retrace(entry, past); !problem.ok()) {
+    if (Status problem = Retrace(entry, past, resources); !problem.ok()) {
       return Failure("the world service sent a bad history: " + problem.error().message);
     }
   }
@@ -89,22 +106,24 @@ Status ReplicaTask::Retrace(Retracing& past) {
 }
 
 // As AgentProtocol answers the frames of a run.
-Status ReplicaTask::Retrace(HistoryEntry& entry, Retracing& past) {
+Status ReplicaTask::Retrace(HistoryEntry& entry, Retracing& past, const AgentResources& resources) {
   const FrameMessage& frame = entry.frame;
   Replica& replica = *robots.replica;
   // Robots without a memory may be of a later world, with other ids.
   const bool starts = !robots.memory || !robots.fresh_edition || frame.fresh_edition > *robots.fresh_edition;
   if (frame.world_edition != robots.world_edition) {
     if (!entry.world) return Error{{}, "a state without its world"};
-    if (Status problem = Validate(*entry.world); !problem.ok()) return problem;
+    Result<std::shared_ptr<const Scene>> scene = MakeScene(std::move(*entry.world), resources);
+    if (!scene.ok()) return scene.error();
     if (frame.world_edition < robots.world_edition) {
       past.later_world = std::make_unique<SessionMessage>();
       past.later_world->run = past.history->run;
-      past.later_world->world = replica.world();
+      past.later_world->world = WorldOf(replica.scene());
+      past.later_world->scene = replica.scene();
       past.later_world->world_edition = robots.world_edition;
     }
-    robots.world_hash = Hash(*entry.world);
-    if (Status problem = replica.ChangeWorld(std::move(*entry.world), starts, frame.fresh_edition); !problem.ok()) {
+    robots.world_hash = Hash(scene.value()->world());
+    if (Status problem = replica.ChangeWorld(std::move(scene).value(), starts, frame.fresh_edition); !problem.ok()) {
       return problem;
     }
     if (Status problem = replica.AddRobots(robots.names); !problem.ok()) return problem;

@@ -63,10 +63,10 @@ struct ReplicaTask {
   void Perform(const AgentOptions& options, const AgentResources& resources);
 
  private:
-  Status Make(SessionMessage& session, const AgentOptions& options, const AgentResources& resources);
-  Status Change(Changing& change);
-  Status Retrace(Retracing& past);
-  Status Retrace(HistoryEntry& entry, Retracing& past);
+  Status Make(const SessionMessage& session, const AgentOptions& options, const AgentResources& resources);
+  Status Change(const Changing& change, const AgentResources& resources);
+  Status Retrace(Retracing& past, const AgentResources& resources);
+  Status Retrace(HistoryEntry& entry, Retracing& past, const AgentResources& resources);
 };
 
 }  // namespace troupe

@@ -77,7 +77,7 @@ TEST_P(TransportContract, SessionReachesEarlyAndLateAgents) {
   const auto is_sent = [&](const SessionMessage& session) {
     return session.run == sent.run && session.protocol_version == sent.protocol_version && session.host == sent.host &&
            session.pid == sent.pid && session.lease_seconds == sent.lease_seconds &&
-           session.world.name == sent.world.name && Hash(session.world) == Hash(sent.world);
+           session.world->name == sent.world->name && Hash(session.world) == Hash(sent.world);
   };
   EXPECT_TRUE(early.sessions.WaitFor(kPatience, is_sent));
   StartedAgent late(rig_->ForAgent(), 2);

@@ -63,7 +63,7 @@ void ReferenceRun::AddReplicas() {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     const std::string& name = world.robots[i].name;
     if (!RobotExists(world, RobotId(i)) || replicas_.contains(name)) continue;
-    Result<std::unique_ptr<Replica>> replica = Replica::Create(world, {name}, options_);
+    Result<std::unique_ptr<Replica>> replica = Replica::Create(scene_, {name}, options_);
     if (!replica.ok()) throw std::runtime_error(replica.error().message);
     replicas_[name] = std::move(replica).value();
   }
@@ -106,7 +106,7 @@ void ReferenceRun::Edit(const CommittedTick& tick) {
     Replica& replica = *entry->second;
     Status status;
     if (new_world) {
-      status = replica.ChangeWorld(scene_->world(), result.fresh, tick.frame.edition);
+      status = replica.ChangeWorld(scene_, result.fresh, tick.frame.edition);
     } else if (result.fresh) {
       status = replica.Renew(tick.frame.edition);
     }

@@ -4,6 +4,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -16,11 +17,14 @@
 #include "troupe/rectangle.h"
 #include "troupe/result.h"
 #include "troupe/robot_command.h"
+#include "troupe/shared.h"
 #include "troupe/world_description.h"
 #include "troupe/world_state.h"
 #include "troupe/z_range.h"
 
 namespace troupe {
+
+class Scene;
 
 // Random, made at the start of a program; tells two runs of a session, or two agents, apart.
 using RunId = std::uint64_t;
@@ -42,9 +46,11 @@ struct SessionMessage {
   std::uint32_t pid = 0;
   double lease_seconds = 0.0;  // an agent that is silent for longer is lost
   bool begun = false;          // the run ticks already
-  WorldDescription world;
+  Shared<WorldDescription> world;
   Edition world_edition = 0;  // that made this world
   Incarnation incarnation = 0;
+  // Of the world. Only in the service's process, not on the wire: null elsewhere.
+  std::shared_ptr<const Scene> scene = {};
   bool operator==(const SessionMessage&) const = default;
 };
 

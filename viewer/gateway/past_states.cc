@@ -19,7 +19,7 @@ std::shared_ptr<const ViewedWorld> MakeViewedWorld(const SessionMessage& session
   world->run = session.run;
   world->edition = session.world_edition;
   world->message = std::make_shared<const std::string>(EncodeWorld(session, number));
-  world->scene = std::make_shared<const Scene>(session.world);
+  world->scene = session.scene != nullptr ? session.scene : std::make_shared<const Scene>(session.world);
   return world;
 }
 

@@ -78,7 +78,8 @@ std::shared_ptr<const ViewedWorld> RecordedStates::WorldOf(const ReplayedWorld& 
   if (same == worlds_.end()) {
     SessionMessage session;
     session.run = run();
-    session.world = scene->world();
+    session.world = troupe::WorldOf(scene);
+    session.scene = scene;
     session.world_edition = replayed.world_edition();
     worlds_.push_back(shelf_.Of(session));
     newest_world_ = worlds_.back();

@@ -20,11 +20,6 @@
 namespace troupe {
 namespace {
 
-// Its description lives as long as the scene.
-std::shared_ptr<const WorldDescription> WorldOf(const std::shared_ptr<const Scene>& scene) {
-  return {scene, &scene->world()};
-}
-
 Result<PreparedRun> LoadFile(const RunSource& source) {
   if (source.file.empty()) {
     return Error{{source.outputs.journal->recording}, "found a journal without a run, expected one to resume"};

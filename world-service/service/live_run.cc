@@ -20,7 +20,8 @@ void AnnounceSession(const LiveRun& run) {
   session.lease_seconds = run.options.lease_seconds;
   session.begun = run.started_at.has_value() || run.takes_over();
   session.incarnation = run.options.incarnation;
-  session.world = run.world();
+  session.world = WorldOf(run.scene);
+  session.scene = run.scene;
   session.world_edition = run.frame.world_edition;
   run.endpoint.ShareMap(run.scene->static_index().ray_map().bytes());
   run.endpoint.SendSession(session);

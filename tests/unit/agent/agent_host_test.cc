@@ -267,7 +267,7 @@ TEST(AgentHostTest, AWorldThatBreaksItsRulesIsAnError) {
   ScriptedService service(TwoRobots());
   service.StartAgent();
   SessionMessage session = service.Session();
-  session.world.models[0].X_PM.x = std::nan("");
+  session.world.Change().models[0].X_PM.x = std::nan("");
   service.Send(&AgentHandler::OnSession, session);
   EXPECT_THAT(service.AwaitError(), StartsWith("error: the world service on here sent a bad world: "));
 }

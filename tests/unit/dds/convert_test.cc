@@ -184,33 +184,33 @@ TEST(ConvertTest, AProposalThatIsNotFinitePasses) {
 }
 
 SessionMessage SomeSession() {
-  SessionMessage session;
-  session.world.shapes.resize(1);
-  session.world.shapes[0].blocks = {{{{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}}, {0.0, 1.0}}};
-  session.world.shapes[0].rectangles = {{0.0, 0.0, 1.0, 1.0}};
-  session.world.models.resize(2);
-  session.world.models[0].name = "robot";
-  session.world.models[1].name = "robot.child";
-  session.world.models[1].parent = ModelId(0);
-  session.world.robots.resize(1);
-  session.world.robots[0].name = "robot";
-  session.world.robots[0].root = ModelId(0);
-  session.world.robots[0].sensors.resize(1);
-  session.world.robots[0].sensors[0].model = ModelId(0);
+  WorldDescription world;
+  world.shapes.resize(1);
+  world.shapes[0].blocks = {{{{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}}, {0.0, 1.0}}};
+  world.shapes[0].rectangles = {{0.0, 0.0, 1.0, 1.0}};
+  world.models.resize(2);
+  world.models[0].name = "robot";
+  world.models[1].name = "robot.child";
+  world.models[1].parent = ModelId(0);
+  world.robots.resize(1);
+  world.robots[0].name = "robot";
+  world.robots[0].root = ModelId(0);
+  world.robots[0].sensors.resize(1);
+  world.robots[0].sensors[0].model = ModelId(0);
   for (const char* name : {"robot.lift", "robot.left", "robot.right", "box"}) {
-    session.world.models.emplace_back().name = name;
-    session.world.models.back().parent = ModelId(0);
+    world.models.emplace_back().name = name;
+    world.models.back().parent = ModelId(0);
   }
   for (std::size_t model : {2u, 3u, 4u}) {
-    JointDescription& joint = session.world.joints.emplace_back();
-    joint.name = session.world.models[model].name;
+    JointDescription& joint = world.joints.emplace_back();
+    joint.name = world.models[model].name;
     joint.robot = RobotId(0);
     joint.model = ModelId(model);
   }
-  for (ModelDescription& model : session.world.models) model.shape = ShapeId(0);
-  session.world.models[3].parent = session.world.models[4].parent = ModelId(2);
-  session.world.grippers.resize(1);
-  GripperDescription& gripper = session.world.grippers[0];
+  for (ModelDescription& model : world.models) model.shape = ShapeId(0);
+  world.models[3].parent = world.models[4].parent = ModelId(2);
+  world.grippers.resize(1);
+  GripperDescription& gripper = world.grippers[0];
   gripper = {.name = "lift",
              .robot = RobotId(0),
              .model = ModelId(2),
@@ -220,26 +220,26 @@ SessionMessage SomeSession() {
              .right_pad = ModelId(4),
              .lift = JointId(0),
              .beams = {{}}};
-  session.world.models[5].parent.reset();
-  session.world.models[5].gripper_return = true;
-  session.world.objects = {ModelId(5)};
-  return session;
+  world.models[5].parent.reset();
+  world.models[5].gripper_return = true;
+  world.objects = {ModelId(5)};
+  return {.world = std::move(world)};
 }
 
 // The same with a static model that has the area of a bitmap.
 SessionMessage SessionWithArea() {
-  SessionMessage session = SomeSession();
+  WorldDescription world = SomeSession().world;
   Bitmap bitmap(70, 3);
   for (int x = 0; x < 70; ++x) bitmap.set_occupied(x, x % 3, true);
-  Shape& shape = session.world.shapes.emplace_back();
+  Shape& shape = world.shapes.emplace_back();
   shape.rectangles_z = {0.0, 1.5};
   shape.area =
       PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), {.center = 35.0, .factor = 0.1},
                 {.factor = 0.2, .second_center = 0.1, .second_factor = 0.9, .shift = 3.0}, {1.0, 2.0, 0.0, 0.5});
-  ModelDescription& map = session.world.models.emplace_back();
+  ModelDescription& map = world.models.emplace_back();
   map.name = "map";
   map.shape = ShapeId(1);
-  return session;
+  return {.world = std::move(world)};
 }
 
 TEST(ConvertTest, AnAreaReturnsWithItsPixels) {

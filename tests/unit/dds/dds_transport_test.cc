@@ -39,7 +39,7 @@ class DdsTransportTest : public testing::Test {
   SessionMessage Session(RunId run) const {
     SessionMessage session{
         .run = run, .protocol_version = 3, .host = "host", .pid = 1234, .lease_seconds = options_.lease_seconds};
-    session.world.name = "a world";
+    session.world.Change().name = "a world";
     return session;
   }
   static JoinMessage Join(RunId run, AgentId agent) {
@@ -153,9 +153,10 @@ TEST_F(DdsTransportTest, TheSessionReachesEarlyAndLateAgents) {
 
 TEST_F(DdsTransportTest, ALargeWorldArrivesWhole) {
   SessionMessage session = Session(5);
-  session.world.shapes.resize(1);
+  WorldDescription& world = session.world.Change();
+  world.shapes.resize(1);
   for (int i = 0; i < 100'000; ++i) {
-    session.world.shapes[0].rectangles.push_back({i + 0.0, 0.0, i + 1.0, 1.0});
+    world.shapes[0].rectangles.push_back({i + 0.0, 0.0, i + 1.0, 1.0});
   }
   const auto service_transport = MakeServiceTransport();
   const auto service_end = service_transport->MakeServiceEndpoint();

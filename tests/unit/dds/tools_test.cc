@@ -166,7 +166,7 @@ TEST(SessionMonitorTest, ListsTheSessionsOfADomainWithTheirStatus) {
     service.transport = MakeDdsServiceTransport(options).transport;
     service.endpoint = service.transport->MakeServiceEndpoint();
     SessionMessage session{.run = run, .host = "machine", .pid = 77};
-    session.world.name = "world of " + name;
+    session.world.Change().name = "world of " + name;
     service.endpoint->SendSession(session);
     service.status.run = run;
     service.status.tick = 10 * run;
@@ -210,7 +210,7 @@ FrameMessage FrameOf(Tick tick) {
 SessionMessage SomeSession(Edition world_edition) {
   SessionMessage session;
   session.run = 1;
-  session.world.name = "a world";
+  session.world.Change().name = "a world";
   session.world_edition = world_edition;
   return session;
 }

@@ -179,7 +179,7 @@ struct Edited {
 
 TEST(EditLinkTest, StaticModelsAreShownAsObjectsAndMoveTheText) {
   Edited edited;
-  EXPECT_EQ(edited.watcher.session().world.objects.size(), 1U);
+  EXPECT_EQ(edited.watcher.session().world->objects.size(), 1U);
   EXPECT_TRUE(Validate(edited.watcher.session().world).ok());
   ControlRequest move{.command = ControlCommand::kSetPose, .name = "b", .pose = {2.0, 0.0, 0.0, 0.0}};
   EXPECT_TRUE(edited.Ask(move).done);
@@ -202,7 +202,7 @@ TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
     EXPECT_FALSE(edited.Ask(move).done);
     ASSERT_TRUE(edited.Edit({{"op", "end_test"}}).ok());
     EXPECT_TRUE(edited.watcher.Await(
-        [](const SessionMessage& session, const FrameMessage&) { return session.world.name == "hall.world"; }));
+        [](const SessionMessage& session, const FrameMessage&) { return session.world->name == "hall.world"; }));
     EXPECT_FALSE(edited.link->is_modified());
   }
 }
@@ -232,7 +232,7 @@ TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
   // An edit ends the test.
   ASSERT_TRUE(edited.Edit({{"op", "delete"}, {"name", "r"}}).ok());
   EXPECT_TRUE(edited.watcher.Await([](const SessionMessage& session, const FrameMessage& frame) {
-    return session.world.robots.empty() && frame.paused;
+    return session.world->robots.empty() && frame.paused;
   }));
 }
 

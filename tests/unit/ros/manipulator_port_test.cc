@@ -54,7 +54,8 @@ class ManipulatorPortTest : public testing::Test {
   ManipulatorPortTest() {
     ros::RosOptions options = {.network = TestRosNetwork()};
     options.socket = host_.socket();
-    Result<std::unique_ptr<Replica>> replica = Replica::Create(world_.world, {}, {}, {}, MakeRosGateway(options));
+    Result<std::unique_ptr<Replica>> replica =
+        Replica::Create(std::make_shared<const Scene>(world_.world), {}, {}, {}, MakeRosGateway(options));
     replica_ = std::move(replica).value();
   }
 

@@ -126,7 +126,8 @@ class RosGatewayTest : public testing::Test {
     replica_.reset();
     host_.reset();
     options.socket = host_.emplace(options.network).socket();
-    replica_ = test::ValueOf(Replica::Create(world, {}, {}, {}, MakeRosGateway(options)));
+    replica_ =
+        test::ValueOf(Replica::Create(std::make_shared<const Scene>(world), {}, {}, {}, MakeRosGateway(options)));
   }
 
   ProposalMessage Tick() {
@@ -234,7 +235,7 @@ TEST_F(RosGatewayTest, APauseAfterATickRepeatsNoOdometryOfARobotThatStays) {
     (void)replica_->Pause(state_);
     replica_->Publish(state_);
   }
-  const ros::Time last = ros::ToTime(state_.tick + 1, replica_->world().interval_ns);
+  const ros::Time last = ros::ToTime(state_.tick + 1, replica_->scene()->world().interval_ns);
   ++state_.tick;
   Tick();
   const auto is_last = [&](const ros::Time& stamp) { return stamp.sec == last.sec && stamp.nanosec == last.nanosec; };

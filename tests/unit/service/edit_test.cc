@@ -323,7 +323,7 @@ TEST_F(EditedWorldTest, ContinuesWithoutTheAgentOfADeletedRobot) {
   ASSERT_EQ(endpoint.sessions.size(), 1u);
   EXPECT_EQ(endpoint.sessions[0].world_edition, 1u);
   EXPECT_TRUE(endpoint.sessions[0].begun);
-  EXPECT_TRUE(endpoint.sessions[0].world.models[0].removed);
+  EXPECT_TRUE(endpoint.sessions[0].world->models[0].removed);
   EXPECT_EQ(newest().world_edition, 1u);
   AnswerPaused(2);
   EXPECT_TRUE(replies.back().done);
@@ -371,7 +371,7 @@ TEST_F(EditedWorldTest, RevokesASpawnWhoseAgentDoesNotJoin) {
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].problem, "no agent joined for new within 10 s");
   EXPECT_EQ(newest().edition, 2u);
-  EXPECT_TRUE(endpoint.sessions.back().world.models[2].removed);
+  EXPECT_TRUE(endpoint.sessions.back().world->models[2].removed);
   AnswerPaused(1);
   AnswerPaused(2);
   Ask(ControlCommand::kPlay);
@@ -386,7 +386,7 @@ TEST_F(EditedWorldTest, SpawnsUnderAFreeNameIfAsked) {
   spawn.rename = true;
   Ask(spawn, std::make_shared<const WorldDescription>(PlaneWorld(1)));
   EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("r00"));
-  EXPECT_EQ(endpoint.sessions.back().world.models.back().name, "r00");
+  EXPECT_EQ(endpoint.sessions.back().world->models.back().name, "r00");
 }
 
 TEST_F(EditedWorldTest, AResetRestoresDeletedRobots) {

@@ -87,7 +87,7 @@ class SteadyAgent final : public AgentHandler {
   void OnSession(const SessionMessage& session) override {
     run_ = session.run;
     endpoint_->SendJoin(
-        {run_, robot_ + 1, kProtocolVersion, Hash(session.world), "here", 1, {session.world.robots[robot_].name}});
+        {run_, robot_ + 1, kProtocolVersion, Hash(session.world), "here", 1, {session.world->robots[robot_].name}});
   }
   void OnAdmission(const AdmissionMessage&) override {}
   void OnFrame(const FrameMessage& frame) override {

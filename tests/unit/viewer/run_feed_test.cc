@@ -127,7 +127,7 @@ TEST(RunFeedTest, EventsHaveTheNamesOfTheWorldInWhichTheyHappened) {
   FeedContent content;
   const SessionMessage first = Session();
   SessionMessage second = Session(1, 5);
-  second.world.robots[0].name = "other";
+  second.world.Change().robots[0].name = "other";
   feed.OnSession(first);
   feed.OnFrame(Frame(first, 1, 1));
   feed.OnSession(second);

@@ -112,7 +112,7 @@ SharedFrame FrameAt(const SessionMessage& session, Tick tick) {
 // Robot r0 with a camera.
 SessionMessage CameraWorld() {
   SessionMessage session = LaserWorld();
-  RobotDescription& robot = session.world.robots[0];
+  RobotDescription& robot = session.world.Change().robots[0];
   CameraParameters camera;
   camera.X_MS.z = 0.3;
   camera.width = 8;

@@ -31,7 +31,7 @@ troupe_wire_Session ToWire(const SessionMessage& message, WireArena& arena) {
   wire.pid = message.pid;
   wire.lease = message.lease_seconds;
   wire.begun = message.begun;
-  wire.world = ToWire(message.world, arena);
+  wire.world = ToWire(*message.world, arena);
   wire.world_edition = message.world_edition;
   wire.incarnation = message.incarnation;
   return wire;
