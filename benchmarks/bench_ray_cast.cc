@@ -82,9 +82,9 @@ void BM_StageCave(benchmark::State& state) {
     SensorSuite& sensors = robots.emplace_back(scene, RobotId(i));
     for (std::size_t j = 0; j < sensors.size(); ++j) {
       const auto* ranger = std::get_if<RangerParameters>(&sensors.sensor(j).description().parameters);
-      if (ranger == nullptr || ranger->ray_sensors.size() != 1) continue;  // sonars
+      if (ranger == nullptr || ranger->ray_sensors->size() != 1) continue;  // sonars
       sensors.Subscribe(j);
-      rays_per_iteration += ranger->ray_sensors.front().samples;
+      rays_per_iteration += ranger->ray_sensors->front().samples;
     }
   }
   for (auto _ : state) {

@@ -45,6 +45,10 @@ class NumberWriter {
   void Write(const T& value) {
     T::VisitFields(value, [this](std::string_view, const auto& part) { this->Write(part); });
   }
+  void Write(const Shared<T>& value) {
+    Write(*value);
+  }
+  template <typename T>
 
   std::vector<double> ReleaseNumbers() { return std::move(numbers_); }
 
@@ -93,6 +97,12 @@ class NumberReader {
   template <typename T>
   requires std::is_class_v<T>
   void Read(T& value) {
+  void Read(Shared<T>& value) {
+    T own;
+    Read(own);
+    value = std::move(own);
+  }
+  template <typename T>
     T::VisitFields(value, [this](std::string_view, auto& part) { this->Read(part); });
   }
 
@@ -176,7 +186,7 @@ std::optional<SensorParameters> ParametersOfType(std::string_view type) {
 }  // namespace
 
 Status RangerParameters::Check() const {
-  for (const RaySensorDescription& sensor : ray_sensors) {
+  for (const RaySensorDescription& sensor : *ray_sensors) {
     if (Status error = CheckRaySensor(sensor); !error.ok()) return error;
   }
   return {};
@@ -184,8 +194,8 @@ Status RangerParameters::Check() const {
 
 std::string RangerParameters::Summary() const {
   std::size_t rays = 0;
-  for (const RaySensorDescription& sensor : ray_sensors) rays += sensor.samples * sensor.planes();
-  return CountOf(ray_sensors.size(), "sensor") + ", " + CountOf(rays, "ray");
+  for (const RaySensorDescription& sensor : *ray_sensors) rays += sensor.samples * sensor.planes();
+  return CountOf(ray_sensors->size(), "sensor") + ", " + CountOf(rays, "ray");
 }
 
 Status BreakBeamParameters::Check() const {

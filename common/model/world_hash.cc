@@ -129,7 +129,7 @@ class DescriptionHasher {
     for (double elevation : sensor.elevations) Add(elevation);
   }
   // The two kinds of the first worlds keep their hashes.
-  void Add(const RangerParameters& ranger) { AddAll(ranger.ray_sensors); }
+  void Add(const RangerParameters& ranger) { AddAll(*ranger.ray_sensors); }
   void Add(const BreakBeamParameters& beams) { AddAll(beams.beams); }
   template <typename Parameters>
   void Add(const Parameters& parameters) requires requires {

@@ -137,7 +137,7 @@ double UsualMapHeight(const Scene& scene) {
     for (const SensorDescription& mounted : robot.sensors) {
       const RangerParameters* const ranger = std::get_if<RangerParameters>(&mounted.parameters);
       if (ranger == nullptr) continue;
-      for (const RaySensorDescription& sensor : ranger->ray_sensors) {
+      for (const RaySensorDescription& sensor : *ranger->ray_sensors) {
         if (sensor.samples < 2) continue;
         const double z = z_of_robot + scene.X_RM(mounted.model).z + sensor.X_MS.z;
         if (!lowest || z < *lowest) lowest = z;

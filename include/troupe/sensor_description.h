@@ -15,6 +15,7 @@
 #include "troupe/interval.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
+#include "troupe/shared.h"
 #include "troupe/vec2.h"
 
 namespace troupe {
@@ -57,7 +58,7 @@ struct RaySensorDescription {
 // A ranger: one or more ray sensors (a laser scanner has one, a sonar ring many).
 struct RangerParameters {
   static constexpr std::string_view kType = "ranger";
-  std::vector<RaySensorDescription> ray_sensors = {};
+  Shared<std::vector<RaySensorDescription>> ray_sensors = {};  // robots of one macro have one list
 
   Status Check() const;
   std::string Summary() const;  // "16 sensors, 16 rays"

@@ -53,7 +53,7 @@ std::optional<std::size_t> FindScanner(const RobotInfo& info) {
   for (std::size_t i = 0; i < info.sensors.size(); ++i) {
     const RangerParameters* const ranger = RangerOf(info.sensors[i]);
     if (ranger == nullptr) continue;
-    for (const RaySensorDescription& sensor : ranger->ray_sensors) {
+    for (const RaySensorDescription& sensor : *ranger->ray_sensors) {
       if (sensor.samples <= most) continue;
       most = sensor.samples;
       found = i;
@@ -65,7 +65,7 @@ std::optional<std::size_t> FindScanner(const RobotInfo& info) {
 std::optional<std::size_t> FindSonar(const RobotInfo& info) {
   for (std::size_t i = 0; i < info.sensors.size(); ++i) {
     const RangerParameters* const ranger = RangerOf(info.sensors[i]);
-    if (ranger != nullptr && ranger->ray_sensors.size() > 1) return i;
+    if (ranger != nullptr && ranger->ray_sensors->size() > 1) return i;
   }
   return std::nullopt;
 }

@@ -44,7 +44,7 @@ bool IsLaser(const RaySensorDescription& sensor) {
 
 std::string BaseName(const std::string& name, const RangerParameters& ranger) {
   if (!IsAutomatic(name)) return RosName(name);
-  return std::any_of(ranger.ray_sensors.begin(), ranger.ray_sensors.end(), IsLaser) ? "scan" : "sonar";
+  return std::any_of(ranger.ray_sensors->begin(), ranger.ray_sensors->end(), IsLaser) ? "scan" : "sonar";
 }
 
 std::optional<RobotId> FirstOfRun(const WorldDescription& world) {
@@ -148,18 +148,18 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
     }
     const std::string base = BaseName(robot.sensors[r].name, *ranger);
     SonarTopic sonar{.ranger = r, .topic = "", .sensors = {}};
-    for (std::size_t s = 0; s < ranger->ray_sensors.size(); ++s) {
-      const std::string frame = frames.Reserve(ranger->ray_sensors.size() > 1 ? base + "_" + std::to_string(s) : base);
-      if (!ranger->ray_sensors[s].elevations.empty()) {
+    for (std::size_t s = 0; s < ranger->ray_sensors->size(); ++s) {
+      const std::string frame = frames.Reserve(ranger->ray_sensors->size() > 1 ? base + "_" + std::to_string(s) : base);
+      if (!(*ranger->ray_sensors)[s].elevations.empty()) {
         topics.clouds.push_back({r, s, names.Reserve(base), frame});
-      } else if (IsLaser(ranger->ray_sensors[s])) {
+      } else if (IsLaser((*ranger->ray_sensors)[s])) {
         topics.lasers.push_back({r, s, names.Reserve(base), frame});
       } else {
         sonar.sensors.push_back({s, frame});
       }
     }
     if (sonar.sensors.empty()) continue;
-    const bool mixed = sonar.sensors.size() < ranger->ray_sensors.size();
+    const bool mixed = sonar.sensors.size() < ranger->ray_sensors->size();
     sonar.topic = names.Reserve(mixed ? base + "_ranges" : base);
     topics.sonars.push_back(std::move(sonar));
   }

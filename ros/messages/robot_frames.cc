@@ -13,7 +13,7 @@ Pose PoseOnModel(const SensorDescription& description, std::size_t ray_sensor) {
   if (const auto* const finder = std::get_if<FiducialParameters>(&description.parameters)) return finder->X_MS;
   if (const auto* const finder = std::get_if<BlobfinderParameters>(&description.parameters)) return finder->X_MS;
   if (const auto* const imu = std::get_if<ImuParameters>(&description.parameters)) return imu->X_MS;
-  return std::get<RangerParameters>(description.parameters).ray_sensors[ray_sensor].X_MS;
+  return (*std::get<RangerParameters>(description.parameters).ray_sensors)[ray_sensor].X_MS;
 }
 
 std::string Origin(const Pose& pose) {

@@ -12,7 +12,7 @@ namespace troupe {
 // The ray sensors of a sensor that is a ranger.
 
 inline std::vector<RaySensorDescription>& RaySensors(SensorDescription& ranger) {
-  return std::get<RangerParameters>(ranger.parameters).ray_sensors;
+  return std::get<RangerParameters>(ranger.parameters).ray_sensors.Change();
 }
 inline const std::vector<RaySensorDescription>& RaySensors(const SensorDescription& ranger) {
   return std::get<RangerParameters>(ranger.parameters).ray_sensors;

@@ -118,7 +118,7 @@ TEST(Sensors, ACameraIsRead) {
 }
 
 std::vector<double> ElevationsOf(const std::string& sensor) {
-  return ParametersOf<RangerParameters>("ranger( sensor( " + sensor + " ) )").ray_sensors.at(0).elevations;
+  return ParametersOf<RangerParameters>("ranger( sensor( " + sensor + " ) )").ray_sensors->at(0).elevations;
 }
 
 TEST(Sensors, AScannerHasPlanes) {

@@ -167,8 +167,8 @@ void AddScans(const WorldDescription& world, RobotId robot, std::vector<Channel>
   for (std::size_t i = 0; i < description.sensors.size(); ++i) {
     const auto* ranger = std::get_if<RangerParameters>(&description.sensors[i].parameters);
     if (ranger == nullptr) continue;
-    for (std::size_t k = 0; k < ranger->ray_sensors.size(); ++k) {
-      if (ranger->ray_sensors[k].samples < 2 || channels.size() >= kMostScanChannels) continue;
+    for (std::size_t k = 0; k < ranger->ray_sensors->size(); ++k) {
+      if ((*ranger->ray_sensors)[k].samples < 2 || channels.size() >= kMostScanChannels) continue;
       std::string topic = "/" + description.name + "/" + description.sensors[i].name;
       if (k > 0) topic += "." + std::to_string(k);
       channels.push_back({.id = static_cast<std::uint32_t>(channels.size() + 1),

@@ -85,8 +85,9 @@ SensorParameters RandomMessages::RandomSensor() {
   switch (Below(7)) {
     case 0: {
       RangerParameters ranger;
-      ranger.ray_sensors.resize(Below(4));
-      for (RaySensorDescription& sensor : ranger.ray_sensors) {
+      std::vector<RaySensorDescription>& ray_sensors = ranger.ray_sensors.Change();
+      ray_sensors.resize(Below(4));
+      for (RaySensorDescription& sensor : ray_sensors) {
         sensor = {
             RandomPose(),     RandomInterval(0.0, 50.0), Number(0.0, 6.0), 1 + static_cast<std::uint32_t>(Below(999)),
             Number(0.0, 1.0), Number(0.0, 1.0),          Number(0.0, 1.0)};

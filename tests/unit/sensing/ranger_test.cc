@@ -296,7 +296,8 @@ TEST_F(RangerNoiseTest, DependsOnSeedTickAndSensorOnly) {
 
 TEST_F(RangerNoiseTest, SensorsOfARangerDifferFromEachOther) {
   sensor().noise_variance = 0.01;
-  RaySensors(world_.robot(robot_).sensors[0]).push_back(sensor());
+  const RaySensorDescription same = sensor();
+  RaySensors(world_.robot(robot_).sensors[0]).push_back(same);
   const RangerReading reading = Measure(world_.world(), robot_);
   EXPECT_NE(reading.scans[0].ranges, reading.scans[1].ranges);
 }

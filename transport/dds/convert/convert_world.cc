@@ -25,6 +25,26 @@ troupe_wire_World ToWire(const WorldDescription& world, WireArena& arena) {
   return wire;
 }
 
+namespace {
+
+// Equal robots mostly follow one another: each shares its list of rays with the one before.
+void ShareRaySensors(std::vector<RobotDescription>& robots) {
+  const auto rays_of = [](RobotDescription& robot, std::size_t sensor) {
+    auto* const ranger =
+        sensor < robot.sensors.size() ? std::get_if<RangerParameters>(&robot.sensors[sensor].parameters) : nullptr;
+    return ranger != nullptr ? &ranger->ray_sensors : nullptr;
+  };
+  for (std::size_t i = 1; i < robots.size(); ++i) {
+    for (std::size_t sensor = 0; sensor < robots[i].sensors.size(); ++sensor) {
+      auto* const own = rays_of(robots[i], sensor);
+      const auto* const other = rays_of(robots[i - 1], sensor);
+      if (own != nullptr && other != nullptr && *own == *other) *own = *other;
+    }
+  }
+}
+
+}  // namespace
+
 Result<WorldDescription> FromWire(const troupe_wire_World& wire) {
   WorldDescription world;
   world.name = Text(wire.name);
@@ -37,6 +57,7 @@ Result<WorldDescription> FromWire(const troupe_wire_World& wire) {
   read(wire.shapes, world.shapes);
   read(wire.models, world.models);
   read(wire.robots, world.robots);
+  ShareRaySensors(world.robots);
   read(wire.joints, world.joints);
   read(wire.grippers, world.grippers);
   for (std::uint32_t object : Elements(wire.objects)) world.objects.emplace_back(object);

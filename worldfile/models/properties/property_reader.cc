@@ -419,5 +419,17 @@ void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type) {
   if (type == "ranger") of_type = kRangerProperties;
   WarnOfUnused(reader, kModelProperties, " in a '" + std::string(type) + "'", false, of_type);
 }
+const RangerParameters* KnownRangers::Find(const WorldNode& node) const {
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.node == &node; });
+  return found != entries_.end() ? &found->ranger : nullptr;
+}
+
+const RangerParameters& KnownRangers::Add(const WorldNode& node, RangerParameters ranger) {
+  constexpr std::size_t kMost = 16;  // a world has few types of robots
+  if (entries_.size() == kMost) entries_.pop_front();
+  return entries_.emplace_back(Entry{&node, std::move(ranger)}).ranger;
+}
+
 
 }  // namespace troupe

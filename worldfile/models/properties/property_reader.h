@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <limits>
 #include <map>
@@ -130,6 +131,21 @@ struct BuildContext {
   const AllowedPaths& allowed;                    // files that maps and bitmaps may open
   bool without_bitmaps = false;                   // a bitmap is an error
   std::optional<std::string> default_controller;  // of robots for which the file names none
+// The rangers of the newest nodes: robots of one macro share the nodes of their rangers, and so have one list of rays.
+class KnownRangers {
+ public:
+  // Null if the ranger of the node is not known.
+  const RangerParameters* Find(const WorldNode& node) const;
+  const RangerParameters& Add(const WorldNode& node, RangerParameters ranger);
+
+ private:
+  struct Entry {
+    const WorldNode* node;
+    RangerParameters ranger;
+  };
+  std::deque<Entry> entries_;
+};
+
   // Checks the controllers that the file names; nothing: they are not checked.
   std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
   std::map<std::string, std::optional<StageController>> controllers;  // by the text of `ctrl`
@@ -145,6 +161,7 @@ struct BuildContext {
 
 // Each warns of every property of its entry that was not read.
 void WarnOfUnusedInWorld(PropertyReader& reader);
+  KnownRangers rangers;
 void WarnOfUnusedInSensor(PropertyReader& reader);
 void WarnOfUnusedInBlock(PropertyReader& reader);
 void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type);

@@ -96,16 +96,21 @@ RaySensorDescription ReadSensor(const WorldNode& node, const Pose& X_MD, const U
 class RangerReader : public ModelReader {
  public:
   void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
-    RangerParameters ranger;
+    const RangerParameters* ranger = context.rangers.Find(reader.node());
+    if (ranger == nullptr) ranger = &context.rangers.Add(reader.node(), ReadRanger(reader, draft.X_MD));
+    AddSensor(reader, draft, "ranger", *ranger, context);
+  }
+
+ private:
+  static RangerParameters ReadRanger(PropertyReader& reader, const Pose& X_MD) {
+    std::vector<RaySensorDescription> sensors;
     for (const WorldNode& child : reader.node().children) {
-      if (child.type == "sensor") {
-        ranger.ray_sensors.push_back(ReadSensor(child, draft.X_MD, reader.units(), reader.diagnostics()));
-      }
+      if (child.type == "sensor") sensors.push_back(ReadSensor(child, X_MD, reader.units(), reader.diagnostics()));
     }
-    if (ranger.ray_sensors.empty()) {
+    if (sensors.empty()) {
       reader.diagnostics().Warn(reader.node().where, "this ranger has no 'sensor', so it measures nothing");
     }
-    AddSensor(reader, draft, "ranger", std::move(ranger), context);
+    return {std::move(sensors)};
   }
 };
 
