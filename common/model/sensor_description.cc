@@ -25,9 +25,13 @@ namespace {
 // a sensor are hashed, checked and sent. A struct lists its parts by a static VisitFields(self, visit), which calls
 // visit(name, part) for each; a list is its length and its elements.
 
+// Gives each number to `take`.
+template <typename Take>
 class NumberWriter {
  public:
-  void Write(double value) { numbers_.push_back(value); }
+  explicit NumberWriter(Take take) : take_(std::move(take)) {}
+
+  void Write(double value) { take_(value); }
   void Write(bool value) { Write(value ? 1.0 : 0.0); }
   void Write(std::uint32_t value) { Write(static_cast<double>(value)); }
   void Write(std::int32_t value) { Write(static_cast<double>(value)); }
@@ -41,23 +45,21 @@ class NumberWriter {
     for (const T& element : list) Write(element);
   }
   template <typename T>
-  requires std::is_class_v<T>
-  void Write(const T& value) {
-    T::VisitFields(value, [this](std::string_view, const auto& part) { this->Write(part); });
-  }
   void Write(const Shared<T>& value) {
     Write(*value);
   }
   template <typename T>
-
-  std::vector<double> ReleaseNumbers() { return std::move(numbers_); }
+  requires std::is_class_v<T>
+  void Write(const T& value) {
+    T::VisitFields(value, [this](std::string_view, const auto& part) { this->Write(part); });
+  }
 
  private:
   template <typename... Numbers>
   void WriteAll(Numbers... numbers) {
-    (numbers_.push_back(numbers), ...);
+    (take_(numbers), ...);
   }
-  std::vector<double> numbers_;
+  Take take_;
 };
 
 // Reads what NumberWriter wrote. After the first number that is missing or does not fit, ok() is false.
@@ -95,14 +97,14 @@ class NumberReader {
     for (T& element : list) Read(element);
   }
   template <typename T>
-  requires std::is_class_v<T>
-  void Read(T& value) {
   void Read(Shared<T>& value) {
     T own;
     Read(own);
     value = std::move(own);
   }
   template <typename T>
+  requires std::is_class_v<T>
+  void Read(T& value) {
     T::VisitFields(value, [this](std::string_view, auto& part) { this->Read(part); });
   }
 
@@ -295,9 +297,8 @@ std::vector<SensorField> FieldsOf(const SensorParameters& parameters) {
   std::visit(
       [&](const auto& kind) {
         kind.VisitFields(kind, [&](std::string_view name, const auto& part) {
-          NumberWriter writer;
-          writer.Write(part);
-          fields.push_back({std::string(name), writer.ReleaseNumbers()});
+          SensorField& field = fields.emplace_back(SensorField{std::string(name), {}});
+          NumberWriter([&](double number) { field.numbers.push_back(number); }).Write(part);
         });
       },
       parameters);
@@ -331,14 +332,21 @@ Result<SensorParameters> ParametersFrom(std::string_view type, std::span<const S
 }
 
 Status CheckParameters(const SensorParameters& parameters) {
-  for (const SensorField& field : FieldsOf(parameters)) {
-    const bool usable = std::all_of(field.numbers.begin(), field.numbers.end(),
-                                    [](double number) { return std::abs(number) <= kMaxMagnitude; });
-    // Ids, such as keys, are no magnitudes.
-    if (!usable && field.name != "key" && field.name != "channel")
-      return SensorProblem("its field '" + field.name + "' has a number that is not finite or too large");
-  }
-  return std::visit([](const auto& kind) { return kind.Check(); }, parameters);
+  std::string_view wrong;
+  const auto check = [&](std::string_view name, const auto& part) {
+    if (!wrong.empty() || name == "key" || name == "channel") return;  // ids are no magnitudes
+    bool usable = true;
+    NumberWriter([&](double number) { usable = usable && std::abs(number) <= kMaxMagnitude; }).Write(part);
+    if (!usable) wrong = name;
+  };
+  return std::visit(
+      [&](const auto& kind) {
+        kind.VisitFields(kind, check);
+        if (wrong.empty()) return kind.Check();
+        const std::string name(wrong);
+        return Status(SensorProblem("its field '" + name + "' has a number that is not finite or too large"));
+      },
+      parameters);
 }
 
 std::string SummaryOf(const SensorParameters& parameters) {

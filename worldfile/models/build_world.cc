@@ -61,9 +61,9 @@ class ModelBuilder {
 constexpr double kMostJoules = 1e12;  // or W, or kg
 
 // The amount in J of the property, or of the one in kJ.
-std::optional<double> ReadJoules(PropertyReader& reader, const std::string& name) {
+std::optional<double> ReadJoules(PropertyReader& reader, std::string_view name) {
   std::optional<double> joules;
-  const std::string thousands = "k" + name;
+  const std::string thousands = "k" + std::string(name);
   if (reader.node().Find(name) != nullptr) joules = reader.Number(name, 0.0, -kMostJoules, kMostJoules);
   if (reader.node().Find(thousands) != nullptr) {
     if (joules) {
@@ -75,7 +75,7 @@ std::optional<double> ReadJoules(PropertyReader& reader, const std::string& name
   return joules;
 }
 
-double ReadRate(PropertyReader& reader, const std::string& name) {
+double ReadRate(PropertyReader& reader, std::string_view name) {
   return reader.Number(name, 0.0, 0.0, kMostJoules);
 }
 

@@ -23,9 +23,9 @@ constexpr std::size_t kMaxMessages = 20;
 // All pieces of a world that collide, in W, in one index. A body is a tree that moves as one: a robot's or an object's.
 class Pieces {
  public:
-  explicit Pieces(const WorldDescription& world) : world_(world) {
-    for (const RobotDescription& robot : world.robots) body_of_[robot.root] = robot.root;
-    for (const ModelId object : world.objects) body_of_[object] = object;
+  explicit Pieces(const WorldDescription& world) : world_(world), body_of_(world.models.size()) {
+    for (const RobotDescription& robot : world.robots) body_of_[robot.root.index()] = robot.root;
+    for (const ModelId object : world.objects) body_of_[object.index()] = object;
     for (const DoorDescription& door : world.doors) {
       for (const DoorLeaf& leaf : door.leaves) mounted_.insert(world.objects[leaf.object.index()]);
     }
@@ -35,10 +35,7 @@ class Pieces {
     std::vector<PixelPieces> areas;
     for (std::size_t i = 0; i < world.models.size(); ++i) {
       const ModelDescription& model = world.models[i];
-      if (model.parent) {
-        const auto parent = body_of_.find(*model.parent);
-        if (parent != body_of_.end()) body_of_[ModelId(i)] = parent->second;
-      }
+      if (model.parent && body_of_[model.parent->index()]) body_of_[i] = body_of_[model.parent->index()];
       if (!model.obstacle_return) continue;
       for (const ConvexPiece& piece : PiecesOf(ModelId(i))) {
         pieces.push_back(Transformed(piece, poses[i]));
@@ -54,7 +51,7 @@ class Pieces {
     std::map<ModelId, ModelId> found;
     NearPieces near;
     for (const ConvexPiece& piece : index_.kept_pieces()) {  // all of bodies are among them
-      const std::optional<ModelId> body = BodyOf(piece.model);
+      const std::optional<ModelId>& body = BodyOf(piece.model);
       if (!body || mounted_.contains(*body)) continue;  // a leaf may slide into a wall
       index_.Query(BoundingBox(piece.vertices), near);
       for (const ConvexPiece* other : near) {
@@ -67,10 +64,7 @@ class Pieces {
   }
 
  private:
-  std::optional<ModelId> BodyOf(ModelId model) const {
-    const auto found = body_of_.find(model);
-    return found == body_of_.end() ? std::nullopt : std::optional(found->second);
-  }
+  const std::optional<ModelId>& BodyOf(ModelId model) const { return body_of_[model.index()]; }
 
   // In the model's frame; cut into pieces once for all models of one shape.
   const std::vector<ConvexPiece>& PiecesOf(ModelId id) {
@@ -80,8 +74,8 @@ class Pieces {
   }
 
   const WorldDescription& world_;
-  std::map<ModelId, ModelId> body_of_;
-  std::set<ModelId> mounted_;  // leaves of doors, and cabins
+  std::vector<std::optional<ModelId>> body_of_;  // by model
+  std::set<ModelId> mounted_;                    // leaves of doors, and cabins
   std::map<ShapeId, std::vector<ConvexPiece>> by_shape_;
   StaticIndex index_;
 };

@@ -22,7 +22,7 @@ ChildNodes ChildNodes::Selected(const std::vector<std::size_t>& indices) const {
   return selected;
 }
 
-const Property* WorldNode::Find(const std::string& property_name) const {
+const Property* WorldNode::Find(std::string_view property_name) const {
   const auto found = std::find_if(properties.begin(), properties.end(),
                                   [&](const Property& property) { return property.name == property_name; });
   return found == properties.end() ? nullptr : &*found;

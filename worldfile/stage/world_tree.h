@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -96,11 +97,11 @@ struct WorldNode {
   ChildNodes children;
   SourceLocation where;
 
-  const Property* Find(const std::string& name) const;
+  const Property* Find(std::string_view name) const;
   // The content of a property that is a Value::Number, a std::string or a Value::Tuple. Null: the node has none of that
   // name and kind.
   template <typename Content>
-  const Content* FindContent(const std::string& name) const {
+  const Content* FindContent(std::string_view name) const {
     const Property* const property = Find(name);
     return property != nullptr ? std::get_if<Content>(&property->value.content) : nullptr;
   }

@@ -1,7 +1,9 @@
 #include "worldfile/models/properties/property_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "common/base/hash.h"
 #include "troupe/deterministic_math.h"
@@ -9,16 +11,23 @@
 namespace troupe {
 namespace {
 
-std::string TextOf(const Value::Scalar& scalar) {
-  if (const auto* number = std::get_if<Value::Number>(&scalar)) return number->text;
-  return std::get<std::string>(scalar);
+const std::string& TextOf(const PropertyScalar& scalar) {
+  return scalar.number != nullptr ? scalar.number->text : *scalar.text;
 }
 
 // A property is one or several scalars, as in Stage: a tuple of one is the same as the one.
-std::vector<Value::Scalar> ScalarsOf(const Value& value) {
-  if (const auto* tuple = std::get_if<std::vector<Value::Scalar>>(&value.content)) return *tuple;
-  if (const auto* number = std::get_if<Value::Number>(&value.content)) return {*number};
-  return {std::get<std::string>(value.content)};
+
+std::size_t CountScalars(const Value& value) {
+  const auto* const tuple = std::get_if<Value::Tuple>(&value.content);
+  return tuple != nullptr ? tuple->size() : 1;
+}
+
+PropertyScalar ScalarAt(const Value& value, std::size_t index) {
+  const auto view = [](const auto& scalar) {
+    return PropertyScalar{std::get_if<Value::Number>(&scalar), std::get_if<std::string>(&scalar)};
+  };
+  const auto* const tuple = std::get_if<Value::Tuple>(&value.content);
+  return tuple != nullptr ? view((*tuple)[index]) : view(value.content);
 }
 
 char LowerCase(char c) {
@@ -204,24 +213,24 @@ double Units::Angle(double value) const {
 PropertyReader::PropertyReader(const WorldNode& node, const Units& units, Diagnostics& diagnostics)
     : node_(node), units_(units), diagnostics_(diagnostics), used_(node.properties.size()) {}
 
-const Property* PropertyReader::Use(const std::string& name) {
+const Property* PropertyReader::Use(std::string_view name) {
   const Property* property = node_.Find(name);
   if (property != nullptr) used_[static_cast<std::size_t>(property - node_.properties.data())] = true;
   return property;
 }
 
-const SourceLocation& PropertyReader::Where(const std::string& name) const {
+const SourceLocation& PropertyReader::Where(std::string_view name) const {
   const Property* property = node_.Find(name);
   return property != nullptr ? property->value.where : node_.where;
 }
 
 // Nothing after a text without a number.
-std::optional<double> PropertyReader::ToNumber(const Property& property, const Value::Scalar& scalar, double limit) {
+std::optional<double> PropertyReader::ToNumber(const Property& property, const PropertyScalar& scalar, double limit) {
   double value = 0.0;
-  if (const auto* number = std::get_if<Value::Number>(&scalar)) {
-    value = number->value;
+  if (scalar.number != nullptr) {
+    value = scalar.number->value;
   } else {
-    const std::string& text = std::get<std::string>(scalar);
+    const std::string& text = *scalar.text;
     const std::optional<LeadingNumber> leading = ReadLeadingNumber(text);
     const std::optional<bool> flag = leading ? std::nullopt : FlagOf(text);
     if (!leading && !flag) return std::nullopt;
@@ -240,35 +249,47 @@ void PropertyReader::WarnOfValue(const Property& property, const std::string& fo
                                               expected + "; " + used + " is used");
 }
 
-std::optional<std::vector<double>> PropertyReader::Numbers(const std::string& name, std::size_t count, double limit) {
+bool PropertyReader::ReadNumbers(std::string_view name, std::span<double> numbers, double limit) {
   const Property* property = Use(name);
-  if (property == nullptr) return std::nullopt;
-  const std::vector<Value::Scalar> scalars = ScalarsOf(property->value);
-  if (scalars.size() < count) {
-    diagnostics_.Fail(property->value.where, "found " + CountText(scalars.size(), "value") + " for " + Quoted(name) +
+  if (property == nullptr) return false;
+  const std::size_t count = numbers.size();
+  const std::size_t found = CountScalars(property->value);
+  if (found < count) {
+    diagnostics_.Fail(property->value.where, "found " + CountText(found, "value") + " for " + Quoted(name) +
                                                  ", expected " + std::to_string(count));
-    return std::nullopt;
+    return false;
   }
-  if (scalars.size() > count) {
-    diagnostics_.Warn(property->value.where, "found " + CountText(scalars.size(), "value") + " for " + Quoted(name) +
+  if (found > count) {
+    diagnostics_.Warn(property->value.where, "found " + CountText(found, "value") + " for " + Quoted(name) +
                                                  ", expected " + std::to_string(count) + "; the rest is ignored");
   }
-  std::vector<double> numbers;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::optional<double> number = ToNumber(*property, scalars[i], limit);
+    const PropertyScalar scalar = ScalarAt(property->value, i);
+    const std::optional<double> number = ToNumber(*property, scalar, limit);
     // Of several the text counts as 0, as in Stage, so that the others keep their meaning.
-    if (!number)
-      WarnOfValue(*property, "string " + Quoted(TextOf(scalars[i])), "a number", count == 1 ? "the default" : "0");
-    if (!number && count == 1) return std::nullopt;
-    numbers.push_back(number.value_or(0.0));
+    if (!number) {
+      WarnOfValue(*property, "string " + Quoted(TextOf(scalar)), "a number", count == 1 ? "the default" : "0");
+    }
+    if (!number && count == 1) return false;
+    numbers[i] = number.value_or(0.0);
   }
-  return numbers;
+  return true;
 }
 
-double PropertyReader::Number(const std::string& name, double otherwise, double min, double max) {
-  const std::optional<std::vector<double>> numbers = Numbers(name, 1, std::max(kMaxMagnitude, max));
-  if (!numbers) return otherwise;
-  const double value = numbers->front();
+std::optional<std::vector<double>> PropertyReader::Numbers(std::string_view name, std::size_t count, double limit) {
+  std::vector<double> numbers(count);
+  return ReadNumbers(name, numbers, limit) ? std::optional(std::move(numbers)) : std::nullopt;
+}
+
+std::optional<double> PropertyReader::OneNumber(std::string_view name, double limit) {
+  double number = 0.0;
+  return ReadNumbers(name, {&number, 1}, limit) ? std::optional(number) : std::nullopt;
+}
+
+double PropertyReader::Number(std::string_view name, double otherwise, double min, double max) {
+  const std::optional<double> number = OneNumber(name, std::max(kMaxMagnitude, max));
+  if (!number) return otherwise;
+  const double value = *number;
   if (value >= min && value <= max) return value;
   // A lower limit above 0 is there because 0 makes no sense; it makes hardly more.
   const double nearest = value > max ? max : min > 0.0 ? otherwise : min;
@@ -276,19 +297,18 @@ double PropertyReader::Number(const std::string& name, double otherwise, double 
   return nearest;
 }
 
-double PropertyReader::Length(const std::string& name, double otherwise) {
-  const std::optional<std::vector<double>> numbers = Numbers(name, 1);
-  return numbers ? numbers->front() * units_.length : otherwise;
+double PropertyReader::Length(std::string_view name, double otherwise) {
+  const std::optional<double> number = OneNumber(name);
+  return number ? *number * units_.length : otherwise;
 }
 
-std::int64_t PropertyReader::Integer(const std::string& name, std::int64_t otherwise, std::int64_t min,
+std::int64_t PropertyReader::Integer(std::string_view name, std::int64_t otherwise, std::int64_t min,
                                      std::int64_t max) {
-  const std::optional<std::vector<double>> numbers =
-      Numbers(name, 1, std::max(kMaxMagnitude, static_cast<double>(max)));
-  if (!numbers) return otherwise;
-  const double whole = std::trunc(numbers->front());
-  if (whole != numbers->front()) {
-    diagnostics_.Warn(Where(name), "found " + NumberText(numbers->front()) + " for " + Quoted(name) +
+  const std::optional<double> number = OneNumber(name, std::max(kMaxMagnitude, static_cast<double>(max)));
+  if (!number) return otherwise;
+  const double whole = std::trunc(*number);
+  if (whole != *number) {
+    diagnostics_.Warn(Where(name), "found " + NumberText(*number) + " for " + Quoted(name) +
                                        ", expected a whole number; " + NumberText(whole) + " is used");
   }
   if (whole >= static_cast<double>(min) && whole <= static_cast<double>(max)) return static_cast<std::int64_t>(whole);
@@ -298,20 +318,20 @@ std::int64_t PropertyReader::Integer(const std::string& name, std::int64_t other
   return nearest;
 }
 
-bool PropertyReader::Flag(const std::string& name, bool otherwise) {
-  const std::optional<std::vector<double>> numbers = Numbers(name, 1);
-  return numbers ? std::trunc(numbers->front()) != 0.0 : otherwise;
+bool PropertyReader::Flag(std::string_view name, bool otherwise) {
+  const std::optional<double> number = OneNumber(name);
+  return number ? std::trunc(*number) != 0.0 : otherwise;
 }
 
-std::vector<std::string> PropertyReader::Texts(const std::string& name) {
+std::vector<std::string> PropertyReader::Texts(std::string_view name) {
   const Property* property = Use(name);
   std::vector<std::string> texts;
   if (property == nullptr) return texts;
-  for (const Value::Scalar& scalar : ScalarsOf(property->value)) texts.push_back(TextOf(scalar));
+  for (std::size_t i = 0; i < CountScalars(property->value); ++i) texts.push_back(TextOf(ScalarAt(property->value, i)));
   return texts;
 }
 
-std::string PropertyReader::Text(const std::string& name, const std::string& otherwise) {
+std::string PropertyReader::Text(std::string_view name, const std::string& otherwise) {
   const Property* property = Use(name);
   if (property == nullptr) return otherwise;
   const std::vector<std::string> texts = Texts(name);
@@ -322,7 +342,7 @@ std::string PropertyReader::Text(const std::string& name, const std::string& oth
   return texts.empty() ? otherwise : texts.front();
 }
 
-std::string PropertyReader::Word(const std::string& name, std::span<const std::string_view> words) {
+std::string PropertyReader::Word(std::string_view name, std::span<const std::string_view> words) {
   std::string text = Text(name, std::string(words.front()));
   const auto same = [&text](std::string_view word) { return EqualInAnyCase(word, text); };
   const auto found = std::find_if(words.begin(), words.end(), same);
@@ -336,10 +356,9 @@ std::string PropertyReader::Word(const std::string& name, std::span<const std::s
   return std::string(nearest);
 }
 
-std::optional<Pose> PropertyReader::ReadPose(const std::string& name) {
-  const std::optional<std::vector<double>> numbers = Numbers(name, 4);
-  if (!numbers) return std::nullopt;
-  const std::vector<double>& n = *numbers;
+std::optional<Pose> PropertyReader::ReadPose(std::string_view name) {
+  std::array<double, 4> n;
+  if (!ReadNumbers(name, n, kMaxMagnitude)) return std::nullopt;
   return Pose{n[0] * units_.length, n[1] * units_.length, n[2] * units_.length, WrapAngle(units_.Angle(n[3]))};
 }
 
@@ -400,6 +419,18 @@ ShapeId ShapeStore::Add(Shape shape) {
   return id;
 }
 
+const RangerParameters* KnownRangers::Find(const WorldNode& node) const {
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.node == &node; });
+  return found != entries_.end() ? &found->ranger : nullptr;
+}
+
+const RangerParameters& KnownRangers::Add(const WorldNode& node, RangerParameters ranger) {
+  constexpr std::size_t kMost = 16;  // a world has few types of robots
+  if (entries_.size() == kMost) entries_.pop_front();
+  return entries_.emplace_back(Entry{&node, std::move(ranger)}).ranger;
+}
+
 void WarnOfUnusedInWorld(PropertyReader& reader) {
   WarnOfUnused(reader, kWorldProperties, " in a 'world'");
 }
@@ -419,17 +450,5 @@ void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type) {
   if (type == "ranger") of_type = kRangerProperties;
   WarnOfUnused(reader, kModelProperties, " in a '" + std::string(type) + "'", false, of_type);
 }
-const RangerParameters* KnownRangers::Find(const WorldNode& node) const {
-  const auto found =
-      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.node == &node; });
-  return found != entries_.end() ? &found->ranger : nullptr;
-}
-
-const RangerParameters& KnownRangers::Add(const WorldNode& node, RangerParameters ranger) {
-  constexpr std::size_t kMost = 16;  // a world has few types of robots
-  if (entries_.size() == kMost) entries_.pop_front();
-  return entries_.emplace_back(Entry{&node, std::move(ranger)}).ranger;
-}
-
 
 }  // namespace troupe

@@ -38,6 +38,12 @@ bool IsWithinReach(const Pose& pose);
 bool EqualInAnyCase(std::string_view a, std::string_view b);
 
 class PropertyReader {
+// A number or a text of a property, one of both.
+struct PropertyScalar {
+  const Value::Number* number = nullptr;
+  const std::string* text = nullptr;
+};
+
  public:
   // All three must outlive the reader.
   PropertyReader(const WorldNode& node, const Units& units, Diagnostics& diagnostics);
@@ -47,28 +53,28 @@ class PropertyReader {
   Diagnostics& diagnostics() { return diagnostics_; }
 
   // The property, marked as read; null if it is not there.
-  const Property* Use(const std::string& name);
+  const Property* Use(std::string_view name);
   // The place of a property's value, or of the node if it is not there.
-  const SourceLocation& Where(const std::string& name) const;
+  const SourceLocation& Where(std::string_view name) const;
 
   // A single number between `min` and `max`, without unit. The default limits are those of a world; properties of other
   // kinds may allow more.
-  double Number(const std::string& name, double otherwise, double min = -kMaxMagnitude, double max = kMaxMagnitude);
-  double Length(const std::string& name, double otherwise);  // to m
-  std::int64_t Integer(const std::string& name, std::int64_t otherwise, std::int64_t min, std::int64_t max);
-  bool Flag(const std::string& name, bool otherwise);  // 0 or not 0
-  std::string Text(const std::string& name, const std::string& otherwise);
+  double Number(std::string_view name, double otherwise, double min = -kMaxMagnitude, double max = kMaxMagnitude);
+  double Length(std::string_view name, double otherwise);  // to m
+  std::int64_t Integer(std::string_view name, std::int64_t otherwise, std::int64_t min, std::int64_t max);
+  bool Flag(std::string_view name, bool otherwise);  // 0 or not 0
+  std::string Text(std::string_view name, const std::string& otherwise);
   // One of the words, in lower case, which the file may write in any case; the first one without the property, or with
   // a warning for another word.
-  std::string Word(const std::string& name, std::span<const std::string_view> words);
+  std::string Word(std::string_view name, std::span<const std::string_view> words);
 
   // `count` numbers without unit, none larger than `limit`; nothing if the property is not there, or has fewer, or is a
   // text in place of a single one.
-  std::optional<std::vector<double>> Numbers(const std::string& name, std::size_t count, double limit = kMaxMagnitude);
+  std::optional<std::vector<double>> Numbers(std::string_view name, std::size_t count, double limit = kMaxMagnitude);
   // Every value as text; empty if the property is not there.
-  std::vector<std::string> Texts(const std::string& name);
+  std::vector<std::string> Texts(std::string_view name);
   // [x y z heading], to m and radians.
-  std::optional<Pose> ReadPose(const std::string& name);
+  std::optional<Pose> ReadPose(std::string_view name);
 
   // "found 'Omny' for 'drive', expected "diff" or "omni"; 'diff' is used".
   void WarnOfValue(const Property& property, const std::string& found, const std::string& expected,
@@ -78,7 +84,11 @@ class PropertyReader {
   std::vector<const Property*> Unused() const;
 
  private:
-  std::optional<double> ToNumber(const Property& property, const Value::Scalar& scalar, double limit);
+  // A single number; nothing as Numbers.
+  std::optional<double> OneNumber(std::string_view name, double limit = kMaxMagnitude);
+  // Reads as many numbers as there are in `numbers`; false: as Numbers.
+  bool ReadNumbers(std::string_view name, std::span<double> numbers, double limit);
+  std::optional<double> ToNumber(const Property& property, const PropertyScalar& scalar, double limit);
 
   const WorldNode& node_;
   const Units& units_;
@@ -120,17 +130,6 @@ struct StageController {
   std::vector<std::string> warnings;
 };
 
-// BuildContext: the world being built, and the input that all readers need.
-struct BuildContext {
-  BuildContext(const WorldTree& the_tree, const AllowedPaths& the_allowed, const ImageSource& images)
-      : tree(the_tree), allowed(the_allowed), shapes(world.shapes), bitmaps(the_allowed, images) {}
-  BuildContext(const BuildContext&) = delete;  // `shapes` refers to `world`
-  BuildContext& operator=(const BuildContext&) = delete;
-
-  const WorldTree& tree;
-  const AllowedPaths& allowed;                    // files that maps and bitmaps may open
-  bool without_bitmaps = false;                   // a bitmap is an error
-  std::optional<std::string> default_controller;  // of robots for which the file names none
 // The rangers of the newest nodes: robots of one macro share the nodes of their rangers, and so have one list of rays.
 class KnownRangers {
  public:

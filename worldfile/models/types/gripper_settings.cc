@@ -21,7 +21,7 @@ std::optional<PartName> ReadPart(PropertyReader& reader, const std::string& prop
 }
 
 // In m/s.
-double ReadSpeed(PropertyReader& reader, const std::string& name, double otherwise) {
+double ReadSpeed(PropertyReader& reader, std::string_view name, double otherwise) {
   if (reader.node().Find(name) == nullptr) return otherwise;
   return reader.Number(name, 0.0, 0.0) * reader.units().length;
 }

@@ -100,7 +100,7 @@ ModelType PlainModelType();
 std::string AngleText(const Units& units, double radians);
 
 // A side of the image of property `name`, in pixels, within the limits.
-std::uint32_t ImageSide(PropertyReader& reader, const std::string& name, double found);
+std::uint32_t ImageSide(PropertyReader& reader, std::string_view name, double found);
 
 // `update_interval`, in ticks.
 std::uint32_t ReadPeriod(PropertyReader& reader, std::int64_t interval_ns);
@@ -112,10 +112,10 @@ double ReadFov(PropertyReader& reader, double otherwise);
 Interval ReadRange(PropertyReader& reader, const Interval& otherwise);
 
 // A length of at least 0, in m.
-double ReadDistance(PropertyReader& reader, const std::string& name, double otherwise);
+double ReadDistance(PropertyReader& reader, std::string_view name, double otherwise);
 
 // An angle in rad, its size at most `max` rad.
-double ReadAngle(PropertyReader& reader, const std::string& name, double otherwise, double max = 2.0 * kPi);
+double ReadAngle(PropertyReader& reader, std::string_view name, double otherwise, double max = 2.0 * kPi);
 
 // Adds the sensor that the draft's model is to its robot; a sensor on no robot gets a warning that names it `noun`.
 // Parameters that are out of bounds are an error at the model.

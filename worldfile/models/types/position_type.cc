@@ -17,7 +17,7 @@ namespace troupe {
 namespace {
 
 // [xmin xmax ymin ymax zmin zmax amin amax]; z is never moved.
-TwistBounds ReadBounds(PropertyReader& reader, const std::string& name) {
+TwistBounds ReadBounds(PropertyReader& reader, std::string_view name) {
   const Units& units = reader.units();
   TwistBounds bounds{{-1.0, 1.0}, {-1.0, 1.0}, {-0.5 * kPi, 0.5 * kPi}};
   const auto n = reader.Numbers(name, 8);

@@ -215,7 +215,7 @@ std::string AngleText(const Units& units, double radians) {
   return units.degrees ? NumberText(RadiansToDegrees(radians)) + " degrees" : NumberText(radians) + " radians";
 }
 
-std::uint32_t ImageSide(PropertyReader& reader, const std::string& name, double found) {
+std::uint32_t ImageSide(PropertyReader& reader, std::string_view name, double found) {
   const double side = std::clamp(found, 1.0, static_cast<double>(kMaxImageSide));
   if (side != found) {
     reader.WarnOfValue(*reader.Use(name), NumberText(found) + " pixels", "1 to " + std::to_string(kMaxImageSide),
@@ -260,7 +260,7 @@ Interval ReadRange(PropertyReader& reader, const Interval& otherwise) {
   return result;
 }
 
-double ReadDistance(PropertyReader& reader, const std::string& name, double otherwise) {
+double ReadDistance(PropertyReader& reader, std::string_view name, double otherwise) {
   const double distance = reader.Length(name, otherwise);
   if (distance >= 0.0) return distance;
   reader.diagnostics().Warn(reader.Where(name),
@@ -268,7 +268,7 @@ double ReadDistance(PropertyReader& reader, const std::string& name, double othe
   return 0.0;
 }
 
-double ReadAngle(PropertyReader& reader, const std::string& name, double otherwise, double max) {
+double ReadAngle(PropertyReader& reader, std::string_view name, double otherwise, double max) {
   const auto angle = reader.Numbers(name, 1);
   if (!angle) return otherwise;
   const double radians = reader.units().Angle(angle->front());
