@@ -55,7 +55,7 @@ Result<TestFile> TestFile::Read(const std::string& path, const TestCase& fixed) 
   if (!parsed.ok()) return parsed.error();
   const ScenarioText own = std::move(parsed).value();
   const JsonTree& tree = own.tree();
-  if (Status error = ScenarioSchema().Check(tree); !error.ok()) return error.error();
+  if (Status error = CheckSchema(tree); !error.ok()) return error.error();
   const JsonNode& root = tree.root();
   const JsonNode* const name = root.Find("name");
   test.name_ = name != nullptr ? name->text : std::filesystem::path(path).stem().string();

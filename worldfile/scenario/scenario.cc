@@ -7,6 +7,7 @@
 #include "common/base/glob.h"
 #include "common/model/find_robots.h"
 #include "worldfile/map/map_yaml.h"
+#include "worldfile/scenario/scenario_schema.h"
 #include "worldfile/scenario/scenario_tree.h"
 #include "worldfile/sites/building_yaml.h"
 #include "worldfile/sites/lif_json.h"
@@ -68,7 +69,7 @@ Result<ScenarioFile> ReadText(const std::string& text, const std::string& path, 
                               const ScenarioTools& tools) {
   const Result<JsonTree> tree = JsonTree::Parse(text, path);
   if (!tree.ok()) return tree.error();
-  if (Status error = tools.schema.Check(tree.value()); !error.ok()) return error.error();
+  if (Status error = CheckSchema(tree.value()); !error.ok()) return error.error();
   Result<ScenarioFile> file = ReadScenarioFile(tree.value(), DirectoryOf(path), tools.max_spawned);
   if (!file.ok()) return file;
   if (Status error = CheckControllers(file.value(), overrides); !error.ok()) return error.error();

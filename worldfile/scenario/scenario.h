@@ -13,7 +13,6 @@
 #include "worldfile/models/build_world.h"
 #include "worldfile/scenario/place_spawns.h"
 #include "worldfile/scenario/scenario_file.h"
-#include "worldfile/scenario/scenario_schema.h"
 #include "worldfile/stage/world_tree.h"
 
 namespace troupe {
@@ -46,7 +45,6 @@ Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& all
 
 // The means of loading a scenario, for callers that load many or must not touch the disk.
 struct ScenarioTools {
-  ScenarioSchema schema;
   // Reads the files that "world" and "include" name.
   std::function<Result<WorldTree>(const std::string& path, const AllowedPaths& allowed)> read_world = ReadWorldTree;
   BuildOptions build;
