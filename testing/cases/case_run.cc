@@ -156,6 +156,7 @@ CaseWorlds::CaseWorlds(const TestFile& test)
     if (read.ok()) trees->emplace(path, read.value());
     return read;
   };
+  tools_.build.known_bitmaps = std::make_shared<KnownBitmaps>();
 }
 
 Result<LoadedWorld> CaseWorlds::Load(const TestCase& draws, const LoadOverrides& overrides) const {

@@ -8,6 +8,17 @@
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
+namespace {
+
+// Null if there is none.
+const std::shared_ptr<const BitmapRectangles>* Find(const KnownBitmaps& bitmaps, const std::string& path,
+                                                    const PixelRule& rule) {
+  const auto [begin, end] = bitmaps.equal_range(path);
+  const auto found = std::find_if(begin, end, [&](const auto& entry) { return entry.second.rule == rule; });
+  return found != end ? &found->second.content : nullptr;
+}
+
+}  // namespace
 
 Result<MapYaml> ReadMapYaml(const std::string& path, const SourceLocation& where, const AllowedPaths& allowed) {
   const Result<std::string> text = ReadTextFile(path, where, allowed);
@@ -59,18 +70,25 @@ PixelRectangle BitmapRectangles::bounds() const {
 
 Result<const BitmapRectangles*> BitmapCache::Load(const std::string& path, const PixelRule& rule,
                                                   const SourceLocation& where) {
-  const auto [begin, end] = by_path_.equal_range(path);
-  for (auto entry = begin; entry != end; ++entry) {
-    if (entry->second.rule == rule) return &entry->second.content;
-  }
+  if (const auto* const found = Find(by_path_, path, rule)) return found->get();
+  Result<std::shared_ptr<const BitmapRectangles>> read = Read(path, rule, where);
+  if (!read.ok()) return read.error();
+  return by_path_.emplace(path, KnownBitmap{rule, std::move(read).value()})->second.content.get();
+}
+
+Result<std::shared_ptr<const BitmapRectangles>> BitmapCache::Read(const std::string& path, const PixelRule& rule,
+                                                                  const SourceLocation& where) const {
   const std::optional<std::string> resolved = allowed_.Resolve(path);
   if (!resolved) return Error{where, "bitmap: " + NotAllowed(path, allowed_)};
   if (std::optional<Bitmap> given = source_ ? source_(*resolved, rule) : std::nullopt) {
-    return &by_path_.emplace(path, Entry{rule, CoverOf(std::move(*given))})->second.content;
+    return std::make_shared<const BitmapRectangles>(CoverOf(std::move(*given)));
   }
+  if (const auto* const found = known_ != nullptr ? Find(*known_, *resolved, rule) : nullptr) return *found;
   Result<Bitmap> bitmap = ReadBitmap(*resolved, rule);
   if (!bitmap.ok()) return Error{where, "bitmap " + QuotedPath(path) + ": " + bitmap.error().message};
-  return &by_path_.emplace(path, Entry{rule, CoverOf(std::move(bitmap).value())})->second.content;
+  auto read = std::make_shared<const BitmapRectangles>(CoverOf(std::move(bitmap).value()));
+  if (known_ != nullptr) known_->emplace(*resolved, KnownBitmap{rule, read});
+  return read;
 }
 
 std::vector<std::string> BitmapCache::Paths() const {
@@ -87,7 +105,7 @@ std::pair<int, int> BitmapCache::LargestSize() const {
   };
   std::pair<int, int> largest;
   for (const auto& [path, entry] : by_path_) {
-    const std::pair<int, int> size(entry.content.width, entry.content.height);
+    const std::pair<int, int> size(entry.content->width, entry.content->height);
     if (pixels(size) > pixels(largest)) largest = size;
   }
   return largest;

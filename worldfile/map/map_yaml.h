@@ -59,11 +59,21 @@ inline constexpr std::size_t kMaxMovingRectangles = 16'384;
 // Lists the rectangles if they are at most kFewRectangles, or one for kPixelsPerRectangle pixels.
 BitmapRectangles CoverOf(Bitmap bitmap);
 
+// KnownBitmaps: bitmaps as their files were when they were read, for a program that builds a world many times. One
+// thread at a time.
+struct KnownBitmap {
+  PixelRule rule;
+  std::shared_ptr<const BitmapRectangles> content;
+};
+using KnownBitmaps = std::multimap<std::string, KnownBitmap>;  // by path
+
 class BitmapCache {
  public:
-  // Images are read from these files only. `source`: of images that are not read from their files.
-  explicit BitmapCache(AllowedPaths allowed = AllowedPaths::All(), ImageSource source = nullptr)
-      : allowed_(std::move(allowed)), source_(std::move(source)) {}
+  // Images are read from these files only. `source`: of images that are not read from their files. `known`: of images
+  // that are not read again; null: none.
+  explicit BitmapCache(AllowedPaths allowed = AllowedPaths::All(), ImageSource source = nullptr,
+                       std::shared_ptr<KnownBitmaps> known = nullptr)
+      : allowed_(std::move(allowed)), source_(std::move(source)), known_(std::move(known)) {}
 
   // The bitmap at `path` by `rule`. Errors are placed at `where`, which names it. Valid as long as the cache.
   Result<const BitmapRectangles*> Load(const std::string& path, const PixelRule& rule, const SourceLocation& where);
@@ -74,13 +84,13 @@ class BitmapCache {
   std::pair<int, int> LargestSize() const;
 
  private:
-  struct Entry {
-    PixelRule rule;
-    BitmapRectangles content;
-  };
+  Result<std::shared_ptr<const BitmapRectangles>> Read(const std::string& path, const PixelRule& rule,
+                                                       const SourceLocation& where) const;
+
   AllowedPaths allowed_;
   ImageSource source_;
-  std::multimap<std::string, Entry> by_path_;
+  std::shared_ptr<KnownBitmaps> known_;
+  KnownBitmaps by_path_;
 };
 
 }  // namespace troupe

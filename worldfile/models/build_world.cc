@@ -316,7 +316,7 @@ std::optional<std::uint64_t> ReadTicks(PropertyReader& reader, std::int64_t inte
 }  // namespace
 
 Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overrides, const BuildOptions& options) {
-  BuildContext context(tree, overrides.allowed, options.images);
+  BuildContext context(tree, overrides.allowed, options.images, options.known_bitmaps);
   context.without_bitmaps = options.without_bitmaps;
   context.default_controller = overrides.controller;
   context.check_controller = overrides.check_controller;

@@ -16,6 +16,7 @@
 #include "troupe/polygon.h"
 #include "troupe/result.h"
 #include "troupe/world_description.h"
+#include "worldfile/map/map_yaml.h"
 #include "worldfile/stage/world_tree.h"
 
 namespace troupe {
@@ -57,6 +58,7 @@ struct LoadOverrides {
 struct BuildOptions {
   bool without_bitmaps = false;  // a bitmap is an error; for input that must not touch the disk
   ImageSource images = nullptr;  // of images that are not read from their files
+  std::shared_ptr<KnownBitmaps> known_bitmaps = nullptr;  // of files that are not read again; null: none
 };
 
 // Every property of every node is either honoured or named in a warning with its place.

@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,13 +38,13 @@ bool IsWithinReach(const Pose& pose);
 
 bool EqualInAnyCase(std::string_view a, std::string_view b);
 
-class PropertyReader {
 // A number or a text of a property, one of both.
 struct PropertyScalar {
   const Value::Number* number = nullptr;
   const std::string* text = nullptr;
 };
 
+class PropertyReader {
  public:
   // All three must outlive the reader.
   PropertyReader(const WorldNode& node, const Units& units, Diagnostics& diagnostics);
@@ -145,9 +146,22 @@ class KnownRangers {
   std::deque<Entry> entries_;
 };
 
+// BuildContext: the world being built, and the input that all readers need.
+struct BuildContext {
+  BuildContext(const WorldTree& the_tree, const AllowedPaths& the_allowed, const ImageSource& images,
+               const std::shared_ptr<KnownBitmaps>& known_bitmaps)
+      : tree(the_tree), allowed(the_allowed), shapes(world.shapes), bitmaps(the_allowed, images, known_bitmaps) {}
+  BuildContext(const BuildContext&) = delete;  // `shapes` refers to `world`
+  BuildContext& operator=(const BuildContext&) = delete;
+
+  const WorldTree& tree;
+  const AllowedPaths& allowed;                    // files that maps and bitmaps may open
+  bool without_bitmaps = false;                   // a bitmap is an error
+  std::optional<std::string> default_controller;  // of robots for which the file names none
   // Checks the controllers that the file names; nothing: they are not checked.
   std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
   std::map<std::string, std::optional<StageController>> controllers;  // by the text of `ctrl`
+  KnownRangers rangers;
   Units units;
   Diagnostics diagnostics;
   WorldDescription world;
@@ -160,7 +174,6 @@ class KnownRangers {
 
 // Each warns of every property of its entry that was not read.
 void WarnOfUnusedInWorld(PropertyReader& reader);
-  KnownRangers rangers;
 void WarnOfUnusedInSensor(PropertyReader& reader);
 void WarnOfUnusedInBlock(PropertyReader& reader);
 void WarnOfUnusedInModel(PropertyReader& reader, std::string_view type);
