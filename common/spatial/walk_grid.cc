@@ -91,32 +91,87 @@ bool WalkGrid::IsClear(const Vec2& from, const Vec2& to) const {
   return true;
 }
 
-WalkField::WalkField(const WalkGrid& grid, const Vec2& goal) : grid_(grid) {
-  const std::optional<std::size_t> cell = grid.Nearest(goal, [&](std::size_t c) { return grid.IsFree(c); });
-  if (!cell) return;
-  target_ = grid.CellOf(goal) == *cell ? goal : grid.CenterOf(*cell);
-  length_.assign(grid.cell_count(), kUnreached);
-  // Dijkstra's algorithm with a list for each length that may be in it: lengths are small numbers.
-  std::array<std::vector<std::size_t>, WalkGrid::kMostCost * WalkGrid::kDiagonal + 1> lists;
-  length_[*cell] = 0;
-  lists[0].push_back(*cell);
+// The costs of the cells of a grid, with a border of blocked cells around them, so that a step needs no look at columns
+// and rows: that takes a third of the time.
+class WalkField::Costs {
+ public:
+  static constexpr std::uint8_t kBlocked = 0;
+
+  explicit Costs(const WalkGrid& grid)
+      : columns_(static_cast<std::size_t>(grid.columns())),
+        width_(columns_ + 2),
+        costs_(width_ * (grid.cell_count() / columns_ + 2), kBlocked) {
+    for (std::size_t cell = 0; cell < grid.cell_count(); ++cell) {
+      if (grid.IsFree(cell)) costs_[PlaceOf(cell)] = static_cast<std::uint8_t>(grid.CostOf(cell));
+    }
+    for (std::size_t i = 0; i < offsets_.size(); ++i) offsets_[i] = OffsetOf(WalkGrid::kSteps[i]);
+  }
+
+  std::size_t size() const { return costs_.size(); }
+  std::size_t PlaceOf(std::size_t cell) const { return (cell / columns_ + 1) * width_ + cell % columns_ + 1; }
+
+  // Calls visit(place, length of the step) as WalkGrid::ForEachStep, without places for which `is_done`.
+  template <typename IsDone, typename Visit>
+  void ForEachStep(std::size_t place, IsDone is_done, Visit visit) const {
+    for (std::size_t i = 0; i < offsets_.size(); ++i) {
+      const WalkGrid::Step& step = WalkGrid::kSteps[i];
+      const std::size_t to = place + offsets_[i];
+      if (is_done(to) || costs_[to] == kBlocked) continue;
+      if (step.length == WalkGrid::kDiagonal && (costs_[place + OffsetOf({step.columns, 0, 0})] == kBlocked ||
+                                                 costs_[place + OffsetOf({0, step.rows, 0})] == kBlocked)) {
+        continue;
+      }
+      visit(to, step.length * costs_[to]);
+    }
+  }
+
+ private:
+  // To be added, modulo the size of all numbers.
+  std::size_t OffsetOf(const WalkGrid::Step& step) const {
+    return static_cast<std::size_t>(step.rows) * width_ + static_cast<std::size_t>(step.columns);
+  }
+
+  const std::size_t columns_;
+  const std::size_t width_;
+  std::vector<std::uint8_t> costs_;
+  std::array<std::size_t, WalkGrid::kSteps.size()> offsets_{};
+};
+
+// Dijkstra's algorithm with a list for each length that may be in it: lengths are small numbers.
+void WalkField::MeasureLengths(std::size_t target) {
+  const Costs costs(grid_);
+  std::vector<std::uint32_t> lengths(costs.size(), kUnreached);
+  std::array<std::vector<std::uint32_t>, WalkGrid::kMostCost * WalkGrid::kDiagonal + 1> lists;
+  const std::size_t first = costs.PlaceOf(target);
+  lengths[first] = 0;
+  lists[0].push_back(static_cast<std::uint32_t>(first));
   std::size_t waiting = 1;
   for (std::uint32_t at = 0; waiting > 0; ++at) {
-    std::vector<std::size_t>& list = lists[at % lists.size()];
+    std::vector<std::uint32_t>& list = lists[at % lists.size()];
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::size_t from = list[i];
       --waiting;
-      if (length_[from] != at) continue;  // it was found on a shorter way
-      grid.ForEachStep(from, [&](std::size_t to, std::size_t step) {
-        const std::uint32_t there = at + WalkGrid::kSteps[step].length * grid.CostOf(to);
-        if (there >= length_[to]) return;
-        length_[to] = there;
-        lists[there % lists.size()].push_back(to);
+      if (lengths[from] != at) continue;  // it was found on a shorter way
+      const auto is_done = [&](std::size_t to) { return lengths[to] <= at; };
+      costs.ForEachStep(from, is_done, [&](std::size_t to, std::uint32_t length) {
+        const std::uint32_t there = at + length;
+        if (there >= lengths[to]) return;
+        lengths[to] = there;
+        lists[there % lists.size()].push_back(static_cast<std::uint32_t>(to));
         ++waiting;
       });
     }
     list.clear();
   }
+  length_.resize(grid_.cell_count());
+  for (std::size_t cell = 0; cell < length_.size(); ++cell) length_[cell] = lengths[costs.PlaceOf(cell)];
+}
+
+WalkField::WalkField(const WalkGrid& grid, const Vec2& goal) : grid_(grid) {
+  const std::optional<std::size_t> cell = grid.Nearest(goal, [&](std::size_t c) { return grid.IsFree(c); });
+  if (!cell) return;
+  target_ = grid.CellOf(goal) == *cell ? goal : grid.CenterOf(*cell);
+  MeasureLengths(*cell);
   steps_ = std::vector<std::atomic<std::uint8_t>>(length_.size());
   for (std::atomic<std::uint8_t>& step : steps_) step.store(kUnknownStep, std::memory_order_relaxed);
 }

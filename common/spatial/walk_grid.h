@@ -43,6 +43,7 @@ class WalkGrid {
            const Rectangle& bounds);
 
   std::size_t cell_count() const { return room_.size(); }
+  int columns() const { return columns_; }
   double cell() const { return cell_; }
   bool IsFree(std::size_t cell) const { return room_[cell] != Room::kBlocked; }
   static constexpr std::uint32_t kMostCost = 8;
@@ -157,6 +158,9 @@ class WalkField {
 
  private:
   static constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
+  class Costs;
+
+  void MeasureLengths(std::size_t target);
 
   const WalkGrid& grid_;
   std::optional<Vec2> target_;
