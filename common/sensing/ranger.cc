@@ -62,11 +62,18 @@ double NoisyRange(const RaySensorDescription& sensor, const Noise& noise, std::s
 class Ranger final : public Sensor {
  public:
   explicit Ranger(const SensorMount& mount) : Sensor(mount) {
-    const ModelId model = description().model;
-    is_fixed_ = mount.scene.link_of(model) == 0;
-    for (const RaySensorDescription& sensor : ray_sensors()) {
-      ray_count_ += sensor.samples * sensor.planes();
-      if (is_fixed_) X_RS_.push_back(mount.scene.X_LM(model) * sensor.X_MS);
+    is_fixed_ = mount.scene.link_of(description().model) == 0;
+    for (std::size_t s = 0; s < ray_sensors().size(); ++s) {
+      const RaySensorDescription& sensor = ray_sensors()[s];
+      if (!sensor.elevations.empty()) continue;
+      flat_.push_back({.p_MS = sensor.X_MS.translation(),
+                       .heading_MS = sensor.X_MS.heading,
+                       .z_MS = sensor.X_MS.z,
+                       .range = sensor.range,
+                       .fan = FanOf(sensor),
+                       .angle_noise = AngleNoise(sensor),
+                       .index = s,
+                       .has_exact_ranges = sensor.noise_proportional == 0.0 && !(sensor.noise_variance > 0.0)});
     }
   }
 
@@ -81,33 +88,66 @@ class Ranger final : public Sensor {
   }
 
  private:
+  // What a tick needs of a flat ray sensor, close together in memory.
+  struct FlatSensor {
+    Vec2 p_MS;
+    double heading_MS;
+    double z_MS;
+    Interval range;
+    RayFan fan;
+    double angle_noise;  // rad
+    std::size_t index;   // in ray_sensors()
+    bool has_exact_ranges;
+  };
+
   void MeasureInto(const SensedWorld& world, Tick tick, SensorReading& reading) const override {
-    const std::vector<std::optional<RayHit>> hits = Cast(world, tick);
+    // Kept from tick to tick, so that a measurement allocates nothing.
+    thread_local std::vector<std::optional<RayHit>> hits;
+    Cast(world, tick, hits);
     reading.tick = tick;
+    const bool is_new = reading.empty();
     RangerReading& ranger = ContentOf<RangerReading>(reading);
-    ranger.scans.resize(ray_sensors().size());
-    const Pose X_RM = is_fixed_ ? Pose{} : MountAt(world);
+    if (is_new || !is_fixed_) {
+      DescribeScans(is_fixed_ ? world.scene.X_LM(description().model) : MountAt(world), ranger.scans);
+    }
     auto hit = hits.begin();
-    for (std::size_t s = 0; s < ray_sensors().size(); ++s) {
-      const RaySensorDescription& sensor = ray_sensors()[s];
-      const Noise noise = NoiseOf(world, s, tick);
+    auto flat = flat_.begin();
+    for (std::size_t s = 0; s < ranger.scans.size(); ++s) {
       RangeScan& scan = ranger.scans[s];
+      if (!scan.elevations.empty()) {
+        MeasurePlanes(world, s, NoiseOf(world, s, tick), scan);
+        continue;
+      }
+      if (!flat->has_exact_ranges) {
+        AddNoise(ray_sensors()[s], NoiseOf(world, s, tick), std::span(hit, scan.ranges.size()));
+      }
+      for (std::size_t ray = 0; ray < scan.ranges.size(); ++ray, ++hit) {
+        scan.ranges[ray] = *hit ? flat->range.Clamp((*hit)->distance) : flat->range.max;
+        scan.intensities[ray] = *hit ? world.scene.ranger_return((*hit)->model) : 0.0;
+      }
+      ++flat;
+    }
+  }
+
+  static void AddNoise(const RaySensorDescription& sensor, const Noise& noise, std::span<std::optional<RayHit>> hits) {
+    for (std::size_t ray = 0; ray < hits.size(); ++ray) {
+      if (hits[ray]) hits[ray]->distance = NoisyRange(sensor, noise, ray, hits[ray]->distance);
+    }
+  }
+
+  // All of the scans but what is measured. It never changes if no joint moves the ranger.
+  void DescribeScans(const Pose& X_RM, std::vector<RangeScan>& scans) const {
+    scans.resize(ray_sensors().size());
+    for (std::size_t s = 0; s < scans.size(); ++s) {
+      const RaySensorDescription& sensor = ray_sensors()[s];
+      RangeScan& scan = scans[s];
       scan.fan = FanOf(sensor);
-      scan.X_RS = is_fixed_ ? X_RS_[s] : X_RM * sensor.X_MS;
+      scan.X_RS = X_RM * sensor.X_MS;
       scan.limits = sensor.range;
       scan.variance = sensor.noise_variance;
       scan.elevations = sensor.elevations;
-      if (!sensor.elevations.empty()) {
-        MeasurePlanes(world, s, noise, scan);
-        continue;
-      }
-      scan.ranges.resize(sensor.samples);
-      scan.intensities.resize(sensor.samples);
-      for (std::size_t ray = 0; ray < sensor.samples; ++ray, ++hit) {
-        scan.ranges[ray] =
-            *hit ? sensor.range.Clamp(NoisyRange(sensor, noise, ray, (*hit)->distance)) : sensor.range.max;
-        scan.intensities[ray] = *hit ? world.scene.ranger_return((*hit)->model) : 0.0;
-      }
+      scan.ranges.resize(sensor.samples * sensor.planes());
+      scan.intensities.resize(sensor.samples * sensor.planes());
     }
   }
 
@@ -152,32 +192,29 @@ class Ranger final : public Sensor {
   }
 
   // The hits of all rays of the flat ray sensors, ray sensor by ray sensor.
-  std::vector<std::optional<RayHit>> Cast(const SensedWorld& world, Tick tick) const {
+  void Cast(const SensedWorld& world, Tick tick, std::vector<std::optional<RayHit>>& hits) const {
+    thread_local std::vector<Ray> rays;
+    rays.clear();
     const Pose X_WM = world.bodies.X_WM(description().model);
     const Transform2 to_world(X_WM);  // for all ray sensors: X_WM * X_MS of each without further sines
-    std::vector<Ray> rays;
-    rays.reserve(ray_count_);
-    for (std::size_t s = 0; s < ray_sensors().size(); ++s) {
-      const RaySensorDescription& sensor = ray_sensors()[s];
-      if (!sensor.elevations.empty()) continue;
-      const Vec2 origin = to_world * sensor.X_MS.translation();
-      const double heading = WrapAngle(X_WM.heading + sensor.X_MS.heading);
-      const RayFan fan = FanOf(sensor);
-      const Noise noise = NoiseOf(world, s, tick);
-      const double amplitude = AngleNoise(sensor);
-      for (std::size_t i = 0; i < fan.count; ++i) {
-        double bearing = fan.Bearing(i);
-        if (amplitude != 0.0) bearing += amplitude * noise.Uniform(i, Draw::kAngle);
+    for (const FlatSensor& sensor : flat_) {
+      const Vec2 origin = to_world * sensor.p_MS;
+      const double heading = WrapAngle(X_WM.heading + sensor.heading_MS);
+      const double z = X_WM.z + sensor.z_MS;
+      const auto add_ray = [&](double bearing) {
         const SinCosResult direction = SinCos(heading + bearing);
-        rays.push_back({.origin = origin,
-                        .direction = {direction.cos, direction.sin},
-                        .z = X_WM.z + sensor.X_MS.z,
-                        .max_distance = sensor.range.max});
+        rays.push_back({origin, {direction.cos, direction.sin}, z, sensor.range.max});
+      };
+      if (sensor.angle_noise == 0.0) {
+        for (std::size_t i = 0; i < sensor.fan.count; ++i) add_ray(sensor.fan.Bearing(i));
+        continue;
+      }
+      const Noise noise = NoiseOf(world, sensor.index, tick);
+      for (std::size_t i = 0; i < sensor.fan.count; ++i) {
+        add_ray(sensor.fan.Bearing(i) + sensor.angle_noise * noise.Uniform(i, Draw::kAngle));
       }
     }
-    std::vector<std::optional<RayHit>> hits;
     CastRays(world.scene, world.bodies, rays, robot(), hits);
-    return hits;
   }
 
   Noise NoiseOf(const SensedWorld& world, std::size_t sensor, Tick tick) const {
@@ -188,9 +225,8 @@ class Ranger final : public Sensor {
     return std::get<RangerParameters>(description().parameters).ray_sensors;
   }
 
-  bool is_fixed_ = false;   // no joint moves it
-  std::vector<Pose> X_RS_;  // by ray sensor; empty where a joint moves it
-  std::size_t ray_count_ = 0;
+  bool is_fixed_ = false;         // no joint moves it
+  std::vector<FlatSensor> flat_;  // the ray sensors with one plane
 };
 
 }  // namespace

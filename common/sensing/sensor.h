@@ -72,7 +72,8 @@ class Sensor {
 
  private:
   friend class SensorSuite;
-  // Replaces `reading` and reuses its memory: measurements of every tick allocate nothing for the reading.
+  // Replaces `reading` and reuses its memory: measurements of every tick allocate nothing for the reading, and write no
+  // more than has changed. REQUIRES: `reading` is empty, or a reading of this sensor
   virtual void MeasureInto(const SensedWorld& world, Tick tick, SensorReading& reading) const = 0;
 
   RobotId robot_;

@@ -41,6 +41,8 @@ void SensorSuite::Update(const SensedWorld& world, Tick tick) {
 const SensorReading& SensorSuite::Measure(std::size_t index, const SensedWorld& world, Tick tick) {
   const SensorReading& reading = readings_[index];
   if (!reading.empty() && reading.tick == tick) return reading;
+  if (unsubscribed_sensor_ != index) unsubscribed_ = {};
+  unsubscribed_sensor_ = index;
   sensors_[index]->MeasureInto(world, tick, unsubscribed_);
   return unsubscribed_;
 }

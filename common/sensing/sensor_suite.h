@@ -40,6 +40,7 @@ class SensorSuite {
   std::vector<std::unique_ptr<const Sensor>> sensors_;
   std::vector<bool> subscribed_;         // by sensor
   std::vector<SensorReading> readings_;  // by sensor
+  std::size_t unsubscribed_sensor_ = 0;  // of the next
   SensorReading unsubscribed_;           // the last one of a sensor without a subscription, or between its periods
 };
 

@@ -10,9 +10,6 @@
 namespace troupe {
 namespace {
 
-// Room reserved in lists that a cast seldom fills, so that it allocates once.
-constexpr std::size_t kUsualCount = 64;
-
 // A ray's line.
 struct Line {
   Vec2 origin;
@@ -164,11 +161,11 @@ class NearBodies {
  public:
   // `reference`: near the rays, so that differences are exact enough wherever in the world they are; frame W. `seen`: a
   // box around the rays.
-  NearBodies(const Scene& scene, const BodyIndex& bodies, const Vec2& reference, const Rectangle& seen,
-             std::optional<RobotId> caster)
-      : max_radius_(scene.max_body_radius()) {
-    discs_.Reserve(kUsualCount);
-    ids_.reserve(kUsualCount);
+  void Find(const Scene& scene, const BodyIndex& bodies, const Vec2& reference, const Rectangle& seen,
+            std::optional<RobotId> caster) {
+    max_radius_ = scene.max_body_radius();
+    discs_.Clear();
+    ids_.clear();
     bodies.ForEachNear(seen, [&](BodyId id) {
       if (caster && bodies.owner(id) == caster) return;
       discs_.Add(bodies.X_WB(id).translation() - reference, scene.ray_shape(id).radius);
@@ -185,7 +182,7 @@ class NearBodies {
   }
 
  private:
-  double max_radius_;
+  double max_radius_ = 0.0;
   DiscList discs_;  // around ids_
   std::vector<BodyId> ids_;
 };
@@ -262,10 +259,14 @@ class RayBlock {
 // Finds the hits of rays on bodies.
 class BodyHits {
  public:
-  BodyHits(const Scene& scene, const BodyIndex& bodies) : scene_(scene), bodies_(bodies) {
-    vertices_.reserve(kUsualCount);
-    slice_.reserve(kUsualCount);
-  }
+  struct Lists {
+    std::vector<Vec2> vertices;        // of one piece, in W
+    std::vector<std::uint32_t> slice;  // in RayShape::pieces
+  };
+
+  // `lists`: whose memory is used.
+  BodyHits(const Scene& scene, const BodyIndex& bodies, Lists& lists)
+      : scene_(scene), bodies_(bodies), vertices_(lists.vertices), slice_(lists.slice) {}
 
   // Updates the ray's nearest hit by its hit on one body.
   void Update(const Ray& ray, BodyId id, Nearest& nearest) {
@@ -342,18 +343,17 @@ class BodyHits {
 
   const Scene& scene_;
   const BodyIndex& bodies_;
-  std::vector<Vec2> vertices_;  // of one piece, in W
+  std::vector<Vec2>& vertices_;
   const RayShape* sliced_ = nullptr;
   double sliced_z_body_ = 0.0;
   double sliced_z_ = 0.0;
-  std::vector<std::uint32_t> slice_;  // in RayShape::pieces
+  std::vector<std::uint32_t>& slice_;
 };
 
 // Finds the hits of a block of rays on the bodies near them. Each ray is tested first against the body that begins
 // first: then most others are beyond its hit.
 class BlockHits {
  public:
-  BlockHits() { pairs_.reserve(kUsualCount); }
   // Updates each ray's nearest hit.
   void Update(std::span<const Ray> rays, const Vec2& reference, const NearBodies& near, BodyHits& body_hits,
               std::span<Nearest> nearest) {
@@ -389,6 +389,14 @@ class BlockHits {
   std::vector<Pair> pairs_;
 };
 
+// The lists of a cast, kept from cast to cast, so that a cast allocates nothing.
+struct Workspace {
+  std::vector<Nearest> nearest;
+  NearBodies near;
+  BodyHits::Lists body_hits;
+  BlockHits block_hits;
+};
+
 }  // namespace
 
 std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Ray& ray,
@@ -402,8 +410,9 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
               std::vector<std::optional<RayHit>>& hits) {
   hits.clear();
   if (rays.empty()) return;
-  std::vector<Nearest> nearest;
-  nearest.reserve(rays.size());
+  thread_local Workspace workspace;
+  std::vector<Nearest>& nearest = workspace.nearest;
+  nearest.clear();
   Rectangle seen = Rectangle::Nothing();
   for (const Ray& ray : rays) {
     Nearest& hit = nearest.emplace_back(Nearest{ray.max_distance, std::nullopt});
@@ -416,12 +425,13 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
   }
 
   const Vec2 reference = rays.front().origin;
-  const NearBodies near(scene, bodies, reference, seen, caster);
-  BodyHits body_hits(scene, bodies);
-  BlockHits block_hits;
+  NearBodies& near = workspace.near;
+  near.Find(scene, bodies, reference, seen, caster);
+  BodyHits body_hits(scene, bodies, workspace.body_hits);
   for (std::size_t first = 0; first < rays.size(); first += RayBlock::kLanes) {
     const std::size_t count = std::min(RayBlock::kLanes, rays.size() - first);
-    block_hits.Update(rays.subspan(first, count), reference, near, body_hits, std::span(nearest).subspan(first, count));
+    workspace.block_hits.Update(rays.subspan(first, count), reference, near, body_hits,
+                                std::span(nearest).subspan(first, count));
   }
 
   hits.reserve(rays.size());

@@ -70,6 +70,17 @@ TEST_F(SensorSuiteTest, MeasuresAnySensorWithoutEffectOnTheReadings) {
   EXPECT_EQ(Range(sensors_->readings()[1]), 2.0);
 }
 
+TEST_F(SensorSuiteTest, MeasuresUnlikeSensorsInTurn) {
+  world_.AddRanger(robot_, {0.1, 0.2, 0.3, 0.5}, {OneRay(), OneRay()});
+  const Scene scene(world_.world());
+  BodyIndex bodies(scene);
+  bodies.Assign(state_);
+  SensorSuite sensors(scene, robot_);
+  for (const std::size_t sensor : {0, 2, 2, 0}) {
+    EXPECT_EQ(sensors.Measure(sensor, {scene, bodies}, 1), sensors.sensor(sensor).Measure({scene, bodies}, 1));
+  }
+}
+
 TEST_F(SensorSuiteTest, ReadingsEqualDirectMeasurements) {
   sensors_->Subscribe(0);
   const SensedWorld world = At(0.3);
