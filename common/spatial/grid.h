@@ -105,6 +105,109 @@ inline RayPart PartWithin(const Rectangle& bounds, const Vec2& origin, const Vec
   return part;
 }
 
+// The walk of one ray. From its start on lengths are in cells, columns are those of the axis along which the ray passes
+// more cells, rows those of the other.
+class GridWalk {
+ public:
+  GridWalk() = default;
+  // REQUIRES: |direction| = 1; inverse = 1 / direction by components
+  GridWalk(const Grid& grid, const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse,
+           double max_distance) {
+    RayPart part{0.0, max_distance};
+    // A walk that starts inside ends at the edge without a cut.
+    if (!grid.bounds().Contains(origin)) part = PartWithin(grid.bounds(), origin, direction, inverse, max_distance);
+    const auto [enter, leave] = part;
+    if (!(enter <= leave)) return;
+
+    const int major = std::abs(direction.x()) >= std::abs(direction.y()) ? 0 : 1;
+    const Grid::Axis& columns = grid.axis(major);
+    const Grid::Axis& rows = grid.axis(1 - major);
+    const double from_column = (origin[major] - columns.low) * grid.cells_per_metre();
+    const double from_row = (origin[1 - major] - rows.low) * grid.cells_per_metre();
+    const double columns_per_metre = direction[major] * grid.cells_per_metre();
+    const double rows_per_metre = direction[1 - major] * grid.cells_per_metre();
+    const std::int32_t up = direction[major] > 0.0 ? 1 : -1;
+    const std::int32_t first = columns.Clamped(from_column + enter * columns_per_metre);
+    const std::int32_t last = columns.Clamped(from_column + leave * columns_per_metre);
+    enter_ = enter;
+    metres_per_column_ = grid.cell_size() * std::abs(inverse[major]);
+    first_left_ = (first + (0.5 + 0.5 * up) - from_column) * up * metres_per_column_;
+
+    constexpr double kCell = static_cast<double>(std::int64_t{1} << kBits);
+    const double row_count = rows.count;
+    end_ = static_cast<std::int64_t>(rows.count) << kBits;
+    const double first_row_left = from_row + first_left_ * rows_per_metre;
+    row_left_ = static_cast<std::int64_t>(std::max(-1.0, std::min(row_count, first_row_left)) * kCell);
+    // If a ray enters at a corner, rounding may place its exit from the first column on the wrong side of the edge; and
+    // if it passes from corner to corner, the rows in which it enters and leaves may be two apart.
+    if (rows_per_metre >= 0.0) row_left_ = std::max<std::int64_t>(row_left_, 0);
+    if (rows_per_metre <= 0.0) row_left_ = std::min(row_left_, end_ - 1);
+    const auto first_left_row = static_cast<std::int32_t>(row_left_ >> kBits);
+    const std::int32_t first_row =
+        std::clamp(rows.Clamped(from_row + enter * rows_per_metre), first_left_row - 1, first_left_row + 1);
+    rise_ = static_cast<std::int64_t>(rows_per_metre * metres_per_column_ * kCell);
+    last_ = (last - first) * up;
+    column_stride_ = up * columns.stride;
+    row_stride_ = rows.stride;
+    column_offset_ = first * columns.stride;
+    row_ = first_row * rows.stride;  // the offset of each cell fits into 32 bits
+  }
+
+  // Goes to the next column in which a cell that the ray passes is filled; false if there is none. A function of its
+  // own: its loop over empty columns, where most of the time of a walk goes, needs all registers.
+  template <typename Filled>
+  [[gnu::noinline]] bool Next(Filled filled) {
+    std::ptrdiff_t offset = column_offset_;
+    std::ptrdiff_t row = row_;
+    std::int64_t row_left = row_left_;
+    for (std::int64_t step = step_; step <= last_; ++step, offset += column_stride_, row_left += rise_) {
+      std::ptrdiff_t next_row = row;
+      if (static_cast<std::uint64_t>(row_left) < static_cast<std::uint64_t>(end_)) {
+        next_row = (row_left >> kBits) * row_stride_;
+      } else {
+        last_ = step;
+      }
+      const auto cell = static_cast<std::size_t>(offset + row);
+      const auto next = static_cast<std::size_t>(offset + next_row);
+      if (static_cast<int>(filled(cell)) | static_cast<int>(filled(next))) {  // one branch, not two
+        cells_ = {cell, next};
+        step_ = step + 1;
+        column_offset_ = offset + column_stride_;
+        row_ = next_row;
+        row_left_ = row_left + rise_;
+        return true;
+      }
+      row = next_row;
+    }
+    return false;
+  }
+
+  // The cells of this column in which the ray enters and leaves it; both or one of them are filled.
+  const std::array<std::size_t, 2>& cells() const { return cells_; }
+  // m; the ray does not enter these cells before.
+  double entered() const {
+    return step_ == 1 ? enter_ : first_left_ + static_cast<double>(step_ - 2) * metres_per_column_;
+  }
+
+ private:
+  // Rows are whole numbers, a cell being 1 << kBits: their errors do not grow with the distance from 0.
+  static constexpr int kBits = 40;
+
+  std::int64_t step_ = 0;   // of the next column; the first is 0
+  std::int64_t last_ = -1;  // step
+  std::ptrdiff_t column_offset_ = 0;
+  std::ptrdiff_t column_stride_ = 0;
+  std::ptrdiff_t row_ = 0;  // offset of the row in which the ray enters the next column
+  std::ptrdiff_t row_stride_ = 0;
+  std::int64_t row_left_ = 0;  // where it leaves that column
+  std::int64_t rise_ = 0;      // of a column
+  std::int64_t end_ = 0;       // of the rows
+  std::array<std::size_t, 2> cells_{};
+  double enter_ = 0.0;  // m
+  double first_left_ = 0.0;
+  double metres_per_column_ = 0.0;
+};
+
 // Calls visit(cell, distance) for those cells that the ray passes for which filled(cell) is true, in order, until
 // `visit` returns false, `max_distance` is reached or the ray leaves the grid; `distance`: m, the ray does not enter
 // the cell before. A few cells that the ray just misses, or that are just beyond its end, may be among them. REQUIRES:
@@ -112,57 +215,12 @@ inline RayPart PartWithin(const Rectangle& bounds, const Vec2& origin, const Vec
 template <typename Filled, typename Visit>
 void WalkRay(const Grid& grid, const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse,
              double max_distance, Filled filled, Visit visit) {
-  RayPart part{0.0, max_distance};
-  // A walk that starts inside ends at the edge without a cut.
-  if (!grid.bounds().Contains(origin)) part = PartWithin(grid.bounds(), origin, direction, inverse, max_distance);
-  const auto [enter, leave] = part;
-  if (!(enter <= leave)) return;
-
-  // From here on lengths are in cells, columns are those of the axis along which the ray passes more cells, rows those
-  // of the other.
-  const int major = std::abs(direction.x()) >= std::abs(direction.y()) ? 0 : 1;
-  const Grid::Axis& columns = grid.axis(major);
-  const Grid::Axis& rows = grid.axis(1 - major);
-  const double from_column = (origin[major] - columns.low) * grid.cells_per_metre();
-  const double from_row = (origin[1 - major] - rows.low) * grid.cells_per_metre();
-  const double columns_per_metre = direction[major] * grid.cells_per_metre();
-  const double rows_per_metre = direction[1 - major] * grid.cells_per_metre();
-  const double metres_per_column = grid.cell_size() * std::abs(inverse[major]);
-  const std::int32_t up = direction[major] > 0.0 ? 1 : -1;
-  const std::int32_t first = columns.Clamped(from_column + enter * columns_per_metre);
-  const std::int32_t last = columns.Clamped(from_column + leave * columns_per_metre);
-  const double first_left = (first + (0.5 + 0.5 * up) - from_column) * up * metres_per_column;  // m
-
-  // Rows as whole numbers, a cell being kCell: their errors do not grow with the distance from 0.
-  constexpr int kBits = 40;
-  constexpr double kCell = static_cast<double>(std::int64_t{1} << kBits);
-  const double row_count = rows.count;
-  const std::int64_t end = static_cast<std::int64_t>(rows.count) << kBits;
-  const double first_row_left = from_row + first_left * rows_per_metre;
-  auto row_left = static_cast<std::int64_t>(std::max(-1.0, std::min(row_count, first_row_left)) * kCell);
-  // If a ray enters at a corner, rounding may place its exit from the first column on the wrong side of the edge; and
-  // if it passes from corner to corner, the rows in which it enters and leaves may be two apart.
-  if (rows_per_metre >= 0.0) row_left = std::max<std::int64_t>(row_left, 0);
-  if (rows_per_metre <= 0.0) row_left = std::min(row_left, end - 1);
-  const auto first_left_row = static_cast<std::int32_t>(row_left >> kBits);
-  const std::int32_t first_row =
-      std::clamp(rows.Clamped(from_row + enter * rows_per_metre), first_left_row - 1, first_left_row + 1);
-  const auto rise = static_cast<std::int64_t>(rows_per_metre * metres_per_column * kCell);
-  const std::int32_t first_offset = first_row * rows.stride;  // the offset of each cell fits into 32 bits
-  std::ptrdiff_t row = first_offset;
-  for (std::int32_t column = first;; column += up, row_left += rise) {
-    const bool stays = static_cast<std::uint64_t>(row_left) < static_cast<std::uint64_t>(end);
-    const std::ptrdiff_t next_row = stays ? (row_left >> kBits) * rows.stride : row;
-    const std::int32_t column_offset = column * columns.stride;
-    const auto cell = static_cast<std::size_t>(column_offset + row);
-    const auto next = static_cast<std::size_t>(column_offset + next_row);
-    if (static_cast<int>(filled(cell)) | static_cast<int>(filled(next))) {  // one branch, not two
-      const double entered = column == first ? enter : first_left + ((column - first) * up - 1) * metres_per_column;
-      if (filled(cell) && !visit(cell, entered)) return;
-      if (cell != next && filled(next) && !visit(next, entered)) return;
-    }
-    if ((column == last) | !stays) return;
-    row = next_row;
+  GridWalk walk(grid, origin, direction, inverse, max_distance);
+  while (walk.Next(filled)) {
+    const auto [cell, next] = walk.cells();
+    const double entered = walk.entered();
+    if (filled(cell) && !visit(cell, entered)) return;
+    if (cell != next && filled(next) && !visit(next, entered)) return;
   }
 }
 

@@ -7,138 +7,51 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/spatial/ray_block.h"
+#include "common/spatial/ray_line.h"
+
 namespace troupe {
 namespace {
 
-// A ray's line.
-struct Line {
-  Vec2 origin;
-  Vec2 direction;  // of length 1
-
-  // False only if the ray does not hit the box before `distance`. Cheap, and never wrong by rounding.
-  bool MayHit(const Rectangle& box, double distance) const {
-    constexpr double kRayTolerance = 1e-8;  // m
-    const Vec2 slant = direction.cwiseAbs();
-    const Vec2 center(0.5 * (box.min_x + box.max_x) - origin.x(), 0.5 * (box.min_y + box.max_y) - origin.y());
-    const Vec2 half(0.5 * (box.max_x - box.min_x) + kRayTolerance, 0.5 * (box.max_y - box.min_y) + kRayTolerance);
-    if (std::abs(Cross(direction, center)) > half.x() * slant.y() + half.y() * slant.x()) return false;
-    const double along = direction.dot(center);
-    const double reach = half.dot(slant);
-    return along + reach >= 0.0 && along - reach <= distance;
-  }
+// The walk of a ray over the map.
+struct StaticWalk {
+  StaticWalk(const StaticIndex& index, const Ray& ray)
+      : box_line({ray.origin, ray.direction}),
+        walk(index.StartWalk(ray.origin, ray.direction, box_line.inverse(), ray.max_distance)) {}
+  BoxLine box_line;
+  GridWalk walk;
 };
 
-// The nearest hit so far.
-struct Nearest {
-  double distance;  // m; the ray's length without a hit
-  std::optional<ModelId> model;
-
-  bool IsBeatenBy(double candidate, ModelId candidate_model) const {
-    if (candidate != distance) return candidate < distance;
-    return !model || candidate_model < *model;
-  }
-  std::optional<RayHit> hit() const {
-    return model ? std::optional<RayHit>({.distance = distance, .model = *model}) : std::nullopt;
-  }
-};
-
-// Distance along the ray's line to the edge from `before` to `here`, whose ends are on different sides of the line.
-double Crossing(const Line& ray, const Vec2& before, double side_before, const Vec2& here, double side) {
-  const double at_before = ray.direction.dot(before);
-  return at_before + (ray.direction.dot(here) - at_before) * (side_before / (side_before - side));
-}
-
-// Distance at which the ray enters the convex polygon, 0 if it starts inside; negative without a hit. A polygon that
-// ends at the ray's start is behind it.
-//
-// A vertex is left or right of the ray by the sign of one number that depends on nothing else, so that of two polygons
-// that share a vertex at least one is hit: no ray slips through the joints between the rectangles of a wall.
-double DistanceTo(std::span<const Vec2> vertices, const Line& ray) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  double enter = kInfinity;
-  double leave = -kInfinity;
-  const auto add_crossing = [&](double at) {
-    enter = std::min(enter, at);
-    leave = std::max(leave, at);
-  };
-  Vec2 before = vertices.back() - ray.origin;
-  double side_before = Cross(ray.direction, before);
-  for (const Vec2& vertex : vertices) {
-    const Vec2 here = vertex - ray.origin;
-    const double side = Cross(ray.direction, here);
-    if (side == 0.0) {
-      add_crossing(ray.direction.dot(here));
-    } else if ((side < 0.0 && side_before > 0.0) || (side > 0.0 && side_before < 0.0)) {
-      add_crossing(Crossing(ray, before, side_before, here, side));
-    }
-    before = here;
-    side_before = side;
-  }
-  return leave > kTouchTolerance ? std::max(enter, 0.0) : -1.0;
-}
-
-// A ray's line, prepared for tests against many boxes along the axes.
-class BoxLine {
- public:
-  explicit BoxLine(const Line& ray)
-      : origin_(ray.origin),
-        inverse_(ray.direction.array().inverse()),
-        along_axis_((ray.direction.array() == 0.0).any()) {}
-
-  // As DistanceTo. Two boxes that share a side give the same bits for it, so that no ray slips through between them.
-  double DistanceTo(const Rectangle& box) const {
-    Eigen::Array2d at_min = (Eigen::Array2d(box.min_x, box.min_y) - origin_) * inverse_;
-    Eigen::Array2d at_max = (Eigen::Array2d(box.max_x, box.max_y) - origin_) * inverse_;
-    if (along_axis_) {
-      for (int i = 0; i < 2; ++i) {
-        if (!std::isinf(inverse_[i])) continue;
-        const double from = origin_[i];
-        const bool within = i == 0 ? box.min_x <= from && from <= box.max_x : box.min_y <= from && from <= box.max_y;
-        if (!within) return -1.0;
-        at_min[i] = -kInfinity;
-        at_max[i] = kInfinity;
-      }
-    }
-    const double enter = at_min.min(at_max).maxCoeff();
-    const double leave = at_min.max(at_max).minCoeff();
-    // One jump for both conditions: which of them fails cannot be foreseen.
-    return ((enter <= leave) & (leave > kTouchTolerance)) ? std::max(enter, 0.0) : -1.0;
-  }
-  const Eigen::Array2d& inverse() const { return inverse_; }
-
- private:
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Eigen::Array2d origin_;
-  Eigen::Array2d inverse_;  // 1 / direction by components
-  bool along_axis_;
-};
-
-void KeepNearer(double distance, ModelId model, Nearest& nearest) {
-  if (distance >= 0.0 && nearest.IsBeatenBy(distance, model)) nearest = {distance, model};
-}
-
-void HitStaticPieces(const StaticIndex& index, const Line& ray, double z, Nearest& nearest) {
+void HitStaticPieces(const StaticIndex& index, const RayLine& ray, double z, StaticWalk& prepared,
+                     NearestHit& nearest) {
   // The walk's own distances round too; the tolerance keeps hits exactly at the start of a cell.
   constexpr double kRayTolerance = 1e-8;  // m
-  const BoxLine box_line(ray);
-  index.WalkRay(ray.origin, ray.direction, box_line.inverse(), nearest.distance,
-                [&](std::span<const std::uint32_t> pieces, double walked) {
-                  if (walked > nearest.distance + kRayTolerance) return false;
-                  for (std::uint32_t i : pieces) {
-                    const RayPiece& piece = index.ray_map().piece(i);
-                    if (piece.is_box != 0) {
-                      if (piece.z.Contains(z)) KeepNearer(box_line.DistanceTo(piece.box), piece.model, nearest);
-                      continue;
-                    }
-                    if (!ray.MayHit(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
-                    KeepNearer(DistanceTo(index.ray_map().vertices(piece), ray), piece.model, nearest);
-                  }
-                  return true;
-                });
+  const RayMap& map = index.ray_map();
+  const std::uint8_t* const filled = map.filled();
+  const BoxLine& box_line = prepared.box_line;
+  GridWalk& walk = prepared.walk;
+  while (walk.Next([filled](std::size_t cell) { return filled[cell]; })) {
+    if (walk.entered() > nearest.distance + kRayTolerance) return;
+    const auto visit = [&](std::size_t cell) {
+      if (filled[cell] == 0) return;
+      for (std::uint32_t i : map.PiecesInCell(cell)) {
+        const RayPiece& piece = map.piece(i);
+        if (piece.is_box != 0) {
+          if (piece.z.Contains(z)) KeepNearer(box_line.DistanceTo(piece.box), piece.model, nearest);
+          continue;
+        }
+        if (!ray.MayHit(piece.box, nearest.distance) || !piece.z.Contains(z)) continue;
+        KeepNearer(DistanceTo(map.vertices(piece), ray), piece.model, nearest);
+      }
+    };
+    const auto [cell, next] = walk.cells();
+    visit(cell);
+    if (next != cell) visit(next);
+  }
 }
 
 // As HitStaticPieces, of one area: a piece that fills a box along the axes gives the bits of the box.
-void HitAreaPieces(const PixelPieces& area, const Line& ray, double z, Nearest& nearest) {
+void HitAreaPieces(const PixelPieces& area, const RayLine& ray, double z, NearestHit& nearest) {
   constexpr double kRayTolerance = 1e-8;  // m, as above
   if (!area.ray_z().Contains(z)) return;
   const BoxLine box_line(ray);
@@ -156,104 +69,38 @@ void HitAreaPieces(const PixelPieces& area, const Line& ray, double z, Nearest& 
   });
 }
 
-// The bodies that some rays may hit, with positions relative to a place near the rays.
-class NearBodies {
- public:
-  // `reference`: near the rays, so that differences are exact enough wherever in the world they are; frame W. `seen`: a
-  // box around the rays.
+// Finds each ray's nearest hit on the map. All walks are prepared before the first: a ray's preparation would else wait
+// for the end of the last one's walk, which no processor can predict.
+void HitMap(const StaticIndex& index, std::span<const Ray> rays, std::vector<StaticWalk>& walks,
+            std::span<NearestHit> nearest) {
+  walks.clear();
+  for (const Ray& ray : rays) walks.emplace_back(index, ray);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const RayLine line{rays[i].origin, rays[i].direction};
+    nearest[i] = {rays[i].max_distance, std::nullopt};
+    HitStaticPieces(index, line, rays[i].z, walks[i], nearest[i]);
+    for (const PixelPieces& area : index.areas()) HitAreaPieces(area, line, rays[i].z, nearest[i]);
+  }
+}
+
+// The bodies that some rays may hit.
+struct NearBodies {
+  // `reference`: near the rays; frame W. `seen`: a box around the rays.
   void Find(const Scene& scene, const BodyIndex& bodies, const Vec2& reference, const Rectangle& seen,
             std::optional<RobotId> caster) {
-    max_radius_ = scene.max_body_radius();
-    discs_.Clear();
-    ids_.clear();
+    discs.Clear();
+    ids.clear();
+    max_radius = scene.max_body_radius();
     bodies.ForEachNear(seen, [&](BodyId id) {
       if (caster && bodies.owner(id) == caster) return;
-      discs_.Add(bodies.X_WB(id).translation() - reference, scene.ray_shape(id).radius);
-      ids_.push_back(id);
+      discs.Add(bodies.X_WB(id).translation() - reference, scene.ray_shape(id).radius);
+      ids.push_back(id);
     });
   }
 
-  double max_radius() const { return max_radius_; }
-
-  // Calls visit(body, disc around it relative to the reference) for those that overlap the box.
-  template <typename Visit>
-  void ForEachIn(const DiscBox& box, Visit visit) const {
-    discs_.ForEachOverlapping(box, [&](std::size_t i) { visit(ids_[i], discs_[i]); });
-  }
-
- private:
-  double max_radius_ = 0.0;
-  DiscList discs_;  // around ids_
-  std::vector<BodyId> ids_;
-};
-
-// Up to kLanes rays whose distances to a body are computed at once, with vector instructions in single precision and a
-// margin that makes up for it.
-class RayBlock {
- public:
-  static constexpr std::size_t kLanes = 16;
-
-  // `reference`: as that of the bodies.
-  RayBlock(std::span<const Ray> rays, std::span<const Nearest> nearest, const Vec2& reference)
-      : used_lanes_((1u << rays.size()) - 1), forward_(rays[rays.size() / 2].direction) {
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const auto set = [i](Lanes& lanes, double value) { lanes[i / kWidth][i % kWidth] = static_cast<float>(value); };
-      const Ray& ray = rays[i];
-      const Vec2 origin = ray.origin - reference;
-      const Vec2 origin_F(forward_.dot(origin), Cross(forward_, origin));
-      const Vec2 direction_F(forward_.dot(ray.direction), Cross(forward_, ray.direction));
-      seen_F_.Extend(origin_F);
-      seen_F_.Extend(origin_F + nearest[i].distance * direction_F);
-      const double across = Cross(ray.direction, origin);
-      const double start = ray.direction.dot(origin);
-      set(dx_, ray.direction.x());
-      set(dy_, ray.direction.y());
-      set(across_, across);
-      set(start_, start);
-      set(length_, nearest[i].distance);
-      spread_ = std::max({spread_, std::abs(across), std::abs(start), nearest[i].distance});
-    }
-  }
-
-  // A box around the rays, relative to the reference. It lies along one of them, so that it is narrow if
-  // they are a part of a fan. `max_radius`: no body has a larger one.
-  DiscBox seen(double max_radius) const { return {seen_F_, max_radius, forward_}; }
-
-  // Calls visit(ray, distance) for the rays that reach the disc before they end; `distance`: a lower bound.
-  template <typename Visit>
-  void ForEachNear(const DiscList::Disc& disc, Visit visit) const {
-    constexpr float kRounding = 1e-6f;  // several times that of a float
-    const auto [x, y, disc_radius] = disc;
-    const float radius =
-        disc_radius + kRounding * (disc_radius + std::abs(x) + std::abs(y) + 3.0f * static_cast<float>(spread_));
-    Lanes along;
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < kLanes / kWidth; ++k) {
-      along[k] = dx_[k] * x + dy_[k] * y - start_[k];
-      const Float4 aside = dx_[k] * y - dy_[k] * x - across_[k];
-      // NaN is near.
-      const Bits4 apart =
-          (aside > radius) | (aside < -radius) | (along[k] < -radius) | (along[k] > length_[k] + radius);
-      bits |= BitsOf(~apart) << (kWidth * k);
-    }
-    for (std::uint32_t near = bits & used_lanes_; near != 0; near &= near - 1) {
-      const auto ray = static_cast<std::size_t>(std::countr_zero(near));
-      visit(ray, along[ray / kWidth][ray % kWidth] - radius);
-    }
-  }
-
- private:
-  static constexpr std::size_t kWidth = 4;
-  using Lanes = std::array<Float4, kLanes / kWidth>;
-  Lanes dx_{};  // directions
-  Lanes dy_{};
-  Lanes across_{};  // m, of the lines, left of the reference
-  Lanes start_{};   // m, the rays' starts along their directions
-  Lanes length_{};  // m
-  double spread_ = 0.0;
-  std::uint32_t used_lanes_;  // a bit for each lane with a ray
-  Vec2 forward_;              // the x axis of a frame F at the reference
-  Rectangle seen_F_ = Rectangle::Nothing();
+  DiscList discs;  // around them, relative to the reference
+  std::vector<BodyId> ids;
+  double max_radius = 0.0;  // m, at least that of each
 };
 
 // Finds the hits of rays on bodies.
@@ -269,13 +116,13 @@ class BodyHits {
       : scene_(scene), bodies_(bodies), vertices_(lists.vertices), slice_(lists.slice) {}
 
   // Updates the ray's nearest hit by its hit on one body.
-  void Update(const Ray& ray, BodyId id, Nearest& nearest) {
+  void Update(const Ray& ray, BodyId id, NearestHit& nearest) {
     const RayShape& shape = scene_.ray_shape(id);
     const Pose& X_WB = bodies_.X_WB(id);
     if (!(shape.z + X_WB.z).Contains(ray.z)) return;
     SliceAt(shape, X_WB.z, ray.z);
     Transform2 transform = bodies_.transform(id);
-    Line line_L = InFrame(transform, ray);
+    RayLine line_L = InFrame(transform, ray);
     double z = X_WB.z;
     std::uint32_t link = 0;
     for (const std::uint32_t number : slice_) {
@@ -297,21 +144,21 @@ class BodyHits {
   }
 
  private:
-  static Line InFrame(const Transform2& X_WL, const Ray& ray) {
+  static RayLine InFrame(const Transform2& X_WL, const Ray& ray) {
     return {X_WL.InverseTransform(ray.origin), X_WL.InverseRotate(ray.direction)};
   }
 
   // As DistanceTo of the piece's vertices in W, with the same bits. The edges that the ray crosses are found in the
   // frame of the link, so that only the ends of the one by which it enters have to be placed in W.
-  double DistanceToPiece(const RayShape& shape, const RayShape::Piece& piece, const Transform2& X_WL, const Line& ray,
-                         const Line& line_L) {
+  double DistanceToPiece(const RayShape& shape, const RayShape::Piece& piece, const Transform2& X_WL,
+                         const RayLine& ray, const RayLine& line_L) {
     constexpr std::uint32_t kFewVertices = 4;  // placed in W without a test
     if (piece.vertex_count > kFewVertices) {
       using Kind = RayShape::Passage::Kind;
       const RayShape::Passage passage = shape.Pass(piece, line_L.direction, Cross(line_L.direction, line_L.origin));
       if (passage.kind == Kind::kApart) return -1.0;
       if (passage.kind == Kind::kThrough) {
-        const auto crossing = [&](const Line& line, std::uint32_t edge, auto place) {
+        const auto crossing = [&](const RayLine& line, std::uint32_t edge, auto place) {
           const Vec2 before = place(shape.vertices[piece.first_vertex + edge]) - line.origin;
           const Vec2 here = place(shape.vertices[piece.first_vertex + edge + 1]) - line.origin;
           return Crossing(line, before, Cross(line.direction, before), here, Cross(line.direction, here));
@@ -354,21 +201,28 @@ class BodyHits {
 // first: then most others are beyond its hit.
 class BlockHits {
  public:
-  // Updates each ray's nearest hit.
+  // Updates each ray's nearest hit. `reference`: as that of the bodies.
   void Update(std::span<const Ray> rays, const Vec2& reference, const NearBodies& near, BodyHits& body_hits,
-              std::span<Nearest> nearest) {
-    const RayBlock block(rays, nearest, reference);
+              std::span<NearestHit> nearest) {
+    std::array<RayBlock::Part, RayBlock::kLanes> parts;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      parts[i] = {rays[i].origin - reference, rays[i].direction, nearest[i].distance};
+    }
+    const RayBlock block({parts.data(), rays.size()}, near.max_radius);
+    block.FindTouched(near.discs, touched_);
     std::array<std::uint32_t, RayBlock::kLanes> first;
     first.fill(kNone);
     pairs_.clear();
-    near.ForEachIn(block.seen(near.max_radius()), [&](BodyId body, const DiscList::Disc& disc) {
-      block.ForEachNear(disc, [&](std::size_t ray, float distance) {
+    for (const auto& [disc, touching] : touched_) {
+      for (std::uint32_t left = touching; left != 0; left &= left - 1) {
+        const auto ray = static_cast<std::uint32_t>(std::countr_zero(left));
+        const float distance = block.WayTo(near.discs, disc, ray);
         if (first[ray] == kNone || distance < pairs_[first[ray]].distance) {
           first[ray] = static_cast<std::uint32_t>(pairs_.size());
         }
-        pairs_.push_back({distance, static_cast<std::uint32_t>(ray), body});
-      });
-    });
+        pairs_.push_back({distance, ray, near.ids[disc]});
+      }
+    }
     for (std::size_t ray = 0; ray < rays.size(); ++ray) {
       if (first[ray] != kNone) body_hits.Update(rays[ray], pairs_[first[ray]].body, nearest[ray]);
     }
@@ -386,16 +240,26 @@ class BlockHits {
     std::uint32_t ray;
     BodyId body;
   };
+  std::vector<RayBlock::Touched> touched_;
   std::vector<Pair> pairs_;
 };
 
 // The lists of a cast, kept from cast to cast, so that a cast allocates nothing.
 struct Workspace {
-  std::vector<Nearest> nearest;
+  std::vector<NearestHit> nearest;
+  std::vector<StaticWalk> walks;
   NearBodies near;
   BodyHits::Lists body_hits;
   BlockHits block_hits;
 };
+
+// Calls visit(first, count) for blocks of `size` rays.
+template <typename Visit>
+void ForEachBlock(std::size_t size, Visit visit) {
+  for (std::size_t first = 0; first < size; first += RayBlock::kLanes) {
+    visit(first, std::min(RayBlock::kLanes, size - first));
+  }
+}
 
 }  // namespace
 
@@ -410,32 +274,31 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
               std::vector<std::optional<RayHit>>& hits) {
   hits.clear();
   if (rays.empty()) return;
-  thread_local Workspace workspace;
-  std::vector<Nearest>& nearest = workspace.nearest;
-  nearest.clear();
+  thread_local Workspace kept;
+  Workspace& workspace = kept;
+  workspace.nearest.resize(rays.size());
+  const std::span<NearestHit> nearest(workspace.nearest);
+  ForEachBlock(rays.size(), [&](std::size_t first, std::size_t count) {
+    HitMap(scene.static_index(), rays.subspan(first, count), workspace.walks, nearest.subspan(first, count));
+  });
   Rectangle seen = Rectangle::Nothing();
-  for (const Ray& ray : rays) {
-    Nearest& hit = nearest.emplace_back(Nearest{ray.max_distance, std::nullopt});
-    HitStaticPieces(scene.static_index(), {ray.origin, ray.direction}, ray.z, hit);
-    for (const PixelPieces& area : scene.static_index().areas()) {
-      HitAreaPieces(area, {ray.origin, ray.direction}, ray.z, hit);
-    }
-    seen.Extend(ray.origin);
-    seen.Extend(ray.origin + hit.distance * ray.direction);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    seen.Extend(rays[i].origin);
+    seen.Extend(rays[i].origin + nearest[i].distance * rays[i].direction);
   }
 
   const Vec2 reference = rays.front().origin;
-  NearBodies& near = workspace.near;
-  near.Find(scene, bodies, reference, seen, caster);
-  BodyHits body_hits(scene, bodies, workspace.body_hits);
-  for (std::size_t first = 0; first < rays.size(); first += RayBlock::kLanes) {
-    const std::size_t count = std::min(RayBlock::kLanes, rays.size() - first);
-    workspace.block_hits.Update(rays.subspan(first, count), reference, near, body_hits,
-                                std::span(nearest).subspan(first, count));
+  workspace.near.Find(scene, bodies, reference, seen, caster);
+  if (!workspace.near.ids.empty()) {
+    BodyHits body_hits(scene, bodies, workspace.body_hits);
+    ForEachBlock(rays.size(), [&](std::size_t first, std::size_t count) {
+      workspace.block_hits.Update(rays.subspan(first, count), reference, workspace.near, body_hits,
+                                  nearest.subspan(first, count));
+    });
   }
 
   hits.reserve(rays.size());
-  for (const Nearest& found : nearest) hits.push_back(found.hit());
+  for (const NearestHit& found : nearest) hits.push_back(found.hit());
 }
 
 }  // namespace troupe

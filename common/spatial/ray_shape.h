@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <span>
@@ -25,6 +26,12 @@ namespace troupe {
 
 using Float4 [[gnu::vector_size(16)]] = float;
 using Bits4 [[gnu::vector_size(16)]] = std::int32_t;  // the result of a comparison: all bits of a lane, or none
+
+inline Float4 LoadFour(const float* numbers) {
+  Float4 four;
+  std::memcpy(&four, numbers, sizeof four);
+  return four;
+}
 
 // Bit i: lane i is true.
 inline std::uint32_t BitsOf(const Bits4& lanes) {
@@ -118,7 +125,7 @@ class RayMap {
   std::span<const std::uint32_t> PiecesInCell(std::size_t cell) const {
     return {cell_pieces_.data() + cell_start_[cell], cell_pieces_.data() + cell_start_[cell + 1]};
   }
-  std::uint8_t filled(std::size_t cell) const { return filled_[cell]; }
+  const std::uint8_t* filled() const { return filled_.data(); }  // by cell
 
   // The block; equal bytes in all processes with an equal world.
   std::span<const std::byte> bytes() const { return {block_.get(), size_}; }

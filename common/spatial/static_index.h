@@ -53,7 +53,7 @@ class PixelPieces {
     const Vec2 direction_A = X_MA_.InverseRotate(X_WM_.InverseRotate(direction));
     troupe::WalkRay(
         grid_, InArea(origin), direction_A, direction_A.array().inverse(), max_distance,
-        [this](std::size_t cell) { return filled_[cell]; },
+        [filled = filled_.data()](std::size_t cell) { return filled[cell]; },
         [&](std::size_t cell, double distance) { return visit(PixelsOf(cell), distance); });
   }
   // Calls visit(corners) for the pieces with a pixel among these.
@@ -143,6 +143,12 @@ class StaticIndex {
   template <typename Keep>
   void Query(const Rectangle& box, NearPieces& result, Keep keep) const;
 
+  // The walk of a ray over the kept pieces; REQUIRES: as WalkRay
+  GridWalk StartWalk(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse,
+                     double max_distance) const {
+    if (pieces_.empty()) return {};
+    return {grid_, origin, direction, inverse, max_distance};
+  }
   // The map of the kept pieces, by their indices.
   const RayMap& ray_map() const { return ray_map_; }
   void ShareRayMap(const FindEqualMemory& find) { ray_map_.Share(find); }
@@ -156,7 +162,8 @@ class StaticIndex {
                Visit visit) const {
     if (pieces_.empty()) return;
     troupe::WalkRay(
-        grid_, origin, direction, inverse, max_distance, [this](std::size_t cell) { return ray_map_.filled(cell); },
+        grid_, origin, direction, inverse, max_distance,
+        [filled = ray_map_.filled()](std::size_t cell) { return filled[cell]; },
         [&](std::size_t cell, double distance) { return visit(ray_map_.PiecesInCell(cell), distance); });
   }
 
