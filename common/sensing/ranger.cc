@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/sensing/sensor.h"
@@ -59,22 +62,55 @@ double NoisyRange(const RaySensorDescription& sensor, const Noise& noise, std::s
   return noisy;
 }
 
+// What a tick needs of a flat ray sensor.
+struct FlatSensor {
+  Vec2 p_MS;
+  double heading_MS;
+  double z_MS;
+  Interval range;
+  RayFan fan;
+  double angle_noise;  // rad
+  std::size_t index;   // among the ray sensors
+  bool has_exact_ranges;
+
+  bool operator==(const FlatSensor&) const = default;
+};
+using FlatSensors = std::vector<FlatSensor>;
+
+FlatSensors FlatSensorsOf(std::span<const RaySensorDescription> ray_sensors) {
+  FlatSensors flat;
+  for (std::size_t s = 0; s < ray_sensors.size(); ++s) {
+    const RaySensorDescription& sensor = ray_sensors[s];
+    if (!sensor.elevations.empty()) continue;
+    flat.push_back({.p_MS = sensor.X_MS.translation(),
+                    .heading_MS = sensor.X_MS.heading,
+                    .z_MS = sensor.X_MS.z,
+                    .range = sensor.range,
+                    .fan = FanOf(sensor),
+                    .angle_noise = AngleNoise(sensor),
+                    .index = s,
+                    .has_exact_ranges = sensor.noise_proportional == 0.0 && !(sensor.noise_variance > 0.0)});
+  }
+  return flat;
+}
+
+// The same for the rangers of all robots that are alike, as those of a swarm: then a cache has them.
+std::shared_ptr<const FlatSensors> Shared(FlatSensors flat) {
+  static std::mutex mutex;
+  static std::weak_ptr<const FlatSensors> last;
+  const std::scoped_lock lock(mutex);
+  std::shared_ptr<const FlatSensors> shared = last.lock();
+  if (shared != nullptr && *shared == flat) return shared;
+  shared = std::make_shared<const FlatSensors>(std::move(flat));
+  last = shared;
+  return shared;
+}
+
 class Ranger final : public Sensor {
  public:
-  explicit Ranger(const SensorMount& mount) : Sensor(mount) {
+  explicit Ranger(const SensorMount& mount) : Sensor(mount), flat_(Shared(FlatSensorsOf(ray_sensors()))) {
     is_fixed_ = mount.scene.link_of(description().model) == 0;
-    for (std::size_t s = 0; s < ray_sensors().size(); ++s) {
-      const RaySensorDescription& sensor = ray_sensors()[s];
-      if (!sensor.elevations.empty()) continue;
-      flat_.push_back({.p_MS = sensor.X_MS.translation(),
-                       .heading_MS = sensor.X_MS.heading,
-                       .z_MS = sensor.X_MS.z,
-                       .range = sensor.range,
-                       .fan = FanOf(sensor),
-                       .angle_noise = AngleNoise(sensor),
-                       .index = s,
-                       .has_exact_ranges = sensor.noise_proportional == 0.0 && !(sensor.noise_variance > 0.0)});
-    }
+    has_planes_ = flat_->size() < ray_sensors().size();
   }
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
@@ -88,44 +124,45 @@ class Ranger final : public Sensor {
   }
 
  private:
-  // What a tick needs of a flat ray sensor, close together in memory.
-  struct FlatSensor {
-    Vec2 p_MS;
-    double heading_MS;
-    double z_MS;
-    Interval range;
-    RayFan fan;
-    double angle_noise;  // rad
-    std::size_t index;   // in ray_sensors()
-    bool has_exact_ranges;
-  };
-
   void MeasureInto(const SensedWorld& world, Tick tick, SensorReading& reading) const override {
     // Kept from tick to tick, so that a measurement allocates nothing.
+    thread_local std::vector<Ray> rays;
     thread_local std::vector<std::optional<RayHit>> hits;
-    Cast(world, tick, hits);
     reading.tick = tick;
     const bool is_new = reading.empty();
     RangerReading& ranger = ContentOf<RangerReading>(reading);
     if (is_new || !is_fixed_) {
       DescribeScans(is_fixed_ ? world.scene.X_LM(description().model) : MountAt(world), ranger.scans);
     }
+    // A swarm has more readings than a cache has room for: they are fetched while the rays are cast.
+    for (const FlatSensor& sensor : *flat_) __builtin_prefetch(&ranger.scans[sensor.index], 1);
+    MakeRays(world, tick, rays);
+    for (const FlatSensor& sensor : *flat_) {
+      __builtin_prefetch(ranger.scans[sensor.index].ranges.data(), 1);
+      __builtin_prefetch(ranger.scans[sensor.index].intensities.data(), 1);
+    }
+    CastRays(world.scene, world.bodies, rays, robot(), hits);
     auto hit = hits.begin();
-    auto flat = flat_.begin();
-    for (std::size_t s = 0; s < ranger.scans.size(); ++s) {
-      RangeScan& scan = ranger.scans[s];
-      if (!scan.elevations.empty()) {
-        MeasurePlanes(world, s, NoiseOf(world, s, tick), scan);
-        continue;
+    for (const FlatSensor& sensor : *flat_) {
+      RangeScan& scan = ranger.scans[sensor.index];
+      if (!sensor.has_exact_ranges) {
+        AddNoise(ray_sensors()[sensor.index], NoiseOf(world, sensor.index, tick), std::span(hit, sensor.fan.count));
       }
-      if (!flat->has_exact_ranges) {
-        AddNoise(ray_sensors()[s], NoiseOf(world, s, tick), std::span(hit, scan.ranges.size()));
+      double* range = scan.ranges.data();
+      double* intensity = scan.intensities.data();
+      for (std::size_t i = 0; i < sensor.fan.count; ++i, ++hit, ++range, ++intensity) {
+        *range = *hit ? sensor.range.Clamp((*hit)->distance) : sensor.range.max;
+        *intensity = *hit ? world.scene.ranger_return((*hit)->model) : 0.0;
       }
-      for (std::size_t ray = 0; ray < scan.ranges.size(); ++ray, ++hit) {
-        scan.ranges[ray] = *hit ? flat->range.Clamp((*hit)->distance) : flat->range.max;
-        scan.intensities[ray] = *hit ? world.scene.ranger_return((*hit)->model) : 0.0;
-      }
-      ++flat;
+    }
+    if (has_planes_) MeasurePlanes(world, tick, ranger);
+  }
+
+  // The scans of the ray sensors with several planes.
+  void MeasurePlanes(const SensedWorld& world, Tick tick, RangerReading& ranger) const {
+    for (std::size_t s = 0; s < ray_sensors().size(); ++s) {
+      if (ray_sensors()[s].elevations.empty()) continue;
+      MeasurePlanes(world, s, NoiseOf(world, s, tick), ranger.scans[s]);
     }
   }
 
@@ -191,13 +228,12 @@ class Ranger final : public Sensor {
     }
   }
 
-  // The hits of all rays of the flat ray sensors, ray sensor by ray sensor.
-  void Cast(const SensedWorld& world, Tick tick, std::vector<std::optional<RayHit>>& hits) const {
-    thread_local std::vector<Ray> rays;
+  // The rays of the flat ray sensors, ray sensor by ray sensor.
+  void MakeRays(const SensedWorld& world, Tick tick, std::vector<Ray>& rays) const {
     rays.clear();
     const Pose X_WM = world.bodies.X_WM(description().model);
     const Transform2 to_world(X_WM);  // for all ray sensors: X_WM * X_MS of each without further sines
-    for (const FlatSensor& sensor : flat_) {
+    for (const FlatSensor& sensor : *flat_) {
       const Vec2 origin = to_world * sensor.p_MS;
       const double heading = WrapAngle(X_WM.heading + sensor.heading_MS);
       const double z = X_WM.z + sensor.z_MS;
@@ -214,7 +250,6 @@ class Ranger final : public Sensor {
         add_ray(sensor.fan.Bearing(i) + sensor.angle_noise * noise.Uniform(i, Draw::kAngle));
       }
     }
-    CastRays(world.scene, world.bodies, rays, robot(), hits);
   }
 
   Noise NoiseOf(const SensedWorld& world, std::size_t sensor, Tick tick) const {
@@ -225,8 +260,9 @@ class Ranger final : public Sensor {
     return std::get<RangerParameters>(description().parameters).ray_sensors;
   }
 
-  bool is_fixed_ = false;         // no joint moves it
-  std::vector<FlatSensor> flat_;  // the ray sensors with one plane
+  std::shared_ptr<const FlatSensors> flat_;  // the ray sensors with one plane
+  bool is_fixed_ = false;                    // no joint moves it
+  bool has_planes_ = false;                  // of a ray sensor with several planes
 };
 
 }  // namespace
