@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Measures and prints the tables of docs/performance.md. scripts/bench builds first, and then runs this.
 
-    run.py [SCENE ...] [--quick] [--rounds N] [--stage PATH] [--output FOLDER]
+    run.py [SCENE ...] [--quick] [--rounds N] [--stage PATH] [--argos PATH] [--mvsim PATH] [--output FOLDER]
 
-Scenes: functions, barrier, observers, processes, robots, memory, cave, additions, swarm, scenarios, site_map; all of them
-without names. Each writes FOLDER/SCENE.csv; what a scene wrote before stays until it is measured again, so that scenes can
-be measured one by one.
+Scenes: functions, barrier, observers, processes, robots, memory, cave, additions, swarm, peers, scenarios, site_map;
+all of them without names. Each writes FOLDER/SCENE.csv; what a scene wrote before stays until it is measured again, so
+that scenes can be measured one by one.
 """
 import argparse
 import os
@@ -28,6 +28,8 @@ def parse():
     parser.add_argument("--quick", action="store_true", help="a short pass with few robots, to see that all works")
     parser.add_argument("--rounds", type=int, default=5, help="how often each measurement is made (default: 5)")
     parser.add_argument("--stage", metavar="PATH", help="the program stage of Stage 4.3, to compare with")
+    parser.add_argument("--argos", metavar="PATH", help="the program argos3 of ARGoS 3, with its headers (scene peers)")
+    parser.add_argument("--mvsim", metavar="PATH", help="the program mvsim of MVSim, with its headers (scene peers)")
     parser.add_argument("--stage-worlds", metavar="FOLDER", help="with benchmark/cave.world; default: "
                         "$TROUPE_STAGE_WORLDS, or shared/stage-worlds beside the checkout")
     parser.add_argument("--programs", metavar="FOLDER", default=ROOT / "build/release/bin")
@@ -59,7 +61,8 @@ def main():
         (options.output / "machine.txt").write_text(machine.describe() + "\n")
         with tempfile.TemporaryDirectory(prefix="troupe-bench-") as folder:
             setting = scenes.Setting(Troupe(options.programs), Stage(options.stage) if options.stage else None,
-                                     stage_worlds(options), folder, options.quick, options.rounds)
+                                     stage_worlds(options), folder, options.quick, options.rounds,
+                                     {"stage": options.stage, "argos": options.argos, "mvsim": options.mvsim})
             for name in options.scenes or scenes.ALL:
                 print(f"{name}: {scenes.ALL[name].__doc__}", flush=True)
                 rows, failure = scenes.measure(name, setting)
@@ -68,7 +71,8 @@ def main():
                 if failure:
                     failed = True
                     print(f"error: {failure}", file=sys.stderr)
-    print("", report.text_of_targets(options.output), report.text_of_growth(options.output), sep="\n\n")
+    print("", report.text_of_targets(options.output), report.text_of_growth(options.output),
+          report.text_of_peers(options.output), sep="\n\n")
     drawn = plots.draw_all(options.output)
     for path in drawn:
         print(f"drawn: {path}")

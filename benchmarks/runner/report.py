@@ -7,6 +7,10 @@ import statistics
 
 STAGE_SWARM_SPEED = 2.2  # times real time, of Stage with 1,000 robots in such a scene
 STAGE_MAP_SECONDS = 63
+# Work, program and name in plots of the scene peers.
+PEERS = [("12 rays", "troupe", "Troupe, 12 rays in rooms"), ("12 rays", "stage", "Stage 4.3, 12 rays in rooms"),
+         ("24 rays", "troupe", "Troupe, 24 proximity rays"), ("24 rays", "argos", "ARGoS 3, 24 proximity rays"),
+         ("lidar", "mvsim", "MVSim, lidar of 12 rays")]
 NOISE = "noise"  # in place of a time below zero
 
 
@@ -139,6 +143,10 @@ def targets(folder):
         rates = Values(1 / microseconds for microseconds in pick(grown, "wall_us", robots=count).values)
         add(f"{count:,} robots with 12 rays in one process", f"at least {target} million robot-steps a second", rates,
             " million a second", "robots")
+    beside_peers = read(folder, "peers")
+    add("the same swarm work as ARGoS 3 (1,000 robots with 24 proximity rays, one thread), of its processor time",
+        "at most 0.10",
+        ratios(beside_peers, "processor_us", "program", "troupe", "argos", work="24 rays", robots=1000), "", "peers")
     add("100,000 robots with 12 rays from start to first tick", "at most 5 s",
         pick(grown, "startup_seconds", robots=100_000), " s", "robots")
     add("the same, memory", "under 2048 MiB", pick(grown, "service_mib", robots=100_000), " MiB", "robots")
@@ -162,6 +170,31 @@ def growth(folder):
                 extra = (f"{pick(mine, 'startup_seconds').text(' s')}; {pick(mine, 'agent_mib').text(' MiB')}; "
                          f"{pick(mine, 'bytes_per_tick').text()} bytes a tick")
             table.append((name, count, pick(mine, "wall_us").text(" us"), processor(mine).text(" us"), extra))
+    return table
+
+
+def peers(folder):
+    """Rows (peer and work, robots, processor time of Troupe and the peer, their ratio, memory of both) of scene peers."""
+    rows = read(folder, "peers")
+
+    def runs_of(work, program, count):
+        # Without the work, which the lidar compares with another one.
+        return [{**row, "work": ""} for row in rows
+                if (row["work"], row["program"], row["robots"]) == (work, program, str(count))]
+
+    table = []
+    for work, program, name in PEERS:
+        if program == "troupe" or not any(row["program"] == program for row in rows):
+            continue
+        own_work = "12 rays" if work == "lidar" else work
+        for count in sorted({int(row["robots"]) for row in rows if row["work"] == own_work}):
+            mine, other = runs_of(own_work, "troupe", count), runs_of(work, program, count)
+            cells = ["not measured", "", ""]
+            if other:
+                times = ratios(mine + other, "processor_us", "program", program, "troupe")
+                cells = [processor(other).text(" us"), times.text(), pick(other, "mib").text(" MiB")]
+            table.append((name, f"{count:,}", processor(mine).text(" us"), *cells[:2],
+                          pick(mine, "mib").text(" MiB"), cells[2]))
     return table
 
 
@@ -213,17 +246,26 @@ def text_of_growth(folder):
     return "\n\n".join(markdown(header, rows) for header, rows in tables if rows)
 
 
+def text_of_peers(folder):
+    rows = peers(folder)
+    return markdown(["peer and work", "robots", "Troupe, processor time per robot and tick", "the peer", "times Troupe",
+                     "Troupe, memory", "the peer"], rows) if rows else ""
+
+
 def write_into(document, folder, plots):
     """Replaces the lines between the marks of a document, and copies the plots to the folder pictures beside it."""
     path = pathlib.Path(document)
     pictures = path.parent / "pictures"
     pictures.mkdir(exist_ok=True)
-    shown = []
+    shown = {"growth": [], "peers": []}
     for plot in plots:
         shutil.copy(plot, pictures / plot.name)
-        shown.append(f"![{plot.stem.replace('_', ' ')}](pictures/{plot.name})")
+        shown["peers" if plot.stem.endswith("peers") else "growth"].append(
+            f"![{plot.stem.replace('_', ' ')}](pictures/{plot.name})")
     content = path.read_text()
-    for name, lines in [("targets", text_of_targets(folder)), ("growth", "\n\n".join([*shown, text_of_growth(folder)]))]:
+    for name, lines in [("targets", text_of_targets(folder)),
+                        ("peers", "\n\n".join([*shown["peers"], text_of_peers(folder)])),
+                        ("growth", "\n\n".join([*shown["growth"], text_of_growth(folder)]))]:
         before, rest = content.split(f"<!-- scripts/bench writes {name} from here -->\n")
         after = rest.split("<!-- to here -->", 1)[1]
         content = f"{before}<!-- scripts/bench writes {name} from here -->\n{lines}\n<!-- to here -->{after}"

@@ -4,19 +4,21 @@ import pathlib
 import time
 
 from . import worlds
+from .peers import peers
 from .programs import Failure
 
 
 class Setting:
     """The common parts of the scenes."""
 
-    def __init__(self, troupe, stage, stage_worlds, folder, quick, rounds):
+    def __init__(self, troupe, stage, stage_worlds, folder, quick, rounds, peers):
         self.troupe = troupe
         self.stage = stage
         self.stage_worlds = stage_worlds
         self.folder = pathlib.Path(folder)
         self.quick = quick
         self.rounds = 1 if quick else rounds
+        self.peers = peers  # the paths of other simulators, or None, by name
 
     def cave(self, seconds):
         return worlds.copy_for_stage(self.stage_worlds, self.folder / "stage", "benchmark/cave.world", seconds)
@@ -179,7 +181,7 @@ def site_map(setting):
 
 
 ALL = {scene.__name__: scene for scene in [functions, barrier, observers, processes, robots, memory, cave, additions,
-                                            swarm, scenarios, site_map]}
+                                            swarm, peers, scenarios, site_map]}
 
 
 def measure(name, setting):

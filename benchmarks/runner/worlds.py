@@ -1,4 +1,5 @@
 """Worlds made for measuring. Troupe and Stage read the same files."""
+import functools
 import pathlib
 import random
 import re
@@ -19,6 +20,13 @@ def is_wall(x, y):
     across = in_x < WALL and abs(in_y - ROOM[1] // 2) > DOOR // 2
     along = in_y < WALL and abs(in_x - ROOM[0] // 2) > DOOR // 2
     return across or along
+
+
+@functools.cache
+def is_near_wall(x, y):
+    """Whether a wall is within 2 pixels of a pixel of the first room, which all rooms are like."""
+    near = range(-2, 3)
+    return any(is_wall(x + dx, y + dy) for dx in near for dy in near)
 
 
 def write_png(path, width, height, row_of, depth):
@@ -83,8 +91,7 @@ def write_swarm(folder, robots, width=140.0, height=60.0, seconds=60):
     step = 3  # pixels between places
     for y in range(step, pixels[1] - step, step):
         for x in range(step, pixels[0] - step, step):
-            near = range(-2, 3)
-            if not any(is_wall(x + dx, pixels[1] - 1 - y - dy) for dx in near for dy in near):
+            if not is_near_wall(x % ROOM[0], (pixels[1] - 1 - y) % ROOM[1]):
                 free.append((x, y))
     if len(free) < robots:
         raise ValueError(f"{robots} robots do not fit into {width} m x {height} m")
