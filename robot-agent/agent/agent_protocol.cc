@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
+#include <memory>
+#include <utility>
 
 #include "common/base/identity.h"
 #include "common/base/text.h"
@@ -323,9 +326,22 @@ void AgentProtocol::AnswerNew(const FrameMessage& frame) {
 }
 
 void AgentProtocol::SendAnswer(Tick next) {
-  run_.answer.incarnation = run_.incarnation;
+  if (run_.answer->incarnation != run_.incarnation) {  // the service has seen another message
+    auto renewed = std::make_shared<ProposalMessage>(*run_.answer);
+    renewed->incarnation = run_.incarnation;
+    run_.answer = std::move(renewed);
+  }
   Enter(robots_.replica->lane(), TickPhase::kSend, next);
-  endpoint_.SendProposal(run_.answer);
+  endpoint_.SendSharedProposal(run_.answer);
+}
+
+// Only this agent may add a user of an answer, so that one without another user keeps none.
+std::vector<Proposal> AgentProtocol::TakeUnusedProposals() {
+  const std::shared_ptr<ProposalMessage> unused =
+      std::const_pointer_cast<ProposalMessage>(std::exchange(run_.earlier_answer, run_.answer));
+  if (unused == nullptr || unused.use_count() != 1) return {};
+  std::atomic_thread_fence(std::memory_order_acquire);  // its last user may have been another thread
+  return std::move(unused->proposals);
 }
 
 void AgentProtocol::WriteTrace(Tick next) {
@@ -351,10 +367,13 @@ bool AgentProtocol::ComputeAnswer(const FrameMessage& frame) {
   }
   const bool was_edited = robots_.memory && robots_.memory->edition != frame.edition;
   if (was_edited) replica.Relocate(frame.state);
-  run_.answer = frame.paused ? replica.Pause(frame.state) : replica.Decide(frame.state, frame.commands);
-  run_.answer.run = run_.id;
-  run_.answer.agent = options_.agent;
-  run_.answer.edition = frame.edition;
+  auto answer = std::make_shared<ProposalMessage>(
+      frame.paused ? replica.Pause(frame.state) : replica.Decide(frame.state, frame.commands, TakeUnusedProposals()));
+  answer->run = run_.id;
+  answer->agent = options_.agent;
+  answer->edition = frame.edition;
+  answer->incarnation = run_.incarnation;
+  run_.answer = std::move(answer);
   run_.answered = PlaceOf(frame);
   robots_.memory = {frame.edition, frame.state.tick, !frame.paused};
   ScanLog* const log = resources_.scan_log;

@@ -134,7 +134,8 @@ class AgentProtocol {
     std::optional<FrameMessage> kept_frame;  // the newest one that cannot be answered yet
     std::optional<FramePlace> bad_frame;     // the newest that was ignored because of its state
     std::optional<FramePlace> answered;      // of the frame that `answer` answers
-    ProposalMessage answer;
+    SharedProposal answer;                   // null: no frame was answered
+    SharedProposal earlier_answer;           // whose memory the next one reuses, if it has no other user
     std::optional<WorldState> paused_state;  // of that frame, if it is paused and a gateway shows it
     double received_at = 0.0;                // when the newest frame arrived
     double repeated_at = 0.0;                // when the gateway was asked to repeat a tick
@@ -163,6 +164,8 @@ class AgentProtocol {
   void AnswerNew(const FrameMessage& frame);
   void AnswerAgain(const FrameMessage& frame);
   void SendAnswer(Tick next);
+  // The memory of an answer that is not in use any more.
+  std::vector<Proposal> TakeUnusedProposals();
   void WriteTrace(Tick next);
   // Computes the answer to a new frame; false if the frame cannot be answered.
   bool ComputeAnswer(const FrameMessage& frame);

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <exception>
 #include <iterator>
+#include <mutex>
+#include <utility>
 
 #include "common/model/find_robots.h"
 
@@ -54,6 +56,24 @@ std::vector<std::string> RobotNamesOf(const WorldDescription& world) {
   for (const RobotDescription& robot : world.robots) names.push_back(robot.name);
   return names;
 }
+
+// What robots report in a tick, from several threads.
+class ReportsOfRobots {
+ public:
+  void Add(std::size_t robot, const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    reports_.emplace_back(robot, text);
+  }
+  // In the order of robots, and of their reports.
+  void MoveTo(std::vector<std::string>& texts) {
+    std::stable_sort(reports_.begin(), reports_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto& [robot, text] : reports_) texts.push_back(std::move(text));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::pair<std::size_t, std::string>> reports_;
+};
 
 class View final : public RobotView {
  public:
@@ -253,24 +273,26 @@ void Replica::AddCommands(std::span<const RobotCommand> commands, std::span<Exte
   }
 }
 
-ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCommand> commands) {
+ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCommand> commands,
+                                std::vector<Proposal> memory) {
   const std::size_t count = robots_.size();
   ProposalMessage answer;
   answer.tick = state.tick + 1;
+  answer.proposals = std::move(memory);
   answer.proposals.resize(count);
   // Before the threads: a gateway need not be safe for several.
-  std::vector<ExternalCommand> external(count);
+  std::vector<ExternalCommand> external(gateway_ || !commands.empty() ? count : 0);
   for (std::size_t i = 0; i < count && gateway_; ++i) external[i] = gateway_->CommandFor(robots_[i]->id(), state);
   if (!commands.empty()) AddCommands(commands, external, answer.reports);
-  std::vector<bool> worked;
-  for (const auto& robot : robots_) worked.push_back(robot->failure().empty());
+  const ExternalCommand none;
+  ReportsOfRobots reports;
   DecideAll(state, [&](Robot& robot, std::size_t i, const BodyIndex& bodies, TraceLane* lane) {
-    answer.proposals[i] = robot.Decide(state, bodies, external[i], lane);
+    const bool worked = robot.failure().empty();
+    answer.proposals[i] = robot.Decide(state, bodies, external.empty() ? none : external[i], lane);
+    if (worked && !robot.failure().empty()) reports.Add(i, robot.failure());
+    if (!robot.report().empty()) reports.Add(i, robot.report());
   });
-  for (std::size_t i = 0; i < count; ++i) {
-    if (worked[i] && !robots_[i]->failure().empty()) answer.reports.push_back(robots_[i]->failure());
-    if (!robots_[i]->report().empty()) answer.reports.push_back(robots_[i]->report());
-  }
+  reports.MoveTo(answer.reports);
   if (!gateway_) return answer;
   for (std::string& report : gateway_->DrainReports()) answer.reports.push_back(std::move(report));
   return answer;

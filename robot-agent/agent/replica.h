@@ -60,7 +60,9 @@ class Replica {
   // Measures and decides for tick `state.tick` + 1: the proposals in robot-id order, and what controllers reported, or
   // that they failed, in this call. `commands`: from outside, for any robots of the world, in robot-id order; one that
   // the world refuses is reported. The caller sets run, agent and edition. REQUIRES: CheckState(state).ok()
-  ProposalMessage Decide(const WorldState& state, std::span<const RobotCommand> commands = {});
+  // `memory`: proposals that are replaced, whose memory is reused.
+  ProposalMessage Decide(const WorldState& state, std::span<const RobotCommand> commands = {},
+                         std::vector<Proposal> memory = {});
 
   // As Decide, for a state of the past, so that the robots remember it: without gateway and scan log.
   // REQUIRES: CheckState(state).ok()

@@ -49,6 +49,12 @@ class Exchange {
       delivery_.Post(target, [handler = handler, receive, shared] { (handler->*receive)(*shared); });
     }
   }
+  void SendProposal(const SharedProposal& proposal) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [target, handler] : services_) {
+      delivery_.Post(target, [handler = handler, proposal] { handler->OnSharedProposal(proposal); });
+    }
+  }
   template <typename Message>
   void ToAgents(void (AgentHandler::*receive)(const Message&), const Message& message) {
     const auto shared = std::make_shared<const Message>(message);
@@ -202,8 +208,9 @@ class MemoryAgentEndpoint final : public AgentEndpoint {
   void Start(AgentHandler& handler) override { target_ = exchange_.AddAgent(handler); }
   void SendJoin(const JoinMessage& join) override { exchange_.ToServices(&ServiceHandler::OnJoin, join); }
   void SendProposal(const ProposalMessage& proposal) override {
-    exchange_.ToServices(&ServiceHandler::OnProposal, proposal);
+    exchange_.SendProposal(std::make_shared<const ProposalMessage>(proposal));
   }
+  void SendSharedProposal(const SharedProposal& proposal) override { exchange_.SendProposal(proposal); }
 
  private:
   Exchange& exchange_;

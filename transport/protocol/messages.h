@@ -183,6 +183,9 @@ struct ProposalMessage {
   }
 };
 
+// A message that never changes.
+using SharedProposal = std::shared_ptr<const ProposalMessage>;
+
 enum class ControlCommand : std::uint8_t {
   kStatus = 0,
   kPause = 1,  // after the open tick; answered when the pause is quiescent

@@ -21,6 +21,8 @@ class ServiceHandler {
   virtual ~ServiceHandler() = default;
   virtual void OnJoin(const JoinMessage& join) = 0;
   virtual void OnProposal(const ProposalMessage& proposal) = 0;  // of an agent whose join was delivered before
+  // The same, from a transport within a process: the handler may keep the message without a copy.
+  virtual void OnSharedProposal(const SharedProposal& proposal) { OnProposal(*proposal); }
   // The agent has left, or its lease has expired.
   virtual void OnAgentGone(AgentId agent) = 0;
   // Another service of the same session was discovered.
@@ -76,6 +78,8 @@ class AgentEndpoint {
   virtual void Start(AgentHandler& handler) = 0;
   virtual void SendJoin(const JoinMessage& join) = 0;
   virtual void SendProposal(const ProposalMessage& proposal) = 0;
+  // The same, for a message that never changes: a transport within a process makes no copy.
+  virtual void SendSharedProposal(const SharedProposal& proposal) { SendProposal(*proposal); }
   // The map that the service shares with its machine, if its bytes are equal to these; otherwise, and in transports
   // without shared memory, null. Not for threads that run a handler.
   virtual std::shared_ptr<const std::byte> FindMap(std::span<const std::byte> bytes) {

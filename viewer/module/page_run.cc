@@ -49,7 +49,11 @@ class PageRun::Agent final : public AgentEndpoint {
     run_.messages_.push_back([run = &run_, join](double now) { run->coordinator_->OnJoin(join, now); });
   }
   void SendProposal(const ProposalMessage& proposal) override {
-    run_.messages_.push_back([run = &run_, proposal](double now) { run->coordinator_->OnProposal(proposal, now); });
+    SendSharedProposal(std::make_shared<const ProposalMessage>(proposal));
+  }
+  void SendSharedProposal(const SharedProposal& proposal) override {
+    run_.messages_.push_back(
+        [run = &run_, proposal](double now) { run->coordinator_->OnProposal(*proposal, now, proposal); });
   }
 
   // What an agent's own thread does.

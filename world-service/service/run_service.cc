@@ -230,6 +230,9 @@ class Driver final : public WorldControl, private ServiceHandler {
   void OnProposal(const ProposalMessage& proposal) override {
     Deliver([&](double now) { coordinator_.OnProposal(proposal, now); });
   }
+  void OnSharedProposal(const SharedProposal& proposal) override {
+    Deliver([&](double now) { coordinator_.OnProposal(*proposal, now, proposal); });
+  }
   void OnAgentGone(AgentId agent) override {
     Deliver([&](double now) { coordinator_.OnAgentGone(agent, now); });
   }

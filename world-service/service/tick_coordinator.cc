@@ -128,8 +128,8 @@ void TickCoordinator::Begin(double now) {
   control_.Advance(now);
 }
 
-void TickCoordinator::OnProposal(const ProposalMessage& proposal, double now) {
-  engine_.OnProposal(proposal, now);
+void TickCoordinator::OnProposal(const ProposalMessage& proposal, double now, const SharedProposal& shared) {
+  engine_.OnProposal(proposal, now, shared);
   control_.Advance(now);
 }
 

@@ -61,7 +61,8 @@ class TickCoordinator {
 
   // Deliveries of the transport.
   void OnJoin(const JoinMessage& join, double now);
-  void OnProposal(const ProposalMessage& proposal, double now);
+  // `shared`: the message itself, if it may be kept; null: it is copied.
+  void OnProposal(const ProposalMessage& proposal, double now, const SharedProposal& shared = nullptr);
   void OnAgentGone(AgentId agent, double now);
   void OnRivalService(const SessionMessage& rival, double now);
 

@@ -94,7 +94,7 @@ void TickEngine::AddMember(Member& member, double now) {
   }
 }
 
-void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
+void TickEngine::OnProposal(const ProposalMessage& proposal, double now, const SharedProposal& shared) {
   if (run_.phase != RunPhase::kRunning) return;
   const FrameMessage& frame = run_.frame;
   if (proposal.run != run_.options.run) return Reject("a proposal for another run", now);
@@ -115,7 +115,7 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
   if (proposal.tick < run_.next_tick()) {
     // Usually the answer to a resent frame. In realtime mode it may be new, and is the robot's last command.
     const bool late = run_.realtime() && proposal.tick == frame.state.tick && PlaceOf(proposal) > member->last_answered;
-    if (late && member->present) Collect(*member, proposal, now);
+    if (late && member->present) Collect(*member, proposal, now, shared);
     return;
   }
   if (proposal.paused != frame.paused) return;  // answers the frame as it was before
@@ -133,7 +133,7 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
     arrived_at_ = now;
     return AdvanceShown(now);
   }
-  Collect(*member, proposal, now);
+  Collect(*member, proposal, now, shared);
   const double answer = now - committed_at_;
   double& smoothed = member->answer_seconds;
   smoothed = smoothed == 0.0 ? answer : smoothed + kNewestAnswer * (answer - smoothed);
@@ -146,10 +146,10 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now) {
   if (ReadyToCommit(now)) Commit(now);
 }
 
-void TickEngine::Collect(Member& member, const ProposalMessage& message, double now) {
+void TickEngine::Collect(Member& member, const ProposalMessage& message, double now, const SharedProposal& shared) {
   member.last_answered = PlaceOf(message);
   member.silent_since.reset();
-  for (const Rejection& rejection : proposals_.Collect(member, message, run_.frame.state)) {
+  for (const Rejection& rejection : proposals_.Collect(member, message, run_.frame.state, shared)) {
     run_.events.Reject(run_.frame.state.tick, rejection.robot, rejection.reason, now);
   }
   for (const std::string& report : message.reports) Report(member, report);

@@ -30,7 +30,8 @@ class TickEngine {
 
   // The barrier waits for the member from now on.
   void AddMember(Member& member, double now);
-  void OnProposal(const ProposalMessage& proposal, double now);
+  // `shared`: the message itself, if it may be kept; null: it is copied.
+  void OnProposal(const ProposalMessage& proposal, double now, const SharedProposal& shared = nullptr);
   void OnAgentGone(AgentId agent, double now);
 
   // Publishes the first frame, or the newest of a run that is continued. REQUIRES: the phase is kGathering.
@@ -99,7 +100,7 @@ class TickEngine {
   std::uint64_t frames_resent() const { return frames_resent_; }
 
  private:
-  void Collect(Member& member, const ProposalMessage& message, double now);
+  void Collect(Member& member, const ProposalMessage& message, double now, const SharedProposal& shared);
   void Report(const Member& member, std::string_view report);
   void Reject(std::string reason, double now);
   void RejectUnknown(AgentId agent, double now);

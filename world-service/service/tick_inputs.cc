@@ -1,6 +1,7 @@
 #include "world-service/service/tick_inputs.h"
 
 #include <iterator>
+#include <utility>
 
 #include "world-service/core/step.h"
 
@@ -12,11 +13,26 @@ ProposalCollector::ProposalCollector(const WorldDescription& world, Mode mode)
 void ProposalCollector::ChangeWorld(const WorldDescription& world) {
   world_ = &world;
   newest_.assign(world.robots.size(), {});
+  copies_.clear();
+  tick_ = 0;
+  kept_.clear();
+  only_ = nullptr;
 }
 
 std::span<const Rejection> ProposalCollector::Collect(const Member& member, const ProposalMessage& message,
-                                                      const WorldState& state) {
+                                                      const WorldState& state, const SharedProposal& shared) {
   rejections_.clear();
+  if (std::exchange(tick_, message.tick) != message.tick) {
+    kept_.clear();
+    messages_ = 0;
+  }
+  const bool keeps = shared != nullptr && mode_ == Mode::kLockstep;
+  ++messages_;
+  if (keeps) {
+    kept_.push_back(shared);
+  } else {
+    copies_.resize(newest_.size());
+  }
   // Both are in robot-id order, so that one pass finds missing and surplus proposals.
   auto proposal = message.proposals.begin();
   const auto end = message.proposals.end();
@@ -34,25 +50,28 @@ std::span<const Rejection> ProposalCollector::Collect(const Member& member, cons
       continue;
     }
     if (const Status valid = ValidateProposal(*world_, state, *proposal); valid.ok()) {
-      newest_[robot.index()] = {*proposal, message.tick};
+      if (!keeps) copies_[robot.index()] = *proposal;
+      newest_[robot.index()] = {keeps ? &*proposal : &copies_[robot.index()], message.tick};
     } else {
       rejections_.push_back({robot, valid.error().message});
     }
     ++proposal;
   }
   while (proposal != end) reject_surplus();
+  only_ = keeps && messages_ == 1 && rejections_.empty() ? &message : nullptr;
   return rejections_;
 }
 
 std::span<const Proposal> ProposalCollector::ForStep(const WorldState& state) {
   const Tick next = state.tick + 1;
+  if (only_ != nullptr && tick_ == next) return only_->proposals;
   for_step_.clear();
   for (const Newest& newest : newest_) {
     const bool in_time = newest.tick == next;
     // A proposal within the limits of a tick ago need not be now: the robot may have stalled.
     const bool kept = mode_ == Mode::kRealtime && newest.tick != 0 && newest.tick + 1 == next;
-    if (in_time || (kept && ValidateProposal(*world_, state, newest.proposal).ok())) {
-      for_step_.push_back(newest.proposal);
+    if (in_time || (kept && ValidateProposal(*world_, state, *newest.proposal).ok())) {
+      for_step_.push_back(*newest.proposal);
       if (!in_time) for_step_.back().messages.clear();  // they were sent in the tick before
     }
   }

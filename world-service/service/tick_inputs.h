@@ -39,21 +39,28 @@ class ProposalCollector {
 
   // Collects the valid proposals of a member's first message for `message.tick`; returns the others. The result is
   // valid until the next call. REQUIRES: robots' states in `state` are those that the tick starts from.
-  std::span<const Rejection> Collect(const Member& member, const ProposalMessage& message, const WorldState& state);
+  // `shared`: the message itself, which is then kept instead of copied; may be null.
+  std::span<const Rejection> Collect(const Member& member, const ProposalMessage& message, const WorldState& state,
+                                     const SharedProposal& shared = nullptr);
 
-  // The proposals for the step from `state` to the next tick, in robot-id order; valid until the next call. In realtime
-  // mode, a robot without a proposal for that tick keeps the one for the tick before.
+  // The proposals for the step from `state` to the next tick, in robot-id order; valid until the next call of this or
+  // of Collect. In realtime mode, a robot without a proposal for that tick keeps the one for the tick before.
   std::span<const Proposal> ForStep(const WorldState& state);
 
  private:
   struct Newest {
-    Proposal proposal;
-    Tick tick = 0;  // that it is for; 0: none yet
+    const Proposal* proposal = nullptr;  // valid while its message is kept, or it is one of copies_
+    Tick tick = 0;                       // that it is for; 0: none yet
   };
 
   const WorldDescription* world_;
   const Mode mode_;
-  std::vector<Newest> newest_;  // by robot
+  std::vector<Newest> newest_;             // by robot
+  std::vector<Proposal> copies_;           // by robot, of messages that are not kept; empty: all are
+  Tick tick_ = 0;                          // that the next three are of
+  std::vector<SharedProposal> kept_;       // in lockstep: no tick uses a proposal of the one before
+  std::size_t messages_ = 0;               // collected
+  const ProposalMessage* only_ = nullptr;  // the one that has all valid proposals, if it is kept
   // Members for their memory only.
   std::vector<Proposal> for_step_;
   std::vector<Rejection> rejections_;
