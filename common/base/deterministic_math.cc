@@ -1,7 +1,9 @@
 #include "troupe/deterministic_math.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "common/base/hash.h"
@@ -42,11 +44,18 @@ double CosPolynomial(double x) {
   return 1.0 - (0.5 * z - z * z * sum);
 }
 
+// 1/29, -1/27 ... -1/3.
+constexpr std::array<double, 14> kAtanCoefficients = [] {
+  std::array<double, 14> coefficients{};
+  for (int i = 0; i < 14; ++i) coefficients[static_cast<std::size_t>(i)] = (i % 2 == 0 ? 1.0 : -1.0) / (29 - 2 * i);
+  return coefficients;
+}();
+
 // arctan of |x| <= tan(pi/16), by its power series: 15 terms leave an error below 2^-60.
 double AtanSeries(double x) {
   const double z = x * x;
   double sum = 0.0;
-  for (int k = 29; k >= 3; k -= 2) sum = ((k % 4 == 3) ? -1.0 : 1.0) / k + sum * z;
+  for (const double coefficient : kAtanCoefficients) sum = coefficient + sum * z;
   return x + x * z * sum;
 }
 
@@ -141,6 +150,9 @@ double RadiansToDegrees(double radians) {
 
 double WrapAngle(double radians) {
   if (radians > -kPi && radians <= kPi) return radians;
+  // Of angles from half a turn to twice as many, which sums of two angles are, a turn is subtracted without rounding
+  // (Sterbenz 1974), and without the call.
+  if (std::abs(radians) < 9.0 && std::abs(radians) != 2.0 * kPi) return radians + (radians > 0.0 ? -2.0 : 2.0) * kPi;
   double wrapped = std::remainder(radians, 2.0 * kPi);  // exact, in [-pi, pi]
   if (wrapped <= -kPi) wrapped += 2.0 * kPi;
   return wrapped;
