@@ -161,7 +161,7 @@ void Simulation::StepOnce() {
     now.commands[i].command.lifts.clear();
     if (worked && !robot.failure().empty()) now.failures.push_back(robot.failure());
     if (!robot.report().empty()) impl_->reports.push_back(robot.report());
-    const Status status = ValidateProposal(world(), state, proposal);
+    const Status status = ValidateProposal(*now.scene, state, proposal);
     if (status.ok()) {
       impl_->proposals.push_back(std::move(proposal));
     } else {

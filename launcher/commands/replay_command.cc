@@ -193,7 +193,7 @@ std::optional<std::string> ControllerCheck::Compare(const ReplayedWorld& world, 
       continue;
     }
     // The service refused a proposal that is not valid.
-    const bool is_valid = ValidateProposal(world.world(), world.state(), proposal).ok();
+    const bool is_valid = ValidateProposal(*world.scene(), world.state(), proposal).ok();
     std::string difference;
     if (is_valid != is_recorded) {
       difference =

@@ -157,22 +157,20 @@ std::string ToText(const Twist& twist) {
   return text;
 }
 
-Status CheckJointVelocities(const WorldDescription& world, const Proposal& proposal) {
+Status CheckJointVelocities(const Scene& scene, const Proposal& proposal) {
   const std::vector<double>& velocities = proposal.joint_velocities;
   if (velocities.empty()) return Status();
-  std::size_t number = 0;
-  for (const JointDescription& joint : world.joints) {
-    if (joint.robot != proposal.robot) continue;
-    if (number < velocities.size() && !(std::abs(velocities[number]) <= joint.max_speed * (1.0 + 1e-9))) {
-      char text[96];
-      std::snprintf(text, sizeof text, "%.6g, expected at most %.6g either way", velocities[number], joint.max_speed);
-      return BadProposal("found a velocity of joint '" + joint.name + "' of " + text);
-    }
-    ++number;
+  const std::span<const JointId> joints = scene.joints_of(proposal.robot);
+  for (std::size_t i = 0; i < std::min(joints.size(), velocities.size()); ++i) {
+    const JointDescription& joint = scene.world().joint(joints[i]);
+    if (std::abs(velocities[i]) <= joint.max_speed * (1.0 + 1e-9)) continue;
+    char text[96];
+    std::snprintf(text, sizeof text, "%.6g, expected at most %.6g either way", velocities[i], joint.max_speed);
+    return BadProposal("found a velocity of joint '" + joint.name + "' of " + text);
   }
-  if (velocities.size() == number) return Status();
+  if (velocities.size() == joints.size()) return Status();
   return BadProposal("found velocities of " + std::to_string(velocities.size()) +
-                     " joints, expected none or those of the robot's " + std::to_string(number));
+                     " joints, expected none or those of the robot's " + std::to_string(joints.size()));
 }
 
 Status CheckRadioMessages(const WorldDescription& world, const Proposal& proposal) {
@@ -184,7 +182,7 @@ Status CheckRadioMessages(const WorldDescription& world, const Proposal& proposa
   return CheckMessages(world.robot(proposal.robot), world.interval_seconds(), proposal.messages);
 }
 
-Status CheckLightsAndText(const WorldDescription& world, const Proposal& proposal) {
+Status CheckLightsAndText(const Scene& scene, const Proposal& proposal) {
   if (proposal.say.size() > kMostSaidBytes) {
     return BadProposal("found a text of " + std::to_string(proposal.say.size()) + " bytes, expected at most " +
                        std::to_string(kMostSaidBytes));
@@ -194,8 +192,7 @@ Status CheckLightsAndText(const WorldDescription& world, const Proposal& proposa
     return BadProposal("found a text with a control character or a byte that is not UTF-8, expected a line of UTF-8");
   }
   if (proposal.lights.empty()) return Status();
-  std::size_t lights = 0;
-  for (const LightPlace& light : FindLights(world)) lights += light.robot == proposal.robot ? 1 : 0;
+  const std::size_t lights = scene.lights_of(proposal.robot).size();
   for (const LightOrder& order : proposal.lights) {
     if (order.light < lights) continue;
     return BadProposal("found light " + std::to_string(order.light) + ", expected one of the robot's " +
@@ -311,7 +308,8 @@ WorldState InitialState(const Scene& scene) {
   return std::move(memory.next);
 }
 
-Status ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal) {
+Status ValidateProposal(const Scene& scene, const WorldState& state, const Proposal& proposal) {
+  const WorldDescription& world = scene.world();
   TROUPE_CHECK(state.robots.size() == world.robots.size());
   const std::size_t index = proposal.robot.index();
   if (index >= world.robots.size()) {
@@ -327,12 +325,12 @@ Status ValidateProposal(const WorldDescription& world, const WorldState& state, 
                        ", expected one within the drive's bounds: " +
                        ToText(ClampToLimits(drive, current, proposal.twist, seconds)) + " is the nearest");
   }
-  if (Status problem = CheckJointVelocities(world, proposal); !problem.ok()) return problem;
+  if (Status problem = CheckJointVelocities(scene, proposal); !problem.ok()) return problem;
   if (Status problem = CheckRadioMessages(world, proposal); !problem.ok()) return problem;
   if (Status problem = CheckCameras(world, proposal); !problem.ok()) return problem;
   if (Status problem = CheckDoors(world, proposal); !problem.ok()) return problem;
   if (Status problem = CheckLifts(world, proposal); !problem.ok()) return problem;
-  return CheckLightsAndText(world, proposal);
+  return CheckLightsAndText(scene, proposal);
 }
 
 }  // namespace troupe

@@ -77,6 +77,6 @@ inline constexpr std::uint32_t kStepVersion = 5;
 // Validates proposals from the network before they enter a step.
 // Success if the proposal is for an existing robot, finite, and within the declared bounds of its drive (velocity and,
 // from the velocity that it has in `state`, acceleration) of its joints and of its radios. The error is for an event.
-Status ValidateProposal(const WorldDescription& world, const WorldState& state, const Proposal& proposal);
+Status ValidateProposal(const Scene& scene, const WorldState& state, const Proposal& proposal);
 
 }  // namespace troupe

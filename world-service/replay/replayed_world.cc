@@ -231,7 +231,7 @@ Status ReplayedWorld::Follow(const RecordedTick& tick) {
 
 Status ReplayedWorld::Step(const RecordedTick& tick) {
   for (const Proposal& proposal : tick.proposals) {
-    if (Status problem = ValidateProposal(world(), state_, proposal); !problem.ok()) {
+    if (Status problem = ValidateProposal(*scene_, state_, proposal); !problem.ok()) {
       const std::size_t robot = proposal.robot.index();
       const std::string name = robot < world().robots.size() ? world().robots[robot].name : std::to_string(robot);
       return Error{{}, "the proposal of robot " + name + " is refused: " + problem.error().message};

@@ -58,7 +58,7 @@ Status CallObservers(const RunObservers& observers, const Call& call) {
 TickEngine::TickEngine(LiveRun& run, double now)
     : run_(run),
       stepper_(std::make_unique<Stepper>(*run.scene, run.options.pool)),
-      proposals_(run.world(), run.options.settings.mode),
+      proposals_(*run.scene, run.options.settings.mode),
       pacer_(SpeedOf(run.options.settings), run.world().interval_seconds()),
       resend_timer_(run.options.settings.agent_deadline_seconds),
       committed_at_(now),
@@ -471,7 +471,7 @@ void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
 }
 
 void TickEngine::PublishEdit(FrameMessage next, const AppliedEdit& edit, double now, bool is_recorded) {
-  proposals_.ChangeWorld(run_.world());
+  proposals_.ChangeWorld(*run_.scene);
   if (run_.members.present_members() == 0) halted_since_ = now;
   next.state_hash = StateHash(next.state);
   next.events = run_.events.CompleteFrame(next.state.tick, std::move(next.events));

@@ -7,12 +7,12 @@
 
 namespace troupe {
 
-ProposalCollector::ProposalCollector(const WorldDescription& world, Mode mode)
-    : world_(&world), mode_(mode), newest_(world.robots.size()) {}
+ProposalCollector::ProposalCollector(const Scene& scene, Mode mode)
+    : scene_(&scene), mode_(mode), newest_(scene.world().robots.size()) {}
 
-void ProposalCollector::ChangeWorld(const WorldDescription& world) {
-  world_ = &world;
-  newest_.assign(world.robots.size(), {});
+void ProposalCollector::ChangeWorld(const Scene& scene) {
+  scene_ = &scene;
+  newest_.assign(scene.world().robots.size(), {});
   copies_.clear();
   tick_ = 0;
   kept_.clear();
@@ -49,7 +49,7 @@ std::span<const Rejection> ProposalCollector::Collect(const Member& member, cons
       rejections_.push_back({robot, "the message of " + Describe(member) + " has no proposal for it"});
       continue;
     }
-    if (const Status valid = ValidateProposal(*world_, state, *proposal); valid.ok()) {
+    if (const Status valid = ValidateProposal(*scene_, state, *proposal); valid.ok()) {
       if (!keeps) copies_[robot.index()] = *proposal;
       newest_[robot.index()] = {keeps ? &*proposal : &copies_[robot.index()], message.tick};
     } else {
@@ -70,7 +70,7 @@ std::span<const Proposal> ProposalCollector::ForStep(const WorldState& state) {
     const bool in_time = newest.tick == next;
     // A proposal within the limits of a tick ago need not be now: the robot may have stalled.
     const bool kept = mode_ == Mode::kRealtime && newest.tick != 0 && newest.tick + 1 == next;
-    if (in_time || (kept && ValidateProposal(*world_, state, *newest.proposal).ok())) {
+    if (in_time || (kept && ValidateProposal(*scene_, state, *newest.proposal).ok())) {
       for_step_.push_back(*newest.proposal);
       if (!in_time) for_step_.back().messages.clear();  // they were sent in the tick before
     }

@@ -31,11 +31,11 @@ struct Rejection {
 // The proposals that enter the next step, all of them valid.
 class ProposalCollector {
  public:
-  // REQUIRES: the world outlives the collector, or the next ChangeWorld.
-  ProposalCollector(const WorldDescription& world, Mode mode);
+  // REQUIRES: the scene outlives the collector, or the next ChangeWorld.
+  ProposalCollector(const Scene& scene, Mode mode);
 
   // An edit has changed the world or its state: all proposals are dropped.
-  void ChangeWorld(const WorldDescription& world);
+  void ChangeWorld(const Scene& scene);
 
   // Collects the valid proposals of a member's first message for `message.tick`; returns the others. The result is
   // valid until the next call. REQUIRES: robots' states in `state` are those that the tick starts from.
@@ -53,7 +53,7 @@ class ProposalCollector {
     Tick tick = 0;                       // that it is for; 0: none yet
   };
 
-  const WorldDescription* world_;
+  const Scene* scene_;
   const Mode mode_;
   std::vector<Newest> newest_;             // by robot
   std::vector<Proposal> copies_;           // by robot, of messages that are not kept; empty: all are

@@ -128,9 +128,7 @@ TEST_F(DevicesTest, ATurnedCameraSeesAsOneThatIsMountedSo) {
 
 TEST_F(DevicesTest, DirectionsThatNoCameraCanHaveAreRefused) {
   const WorldState state = InitialState(*scene_);
-  const auto is_valid = [&](const CameraOrder& order) {
-    return ValidateProposal(scene_->world(), state, Turn({order})).ok();
-  };
+  const auto is_valid = [&](const CameraOrder& order) { return ValidateProposal(*scene_, state, Turn({order})).ok(); };
   const Interval limits = FindCamera(scene_->world().robot(second_), 1)->TiltLimits();
   EXPECT_NEAR(limits.max, DegreesToRadians(65.0), 1e-9);
   EXPECT_TRUE(is_valid({1, kPi, limits.min}));
@@ -152,7 +150,7 @@ TEST_F(DevicesTest, ATextIsAnEvent) {
 TEST_F(DevicesTest, UnknownLightsAndTextsThatAreLongOrControlATerminalAreRefused) {
   const WorldState state = InitialState(*scene_);
   const auto problem = [&](const Proposal& proposal) {
-    const Status status = ValidateProposal(scene_->world(), state, proposal);
+    const Status status = ValidateProposal(*scene_, state, proposal);
     return status.ok() ? "" : status.error().message;
   };
   EXPECT_EQ(problem(Switch(first_, {{1, true}})), "");
@@ -234,7 +232,7 @@ TEST_F(TransmitTest, EveryPartOfAMessageChangesTheHash) {
 TEST_F(TransmitTest, ProposalsBeyondTheRadiosAreRefused) {
   const WorldState state = InitialState(*scene_);
   const auto problem = [&](std::vector<RadioMessage> messages) {
-    const Status status = ValidateProposal(scene_->world(), state, Send(a_, std::move(messages)));
+    const Status status = ValidateProposal(*scene_, state, Send(a_, std::move(messages)));
     return status.ok() ? "" : status.error().message;
   };
   EXPECT_EQ(problem({{0, b_, std::vector<std::uint8_t>(10)}, {1, {}, std::vector<std::uint8_t>(10)}}), "");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 
 #include "common/model/states.h"
 #include "tests/support/gripper_world.h"
@@ -217,15 +218,17 @@ class ValidateProposalTest : public testing::Test {
     drive.velocity = {{-1.0, 1.0}, {0.0, 0.0}, {-2.0, 2.0}};
     drive.acceleration = {{-1.0, 1.0}, {0.0, 0.0}, {-10.0, 10.0}};
     state_ = PlacedState(test_.world);
+    scene_.emplace(test_.world);
   }
   // The message of the error, if any.
   std::string Check(const Proposal& proposal) const {
-    const Status valid = ValidateProposal(test_.world, state_, proposal);
+    const Status valid = ValidateProposal(*scene_, state_, proposal);
     return valid.ok() ? "" : valid.error().message;
   }
 
   test::TestWorld test_;
   WorldState state_;
+  std::optional<Scene> scene_;
 };
 
 TEST_F(ValidateProposalTest, AcceptsMotionsWithinTheLimits) {

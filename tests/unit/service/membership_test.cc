@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <optional>
 
 #include "common/base/identity.h"
+#include "common/spatial/scene.h"
 #include "tests/unit/service/coordinator_fixture.h"
 #include "troupe/random.h"
 #include "world-service/service/tick_inputs.h"
@@ -124,6 +127,10 @@ TEST_F(MembershipTest, AgentsThatJoinAndLeaveDoNotGrowTheMembership) {
 namespace troupe::test {
 namespace {
 
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+using ::testing::SizeIs;
+
 class ProposalCollectorTest : public testing::Test {
  protected:
   ProposalCollectorTest() : world_(PlaneWorld(2)) {
@@ -139,6 +146,9 @@ class ProposalCollectorTest : public testing::Test {
     state_ = PlacedState(world_);
     member_.id = 1;
     member_.robots = {RobotId(0), RobotId(1)};
+    world_.robots[0].sensors.push_back(
+        {.name = "radio", .model = world_.robots[0].root, .parameters = RadioParameters{}});
+    scene_.emplace(world_);
   }
 
   ProposalMessage Message(Tick tick) const {
@@ -146,12 +156,13 @@ class ProposalCollectorTest : public testing::Test {
   }
 
   WorldDescription world_;
+  std::optional<Scene> scene_;
   WorldState state_;
   Member member_;
 };
 
 TEST_F(ProposalCollectorTest, WholeProposalsEnterTheStep) {
-  ProposalCollector collector(world_, Mode::kLockstep);
+  ProposalCollector collector(*scene_, Mode::kLockstep);
   EXPECT_TRUE(collector.Collect(member_, Message(1), state_).empty());
   const auto proposals = collector.ForStep(state_);
   ASSERT_EQ(proposals.size(), 2u);
@@ -161,8 +172,46 @@ TEST_F(ProposalCollectorTest, WholeProposalsEnterTheStep) {
   EXPECT_TRUE(collector.ForStep(state_).empty());
 }
 
+TEST_F(ProposalCollectorTest, AMessageOfAllRobotsThatMayBeKeptIsNotCopied) {
+  ProposalCollector collector(*scene_, Mode::kLockstep);
+  for (const Tick tick : {Tick{1}, Tick{2}}) {
+    state_.tick = tick - 1;
+    const auto shared = std::make_shared<const ProposalMessage>(Message(tick));
+    EXPECT_TRUE(collector.Collect(member_, *shared, state_, shared).empty());
+    EXPECT_EQ(collector.ForStep(state_).data(), shared->proposals.data());
+  }
+}
+
+TEST_F(ProposalCollectorTest, KeptAndCopiedMessagesEnterTheStepInTheOrderOfRobots) {
+  Member first{member_};
+  first.robots = {RobotId(0)};
+  Member second{member_};
+  second.id = 2;
+  second.robots = {RobotId(1)};
+  ProposalMessage of_first = Message(1);
+  ProposalMessage of_second = Message(1);
+  of_first.proposals.pop_back();
+  of_second.proposals.erase(of_second.proposals.begin());
+  ProposalCollector collector(*scene_, Mode::kLockstep);
+  auto shared = std::make_shared<const ProposalMessage>(of_second);
+  EXPECT_TRUE(collector.Collect(second, *shared, state_, shared).empty());
+  EXPECT_TRUE(collector.Collect(first, of_first, state_).empty());
+  shared.reset();
+  const auto proposals = collector.ForStep(state_);
+  EXPECT_THAT(proposals, ElementsAreArray(Message(1).proposals));
+}
+
+TEST_F(ProposalCollectorTest, ARefusedProposalOfAKeptMessageStaysOut) {
+  ProposalMessage message = Message(1);
+  message.proposals[1].joint_velocities = {0.5, 0.5};
+  const auto shared = std::make_shared<const ProposalMessage>(message);
+  ProposalCollector collector(*scene_, Mode::kLockstep);
+  EXPECT_THAT(collector.Collect(member_, *shared, state_, shared), SizeIs(1));
+  EXPECT_THAT(collector.ForStep(state_), ElementsAre(message.proposals[0]));
+}
+
 TEST_F(ProposalCollectorTest, RealtimeModeKeepsJointVelocitiesForOneTick) {
-  ProposalCollector collector(world_, Mode::kRealtime);
+  ProposalCollector collector(*scene_, Mode::kRealtime);
   EXPECT_TRUE(collector.Collect(member_, Message(1), state_).empty());
   state_.tick = 1;
   ASSERT_EQ(collector.ForStep(state_).size(), 2u);
@@ -172,11 +221,9 @@ TEST_F(ProposalCollectorTest, RealtimeModeKeepsJointVelocitiesForOneTick) {
 }
 
 TEST_F(ProposalCollectorTest, RealtimeModeSendsARadioMessageOnce) {
-  world_.robots[0].sensors.push_back(
-      {.name = "radio", .model = world_.robots[0].root, .parameters = RadioParameters{}});
   ProposalMessage message = Message(1);
   message.proposals[0].messages.push_back({0, {}, {1, 2}});
-  ProposalCollector collector(world_, Mode::kRealtime);
+  ProposalCollector collector(*scene_, Mode::kRealtime);
   EXPECT_TRUE(collector.Collect(member_, message, state_).empty());
   EXPECT_EQ(collector.ForStep(state_)[0].messages.size(), 1u);
   state_.tick = 1;
