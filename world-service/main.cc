@@ -101,6 +101,7 @@ int Run(ServiceCommandLine line, Reporter& reporter) {
   static_cast<NetworkSettings&>(dds) = line.network;
   dds.keys = std::move(keys).value();
   dds.discovery_ports = line.ports;
+  dds.session_bytes = SessionBytes(run.world());
   dds.agent_groups = CountAgentGroups(line, run, !dds.keys.enclave.empty());
   dds.on_problem = [](const std::string& problem) { PrintPlain(stderr, "{}\n", problem); };
   const dds::NetworkLog network_log(dds.on_problem);

@@ -253,8 +253,10 @@ def text_of_peers(folder):
 
 
 def write_into(document, folder, plots):
-    """Replaces the lines between the marks of a document, and copies the plots to the folder pictures beside it."""
+    """Replaces the lines between the marks of a document, and of DOCUMENT-growth.md beside it if there is one; copies the
+    plots to the folder pictures beside it."""
     path = pathlib.Path(document)
+    growth_path = path.with_name(f"{path.stem}-growth{path.suffix}")
     pictures = path.parent / "pictures"
     pictures.mkdir(exist_ok=True)
     shown = {"growth": [], "peers": []}
@@ -262,11 +264,10 @@ def write_into(document, folder, plots):
         shutil.copy(plot, pictures / plot.name)
         shown["peers" if plot.stem.endswith("peers") else "growth"].append(
             f"![{plot.stem.replace('_', ' ')}](pictures/{plot.name})")
-    content = path.read_text()
-    for name, lines in [("targets", text_of_targets(folder)),
-                        ("peers", "\n\n".join([*shown["peers"], text_of_peers(folder)])),
-                        ("growth", "\n\n".join([*shown["growth"], text_of_growth(folder)]))]:
-        before, rest = content.split(f"<!-- scripts/bench writes {name} from here -->\n")
+    for name, page, lines in [("targets", path, text_of_targets(folder)),
+                              ("peers", path, "\n\n".join([*shown["peers"], text_of_peers(folder)])),
+                              ("growth", growth_path if growth_path.exists() else path,
+                               "\n\n".join([*shown["growth"], text_of_growth(folder)]))]:
+        before, rest = page.read_text().split(f"<!-- scripts/bench writes {name} from here -->\n")
         after = rest.split("<!-- to here -->", 1)[1]
-        content = f"{before}<!-- scripts/bench writes {name} from here -->\n{lines}\n<!-- to here -->{after}"
-    path.write_text(content)
+        page.write_text(f"{before}<!-- scripts/bench writes {name} from here -->\n{lines}\n<!-- to here -->{after}")

@@ -182,6 +182,7 @@ class MemoryServiceEndpoint final : public ServiceEndpoint {
     if (target_) exchange_.RemoveService(*target_);
   }
   void Start(ServiceHandler& handler) override { target_ = exchange_.AddService(handler); }
+  bool may_lose_messages() const override { return false; }
   void SendSession(const SessionMessage& session) override {
     TROUPE_CHECK(target_.has_value());
     exchange_.PublishSession(*target_, session);

@@ -39,6 +39,8 @@ class ServiceEndpoint {
   virtual ~ServiceEndpoint() = default;  // no handler call runs any more when it returns
   // Starts delivering. REQUIRES: called once; the handler outlives the endpoint.
   virtual void Start(ServiceHandler& handler) = 0;
+  // False if every message reaches its receivers, so that a late answer is no reason to send a frame again.
+  virtual bool may_lose_messages() const { return true; }
   virtual void SendSession(const SessionMessage& session) = 0;  // kept for latecomers
   // Offers agents of this machine a copy of these bytes (RayMap), in place of one of an earlier world. No effect in
   // transports without shared memory.

@@ -60,7 +60,7 @@ TickEngine::TickEngine(LiveRun& run, double now)
       stepper_(std::make_unique<Stepper>(*run.scene, run.options.pool)),
       proposals_(*run.scene, run.options.settings.mode),
       pacer_(SpeedOf(run.options.settings), run.world().interval_seconds()),
-      resend_timer_(run.options.settings.agent_deadline_seconds),
+      resend_timer_(run.endpoint.may_lose_messages() ? run.options.settings.agent_deadline_seconds : 0.0),
       committed_at_(now),
       arrived_at_(now) {
   if (run_.options.start_paused) ticks_to_pause_ = 0;
@@ -395,7 +395,11 @@ void TickEngine::ReportProgress(double now) {
 void TickEngine::Opened(double now) {
   committed_at_ = arrived_at_ = now;
   barrier_.Open(run_.next_tick());
-  resend_timer_.Start(now);
+  if (run_.endpoint.may_lose_messages()) {
+    resend_timer_.Start(now);
+  } else {
+    resend_timer_.Start(now, ResendTimer::kLongestWait);
+  }
 }
 
 void TickEngine::Commit(double now) {

@@ -1,7 +1,9 @@
 #include "transport/dds/transport/dds_transport.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
+#include <variant>
 
 #include "transport/dds/binding/domain_config.h"
 #include "transport/dds/transport/dds_agent_endpoint.h"
@@ -16,8 +18,8 @@ namespace {
 using dds::DdsConnection;
 using dds::DomainConfig;
 
-// Bounds the memory that a stranger's messages need. The longest that a service needs is the join or the proposal of an
-// agent with a hundred thousand robots.
+// Bounds the memory that a stranger's messages need. The longest that a service receives is the join or the proposal of
+// an agent with a hundred thousand robots.
 constexpr std::uint32_t kLargestSampleForService = 16'000'000;  // bytes
 // The largest sample for agents and observers is a world.
 constexpr std::uint32_t kLargestSampleForPeers = 1'000'000'000;
@@ -140,13 +142,47 @@ void CreateWithFreeIndex(DomainConfig config, std::uint32_t first, std::uint16_t
                        "looking for a free participant index in domain " + std::to_string(config.domain));
 }
 
+// Bytes of a row without its lists, but with names of a usual length.
+constexpr std::size_t kRowBytes = 1'000;
+
+std::size_t ShapeBytes(const Shape& shape) {
+  std::size_t bytes = kRowBytes + sizeof(Rectangle) * shape.rectangles.size();
+  for (const Block& block : shape.blocks) bytes += kRowBytes + sizeof(Vec2) * block.outline.size();
+  if (!shape.area) return bytes;
+  const Bitmap& bitmap = shape.area->cover().bitmap();
+  return bytes + static_cast<std::size_t>(bitmap.width()) * static_cast<std::size_t>(bitmap.height()) / 4;
+}
+
+std::size_t SensorBytes(const SensorDescription& sensor) {
+  std::size_t bytes = 4 * kRowBytes;
+  if (const auto* const ranger = std::get_if<RangerParameters>(&sensor.parameters)) {
+    for (const RaySensorDescription& rays : ranger->ray_sensors) {
+      bytes += kRowBytes + sizeof(double) * rays.elevations.size();
+    }
+  }
+  return bytes;
+}
+
 }  // namespace
+
+std::size_t SessionBytes(const WorldDescription& world) {
+  std::size_t bytes = kRowBytes * (world.models.size() + world.joints.size() + world.grippers.size() +
+                                   world.objects.size() + world.doors.size() + world.people.size());
+  for (const Shape& shape : world.shapes) bytes += ShapeBytes(shape);
+  for (const RobotDescription& robot : world.robots) {
+    bytes += 2 * kRowBytes + robot.controller.parameters.size();
+    for (const SensorDescription& sensor : robot.sensors) bytes += SensorBytes(sensor);
+  }
+  return bytes;
+}
 
 DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options) {
   CheckSession(options.session);
   DdsServiceTransport made;
   DomainConfig config = ConfigOf(options);
-  config.max_sample_bytes = kLargestSampleForService;
+  // Cyclone has one bound for what a participant receives and sends.
+  config.max_sample_bytes = static_cast<std::uint32_t>(
+      std::clamp<std::size_t>(options.session_bytes, kLargestSampleForService, kLargestSampleForPeers));
   std::unique_ptr<DdsTransport> transport;
   const auto create = [&](const DomainConfig& free, std::uint16_t port) {
     if (transport) {

@@ -18,6 +18,7 @@ struct DdsOptions : NetworkSettings {
   ParticipantKeys keys;
   // The groups of agents of a service, each with a participant of its own (dds_service_endpoint.h). At least 1.
   std::size_t agent_groups = 1;
+  std::size_t session_bytes = 0;  // of a service: SessionBytes of its largest world
   // The UDP ports of a service that DDS has for this domain, of the participants of its groups; those that are not
   // given are the first free ones.
   std::vector<std::uint16_t> discovery_ports;
@@ -41,6 +42,9 @@ struct DdsServiceTransport {
 DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options);
 std::unique_ptr<Transport> MakeDdsAgentTransport(const DdsOptions& options);
 std::unique_ptr<Transport> MakeDdsObserverTransport(const DdsOptions& options);
+
+// A bound for the bytes of the session message with this world: not too low, and seldom more than ten times too high.
+std::size_t SessionBytes(const WorldDescription& world);
 
 // The network profile that these settings name, or else that of their interface (configs/cyclone).
 std::string NetworkProfileOf(const NetworkSettings& network);
