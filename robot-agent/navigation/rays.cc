@@ -40,13 +40,6 @@ std::vector<PlacedRay> PlacedRaysOf(const RobotInfo& info, std::size_t ranger) {
   return placed;
 }
 
-double RangeOf(const SensorReading& reading, const RangerRay& ray) {
-  const RangerReading* const ranger = reading.ranger();
-  if (ranger == nullptr || ray.sensor >= ranger->scans.size()) return ray.max_range;
-  const std::vector<double>& ranges = ranger->scans[ray.sensor].ranges;
-  return ray.sample < ranges.size() ? ranges[ray.sample] : ray.max_range;
-}
-
 std::optional<std::size_t> FindScanner(const RobotInfo& info) {
   std::optional<std::size_t> found;
   std::uint32_t most = 1;

@@ -31,7 +31,12 @@ struct PlacedRay {
 std::vector<PlacedRay> PlacedRaysOf(const RobotInfo& info, std::size_t ranger);
 
 // The range that `reading` has for the ray (m); the ray's maximum in an empty reading, as before the first measurement.
-double RangeOf(const SensorReading& reading, const RangerRay& ray);
+inline double RangeOf(const SensorReading& reading, const RangerRay& ray) {
+  const RangerReading* const ranger = reading.ranger();
+  if (ranger == nullptr || ray.sensor >= ranger->scans.size()) return ray.max_range;
+  const std::vector<double>& ranges = ranger->scans[ray.sensor].ranges;
+  return ray.sample < ranges.size() ? ranges[ray.sample] : ray.max_range;
+}
 
 // The scanner-like ranger: the one with the ray sensor of the most rays, if any ray sensor has more than one.
 std::optional<std::size_t> FindScanner(const RobotInfo& info);
