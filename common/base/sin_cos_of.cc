@@ -1,0 +1,98 @@
+#include "common/base/sin_cos_of.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+// All functions with vectors are inlined, so that no call depends on how a processor passes them.
+#pragma GCC diagnostic ignored "-Wpsabi"
+#include "common/base/sin_cos_polynomials.h"
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t kLanes = 16;  // two vectors of the widest instructions, so that neither waits for itself
+constexpr double kLargest = 1e5;  // rad; SinCos first reduces larger ones
+
+using Doubles [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+using Bits [[gnu::vector_size(kLanes * sizeof(double))]] = std::int64_t;
+
+// SinCos for each lane of `angles`, all of which are within kLargest, without a jump.
+[[gnu::always_inline]] inline void SinCosOfLanes(const double* angles, double* sines, double* cosines) {
+  constexpr double kNoFraction = 0x1.8p52;  // a sum with it is rounded to a whole number, whose last bits it has
+  constexpr std::int64_t kSign = std::numeric_limits<std::int64_t>::min();
+  Doubles x;
+  std::memcpy(&x, angles, sizeof x);
+  const Doubles shifted = x * (2.0 / kPi) + kNoFraction;
+  const Bits turn = Bits(shifted);
+  // Of the sign of the angle, as that of std::nearbyint is.
+  const Doubles quadrant = Doubles(Bits(shifted - kNoFraction) | (Bits(x) & kSign));
+  const Doubles high = x - quadrant * kHalfPiHigh;
+  const Doubles middle = quadrant * kHalfPiMiddle;
+  const Doubles reduced = high - middle;
+  const Doubles rest = ((high - reduced) - middle) - quadrant * kHalfPiLow;
+  const Doubles sin = SinPolynomial(reduced);
+  const Doubles cos = CosPolynomial(reduced);
+  const Bits s = Bits(sin + rest * cos);
+  const Bits c = Bits(cos - rest * sin);
+  const Bits swaps = -(turn & 1);
+  const Bits sine = (s & ~swaps) | (c & swaps);
+  const Bits cosine = (c & ~swaps) | (s & swaps);
+  const Doubles out_sine = Doubles(sine ^ ((turn & 2) << 62));
+  const Doubles out_cosine = Doubles(cosine ^ (((turn + 1) & 2) << 62));
+  std::memcpy(sines, &out_sine, sizeof out_sine);
+  std::memcpy(cosines, &out_cosine, sizeof out_cosine);
+}
+
+// For the instructions of each kind of processor; elsewhere the compiler divides a vector among those that it has.
+using Compute = void(const double* angles, double* sines, double* cosines);
+void ComputeAnywhere(const double* angles, double* sines, double* cosines) {
+  SinCosOfLanes(angles, sines, cosines);
+}
+#ifdef __x86_64__
+[[gnu::target("avx2")]] void ComputeByAvx2(const double* angles, double* sines, double* cosines) {
+  SinCosOfLanes(angles, sines, cosines);
+}
+[[gnu::target("avx512f")]] void ComputeByAvx512(const double* angles, double* sines, double* cosines) {
+  SinCosOfLanes(angles, sines, cosines);
+}
+#endif
+
+Compute* Quickest() {
+#ifdef __x86_64__
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f")) return ComputeByAvx512;
+  if (__builtin_cpu_supports("avx2")) return ComputeByAvx2;
+#endif
+  return ComputeAnywhere;
+}
+
+Compute* const kQuickest = Quickest();
+
+}  // namespace
+
+void SinCosOf(std::span<const double> radians, std::span<SinCosResult> results) {
+  std::array<double, kLanes> angles{};
+  std::array<double, kLanes> sines;
+  std::array<double, kLanes> cosines;
+  for (std::size_t first = 0; first < radians.size(); first += kLanes) {
+    const std::size_t count = std::min(kLanes, radians.size() - first);
+    bool are_small = true;
+    for (std::size_t i = 0; i < count; ++i) {
+      angles[i] = radians[first + i];
+      are_small &= std::abs(angles[i]) <= kLargest;
+    }
+    if (!are_small) {
+      for (std::size_t i = first; i < first + count; ++i) results[i] = SinCos(radians[i]);
+      continue;
+    }
+    kQuickest(angles.data(), sines.data(), cosines.data());
+    for (std::size_t i = 0; i < count; ++i) results[first + i] = {sines[i], cosines[i]};
+  }
+}
+
+}  // namespace troupe

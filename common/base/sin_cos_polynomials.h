@@ -1,0 +1,38 @@
+// The polynomials of SinCos, for one number or a vector of numbers. Private to this folder.
+#pragma once
+
+namespace troupe {
+
+// pi/2 in three parts. The first two have 33 significant bits, so that their product with an integer below 2^20 is
+// exact (Cody and Waite 1980, chapter 8).
+constexpr double kHalfPiHigh = 0x1.921fb544p+0;
+constexpr double kHalfPiMiddle = 0x1.0b4611a6p-34;
+constexpr double kHalfPiLow = 0x1.3198a2e037073p-69;
+
+// Taylor polynomials: on [-pi/4, pi/4] their first left-out term is below 2^-58.
+template <typename Number>
+[[gnu::always_inline]] inline Number SinPolynomial(const Number& x) {
+  const Number z = x * x;
+  Number sum = 1.0 / 355687428096000.0 * z - 1.0 / 1307674368000.0;  // 1/15!
+  sum = sum * z + 1.0 / 6227020800.0;     // 1/13!
+  sum = sum * z - 1.0 / 39916800.0;       // 1/11!
+  sum = sum * z + 1.0 / 362880.0;         // 1/9!
+  sum = sum * z - 1.0 / 5040.0;           // 1/7!
+  sum = sum * z + 1.0 / 120.0;            // 1/5!
+  sum = sum * z - 1.0 / 6.0;              // 1/3!
+  return x + x * z * sum;
+}
+
+template <typename Number>
+[[gnu::always_inline]] inline Number CosPolynomial(const Number& x) {
+  const Number z = x * x;
+  Number sum = 1.0 / 20922789888000.0 * z - 1.0 / 87178291200.0;  // 1/14!
+  sum = sum * z + 1.0 / 479001600.0;    // 1/12!
+  sum = sum * z - 1.0 / 3628800.0;      // 1/10!
+  sum = sum * z + 1.0 / 40320.0;        // 1/8!
+  sum = sum * z - 1.0 / 720.0;          // 1/6!
+  sum = sum * z + 1.0 / 24.0;           // 1/4!
+  return 1.0 - (0.5 * z - z * z * sum);
+}
+
+}  // namespace troupe
