@@ -16,7 +16,7 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t kLanes = 16;  // two vectors of the widest instructions, so that neither waits for itself
-constexpr double kLargest = 1e5;  // rad; SinCos first reduces larger ones
+constexpr double kLargest = 1e5;    // rad; SinCos first reduces larger ones
 
 using Doubles [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 using Bits [[gnu::vector_size(kLanes * sizeof(double))]] = std::int64_t;
@@ -48,8 +48,8 @@ using Bits [[gnu::vector_size(kLanes * sizeof(double))]] = std::int64_t;
   std::memcpy(cosines, &out_cosine, sizeof out_cosine);
 }
 
-// For the instructions of each kind of processor; elsewhere the compiler divides a vector among those that it has.
-using Compute = void(const double* angles, double* sines, double* cosines);
+using Compute = SinCosOfSixteen;
+
 void ComputeAnywhere(const double* angles, double* sines, double* cosines) {
   SinCosOfLanes(angles, sines, cosines);
 }
@@ -60,20 +60,27 @@ void ComputeAnywhere(const double* angles, double* sines, double* cosines) {
 [[gnu::target("avx512f")]] void ComputeByAvx512(const double* angles, double* sines, double* cosines) {
   SinCosOfLanes(angles, sines, cosines);
 }
+constexpr std::array<Compute*, 3> kVariants = {ComputeAnywhere, ComputeByAvx2, ComputeByAvx512};
+#else
+constexpr std::array<Compute*, 1> kVariants = {ComputeAnywhere};
 #endif
 
-Compute* Quickest() {
+std::size_t CountVariants() {
 #ifdef __x86_64__
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512f")) return ComputeByAvx512;
-  if (__builtin_cpu_supports("avx2")) return ComputeByAvx2;
+  if (__builtin_cpu_supports("avx512f")) return 3;
+  if (__builtin_cpu_supports("avx2")) return 2;
 #endif
-  return ComputeAnywhere;
+  return 1;
 }
 
-Compute* const kQuickest = Quickest();
+Compute* const kQuickest = kVariants[CountVariants() - 1];
 
 }  // namespace
+
+std::span<SinCosOfSixteen* const> SinCosVariants() {
+  return std::span(kVariants).first(CountVariants());
+}
 
 void SinCosOf(std::span<const double> radians, std::span<SinCosResult> results) {
   std::array<double, kLanes> angles{};

@@ -14,12 +14,12 @@ template <typename Number>
 [[gnu::always_inline]] inline Number SinPolynomial(const Number& x) {
   const Number z = x * x;
   Number sum = 1.0 / 355687428096000.0 * z - 1.0 / 1307674368000.0;  // 1/15!
-  sum = sum * z + 1.0 / 6227020800.0;     // 1/13!
-  sum = sum * z - 1.0 / 39916800.0;       // 1/11!
-  sum = sum * z + 1.0 / 362880.0;         // 1/9!
-  sum = sum * z - 1.0 / 5040.0;           // 1/7!
-  sum = sum * z + 1.0 / 120.0;            // 1/5!
-  sum = sum * z - 1.0 / 6.0;              // 1/3!
+  sum = sum * z + 1.0 / 6227020800.0;                                // 1/13!
+  sum = sum * z - 1.0 / 39916800.0;                                  // 1/11!
+  sum = sum * z + 1.0 / 362880.0;                                    // 1/9!
+  sum = sum * z - 1.0 / 5040.0;                                      // 1/7!
+  sum = sum * z + 1.0 / 120.0;                                       // 1/5!
+  sum = sum * z - 1.0 / 6.0;                                         // 1/3!
   return x + x * z * sum;
 }
 
@@ -27,11 +27,11 @@ template <typename Number>
 [[gnu::always_inline]] inline Number CosPolynomial(const Number& x) {
   const Number z = x * x;
   Number sum = 1.0 / 20922789888000.0 * z - 1.0 / 87178291200.0;  // 1/14!
-  sum = sum * z + 1.0 / 479001600.0;    // 1/12!
-  sum = sum * z - 1.0 / 3628800.0;      // 1/10!
-  sum = sum * z + 1.0 / 40320.0;        // 1/8!
-  sum = sum * z - 1.0 / 720.0;          // 1/6!
-  sum = sum * z + 1.0 / 24.0;           // 1/4!
+  sum = sum * z + 1.0 / 479001600.0;                              // 1/12!
+  sum = sum * z - 1.0 / 3628800.0;                                // 1/10!
+  sum = sum * z + 1.0 / 40320.0;                                  // 1/8!
+  sum = sum * z - 1.0 / 720.0;                                    // 1/6!
+  sum = sum * z + 1.0 / 24.0;                                     // 1/4!
   return 1.0 - (0.5 * z - z * z * sum);
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/sin_cos_of.h"
 #include "common/sensing/sensor.h"
 #include "common/sensing/sensor_kinds.h"
 #include "common/spatial/column_cast.h"
@@ -230,7 +231,10 @@ class Ranger final : public Sensor {
 
   // The rays of the flat ray sensors, ray sensor by ray sensor.
   void MakeRays(const SensedWorld& world, Tick tick, std::vector<Ray>& rays) const {
+    thread_local std::vector<double> angles;
+    thread_local std::vector<SinCosResult> directions;
     rays.clear();
+    angles.clear();
     const Pose X_WM = world.bodies.X_WM(description().model);
     const Transform2 to_world(X_WM);  // for all ray sensors: X_WM * X_MS of each without further sines
     for (const FlatSensor& sensor : *flat_) {
@@ -238,8 +242,8 @@ class Ranger final : public Sensor {
       const double heading = WrapAngle(X_WM.heading + sensor.heading_MS);
       const double z = X_WM.z + sensor.z_MS;
       const auto add_ray = [&](double bearing) {
-        const SinCosResult direction = SinCos(heading + bearing);
-        rays.push_back({origin, {direction.cos, direction.sin}, z, sensor.range.max});
+        angles.push_back(heading + bearing);
+        rays.push_back({origin, {1.0, 0.0}, z, sensor.range.max});
       };
       if (sensor.angle_noise == 0.0) {
         for (std::size_t i = 0; i < sensor.fan.count; ++i) add_ray(sensor.fan.Bearing(i));
@@ -250,6 +254,9 @@ class Ranger final : public Sensor {
         add_ray(sensor.fan.Bearing(i) + sensor.angle_noise * noise.Uniform(i, Draw::kAngle));
       }
     }
+    directions.resize(angles.size());
+    SinCosOf(angles, directions);
+    for (std::size_t i = 0; i < rays.size(); ++i) rays[i].direction = {directions[i].cos, directions[i].sin};
   }
 
   Noise NoiseOf(const SensedWorld& world, std::size_t sensor, Tick tick) const {

@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <limits>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "common/base/hash.h"
+#include "common/base/sin_cos_of.h"
 #include "troupe/random.h"
 
 namespace troupe {
@@ -51,6 +53,54 @@ TEST(SinCos, IsExactWhereItMatters) {
   EXPECT_EQ(SinCos(kPi).cos, -1.0);
   EXPECT_NEAR(SinCos(kPi).sin, 0.0, 2e-16);
   EXPECT_EQ(SinCos(-kPi / 2.0).sin, -1.0);
+}
+
+std::uint64_t BitsOf(const SinCosResult& result) {
+  Hasher hasher;
+  hasher.Add(std::bit_cast<std::uint64_t>(result.sin));
+  hasher.Add(std::bit_cast<std::uint64_t>(result.cos));
+  return hasher.value();
+}
+
+// Of all quadrants and sizes, next to the limits of quadrants, and both zeros.
+std::vector<double> AnglesOfAllKinds() {
+  std::vector<double> angles = {0.0, -0.0};
+  for (int quadrant = -40; quadrant <= 40; ++quadrant) {
+    const double limit = quadrant * kPi / 4.0;
+    angles.insert(angles.end(), {limit, std::nextafter(limit, -10.0), std::nextafter(limit, 10.0)});
+  }
+  for (double range : {1e-300, 1e-6, 1.0, 4.0, 100.0, 1e5}) {
+    for (std::uint64_t i = 0; i < 20'000; ++i) angles.push_back(Draw(2, i, -range, range));
+  }
+  while (angles.size() % 16 != 0) angles.push_back(1.0);
+  return angles;
+}
+
+TEST(SinCos, HasTheSameBitsByAllInstructions) {
+  const std::vector<double> angles = AnglesOfAllKinds();
+  ASSERT_FALSE(SinCosVariants().empty());
+  for (SinCosOfSixteen* const variant : SinCosVariants()) {
+    for (std::size_t first = 0; first < angles.size(); first += 16) {
+      double sines[16];
+      double cosines[16];
+      variant(&angles[first], sines, cosines);
+      for (std::size_t i = 0; i < 16; ++i) {
+        ASSERT_EQ(BitsOf({sines[i], cosines[i]}), BitsOf(SinCos(angles[first + i]))) << angles[first + i];
+      }
+    }
+  }
+}
+
+TEST(SinCos, OfAnyNumberOfAnyAnglesHasTheBitsOfOne) {
+  std::vector<double> angles = AnglesOfAllKinds();
+  angles.resize(100);
+  for (double large : {1e6, -1e100, std::numeric_limits<double>::infinity()}) angles.push_back(large);
+  angles.insert(angles.end(), 30, 2.5);
+  for (std::size_t count = 0; count <= angles.size(); ++count) {
+    std::vector<SinCosResult> results(count);
+    SinCosOf(std::span(angles).first(count), results);
+    for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(BitsOf(results[i]), BitsOf(SinCos(angles[i]))) << angles[i];
+  }
 }
 
 TEST(SinCos, CopesWithAnyNumber) {

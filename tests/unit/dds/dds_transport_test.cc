@@ -408,23 +408,24 @@ TEST_F(DdsTransportTest, AnAgentMakesItsEndpointsOfTheNetworkAgainAfterAFailure)
 
 TEST_F(DdsTransportTest, WorldsOfAnySizeReachTheAgents) {
   SessionMessage session = Session(5);
+  WorldDescription world;
   RobotDescription robot{.name = "r"};
-  robot.sensors.resize(1,
-                       {.name = "ranger", .parameters = RangerParameters{.ray_sensors = {12, RaySensorDescription{}}}});
-  session.world.robots.assign(12'000, robot);
+  robot.sensors.push_back({.name = "ranger", .parameters = RangerParameters{std::vector<RaySensorDescription>(12)}});
+  world.robots.assign(12'000, robot);
   Shape rectangles;
   for (int i = 0; i < 100'000; ++i) rectangles.rectangles.push_back({2.0 * i, 0.0, 2.0 * i + 1.0, 1.0});
-  session.world.shapes.push_back(std::move(rectangles));
+  world.shapes.push_back(std::move(rectangles));
+  session.world = world;
   const std::size_t bytes = wire::ToBytes(session).size();
   ASSERT_GT(bytes, 16'000'000u);
-  options_.session_bytes = SessionBytes(session.world);
+  options_.session_bytes = SessionBytes(world);
   EXPECT_GE(options_.session_bytes, bytes);
   EXPECT_LE(options_.session_bytes, 20 * bytes);
   Service service(MakeServiceTransport());
   Agent agent(MakeDdsAgentTransport(AgentOptions()), 11);
   service.endpoint->SendSession(session);
   ASSERT_TRUE(Eventually([&] { return agent.sessions.items().size() == 1; }));
-  EXPECT_EQ(agent.sessions.items()[0].world.robots, session.world.robots);
+  EXPECT_EQ(agent.sessions.items()[0].world->robots, world.robots);
 }
 
 TEST_F(DdsTransportTest, RefusesSessionNamesThatMatchOthers) {

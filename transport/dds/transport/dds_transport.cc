@@ -156,7 +156,7 @@ std::size_t ShapeBytes(const Shape& shape) {
 std::size_t SensorBytes(const SensorDescription& sensor) {
   std::size_t bytes = 4 * kRowBytes;
   if (const auto* const ranger = std::get_if<RangerParameters>(&sensor.parameters)) {
-    for (const RaySensorDescription& rays : ranger->ray_sensors) {
+    for (const RaySensorDescription& rays : *ranger->ray_sensors) {
       bytes += kRowBytes + sizeof(double) * rays.elevations.size();
     }
   }
