@@ -69,16 +69,27 @@ void HitAreaPieces(const PixelPieces& area, const RayLine& ray, double z, Neares
   });
 }
 
+Rectangle BoxAround(std::span<const Ray> rays) {
+  Rectangle box = Rectangle::Nothing();
+  for (const Ray& ray : rays) {
+    box.Extend(ray.origin);
+    box.Extend(ray.origin + ray.max_distance * ray.direction);
+  }
+  return box;
+}
+
 // Finds each ray's nearest hit on the map. All walks are prepared before the first: a ray's preparation would else wait
 // for the end of the last one's walk, which no processor can predict.
 void HitMap(const StaticIndex& index, std::span<const Ray> rays, std::vector<StaticWalk>& walks,
             std::span<NearestHit> nearest) {
+  // Short rays in the open, as those of a swarm, see no piece, and then need no walk.
+  const bool walk = !index.IsSurelyEmpty(BoxAround(rays));
   walks.clear();
-  for (const Ray& ray : rays) walks.emplace_back(index, ray);
+  for (std::size_t i = 0; i < rays.size() && walk; ++i) walks.emplace_back(index, rays[i]);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const RayLine line{rays[i].origin, rays[i].direction};
     nearest[i] = {rays[i].max_distance, std::nullopt};
-    HitStaticPieces(index, line, rays[i].z, walks[i], nearest[i]);
+    if (walk) HitStaticPieces(index, line, rays[i].z, walks[i], nearest[i]);
     for (const PixelPieces& area : index.areas()) HitAreaPieces(area, line, rays[i].z, nearest[i]);
   }
 }

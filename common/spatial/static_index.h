@@ -149,6 +149,20 @@ class StaticIndex {
     if (pieces_.empty()) return {};
     return {grid_, origin, direction, inverse, max_distance};
   }
+  // True only if no kept piece is in the box, or within the errors of a ray near it. Cheap: false for most large boxes.
+  bool IsSurelyEmpty(const Rectangle& box) const {
+    constexpr double kMargin = 1e-6;  // m, far above the rounding of a ray's end
+    constexpr std::size_t kFewCells = 16;
+    if (pieces_.empty()) return true;
+    const CellRange range = grid_.CellsOf(box.Inflated(kMargin));
+    if (range.count() > kFewCells) return false;
+    for (std::int32_t row = range.min_row; row <= range.max_row; ++row) {
+      for (std::int32_t column = range.min_column; column <= range.max_column; ++column) {
+        if (ray_map_.filled()[grid_.CellAt(column, row)] != 0) return false;
+      }
+    }
+    return true;
+  }
   // The map of the kept pieces, by their indices.
   const RayMap& ray_map() const { return ray_map_; }
   void ShareRayMap(const FindEqualMemory& find) { ray_map_.Share(find); }

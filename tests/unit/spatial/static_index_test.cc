@@ -13,6 +13,7 @@
 #include "common/spatial/scene.h"
 #include "tests/support/small_world.h"
 #include "tests/support/test_world.h"
+#include "troupe/random.h"
 
 namespace troupe {
 namespace {
@@ -51,6 +52,28 @@ TEST(StaticIndex, FindsAFewPieces) {
   EXPECT_EQ(Find(index, {1.0, 0.0, 2.0, 0.1}), (std::vector<std::ptrdiff_t>{0})) << "touching counts";
   EXPECT_EQ(Find(index, {-9, -9, 9, 9}), (std::vector<std::ptrdiff_t>{0, 1, 2}));
   EXPECT_TRUE(Find(index, {7, 0, 8, 1}).empty());
+}
+
+TEST(StaticIndex, IsSurelyEmptyOnlyWherePiecesAreNot) {
+  std::vector<ConvexPiece> pieces;
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    const double x = 20.0 * RandomUniform({1, i});
+    const double y = 20.0 * RandomUniform({2, i});
+    pieces.push_back(PieceAt({x, y, x + RandomUniform({3, i}), y + 0.1}));
+  }
+  const StaticIndex index(pieces);
+  int empty = 0;
+  for (std::uint64_t i = 0; i < 20'000; ++i) {
+    const double x = 24.0 * RandomUniform({4, i}) - 2.0;
+    const double y = 24.0 * RandomUniform({5, i}) - 2.0;
+    const Rectangle box{x, y, x + 2.0 * RandomUniform({6, i}), y + 2.0 * RandomUniform({7, i})};
+    if (!index.IsSurelyEmpty(box)) continue;
+    ++empty;
+    ASSERT_TRUE(Find(index, box).empty()) << box.min_x << ' ' << box.min_y;
+  }
+  EXPECT_GT(empty, 1'000);
+  EXPECT_FALSE(index.IsSurelyEmpty({-1e6, -1e6, 1e6, 1e6}));
+  EXPECT_TRUE(StaticIndex().IsSurelyEmpty({-1e6, -1e6, 1e6, 1e6}));
 }
 
 // Numbers of kept pieces that a ray may hit, in the order of its walk.
