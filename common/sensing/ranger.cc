@@ -236,7 +236,8 @@ class Ranger final : public Sensor {
     rays.clear();
     angles.clear();
     const Pose X_WM = world.bodies.X_WM(description().model);
-    const Transform2 to_world(X_WM);  // for all ray sensors: X_WM * X_MS of each without further sines
+    const Transform2 to_world = world.bodies.TransformOf(
+        description().model, X_WM);  // for all ray sensors: X_WM * X_MS of each without further sines
     for (const FlatSensor& sensor : *flat_) {
       const Vec2 origin = to_world * sensor.p_MS;
       const double heading = WrapAngle(X_WM.heading + sensor.heading_MS);

@@ -1,6 +1,8 @@
 #include "common/spatial/body_index.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 
 #include "troupe/check.h"
 
@@ -98,6 +100,14 @@ Pose BodyIndex::X_WM(ModelId model) const {
   // X_WB * X_LM, with the same bits.
   const Vec2 p = transform(body) * X_LM.translation();
   return {p.x(), p.y(), X_WB.z + X_LM.z, WrapAngle(X_WB.heading + X_LM.heading)};
+}
+
+Transform2 BodyIndex::TransformOf(ModelId model, const Pose& X_WM) const {
+  const BodyId body = *scene_->body_of(model);
+  // By bits: the sines of both zeros differ.
+  const bool is_alike =
+      std::bit_cast<std::uint64_t>(X_WM.heading) == std::bit_cast<std::uint64_t>(X_WB_[body.index()].heading);
+  return is_alike ? transform(body).MovedTo(X_WM.translation()) : Transform2(X_WM);
 }
 
 const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {

@@ -37,6 +37,9 @@ class BodyIndex {
   const Transform2& transform(BodyId body) const;  // X_WB
   // Pose of a model with its joints at their present positions. REQUIRES: it belongs to a body.
   Pose X_WM(ModelId model) const;
+  // Transform2(X_WM), without sines of its own where the model has the heading of its body. REQUIRES: X_WM =
+  // X_WM(model)
+  Transform2 TransformOf(ModelId model, const Pose& X_WM) const;
   // Poses of a body's links in its frame at present.
   const std::vector<Pose>& X_BL(BodyId body) const;
   // The body's pieces in W at present. Valid until the body is moved.

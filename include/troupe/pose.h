@@ -46,6 +46,12 @@ class Transform2 {
   Vec2 operator*(const Vec2& p_B) const {
     return {p_.x() + cos_ * p_B.x() - sin_ * p_B.y(), p_.y() + sin_ * p_B.x() + cos_ * p_B.y()};
   }
+  // That of a pose with the same heading at `p_AB`, with its bits.
+  Transform2 MovedTo(const Vec2& p_AB) const {
+    Transform2 moved = *this;
+    moved.p_ = p_AB;
+    return moved;
+  }
   // Turns a direction without moving it.
   Vec2 Rotate(const Vec2& v_B) const { return {cos_ * v_B.x() - sin_ * v_B.y(), sin_ * v_B.x() + cos_ * v_B.y()}; }
   Vec2 InverseTransform(const Vec2& p_A) const { return InverseRotate(p_A - p_); }
