@@ -146,11 +146,11 @@ class GridWalk {
     const std::int32_t first_row =
         std::clamp(rows.Clamped(from_row + enter * rows_per_metre), first_left_row - 1, first_left_row + 1);
     rise_ = static_cast<std::int64_t>(rows_per_metre * metres_per_column_ * kCell);
-    last_ = (last - first) * up;
-    column_stride_ = up * columns.stride;
+    last_ = std::int64_t{last - first} * up;
+    column_stride_ = std::ptrdiff_t{up} * columns.stride;
     row_stride_ = rows.stride;
-    column_offset_ = first * columns.stride;
-    row_ = first_row * rows.stride;  // the offset of each cell fits into 32 bits
+    column_offset_ = std::ptrdiff_t{first} * columns.stride;
+    row_ = std::ptrdiff_t{first_row} * rows.stride;
   }
 
   // Goes to the next column in which a cell that the ray passes is filled; false if there is none. A function of its

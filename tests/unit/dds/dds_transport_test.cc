@@ -409,23 +409,35 @@ TEST_F(DdsTransportTest, AnAgentMakesItsEndpointsOfTheNetworkAgainAfterAFailure)
 TEST_F(DdsTransportTest, WorldsOfAnySizeReachTheAgents) {
   SessionMessage session = Session(5);
   WorldDescription world;
+  world.shapes.resize(1);
+  for (int i = 0; i < 600'000; ++i) world.shapes[0].rectangles.push_back({2.0 * i, 0.0, 2.0 * i + 1.0, 1.0});
+  session.world = world;
+  ASSERT_GT(wire::ToBytes(session).size(), 16'000'000u);
+  options_.session_bytes = SessionBytes(world);
+  const auto service_transport = MakeServiceTransport();
+  const auto service_end = service_transport->MakeServiceEndpoint();
+  service_end->SendSession(session);
+  Agent agent(MakeDdsAgentTransport(AgentOptions()), 11);
+  ASSERT_TRUE(Eventually([&] { return agent.sessions.items().size() == 1; }));
+  EXPECT_EQ(agent.sessions.items()[0].world->shapes, world.shapes);
+}
+
+TEST_F(DdsTransportTest, TheBytesOfASessionAreAboutThoseOfItsWorld) {
   RobotDescription robot{.name = "r"};
   robot.sensors.push_back({.name = "ranger", .parameters = RangerParameters{std::vector<RaySensorDescription>(12)}});
-  world.robots.assign(12'000, robot);
-  Shape rectangles;
-  for (int i = 0; i < 100'000; ++i) rectangles.rectangles.push_back({2.0 * i, 0.0, 2.0 * i + 1.0, 1.0});
-  world.shapes.push_back(std::move(rectangles));
-  session.world = world;
-  const std::size_t bytes = wire::ToBytes(session).size();
-  ASSERT_GT(bytes, 16'000'000u);
-  options_.session_bytes = SessionBytes(world);
-  EXPECT_GE(options_.session_bytes, bytes);
-  EXPECT_LE(options_.session_bytes, 20 * bytes);
-  Service service(MakeServiceTransport());
-  Agent agent(MakeDdsAgentTransport(AgentOptions()), 11);
-  service.endpoint->SendSession(session);
-  ASSERT_TRUE(Eventually([&] { return agent.sessions.items().size() == 1; }));
-  EXPECT_EQ(agent.sessions.items()[0].world->robots, world.robots);
+  WorldDescription swarm;
+  swarm.robots.assign(1'000, robot);
+  swarm.models.resize(2'000);
+  WorldDescription map;
+  map.shapes.resize(1);
+  map.shapes[0].rectangles.resize(100'000);
+  for (const WorldDescription& world : {swarm, map}) {
+    SessionMessage session = Session(5);
+    session.world = world;
+    const std::size_t bytes = wire::ToBytes(session).size();
+    EXPECT_GE(SessionBytes(world), bytes);
+    EXPECT_LE(SessionBytes(world), 16'000'000 + 20 * bytes);
+  }
 }
 
 TEST_F(DdsTransportTest, RefusesSessionNamesThatMatchOthers) {

@@ -166,8 +166,9 @@ std::size_t SensorBytes(const SensorDescription& sensor) {
 }  // namespace
 
 std::size_t SessionBytes(const WorldDescription& world) {
-  std::size_t bytes = kRowBytes * (world.models.size() + world.joints.size() + world.grippers.size() +
-                                   world.objects.size() + world.doors.size() + world.people.size());
+  std::size_t bytes =
+      kLargestSampleForService + kRowBytes * (world.models.size() + world.joints.size() + world.grippers.size() +
+                                              world.objects.size() + world.doors.size() + world.people.size());
   for (const Shape& shape : world.shapes) bytes += ShapeBytes(shape);
   for (const RobotDescription& robot : world.robots) {
     bytes += 2 * kRowBytes + robot.controller.parameters.size();
