@@ -410,7 +410,11 @@ TEST_F(DdsTransportTest, WorldsOfAnySizeReachTheAgents) {
   SessionMessage session = Session(5);
   WorldDescription world;
   world.shapes.resize(1);
-  for (int i = 0; i < 600'000; ++i) world.shapes[0].rectangles.push_back({2.0 * i, 0.0, 2.0 * i + 1.0, 1.0});
+  for (int i = 0; i < 600'000; ++i) {
+    const double x = i % 1'000;
+    const double y = i / 1'000;
+    world.shapes[0].rectangles.push_back({x, y, x + 0.5, y + 0.5});
+  }
   session.world = world;
   ASSERT_GT(wire::ToBytes(session).size(), 16'000'000u);
   options_.session_bytes = SessionBytes(world);
