@@ -6,12 +6,14 @@
 #include <utility>
 
 #include "common/base/hash.h"
+#include "troupe/check.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {
 namespace {
 
 const std::string& TextOf(const PropertyScalar& scalar) {
+  TROUPE_CHECK(scalar.number != nullptr || scalar.text != nullptr);
   return scalar.number != nullptr ? scalar.number->text : *scalar.text;
 }
 
