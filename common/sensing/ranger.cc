@@ -143,7 +143,7 @@ class Ranger final : public Sensor {
       __builtin_prefetch(ranger.scans[sensor.index].intensities.data(), 1);
     }
     CastRays(world.scene, world.bodies, rays, robot(), hits);
-    auto hit = hits.begin();
+    std::optional<RayHit>* hit = hits.data();
     for (const FlatSensor& sensor : *flat_) {
       RangeScan& scan = ranger.scans[sensor.index];
       if (!sensor.has_exact_ranges) {
