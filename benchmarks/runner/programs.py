@@ -77,7 +77,9 @@ class Troupe:
 
     def per_robot_and_tick(self, world, ticks, *options, headless=True):
         """The cost of a tick: that of a long run minus that of a short one, which is the cost of start and end."""
+        begin = time.monotonic()
         short = self.run(world, 2, *options, headless=headless)
+        short_seconds = time.monotonic() - begin
         long = self.run(world, ticks, *options, headless=headless)
         of_tick = {key: (long["usage"][key] - short["usage"][key]) / (ticks - 2) for key in long["usage"]}
         share = 1e6 / long["robots"]
@@ -91,6 +93,7 @@ class Troupe:
             "switches": of_tick["switches"] / long["robots"],
             "bytes_per_tick": of_tick["bytes"],
             "real_time_factor": long["real_time_factor"],
+            "short_seconds": short_seconds,  # with start and end
             "startup_seconds": long["startup_seconds"],
             "service_mib": long["service_peak_memory_mib"],
             "agent_mib": long["agent_peak_memory_mib"],

@@ -147,8 +147,8 @@ def targets(folder):
     add("the same swarm work as ARGoS 3 (1,000 robots with 24 proximity rays, one thread), of its processor time",
         "at most 0.10",
         ratios(beside_peers, "processor_us", "program", "troupe", "argos", work="24 rays", robots=1000), "", "peers")
-    add("100,000 robots with 12 rays from start to first tick", "at most 5 s",
-        pick(grown, "startup_seconds", robots=100_000), " s", "robots")
+    add("100,000 robots with 12 rays, from the start of the program to its end after two ticks", "at most 5 s",
+        pick(grown, "short_seconds", robots=100_000), " s", "robots")
     add("the same, memory", "under 2048 MiB", pick(grown, "service_mib", robots=100_000), " MiB", "robots")
     return table
 
