@@ -52,17 +52,11 @@ double ToUniform(std::uint64_t bits) {
 
 SinCosResult SinCos(double radians) {
   if (!std::isfinite(radians)) return {std::nan(""), std::nan("")};
-  if (std::abs(radians) > 1e5) radians = std::fmod(radians, 2.0 * kPi);
+  if (std::abs(radians) > kLargestDirectAngle) radians = std::fmod(radians, 2.0 * kPi);
   const double quadrant = std::nearbyint(radians * (2.0 / kPi));
-  // The reduced angle as a sum: `rest` is the part that rounding cut off `reduced`; it changes the last bit or two.
-  const double high = radians - quadrant * kHalfPiHigh;
-  const double middle = quadrant * kHalfPiMiddle;
-  const double reduced = high - middle;
-  const double rest = ((high - reduced) - middle) - quadrant * kHalfPiLow;
-  const double sin = SinPolynomial(reduced);
-  const double cos = CosPolynomial(reduced);
-  const double s = sin + rest * cos;
-  const double c = cos - rest * sin;
+  double s;
+  double c;
+  SinCosInQuadrant(radians, quadrant, s, c);
   switch (static_cast<std::int64_t>(quadrant) & 3) {
     case 0:
       return {s, c};

@@ -8,20 +8,17 @@
 #include <cstring>
 #include <limits>
 
-// All functions with vectors are inlined, so that no call depends on how a processor passes them.
-#pragma GCC diagnostic ignored "-Wpsabi"
 #include "common/base/sin_cos_polynomials.h"
 
 namespace troupe {
 namespace {
 
 constexpr std::size_t kLanes = 16;  // two vectors of the widest instructions, so that neither waits for itself
-constexpr double kLargest = 1e5;    // rad; SinCos first reduces larger ones
 
 using Doubles [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 using Bits [[gnu::vector_size(kLanes * sizeof(double))]] = std::int64_t;
 
-// SinCos for each lane of `angles`, all of which are within kLargest, without a jump.
+// SinCos for each lane of `angles`, all of which are within kLargestDirectAngle, without a jump.
 [[gnu::always_inline]] inline void SinCosOfLanes(const double* angles, double* sines, double* cosines) {
   constexpr double kNoFraction = 0x1.8p52;  // a sum with it is rounded to a whole number, whose last bits it has
   constexpr std::int64_t kSign = std::numeric_limits<std::int64_t>::min();
@@ -31,14 +28,11 @@ using Bits [[gnu::vector_size(kLanes * sizeof(double))]] = std::int64_t;
   const Bits turn = Bits(shifted);
   // Of the sign of the angle, as that of std::nearbyint is.
   const Doubles quadrant = Doubles(Bits(shifted - kNoFraction) | (Bits(x) & kSign));
-  const Doubles high = x - quadrant * kHalfPiHigh;
-  const Doubles middle = quadrant * kHalfPiMiddle;
-  const Doubles reduced = high - middle;
-  const Doubles rest = ((high - reduced) - middle) - quadrant * kHalfPiLow;
-  const Doubles sin = SinPolynomial(reduced);
-  const Doubles cos = CosPolynomial(reduced);
-  const Bits s = Bits(sin + rest * cos);
-  const Bits c = Bits(cos - rest * sin);
+  Doubles sin;
+  Doubles cos;
+  SinCosInQuadrant(x, quadrant, sin, cos);
+  const Bits s = Bits(sin);
+  const Bits c = Bits(cos);
   const Bits swaps = -(turn & 1);
   const Bits sine = (s & ~swaps) | (c & swaps);
   const Bits cosine = (c & ~swaps) | (s & swaps);
@@ -91,7 +85,7 @@ void SinCosOf(std::span<const double> radians, std::span<SinCosResult> results) 
     bool are_small = true;
     for (std::size_t i = 0; i < count; ++i) {
       angles[i] = radians[first + i];
-      are_small &= std::abs(angles[i]) <= kLargest;
+      are_small &= std::abs(angles[i]) <= kLargestDirectAngle;
     }
     if (!are_small) {
       for (std::size_t i = first; i < first + count; ++i) results[i] = SinCos(radians[i]);

@@ -96,7 +96,7 @@ FlatSensors FlatSensorsOf(std::span<const RaySensorDescription> ray_sensors) {
 }
 
 // The same for the rangers of all robots that are alike, as those of a swarm: then a cache has them.
-std::shared_ptr<const FlatSensors> Shared(FlatSensors flat) {
+std::shared_ptr<const FlatSensors> OneOfAlike(FlatSensors flat) {
   static std::mutex mutex;
   static std::weak_ptr<const FlatSensors> last;
   const std::scoped_lock lock(mutex);
@@ -109,7 +109,7 @@ std::shared_ptr<const FlatSensors> Shared(FlatSensors flat) {
 
 class Ranger final : public Sensor {
  public:
-  explicit Ranger(const SensorMount& mount) : Sensor(mount), flat_(Shared(FlatSensorsOf(ray_sensors()))) {
+  explicit Ranger(const SensorMount& mount) : Sensor(mount), flat_(OneOfAlike(FlatSensorsOf(ray_sensors()))) {
     is_fixed_ = mount.scene.link_of(description().model) == 0;
     has_planes_ = flat_->size() < ray_sensors().size();
   }

@@ -69,11 +69,13 @@ void HitAreaPieces(const PixelPieces& area, const RayLine& ray, double z, Neares
   });
 }
 
-Rectangle BoxAround(std::span<const Ray> rays) {
+// `length_of(i)`: m, of ray i.
+template <typename LengthOf>
+Rectangle BoxAround(std::span<const Ray> rays, LengthOf length_of) {
   Rectangle box = Rectangle::Nothing();
-  for (const Ray& ray : rays) {
-    box.Extend(ray.origin);
-    box.Extend(ray.origin + ray.max_distance * ray.direction);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    box.Extend(rays[i].origin);
+    box.Extend(rays[i].origin + length_of(i) * rays[i].direction);
   }
   return box;
 }
@@ -83,7 +85,7 @@ Rectangle BoxAround(std::span<const Ray> rays) {
 void HitMap(const StaticIndex& index, std::span<const Ray> rays, std::vector<StaticWalk>& walks,
             std::span<NearestHit> nearest) {
   // Short rays in the open, as those of a swarm, see no piece, and then need no walk.
-  const bool walk = !index.IsSurelyEmpty(BoxAround(rays));
+  const bool walk = !index.IsSurelyEmpty(BoxAround(rays, [&](std::size_t i) { return rays[i].max_distance; }));
   walks.clear();
   for (std::size_t i = 0; i < rays.size() && walk; ++i) walks.emplace_back(index, rays[i]);
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -292,12 +294,7 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
   ForEachBlock(rays.size(), [&](std::size_t first, std::size_t count) {
     HitMap(scene.static_index(), rays.subspan(first, count), workspace.walks, nearest.subspan(first, count));
   });
-  Rectangle seen = Rectangle::Nothing();
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    seen.Extend(rays[i].origin);
-    seen.Extend(rays[i].origin + nearest[i].distance * rays[i].direction);
-  }
-
+  const Rectangle seen = BoxAround(rays, [&](std::size_t i) { return nearest[i].distance; });
   const Vec2 reference = rays.front().origin;
   workspace.near.Find(scene, bodies, reference, seen, caster);
   if (!workspace.near.ids.empty()) {

@@ -43,16 +43,9 @@ class Exchange {
 
   template <typename Message>
   void ToServices(void (ServiceHandler::*receive)(const Message&), const Message& message) {
-    const auto shared = std::make_shared<const Message>(message);
     const std::lock_guard lock(mutex_);
     for (const auto& [target, handler] : services_) {
-      delivery_.Post(target, [handler = handler, receive, shared] { (handler->*receive)(*shared); });
-    }
-  }
-  void SendProposal(const SharedProposal& proposal) {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [target, handler] : services_) {
-      delivery_.Post(target, [handler = handler, proposal] { handler->OnSharedProposal(proposal); });
+      delivery_.Post(target, [handler = handler, receive, message] { (handler->*receive)(message); });
     }
   }
   template <typename Message>
@@ -209,9 +202,11 @@ class MemoryAgentEndpoint final : public AgentEndpoint {
   void Start(AgentHandler& handler) override { target_ = exchange_.AddAgent(handler); }
   void SendJoin(const JoinMessage& join) override { exchange_.ToServices(&ServiceHandler::OnJoin, join); }
   void SendProposal(const ProposalMessage& proposal) override {
-    exchange_.SendProposal(std::make_shared<const ProposalMessage>(proposal));
+    SendSharedProposal(std::make_shared<const ProposalMessage>(proposal));
   }
-  void SendSharedProposal(const SharedProposal& proposal) override { exchange_.SendProposal(proposal); }
+  void SendSharedProposal(const SharedProposal& proposal) override {
+    exchange_.ToServices(&ServiceHandler::OnSharedProposal, proposal);
+  }
 
  private:
   Exchange& exchange_;
