@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
   for (int tick = 0; tick < ticks; ++tick) {
     for (std::size_t i = 0; i < robots; ++i) {
       double nearest = 1e9;  // m
-      for (const troupe::RangeScan& scan : simulation.Read(troupe::RobotId(i), 0).ranger()->scans) {
-        for (const double range : scan.ranges) nearest = std::min(nearest, range);
+      for (const double range : simulation.Read(troupe::RobotId(i), 0).ranger()->ranges) {
+        nearest = std::min(nearest, range);
       }
       const bool free = nearest > 0.5;
       const troupe::Status status = simulation.DriveBy(troupe::RobotId(i), {free ? 0.4 : 0.0, 0.0, free ? 0.0 : 0.8});

@@ -68,7 +68,7 @@ std::vector<ScanFan> MeasureFans(const Scene& scene, const BodyIndex& bodies, co
       const SensorReading reading = sensor->Measure({scene, bodies, &state}, state.tick);
       const RangerReading* const ranger = reading.ranger();
       if (ranger == nullptr) continue;  // other kinds have no fans
-      for (const RangeScan& scan : ranger->scans) {
+      for (const RangeScan& scan : ranger->scans()) {
         const Pose X_WS = bodies.X_WB(scene.body_of(RobotId(i))) * scan.X_RS;
         const std::size_t first = FlattestPlane(scan) * scan.fan.count;
         const auto begin = scan.ranges.begin() + static_cast<std::ptrdiff_t>(first);

@@ -42,38 +42,32 @@ using Bits [[gnu::vector_size(kLanes * sizeof(double))]] = std::int64_t;
   std::memcpy(cosines, &out_cosine, sizeof out_cosine);
 }
 
-using Compute = SinCosOfSixteen;
-
 void ComputeAnywhere(const double* angles, double* sines, double* cosines) {
   SinCosOfLanes(angles, sines, cosines);
 }
-#ifdef __x86_64__
+#ifdef TROUPE_HAS_AVX512
 [[gnu::target("avx2")]] void ComputeByAvx2(const double* angles, double* sines, double* cosines) {
   SinCosOfLanes(angles, sines, cosines);
 }
 [[gnu::target("avx512f")]] void ComputeByAvx512(const double* angles, double* sines, double* cosines) {
   SinCosOfLanes(angles, sines, cosines);
 }
-constexpr std::array<Compute*, 3> kVariants = {ComputeAnywhere, ComputeByAvx2, ComputeByAvx512};
-#else
-constexpr std::array<Compute*, 1> kVariants = {ComputeAnywhere};
 #endif
 
-std::size_t CountVariants() {
-#ifdef __x86_64__
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512f")) return 3;
-  if (__builtin_cpu_supports("avx2")) return 2;
+constexpr auto kVariants = std::to_array<Variant<SinCosOfSixteen>>({
+    {Instructions::kAny, &ComputeAnywhere},
+#ifdef TROUPE_HAS_AVX512
+    {Instructions::kAvx2, &ComputeByAvx2},
+    {Instructions::kAvx512, &ComputeByAvx512},
 #endif
-  return 1;
-}
+});
 
-Compute* const kQuickest = kVariants[CountVariants() - 1];
+SinCosOfSixteen* const kQuickestSinCos = RunnableOf(kVariants).back().run;
 
 }  // namespace
 
-std::span<SinCosOfSixteen* const> SinCosVariants() {
-  return std::span(kVariants).first(CountVariants());
+std::span<const Variant<SinCosOfSixteen>> SinCosVariants() {
+  return RunnableOf(kVariants);
 }
 
 void SinCosOf(std::span<const double> radians, std::span<SinCosResult> results) {
@@ -91,7 +85,7 @@ void SinCosOf(std::span<const double> radians, std::span<SinCosResult> results) 
       for (std::size_t i = first; i < first + count; ++i) results[i] = SinCos(radians[i]);
       continue;
     }
-    kQuickest(angles.data(), sines.data(), cosines.data());
+    kQuickestSinCos(angles.data(), sines.data(), cosines.data());
     for (std::size_t i = 0; i < count; ++i) results[first + i] = {sines[i], cosines[i]};
   }
 }

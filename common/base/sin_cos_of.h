@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "common/base/instructions.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {
@@ -13,8 +14,7 @@ void SinCosOf(std::span<const double> radians, std::span<SinCosResult> results);
 
 // SinCos for each of sixteen angles, none of which is above 1e5 either way.
 using SinCosOfSixteen = void(const double* radians, double* sines, double* cosines);
-// The functions for the kinds of instructions that this processor has, the quickest last. Elsewhere than on x86-64 it
-// is one, whose vectors the compiler divides among the instructions that there are.
-std::span<SinCosOfSixteen* const> SinCosVariants();
+// Those that this processor can run, the quickest last.
+std::span<const Variant<SinCosOfSixteen>> SinCosVariants();
 
 }  // namespace troupe

@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "common/base/alike.h"
+#include "common/base/prefetch.h"
 #include "common/base/sin_cos_of.h"
 #include "common/sensing/sensor.h"
 #include "common/sensing/sensor_kinds.h"
@@ -72,6 +73,7 @@ struct FlatSensor {
   RayFan fan;
   double angle_noise;  // rad
   std::size_t index;   // among the ray sensors
+  std::size_t first;   // in RangerReading::ranges
   bool has_exact_ranges;
 
   bool operator==(const FlatSensor&) const = default;
@@ -80,8 +82,10 @@ using FlatSensors = std::vector<FlatSensor>;
 
 FlatSensors FlatSensorsOf(std::span<const RaySensorDescription> ray_sensors) {
   FlatSensors flat;
+  std::size_t first = 0;
   for (std::size_t s = 0; s < ray_sensors.size(); ++s) {
     const RaySensorDescription& sensor = ray_sensors[s];
+    first += sensor.samples * sensor.planes();
     if (!sensor.elevations.empty()) continue;
     flat.push_back({.p_MS = sensor.X_MS.translation(),
                     .heading_MS = sensor.X_MS.heading,
@@ -90,32 +94,35 @@ FlatSensors FlatSensorsOf(std::span<const RaySensorDescription> ray_sensors) {
                     .fan = FanOf(sensor),
                     .angle_noise = AngleNoise(sensor),
                     .index = s,
+                    .first = first - sensor.samples,
                     .has_exact_ranges = sensor.noise_proportional == 0.0 && !(sensor.noise_variance > 0.0)});
   }
   return flat;
 }
 
-// The same for the rangers of all robots that are alike, as those of a swarm: then a cache has them.
-std::shared_ptr<const FlatSensors> OneOfAlike(FlatSensors flat) {
-  static std::mutex mutex;
-  static std::weak_ptr<const FlatSensors> last;
-  const std::scoped_lock lock(mutex);
-  std::shared_ptr<const FlatSensors> shared = last.lock();
-  if (shared != nullptr && *shared == flat) return shared;
-  shared = std::make_shared<const FlatSensors>(std::move(flat));
-  last = shared;
-  return shared;
+// Of scans of a ranger at X_RM.
+std::vector<ScanGeometry> GeometryOf(std::span<const RaySensorDescription> ray_sensors, const Pose& X_RM) {
+  std::vector<ScanGeometry> scans;
+  for (const RaySensorDescription& sensor : ray_sensors) {
+    scans.push_back({.fan = FanOf(sensor),
+                     .elevations = sensor.elevations,
+                     .X_RS = X_RM * sensor.X_MS,
+                     .limits = sensor.range,
+                     .variance = sensor.noise_variance});
+  }
+  return scans;
 }
 
 class Ranger final : public Sensor {
  public:
   explicit Ranger(const SensorMount& mount) : Sensor(mount), flat_(OneOfAlike(FlatSensorsOf(ray_sensors()))) {
-    is_fixed_ = mount.scene.link_of(description().model) == 0;
     has_planes_ = flat_->size() < ray_sensors().size();
+    const ModelId model = description().model;
+    if (mount.scene.link_of(model) == 0) geometry_ = OneOfAlike(GeometryOf(ray_sensors(), mount.scene.X_LM(model)));
   }
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
-    const std::vector<RangeScan>& scans = std::get<RangerReading>(reading.content).scans;
+    const std::vector<RangeScan> scans = std::get<RangerReading>(reading.content).scans();
     std::string lines;
     for (std::size_t i = 0; i < scans.size(); ++i) {
       lines += LineStart(reading.tick, world.robot(robot()).name, description().name + "." + std::to_string(i)) +
@@ -132,25 +139,18 @@ class Ranger final : public Sensor {
     reading.tick = tick;
     const bool is_new = reading.empty();
     RangerReading& ranger = ContentOf<RangerReading>(reading);
-    if (is_new || !is_fixed_) {
-      DescribeScans(is_fixed_ ? world.scene.X_LM(description().model) : MountAt(world), ranger.scans);
-    }
-    // A swarm has more readings than a cache has room for: they are fetched while the rays are cast.
-    for (const FlatSensor& sensor : *flat_) __builtin_prefetch(&ranger.scans[sensor.index], 1);
+    if (is_new || !geometry_) Describe(world, ranger);
+    Prefetch(ranger.ranges.data(), ranger.ranges.size() * sizeof(double));  // while the rays are cast
+    Prefetch(ranger.intensities.data(), ranger.intensities.size() * sizeof(double));
     MakeRays(world, tick, rays);
-    for (const FlatSensor& sensor : *flat_) {
-      __builtin_prefetch(ranger.scans[sensor.index].ranges.data(), 1);
-      __builtin_prefetch(ranger.scans[sensor.index].intensities.data(), 1);
-    }
     CastRays(world.scene, world.bodies, rays, robot(), hits);
     std::optional<RayHit>* hit = hits.data();
     for (const FlatSensor& sensor : *flat_) {
-      RangeScan& scan = ranger.scans[sensor.index];
       if (!sensor.has_exact_ranges) {
         AddNoise(ray_sensors()[sensor.index], NoiseOf(world, sensor.index, tick), std::span(hit, sensor.fan.count));
       }
-      double* range = scan.ranges.data();
-      double* intensity = scan.intensities.data();
+      double* range = ranger.ranges.data() + sensor.first;
+      double* intensity = ranger.intensities.data() + sensor.first;
       for (std::size_t i = 0; i < sensor.fan.count; ++i, ++hit, ++range, ++intensity) {
         *range = *hit ? sensor.range.Clamp((*hit)->distance) : sensor.range.max;
         *intensity = *hit ? world.scene.ranger_return((*hit)->model) : 0.0;
@@ -159,11 +159,22 @@ class Ranger final : public Sensor {
     if (has_planes_) MeasurePlanes(world, tick, ranger);
   }
 
+  // Writes all of the reading but what is measured. It never changes if no joint moves the ranger.
+  void Describe(const SensedWorld& world, RangerReading& ranger) const {
+    if (geometry_) {
+      ranger.geometry = *geometry_;
+    } else if (std::vector<ScanGeometry> moved = GeometryOf(ray_sensors(), MountAt(world)); *ranger.geometry != moved) {
+      ranger.geometry = std::move(moved);
+    }
+    const std::size_t rays = ranger.first_ray(ranger.geometry->size());
+    ranger.ranges.resize(rays);
+    ranger.intensities.resize(rays);
+  }
+
   // The scans of the ray sensors with several planes.
   void MeasurePlanes(const SensedWorld& world, Tick tick, RangerReading& ranger) const {
     for (std::size_t s = 0; s < ray_sensors().size(); ++s) {
-      if (ray_sensors()[s].elevations.empty()) continue;
-      MeasurePlanes(world, s, NoiseOf(world, s, tick), ranger.scans[s]);
+      if (!ray_sensors()[s].elevations.empty()) MeasurePlanes(world, s, NoiseOf(world, s, tick), ranger);
     }
   }
 
@@ -173,30 +184,17 @@ class Ranger final : public Sensor {
     }
   }
 
-  // All of the scans but what is measured. It never changes if no joint moves the ranger.
-  void DescribeScans(const Pose& X_RM, std::vector<RangeScan>& scans) const {
-    scans.resize(ray_sensors().size());
-    for (std::size_t s = 0; s < scans.size(); ++s) {
-      const RaySensorDescription& sensor = ray_sensors()[s];
-      RangeScan& scan = scans[s];
-      scan.fan = FanOf(sensor);
-      scan.X_RS = X_RM * sensor.X_MS;
-      scan.limits = sensor.range;
-      scan.variance = sensor.noise_variance;
-      scan.elevations = sensor.elevations;
-      scan.ranges.resize(sensor.samples * sensor.planes());
-      scan.intensities.resize(sensor.samples * sensor.planes());
-    }
-  }
-
   // The ranges of a ray sensor with several planes: in each half plane of a bearing all at once.
-  void MeasurePlanes(const SensedWorld& world, std::size_t s, const Noise& noise, RangeScan& scan) const {
+  void MeasurePlanes(const SensedWorld& world, std::size_t s, const Noise& noise, RangerReading& ranger) const {
     const RaySensorDescription& sensor = ray_sensors()[s];
     const Pose X_WS = world.bodies.X_WM(description().model) * sensor.X_MS;
     const std::size_t planes = sensor.planes();
     const double amplitude = AngleNoise(sensor);
-    scan.ranges.assign(planes * sensor.samples, sensor.range.max);
-    scan.intensities.assign(planes * sensor.samples, 0.0);
+    const std::size_t first = ranger.first_ray(s);
+    const std::span ranges = std::span(ranger.ranges).subspan(first, planes * sensor.samples);
+    const std::span intensities = std::span(ranger.intensities).subspan(first, planes * sensor.samples);
+    std::fill(ranges.begin(), ranges.end(), sensor.range.max);
+    std::fill(intensities.begin(), intensities.end(), 0.0);
     std::vector<double> slopes;
     std::vector<double> cosines;
     for (const double elevation : sensor.elevations) {
@@ -223,8 +221,8 @@ class Ranger final : public Sensor {
         if (!hits_body && (ground >= sensor.range.max || distance > sensor.range.max)) continue;
         if (distance > sensor.range.max) continue;
         const std::size_t place = plane * sensor.samples + i;
-        scan.ranges[place] = sensor.range.Clamp(NoisyRange(sensor, noise, place, distance));
-        scan.intensities[place] = hits_body ? world.scene.ranger_return(hit->model) : kGroundIntensity;
+        ranges[place] = sensor.range.Clamp(NoisyRange(sensor, noise, place, distance));
+        intensities[place] = hits_body ? world.scene.ranger_return(hit->model) : kGroundIntensity;
       }
     }
   }
@@ -268,9 +266,9 @@ class Ranger final : public Sensor {
     return std::get<RangerParameters>(description().parameters).ray_sensors;
   }
 
-  std::shared_ptr<const FlatSensors> flat_;  // the ray sensors with one plane
-  bool is_fixed_ = false;                    // no joint moves it
-  bool has_planes_ = false;                  // of a ray sensor with several planes
+  Shared<FlatSensors> flat_;                                   // the ray sensors with one plane
+  bool has_planes_ = false;                                    // of a ray sensor with several planes
+  std::optional<Shared<std::vector<ScanGeometry>>> geometry_;  // none: joints move the ranger
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/prefetch.h"
 #include "common/sensing/contact.h"
 #include "common/sensing/sensor_kinds.h"
 #include "troupe/check.h"
@@ -30,6 +31,11 @@ SensorSuite::SensorSuite(const Scene& scene, RobotId robot)
 void SensorSuite::CopyReadings(const SensorSuite& other) {
   subscribed_ = other.subscribed_;
   readings_ = other.readings_;
+}
+
+void SensorSuite::Prefetch() const {
+  for (const auto& sensor : sensors_) troupe::Prefetch(sensor.get(), sizeof(Sensor));
+  troupe::Prefetch(readings_.data(), readings_.size() * sizeof(SensorReading));
 }
 
 void SensorSuite::Update(const SensedWorld& world, Tick tick) {

@@ -27,6 +27,8 @@ class SensorSuite {
   // Copies the subscriptions and readings of another suite of the same robot.
   void CopyReadings(const SensorSuite& other);
 
+  // Fetches the memory of the sensors and readings, for an Update soon (common/base/prefetch.h).
+  void Prefetch() const;
   // Measures the subscribed sensors that are due at `tick`; the others keep their readings.
   void Update(const SensedWorld& world, Tick tick);
   // The reading of each sensor; empty where not subscribed or never due.

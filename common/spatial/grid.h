@@ -190,6 +190,8 @@ class GridWalk {
   }
 
  private:
+  friend class WalkStarters;
+
   // Rows are whole numbers, a cell being 1 << kBits: their errors do not grow with the distance from 0.
   static constexpr int kBits = 40;
 

@@ -6,9 +6,7 @@
 #include "common/spatial/ray_shape.h"
 #include "troupe/rectangle.h"
 
-// On Windows GCC does not align what it keeps on the stack.
-#if defined(__x86_64__) && !defined(_WIN32)
-#define TROUPE_HAS_AVX512
+#ifdef TROUPE_HAS_AVX512
 #include <immintrin.h>
 #endif
 
@@ -109,27 +107,19 @@ std::size_t FindByFour(const Numbers& rays, const DiscList& discs, Touched* touc
 }
 #endif
 
-constexpr std::array kFinders = {
-    &FindByFour,
+constexpr auto kFinders = std::to_array<Variant<RayBlock::Finder>>({
+    {Instructions::kAny, &FindByFour},
 #ifdef TROUPE_HAS_AVX512
-    &FindBySixteen,
+    {Instructions::kAvx512, &FindBySixteen},
 #endif
-};
+});
 
-std::size_t CountFinders() {
-#ifdef TROUPE_HAS_AVX512
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512f")) return 2;
-#endif
-  return 1;
-}
-
-RayBlock::Finder* const kQuickest = kFinders[CountFinders() - 1];
+RayBlock::Finder* const kQuickestFinder = RunnableOf(kFinders).back().run;
 
 }  // namespace
 
-std::span<RayBlock::Finder* const> RayBlock::Finders() {
-  return std::span(kFinders).first(CountFinders());
+std::span<const Variant<RayBlock::Finder>> RayBlock::Finders() {
+  return RunnableOf(kFinders);
 }
 
 RayBlock::RayBlock(std::span<const Part> rays, double max_radius) {
@@ -168,7 +158,7 @@ RayBlock::RayBlock(std::span<const Part> rays, double max_radius) {
 }
 
 void RayBlock::FindTouched(const DiscList& discs, std::vector<Touched>& touched) const {
-  FindTouched(discs, touched, kQuickest);
+  FindTouched(discs, touched, kQuickestFinder);
 }
 
 void RayBlock::FindTouched(const DiscList& discs, std::vector<Touched>& touched, Finder* finder) const {

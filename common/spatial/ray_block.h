@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/instructions.h"
 #include "common/spatial/disc_list.h"
 #include "troupe/vec2.h"
 
@@ -58,7 +59,7 @@ class RayBlock {
   // Writes the discs to `touched`, which has room for all lanes of the list, and returns their number.
   using Finder = std::size_t(const Numbers& rays, const DiscList& discs, Touched* touched);
   // Those that this processor can run, the quickest last. They differ only in what is too near to tell.
-  static std::span<Finder* const> Finders();
+  static std::span<const Variant<Finder>> Finders();
   void FindTouched(const DiscList& discs, std::vector<Touched>& touched, Finder* finder) const;
 
   // A lower bound of the way along the ray to the disc, m.

@@ -13,23 +13,12 @@
 namespace troupe {
 namespace {
 
-// The walk of a ray over the map.
-struct StaticWalk {
-  StaticWalk(const StaticIndex& index, const Ray& ray)
-      : box_line({ray.origin, ray.direction}),
-        walk(index.StartWalk(ray.origin, ray.direction, box_line.inverse(), ray.max_distance)) {}
-  BoxLine box_line;
-  GridWalk walk;
-};
-
-void HitStaticPieces(const StaticIndex& index, const RayLine& ray, double z, StaticWalk& prepared,
+void HitStaticPieces(const StaticIndex& index, const RayLine& ray, double z, const BoxLine& box_line, GridWalk& walk,
                      NearestHit& nearest) {
   // The walk's own distances round too; the tolerance keeps hits exactly at the start of a cell.
   constexpr double kRayTolerance = 1e-8;  // m
   const RayMap& map = index.ray_map();
   const std::uint8_t* const filled = map.filled();
-  const BoxLine& box_line = prepared.box_line;
-  GridWalk& walk = prepared.walk;
   while (walk.Next([filled](std::size_t cell) { return filled[cell]; })) {
     if (walk.entered() > nearest.distance + kRayTolerance) return;
     const auto visit = [&](std::size_t cell) {
@@ -80,18 +69,31 @@ Rectangle BoxAround(std::span<const Ray> rays, LengthOf length_of) {
   return box;
 }
 
+// The walks of a block of rays over the map.
+struct MapWalks {
+  void Start(const StaticIndex& index, std::span<const Ray> rays) {
+    lines.clear();
+    WalkBlock block;
+    for (const Ray& ray : rays) {
+      lines.emplace_back(RayLine{ray.origin, ray.direction});
+      block.Add(ray.origin, ray.direction, lines.back().inverse(), ray.max_distance);
+    }
+    index.StartWalks(block, std::span(walks).first(rays.size()));
+  }
+  std::vector<BoxLine> lines;
+  std::array<GridWalk, WalkBlock::kLanes> walks;
+};
+
 // Finds each ray's nearest hit on the map. All walks are prepared before the first: a ray's preparation would else wait
 // for the end of the last one's walk, which no processor can predict.
-void HitMap(const StaticIndex& index, std::span<const Ray> rays, std::vector<StaticWalk>& walks,
-            std::span<NearestHit> nearest) {
+void HitMap(const StaticIndex& index, std::span<const Ray> rays, MapWalks& walks, std::span<NearestHit> nearest) {
   // Short rays in the open, as those of a swarm, see no piece, and then need no walk.
   const bool walk = !index.IsSurelyEmpty(BoxAround(rays, [&](std::size_t i) { return rays[i].max_distance; }));
-  walks.clear();
-  for (std::size_t i = 0; i < rays.size() && walk; ++i) walks.emplace_back(index, rays[i]);
+  if (walk) walks.Start(index, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const RayLine line{rays[i].origin, rays[i].direction};
     nearest[i] = {rays[i].max_distance, std::nullopt};
-    if (walk) HitStaticPieces(index, line, rays[i].z, walks[i], nearest[i]);
+    if (walk) HitStaticPieces(index, line, rays[i].z, walks.lines[i], walks.walks[i], nearest[i]);
     for (const PixelPieces& area : index.areas()) HitAreaPieces(area, line, rays[i].z, nearest[i]);
   }
 }
@@ -260,7 +262,7 @@ class BlockHits {
 // The lists of a cast, kept from cast to cast, so that a cast allocates nothing.
 struct Workspace {
   std::vector<NearestHit> nearest;
-  std::vector<StaticWalk> walks;
+  MapWalks walks;
   NearBodies near;
   BodyHits::Lists body_hits;
   BlockHits block_hits;

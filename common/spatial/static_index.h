@@ -13,6 +13,7 @@
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/grid.h"
 #include "common/spatial/ray_shape.h"
+#include "common/spatial/walk_block.h"
 #include "troupe/pixel_area.h"
 #include "troupe/rectangle.h"
 
@@ -143,11 +144,13 @@ class StaticIndex {
   template <typename Keep>
   void Query(const Rectangle& box, NearPieces& result, Keep keep) const;
 
-  // The walk of a ray over the kept pieces; REQUIRES: as WalkRay
-  GridWalk StartWalk(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse,
-                     double max_distance) const {
-    if (pieces_.empty()) return {};
-    return {grid_, origin, direction, inverse, max_distance};
+  // Starts the walks of rays over the kept pieces. REQUIRES: as WalkBlock::Start
+  void StartWalks(const WalkBlock& rays, std::span<GridWalk> walks) const {
+    if (pieces_.empty()) {
+      std::fill(walks.begin(), walks.end(), GridWalk());
+    } else {
+      rays.Start(grid_, walks);
+    }
   }
   // True only if no kept piece is in the box, or within the errors of a ray near it. Cheap: false for most large boxes.
   bool IsSurelyEmpty(const Rectangle& box) const {

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   for (int i = 0; i < 200; ++i) {
     double nearest = 1e9;  // m
     const troupe::SensorReading reading = simulation.Measure(robot, 0);
-    for (const troupe::RangeScan& scan : reading.ranger()->scans) {
+    for (const troupe::RangeScan& scan : reading.ranger()->scans()) {
       for (const double range : scan.ranges) nearest = std::min(nearest, range);
     }
     troupe::Command command;

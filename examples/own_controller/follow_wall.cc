@@ -46,7 +46,7 @@ class FollowWall final : public troupe::Controller {
   // The shortest range (m) between two bearings (rad, from the robot's heading), at most 10 m.
   static double Nearest(const troupe::RangerReading& reading, double first, double last) {
     double nearest = 10.0;
-    for (const troupe::RangeScan& scan : reading.scans) {
+    for (const troupe::RangeScan& scan : reading.scans()) {
       for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
         const double bearing = troupe::WrapAngle(scan.X_RS.heading + scan.fan.Bearing(i));
         if (bearing > first && bearing < last) nearest = std::min(nearest, scan.ranges[i]);

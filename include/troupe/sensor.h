@@ -2,8 +2,7 @@
 // result of one measurement of one sensor, of any kind, with the geometry that gives the numbers their meaning: a
 // consumer needs no description of the sensor. Plain values; a reading has no errors.
 //
-//   SensorReading ── RangerReading: scans, one for each ray sensor ── RangeScan: ranges and intensities, one for each
-//   ray
+//   SensorReading ── RangerReading: scans, one for each ray sensor ── RangeScan: ranges and intensities by ray
 //                 ├─ BreakBeamReading: beams of one gripper
 //                 ├─ FiducialReading: the models that a fiducial finder recognizes
 //                 ├─ BumperReading: the segments of a bumper, pressed or not
@@ -30,6 +29,7 @@
 #include "troupe/interval.h"
 #include "troupe/pose.h"
 #include "troupe/sensor_description.h"
+#include "troupe/shared.h"
 #include "troupe/vec2.h"
 
 namespace troupe {
@@ -57,24 +57,22 @@ struct RayFan {
   bool operator==(const RayFan&) const = default;
 };
 
-// The fans of rays from the origin of S, one for each plane: ranges[p * fan.count + i] and intensities[...] belong to
-// the bearing fan.Bearing(i) in frame S, at the elevation of plane p. A flat sensor has one plane, z = 0 of S.
-struct RangeScan {
-  std::vector<double> ranges = {};       // m along the ray, within `limits`; limits.max without a hit
-  std::vector<double> intensities = {};  // ranger_return of the hit, 0 without one
-  RayFan fan = {};                       // of each plane
-  std::vector<double> elevations = {};   // rad above the horizontal, by plane, ascending; empty: one horizontal plane
-  Pose X_RS = {};                        // at the measurement: a lift or an arm moves it
-  Interval limits = {};                  // m
-  double variance = 0.0;                 // m^2, of the noise that does not depend on the range
+// The fans of rays of a ray sensor from the origin of S, one for each plane. A flat sensor has one plane, z = 0 of S.
+struct ScanGeometry {
+  RayFan fan = {};                      // of each plane
+  std::vector<double> elevations = {};  // rad above the horizontal, by plane, ascending; empty: one horizontal plane
+  Pose X_RS = {};                       // at the measurement: a lift or an arm moves it
+  Interval limits = {};                 // m
+  double variance = 0.0;                // m^2, of the noise that does not depend on the range
 
   std::size_t planes() const { return elevations.empty() ? 1 : elevations.size(); }
   double elevation(std::size_t plane) const { return elevations.empty() ? 0.0 : elevations[plane]; }
-  bool operator==(const RangeScan&) const = default;
+  std::size_t rays() const { return planes() * fan.count; }
+  bool operator==(const ScanGeometry&) const = default;
 };
 
 // The plane nearest to the horizontal.
-inline std::size_t FlattestPlane(const RangeScan& scan) {
+inline std::size_t FlattestPlane(const ScanGeometry& scan) {
   std::size_t flattest = 0;
   for (std::size_t plane = 1; plane < scan.planes(); ++plane) {
     if (std::abs(scan.elevation(plane)) < std::abs(scan.elevation(flattest))) flattest = plane;
@@ -82,11 +80,51 @@ inline std::size_t FlattestPlane(const RangeScan& scan) {
   return flattest;
 }
 
-// The reading of a ranger: one scan for each of its ray sensors, in the order of the world file.
+// The scan of one ray sensor: ranges[p * fan.count + i] and intensities[...] belong to the bearing fan.Bearing(i) in
+// frame S, at the elevation of plane p.
+struct RangeScan : ScanGeometry {
+  std::vector<double> ranges = {};       // m along the ray, within `limits`; limits.max without a hit
+  std::vector<double> intensities = {};  // ranger_return of the hit, 0 without one
+  bool operator==(const RangeScan&) const = default;
+};
+
+// The reading of a ranger: one scan for each of its ray sensors, in the order of the world file. The numbers of all
+// scans are one list, and robots that are alike share the geometry: a swarm has many readings, and measures them anew
+// in each tick.
 struct RangerReading {
-  std::vector<RangeScan> scans = {};
+  std::vector<double> ranges = {};                  // of all scans, scan by scan, as in RangeScan
+  std::vector<double> intensities = {};             // likewise
+  Shared<std::vector<ScanGeometry>> geometry = {};  // by scan
+
+  // Copies of the scans. REQUIRES: i < geometry->size()
+  RangeScan scan(std::size_t i) const;
+  std::vector<RangeScan> scans() const;
+  // Where the scan begins in `ranges`.
+  std::size_t first_ray(std::size_t scan) const;
+
   bool operator==(const RangerReading&) const = default;
 };
+
+inline std::size_t RangerReading::first_ray(std::size_t scan) const {
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < scan; ++i) first += (*geometry)[i].rays();
+  return first;
+}
+
+inline RangeScan RangerReading::scan(std::size_t i) const {
+  RangeScan scan{(*geometry)[i]};
+  const auto first = static_cast<std::ptrdiff_t>(first_ray(i));
+  const auto end = first + static_cast<std::ptrdiff_t>(scan.rays());
+  scan.ranges.assign(ranges.begin() + first, ranges.begin() + end);
+  scan.intensities.assign(intensities.begin() + first, intensities.begin() + end);
+  return scan;
+}
+
+inline std::vector<RangeScan> RangerReading::scans() const {
+  std::vector<RangeScan> scans;
+  for (std::size_t i = 0; i < geometry->size(); ++i) scans.push_back(scan(i));
+  return scans;
+}
 
 // The reading of the break beams of a gripper.
 struct BreakBeamReading {

@@ -177,8 +177,8 @@ class CsvExport final : public RunExport {
         if (!std::holds_alternative<RangerParameters>(sensors[s].parameters) || !measured_.IsDue(robot, s)) continue;
         const RangerReading* const reading = measured_.Measure(robot, s).ranger();
         if (reading == nullptr) continue;
-        for (std::size_t k = 0; k < reading->scans.size(); ++k) {
-          const RangeScan& scan = reading->scans[k];
+        for (std::size_t k = 0; k < reading->geometry->size(); ++k) {
+          const RangeScan scan = reading->scan(k);
           for (std::size_t ray = 0; ray < scan.ranges.size(); ++ray) {
             Status status =
                 readings_->Add(time, world.state().tick, description.robots[i].name, sensors[s].name, std::uint64_t{k},

@@ -59,8 +59,8 @@ class FoxgloveExport final : public RunExport {
   Status AddScan(const foxglove::Channel& channel, std::uint64_t time) {
     if (!readings_.IsDue(channel.robot, channel.sensor)) return {};
     const RangerReading* const reading = readings_.Measure(channel.robot, channel.sensor).ranger();
-    if (reading == nullptr || channel.scan >= reading->scans.size()) return {};
-    return Write(channel, foxglove::ScanText(reading->scans[channel.scan], channel.frame, time), time);
+    if (reading == nullptr || channel.scan >= reading->geometry->size()) return {};
+    return Write(channel, foxglove::ScanText(reading->scan(channel.scan), channel.frame, time), time);
   }
 
   Status Write(const foxglove::Channel& channel, const std::string& text, std::uint64_t time) {

@@ -189,28 +189,28 @@ class Ros2Export final : public RunExport {
 
   void AddRangers(const Robot& robot) {
     for (const ros::LaserTopic& laser : robot.sensors.lasers) {
-      const std::vector<RangeScan>* const scans = ScansOf(robot, laser.ranger);
-      if (scans == nullptr) continue;
+      const RangerReading* const reading = ReadingOf(robot, laser.ranger);
+      if (reading == nullptr) continue;
       const double period =
           description().robot(robot.id).sensors[laser.ranger].period_ticks * description().interval_seconds();
       dds::WireArena arena;
-      Write(robot.prefix + laser.topic,
-            ros::MakeLaserScan(stamp_, robot.frames.prefix + laser.frame, (*scans)[laser.sensor], period, true, arena));
+      Write(robot.prefix + laser.topic, ros::MakeLaserScan(stamp_, robot.frames.prefix + laser.frame,
+                                                           reading->scan(laser.sensor), period, true, arena));
     }
     for (const ros::CloudTopic& cloud : robot.sensors.clouds) {
-      const std::vector<RangeScan>* const scans = ScansOf(robot, cloud.ranger);
-      if (scans == nullptr) continue;
+      const RangerReading* const reading = ReadingOf(robot, cloud.ranger);
+      if (reading == nullptr) continue;
       dds::WireArena arena;
       Write(robot.prefix + cloud.topic + "/points",
-            ros::MakeScanCloud(stamp_, robot.frames.prefix + cloud.frame, (*scans)[cloud.sensor], arena));
+            ros::MakeScanCloud(stamp_, robot.frames.prefix + cloud.frame, reading->scan(cloud.sensor), arena));
     }
     for (const ros::SonarTopic& sonar : robot.sensors.sonars) {
-      const std::vector<RangeScan>* const scans = ScansOf(robot, sonar.ranger);
-      if (scans == nullptr) continue;
+      const RangerReading* const reading = ReadingOf(robot, sonar.ranger);
+      if (reading == nullptr) continue;
       for (const ros::SonarTopic::Sensor& sensor : sonar.sensors) {
         dds::WireArena arena;
         Write(robot.prefix + sonar.topic,
-              ros::MakeRange(stamp_, robot.frames.prefix + sensor.frame, (*scans)[sensor.index], arena));
+              ros::MakeRange(stamp_, robot.frames.prefix + sensor.frame, reading->scan(sensor.index), arena));
       }
     }
   }
@@ -236,10 +236,8 @@ class Ros2Export final : public RunExport {
   }
 
   // Null unless the ranger is due.
-  const std::vector<RangeScan>* ScansOf(const Robot& robot, std::size_t ranger) {
-    if (!readings_.IsDue(robot.id, ranger)) return nullptr;
-    const RangerReading* const reading = readings_.Measure(robot.id, ranger).ranger();
-    return reading != nullptr ? &reading->scans : nullptr;
+  const RangerReading* ReadingOf(const Robot& robot, std::size_t ranger) {
+    return readings_.IsDue(robot.id, ranger) ? readings_.Measure(robot.id, ranger).ranger() : nullptr;
   }
 
   // Keeps the first error, which Add returns.

@@ -60,13 +60,16 @@ struct ReadingConverter {
   py::object operator()(const std::monostate&) const { return py::none(); }
 
   py::object operator()(const RangerReading& reading) const {
-    return Make("RangerReading", tick, ToTuple(reading.scans, [&](const RangeScan& scan) {
-                  std::vector<py::ssize_t> shape = {Size(scan.ranges.size())};
+    std::size_t first = 0;
+    return Make("RangerReading", tick, ToTuple(*reading.geometry, [&](const ScanGeometry& scan) {
+                  const double* const ranges = reading.ranges.data() + first;
+                  const double* const intensities = reading.intensities.data() + first;
+                  first += scan.rays();
+                  std::vector<py::ssize_t> shape = {Size(scan.rays())};
                   if (!scan.elevations.empty()) shape = {Size(scan.planes()), Size(scan.fan.count)};
                   static constexpr double kLevel = 0.0;
                   const double* const elevations = scan.elevations.empty() ? &kLevel : scan.elevations.data();
-                  return Make("RangeScan", View(owner, scan.ranges.data(), shape),
-                              View(owner, scan.intensities.data(), shape), scan.fan.fov,
+                  return Make("RangeScan", View(owner, ranges, shape), View(owner, intensities, shape), scan.fan.fov,
                               View(owner, elevations, {Size(scan.planes())}), ToRecord(scan.X_RS), scan.limits.min,
                               scan.limits.max);
                 }));

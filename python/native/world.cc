@@ -25,12 +25,6 @@ std::string NamesOf(const WorldDescription& world) {
   return names.empty() ? "a world with robots" : fmt::format("one of: {}", fmt::join(names, ", "));
 }
 
-std::size_t CountRaysOf(const RangerReading& ranger) {
-  std::size_t rays = 0;
-  for (const RangeScan& scan : ranger.scans) rays += scan.ranges.size();
-  return rays;
-}
-
 }  // namespace
 
 void Raise(const Error& error) {
@@ -159,18 +153,18 @@ std::size_t World::CountRays(const std::vector<std::size_t>& sensors) {
   if (sensors.empty()) return 0;
   const RangerReading* const ranger = simulation_.Read(RobotId(0), sensors[0]).ranger();
   if (ranger == nullptr) throw py::value_error(fmt::format("sensor {} of the first robot is no ranger", sensors[0]));
-  return CountRaysOf(*ranger);
+  return ranger->ranges.size();
 }
 
-const std::vector<RangeScan>& World::Scans(RobotId robot, std::size_t sensor, std::size_t rays) const {
+const std::vector<double>& World::Ranges(RobotId robot, std::size_t sensor, std::size_t rays) const {
   const std::string& name = simulation_.world().robot(robot).name;
   const RangerReading* const ranger = sensor < sensor_count(robot) ? simulation_.Read(robot, sensor).ranger() : nullptr;
   if (ranger == nullptr) throw py::value_error(fmt::format("sensor {} of robot {} is no ranger", sensor, name));
-  if (const std::size_t found = CountRaysOf(*ranger); found != rays) {
+  if (const std::size_t found = ranger->ranges.size(); found != rays) {
     throw py::value_error(
         fmt::format("the ranger of robot {} has {} rays, expected {} as the first robot's", name, found, rays));
   }
-  return ranger->scans;
+  return ranger->ranges;
 }
 
 void World::CheckRobots(std::size_t count) const {

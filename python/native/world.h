@@ -90,9 +90,7 @@ class World {
   void CopyRanges(const std::vector<std::size_t>& sensors, std::size_t rays, Number* out) const {
     CheckRobots(sensors.size());
     for (std::size_t i = 0; i < sensors.size(); ++i) {
-      for (const RangeScan& scan : Scans(RobotId(i), sensors[i], rays)) {
-        for (const double range : scan.ranges) *out++ = static_cast<Number>(range);
-      }
+      for (const double range : Ranges(RobotId(i), sensors[i], rays)) *out++ = static_cast<Number>(range);
     }
   }
   // The error is another number of robots, as after the restoration of a snapshot of another world.
@@ -105,7 +103,7 @@ class World {
 
  private:
   void Prepare();  // for another world
-  const std::vector<RangeScan>& Scans(RobotId robot, std::size_t sensor, std::size_t rays) const;
+  const std::vector<double>& Ranges(RobotId robot, std::size_t sensor, std::size_t rays) const;
 
   Simulation simulation_;
   std::atomic<bool> used_ = false;

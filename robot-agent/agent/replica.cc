@@ -319,7 +319,9 @@ void Replica::DecideAll(const WorldState& state, const DecideOne& decide) {
     Enter(lanes_[thread], TickPhase::kApply, state.tick + 1);
     bodies.Assign(state);
     for (std::size_t first = next.fetch_add(kShare); first < robots_.size(); first = next.fetch_add(kShare)) {
-      for (std::size_t i = first; i < std::min(first + kShare, robots_.size()); ++i) {
+      const std::size_t end = std::min(first + kShare, robots_.size());
+      for (std::size_t i = first; i < end; ++i) {
+        if (i + 1 < end) robots_[i + 1]->Prefetch();
         decide(*robots_[i], i, bodies, lanes_[thread]);
       }
     }

@@ -37,12 +37,8 @@ class ExpandController final : public Controller {
       : parameters_(parameters),
         drive_(info.robot->drive),
         recovery_(drive_, {parameters.speed, parameters.turn_gain}),
-        ranger_(ranger) {
-    for (const RangerRay& ray : RaysOf(info, ranger)) {
-      const SinCosResult direction = SinCos(ray.bearing);
-      rays_.push_back({ray, {direction.cos, direction.sin}});
-    }
-  }
+        ranger_(ranger),
+        rays_(PlacedRaysOf(info, ranger)) {}
 
   std::vector<std::size_t> Subscriptions() const override { return {ranger_}; }
 
@@ -54,7 +50,7 @@ class ExpandController final : public Controller {
       return *recovery;
     Vec2 free_space = Vec2::Zero();
     bool clear = true;
-    for (const auto& [ray, direction] : rays_) {
+    for (const auto& [ray, origin, direction] : *rays_) {
       const double range = RangeOf(reading, ray);
       free_space += range * direction;
       if (std::abs(ray.bearing) < parameters_.clear_angle && range < parameters_.clear_distance) clear = false;
@@ -85,11 +81,6 @@ class ExpandController final : public Controller {
     return {0.0, side * parameters_.turn_gain};
   }
 
-  struct DirectedRay {
-    RangerRay ray;
-    Vec2 direction;
-  };
-
   Command Drive(double speed, double turn_rate) const {
     Command command;
     if (drive_.type == DriveType::kCar) {
@@ -107,7 +98,7 @@ class ExpandController final : public Controller {
   DriveDescription drive_;
   Recovery recovery_;
   std::size_t ranger_;
-  std::vector<DirectedRay> rays_;
+  Shared<std::vector<PlacedRay>> rays_;
   Escape escape_;
   double escape_until_ = 0.0;  // s, simulated
 };

@@ -26,7 +26,7 @@ Result<LaserNoiseParameters> ParseLaserNoise(const std::string& text) {
 class LaserNoiseController final : public Controller {
  public:
   LaserNoiseController(const RobotInfo& info, const LaserNoiseParameters& parameters, std::size_t ranger)
-      : parameters_(parameters), ranger_(ranger), rays_(RaysOf(info, ranger)), sums_(rays_.size()) {}
+      : parameters_(parameters), ranger_(ranger), rays_(RaysOf(info, ranger)), sums_(rays_->size()) {}
 
   std::vector<std::size_t> Subscriptions() const override { return {ranger_}; }
 
@@ -34,14 +34,15 @@ class LaserNoiseController final : public Controller {
     Command command;
     const SensorReading& reading = observation.sensors[ranger_];
     if (reading.empty() || reading.tick != observation.tick) return command;
-    for (std::size_t i = 0; i < rays_.size(); ++i) {
-      const double range = RangeOf(reading, rays_[i]);
-      if (range < rays_[i].max_range) sums_[i].Add(range);
+    for (std::size_t i = 0; i < rays_->size(); ++i) {
+      const RangerRay& ray = (*rays_)[i];
+      const double range = RangeOf(reading, ray);
+      if (range < ray.max_range) sums_[i].Add(range);
     }
     if (static_cast<double>(++readings_) < parameters_.samples) return command;
     command.report = Report();
     readings_ = 0;
-    sums_.assign(rays_.size(), {});
+    sums_.assign(rays_->size(), {});
     return command;
   }
 
@@ -78,12 +79,12 @@ class LaserNoiseController final : public Controller {
     }
     if (rays == 0.0) return fmt::format("{} readings: no ray has a hit", readings_);
     return fmt::format("{} readings, {} of {} rays with hits: standard deviation {:.6f} m, greatest {:.6f} m (ray {})",
-                       readings_, rays, rays_.size(), std::sqrt(variances / rays), std::sqrt(greatest), noisiest);
+                       readings_, rays, rays_->size(), std::sqrt(variances / rays), std::sqrt(greatest), noisiest);
   }
 
   LaserNoiseParameters parameters_;
   std::size_t ranger_;
-  std::vector<RangerRay> rays_;
+  Shared<std::vector<RangerRay>> rays_;
   std::vector<Sums> sums_;  // by ray
   std::size_t readings_ = 0;
 };

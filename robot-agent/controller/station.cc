@@ -123,7 +123,7 @@ class StationController final : public Controller {
       return visitors;
     }
     const SensorReading& reading = observation.sensors[*ranger_];
-    const bool near = std::any_of(rays_.begin(), rays_.end(), [&](const RangerRay& ray) {
+    const bool near = std::any_of(rays_->begin(), rays_->end(), [&](const RangerRay& ray) {
       const double range = RangeOf(reading, ray);
       return range <= parameters_.reach && range < ray.max_range;
     });
@@ -137,7 +137,7 @@ class StationController final : public Controller {
   std::optional<std::size_t> flag_;
   Interval flag_range_;
   std::optional<bool> flag_shows_;
-  std::vector<RangerRay> rays_;
+  Shared<std::vector<RangerRay>> rays_;
   double stock_ = 0.0;
   double next_change_ = 0.0;  // s, simulated
   std::map<ModelId, Visit> visits_;

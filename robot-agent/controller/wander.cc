@@ -102,7 +102,7 @@ class WanderController final : public Controller {
     }
     const SensorReading& reading = observation.sensors[*ranger_];
     double balance = 0.0;
-    for (const RangerRay& ray : rays_) {
+    for (const RangerRay& ray : *rays_) {
       const double range = RangeOf(reading, ray);
       // A ray without a hit is clear, even if its maximum is below min_distance.
       const bool clear = range >= ray.max_range;
@@ -136,7 +136,7 @@ class WanderController final : public Controller {
   WanderParameters parameters_;
   bool car_;
   std::optional<std::size_t> ranger_;
-  std::vector<RangerRay> rays_;
+  Shared<std::vector<RangerRay>> rays_;
   Recovery recovery_;
   double needed_;      // m: it turns away from a nearer obstacle ahead; min_distance, or less in a narrow place
   double turn_ = 0.0;  // 1: to the left, -1: to the right, 0: not turning

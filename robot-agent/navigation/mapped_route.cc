@@ -124,7 +124,7 @@ void MappedRoute::Observe(const Observation& observation) {
   if (reading.empty() || reading.tick != observation.tick) return;
   const Transform2 robot(observation.pose_estimate);
   grid_->Observe(observation.pose_estimate.translation(), {1.0, 0.0}, 0.0, false);  // the place of the robot is free
-  for (const PlacedRay& placed : rays_) {
+  for (const PlacedRay& placed : *rays_) {
     const double range = RangeOf(reading, placed.ray);
     grid_->Observe(robot * placed.p_RO, robot.Rotate(placed.direction), range, range < placed.ray.max_range);
   }

@@ -83,7 +83,7 @@ class MappedRoute {
 
   Settings settings_;
   std::size_t ranger_;
-  std::vector<PlacedRay> rays_;
+  Shared<std::vector<PlacedRay>> rays_;
   std::optional<EvidenceGrid> grid_;  // from the first reading on
   std::vector<Vec2> path_;            // m, E
   std::optional<Vec2> goal_;          // of the path; nothing: the unknown

@@ -1,5 +1,8 @@
 #include "robot-agent/navigation/rays.h"
 
+#include <utility>
+
+#include "common/base/alike.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {
@@ -10,34 +13,34 @@ const RangerParameters* RangerOf(const SensorInfo& sensor) {
   return std::get_if<RangerParameters>(&sensor.description->parameters);
 }
 
-}  // namespace
-
-std::vector<RangerRay> RaysOf(const RobotInfo& info, std::size_t ranger) {
-  const double mount = info.sensors[ranger].X_RM.heading;
-  const std::vector<RaySensorDescription>& sensors = RangerOf(info.sensors[ranger])->ray_sensors;
-  std::vector<RangerRay> rays;
-  for (std::size_t s = 0; s < sensors.size(); ++s) {
-    const RayFan fan{sensors[s].fov, sensors[s].samples};
-    RangeScan planes;  // of several, the one that is nearest to the horizontal counts
-    planes.elevations = sensors[s].elevations;
-    const std::size_t first = FlattestPlane(planes) * fan.count;
-    for (std::size_t i = 0; i < fan.count; ++i) {
-      rays.push_back({WrapAngle(mount + sensors[s].X_MS.heading + fan.Bearing(i)), sensors[s].range.max, s, first + i});
+std::vector<PlacedRay> ListRays(const SensorInfo& sensor) {
+  std::vector<PlacedRay> rays;
+  std::size_t place = 0;
+  for (const RaySensorDescription& ray_sensor : *RangerOf(sensor)->ray_sensors) {
+    const ScanGeometry scan{.fan = {ray_sensor.fov, ray_sensor.samples}, .elevations = ray_sensor.elevations};
+    const Pose X_RS = sensor.X_RM * ray_sensor.X_MS;
+    // Of several planes, the one that is nearest to the horizontal counts.
+    const std::size_t first = place + FlattestPlane(scan) * scan.fan.count;
+    for (std::size_t i = 0; i < scan.fan.count; ++i) {
+      const double bearing = WrapAngle(sensor.X_RM.heading + ray_sensor.X_MS.heading + scan.fan.Bearing(i));
+      const SinCosResult direction = SinCos(bearing);
+      rays.push_back({{bearing, ray_sensor.range.max, first + i}, X_RS.translation(), {direction.cos, direction.sin}});
     }
+    place += scan.rays();
   }
   return rays;
 }
 
-std::vector<PlacedRay> PlacedRaysOf(const RobotInfo& info, std::size_t ranger) {
-  const SensorInfo& sensor = info.sensors[ranger];
-  const std::vector<RaySensorDescription>& sensors = RangerOf(sensor)->ray_sensors;
-  std::vector<PlacedRay> placed;
-  for (const RangerRay& ray : RaysOf(info, ranger)) {
-    const Pose X_RS = sensor.X_RM * sensors[ray.sensor].X_MS;
-    const SinCosResult direction = SinCos(ray.bearing);
-    placed.push_back({ray, X_RS.translation(), {direction.cos, direction.sin}});
-  }
-  return placed;
+}  // namespace
+
+Shared<std::vector<RangerRay>> RaysOf(const RobotInfo& info, std::size_t ranger) {
+  std::vector<RangerRay> rays;
+  for (const PlacedRay& placed : ListRays(info.sensors[ranger])) rays.push_back(placed.ray);
+  return OneOfAlike(std::move(rays));
+}
+
+Shared<std::vector<PlacedRay>> PlacedRaysOf(const RobotInfo& info, std::size_t ranger) {
+  return OneOfAlike(ListRays(info.sensors[ranger]));
 }
 
 std::optional<std::size_t> FindScanner(const RobotInfo& info) {

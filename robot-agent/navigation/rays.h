@@ -7,35 +7,36 @@
 #include <vector>
 
 #include "troupe/controller.h"
+#include "troupe/shared.h"
 
 namespace troupe {
 
 struct RangerRay {
-  double bearing;      // rad, from the robot's heading, in (-pi, pi]
-  double max_range;    // m
-  std::size_t sensor;  // in RangerParameters::ray_sensors
-  std::size_t sample;  // in the ray sensor
+  double bearing;     // rad, from the robot's heading, in (-pi, pi]
+  double max_range;   // m
+  std::size_t place;  // in RangerReading::ranges
+  bool operator==(const RangerRay&) const = default;
 };
 
-// All rays of a ranger of the robot, ray sensor by ray sensor. REQUIRES: sensor `ranger` is a ranger.
-std::vector<RangerRay> RaysOf(const RobotInfo& info, std::size_t ranger);
+// All rays of a ranger of the robot, ray sensor by ray sensor; robots that are alike share them.
+// REQUIRES: sensor `ranger` is a ranger.
+Shared<std::vector<RangerRay>> RaysOf(const RobotInfo& info, std::size_t ranger);
 
 // A ray with its line in the frame R of the robot.
 struct PlacedRay {
   RangerRay ray;
   Vec2 p_RO{0.0, 0.0};       // its origin
   Vec2 direction{1.0, 0.0};  // a unit vector
+  bool operator==(const PlacedRay&) const = default;
 };
 
 // The same with all joints of the robot at their starts. REQUIRES: as above.
-std::vector<PlacedRay> PlacedRaysOf(const RobotInfo& info, std::size_t ranger);
+Shared<std::vector<PlacedRay>> PlacedRaysOf(const RobotInfo& info, std::size_t ranger);
 
 // The range that `reading` has for the ray (m); the ray's maximum in an empty reading, as before the first measurement.
 inline double RangeOf(const SensorReading& reading, const RangerRay& ray) {
   const RangerReading* const ranger = reading.ranger();
-  if (ranger == nullptr || ray.sensor >= ranger->scans.size()) return ray.max_range;
-  const std::vector<double>& ranges = ranger->scans[ray.sensor].ranges;
-  return ray.sample < ranges.size() ? ranges[ray.sample] : ray.max_range;
+  return ranger != nullptr && ray.place < ranger->ranges.size() ? ranger->ranges[ray.place] : ray.max_range;
 }
 
 // The scanner-like ranger: the one with the ray sensor of the most rays, if any ray sensor has more than one.

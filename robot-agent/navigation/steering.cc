@@ -141,7 +141,7 @@ void ClearSteering::SeeObstacles(const Observation& observation) {
   obstacles_.clear();
   if (!ranger_) return;
   const SensorReading& reading = observation.sensors[*ranger_];
-  for (const PlacedRay& placed : rays_) {
+  for (const PlacedRay& placed : *rays_) {
     const double range = RangeOf(reading, placed.ray);
     if (range >= placed.ray.max_range) continue;
     const Vec2 hit = placed.p_RO + range * placed.direction;

@@ -94,7 +94,7 @@ class ClearSteering {
   DriveDescription drive_;
   Recovery recovery_;
   std::optional<std::size_t> ranger_;
-  std::vector<PlacedRay> rays_;
+  Shared<std::vector<PlacedRay>> rays_;
   std::vector<Vec2> obstacles_;        // hits, in R
   std::optional<double> last_course_;  // rad, in the frame of the estimate
   double side_ = 1.0;                  // 1: it turns to the left

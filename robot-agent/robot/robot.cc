@@ -14,6 +14,7 @@
 
 #include "common/base/file.h"
 #include "common/base/output_file.h"
+#include "common/base/prefetch.h"
 #include "common/base/text.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
@@ -274,7 +275,14 @@ Proposal Robot::Retrace(const WorldState& state, const BodyIndex& bodies, const 
   return Propose(state, external);
 }
 
+void Robot::Prefetch() const {
+  troupe::Prefetch(this, sizeof *this);
+}
+
 void Robot::Sense(const WorldState& state, const BodyIndex& bodies) {
+  constexpr std::size_t kControllerBytes = 384;  // about as many as most have
+  troupe::Prefetch(controller_.get(), kControllerBytes);
+  sensors_.Prefetch();
   odometry_.Update(state.robots[id_.index()].X_WR);
   sensors_.Update({*scene_, bodies, &state}, state.tick);
 }
@@ -355,7 +363,10 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
   observation.sensors = sensors_.readings();
   observation.joints = manipulator_.joint_readings();
   observation.grippers = manipulator_.gripper_readings();
-  if (const std::optional<std::size_t> store = scene_->store_of(description().root)) {
+  // In most worlds there is none, and the robots of a swarm have no room for the models of all in a cache.
+  const std::optional<std::size_t> store =
+      scene_->stores().empty() ? std::nullopt : scene_->store_of(description().root);
+  if (store) {
     const PowerDescription& power = world.model(scene_->stores()[*store].model).power;
     observation.energy = {state.stores[*store].joules, power.capacity, state.stores[*store].charge_watts};
   }

@@ -56,6 +56,9 @@ class Robot {
   // REQUIRES: the scene of Create still exists.
   void ChangeWorld(const Scene& scene);
 
+  // Fetches its memory, for a Decide soon (common/base/prefetch.h).
+  void Prefetch() const;
+
   RobotId id() const { return id_; }
 
   // What its controller knows about it before the first tick.

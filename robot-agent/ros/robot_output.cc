@@ -11,8 +11,8 @@ namespace {
 constexpr std::int32_t kOutputDepth = 10;
 
 // REQUIRES: sensor `ranger` is a ranger.
-const std::vector<RangeScan>& ScansOf(const RobotView& robot, std::size_t ranger) {
-  return std::get<RangerReading>(robot.Measure(ranger).content).scans;
+const RangerReading& ReadingOf(const RobotView& robot, std::size_t ranger) {
+  return std::get<RangerReading>(robot.Measure(ranger).content);
 }
 
 constexpr std::int32_t kSensorDepth = 10;
@@ -117,12 +117,12 @@ void RobotOutput::Publish(Tick tick, const RobotView& robot) {
 void RobotOutput::PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar) {
   const std::size_t ranger = sonar.topic.ranger;
   if (!sonar.points->is_addressed() || !Due(tick, ranger)) return;
-  const std::vector<RangeScan>& scans = ScansOf(robot, ranger);
+  const RangerReading& reading = ReadingOf(robot, ranger);
   std::vector<Pose> poses;
   std::vector<double> ranges;
   std::vector<double> limits;
   for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {
-    const RangeScan& scan = scans[sensor.index];
+    const RangeScan scan = reading.scan(sensor.index);
     poses.push_back(scan.X_RS);
     ranges.push_back(scan.ranges.front());
     limits.push_back(scan.limits.max);
@@ -154,19 +154,19 @@ void RobotOutput::PublishLaser(Tick tick, const RobotView& robot, Laser& laser) 
   if (!laser.writer->is_addressed() || !Due(tick, ranger)) return;
   const double period = description().sensors[ranger].period_ticks * scene_->world().interval_seconds();
   dds::WireArena arena;
-  laser.writer->Write(ros::MakeLaserScan(Stamp(tick), frames_.prefix + frame, ScansOf(robot, ranger)[sensor], period,
-                                         infinite_ranges_, arena));
+  laser.writer->Write(ros::MakeLaserScan(Stamp(tick), frames_.prefix + frame, ReadingOf(robot, ranger).scan(sensor),
+                                         period, infinite_ranges_, arena));
 }
 
 void RobotOutput::PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar) {
   const std::size_t ranger = sonar.topic.ranger;
   const bool wanted = sonar.writer ? sonar.writer->is_addressed() : sonar.humble_writer->is_addressed();
   if (!wanted || !Due(tick, ranger)) return;
-  const std::vector<RangeScan>& scans = ScansOf(robot, ranger);
+  const RangerReading& reading = ReadingOf(robot, ranger);
   for (const ros::SonarTopic::Sensor& sensor : sonar.topic.sensors) {
     dds::WireArena arena;
     const ros::RangeMessage message =
-        ros::MakeRange(Stamp(tick), frames_.prefix + sensor.frame, scans[sensor.index], arena);
+        ros::MakeRange(Stamp(tick), frames_.prefix + sensor.frame, reading.scan(sensor.index), arena);
     if (sonar.writer) {
       sonar.writer->Write(message);
     } else {
@@ -250,10 +250,9 @@ void SensorOutput::Publish(const ros::Time& stamp, Tick tick, const RobotView& r
   }
   for (Cloud& cloud : clouds_) {
     if (!cloud.writer->is_addressed() || !Due(tick, cloud.topic.ranger)) continue;
-    const SensorReading& reading = robot.Measure(cloud.topic.ranger);
     dds::WireArena arena;
     cloud.writer->Write(ros::MakeScanCloud(stamp, prefix_ + cloud.topic.frame,
-                                           std::get<RangerReading>(reading.content).scans[cloud.topic.sensor], arena));
+                                           ReadingOf(robot, cloud.topic.ranger).scan(cloud.topic.sensor), arena));
   }
   for (Finder& finder : finders_) {
     if (!finder.writer->is_addressed() || !Due(tick, finder.topic.sensor)) continue;

@@ -311,15 +311,11 @@ double ValueOf(const SensorReading& reading, SignalKind kind) {
   if (const auto* const ranger = reading.As<RangerReading>()) {
     double least = kInfinity;
     double sum = 0.0;
-    double count = 0.0;
-    for (const RangeScan& scan : ranger->scans) {
-      for (const double range : scan.ranges) {
-        least = std::min(least, range);
-        sum += range;
-      }
-      count += static_cast<double>(scan.ranges.size());
+    for (const double range : ranger->ranges) {
+      least = std::min(least, range);
+      sum += range;
     }
-    return kind == SignalKind::kRange ? least : sum / count;
+    return kind == SignalKind::kRange ? least : sum / static_cast<double>(ranger->ranges.size());
   }
   if (const auto* const bumper = reading.As<BumperReading>()) {
     return Truth(std::any_of(bumper->segments.begin(), bumper->segments.end(),

@@ -53,7 +53,7 @@ class Digest {
   }
   void Add(const EnergyReading& energy) { AddAll(energy.joules, energy.capacity, energy.charge_watts); }
   void Add(const RangeScan& scan) { AddAll(scan.ranges, scan.intensities, scan.X_RS); }
-  void Add(const RangerReading& ranger) { Add(ranger.scans); }
+  void Add(const RangerReading& ranger) { Add(ranger.scans()); }
   void Add(const BreakBeamReading::Beam& beam) { Add(beam.broken_by); }
   void Add(const BreakBeamReading& beams) { Add(beams.beams); }
   void Add(const Fiducial& fiducial) {

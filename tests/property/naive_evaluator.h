@@ -258,11 +258,8 @@ class NaiveEvaluator {
       }
       return sum;
     }
-    std::vector<double> ranges;
     const SensorReading reading = Measure(f, "ranger", t);
-    for (const RangeScan& scan : reading.As<RangerReading>()->scans) {
-      ranges.insert(ranges.end(), scan.ranges.begin(), scan.ranges.end());
-    }
+    const std::vector<double>& ranges = reading.As<RangerReading>()->ranges;
     if (f.name == "range") return *std::min_element(ranges.begin(), ranges.end());
     double sum = 0.0;
     for (const double range : ranges) sum += range;

@@ -135,7 +135,7 @@ TEST(SensorsProperty, EveryRayOfAScannerOfSeveralPlanesIsTheNearestOfAllBlocks) 
     const BruteForcePrisms prisms(world, sensed.state(), [&, own = robot](ModelId model) {
       return !IsOfRobot(world, model, own) && world.model(model).ranger_return >= 0.0;
     });
-    const RangeScan scan = sensed.MeasureAs<RangerReading>(robot, sensor).scans.at(0);
+    const RangeScan scan = sensed.MeasureAs<RangerReading>(robot, sensor).scan(0);
     ASSERT_EQ(scan.ranges.size(), planes * scanner.samples);
     for (std::size_t plane = 0; plane < planes; ++plane) {
       const double slope_angle = scanner.elevations[plane];
@@ -174,9 +174,9 @@ TEST(SensorsProperty, APlaneWithoutElevationReadsAsAFlatScanner) {
     const auto mounted = Mount(seed, RangerParameters{{flat, planes, flat}}, random);
     if (!mounted) continue;
     const RangerReading reading = mounted->sensed.MeasureAs<RangerReading>(mounted->robot, mounted->sensor);
-    EXPECT_EQ(reading.scans[0], reading.scans[2]);
+    EXPECT_EQ(reading.scan(0), reading.scan(2));
     for (std::size_t i = 0; i < flat.samples; ++i) {
-      EXPECT_NEAR(reading.scans[1].ranges[flat.samples + i], reading.scans[0].ranges[i], 1e-9);
+      EXPECT_NEAR(reading.scan(1).ranges[flat.samples + i], reading.scan(0).ranges[i], 1e-9);
     }
   }
 }

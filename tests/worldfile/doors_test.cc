@@ -271,9 +271,7 @@ TEST(Doors, OfTwoOrdersInATickTheWiderCounts) {
 TEST(Doors, AreSeenByRays) {
   Simulation run = Simulate(kGate + R"(cart ( name "r" pose [-2 0 0 0]
       ranger ( pose [0 0 0.1 0] sensor ( range [0 5] fov 0 samples 1 ) ) ))");
-  const auto range = [&] {
-    return std::get<RangerReading>(run.Measure(RobotId(0), 0).content).scans.at(0).ranges.at(0);
-  };
+  const auto range = [&] { return std::get<RangerReading>(run.Measure(RobotId(0), 0).content).ranges.at(0); };
   EXPECT_NEAR(range(), 1.95, 1e-9);
   Do(run, "r", Order(1.0), 20);
   EXPECT_EQ(range(), 5.0);

@@ -98,7 +98,7 @@ TEST(SensorsScenario, EveryKindOfSensorFindsSomething) {
       any = std::any_of(view->models.begin(), view->models.end(), [](std::int32_t model) { return model >= 0; });
     }
     if (const RangerReading* const ranger = reading.ranger()) {
-      const RangeScan& scan = ranger->scans[0];
+      const RangeScan scan = ranger->scan(0);
       any = std::any_of(scan.ranges.begin(), scan.ranges.end(), [&](double r) { return r < scan.limits.max; });
     }
     if (const auto* const imu = reading.As<ImuReading>()) any = imu->turn != 0.0 && imu->force_xy.norm() > 0.0;

@@ -211,8 +211,8 @@ void FoxgloveClient::SendScan(std::uint32_t subscription, const foxglove::Channe
   const Scene& scene = *shown()->world->scene;
   SensorSuite& suite = suites_.try_emplace(channel.robot, scene, channel.robot).first->second;
   const RangerReading* const reading = suite.Measure(channel.sensor, {scene, *bodies_}, shown()->state->tick).ranger();
-  if (reading == nullptr || channel.scan >= reading->scans.size()) return;
-  const std::string text = foxglove::ScanText(reading->scans[channel.scan], channel.frame, ShownTime());
+  if (reading == nullptr || channel.scan >= reading->geometry->size()) return;
+  const std::string text = foxglove::ScanText(reading->scan(channel.scan), channel.frame, ShownTime());
   Send(foxglove::DataMessage(subscription, ShownTime(), text), false);
 }
 

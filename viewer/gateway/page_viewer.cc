@@ -74,8 +74,8 @@ struct ContentWriter {
   void operator()(const std::monostate&) const { Write(ReadingKind::kNone); }
   void operator()(const RangerReading& ranger) const {
     Write(ReadingKind::kRanger);
-    writer.WriteCount(ranger.scans.size());
-    for (const RangeScan& scan : ranger.scans) {
+    writer.WriteCount(ranger.geometry->size());
+    for (const RangeScan& scan : ranger.scans()) {
       writer.WritePose(scan.X_RS);
       writer.Write(scan.fan.fov);
       Write(scan.limits);

@@ -93,15 +93,10 @@ double SignalReader::Range(const Source& source) {
   const SensorReading& reading =
       SuiteOf(source.robot).Measure(source.part, {*state_->world->scene, *bodies_, &state}, state.tick);
   const RangerReading* const ranger = reading.ranger();
-  if (ranger == nullptr || ranger->scans.empty()) return kNone;
-  if (source.ray) {
-    const std::vector<double>& ranges = ranger->scans.front().ranges;
-    return *source.ray < ranges.size() ? ranges[*source.ray] : kNone;
-  }
+  if (ranger == nullptr || ranger->geometry->empty()) return kNone;
+  if (source.ray) return *source.ray < ranger->geometry->front().rays() ? ranger->ranges[*source.ray] : kNone;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const RangeScan& scan : ranger->scans) {
-    for (const double range : scan.ranges) nearest = std::min(nearest, range);
-  }
+  for (const double range : ranger->ranges) nearest = std::min(nearest, range);
   return nearest;
 }
 

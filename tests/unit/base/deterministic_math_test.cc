@@ -79,11 +79,11 @@ std::vector<double> AnglesOfAllKinds() {
 TEST(SinCos, HasTheSameBitsByAllInstructions) {
   const std::vector<double> angles = AnglesOfAllKinds();
   ASSERT_FALSE(SinCosVariants().empty());
-  for (SinCosOfSixteen* const variant : SinCosVariants()) {
+  for (const auto& [needs, compute] : SinCosVariants()) {
     for (std::size_t first = 0; first < angles.size(); first += 16) {
       double sines[16];
       double cosines[16];
-      variant(&angles[first], sines, cosines);
+      compute(&angles[first], sines, cosines);
       for (std::size_t i = 0; i < 16; ++i) {
         ASSERT_EQ(BitsOf({sines[i], cosines[i]}), BitsOf(SinCos(angles[first + i]))) << angles[first + i];
       }

@@ -50,12 +50,12 @@ template <typename RangeAtBearing>
 SensorReading Read(const SensorDescription& ranger, RangeAtBearing range) {
   RangerReading reading;
   for (const RaySensorDescription& sensor : RaySensors(ranger)) {
-    RangeScan scan{.fan = {sensor.fov, sensor.samples}, .X_RS = sensor.X_MS, .limits = sensor.range};
+    ScanGeometry scan{.fan = {sensor.fov, sensor.samples}, .X_RS = sensor.X_MS, .limits = sensor.range};
     for (std::size_t i = 0; i < scan.fan.count; ++i) {
-      scan.ranges.push_back(sensor.range.Clamp(range(sensor.X_MS.heading + scan.fan.Bearing(i))));
-      scan.intensities.push_back(1.0);
+      reading.ranges.push_back(sensor.range.Clamp(range(sensor.X_MS.heading + scan.fan.Bearing(i))));
+      reading.intensities.push_back(1.0);
     }
-    reading.scans.push_back(scan);
+    reading.geometry.Change().push_back(scan);
   }
   return {.tick = 0, .content = reading};
 }

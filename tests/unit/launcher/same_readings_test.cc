@@ -64,7 +64,7 @@ class SameReadingsTest : public ::testing::TestWithParam<const char*> {
       for (const auto& sensor : of_robot) {
         const SensorReading reading = sensor->Measure({*scene_, *bodies_, &state}, state.tick);
         if (reading.ranger() == nullptr) continue;
-        for (const RangeScan& scan : reading.ranger()->scans) {
+        for (const RangeScan& scan : reading.ranger()->scans()) {
           ASSERT_NE(fan, fans.end());
           const auto plane = scan.ranges.begin() + static_cast<std::ptrdiff_t>(FlattestPlane(scan) * scan.fan.count);
           EXPECT_EQ(fan->ranges, std::vector<double>(plane, plane + static_cast<std::ptrdiff_t>(scan.fan.count)));

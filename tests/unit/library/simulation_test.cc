@@ -63,7 +63,7 @@ TEST_F(SimulationTest, MeasuresThePresentStateWithoutChangingTheRun) {
   for (int i = 0; i < 20; ++i) {
     const SensorReading reading = read.Measure(robot_, 0);
     EXPECT_EQ(reading.tick, read.tick());
-    EXPECT_NEAR(reading.ranger()->scans.at(0).ranges.at(0), 2.5 - read.pose(robot_).x, 1e-9);
+    EXPECT_NEAR(reading.ranger()->ranges.at(0), 2.5 - read.pose(robot_).x, 1e-9);
     read.Step();
     unread.Step();
     ASSERT_EQ(read.state_hash(), unread.state_hash());
@@ -76,7 +76,7 @@ TEST_F(SimulationTest, MeasuresASensorThatTheControllerReadsInThePresentState) {
   const auto measure = [this, &simulation] {
     const SensorReading reading = simulation.Measure(robot_, 0);
     EXPECT_EQ(reading.tick, simulation.tick());
-    return reading.ranger()->scans.at(0).ranges.at(0);
+    return reading.ranger()->ranges.at(0);
   };
   EXPECT_NEAR(measure(), 2.5, 1e-9);
   const Result<Snapshot> start = simulation.Save();

@@ -60,8 +60,7 @@ TEST(MakeOdometry, ContainsPoseTwistAndCovariances) {
 }
 
 TEST(MakeLaserScan, HasTheAnglesOfTheFan) {
-  const RangeScan measured{
-      .ranges = {1, 2, 3, 8}, .intensities = {1, 1, 0.5, 0}, .fan = {3.0, 4}, .limits = {0.25, 8.0}};
+  const RangeScan measured{{.fan = {3.0, 4}, .limits = {0.25, 8.0}}, {1, 2, 3, 8}, {1, 1, 0.5, 0}};
   dds::WireArena arena;
   const LaserScan scan = MakeLaserScan({}, "r/scan", measured, 3 * 0.1, false, arena);
   EXPECT_EQ(scan.angle_min, -1.5F);
@@ -78,7 +77,7 @@ TEST(MakeLaserScan, HasTheAnglesOfTheFan) {
 }
 
 TEST(MakeRange, HasNoVarianceInHumble) {
-  const RangeScan scan{.ranges = {1.5}, .intensities = {1.0}, .fan = {0.25, 1}, .limits = {0.0, 4.0}, .variance = 0.5};
+  const RangeScan scan{{.fan = {0.25, 1}, .limits = {0.0, 4.0}, .variance = 0.5}, {1.5}, {1.0}};
   dds::WireArena arena;
   const RangeMessage range = MakeRange({1, 2}, "r/sonar_0", scan, arena);
   EXPECT_EQ(range.range, 1.5F);
@@ -191,11 +190,8 @@ TEST(ConvertSensors, AnOpticalFrameLooksAlongZ) {
 }
 
 TEST(ConvertSensors, ACloudHasTheHitsOfAllPlanes) {
-  RangeScan scan{.ranges = {1.0, 9.0, 9.0, 2.0},
-                 .intensities = {0.5, 0.0, 0.0, 1.0},
-                 .fan = {2.0, 2},
-                 .elevations = {-0.5, 0.25},
-                 .limits = {0.0, 9.0}};
+  const RangeScan scan{
+      {.fan = {2.0, 2}, .elevations = {-0.5, 0.25}, .limits = {0.0, 9.0}}, {1.0, 9.0, 9.0, 2.0}, {0.5, 0.0, 0.0, 1.0}};
   dds::WireArena arena;
   const PointCloud2 cloud = MakeScanCloud({1, 2}, "lidar", scan, arena);
   ASSERT_EQ(cloud.width, 2u);

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -243,6 +244,9 @@ TEST_F(HostConnectionTest, AParticipantThatHangsGetsTheNewestSampleLater) {
   RosWriter<String> writer(MakeNode(*connection, "/a", "robot"), "events", Stream(2));
   int accepted = -1;
   ASSERT_TRUE(Eventually([&] { return (accepted = Accept(listening.value())) >= 0; }));
+  // Samples count from the connection's first message on.
+  pollfd greeted = {accepted, POLLIN, 0};
+  ASSERT_EQ(poll(&greeted, 1, 10'000), 1);
   const std::string large(std::size_t{1} << 20, 'x');
   constexpr int kSamples = 100;
   for (int i = 1; i <= kSamples; ++i) {

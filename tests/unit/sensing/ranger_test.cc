@@ -26,7 +26,7 @@ class RangerTest : public ::testing::Test {
     world_.AddRanger(robot_, {0.0, 0.0, 0.3, 0.0}, {OneRay()});
   }
   RaySensorDescription& sensor() { return RaySensors(world_.robot(robot_).sensors[0])[0]; }
-  RangeScan Scan() { return Measure(world_.world(), robot_).scans[0]; }
+  RangeScan Scan() { return Measure(world_.world(), robot_).scan(0); }
   double Range() { return Scan().ranges[0]; }
 
   SmallWorld world_;
@@ -111,9 +111,9 @@ TEST_F(RangerTest, SeesOtherRobotsWhereTheyAre) {
   EXPECT_EQ(Range(), 5.0);
   WorldState state = PlacedState(world_.world());
   state.robots[other.index()].X_WR = {2.0, 0.1, 0.0, 0.0};
-  EXPECT_DOUBLE_EQ(Measure(world_.world(), state, robot_).scans[0].ranges[0], 1.8);
+  EXPECT_DOUBLE_EQ(Measure(world_.world(), state, robot_).scan(0).ranges[0], 1.8);
   state.robots[other.index()].X_WR = {2.0, 0.0, 0.0, kPi / 4};  // a corner points here
-  EXPECT_NEAR(Measure(world_.world(), state, robot_).scans[0].ranges[0], 2.0 - 0.2 * std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(Measure(world_.world(), state, robot_).scan(0).ranges[0], 2.0 - 0.2 * std::sqrt(2.0), 1e-12);
 }
 
 TEST_F(RangerTest, MovesAndTurnsWithItsMount) {
@@ -122,7 +122,7 @@ TEST_F(RangerTest, MovesAndTurnsWithItsMount) {
   state.robots[0].X_WR = {1.0, 0.5, 0.0, kPi / 4};
   sensor().X_MS = {0.3, 0.0, 0.0, kPi / 4};
   const double y = 0.5 + 0.3 * std::sqrt(0.5);
-  EXPECT_NEAR(Measure(world_.world(), state, robot_).scans[0].ranges[0], 3.5 - y, 1e-12);
+  EXPECT_NEAR(Measure(world_.world(), state, robot_).scan(0).ranges[0], 3.5 - y, 1e-12);
 }
 
 TEST_F(RangerTest, AFanReadsFromRightToLeft) {
@@ -141,7 +141,7 @@ TEST_F(RangerTest, AReadingCarriesItsGeometry) {
   world_.AddBox("wall", 4.0, 0.0, 1.0, 40.0, {0.0, 1.0});  // its face at x = 3.5
   WorldState state = PlacedState(world_.world());
   state.robots[0].X_WR = {0.5, 1.0, 0.0, 0.125};
-  const RangeScan scan = Measure(world_.world(), state, robot_, 1).scans[0];
+  const RangeScan scan = Measure(world_.world(), state, robot_, 1).scan(0);
   EXPECT_EQ(scan.fan, (RayFan{1.0, 41}));
   EXPECT_EQ(scan.X_RS, (Pose{0.1, -0.2, 0.3, 0.5} * Pose{0.05, 0.02, 0.1, -0.25}));
   EXPECT_EQ(scan.limits, (Interval{0.1, 8.0}));
@@ -163,7 +163,7 @@ TEST_F(RangerTest, AReadingHasThePoseOfARangerOnALift) {
   world.world.robots[0].sensors = {ranger};
   WorldState state = PlacedState(world.world);
   state.joints[robot.lift.index()].position = 0.5;
-  const Pose X_RS = Measure(world.world, state, robot.robot).scans[0].X_RS;
+  const Pose X_RS = Measure(world.world, state, robot.robot).scan(0).X_RS;
   EXPECT_EQ(X_RS, (Pose{0.25, 0.0, 0.5, 0.0} * Pose{0.05, 0.0, 0.1, 0.25}));
 }
 
@@ -173,7 +173,8 @@ class RangerJsonTest : public ::testing::Test {
   RangerJsonTest() {
     robot_ = world_.AddRobot("r0", {});
     world_.AddRanger(robot_, {}, {Fan(1.0, 3), OneRay()});
-    reading_ = {.tick = 12, .content = RangerReading{{{.ranges = {0.1, 5.0, 1.0 / 3.0}}, {.ranges = {2.0}}, {}}}};
+    const std::vector<double> ranges = {0.1, 5.0, 1.0 / 3.0, 2.0};
+    reading_ = {.tick = 12, .content = RangerReading{ranges, ranges, {{.fan = {1.0, 3}}, {}, {.fan = {1.0, 0}}}}};
   }
   std::string Lines() {
     const Scene scene(world_.world());
@@ -194,7 +195,7 @@ TEST_F(RangerJsonTest, HasALineForEachRaySensor) {
 
 TEST_F(RangerJsonTest, NamesOfAnyBytesAreJson) {
   world_.robot(robot_).name = "a \"b\"\n\xff";
-  std::get<RangerReading>(reading_.content).scans.resize(1);
+  std::get<RangerReading>(reading_.content).geometry.Change().resize(1);
   EXPECT_TRUE(nlohmann::json::accept(Lines())) << Lines();
 }
 
@@ -205,9 +206,9 @@ TEST_F(RangerTest, EachSensorOfARangerHasItsScan) {
   world_.AddBox("wall", 3.0, 0.0, 1.0, 1.0, {0.0, 1.0});
   world_.AddBox("behind", -1.5, 0.0, 1.0, 1.0, {0.0, 1.0});
   const RangerReading reading = Measure(world_.world(), robot_);
-  ASSERT_EQ(reading.scans.size(), 2u);
-  EXPECT_DOUBLE_EQ(reading.scans[0].ranges[0], 2.5);
-  EXPECT_NEAR(reading.scans[1].ranges[0], 0.9, 1e-12);
+  ASSERT_EQ(reading.geometry->size(), 2u);
+  EXPECT_DOUBLE_EQ(reading.scan(0).ranges[0], 2.5);
+  EXPECT_NEAR(reading.scan(1).ranges[0], 0.9, 1e-12);
 }
 
 using ::testing::Each;
@@ -224,7 +225,7 @@ class RangerNoiseTest : public ::testing::Test {
   std::vector<double> Ranges(Tick tick = 0) {
     WorldState state = PlacedState(world_.world());
     state.tick = tick;
-    return Measure(world_.world(), state, robot_).scans[0].ranges;
+    return Measure(world_.world(), state, robot_).scan(0).ranges;
   }
 
   SmallWorld world_;
@@ -299,7 +300,7 @@ TEST_F(RangerNoiseTest, SensorsOfARangerDifferFromEachOther) {
   const RaySensorDescription same = sensor();
   RaySensors(world_.robot(robot_).sensors[0]).push_back(same);
   const RangerReading reading = Measure(world_.world(), robot_);
-  EXPECT_NE(reading.scans[0].ranges, reading.scans[1].ranges);
+  EXPECT_NE(reading.scan(0).ranges, reading.scan(1).ranges);
 }
 
 constexpr double kAngles[] = {0.0, 0.1, 1.0, 1.0 / 3.0, 3.14159265358979323846, 4.7, 6.283185307179586};
@@ -364,7 +365,7 @@ namespace {
 RangeScan Scan(SmallWorld& small, RaySensorDescription sensor) {
   WorldDescription world = small.world();
   AddSensor(world, RobotId(0), {0.0, 0.0, 0.5, 0.0}, RangerParameters{{std::move(sensor)}});
-  return SensedScene(world).MeasureAs<RangerReading>(RobotId(0), 0).scans[0];
+  return SensedScene(world).MeasureAs<RangerReading>(RobotId(0), 0).scan(0);
 }
 
 RaySensorDescription Planes(std::vector<double> elevations) {

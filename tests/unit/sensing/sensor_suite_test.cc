@@ -30,7 +30,7 @@ class SensorSuiteTest : public ::testing::Test {
     bodies_->Assign(state_);
     return {*scene_, *bodies_};
   }
-  static double Range(const SensorReading& reading) { return reading.ranger()->scans[0].ranges[0]; }
+  static double Range(const SensorReading& reading) { return reading.ranger()->ranges[0]; }
 
   SmallWorld world_;
   RobotId robot_;

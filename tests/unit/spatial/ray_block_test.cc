@@ -71,7 +71,7 @@ TEST_P(RayBlockTest, FindsAllThatTouchAndHardlyOthers) {
     discs_.clear();
     list_.Clear();
     Make(seed, GetParam(), seed % 2 == 0 ? 0.3 : 2.0 * kPi);
-    for (RayBlock::Finder* finder : RayBlock::Finders()) {
+    for (const auto& [needs, finder] : RayBlock::Finders()) {
       const std::vector<std::uint32_t> touched = Touched(finder);
       for (std::size_t d = 0; d < discs_.size(); ++d) {
         EXPECT_EQ(touched[d] >> rays_.size(), 0u);
@@ -101,9 +101,9 @@ TEST_P(RayBlockTest, NumbersOfEarlierDiscsDoNotCount) {
   Make(3, GetParam(), 1.0);
   list_.Clear();
   discs_.clear();
-  for (RayBlock::Finder* finder : RayBlock::Finders()) EXPECT_TRUE(Touched(finder).empty());
+  for (const auto& [needs, finder] : RayBlock::Finders()) EXPECT_TRUE(Touched(finder).empty());
   Add({rays_[0].origin, 0.1});
-  for (RayBlock::Finder* finder : RayBlock::Finders()) EXPECT_TRUE(Touched(finder).at(0) & 1);
+  for (const auto& [needs, finder] : RayBlock::Finders()) EXPECT_TRUE(Touched(finder).at(0) & 1);
 }
 
 TEST_P(RayBlockTest, ADiscWithoutAPlaceIsNear) {
@@ -111,7 +111,7 @@ TEST_P(RayBlockTest, ADiscWithoutAPlaceIsNear) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Add({{nan, nan}, 0.1});
   const std::uint32_t all = (1u << rays_.size()) - 1;
-  for (RayBlock::Finder* finder : RayBlock::Finders()) EXPECT_EQ(Touched(finder).back(), all);
+  for (const auto& [needs, finder] : RayBlock::Finders()) EXPECT_EQ(Touched(finder).back(), all);
 }
 
 INSTANTIATE_TEST_SUITE_P(Rays, RayBlockTest, ::testing::Values(1, 12, 16));

@@ -349,7 +349,7 @@ TEST_F(ViewerGatewayTest, ReadingsAreThoseOfTheRobotsThemselves) {
   for (std::size_t robot = 0; robot < 2; ++robot) {
     SensorSuite suite(scene, RobotId(robot));
     const RangerReading expected = *suite.Measure(0, {scene, bodies}, 7).ranger();
-    EXPECT_EQ(all.scans[robot], expected.scans[0].ranges);
+    EXPECT_EQ(all.scans[robot], expected.ranges);
   }
 }
 
@@ -511,7 +511,7 @@ TEST_F(ViewerGatewayTest, SignalsAreThoseOfTheStates) {
   BodyIndex bodies(scene);
   bodies.Assign(FrameAt(world_, 7)->state);
   SensorSuite suite(scene, RobotId(0));
-  const std::vector<double> ranges = suite.Measure(0, {scene, bodies}, 7).ranger()->scans[0].ranges;
+  const std::vector<double> ranges = suite.Measure(0, {scene, bodies}, 7).ranger()->ranges;
   EXPECT_EQ(reply["values"][4][3], *std::min_element(ranges.begin(), ranges.end()));
   EXPECT_EQ(reply["values"][5][3], ranges[3]);
 
