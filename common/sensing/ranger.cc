@@ -122,11 +122,12 @@ class Ranger final : public Sensor {
   }
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
-    const std::vector<RangeScan> scans = std::get<RangerReading>(reading.content).scans();
+    const auto& ranger = std::get<RangerReading>(reading.content);
     std::string lines;
-    for (std::size_t i = 0; i < scans.size(); ++i) {
+    for (std::size_t i = 0; i < ranger.geometry->size(); ++i) {
+      const std::span ranges = std::span(ranger.ranges).subspan(ranger.first_ray(i), (*ranger.geometry)[i].rays());
       lines += LineStart(reading.tick, world.robot(robot()).name, description().name + "." + std::to_string(i)) +
-               ",\"ranges\":" + JsonNumbers(scans[i].ranges) + "}\n";
+               ",\"ranges\":" + JsonNumbers(ranges) + "}\n";
     }
     return lines;
   }

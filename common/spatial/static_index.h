@@ -12,6 +12,7 @@
 
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/grid.h"
+#include "common/spatial/grid_walk.h"
 #include "common/spatial/ray_shape.h"
 #include "common/spatial/walk_block.h"
 #include "troupe/pixel_area.h"

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "common/base/instructions.h"
-#include "common/spatial/grid.h"
+#include "common/spatial/grid_walk.h"
 #include "troupe/vec2.h"
 
 namespace troupe {
@@ -16,7 +16,7 @@ class WalkBlock {
  public:
   static constexpr std::size_t kLanes = 16;
 
-  // REQUIRES: |direction| = 1; inverse = 1 / direction by components; there are less than 16 rays.
+  // REQUIRES: |direction| = 1; inverse = 1 / direction by components; there are fewer than 16 rays.
   void Add(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse, double max_distance) {
     x_[count_] = origin.x();
     y_[count_] = origin.y();
@@ -40,7 +40,7 @@ class WalkBlock {
   friend class WalkStarters;
   using Column = std::array<double, kLanes>;
 
-  // Without values where there is no ray: filling them would take a tenth of the time of a start.
+  // Without values where there is no ray: the results of those lanes are not used.
   alignas(64) Column x_;
   Column y_;
   Column dx_;

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/spatial/grid.h"
+#include "common/spatial/grid_walk.h"
 #include "common/spatial/ray_shape.h"
 #include "common/spatial/scene.h"
 #include "tests/support/test_world.h"
