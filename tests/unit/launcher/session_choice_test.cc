@@ -21,7 +21,7 @@ TEST(SessionChoiceTest, OfOneRunIsMadeSoon) {
 TEST(SessionChoiceTest, NamesBothRunsWhenTheSecondIsDiscoveredLater) {
   SessionChoice choice;
   choice.Update({"a"}, true, 0.1);
-  choice.Update({"a", "b"}, true, 0.3);
+  choice.Update({"a", "b"}, true, 0.5);
   EXPECT_TRUE(choice.is_made());
   EXPECT_THAT(choice.sessions(), ElementsAre("a", "b"));
 }
@@ -35,10 +35,10 @@ TEST(SessionChoiceTest, WaitsLongerForAKnownRunAndOnASlowMachine) {
   EXPECT_TRUE(choice.is_made());
 
   SessionChoice slow;
-  slow.Update({"a"}, true, 1.0);
-  slow.Update({"a"}, true, 1.9);
-  EXPECT_FALSE(slow.is_made()) << "the first one took a second, and so may others";
-  slow.Update({"a"}, true, 2.0);
+  slow.Update({"a"}, true, 0.25);
+  slow.Update({"a"}, true, 1.2);
+  EXPECT_FALSE(slow.is_made()) << "the first one took a quarter of a second, and others may take several times as long";
+  slow.Update({"a"}, true, 1.25);
   EXPECT_TRUE(slow.is_made());
 }
 

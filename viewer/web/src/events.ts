@@ -86,7 +86,9 @@ export class EventList {
     this.chips.setAttribute('role', 'group');
     this.chips.setAttribute('aria-label', 'Events that are shown');
     for (const kind of KINDS) {
-      const button = make('button', 'chip on') as HTMLButtonElement;
+      const button = make('button', 'chip on', kind.name) as HTMLButtonElement;
+      button.hidden = true;  // before the first event
+      button.setAttribute('aria-pressed', 'true');
       button.onclick = () => {
         if (!this.hidden.delete(kind)) this.hidden.add(kind);
         this.set(button, !this.hidden.has(kind));
