@@ -475,12 +475,19 @@ async function editsAScenario() {
   await close(editor);
 }
 
-// The reply to a request by a program, or the code of the end of the connection.
+// The reply to a request by a program, the status by which it was refused, or the code of the end of the connection; of an
+// end without a code how it came about.
 function ask(url, message, {origin = url.origin, host, token = true} = {}) {
   return new Promise(resolve => {
     const address = `ws://${url.host}/socket${token ? url.search : ''}`;
     const socket = new WebSocket(address, 'troupe', {headers: {Origin: origin, ...(host ? {Host: host} : {})}});
-    socket.on('open', () => socket.send(message));
+    const began = Date.now();
+    const steps = [];
+    const note = step => steps.push(`${step} after ${Date.now() - began} ms`);
+    socket.on('open', () => {
+      note('open');
+      socket.send(message);
+    });
     socket.on('message', data => {
       const text = data.toString();
       if (!text.includes('"type":"reply"')) return;
@@ -488,8 +495,11 @@ function ask(url, message, {origin = url.origin, host, token = true} = {}) {
       socket.close();
     });
     socket.on('unexpected-response', (_request, response) => resolve(response.statusCode));
-    socket.on('close', code => resolve(code));
-    socket.on('error', () => {});
+    socket.on('error', error => note(error.message));
+    socket.on('close', code => {
+      note('closed');
+      resolve(code === 1006 ? steps.join(', ') : code);
+    });
   });
 }
 
