@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
 
 #include "common/base/file.h"
 #include "common/base/identity.h"
@@ -91,6 +92,7 @@ Status RemoteHost::Open() {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return Failure(std::string("cannot make a pipe: ") + strerror(errno));
   requests_ = ends[1];
+  fcntl(requests_, F_SETFL, O_NONBLOCK);
   Result<Process> connection =
       Process::Start({"/bin/sh", "-c", command_}, {ends[0], messages_->writing_end(), errors_->writing_end()});
   close(ends[0]);
@@ -121,9 +123,21 @@ RemoteHost::~RemoteHost() {
   }
 }
 
-void RemoteHost::Send(const std::string& line) {
-  if (requests_ < 0 || WriteAll(requests_, line)) return;
-  close(std::exchange(requests_, -1));
+void RemoteHost::Send(std::string_view line) {
+  while (requests_ >= 0 && !lost_ && !line.empty()) {
+    const ssize_t written = write(requests_, line.data(), line.size());
+    if (written >= 0) {
+      line.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno == EAGAIN) {
+      // A host that waits until its messages are read takes no requests.
+      std::vector<pollfd> waited = {{requests_, POLLOUT, 0}};
+      for (int descriptor : descriptors()) waited.push_back({descriptor, POLLIN, 0});
+      poll(waited.data(), waited.size(), -1);
+      Read();
+    } else if (errno != EINTR) {
+      close(std::exchange(requests_, -1));
+    }
+  }
 }
 
 Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, const std::vector<std::string>& arguments,

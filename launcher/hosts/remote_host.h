@@ -4,6 +4,7 @@
 
 #include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "common/run/run_settings.h"
@@ -57,7 +58,7 @@ class RemoteHost : public Host {
   void ReadErrors();
   void ApplyMessage(const std::string& line);
   void Lose(const std::string& reason);
-  void Send(const std::string& line);
+  void Send(std::string_view line);  // reads messages while the host takes no requests
 
   const HostSettings settings_;
   const std::string command_;  // opens the connection

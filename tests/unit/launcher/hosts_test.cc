@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -19,8 +20,10 @@
 #include "common/base/file.h"
 #include "launcher/hosts/connect_hosts.h"
 #include "launcher/hosts/host.h"
+#include "launcher/hosts/remote_host.h"
 #include "tests/support/files.h"
 #include "tests/support/without_memory.h"
+#include "troupe/version.h"
 
 namespace troupe {
 namespace {
@@ -186,6 +189,30 @@ TEST(HostMessages, AreWrittenAsAWholeWhereTheReaderIsSlow) {
   reader.join();
   close(ends[1]);
   EXPECT_EQ(received, text.size());
+}
+
+// A host that first writes messages, more than a pipe holds, and then reads its requests, as many as that.
+TEST(RemoteHostTest, TakesMessagesWhileTheHostTakesNoRequests) {
+  const test::TemporaryFolder folder;
+  const std::string requests = folder / "requests";
+  HostSettings settings;
+  settings.name = "slow";
+  settings.start = "echo '{\"host\":\"" + std::string(VersionText()) +
+                   "\",\"folder\":\"/\",\"programs\":\"/\"}'; seq -w 100001 150000; cat >" + requests;
+  Result<std::unique_ptr<RemoteHost>> connection = RemoteHost::Connect(settings, "run");
+  ASSERT_TRUE(connection.ok());
+  RemoteHost& host = *connection.value();
+  while (!host.connected()) {
+    pollfd waited{host.descriptors().front(), POLLIN, 0};
+    ASSERT_EQ(poll(&waited, 1, 30'000), 1);
+    host.Receive();
+    ASSERT_TRUE(host.PollLoss().ok());
+  }
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(host.Start("robot-agent", {std::string(4000, 'x')}, false).ok());
+  host.Receive();
+  EXPECT_THAT(host.ReadOutput(), testing::SizeIs(50'000));
+  connection.value().reset();
+  EXPECT_THAT(test::LinesOf(test::TextOf(requests)), testing::SizeIs(101));  // the first one names the run
 }
 
 using testing::ElementsAre;
