@@ -1,6 +1,9 @@
-"""The processes of a run, and the memory that they share. For scripts/kill-test, scripts/same-hash and benchmarks."""
+"""The processes of a run, their DDS domain, and the memory that they share. For the scripts that start runs, and benchmarks."""
 import os
 import pathlib
+import socket
+
+LAST_DOMAIN = 100  # higher ones use ports of the range that Linux assigns to any socket
 
 
 def descendants(pid):
@@ -59,3 +62,16 @@ def memory(pid):
         kib[name.rstrip(":")] = int(value)
     return {"private": (kib["Private_Clean"] + kib["Private_Dirty"]) / 1024, "share": kib["Pss"] / 1024,
             "resident": kib["Rss"] / 1024}
+
+
+def reserve_domain(first):
+    """A DDS domain from `first` on that no test and no other script uses, and the socket whose name reserves it until it is
+    closed; as in tests/support/dds_domain.h."""
+    holder = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    for domain in range(first, LAST_DOMAIN + 1):
+        try:
+            holder.bind(f"\0troupe-test-domain-{domain}")
+            return domain, holder
+        except OSError:
+            continue  # another one has it
+    raise OSError(f"found no free DDS domain from {first} to {LAST_DOMAIN}")
