@@ -46,21 +46,13 @@ inline RayPart PartWithin(const Rectangle& bounds, const Vec2& origin, const Vec
   return part;
 }
 
-// Between numbers and whole numbers, or vectors of them; those that are not whole are cut off.
-template <typename Number, typename Whole>
-[[gnu::always_inline]] inline void ToWhole(const Number& number, Whole& whole) {
-  if constexpr (std::is_arithmetic_v<Number>) {
-    whole = static_cast<Whole>(number);
+// From numbers to whole numbers or back, or vectors of them; a fraction is cut off.
+template <typename From, typename To>
+[[gnu::always_inline]] inline void Convert(const From& from, To& to) {
+  if constexpr (std::is_arithmetic_v<From>) {
+    to = static_cast<To>(from);
   } else {
-    whole = __builtin_convertvector(number, Whole);
-  }
-}
-template <typename Number, typename Whole>
-[[gnu::always_inline]] inline void ToNumber(const Whole& whole, Number& number) {
-  if constexpr (std::is_arithmetic_v<Number>) {
-    number = static_cast<Number>(whole);
-  } else {
-    number = __builtin_convertvector(whole, Number);
+    to = __builtin_convertvector(from, To);
   }
 }
 
@@ -104,7 +96,7 @@ template <typename Number, typename Whole>
 [[gnu::always_inline]] inline void ToCell(const Number& distance, const Number& last, Whole& cell) {
   const Number zero{};
   const Number bounded = distance < last ? distance : last;
-  ToWhole(bounded > zero ? bounded : zero, cell);
+  Convert(bounded > zero ? bounded : zero, cell);
 }
 
 // Selections stand where a function of one ray would branch. None selects whole numbers by a comparison of numbers,
@@ -115,7 +107,7 @@ template <typename Number, typename Whole>
   const Number one = zero + 1.0;
   const Number up = rays.columns_per_metre > zero ? one : -one;
   Whole step;
-  ToWhole(up, step);
+  Convert(up, step);
   Whole first;
   Whole last;
   ToCell(rays.from_column + rays.enter * rays.columns_per_metre, rays.last_column, first);
@@ -124,7 +116,7 @@ template <typename Number, typename Whole>
   state.column_offset = first * rays.column_stride;
   state.column_stride = rays.column_stride * step;
   Number first_column;
-  ToNumber(first, first_column);
+  Convert(first, first_column);
   state.first_left = (first_column + (0.5 + 0.5 * up) - rays.from_column) * up * rays.metres_per_column;
   state.metres_per_column = rays.metres_per_column;
 
@@ -132,7 +124,7 @@ template <typename Number, typename Whole>
   constexpr double kCell = static_cast<double>(std::int64_t{1} << kBits);
   const Number row_count = rays.last_row + 1.0;
   Whole rows;
-  ToWhole(row_count, rows);
+  Convert(row_count, rows);
   state.end = rows << kBits;
   const Number first_row_left = rays.from_row + state.first_left * rays.rows_per_metre;
   const Number below_end = first_row_left < row_count ? first_row_left : row_count;
@@ -140,9 +132,9 @@ template <typename Number, typename Whole>
   // if it passes from corner to corner, the rows in which it enters and leaves may be two apart.
   const Number lowest = rays.rows_per_metre >= zero ? zero : -one;
   Whole row_left;
-  ToWhole((below_end > lowest ? below_end : lowest) * kCell, row_left);
+  Convert((below_end > lowest ? below_end : lowest) * kCell, row_left);
   Whole is_down;
-  ToWhole(rays.rows_per_metre <= zero ? one : zero, is_down);
+  Convert(rays.rows_per_metre <= zero ? one : zero, is_down);
   const Whole highest = state.end - is_down;
   row_left = row_left < highest ? row_left : highest;
   state.row_left = row_left;
@@ -153,7 +145,7 @@ template <typename Number, typename Whole>
   row = row < first_left_row + 1 ? row : first_left_row + 1;
   state.row = row * rays.row_stride;
   state.row_stride = rays.row_stride;
-  ToWhole(rays.rows_per_metre * rays.metres_per_column * kCell, state.rise);
+  Convert(rays.rows_per_metre * rays.metres_per_column * kCell, state.rise);
 }
 
 class GridWalk {

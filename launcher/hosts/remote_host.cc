@@ -47,9 +47,12 @@ std::string ConnectingCommand(const HostSettings& host) {
                                                                   {"name", ShellQuoted(host.name)}});
 }
 
-void WaitFor(const std::vector<int>& descriptors, std::chrono::milliseconds timeout) {
-  std::vector<pollfd> waited;
-  for (int descriptor : descriptors) waited.push_back({descriptor, POLLIN, 0});
+constexpr std::chrono::milliseconds kForever(-1);
+
+// Until one of `readable` can be read, or `writable` can be written; a negative descriptor is not waited for.
+void WaitFor(const std::vector<int>& readable, std::chrono::milliseconds timeout, int writable = -1) {
+  std::vector<pollfd> waited = {{writable, POLLOUT, 0}};
+  for (int descriptor : readable) waited.push_back({descriptor, POLLIN, 0});
   poll(waited.data(), waited.size(), static_cast<int>(timeout.count()));
 }
 
@@ -130,9 +133,7 @@ void RemoteHost::Send(std::string_view line) {
       line.remove_prefix(static_cast<std::size_t>(written));
     } else if (errno == EAGAIN) {
       // A host that waits until its messages are read takes no requests.
-      std::vector<pollfd> waited = {{requests_, POLLOUT, 0}};
-      for (int descriptor : descriptors()) waited.push_back({descriptor, POLLIN, 0});
-      poll(waited.data(), waited.size(), -1);
+      WaitFor(descriptors(), kForever, requests_);
       Read();
     } else if (errno != EINTR) {
       close(std::exchange(requests_, -1));
