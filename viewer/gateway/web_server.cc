@@ -37,9 +37,11 @@ struct Download {
 
 struct ViewerConnection {
   lws* socket = nullptr;
-  std::optional<WebMessage> message;  // on its way
-  std::size_t sent = 0;               // bytes of it
-  std::string message_start;          // of one from the viewer
+  std::optional<WebMessage> message;        // on its way
+  std::size_t sent = 0;                     // bytes of it
+  std::string message_start;                // of one from the viewer
+  std::optional<lws_close_status> refusal;  // of the viewer, for the close frame
+  bool is_closing = false;                  // lws sends that, and waits for the viewer's
 };
 
 std::string Header(lws* socket, lws_token_indexes token) {
@@ -119,6 +121,7 @@ class WebServer::Implementation final : public WebLoop {
   const PageFile* MakeDownload(lws* socket, const std::string& path);
   int WriteFile(lws* socket, Connection& connection);
   int Receive(lws* socket, Connection& connection, std::string_view part);
+  int RefuseViewer(lws* socket, ViewerConnection& viewer, lws_close_status status);
   int WritePiece(lws* socket, Connection& connection);
 
   const Options options_;
@@ -146,9 +149,10 @@ WebServer::Implementation::~Implementation() {
 
 Status WebServer::Implementation::Listen() {
   lws_set_log_level(0, nullptr);
-  protocols_[0] = {"http", Callback, sizeof(Connection), 2048, 0, this, 0};
+  // The last member: without it lws sends no more at once than it receives, and keeps the rest of a piece in a buffer.
+  protocols_[0] = {"http", Callback, sizeof(Connection), 2048, 0, this, kPiece};
   for (std::size_t i = 0; i < std::size(kProtocols); ++i) {
-    protocols_[i + 1] = {kProtocols[i], Callback, sizeof(Connection), 4096, 0, this, 0};
+    protocols_[i + 1] = {kProtocols[i], Callback, sizeof(Connection), 4096, 0, this, kPiece};
   }
   idle_policy_.secs_since_valid_ping = kPingSeconds;
   idle_policy_.secs_since_valid_hangup = kHangUpSeconds;
@@ -379,29 +383,42 @@ int WebServer::Implementation::OnViewer(lws* socket, lws_callback_reasons reason
 }
 
 int WebServer::Implementation::Receive(lws* socket, Connection& connection, std::string_view part) {
-  std::string& message = viewers_[connection.viewer].message_start;
-  const auto close = [&](lws_close_status status) {
-    lws_close_reason(socket, status, nullptr, 0);
-    return -1;
-  };
+  ViewerConnection& viewer = viewers_[connection.viewer];
+  if (viewer.refusal) return 0;
+  std::string& message = viewer.message_start;
   const bool is_binary = lws_frame_is_binary(socket) != 0;
   if (is_binary && std::strcmp(lws_get_protocol(socket)->name, kProtocols[0]) == 0) {
-    return close(LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE);
+    return RefuseViewer(socket, viewer, LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE);
   }
   // The announced rest of the frame counts before it is read.
   if (message.size() + part.size() + lws_remaining_packet_payload(socket) > options_.longest_text) {
-    return close(LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE);
+    return RefuseViewer(socket, viewer, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE);
   }
   message.append(part);
   if (lws_is_final_fragment(socket) == 0 || lws_remaining_packet_payload(socket) > 0) return 0;
   const std::string whole = std::exchange(message, {});
-  return handler_->OnMessage(*this, connection.viewer, whole, !is_binary) ? 0
-                                                                          : close(LWS_CLOSE_STATUS_POLICY_VIOLATION);
+  if (handler_->OnMessage(*this, connection.viewer, whole, !is_binary)) return 0;
+  return RefuseViewer(socket, viewer, LWS_CLOSE_STATUS_POLICY_VIOLATION);
+}
+
+// Not at once: lws closes a connection without a close frame while a part of a message waits for the socket. WritePiece
+// is called when none does. A viewer that does not read is disconnected after kRequestSeconds.
+int WebServer::Implementation::RefuseViewer(lws* socket, ViewerConnection& viewer, lws_close_status status) {
+  viewer.refusal = status;
+  viewer.message_start.clear();
+  lws_set_timeout(socket, PENDING_TIMEOUT_CLOSE_SEND, kRequestSeconds);
+  lws_callback_on_writable(socket);
+  return 0;
 }
 
 // A viewer that does not read is not asked for its next message: lws calls this when its socket can take more.
 int WebServer::Implementation::WritePiece(lws* socket, Connection& connection) {
   ViewerConnection& viewer = viewers_[connection.viewer];
+  if (viewer.refusal) {
+    if (std::exchange(viewer.is_closing, true)) return 0;
+    lws_close_reason(socket, *viewer.refusal, nullptr, 0);
+    return -1;
+  }
   if (!viewer.message) {
     viewer.message = handler_->NextMessage(connection.viewer);
     viewer.sent = 0;

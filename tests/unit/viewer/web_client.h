@@ -111,13 +111,15 @@ class WebClient {
   }
   bool SendText(std::string_view text) { return Send(Frame(0x81, text)); }
 
-  // The next message of the server, with its fragments joined; nothing if the connection ends, or after the deadline.
+  // The next message of the server, with its fragments joined, or its close frame; nothing if the connection ends, or
+  // after the deadline.
   std::optional<WebFrame> Read() {
     WebFrame message;
     for (;;) {
       const std::optional<WebFrame> part = ReadFrame();
       if (!part) return std::nullopt;
-      if ((part->opcode & 0xf) == 9) continue;  // a ping
+      if ((part->opcode & 0xf) == 9) continue;                           // a ping
+      if ((part->opcode & 0xf) == 8) return WebFrame{8, part->content};  // also between two fragments
       if ((part->opcode & 0xf) != 0) message.opcode = part->opcode & 0xf;
       message.content += part->content;
       if ((part->opcode & 0x80) != 0) return message;

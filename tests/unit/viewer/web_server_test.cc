@@ -42,8 +42,7 @@ class EchoHandler : public WebHandler {
   }
   void OnClosed(WebLoop&, ViewerId) override {
     --open;
-    ++closed;
-    changed.notify_all();
+    Count(closed);
   }
   bool OnMessage(WebLoop& loop, ViewerId viewer, std::string_view message_of_viewer, bool is_text) override {
     if (!is_text) return !message_of_viewer.empty();
@@ -53,7 +52,7 @@ class EchoHandler : public WebHandler {
     return true;
   }
   std::optional<WebMessage> NextMessage(ViewerId viewer) override {
-    ++asked;
+    Count(asked);
     if (next[viewer].empty()) return std::nullopt;
     WebMessage first = next[viewer].front();
     next[viewer].erase(next[viewer].begin());
@@ -67,6 +66,12 @@ class EchoHandler : public WebHandler {
     EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return closed >= count; }));
   }
 
+  // For a message that it may have.
+  void AwaitAsked(int count) {
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return asked >= count; }));
+  }
+
   std::shared_ptr<const std::string> message;
   std::atomic<int> pages = 0;
   std::atomic<int> made = 0;
@@ -77,6 +82,18 @@ class EchoHandler : public WebHandler {
   std::mutex mutex;
   std::condition_variable changed;
   std::map<ViewerId, std::vector<WebMessage>> next;  // of the server's thread
+
+ private:
+  void Count(std::atomic<int>& counter) {
+    const std::lock_guard lock(mutex);
+    ++counter;
+    changed.notify_all();
+  }
+  void Await(const std::atomic<int>& counter, int count) {
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(
+        changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return counter >= count; }));
+  }
 };
 
 class WebServerTest : public testing::Test {
@@ -317,10 +334,15 @@ TEST_F(WebServerTest, AMessageOf100MegabytesEndsTheConnectionAtOnce) {
 
 TEST_F(WebServerTest, EndlessFragmentsEndTheConnection) {
   Serve();
-  WebClient client(server_->port());
-  client.Upgrade();
-  bool alive = client.Send(WebClient::Frame(0x01, std::string(100, 'x')));
-  for (int i = 0; i < 1000 && alive; ++i) alive = client.Send(WebClient::Frame(0x00, std::string(100, 'x')));
+  {
+    WebClient client(server_->port());
+    client.Upgrade();
+    ASSERT_TRUE(client.Send(WebClient::Frame(0x01, std::string(100, 'x'))));
+    for (int i = 0; i < 1000; ++i) client.Send(WebClient::Frame(0x00, std::string(100, 'x')));
+    const auto close = client.Read();
+    ASSERT_TRUE(close.has_value());
+    EXPECT_EQ(close->close_status(), 1009);
+  }
   handler_.AwaitClosed(1);
   ExpectHealthy();
 }
@@ -403,6 +425,35 @@ TEST_F(WebServerTest, AViewerThatDoesNotReadDelaysNoOther) {
   const auto late = sleeping.Read();
   ASSERT_TRUE(late.has_value());
   EXPECT_EQ(late->content.size(), 50'000'000u);
+}
+
+TEST_F(WebServerTest, ARefusedViewerHasTheStatusAlsoInTheMiddleOfAMessage) {
+  handler_.message = std::make_shared<const std::string>(50'000'000, 'x');
+  Serve();
+  WebClient viewer(server_->port());
+  viewer.Upgrade();
+  handler_.AwaitAsked(1);
+  ASSERT_TRUE(viewer.SendText("refuse"));
+  const auto close = viewer.Read();
+  ASSERT_TRUE(close.has_value());
+  EXPECT_EQ(close->close_status(), 1008);
+  // What it still sends is not heard, until it closes its side.
+  EXPECT_TRUE(viewer.SendText("refuse"));
+  EXPECT_EQ(handler_.closed, 0);
+  EXPECT_TRUE(viewer.Send(WebClient::Frame(0x88, close->content)));
+  handler_.AwaitClosed(1);
+}
+
+TEST_F(WebServerTest, ARefusedViewerThatDoesNotReadIsDisconnected) {
+  handler_.message = std::make_shared<const std::string>(50'000'000, 'x');
+  Serve();
+  WebClient viewer(server_->port());
+  viewer.Upgrade();
+  handler_.AwaitAsked(1);
+  ASSERT_TRUE(viewer.SendText("refuse"));
+  handler_.AwaitClosed(1);
+  handler_.message.reset();
+  ExpectHealthy();
 }
 
 TEST_F(WebServerTest, APortInUseIsAnErrorOrReplacedByAnother) {
