@@ -18,11 +18,16 @@ export function editorPages(pages, troupe, files) {
 
   const documentOf = page => page.evaluate(() => window.troupe.file());
 
-  function fileIs(page, what, wanted) {
-    return until(what, async () => {
+  // A field that is filled, or a part that is dragged, as the page is about to show another one is not changed.
+  const settled = page => until('the page shows all replies', () => page.evaluate(() => window.troupe.isIdle()));
+
+  async function fileIs(page, what, wanted) {
+    const found = await until(what, async () => {
       const shown = await documentOf(page);
       return wanted(shown) ? shown : null;
     });
+    await settled(page);
+    return found;
   }
 
   async function save(page) {
@@ -54,5 +59,5 @@ export function editorPages(pages, troupe, files) {
     return checked.lines.join('\n');
   }
 
-  return {path, read, edit, documentOf, fileIs, save, drag, ground, placeOf, close, check};
+  return {path, read, edit, documentOf, settled, fileIs, save, drag, ground, placeOf, close, check};
 }

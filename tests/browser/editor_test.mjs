@@ -13,7 +13,7 @@ const WebSocket = pages.loaded.ws;
 const troupe = `${programs}/troupe`;
 rmSync(files, {recursive: true, force: true});
 mkdirSync(files, {recursive: true});
-const {path, read, edit, documentOf, fileIs, save, drag, ground, placeOf, close, check} = editorPages(pages, troupe, files);
+const {path, read, edit, documentOf, settled, fileIs, save, drag, ground, placeOf, close, check} = editorPages(pages, troupe, files);
 
 // The words that are in one text only.
 function changedLines(before, after) {
@@ -202,11 +202,15 @@ async function buildsAGripper() {
   const near = (values, wanted, what) => values.forEach((value, i) => {
     assert.ok(Math.abs(value - wanted[i]) < 2e-4, `${what}: ${values} for ${wanted}`);
   });
-  // Waits until the file has the change, and returns the part.
-  const partIs = (what, pathOf, wanted) => until(what, async () => {
-    const part = pathOf((await model()).parts);
-    return part && wanted(part) ? part : null;
-  });
+  // Waits until the file has the change, and the page shows it, and returns the part.
+  const partIs = async (what, pathOf, wanted) => {
+    const found = await until(what, async () => {
+      const part = pathOf((await model()).parts);
+      return part && wanted(part) ? part : null;
+    });
+    await settled(page);
+    return found;
+  };
 
   await page.click('#file-model');
   await page.fill('#model-name', 'carrier');
@@ -449,10 +453,15 @@ async function editsAScenario() {
   await page.click('#file-region');
   await drag(page, await ground(page, -1.5, -0.8), await ground(page, 1.5, 0.8));
   await fileIs(page, 'there is a spawn region', now => now.regions.length === 1);
-  await page.locator('#region-list select').selectOption('scout');
-  await fileIs(page, 'of scouts', now => now.regions[0].model === 'scout');
+  await page.locator('#region-list select').selectOption('cart');
+  await fileIs(page, 'of carts', now => now.regions[0].model === 'cart');
+  // A number that is being typed is not replaced when another program changes the rule.
   const count = page.locator('#region-list input');
   await count.fill('3');
+  const change = {type: 'edit', id: 1, op: 'set_region', index: 0, rule: {model: 'scout'}};
+  assert.equal((await ask(new URL(editor.url), JSON.stringify(change))).done, true);
+  await fileIs(page, 'of scouts', now => now.regions[0].model === 'scout');
+  assert.equal(await count.inputValue(), '3');
   await count.press('Enter');
   await fileIs(page, 'of three of them', now => now.regions[0].count === 3 && now.entities.some(each => each.name === 'scout2'));
   await save(page);

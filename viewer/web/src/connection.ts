@@ -100,6 +100,11 @@ export class Connection {
     return this.ask({type: 'control', command, ...more});
   }
 
+  // No request waits for its reply.
+  get isIdle(): boolean {
+    return this.open.size === 0;
+  }
+
   private ask(request: object): Promise<Reply> {
     const id = ++this.lastId;
     return new Promise(resolve => {

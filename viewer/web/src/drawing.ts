@@ -266,26 +266,33 @@ export class SpawnRegions {
     this.lines.geometry.setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
     this.scene.invalidate();
     // A list that is open, or a number that is being typed, must stay where it is.
+    const list = byId('region-list');
+    const active = document.activeElement;
+    if (active instanceof HTMLInputElement && list.contains(active) && active.value !== active.defaultValue) return;
     const signature = JSON.stringify([rules, locked, this.host.models()]);
     if (signature === this.shown) return;
     this.shown = signature;
-    byId('region-list').replaceChildren(
+    list.replaceChildren(
       ...(rules.length > 0 ? [make('h2', 'second', 'Spawn regions')] : []), ...rules.map((rule, i) => this.row(rule, i, locked)));
   }
 
   private row(rule: SpawnRule, index: number, locked: boolean): HTMLElement {
     const row = make('div', 'block-row');
     const change = (members: object): void => {
+      this.shown = '';  // of a change that is refused the old value is shown again
       void this.client.edit('set_region', {index, rule: members}).then(() => this.host.changed());
     };
     const count = document.createElement('input');
     count.type = 'number';
     count.className = 'number';
     count.min = '1';
-    count.value = String(rule.count);
+    count.defaultValue = String(rule.count);
     count.disabled = locked;
     count.setAttribute('aria-label', 'Number of models');
-    count.onchange = () => change({count: Number(count.value)});
+    count.onchange = () => {
+      count.defaultValue = count.value;
+      change({count: Number(count.value)});
+    };
     const model = document.createElement('select');
     model.disabled = locked;
     model.setAttribute('aria-label', 'Model');

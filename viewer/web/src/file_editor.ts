@@ -168,12 +168,13 @@ export class FileEditor {
       const reply = await this.client.ask('document');
       if (!reply.done) break;
       const before = this.document;
-      this.document = reply as unknown as FileDocument;
-      if (this.paletteVersion !== this.document.version) await this.loadPalette(this.document.version);
-      this.showDocument(this.document);
-      if (before) this.selectAdded(before, this.document);
-      if (this.document.version !== this.bitmapVersion) {
-        this.bitmapVersion = this.document.version;
+      const now = reply as unknown as FileDocument;
+      if (this.paletteVersion !== now.version) await this.loadPalette(now.version);
+      this.document = now;
+      this.showDocument(now);
+      if (before) this.selectAdded(before, now);
+      if (now.version !== this.bitmapVersion) {
+        this.bitmapVersion = now.version;
         await this.bitmaps.refresh();
         await this.text.follow();
       }

@@ -37,7 +37,9 @@ export interface TestInterface {
   plot(signals: string[]): void;
   csv(): Promise<string>;
   request(command: string, more?: object): Promise<Reply>;
-  // The members of an editor: its file as reported last, a request, and the places of points on the window.
+  // The page shows the replies to all of its requests.
+  isIdle(): boolean;
+  // The members of an editor: its file as shown, a request, and the places of points on the window.
   file(): FileDocument | null;
   edit(op: string, more?: object): Promise<EditReply>;
   // How far the ground reaches from the origin, m: to -x, -y, x, y.
@@ -117,6 +119,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
     plot: signals => signals.forEach(signal => host.plots().add(signal)),
     csv: () => host.plots().csv(),
     request: (command, more = {}) => connection.request(command, more),
+    isIdle: () => connection.isIdle,
     file: () => host.file()?.document ?? null,
     edit: (op, more = {}) => connection.edit(op, more),
     ground: () => scene.reach(),
