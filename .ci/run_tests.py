@@ -59,7 +59,7 @@ EXPECTED = (
 def run(build, options):
     """ctest's exit status, its closing lines, and the tests whose command was skipped. Prints the lines before them."""
     closing, skipped = [], set()
-    command = ["ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", *options]
+    command = ["ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", "--no-label-summary", *options]
     output = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "errors": "replace"}
     with subprocess.Popen(command, **output) as ctest:
         for line in ctest.stdout:
@@ -107,10 +107,10 @@ def main():
         else:
             print(f"error: unexpected skip of {test}: {reason or 'without a reason'} (see .ci/run_tests.py)")
             status = status or 1
-    print_failures(build)
     print(f"{sum(expected.values())} tests skipped")
     for reason, count in sorted(expected.items()):
         print(f"  {count}: {reason}")
+    print_failures(build)
     print("\n" + "".join(closing), end="", flush=True)
     sys.exit(status)
 

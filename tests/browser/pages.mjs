@@ -94,16 +94,16 @@ export class Pages {
   }
 
   // Runs the tests one after the other, or those that the command line names after its three arguments, and ends the
-  // process: with 1 if one has failed. `path`: of a picture of a page
-  // that a failed test leaves, by its name. `check`: looked at when all programs have ended.
+  // process: with 1 if one has failed. `path`: of a picture of a page that a failed test leaves, by its name. `check`: looked
+  // at when all programs have ended.
   async runAll(tests, path, check) {
-    let failed = false;
+    const failed = [];
     const attempt = async (name, action) => {
       try {
         await action();
         console.log(`${name}: passed`);
       } catch (error) {
-        failed = true;
+        failed.push(`FAILED ${name}: ${error.message.split('\n').filter(Boolean).slice(0, 8).join('\n  ')}`);
         console.error(`${name}: ${error.stack}`);
         for (const program of Program.all) if (!program.ended) console.error(program.lines.join('\n'));
       }
@@ -123,6 +123,8 @@ export class Pages {
       if (this.problems.length > 0) throw new Error(this.problems.join('\n'));
     });
     if (check) await attempt('endsAsExpected', check);
-    process.exit(failed ? 1 : 0);
+    // Again, at the end of a long output.
+    if (failed.length > 0) console.error(failed.join('\n'));
+    process.exit(failed.length > 0 ? 1 : 0);
   }
 }
