@@ -102,7 +102,10 @@ async function showsTheRunAsItIs() {
   const url = await viewed.line('viewer: ');
   const page = await open(`${url}#robot=anna&smooth=0`);
   const samples = [];
-  const sample = async from => samples.push(await look(from, 'anna'));
+  const sample = async from => {
+    await stateOf(from, 'the page has a state', () => true);  // after another connection
+    samples.push(await look(from, 'anna'));
+  };
   const readingsArrive = from => until('readings arrive', async () => (await look(from, 'anna')).readings);
   await readingsArrive(page);
   await sample(page);

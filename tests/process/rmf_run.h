@@ -45,6 +45,10 @@ class Rmf : public testing::Test {
     run_->WaitForLine(", ready");
   }
 
+  void SetSpeed(const std::string& speed) {
+    OutputOf(Troupe(Words("ctl speed % --session % --domain %", {speed, session_, std::to_string(TestDomain())})));
+  }
+
   void RequestDoor(const char* door, ros::DoorMode mode, const char* requester = "test") {
     ros::DoorRequest request{};
     request.requester_id = Text(requester);

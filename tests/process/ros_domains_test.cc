@@ -88,7 +88,8 @@ TEST_F(RosDomains, TimeAdvancesBetweenTicksInTheDomainOfARobot) {
   });
   ASSERT_FALSE(times.empty());
   EXPECT_TRUE(std::is_sorted(times.begin(), times.end()));
-  EXPECT_GT(std::set<std::int64_t>(times.begin(), times.end()).size(), 100u) << "of 40 ticks";
+  // 400 on an idle machine.
+  EXPECT_GT(std::set<std::int64_t>(times.begin(), times.end()).size(), 45u) << "of 40 ticks";
 }
 
 TEST_F(RosDomains, ARobotCannotHaveTheDomainOfTheSimulation) {
