@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <memory>
+
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/files.h"
@@ -142,8 +144,8 @@ TEST(DoorsOverDds, RequestsAfterARewindGiveTheSameStates) {
   const std::string session = TestSession("doors");
   Program run =
       Troupe(RunOfLift({"--paused", "--session", session, "--record", folder.Path("run.mcap"), "--lease", "1"}));
-  ControlClient client(NetworkOf(session));
-  ASSERT_TRUE(client.WaitForService(kSeconds).ok()) << run.output();
+  auto client = std::make_unique<ControlClient>(NetworkOf(session));
+  ASSERT_TRUE(client->WaitForService(kSeconds).ok()) << run.output();
   run.WaitForLine("ready");
   const auto call = [&](ControlCommand command, const std::string& name, const std::string& source,
                         std::uint64_t ticks = 1) {
@@ -152,7 +154,7 @@ TEST(DoorsOverDds, RequestsAfterARewindGiveTheSameStates) {
     request.name = name;
     request.source = source;
     request.ticks = ticks;
-    const Result<ControlReply> reply = client.Call(request, kSeconds);
+    const Result<ControlReply> reply = client->Call(request, kSeconds);
     EXPECT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
     return reply.ok() ? reply.value() : ControlReply();
   };
@@ -167,12 +169,15 @@ TEST(DoorsOverDds, RequestsAfterARewindGiveTheSameStates) {
   EXPECT_EQ(call(ControlCommand::kRewind, "", "", 10).tick, 10u);
   Kill(run, "world-service");
   run.WaitForLineAfter("the world service has been started again");
+  // The other client may still wait for a reply of the service that died.
+  client = std::make_unique<ControlClient>(NetworkOf(session));
+  ASSERT_TRUE(client->WaitForService(kSeconds).ok()) << run.output();
   EXPECT_EQ(operate(), first);
   ControlRequest wrong;
   wrong.command = ControlCommand::kDoor;
   wrong.name = "no_door";
   wrong.source = "open";
-  const Result<ControlReply> refused = client.Call(wrong, kSeconds);
+  const Result<ControlReply> refused = client->Call(wrong, kSeconds);
   ASSERT_TRUE(refused.ok());
   EXPECT_EQ(refused.value().problem, "the world has no door 'no_door'");
   run.Interrupt();
