@@ -61,16 +61,8 @@ class EchoHandler : public WebHandler {
   void OnPeriod(WebLoop&) override {}
   void OnWake(WebLoop&) override { ++woken; }
 
-  void AwaitClosed(int count) {
-    std::unique_lock lock(mutex);
-    EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return closed >= count; }));
-  }
-
-  // For a message that it may have.
-  void AwaitAsked(int count) {
-    std::unique_lock lock(mutex);
-    EXPECT_TRUE(changed.wait_for(lock, std::chrono::milliseconds(test::kWebDeadline), [&] { return asked >= count; }));
-  }
+  void AwaitClosed(int count) { Await(closed, count); }
+  void AwaitAsked(int count) { Await(asked, count); }  // for messages
 
   std::shared_ptr<const std::string> message;
   std::atomic<int> pages = 0;
@@ -105,6 +97,11 @@ class WebServerTest : public testing::Test {
     options.longest_text = 1000;
     server_ = test::ValueOf(WebServer::Create(options));
     server_->Serve(handler_);
+  }
+  // Sends each viewer more than its connection takes.
+  void ServeALongMessage() {
+    handler_.message = std::make_shared<const std::string>(50'000'000, 'x');
+    Serve();
   }
   // The server works as on its first day.
   void ExpectHealthy() {
@@ -410,8 +407,7 @@ TEST_F(WebServerTest, ViewersBeyondTheLimitAreTurnedAway) {
 }
 
 TEST_F(WebServerTest, AViewerThatDoesNotReadDelaysNoOther) {
-  handler_.message = std::make_shared<const std::string>(50'000'000, 'x');
-  Serve();
+  ServeALongMessage();
   WebClient sleeping(server_->port());
   sleeping.Upgrade();
   WebClient reading(server_->port());
@@ -428,8 +424,7 @@ TEST_F(WebServerTest, AViewerThatDoesNotReadDelaysNoOther) {
 }
 
 TEST_F(WebServerTest, ARefusedViewerHasTheStatusAlsoInTheMiddleOfAMessage) {
-  handler_.message = std::make_shared<const std::string>(50'000'000, 'x');
-  Serve();
+  ServeALongMessage();
   WebClient viewer(server_->port());
   viewer.Upgrade();
   handler_.AwaitAsked(1);
@@ -445,8 +440,7 @@ TEST_F(WebServerTest, ARefusedViewerHasTheStatusAlsoInTheMiddleOfAMessage) {
 }
 
 TEST_F(WebServerTest, ARefusedViewerThatDoesNotReadIsDisconnected) {
-  handler_.message = std::make_shared<const std::string>(50'000'000, 'x');
-  Serve();
+  ServeALongMessage();
   WebClient viewer(server_->port());
   viewer.Upgrade();
   handler_.AwaitAsked(1);
