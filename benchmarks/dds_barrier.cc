@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kDiscoveryTimeout = 60.0;  // s
 constexpr double kResendPeriod = 0.05;      // s, of an unanswered frame
-constexpr int kMostResends = 200;           // of one frame: beyond it the benchmark fails
+constexpr int kMaxResends = 200;            // of one frame: beyond it the benchmark fails
 
 // Answers every frame until the last.
 class Agent : public AgentHandler {
@@ -184,7 +184,7 @@ std::optional<int> RunTicks(const BarrierOptions& options, Service& service, Ser
     service.Open(tick + 1, options.agents);
     endpoint.SendFrame(frame);
     for (int repeats = 0; !service.Await(kResendPeriod); ++repeats, ++repeated) {
-      if (repeats >= kMostResends) return std::nullopt;
+      if (repeats >= kMaxResends) return std::nullopt;
       endpoint.SendFrame(frame);
     }
   }

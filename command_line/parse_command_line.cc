@@ -152,8 +152,8 @@ CLI::Validator PositiveNumber() {
 CLI::Validator LeaseValue() {
   auto check = [](const std::string& text) -> std::string {
     const std::optional<double> value = ParseAll<double>(text);
-    if (value && *value >= kShortestLeaseSeconds && *value <= kLongestLeaseSeconds) return "";
-    return Mismatch(text, fmt::format("seconds from {} to {}", kShortestLeaseSeconds, kLongestLeaseSeconds));
+    if (value && *value >= kMinLeaseSeconds && *value <= kMaxLeaseSeconds) return "";
+    return Mismatch(text, fmt::format("seconds from {} to {}", kMinLeaseSeconds, kMaxLeaseSeconds));
   };
   return CLI::Validator(check, "");
 }

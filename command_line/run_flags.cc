@@ -280,7 +280,7 @@ void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std:
   AddDataSharingFlag(app, settings, group);
   app.add_option("--lease", settings.lease_seconds,
                  fmt::format("Seconds of silence after which a process is lost, from {} to {} (default: {})",
-                             kShortestLeaseSeconds, kLongestLeaseSeconds, settings.lease_seconds))
+                             kMinLeaseSeconds, kMaxLeaseSeconds, settings.lease_seconds))
       ->check(LeaseValue())
       ->type_name("SECONDS")
       ->group(group);

@@ -29,7 +29,7 @@ std::size_t PixelsOf(const PixelRectangle& r) {
 bool IsLargePng(Bytes bytes) {
   constexpr std::size_t kWidthAt = 16;
   constexpr std::size_t kHeightAt = 20;
-  constexpr std::uint64_t kMostPixels = 10'000;
+  constexpr std::uint64_t kMaxPixels = 10'000;
   if (bytes.size() < kHeightAt + 4 || bytes[1] != std::byte{'P'}) return false;
   const auto number = [bytes](std::size_t at) {
     std::uint64_t value = 0;
@@ -39,7 +39,7 @@ bool IsLargePng(Bytes bytes) {
   const std::uint64_t width = number(kWidthAt);
   const std::uint64_t height = number(kHeightAt);
   // Numbers beyond the limits are errors, which take no time.
-  return width < 100'000 && height < 100'000 && width * height > kMostPixels;
+  return width < 100'000 && height < 100'000 && width * height > kMaxPixels;
 }
 
 }  // namespace

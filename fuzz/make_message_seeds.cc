@@ -37,7 +37,7 @@ nose ( name "r1" pose [ -2 0 0 0 ] fiducial_return 2 fiducial_key 1 )
 blinkenlight ( name "light" pose [ 3 0 0 0 ] )
 )";
 
-constexpr std::size_t kLongestRecording = 8192;  // bytes of an input; as in scripts/fuzz
+constexpr std::size_t kMaxInputBytes = 8192;  // bytes of an input; as in scripts/fuzz
 
 // The world of recordings, each of which has to fit into an input as a whole.
 constexpr char kRecordedWorld[] = R"(
@@ -102,7 +102,7 @@ class Seeds {
 
 // A world that changes, and a step.
 HistoryMessage SmallHistory(const WorldDescription& world) {
-  HistoryMessage history{1, {AgentId(7)}, MemoryPlace{0, 3, true}, {}};
+  HistoryMessage history{1, {AgentId(7)}, ControllerCheckpoint{0, 3, true}, {}};
   HistoryEntry& first = history.entries.emplace_back();
   first.frame.run = 1;
   first.frame.state = PlacedState(world);
@@ -218,7 +218,7 @@ void WriteRecordings(const Seeds& seeds, const WorldDescription& world) {
     out.Add(std::uint8_t{255});
   }
   Check(copy.Close().ok());
-  Check(small.size() <= kLongestRecording && messages.size() <= kLongestRecording);
+  Check(small.size() <= kMaxInputBytes && messages.size() <= kMaxRecording);
   seeds.Write("recording", "file.bin", small);
   seeds.Write("recording", "messages.bin", messages);
 }

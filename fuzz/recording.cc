@@ -14,7 +14,7 @@ namespace troupe::fuzz {
 namespace {
 
 // Bytes at random are thousands of empty messages and chunks: they cost time, and test nothing that a few do not.
-constexpr int kMostParts = 64;
+constexpr int kMaxParts = 64;
 
 // A file of the messages in the bytes: each behind its channel, one byte, and its length, two. Another number in place
 // of a channel ends a chunk. So the CRCs of a file do not keep changed messages from the readers.
@@ -26,7 +26,7 @@ std::vector<std::byte> FileOf(Bytes bytes) {
   }
   mcap::ByteReader in(bytes);
   std::uint64_t time = 0;
-  for (int part = 0; part < kMostParts && in.ok() && !in.at_end(); ++part) {
+  for (int part = 0; part < kMaxParts && in.ok() && !in.at_end(); ++part) {
     const auto channel = in.Read<std::uint8_t>();
     if (channel >= kRecordingChannels) {
       Check(writer.EndChunk().ok());

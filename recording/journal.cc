@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "recording/mcap/bytes.h"
-#include "recording/run_so_far.h"
+#include "recording/partial_recording.h"
 
 namespace troupe {
 namespace {
@@ -142,13 +142,13 @@ std::optional<TailRecord> ParseRecord(std::span<const std::byte> content, RunId 
 }
 
 // More than the tail of any run.
-constexpr std::size_t kMostTailBytes = std::numeric_limits<std::size_t>::max() / 2;
+constexpr std::size_t kMaxTailBytes = std::numeric_limits<std::size_t>::max() / 2;
 
 // Empty if there is no file.
 Result<std::string> ReadFile(const std::string& path) {
   std::error_code unknown;
   if (!std::filesystem::exists(path, unknown) && !unknown) return std::string();
-  Result<std::string> bytes = ReadWholeFile(path, kMostTailBytes);
+  Result<std::string> bytes = ReadWholeFile(path, kMaxTailBytes);
   if (bytes.ok()) return bytes;
   return Error{{path}, "cannot read: " + bytes.error().message, ErrorCode::kFailure};
 }
@@ -187,7 +187,7 @@ Result<std::optional<Journal>> Journal::OpenToContinue(const JournalFiles& files
 }
 
 // The writer may empty a file of the tail between the two readings: then the recording has more ticks than it had.
-Result<RunSoFar> RunSoFar::Read(const JournalFiles& files) {
+Result<PartialRecording> PartialRecording::Read(const JournalFiles& files) {
   for (int attempt = 0;; ++attempt) {
     Result<Recording> recording = Recording::Open(files.recording, Recording::Ticks::kPerhapsNone);
     if (!recording.ok()) return recording.error();
@@ -199,7 +199,7 @@ Result<RunSoFar> RunSoFar::Read(const JournalFiles& files) {
     const bool is_behind = tail.value().ticks.empty() && std::max(last[0], last[1]) >= next.value();
     if (is_behind && attempt < kReadAttempts) continue;
     const bool is_whole = !recording.value().damage();
-    return RunSoFar{std::move(recording).value(), std::move(tail.value().ticks), is_whole};
+    return PartialRecording{std::move(recording).value(), std::move(tail.value().ticks), is_whole};
   }
 }
 

@@ -48,14 +48,14 @@ Result<std::string> SecurityOf(const NetworkSettings& network, RunKeysFolder& ow
 std::size_t CountAgentGroups(const ServiceCommandLine& line, const PreparedRun& run, bool secured) {
   // docs/performance-trials.md has the trials. A group costs the service a participant with its threads.
   constexpr std::size_t kAgentsOfGroup = 64;
-  constexpr std::size_t kMostGroups = 32;
+  constexpr std::size_t kMaxGroups = 32;
   const NetworkSettings& network = line.network;
   const bool is_shared = network.data_sharing && network.network_interface == kLoopbackInterface &&
                          network.network_profile.empty() && !secured;
   if (!is_shared || !line.report_fd) return 1;
   const std::size_t agents = run.world().robots.size() / std::max(1U, run.options.settings.robots_per_process);
   const std::size_t wanted = (agents + kAgentsOfGroup - 1) / kAgentsOfGroup;
-  return std::clamp(wanted, std::max(std::size_t{1}, line.ports.size()), std::max(kMostGroups, line.ports.size()));
+  return std::clamp(wanted, std::max(std::size_t{1}, line.ports.size()), std::max(kMaxGroups, line.ports.size()));
 }
 
 // Of the network, if agents do not answer.

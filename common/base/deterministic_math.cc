@@ -52,7 +52,7 @@ double ToUniform(std::uint64_t bits) {
 
 SinCosResult SinCos(double radians) {
   if (!std::isfinite(radians)) return {std::nan(""), std::nan("")};
-  if (std::abs(radians) > kLargestDirectAngle) radians = std::fmod(radians, 2.0 * kPi);
+  if (std::abs(radians) > kMaxDirectAngle) radians = std::fmod(radians, 2.0 * kPi);
   const double quadrant = std::nearbyint(radians * (2.0 / kPi));
   double s;
   double c;

@@ -83,22 +83,22 @@ bool RemoveIn(int folder, const char* name) noexcept {
   return unlinkat(folder, name, AT_REMOVEDIR) == 0;
 }
 
-constexpr std::size_t kLongestFileName = 255;  // bytes
+constexpr std::size_t kMaxFileName = 255;  // bytes
 
 // A name that no program looks for.
 fs::path NameBeside(const fs::path& path) {
   const std::string ending = "." + std::to_string(MakeRandomId());
   const std::string name = "." + path.filename().string();
-  return path.parent_path() / (name.substr(0, kLongestFileName - ending.size()) + ending);
+  return path.parent_path() / (name.substr(0, kMaxFileName - ending.size()) + ending);
 }
 
 // The path of the file that is written, which is no link; its file may be missing.
 Result<fs::path> TargetOf(const std::string& named) {
-  constexpr int kMostLinks = 40;  // as in Linux
+  constexpr int kMaxLinks = 40;  // as in Linux
   std::error_code error;
   fs::path path = fs::absolute(named, error);
   for (int links = 0; !error && fs::is_symlink(path, error); ++links) {
-    if (links == kMostLinks) error = std::make_error_code(std::errc::too_many_symbolic_link_levels);
+    if (links == kMaxLinks) error = std::make_error_code(std::errc::too_many_symbolic_link_levels);
     if (!error) path = path.parent_path() / fs::read_symlink(path, error);
   }
   if (error && error != std::errc::no_such_file_or_directory) {

@@ -18,7 +18,7 @@ constexpr std::size_t kLanes = 16;  // two vectors of the widest instructions, s
 using Doubles [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 using Bits [[gnu::vector_size(kLanes * sizeof(double))]] = std::int64_t;
 
-// SinCos for each lane of `angles`, all of which are within kLargestDirectAngle, without a jump.
+// SinCos for each lane of `angles`, all of which are within kMaxDirectAngle, without a jump.
 [[gnu::always_inline]] inline void SinCosOfLanes(const double* angles, double* sines, double* cosines) {
   constexpr double kNoFraction = 0x1.8p52;  // a sum with it is rounded to a whole number, whose last bits it has
   constexpr std::int64_t kSign = std::numeric_limits<std::int64_t>::min();
@@ -79,7 +79,7 @@ void SinCosOf(std::span<const double> radians, std::span<SinCosResult> results) 
     bool are_small = true;
     for (std::size_t i = 0; i < count; ++i) {
       angles[i] = radians[first + i];
-      are_small &= std::abs(angles[i]) <= kLargestDirectAngle;
+      are_small &= std::abs(angles[i]) <= kMaxDirectAngle;
     }
     if (!are_small) {
       for (std::size_t i = first; i < first + count; ++i) results[i] = SinCos(radians[i]);

@@ -3,7 +3,7 @@
 
 namespace troupe {
 
-constexpr double kLargestDirectAngle = 1e5;  // rad; SinCos first reduces larger ones
+constexpr double kMaxDirectAngle = 1e5;  // rad; SinCos first reduces larger ones
 
 // pi/2 in three parts. The first two have 33 significant bits, so that their product with an integer below 2^20 is
 // exact (Cody and Waite 1980, chapter 8).

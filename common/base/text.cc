@@ -8,7 +8,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kLongestCharacter = 4;  // bytes
+constexpr std::size_t kMaxCharacter = 4;  // bytes
 
 bool IsContinuation(char c) {
   return (static_cast<unsigned char>(c) & 0xc0U) == 0x80U;
@@ -23,7 +23,7 @@ bool IsControl(std::string_view text, std::size_t i, std::size_t length) {
 
 constexpr std::string_view kDigits = "0123456789abcdef";
 
-constexpr std::size_t kLongestName = 100;  // the time grows with the square; longer ones are not misspelt names
+constexpr std::size_t kMaxName = 100;  // the time grows with the square; longer ones are not misspelt names
 
 // The optimal string alignment distance, by rows.
 std::size_t Distance(std::string_view a, std::string_view b) {
@@ -74,7 +74,7 @@ std::size_t FindInvalidUtf8(std::string_view text) {
 std::string_view CutUtf8(std::string_view text, std::size_t longest) {
   if (text.size() <= longest) return text;
   std::size_t end = longest;
-  while (end > 0 && longest - end < kLongestCharacter && IsContinuation(text[end])) --end;
+  while (end > 0 && longest - end < kMaxCharacter && IsContinuation(text[end])) --end;
   // Bytes of which none begins a character are no UTF-8: they are cut anywhere.
   return text.substr(0, IsContinuation(text[end]) ? longest : end);
 }
@@ -128,11 +128,11 @@ std::optional<std::string> FromHexadecimal(std::string_view text) {
 }
 
 std::optional<std::string> ClosestName(std::string_view found, const std::vector<std::string>& names) {
-  if (found.size() > kLongestName) return std::nullopt;
-  std::size_t least = kLongestName;
+  if (found.size() > kMaxName) return std::nullopt;
+  std::size_t least = kMaxName;
   std::optional<std::string> closest;
   for (const std::string& name : names) {
-    if (name.size() > kLongestName) continue;
+    if (name.size() > kMaxName) continue;
     const std::size_t distance = Distance(found, name);
     if (distance >= least || distance > std::max(found.size(), name.size()) / 3) continue;
     least = distance;
@@ -150,7 +150,7 @@ FloodLimiter::FloodLimiter(Tell tell) : tell_(std::move(tell)), second_began_(st
 
 FloodLimiter::~FloodLimiter() {
   try {
-    TellSum();
+    LogSuppressedCount();
   } catch (const std::exception&) {  // without memory the line is missing
   }
 }
@@ -163,7 +163,7 @@ void FloodLimiter::Add(std::string_view line) noexcept {
     if (now - second_began_ >= std::chrono::seconds(1)) {
       second_began_ = now;
       reported_ = 0;
-      TellSum();
+      LogSuppressedCount();
     }
     if (reported_ < kLinesInASecond) {
       tell_(PlainLine(line));
@@ -175,7 +175,7 @@ void FloodLimiter::Add(std::string_view line) noexcept {
   ++left_out_;
 }
 
-void FloodLimiter::TellSum() {
+void FloodLimiter::LogSuppressedCount() {
   if (left_out_ == 0) return;
   tell_(std::to_string(left_out_) + " more lines like these");
   left_out_ = 0;

@@ -65,7 +65,7 @@ class FloodLimiter {
   void Add(std::string_view line) noexcept;
 
  private:
-  void TellSum();
+  void LogSuppressedCount();
 
   const Tell tell_;
   std::mutex mutex_;  // guards the members below

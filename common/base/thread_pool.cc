@@ -13,7 +13,7 @@ using Clock = std::chrono::steady_clock;
 // Bits of a gate: the number of the Run, and below it the places left.
 constexpr std::uint32_t kPlacesBits = 12;
 constexpr std::uint32_t kPlacesMask = (1u << kPlacesBits) - 1;
-constexpr std::size_t kMostThreads = kPlacesMask;
+constexpr std::size_t kMaxThreads = kPlacesMask;
 constexpr std::uint32_t kRoundMask = ~0u >> kPlacesBits;
 constexpr std::uint32_t kEnd = 0;  // the number that ends the threads; that of a Run is another one
 constexpr std::uint32_t kNoRound = ~0u;
@@ -57,7 +57,7 @@ std::uint32_t AwaitChange(const std::atomic<std::uint32_t>& value, std::uint32_t
 }  // namespace
 
 ThreadPool::ThreadPool(std::size_t size)
-    : size_(std::clamp<std::size_t>(size, 1, kMostThreads)),
+    : size_(std::clamp<std::size_t>(size, 1, kMaxThreads)),
       spins_(size_ <= std::thread::hardware_concurrency()),
       failures_(size_) {}
 

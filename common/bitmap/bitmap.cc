@@ -12,7 +12,7 @@ namespace troupe {
 namespace {
 
 // Far above the rounding of a line's place, which is below 1e-9 m, and with it of a pixel's number.
-constexpr double kSmallestPixel = 1e-6;   // m
+constexpr double kMinPixel = 1e-6;        // m
 constexpr double kPixelTolerance = 0.01;  // pixels
 
 struct PixelRange {
@@ -43,9 +43,8 @@ bool AreUsable(const PixelLines& lines, int count) {
   const auto stretched = [&](int line) { return (line - lines.center) * lines.factor; };
   return IsWithin(lines.center, 0x1p31) && IsWithin(lines.second_center, kMaxMagnitude) &&
          IsWithin(lines.shift, kMaxMagnitude) && IsWithin(stretched(0), kMaxMagnitude) &&
-         IsWithin(stretched(count), kMaxMagnitude) && lines.factor >= kSmallestPixel &&
-         lines.spacing() >= kSmallestPixel && IsWithin(lines(0), kMaxMagnitude) &&
-         IsWithin(lines(count), kMaxMagnitude);
+         IsWithin(stretched(count), kMaxMagnitude) && lines.factor >= kMinPixel && lines.spacing() >= kMinPixel &&
+         IsWithin(lines(0), kMaxMagnitude) && IsWithin(lines(count), kMaxMagnitude);
 }
 
 }  // namespace

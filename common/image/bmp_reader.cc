@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kFileHeader = 14;  // bytes
 constexpr std::size_t kOldHeader = 12;   // of OS/2 1.x, with numbers of 16 bits and a palette of three bytes a colour
 constexpr std::size_t kUsualHeader = 40;
-constexpr std::size_t kLongestHeader = 124;
+constexpr std::size_t kMaxHeader = 124;
 
 enum Compression : std::uint32_t { kNone = 0, kRuns8 = 1, kRuns4 = 2, kMasks = 3, kMasksAndOpacity = 6 };
 
@@ -68,7 +68,7 @@ class BmpReader {
     data_at_ = Number(10, 4);
     header_size_ = Number(kFileHeader, 4);
     const bool is_old = header_size_ == kOldHeader;
-    if (!is_old && (header_size_ < kUsualHeader || header_size_ > kLongestHeader)) return Damaged();
+    if (!is_old && (header_size_ < kUsualHeader || header_size_ > kMaxHeader)) return Damaged();
     if (!ReadBytes(header_.data() + kFileHeader + 4, header_size_ - 4)) return Damaged();
     if (is_old) {
       width_ = Number(18, 2);
@@ -221,7 +221,7 @@ class BmpReader {
 
   const ImageFile& file_;
   const PixelRule& rule_;
-  std::array<std::uint8_t, kFileHeader + kLongestHeader> header_{};
+  std::array<std::uint8_t, kFileHeader + kMaxHeader> header_{};
   std::size_t header_size_ = 0;
   std::int64_t data_at_ = 0;
   std::int64_t width_ = 0;

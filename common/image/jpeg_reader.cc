@@ -16,9 +16,9 @@
 namespace troupe {
 namespace {
 
-constexpr int kMostScans = 200;                  // of a progressive image: each costs the time of the whole
-constexpr long kMostWorkspace = 800'000'000;     // bytes, for the coefficients of a progressive image
-constexpr std::int64_t kMostPixelsOfByte = 512;  // a block of 64 pixels has at least a bit
+constexpr int kMaxScans = 200;                  // of a progressive image: each costs the time of the whole
+constexpr long kMaxWorkspace = 800'000'000;     // bytes, for the coefficients of a progressive image
+constexpr std::int64_t kMaxPixelsOfByte = 512;  // a block of 64 pixels has at least a bit
 
 class JpegReader {
  public:
@@ -40,7 +40,7 @@ class JpegReader {
     const std::int64_t width = jpeg_.image_width;
     const std::int64_t height = jpeg_.image_height;
     if (Status fault = CheckPixels(file_, width, height); !fault.ok()) return fault.error();
-    if (width * height / kMostPixelsOfByte > file_.size) return TooShort(file_, width, height);
+    if (width * height / kMaxPixelsOfByte > file_.size) return TooShort(file_, width, height);
     if (!Guarded([this] { jpeg_start_decompress(&jpeg_); })) return Damaged();
     const std::size_t channels = static_cast<std::size_t>(jpeg_.output_components);
     std::vector<JSAMPLE> row(static_cast<std::size_t>(width) * channels);
@@ -79,16 +79,16 @@ class JpegReader {
     if (level < 0 && (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER)) self->is_cut_ = true;
   }
   static void OnProgress(j_common_ptr jpeg) {
-    if (!jpeg->is_decompressor || reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number <= kMostScans) return;
+    if (!jpeg->is_decompressor || reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number <= kMaxScans) return;
     JpegReader* const self = Of(jpeg);
-    std::snprintf(self->message_.data(), self->message_.size(), "more than %d scans", kMostScans);
+    std::snprintf(self->message_.data(), self->message_.size(), "more than %d scans", kMaxScans);
     std::longjmp(self->jump_, 1);
   }
 
   void ReadHeader() {
     progress_.progress_monitor = OnProgress;
     jpeg_.progress = &progress_;
-    jpeg_.mem->max_memory_to_use = kMostWorkspace;
+    jpeg_.mem->max_memory_to_use = kMaxWorkspace;
     jpeg_stdio_src(&jpeg_, file_.stream.get());
     jpeg_read_header(&jpeg_, TRUE);
     const J_COLOR_SPACE space = jpeg_.jpeg_color_space;

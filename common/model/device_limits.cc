@@ -47,7 +47,7 @@ class ByteBudget {
   // False if the message does not fit. REQUIRES: it names a radio.
   bool Use(const RadioMessage& message) {
     const RadioParameters& radio = *FindRadio(robot_, message.radio);
-    if (count_ == kMostRadioMessages) return false;
+    if (count_ == kMaxRadioMessages) return false;
     if (used_[message.radio] + message.bytes.size() > BytesPerTick(radio, interval_seconds_)) return false;
     used_[message.radio] += message.bytes.size();
     ++count_;
@@ -92,7 +92,7 @@ Twist CarTwist(double speed, double steering, double wheelbase) {
 
 std::size_t BytesPerTick(const RadioParameters& radio, double interval_seconds) {
   const double bytes = std::floor(radio.bandwidth * interval_seconds * (1.0 + kRounding));
-  return static_cast<std::size_t>(std::min(bytes, static_cast<double>(kMostRadioBytes)));
+  return static_cast<std::size_t>(std::min(bytes, static_cast<double>(kMaxRadioBytes)));
 }
 
 Tick DelayTicks(const RadioParameters& radio, double interval_seconds) {
@@ -113,10 +113,10 @@ std::vector<RadioMessage> WithinLimits(const RobotDescription& robot, double int
 
 Status CheckMessages(const RobotDescription& robot, double interval_seconds, std::span<const RadioMessage> messages) {
   if (messages.empty()) return {};
-  if (messages.size() > kMostRadioMessages) {
+  if (messages.size() > kMaxRadioMessages) {
     return Error{{},
                  "found " + std::to_string(messages.size()) + " radio messages, expected at most " +
-                     std::to_string(kMostRadioMessages) + " in a tick"};
+                     std::to_string(kMaxRadioMessages) + " in a tick"};
   }
   ByteBudget budget(robot, interval_seconds);
   for (const RadioMessage& message : messages) {

@@ -33,10 +33,10 @@ Status CheckOrder(const std::vector<const GripperDescription*>& grippers, const 
 }
 
 Status CheckGoal(const Goal& goal) {
-  if (goal.waypoints.empty() || goal.waypoints.size() > kMostWaypoints) {
+  if (goal.waypoints.empty() || goal.waypoints.size() > kMaxWaypoints) {
     return Error{{},
                  "found a goal with " + std::to_string(goal.waypoints.size()) + " points, expected 1 to " +
-                     std::to_string(kMostWaypoints)};
+                     std::to_string(kMaxWaypoints)};
   }
   for (const Vec2& point : goal.waypoints) {
     if (!IsInWorld(point.x()) || !IsInWorld(point.y())) return Error{{}, "found a goal beyond 1000 km"};

@@ -68,7 +68,7 @@ struct LiftOrder {
 };
 
 // Bytes of a text that a robot says in one tick.
-inline constexpr std::size_t kMostSaidBytes = 200;
+inline constexpr std::size_t kMaxSaidBytes = 200;
 
 struct Proposal {
   RobotId robot;
@@ -80,7 +80,7 @@ struct Proposal {
   std::vector<RadioMessage> messages = {};  // within the limits of the radios (radio_limits.h)
   std::vector<LightOrder> lights = {};      // applied in order
   std::vector<CameraOrder> cameras = {};    // likewise
-  std::string say = {};                     // an event for people, of at most kMostSaidBytes; empty: none
+  std::string say = {};                     // an event for people, of at most kMaxSaidBytes; empty: none
   std::vector<DoorOrder> doors = {};
   std::vector<LiftOrder> lifts = {};
   bool operator==(const Proposal&) const = default;

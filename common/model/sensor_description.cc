@@ -266,7 +266,7 @@ std::string CameraParameters::Summary() const {
 Status RadioParameters::Check() const {
   if (range < 0.0) return SensorProblem("its range is negative");
   if (bandwidth < 0.0) return SensorProblem("its bandwidth is negative");
-  if (!(delay >= 0.0 && delay <= kLongestRadioDelay)) return SensorProblem("its delay is not 0 to 60 s");
+  if (!(delay >= 0.0 && delay <= kMaxRadioDelay)) return SensorProblem("its delay is not 0 to 60 s");
   for (const double probability : {loss, range_loss}) {
     if (!(probability >= 0.0 && probability <= 1.0)) return SensorProblem("a loss of messages is not 0 to 1");
   }

@@ -92,7 +92,7 @@ Status CheckAreas(const WorldDescription& world) {
   return Status();
 }
 
-constexpr double kMostEnergy = 1e12;  // J, W or kg
+constexpr double kMaxEnergy = 1e12;  // J, W or kg
 
 Status CheckModel(const WorldDescription& world, std::size_t index) {
   const ModelDescription& model = world.models[index];
@@ -107,7 +107,7 @@ Status CheckModel(const WorldDescription& world, std::size_t index) {
   const PowerDescription& power = model.power;
   for (const double value :
        {power.joules, power.capacity, power.watts, power.mass, power.give_watts, power.take_watts}) {
-    if (!(value >= 0.0 && value <= kMostEnergy)) return Problem("its energy is negative, not finite or too large");
+    if (!(value >= 0.0 && value <= kMaxEnergy)) return Problem("its energy is negative, not finite or too large");
   }
   if (power.joules > power.capacity) return Problem("it stores more energy than its capacity");
   const Blinking& blinking = model.blinking;
@@ -302,10 +302,10 @@ Status CheckPerson(const WorldDescription& world, std::size_t index) {
   if (is_robot || std::find(world.objects.begin(), world.objects.end(), person.root) != world.objects.end()) {
     return Problem("its model is that of a robot or an object");
   }
-  constexpr double kMostRadius = 10.0;  // m
-  if (!(person.radius > 0.0 && person.radius <= kMostRadius)) return Problem("its radius is not from 0 to 10 m");
-  constexpr double kMostSpeed = 100.0;  // m/s
-  if (!(person.speed >= 0.0 && person.speed <= person.max_speed && person.max_speed <= kMostSpeed)) {
+  constexpr double kMaxRadius = 10.0;  // m
+  if (!(person.radius > 0.0 && person.radius <= kMaxRadius)) return Problem("its radius is not from 0 to 10 m");
+  constexpr double kMaxSpeed = 100.0;  // m/s
+  if (!(person.speed >= 0.0 && person.speed <= person.max_speed && person.max_speed <= kMaxSpeed)) {
     return Problem("its speed is negative, or above its highest one, or that one is above 100 m/s");
   }
   if (person.reaction > LastOf(PersonReaction())) return Problem("its reaction does not exist");

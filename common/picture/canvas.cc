@@ -16,7 +16,7 @@ namespace {
 // must be cut before Cairo draws it. The margin keeps cut edges and their strokes out of sight.
 constexpr double kClipMargin = 64.0;  // px
 
-constexpr std::size_t kLongestText = 500;  // bytes
+constexpr std::size_t kMaxText = 500;  // bytes
 
 cairo_status_t Append(void* closure, const unsigned char* data, unsigned int length) {
   static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
@@ -265,8 +265,8 @@ void Canvas::Text(const std::string& text, const Vec2& at, TextAnchor anchor, co
 }
 
 std::string Canvas::Shortened(const std::string& text, double width, const TextStyle& style) {
-  std::string result = PlainLine(text, kLongestText);
-  if (TextWidth(result, style) <= width && text.size() <= kLongestText) return result;
+  std::string result = PlainLine(text, kMaxText);
+  if (TextWidth(result, style) <= width && text.size() <= kMaxText) return result;
   while (!result.empty() && TextWidth(result + "...", style) > width) {
     result.resize(CutUtf8(result, result.size() - 1).size());
   }

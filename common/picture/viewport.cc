@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kLongerSide = 1000.0;       // px, of a page whose width is not given
 constexpr double kDefaultExtent = 10.0;      // m, of a picture of nothing
-constexpr double kSmallestExtent = 1e-3;     // m
-constexpr double kLargestExtent = 1e12;      // m
+constexpr double kMinExtent = 1e-3;          // m
+constexpr double kMaxExtent = 1e12;          // m
 constexpr double kTopAspect[] = {0.3, 2.0};  // height by width of the region
 constexpr double kSideAspect[] = {0.16, 0.8};
 
@@ -38,7 +38,7 @@ Rectangle ChooseRegion(const Rectangle& contents, const PictureOptions& options)
     region = {-0.5 * kDefaultExtent, top ? -0.5 * kDefaultExtent : 0.0, 0.5 * kDefaultExtent, 0.5 * kDefaultExtent};
   }
   const Vec2 middle = options.center ? *options.center : region.center();
-  const double length = std::clamp(options.meters ? *options.meters : region.width(), kSmallestExtent, kLargestExtent);
+  const double length = std::clamp(options.meters ? *options.meters : region.width(), kMinExtent, kMaxExtent);
   if (options.meters || options.center) {
     region.min_x = middle.x() - 0.5 * length;
     region.max_x = middle.x() + 0.5 * length;
@@ -48,12 +48,12 @@ Rectangle ChooseRegion(const Rectangle& contents, const PictureOptions& options)
       region.max_y = middle.y() + 0.5 * height;
     }
   } else {
-    const double margin = std::max(0.02 * std::max(region.width(), region.height()), kSmallestExtent);
+    const double margin = std::max(0.02 * std::max(region.width(), region.height()), kMinExtent);
     region = region.Inflated(margin);
   }
   if (!top) {
     // The ground and a strip below it.
-    const double height = std::max({contents.empty() ? 0.0 : contents.max_y, 0.05 * region.width(), kSmallestExtent});
+    const double height = std::max({contents.empty() ? 0.0 : contents.max_y, 0.05 * region.width(), kMinExtent});
     const double low = contents.empty() ? 0.0 : std::min(0.0, contents.min_y);
     region.min_y = low - 0.1 * (height - low);
     region.max_y = height + 0.3 * (height - low);

@@ -13,7 +13,7 @@ constexpr double kOverhang =
 constexpr double kOverhangOpacity = 0.62;
 constexpr double kCoveredOpacity = 0.28;  // of the parts of a robot that are drawn again over the table above it
 constexpr std::size_t kManyFans = 300;
-constexpr double kSmallestRobot = 7.0;  // units: robots that would be smaller are drawn as a pin
+constexpr double kMinRobot = 7.0;  // units: robots that would be smaller are drawn as a pin
 
 // The fan as an area of the plane, frame W.
 Polygon FanOutline(const ScanFan& fan) {
@@ -129,7 +129,7 @@ void DrawPin(Canvas& canvas, const Viewport& viewport, const Pose& X_WR, const C
 // The robot's box on the page, or that of its pin.
 Rectangle BoxOnPage(const Viewport& viewport, const RobotExtent& extent) {
   const Rectangle box = viewport.ToPage(extent.box);
-  const double missing = kSmallestRobot * viewport.unit - std::max(box.width(), box.height());
+  const double missing = kMinRobot * viewport.unit - std::max(box.width(), box.height());
   return missing > 0.0 ? box.Inflated(0.5 * missing) : box;
 }
 
@@ -169,7 +169,7 @@ void DrawLayers(Canvas& canvas, const Viewport& viewport, const Drawing& drawing
     const std::size_t robot = layer.nose->index();
     const Pose& X_WR = drawing.state.robots[robot].X_WR;
     const Rectangle box = viewport.ToPage(drawing.extents[robot].box);
-    if (std::max(box.width(), box.height()) < kSmallestRobot * viewport.unit) {
+    if (std::max(box.width(), box.height()) < kMinRobot * viewport.unit) {
       DrawPin(canvas, viewport, X_WR, drawing.world.model(drawing.world.robots[robot].root).color);
     } else {
       DrawNose(canvas, viewport, X_WR, widest[robot], opacity);

@@ -87,8 +87,8 @@ inline constexpr const char* kSecurityOff = "off";
 // Wall times. A shorter lease expires between two signs of life, and DDS counts none below a nanosecond; it has no
 // longer one either.
 inline constexpr double kDefaultLeaseSeconds = 2.0;
-inline constexpr double kShortestLeaseSeconds = 0.01;
-inline constexpr double kLongestLeaseSeconds = 3600.0;
+inline constexpr double kMinLeaseSeconds = 0.01;
+inline constexpr double kMaxLeaseSeconds = 3600.0;
 
 // A participant of a world service, for the agents that it serves.
 struct ServiceParticipant {

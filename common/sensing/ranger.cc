@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "common/base/alike.h"
+#include "common/base/intern.h"
 #include "common/base/prefetch.h"
 #include "common/base/sin_cos_of.h"
 #include "common/sensing/sensor.h"
@@ -115,10 +115,10 @@ std::vector<ScanGeometry> GeometryOf(std::span<const RaySensorDescription> ray_s
 
 class Ranger final : public Sensor {
  public:
-  explicit Ranger(const SensorMount& mount) : Sensor(mount), flat_(OneOfAlike(FlatSensorsOf(ray_sensors()))) {
+  explicit Ranger(const SensorMount& mount) : Sensor(mount), flat_(Intern(FlatSensorsOf(ray_sensors()))) {
     has_planes_ = flat_->size() < ray_sensors().size();
     const ModelId model = description().model;
-    if (mount.scene.link_of(model) == 0) geometry_ = OneOfAlike(GeometryOf(ray_sensors(), mount.scene.X_LM(model)));
+    if (mount.scene.link_of(model) == 0) geometry_ = Intern(GeometryOf(ray_sensors(), mount.scene.X_LM(model)));
   }
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {

@@ -9,7 +9,7 @@
 namespace troupe {
 namespace {
 
-constexpr double kSmallestCell = 0.01;  // m
+constexpr double kMinCell = 0.01;  // m
 
 Rectangle BoundsOf(const std::vector<Pose>& poses) {
   Rectangle bounds = Rectangle::Nothing();
@@ -152,7 +152,7 @@ bool BodyIndex::FitsGrid() const {
 void BodyIndex::Rebuild() {
   const std::size_t count = X_WB_.size();
   const Rectangle tight = BoundsOf(X_WB_);
-  const double smallest_cell = std::max(2.0 * scene_->max_body_radius(), kSmallestCell);
+  const double smallest_cell = std::max(2.0 * scene_->max_body_radius(), kMinCell);
   // Room to drive without having to rebuild.
   const Rectangle bounds = tight.Inflated(0.25 * std::max(tight.width(), tight.height()) + smallest_cell);
   const double bodies = static_cast<double>(count);

@@ -8,7 +8,7 @@ namespace {
 constexpr double kFinestCell = 0.1;       // m
 constexpr double kCoarsestCell = 0.25;    // m
 constexpr double kManyCells = 400'000.0;  // with more, cells are coarser
-constexpr double kMostCells = 16e6;
+constexpr double kMaxGridCells = 16e6;
 constexpr double kComfort = 0.2;  // m: a cell so near to a wall counts twice
 
 // Numbers of steps, and two more.
@@ -18,7 +18,8 @@ constexpr std::uint8_t kNoStep = 0xfe;
 // m, of a cell.
 double SideOf(const Rectangle& bounds) {
   const double area = bounds.width() * bounds.height();
-  return std::max(std::clamp(std::sqrt(area / kManyCells), kFinestCell, kCoarsestCell), std::sqrt(area / kMostCells));
+  return std::max(std::clamp(std::sqrt(area / kManyCells), kFinestCell, kCoarsestCell),
+                  std::sqrt(area / kMaxGridCells));
 }
 
 std::size_t CountOf(double length, double cell) {
@@ -141,7 +142,7 @@ class WalkField::Costs {
 void WalkField::MeasureLengths(std::size_t target) {
   const Costs costs(grid_);
   std::vector<std::uint32_t> lengths(costs.size(), kUnreached);
-  std::array<std::vector<std::uint32_t>, WalkGrid::kMostCost * WalkGrid::kDiagonal + 1> lists;
+  std::array<std::vector<std::uint32_t>, WalkGrid::kMaxCost * WalkGrid::kDiagonal + 1> lists;
   const std::size_t first = costs.PlaceOf(target);
   lengths[first] = 0;
   lists[0].push_back(static_cast<std::uint32_t>(first));

@@ -46,9 +46,9 @@ class WalkGrid {
   int columns() const { return columns_; }
   double cell() const { return cell_; }
   bool IsFree(std::size_t cell) const { return room_[cell] != Room::kBlocked; }
-  static constexpr std::uint32_t kMostCost = 8;
+  static constexpr std::uint32_t kMaxCost = 8;
   std::uint32_t CostOf(std::size_t cell) const {
-    return room_[cell] == Room::kAtLeaf ? kMostCost : room_[cell] == Room::kNearWall ? 2 : 1;
+    return room_[cell] == Room::kAtLeaf ? kMaxCost : room_[cell] == Room::kNearWall ? 2 : 1;
   }
   // The door in whose doorway the cell is: a person there touches its leaves while they are closed.
   std::optional<std::size_t> DoorOf(std::size_t cell) const {

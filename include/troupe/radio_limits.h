@@ -12,7 +12,7 @@
 namespace troupe {
 
 // The bytes that a radio may send in one tick of `interval_seconds`: its bandwidth, rounded down, at most
-// kMostRadioBytes.
+// kMaxRadioBytes.
 std::size_t BytesPerTick(const RadioParameters& radio, double interval_seconds);
 
 // The ticks that its messages are on their way: its delay, rounded up to whole ticks.

@@ -12,8 +12,8 @@
 
 namespace troupe {
 
-inline constexpr std::size_t kMostRadioBytes = 16'384;  // that one radio sends in a tick, of all its messages
-inline constexpr std::size_t kMostRadioMessages = 64;   // that one robot sends in a tick
+inline constexpr std::size_t kMaxRadioBytes = 16'384;  // that one radio sends in a tick, of all its messages
+inline constexpr std::size_t kMaxRadioMessages = 64;   // that one robot sends in a tick
 
 // A message that a robot is to send in its next tick.
 struct RadioMessage {

@@ -48,7 +48,7 @@ struct Goal {
   }
 };
 
-inline constexpr std::size_t kMostWaypoints = 1000;
+inline constexpr std::size_t kMaxWaypoints = 1000;
 
 struct RobotCommand {
   RobotId robot;

@@ -24,7 +24,7 @@ inline constexpr std::uint32_t kMaxRaySamples = 100'000;   // of one ray sensor,
 inline constexpr std::uint32_t kMaxRays = 4'000'000;       // of one ray sensor, in all its planes
 inline constexpr std::uint32_t kMaxImageSide = 4096;       // pixels
 inline constexpr std::uint32_t kMaxBumpers = 1000;         // segments of one bumper
-inline constexpr double kLongestRadioDelay = 60.0;         // s
+inline constexpr double kMaxRadioDelay = 60.0;             // s
 inline constexpr double kMaxElevation = 85.0 / 180 * kPi;  // rad, of a ray of a scanner or the edge of an image
 
 // One fan of rays, or several one above another. Frame S: the sensor; rays leave from its origin.

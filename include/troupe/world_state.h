@@ -157,7 +157,7 @@ struct DoorState {
     };
   }
 
-  double Aim() const { return held ? 1.0 : target; }  // the opening that it moves to
+  double commanded_opening() const { return held ? 1.0 : target; }  // the opening that it moves to
 };
 
 struct LiftState {

@@ -26,8 +26,8 @@ namespace {
 using nlohmann::json;
 using std::chrono::steady_clock;
 
-constexpr std::size_t kMostExamined = 10;  // faults of a test that are shrunk and recorded
-constexpr std::size_t kMostPrinted = 20;   // faults of a test that are printed
+constexpr std::size_t kMaxExamined = 10;  // faults of a test that are shrunk and recorded
+constexpr std::size_t kMaxPrinted = 20;   // faults of a test that are printed
 
 }  // namespace
 
@@ -186,7 +186,7 @@ void CaseSession::Finish(const Job& job, CaseOutcome outcome) {
   ReportedCase reported{job.number, job.kept, job.draws, std::move(outcome)};
   if (reported.outcome.verdict != CaseVerdict::kPassed) {
     reported.command = CommandOf(test, job.draws);
-    if (++test.faults <= kMostPrinted) faults_.emplace_back(job.test, reported);
+    if (++test.faults <= kMaxPrinted) faults_.emplace_back(job.test, reported);
   }
   report_.AddCase(job.test, std::move(reported), seconds);
   ShowProgress(false);
@@ -251,8 +251,8 @@ Result<bool> CaseSession::Run() {
   Result<bool> examined = options_.keep_failing ? Examine(pool, ran.value(), stop, signals.descriptor()) : ran;
   for (const auto& [test, fault] : faults_) Print(fault, tests_[test]);
   for (const LoadedTest& test : tests_) {
-    if (test.faults > kMostPrinted)
-      PrintPlain(stdout, "{}: {} more that did not pass\n", test.file->path(), test.faults - kMostPrinted);
+    if (test.faults > kMaxPrinted)
+      PrintPlain(stdout, "{}: {} more that did not pass\n", test.file->path(), test.faults - kMaxPrinted);
     if (test.new_failing.empty() || options_.shard.count > 1) continue;
     if (const Status status = test.kept.Write(*test.file, test.new_failing); !status.ok()) {
       PrintPlain(stderr, "warning: {}\n", status.error().ToString());
@@ -267,7 +267,7 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::fu
   std::map<std::size_t, std::size_t> of_test;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
     const bool failed = faults_[i].second.outcome.verdict == CaseVerdict::kFailed;
-    if (failed && of_test[faults_[i].first]++ < kMostExamined) chosen.push_back(i);
+    if (failed && of_test[faults_[i].first]++ < kMaxExamined) chosen.push_back(i);
   }
   // Does one kind of work for each of these faults.
   const auto for_each = [&](const auto& request_for, const auto& use) {

@@ -12,7 +12,7 @@
 
 #include "testing/cases/case_run.h"
 #include "testing/cases/kept_cases.h"
-#include "testing/cases/smaller_case.h"
+#include "testing/cases/shrink.h"
 #include "testing/cases/test_file.h"
 #include "testing/reports/case_report.h"
 #include "troupe/result.h"

@@ -15,7 +15,7 @@
 #include "launcher/commands/static_page.h"
 #include "launcher/process/process.h"
 #include "recording/recording.h"
-#include "testing/cases/smaller_case.h"
+#include "testing/cases/shrink.h"
 
 namespace troupe {
 namespace {

@@ -216,7 +216,7 @@ bool IsTest(const std::string& file) {
 
 // The test, and the world of its first case. Every value of a list is checked in the place of that of the first case.
 int CheckTest(const std::string& file) {
-  constexpr std::uint64_t kMostValues = 50;  // of each list
+  constexpr std::uint64_t kMaxValues = 50;  // of each list
   const Result<TestFile> read = TestFile::Read(file);
   if (!read.ok()) return Fail(read.error());
   const TestFile& test = read.value();
@@ -229,7 +229,7 @@ int CheckTest(const std::string& file) {
   for (std::size_t i = 0; i < design.variations().size(); ++i) {
     const Variation& variation = design.variations()[i];
     lines.push_back(fmt::format("  vary {}: {}", variation.path(), variation.Describe()));
-    for (std::uint64_t value = 0; value < std::min(variation.size(), kMostValues); ++value) {
+    for (std::uint64_t value = 0; value < std::min(variation.size(), kMaxValues); ++value) {
       TestCase draws = first;
       draws[i].value = variation.At(value);
       if (draws == first || !design.MeetsConstraints(draws)) continue;

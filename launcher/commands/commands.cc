@@ -80,7 +80,7 @@ void SessionChoice::Update(const std::set<std::string>& found, bool all_known, d
   sessions_ = found;
   if (sessions_.empty()) return;
   // Another run answers about as soon as the first one did; on a busy machine it may take several times as long.
-  const double quiet = all_known ? std::clamp(4.0 * changed_at_, kShortestQuiet, kLongestQuiet) : kLongestQuiet;
+  const double quiet = all_known ? std::clamp(4.0 * changed_at_, kMinQuiet, kMaxQuiet) : kMaxQuiet;
   is_made_ = sessions_.size() > 1 || now - changed_at_ >= quiet;
 }
 

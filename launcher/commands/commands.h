@@ -51,8 +51,8 @@ inline constexpr double kDiscoverySeconds = 5.0;
 class SessionChoice {
  public:
   // s, without a further session, until the only one is chosen.
-  static constexpr double kShortestQuiet = 0.5;
-  static constexpr double kLongestQuiet = 2.0;
+  static constexpr double kMinQuiet = 0.5;
+  static constexpr double kMaxQuiet = 2.0;
 
   // The sessions that are discovered now; `all_known`: others than those are not expected. `now`: s since the begin.
   void Update(const std::set<std::string>& found, bool all_known, double now);

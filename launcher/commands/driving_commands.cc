@@ -131,7 +131,7 @@ int Goto(GotoOptions options) {
     if (!goal.ok()) return Fail(goal.error());
     RobotCommand command;
     command.goal = goal.value();
-    const Result<ControlReply> reply = remote.value().Send(command, kMostCommandTicks);
+    const Result<ControlReply> reply = remote.value().Send(command, kMaxCommandTicks);
     if (!reply.ok()) return Fail(reply.error());
     return options.no_wait ? kExitDone : AwaitArrival(options, goal.value(), remote.value(), signals);
   } catch (const std::exception& exception) {

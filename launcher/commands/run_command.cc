@@ -82,7 +82,7 @@ Status CheckRosOptions(const RunOptions& options) {
   return Status();
 }
 
-constexpr auto kLongestReply = std::chrono::seconds(10);
+constexpr auto kMaxReply = std::chrono::seconds(10);
 constexpr int kShowEndMilliseconds = 300;  // for viewers to receive the end of the run
 constexpr int kLookMilliseconds = 10;
 
@@ -149,7 +149,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
       if (control_ == nullptr) return Failure("the run has ended");
       control_->Request(request, [promise](const ControlReply& made) { promise->set_value(made); });
     }
-    if (reply.wait_for(kLongestReply) != std::future_status::ready) return Failure("the run has not replied in time");
+    if (reply.wait_for(kMaxReply) != std::future_status::ready) return Failure("the run has not replied in time");
     return reply.get();
   }
 

@@ -174,7 +174,7 @@ int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& pict
   return kExitDone;
 }
 
-constexpr std::uint64_t kMostCells = 400'000'000;
+constexpr std::uint64_t kMaxCells = 400'000'000;
 
 struct ExportMapOptions {
   std::string file;
@@ -243,7 +243,7 @@ int ExportMapCommand(const ExportMapOptions& options) {
   }
   const Scene scene(std::move(loaded.value().world));
   const double height = options.height.value_or(UsualMapHeight(scene));
-  const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height, kMostCells);
+  const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height, kMaxCells);
   if (grid.empty()) return Fail({{}, options.file + ": found no static model and no ROS map, so it has no map"});
   const std::string image = options.output + ".pgm";
   const std::string name = std::filesystem::path(image).filename().string();

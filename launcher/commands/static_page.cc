@@ -27,8 +27,8 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostModuleBytes = std::size_t{64} << 20;
-constexpr std::size_t kMostContentBytes = std::size_t{256} << 20;  // of a file
+constexpr std::size_t kMaxModuleBytes = std::size_t{64} << 20;
+constexpr std::size_t kMaxContentBytes = std::size_t{256} << 20;  // of a file
 // In the page, as on a machine where Troupe is installed.
 constexpr const char* kOwnFolder = "/home";
 constexpr const char* kProgram = "/usr/bin/troupe";
@@ -86,7 +86,7 @@ struct Module {
 Result<Module> ReadModule(std::string folder) {
   if (folder.empty()) folder = InstalledFolder("module");
   const auto read = [&](const char* name) {
-    return ReadWholeFile((std::filesystem::path(folder) / name).string(), kMostModuleBytes);
+    return ReadWholeFile((std::filesystem::path(folder) / name).string(), kMaxModuleBytes);
   };
   Result<std::string> wasm = read("troupe-core.wasm");
   const Result<std::string> loader = read("troupe-core.js");
@@ -196,7 +196,7 @@ Status CheckControllers(const WorldDescription& world) {
 }
 
 Result<std::string> ReadForPage(const std::string& file) {
-  Result<std::string> bytes = ReadWholeFile(file, kMostContentBytes);
+  Result<std::string> bytes = ReadWholeFile(file, kMaxContentBytes);
   if (!bytes.ok()) return Error{{file}, "cannot read: " + bytes.error().message};
   if (bytes.value().starts_with("\xff\xd8\xff")) {
     return Error{{file},

@@ -217,7 +217,7 @@ void AddTestCommand(CLI::App& app, int& exit_status) {
       command
           ->add_option("--search", arguments->search,
                        "Run up to N cases in search of one that fails, near those that nearly fail")
-          ->check(WholeNumber(1, kMostCases))
+          ->check(WholeNumber(1, kMaxCases))
           ->type_name("N");
   search->excludes(fixed);
   command->add_flag("--no-shrink", arguments->no_shrink, "Do not look for the smallest case that fails");

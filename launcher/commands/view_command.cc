@@ -26,8 +26,8 @@
 #include "launcher/commands/streamed_run.h"
 #include "launcher/process/process.h"
 #include "launcher/supervise/run_again.h"
+#include "recording/partial_recording.h"
 #include "recording/recording.h"
-#include "recording/run_so_far.h"
 #include "transport/dds/tools/control_client.h"
 #include "transport/dds/tools/session_monitor.h"
 #include "transport/security/session_keys.h"
@@ -42,8 +42,8 @@ namespace {
 constexpr double kReplySeconds = 10.0;
 constexpr int kEndMilliseconds = 3000;
 constexpr int kPollMilliseconds = 10;
-constexpr std::size_t kLargestRecording = std::size_t{1} << 30;  // bytes that are sent to a page
-constexpr int kNiceness = 10;                                    // where processors are short, the run goes first
+constexpr std::size_t kMaxRecordingBytes = std::size_t{1} << 30;  // bytes that are sent to a page
+constexpr int kNiceness = 10;                                     // where processors are short, the run goes first
 
 struct ViewOptions {
   NetworkSettings network;  // session empty: the only one
@@ -77,9 +77,9 @@ class DdsRunLink : public RunLink {
 
   bool follows_always() const override { return !journal_; }
   // A run that has not begun has none.
-  std::shared_ptr<Recorded> ReadJournal(WorldShelf& shelf) override {
+  std::shared_ptr<Recorded> ReadJournal(WorldCache& shelf) override {
     if (!journal_) return nullptr;
-    Result<RunSoFar> run = RunSoFar::Read(*journal_);
+    Result<PartialRecording> run = PartialRecording::Read(*journal_);
     if (!run.ok()) return nullptr;
     Result<std::unique_ptr<RecordedStates>> states = RecordedStates::Create(std::move(run).value(), shelf);
     return states.ok() ? std::move(states).value() : nullptr;
@@ -103,7 +103,7 @@ class DdsRunLink : public RunLink {
   bool has_recording() const override { return journal_.has_value(); }
   std::optional<std::string> ReadRecording() override {
     if (!journal_) return std::nullopt;
-    Result<std::string> bytes = ReadWholeFile(journal_->recording, kLargestRecording);
+    Result<std::string> bytes = ReadWholeFile(journal_->recording, kMaxRecordingBytes);
     return bytes.ok() ? std::optional(std::move(bytes).value()) : std::nullopt;
   }
 
@@ -209,7 +209,7 @@ int ServeRecording(const ViewOptions& options, std::string token, ShownExpectati
   Result<Recording> recording = Recording::Open(options.file);
   if (!recording.ok()) return Fail(recording.error());
   if (options.expect.empty()) expectations = ExpectationsOf(recording.value());
-  WorldShelf shelf;
+  WorldCache shelf;
   const Result<std::unique_ptr<RecordedStates>> states =
       RecordedStates::Create({std::move(recording).value(), {}, true}, shelf);
   if (!states.ok()) return Fail(states.error());

@@ -19,7 +19,7 @@ constexpr double kMeasureSeconds = 0.3;
 constexpr char kEscape = '\033';
 constexpr char kEndOfInput = '\004';  // Ctrl-D
 constexpr double kFaster = 1.25;      // of one press
-constexpr double kMostSpeed = 100.0;  // m/s and rad/s
+constexpr double kMaxSpeed = 100.0;   // m/s and rad/s
 
 // For the signal handler, which has no object.
 int restored_descriptor = -1;
@@ -75,7 +75,7 @@ Result<ControlReply> RobotRemote::Send(const RobotCommand& command, std::uint64_
   ControlRequest request;
   request.command = ControlCommand::kCommandRobot;
   request.name = robot_;
-  request.ticks = std::clamp<std::uint64_t>(ticks, 1, kMostCommandTicks);
+  request.ticks = std::clamp<std::uint64_t>(ticks, 1, kMaxCommandTicks);
   request.robot_command = command;
   return Call(request);
 }
@@ -102,7 +102,7 @@ void RobotRemote::NoteTick(Tick tick) {
 
 std::uint64_t RobotRemote::TicksIn(double seconds) const {
   const double ticks = std::ceil(seconds * ticks_per_second_);
-  return static_cast<std::uint64_t>(std::clamp(ticks, 2.0, static_cast<double>(kMostCommandTicks)));
+  return static_cast<std::uint64_t>(std::clamp(ticks, 2.0, static_cast<double>(kMaxCommandTicks)));
 }
 
 const char* TeleopKeys::Help() {
@@ -137,8 +137,8 @@ bool TeleopKeys::Press(std::string_view bytes, double now) {
 
 bool TeleopKeys::PressKey(char key, double now) {
   const auto scale = [&](double factor) {
-    settings_.speed = std::min(settings_.speed * factor, kMostSpeed);
-    settings_.turn_rate = std::min(settings_.turn_rate * factor, kMostSpeed);
+    settings_.speed = std::min(settings_.speed * factor, kMaxSpeed);
+    settings_.turn_rate = std::min(settings_.turn_rate * factor, kMaxSpeed);
   };
   switch (key) {
     case 'w':

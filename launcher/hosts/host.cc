@@ -42,7 +42,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kPrefix = "troupe-host-";
 constexpr std::string_view kRandom = "XXXXXX";
 // Another host can take a folder for one of a killed process, in the moment before it is locked.
-constexpr int kMostAttempts = 100;
+constexpr int kMaxAttempts = 100;
 constexpr const char* kNameFile = "name";  // of what the host serves
 constexpr auto kEndPeriod = std::chrono::milliseconds(10);
 constexpr int kEndPeriods = 200;  // until a host that is killed has ended
@@ -186,7 +186,7 @@ HostFolder::HostFolder() {
   if (failure) return;
   DeleteFoldersOfKilledHosts(parent);
   const std::string pattern = (parent / kPrefix).string() + std::to_string(getpid()) + "-" + std::string(kRandom);
-  for (int attempt = 0; attempt < kMostAttempts && path_.empty(); ++attempt) {
+  for (int attempt = 0; attempt < kMaxAttempts && path_.empty(); ++attempt) {
     std::string path = pattern;
     if (mkdtemp(path.data()) == nullptr) return;
     const int folder = OpenFolder(path);

@@ -29,7 +29,7 @@ constexpr const char* kDefaultStart =
     "ssh -T -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=5 -o ServerAliveCountMax=12 {address} "
     "{command_text}";
 
-constexpr std::size_t kMostBytesOfKeys = 1'000'000;           // of a file
+constexpr std::size_t kMaxBytesOfKeys = 1'000'000;            // of a file
 constexpr auto kDisconnectTimeout = std::chrono::seconds(3);  // for the end of the connection
 constexpr auto kFetchTimeout = std::chrono::seconds(30);      // between two messages while a file is fetched
 constexpr auto kFetchPoll = std::chrono::milliseconds(100);   // longest wait until progress is reported
@@ -158,7 +158,7 @@ Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::st
     for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(keys) / enclave, failure)) {
       const std::filesystem::path path = enclave / entry.path().filename();
       const std::string source = keys / path;
-      const Result<std::string> content = ReadWholeFile(source, kMostBytesOfKeys);
+      const Result<std::string> content = ReadWholeFile(source, kMaxBytesOfKeys);
       if (!content.ok()) return Error{{source}, "cannot read: " + content.error().message};
       const std::span<const char> data = content.value();
       Send(ToLine({{"key", path.string()}, {"data", ToHexadecimal(std::as_bytes(data))}}));

@@ -10,8 +10,8 @@ namespace {
 
 // s. The first one is far below the lease, so that the robot mostly continues without a lost tick.
 constexpr double kFirstDelay = 0.1;
-constexpr double kLongestDelay = 10.0;
-constexpr int kMostDoublings = 20;
+constexpr double kMaxDelay = 10.0;
+constexpr int kMaxDoublings = 20;
 // s, between two restarts: a hundred agents that die together, on an overloaded host, are not all started together.
 constexpr double kSpacing = 0.025;
 
@@ -22,11 +22,11 @@ bool MayBeRestarted(int exit_status) {
 }
 
 double DelayBefore(std::uint32_t restart) {
-  const int doublings = static_cast<int>(std::min<std::uint32_t>(restart - 1, kMostDoublings));
-  return std::min(kLongestDelay, std::ldexp(kFirstDelay, doublings));
+  const int doublings = static_cast<int>(std::min<std::uint32_t>(restart - 1, kMaxDoublings));
+  return std::min(kMaxDelay, std::ldexp(kFirstDelay, doublings));
 }
 
-constexpr std::uint32_t kMostWithoutProgress = 8;
+constexpr std::uint32_t kMaxWithoutProgress = 8;
 constexpr double kSecondDelay = 0.1;  // s, before the second restart at one tick
 
 }  // namespace
@@ -72,7 +72,7 @@ std::uint32_t AgentRestarts::CountOf(Agent agent) const {
 std::optional<double> ServiceRestarts::OnDeath(const StatePlace& newest, double now) {
   without_progress_ = newest_ == newest ? without_progress_ + 1 : 0;
   newest_ = newest;
-  if (without_progress_ >= kMostWithoutProgress) return std::nullopt;
+  if (without_progress_ >= kMaxWithoutProgress) return std::nullopt;
   const double delay = without_progress_ == 0 ? 0.0 : std::ldexp(kSecondDelay, static_cast<int>(without_progress_) - 1);
   due_ = now + delay;
   return due_;

@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "common/spatial/scene.h"
+#include "recording/partial_recording.h"
 #include "recording/recording.h"
-#include "recording/run_so_far.h"
 #include "world-service/replay/state_reader.h"
 
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostKept = 256;
-constexpr std::size_t kMostKeptBytes = std::size_t{64} << 20;
+constexpr std::size_t kMaxKept = 256;
+constexpr std::size_t kMaxKeptBytes = std::size_t{64} << 20;
 
 struct KeptState {
   std::shared_ptr<const Scene> scene;
@@ -66,7 +66,7 @@ void RecordedSimulation::Impl::Keep(const ReplayedWorld& world) {
   kept.push_back(
       {WithoutControllers(world.scene()), std::make_shared<const WorldState>(world.state()), world.events()});
   kept_bytes += MemoryOf(*kept.back().state);
-  while (kept.size() > kMostKept || (kept.size() > 1 && kept_bytes > kMostKeptBytes)) {
+  while (kept.size() > kMaxKept || (kept.size() > 1 && kept_bytes > kMaxKeptBytes)) {
     kept_bytes -= MemoryOf(*kept.front().state);
     kept.pop_front();
     ++first_kept;

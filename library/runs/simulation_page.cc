@@ -39,10 +39,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr Clock::duration kPeriod = std::chrono::microseconds(1'000'000 / 60);
-constexpr int kStartMilliseconds = 20'000;   // for the program to open its page, on a busy machine
-constexpr int kEndMilliseconds = 5'000;      // for it to show the end; then it is killed
-constexpr std::size_t kMostEvents = 10'000;  // between two frames
-constexpr std::size_t kMostOutput = 4096;
+constexpr int kStartMilliseconds = 20'000;  // for the program to open its page, on a busy machine
+constexpr int kEndMilliseconds = 5'000;     // for it to show the end; then it is killed
+constexpr std::size_t kMaxEvents = 10'000;  // between two frames
+constexpr std::size_t kMaxOutput = 4096;
 
 Result<std::string> FindProgram(const std::string& given) {
   const auto runs = [](const std::string& path) { return access(path.c_str(), X_OK) == 0; };
@@ -164,7 +164,7 @@ Result<std::string> SimulationPage::Impl::ReadAddress() {
     std::array<char, 512> part;
     const ssize_t got = read(output.get(), part.data(), part.size());
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0 || text.size() > kMostOutput) {
+    if (got <= 0 || text.size() > kMaxOutput) {
       while (text.ends_with('\n')) text.pop_back();
       return Failure("the program troupe has opened no page: " + PlainLine(text));
     }
@@ -177,7 +177,7 @@ void SimulationPage::Impl::Show(const Simulation& simulation) {
   if (!is_open) return;
   scene = simulation.scene();
   state = simulation.shared_state();
-  if (events.size() < kMostEvents) {
+  if (events.size() < kMaxEvents) {
     events.insert(events.end(), simulation.events().begin(), simulation.events().end());
   }
   if (!std::exchange(is_new, true)) changed.notify_one();

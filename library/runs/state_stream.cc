@@ -18,7 +18,7 @@ namespace {
 enum class Kind : std::uint32_t { kVersion, kSession, kFrame };
 using Header = std::array<std::uint32_t, 2>;  // the kind and the length in bytes: the programs are of one machine
 
-constexpr std::uint32_t kMostBytes = std::uint32_t{1} << 30;
+constexpr std::uint32_t kMaxBytes = std::uint32_t{1} << 30;
 
 bool SendAll(int socket, const void* data, std::size_t size) {
   const char* next = static_cast<const char*>(data);
@@ -33,7 +33,7 @@ bool SendAll(int socket, const void* data, std::size_t size) {
 }
 
 bool SendMessage(int socket, Kind kind, std::span<const std::byte> bytes) {
-  if (bytes.size() > kMostBytes) return false;
+  if (bytes.size() > kMaxBytes) return false;
   const Header header = {static_cast<std::uint32_t>(kind), static_cast<std::uint32_t>(bytes.size())};
   return SendAll(socket, header.data(), sizeof(header)) && SendAll(socket, bytes.data(), bytes.size());
 }
@@ -76,7 +76,7 @@ Result<StreamedMessage> ReceiveState(int socket) {
   Header header;
   if (!ReceiveAll(socket, header.data(), sizeof(header))) return StreamedMessage();
   const auto [kind, size] = header;
-  if (size > kMostBytes) return Error{{}, "found a message that is too long"};
+  if (size > kMaxBytes) return Error{{}, "found a message that is too long"};
   std::vector<std::byte> bytes(size);
   if (!ReceiveAll(socket, bytes.data(), size)) return StreamedMessage();
   switch (static_cast<Kind>(kind)) {

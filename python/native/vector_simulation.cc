@@ -23,7 +23,7 @@ namespace troupe::python {
 namespace {
 
 using namespace py::literals;
-constexpr std::size_t kMostWorlds = 1'000'000;
+constexpr std::size_t kMaxWorlds = 1'000'000;
 
 // Uses of all worlds, for one call.
 class Uses {
@@ -314,8 +314,8 @@ std::vector<std::uint64_t> SeedsOf(const py::object& seeds, std::size_t count, s
 
 WorldsPointer Load(const py::object& file, std::int64_t count, const py::object& seeds, std::int64_t threads,
                    std::optional<std::string> controller, bool run_controllers) {
-  if (count < 1 || count > static_cast<std::int64_t>(kMostWorlds)) {
-    throw py::value_error(fmt::format("num_envs: found {}, expected 1 to {}", count, kMostWorlds));
+  if (count < 1 || count > static_cast<std::int64_t>(kMaxWorlds)) {
+    throw py::value_error(fmt::format("num_envs: found {}, expected 1 to {}", count, kMaxWorlds));
   }
   if (threads < 0 || threads > 1024) {
     throw py::value_error(fmt::format("threads: found {}, expected 0 to 1024", threads));

@@ -15,9 +15,9 @@ constexpr std::uint64_t kFooterRecord = kRecordHeader + kFooterLength;
 constexpr std::uint64_t kDataEndRecord = kRecordHeader + kDataEndLength;
 // The bytes of a chunk before its records: two times, two sizes, a CRC, and two lengths.
 constexpr std::uint64_t kChunkFields = 4 * sizeof(std::uint64_t) + 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
-constexpr std::uint64_t kLongestCompression = 64;                // bytes of its name
-constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << 30;  // bytes, decompressed
-constexpr std::uint64_t kReadSize = std::uint64_t{1} << 20;      // bytes at a time for a CRC
+constexpr std::uint64_t kMaxCompression = 64;                // bytes of its name
+constexpr std::uint64_t kMaxChunk = std::uint64_t{1} << 30;  // bytes, decompressed
+constexpr std::uint64_t kReadSize = std::uint64_t{1} << 20;  // bytes at a time for a CRC
 
 bool IsKnown(std::uint8_t opcode) {
   return (opcode != 0 && opcode <= static_cast<std::uint8_t>(kLastOpcode)) || opcode >= kFirstPrivateOpcode;
@@ -278,7 +278,7 @@ Result<bool> Reader::ScanRecord(const Record& record) {
 }
 
 Result<ChunkInfo> Reader::ReadChunkInfo(const Record& record, std::uint32_t& crc, std::uint64_t& records) const {
-  const std::uint64_t longest = std::min(record.length, kChunkFields + kLongestCompression);
+  const std::uint64_t longest = std::min(record.length, kChunkFields + kMaxCompression);
   const Result<std::vector<std::byte>> fields = ReadBytes(record.content(), longest);
   if (!fields.ok()) return fields.error();
   ByteReader in(fields.value());
@@ -315,7 +315,7 @@ Result<Chunk> Reader::ReadChunk(const ChunkInfo& info, Reader* definitions) cons
   if (!found.ok()) return found.error();
   found.value().channels = info.channels;
   if (found.value() != info) return ErrorAt(info.offset, "found a chunk that differs from its index");
-  if (info.uncompressed_size > kLargestChunk) return ErrorAt(info.offset, "found a chunk of more than 1 GiB");
+  if (info.uncompressed_size > kMaxChunk) return ErrorAt(info.offset, "found a chunk of more than 1 GiB");
 
   Result<std::vector<std::byte>> bytes = ReadBytes(records, info.compressed_size);
   if (!bytes.ok()) return bytes.error();

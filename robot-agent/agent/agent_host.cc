@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLongestWait = 3600.0;  // s; a clock cannot count to the end of time
+constexpr double kMaxWait = 3600.0;  // s; a clock cannot count to the end of time
 
 double Now() {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
@@ -139,7 +139,7 @@ class AgentHost final : public AgentHandler {
       return;
     }
     if (protocol_.over() || stop_.stop_requested()) return;
-    wake_at_ = std::clamp(protocol_.NextPoll(), now, now + kLongestWait);
+    wake_at_ = std::clamp(protocol_.NextPoll(), now, now + kMaxWait);
     changed_.wait_for(lock, std::chrono::duration<double>(wake_at_ - now));
   }
 

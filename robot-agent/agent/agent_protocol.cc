@@ -19,13 +19,13 @@ namespace {
 
 // Wall times, s.
 // The period of joins doubles up to this, until the run has begun.
-constexpr double kLongestJoinPeriod = 3.2;
+constexpr double kMaxJoinPeriod = 3.2;
 // Messages that were sent before a loss of the service arrive within this time after it.
-constexpr double kLongestDelay = 1.0;
+constexpr double kMaxDelay = 1.0;
 constexpr double kRepeatPeriod = 0.2;  // in a pause, for new readers of a gateway
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-constexpr std::size_t kLongestReason = 1000;  // bytes, of a refusal
+constexpr std::size_t kMaxReason = 1000;  // bytes, of a refusal
 
 // With the code of a failure: the caller cannot correct it.
 Error AsFailure(Error error) {
@@ -113,7 +113,7 @@ std::optional<JoinMessage> AgentProtocol::Poll(double now) {
   if (now < NextJoin()) return std::nullopt;
   auto& joining = std::get<Joining>(state_);
   // Frequent joins of hundreds of agents before the run begins would delay the service.
-  if (joining.sent_at) joining.period = std::min(2.0 * joining.period, kLongestJoinPeriod);
+  if (joining.sent_at) joining.period = std::min(2.0 * joining.period, kMaxJoinPeriod);
   joining.sent_at = now;
   JoinMessage join = MakeJoin();
   if (!join.robots.empty()) return join;
@@ -221,8 +221,7 @@ void AgentProtocol::OnAdmission(const AdmissionMessage& admission) {
   if (Is<Running>() && !admission.admitted && admission.reason.empty()) return Rejoin();
   if (!Is<Joining>()) return;
   if (!admission.admitted) {
-    if (!admission.reason.empty())
-      Fail({{}, "the world service refused: " + PlainLine(admission.reason, kLongestReason)});
+    if (!admission.reason.empty()) Fail({{}, "the world service refused: " + PlainLine(admission.reason, kMaxReason)});
     return;
   }
   run_.was_member = true;
@@ -235,7 +234,7 @@ void AgentProtocol::OnFrame(const FrameMessage& frame, double now) {
   if (over() || Is<Waiting>() || frame.run != run_.id || !IsCurrent(frame.incarnation)) return;
   run_.has_begun = true;
   run_.received_at = now;
-  if (run_.service_lost_at && now > *run_.service_lost_at + kLongestDelay) run_.service_lost_at.reset();
+  if (run_.service_lost_at && now > *run_.service_lost_at + kMaxDelay) run_.service_lost_at.reset();
   if (frame.last) {
     state_ = Ended{};
   } else if (Is<Running>()) {

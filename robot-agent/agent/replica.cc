@@ -14,7 +14,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostNamed = 10;  // robots, in an error
+constexpr std::size_t kMaxNamed = 10;  // robots, in an error
 
 // With fewer robots a thread costs more in hand-overs than it saves.
 constexpr std::size_t kRobotsPerThread = 16;
@@ -39,8 +39,8 @@ Result<std::vector<RobotId>> RobotsNamed(const WorldDescription& world, const st
       for (std::size_t k = 0; k < world.robots.size(); ++k) {
         if (RobotExists(world, RobotId(k))) known.push_back(world.robots[k].name);
       }
-      if (known.size() > kMostNamed) known[kMostNamed] = fmt::format("... ({} in all)", known.size());
-      known.resize(std::min(known.size(), kMostNamed + 1));
+      if (known.size() > kMaxNamed) known[kMaxNamed] = fmt::format("... ({} in all)", known.size());
+      known.resize(std::min(known.size(), kMaxNamed + 1));
       return Error{{}, fmt::format("the world has no robot '{}', expected one of: {}", name, fmt::join(known, ", "))};
     }
     if (is_named[id->index()]) return Error{{}, fmt::format("robot '{}' is named twice", name)};

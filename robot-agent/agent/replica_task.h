@@ -33,8 +33,8 @@ struct AgentRobots {
   std::uint64_t world_hash = 0;          // of the replica's world
   Edition world_edition = 0;             // likewise
   std::optional<Edition> fresh_edition;  // at which they were made anew; nothing: they have processed no frame yet
-  std::optional<MemoryPlace> memory;     // nothing: they are new
-  bool log_is_marked = false;            // the scan log has fresh_edition
+  std::optional<ControllerCheckpoint> memory;  // nothing: they are new
+  bool log_is_marked = false;                  // the scan log has fresh_edition
 };
 
 struct ReplicaTask {

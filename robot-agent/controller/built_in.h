@@ -56,9 +56,9 @@ inline MappedRoute::Settings ReadMapSettings(Parameters& reader, double clearanc
   settings.clearance = clearance;
   settings.side = reader.ReadNumber("map_size", {1.0, 10000.0}).value_or(settings.side);
   settings.cell = reader.ReadNumber("cell", {0.02, 10.0}).value_or(settings.cell);
-  if (settings.side / settings.cell > EvidenceGrid::kMostCells) {
+  if (settings.side / settings.cell > EvidenceGrid::kMaxCells) {
     reader.Fail(fmt::format("a map of {:g} m with cells of {:g} m has more than {:g} cells along a side", settings.side,
-                            settings.cell, EvidenceGrid::kMostCells));
+                            settings.cell, EvidenceGrid::kMaxCells));
   }
   return settings;
 }

@@ -35,7 +35,7 @@ std::vector<Vec2> ReadWaypoints(NestedParameters& reader) {
     waypoints.emplace_back(entry[0].get<double>(), entry[1].get<double>());
     if (waypoints.back().cwiseAbs().maxCoeff() > 1e6) reader.Fail("a waypoint is beyond 1000 km");
   }
-  if (waypoints.size() > kMostWaypoints) reader.Fail(fmt::format("more than {} waypoints", kMostWaypoints));
+  if (waypoints.size() > kMaxWaypoints) reader.Fail(fmt::format("more than {} waypoints", kMaxWaypoints));
   return waypoints;
 }
 

@@ -16,7 +16,7 @@ struct LaneSettings {
   std::vector<std::string> places;          // to visit, by name
   bool repeat = true;
   double wait = 3.0;  // s, at each place
-  // 0: as the drive allows, at most kMostSpeed
+  // 0: as the drive allows, at most kMaxSpeed
   double speed = 0.0;       // m/s
   double dock_speed = 0.2;  // m/s
   double turn_rate = 0.8;   // rad/s
@@ -25,7 +25,7 @@ struct LaneSettings {
   double charge_to = 0.95;
   bool close_doors = true;  // behind it
 
-  static constexpr double kMostSpeed = 1.0;  // m/s, without `speed`
+  static constexpr double kMaxSpeed = 1.0;  // m/s, without `speed`
 };
 
 // The error names the controller.

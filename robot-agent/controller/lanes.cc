@@ -85,7 +85,7 @@ class LanesController final : public Controller, public RobotWatcher {
  private:
   static double SpeedOf(const DriveDescription& drive, const LaneSettings& settings) {
     if (settings.speed > 0.0) return settings.speed;
-    return std::clamp(drive.velocity.x.max, 0.01, LaneSettings::kMostSpeed);
+    return std::clamp(drive.velocity.x.max, 0.01, LaneSettings::kMaxSpeed);
   }
 
   void AddGroup(const std::string& name) {

@@ -9,7 +9,7 @@ namespace {
 constexpr double kOpen = 0.999;      // of a door
 constexpr double kPatience = 5.0;    // s, with a blocked landing door
 constexpr double kCallAhead = 3.0;   // m, before it waits for a door
-constexpr double kMostSweep = 3.0;   // m, from a doorway to where a robot waits
+constexpr double kMaxSweep = 3.0;    // m, from a doorway to where a robot waits
 constexpr double kDoorMargin = 0.2;  // m, between a robot and the way of a leaf
 constexpr double kLeafBeside = 0.1;  // m, that a sliding leaf reaches out of its doorway
 
@@ -98,7 +98,7 @@ std::vector<SiteControls::DoorAhead> SiteControls::DoorsAhead(const std::vector<
   std::vector<Doorway> doorways;
   double way = -at;  // m, to the start of the leg
   for (const Leg& leg : legs) {
-    if (way > kCallAhead + kMostSweep || (!leg.lane && leg.from != leg.to)) break;
+    if (way > kCallAhead + kMaxSweep || (!leg.lane && leg.from != leg.to)) break;
     const Vec2& end = graph_->vertices[leg.to].position;
     double length = (end - path.back()).norm();
     if (leg.lane) {

@@ -20,7 +20,7 @@ constexpr double kReachedByCar = 0.5;          // m
 constexpr double kFarthestStart = 1.0;         // m
 constexpr double kFacing = 5.0 * kPi / 180.0;  // rad: it drives towards a point that is not farther to a side
 constexpr double kYawTolerance = 0.01;         // rad
-constexpr double kMostBraking = 100.0;         // m/s^2, rad/s^2: stops within any tick
+constexpr double kMaxBraking = 100.0;          // m/s^2, rad/s^2: stops within any tick
 
 }  // namespace
 
@@ -40,7 +40,7 @@ Result<SlotcarParameters> ReadSlotcarParameters(const std::string& text) {
 }
 
 double SpeedFor(double way, double most, double braking, double seconds) {
-  const double a = std::clamp(braking, 1e-3, kMostBraking);
+  const double a = std::clamp(braking, 1e-3, kMaxBraking);
   const double half = 0.5 * a * seconds;
   return std::max(std::min({most, way / seconds, std::sqrt(half * half + 2.0 * a * way) - half}), 0.0);
 }

@@ -16,7 +16,7 @@ constexpr double kNear = 0.6;          // m: a point of the way within it is pas
 
 constexpr int kHit = 3;
 constexpr int kPass = -1;
-constexpr int kMostEvidence = 12;
+constexpr int kMaxEvidence = 12;
 
 using Cell = EvidenceGrid::Cell;
 
@@ -197,7 +197,7 @@ Vec2 EvidenceGrid::CenterOf(std::size_t index) const {
 }
 
 void EvidenceGrid::Add(std::size_t index, int evidence) {
-  int sum = std::clamp(evidence_[index] + evidence, -kMostEvidence, kMostEvidence);
+  int sum = std::clamp(evidence_[index] + evidence, -kMaxEvidence, kMaxEvidence);
   if (sum == 0) sum = evidence > 0 ? 1 : -1;  // 0: never seen
   evidence_[index] = static_cast<std::int8_t>(sum);
 }

@@ -18,9 +18,9 @@ class EvidenceGrid {
  public:
   enum class Cell : std::uint8_t { kUnknown, kFree, kOccupied };
 
-  // A square of `side` m in cells of `cell` m around `center` (m, E). REQUIRES: both > 0, side / cell <= kMostCells
+  // A square of `side` m in cells of `cell` m around `center` (m, E). REQUIRES: both > 0, side / cell <= kMaxCells
   EvidenceGrid(const Vec2& center, double side, double cell);
-  static constexpr double kMostCells = 1000.0;  // along a side
+  static constexpr double kMaxCells = 1000.0;  // along a side
 
   // A ray from `origin` along the unit vector `direction` that was free for `range` m and ended there at a body if
   // `hit`. The part outside of the grid counts nothing.

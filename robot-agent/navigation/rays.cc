@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/base/alike.h"
+#include "common/base/intern.h"
 #include "troupe/deterministic_math.h"
 
 namespace troupe {
@@ -36,11 +36,11 @@ std::vector<PlacedRay> ListRays(const SensorInfo& sensor) {
 Shared<std::vector<RangerRay>> RaysOf(const RobotInfo& info, std::size_t ranger) {
   std::vector<RangerRay> rays;
   for (const PlacedRay& placed : ListRays(info.sensors[ranger])) rays.push_back(placed.ray);
-  return OneOfAlike(std::move(rays));
+  return Intern(std::move(rays));
 }
 
 Shared<std::vector<PlacedRay>> PlacedRaysOf(const RobotInfo& info, std::size_t ranger) {
-  return OneOfAlike(ListRays(info.sensors[ranger]));
+  return Intern(ListRays(info.sensors[ranger]));
 }
 
 std::optional<std::size_t> FindScanner(const RobotInfo& info) {

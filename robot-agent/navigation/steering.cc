@@ -33,8 +33,8 @@ constexpr double kRestAngle = 0.02;     // rad
 constexpr double kPlaceRadius = 0.05;   // m: within it all stalls are at one place
 constexpr double kCalmTime = 5.0;       // s without a stall, after which the next one is another one
 // Of a motion without a contact: as random as its direction, so that no two robots block each other for ever.
-constexpr double kShortestMotion = 0.5;  // s
-constexpr double kLongestMotion = 2.0;   // s
+constexpr double kMinMotion = 0.5;  // s
+constexpr double kMaxMotion = 2.0;  // s
 
 constexpr int kBearings = 72;            // candidates
 constexpr double kLookAhead = 1.5;       // m: obstacles farther away do not matter yet
@@ -127,7 +127,7 @@ std::optional<Command> Recovery::Update(const Observation& observation, double p
   const bool turns = patience < kNever && place_ && now - place_since_ >= place_patience;
   if ((!motion_ && (rests || turns)) || (motion_ && observation.stalled)) {
     motion_ = RandomMotion(observation);
-    motion_until_ = now + kShortestMotion + (kLongestMotion - kShortestMotion) * observation.Random(19);
+    motion_until_ = now + kMinMotion + (kMaxMotion - kMinMotion) * observation.Random(19);
   }
   return motion_;
 }

@@ -30,7 +30,7 @@ namespace {
 // Separates a controller's random numbers from the sensors', whose keys have the same seed and robot.
 constexpr std::uint64_t kControllerStream = 0x636f6e74726f6c;
 
-constexpr std::size_t kLongestReport = 300;  // bytes
+constexpr std::size_t kMaxReport = 300;  // bytes
 
 // REQUIRES: the command is for a camera of the robot, with finite numbers.
 CameraOrder OrderOf(const RobotDescription& robot, const CameraCommand& command) {
@@ -305,7 +305,7 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
     for (const DoorCommand& door : source->doors) doors.push_back({door.door, door.opening});
     for (const LiftCommand& lift : source->lifts) lifts.push_back({lift.lift, lift.floor, lift.ends});
   }
-  std::string say = PlainLine(external.command.say.empty() ? command.say : external.command.say, kMostSaidBytes);
+  std::string say = PlainLine(external.command.say.empty() ? command.say : external.command.say, kMaxSaidBytes);
   if (external.drives) command = external.command;
   static_cast<void>(manipulator_.Apply(external.command));  // valid: ExternalCommand requires it
   const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
@@ -391,7 +391,7 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
 
 void Robot::StoreReport(const std::string& text) {
   if (text.empty()) return;
-  report_ = fmt::format("robot {}: {}", description().name, PlainLine(text, kLongestReport));
+  report_ = fmt::format("robot {}: {}", description().name, PlainLine(text, kMaxReport));
 }
 
 Result<Command> Robot::RunController(const Observation& observation) {

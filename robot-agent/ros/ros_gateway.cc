@@ -73,7 +73,7 @@ class RobotGroup {
 constexpr std::int32_t kTransformDepth = 100;
 // In a domain with more robots, their nodes have no services for parameters and types: those are fourteen endpoints
 // each, which every tool discovers. One service alone is of no use: tools wait for all six of a node.
-constexpr std::size_t kMostRobotsWithParameters = 100;
+constexpr std::size_t kMaxRobotsWithParameters = 100;
 constexpr const char* kNodeName = "robot";
 
 // The topics tf and tf_static: of one robot, or of all robots of the group.
@@ -123,7 +123,7 @@ struct RobotGroup::Member {
         manipulator(node, scene, robot.id),
         radios(node, scene, robot.id) {
     if (options.names.namespaced_tf) transforms = std::make_unique<Transforms>(node, "");
-    if (!robot.in_ros.alone && scene.world().robots.size() > kMostRobotsWithParameters) return;
+    if (!robot.in_ros.alone && scene.world().robots.size() > kMaxRobotsWithParameters) return;
     parameters =
         std::make_unique<ros::ParameterServices>(node, kNodeName,
                                                  ros::Parameters{{"use_sim_time", true},

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int32_t kRmfDepth = 10;       // as of the plugin slotcar
 constexpr std::int32_t kRequestDepth = 100;  // of all robots
-constexpr std::size_t kMostReports = 100;    // between two calls
+constexpr std::size_t kMaxReports = 100;     // between two calls
 constexpr double kStands = 0.01;             // m/s, rad/s: no motion for Open-RMF
 constexpr std::uint32_t kPauseNow = 0;
 constexpr std::uint32_t kPauseAtCheckpoint = 1;
@@ -240,7 +240,7 @@ void SlotcarPort::Restart() {
 }
 
 std::vector<std::string> SlotcarPort::DrainReports() {
-  if (reports_.size() > kMostReports) reports_.resize(kMostReports);
+  if (reports_.size() > kMaxReports) reports_.resize(kMaxReports);
   return std::exchange(reports_, {});
 }
 

@@ -128,7 +128,7 @@ class ActionServer {
   // A later AnswerResults sends the goal's result to the caller.
   void AwaitResult(const RosCaller& caller, const GoalId& id) {
     callers_.emplace_back(id, caller);
-    if (callers_.size() > kMostCallers) callers_.erase(callers_.begin());
+    if (callers_.size() > kMaxCallers) callers_.erase(callers_.begin());
   }
   // Answers the callers whose goal has ended or is not known; that of a process before has been aborted with it.
   // `describe(goal, arena)` makes the result of a goal.
@@ -149,7 +149,7 @@ class ActionServer {
 
  private:
   static constexpr std::int32_t kFeedbackDepth = 10;
-  static constexpr std::size_t kMostCallers = 100;
+  static constexpr std::size_t kMaxCallers = 100;
 
   static action_msgs_msg_dds__GoalInfo_ InfoOf(const ActionGoal& goal) {
     return {ToUuid(goal.id), ActionTime(goal.stamp)};

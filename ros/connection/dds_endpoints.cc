@@ -10,7 +10,7 @@
 namespace troupe::ros {
 namespace {
 
-constexpr std::size_t kMostWaiting = 100;
+constexpr std::size_t kMaxWaiting = 100;
 
 // 16 random bytes as ROS writes them, "01.0f.10...".
 std::string NewServiceId() {
@@ -58,7 +58,7 @@ bool HasReaderOf(dds_entity_t writer, const dds_guid_t& participant) {
   return false;
 }
 
-constexpr std::size_t kMostNoted = 1000;  // a peer can make up any number
+constexpr std::size_t kMaxNoted = 1000;  // a peer can make up any number
 
 }  // namespace
 
@@ -188,7 +188,7 @@ void DdsService::Serve() {
     if (samples.empty()) break;
     std::vector<bool> handled(samples.length(), false);
     waiting_.push_back({std::move(samples), std::move(handled)});
-    if (waiting_.size() > kMostWaiting) waiting_.pop_front();
+    if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
   }
   for (Batch& batch : waiting_) {
     for (std::size_t i = 0; i < batch.samples.length(); ++i) Deliver(batch, i);
@@ -220,7 +220,7 @@ void BestEffortWriters::Note(dds_instance_handle_t writer) {
   dds_builtintopic_free_endpoint(endpoint);
   if (!is_known || kind != DDS_RELIABILITY_BEST_EFFORT) return;
   const std::lock_guard lock(mutex_);
-  if (noted_.size() >= kMostNoted) noted_.clear();  // Contains asks again for those that are still there
+  if (noted_.size() >= kMaxNoted) noted_.clear();  // Contains asks again for those that are still there
   noted_.insert(writer);
 }
 

@@ -21,7 +21,7 @@ namespace troupe::ros {
 namespace {
 
 constexpr const char* kDiscoveryTopic = "ros_discovery_info";
-constexpr std::size_t kLongestName = 256;
+constexpr std::size_t kMaxName = 256;
 
 Enclave EnclaveOf(const RosNetwork& network, const std::string& name) {
   Result<Enclave> enclave = FindEnclave(network.security, name);
@@ -58,9 +58,9 @@ void Set(Gid& gid, const Guid& guid) {
   std::memcpy(gid.data, guid.data(), guid.size());
 }
 
-void Set(char (&field)[kLongestName + 1], const std::string& text) {
+void Set(char (&field)[kMaxName + 1], const std::string& text) {
   std::memset(field, 0, sizeof field);
-  std::memcpy(field, text.data(), std::min(text.size(), kLongestName));
+  std::memcpy(field, text.data(), std::min(text.size(), kMaxName));
 }
 
 struct Node {
@@ -73,7 +73,7 @@ struct Node {
 constexpr std::string_view kNodesTopic = "ros_discovery_info";
 constexpr std::string_view kClockTopic = "rt/clock";
 constexpr std::size_t kBatch = 64;
-constexpr std::size_t kMostReports = 100;  // a hostile peer can make up any number
+constexpr std::size_t kMaxReports = 100;  // a hostile peer can make up any number
 
 bool IsReliable(const dds_qos_t* qos) {
   dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
@@ -383,7 +383,7 @@ std::optional<std::string> WriterWatch::Judge(const dds_builtintopic_endpoint_t&
   } else if (expected.reliable && !IsReliable(writer.qos)) {
     problem = "it is not reliable, expected a reliable one";
   }
-  if (problem.empty() || reported_.size() >= kMostReports) return std::nullopt;
+  if (problem.empty() || reported_.size() >= kMaxReports) return std::nullopt;
   const bool is_new = reported_.emplace(found->first, problem).second;
   if (!is_new) return std::nullopt;
   return fmt::format("{}: cannot read another program's publisher: {}", ShownTopic(found->first), problem);

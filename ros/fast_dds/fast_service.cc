@@ -228,7 +228,7 @@ namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastrtps::types::ReturnCode_t;
 
 // Samples of an endpoint: requests that are still to be read, responses that a slow client may still get.
-constexpr std::int32_t kMostSamples = 1000;
+constexpr std::int32_t kMaxSamples = 1000;
 // A packet that is lost is sent again after this time, not after the usual 3 s.
 constexpr std::uint32_t kHeartbeatNanoseconds = 100'000'000;
 
@@ -264,9 +264,9 @@ Qos ServiceQos(Distribution distribution, const std::string& type) {
   qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
   qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
   qos.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
-  qos.resource_limits().max_samples = kMostSamples;
+  qos.resource_limits().max_samples = kMaxSamples;
   qos.resource_limits().max_instances = 1;
-  qos.resource_limits().max_samples_per_instance = kMostSamples;
+  qos.resource_limits().max_samples_per_instance = kMaxSamples;
   qos.resource_limits().allocated_samples = 1;
   qos.data_sharing().off();
   const std::string mark = TypeMark(distribution, type);
@@ -314,7 +314,7 @@ FastService::FastService(const FastDomain& domain, const ServiceText& service, D
     // Keeps the last samples only, so that a reader that hangs does not make a write wait.
     auto to_clients = ServiceQos<fast::DataWriterQos>(distribution, service.response_type);
     to_clients.history().kind = fast::KEEP_LAST_HISTORY_QOS;
-    to_clients.history().depth = kMostSamples;
+    to_clients.history().depth = kMaxSamples;
     to_clients.reliable_writer_qos().times.heartbeatPeriod = {0, kHeartbeatNanoseconds};
     responses_ = domain.publisher()->create_datawriter(response_topic_, to_clients, this);
     auto from_clients = ServiceQos<fast::DataReaderQos>(distribution, service.request_type);

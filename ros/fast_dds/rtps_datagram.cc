@@ -215,8 +215,8 @@ bool IsSafePayload(std::span<std::uint8_t> payload, std::uint32_t writer) {
 
 // DATA, and DATA_FRAG, which has fields of a fragment behind the others. `bytes`: behind the header of the submessage.
 Verdict JudgeData(std::span<std::uint8_t> bytes, std::uint8_t flags, bool is_fragment) {
-  constexpr std::size_t kMostSampleBytes = std::size_t{64} << 20;
-  constexpr std::size_t kLeastFragment = 16;
+  constexpr std::size_t kMaxSampleBytes = std::size_t{64} << 20;
+  constexpr std::size_t kMinFragment = 16;
   constexpr std::uint8_t kDataHasKey = 0x08;
   constexpr std::uint8_t kFragmentHasKey = 0x04;
   const bool little_endian = (flags & kIsLittleEndian) != 0;
@@ -245,8 +245,8 @@ Verdict JudgeData(std::span<std::uint8_t> bytes, std::uint8_t flags, bool is_fra
     payload = payload.subspan(size);
   }
   if (is_fragment) {
-    if ((flags & kFragmentHasKey) != 0 || first == 0 || count == 0 || fragment < kLeastFragment ||
-        sample > kMostSampleBytes || (first - 1) * fragment >= sample) {
+    if ((flags & kFragmentHasKey) != 0 || first == 0 || count == 0 || fragment < kMinFragment ||
+        sample > kMaxSampleBytes || (first - 1) * fragment >= sample) {
       return Verdict::kDropAll;
     }
     const std::size_t expected = std::min(count * fragment, sample - (first - 1) * fragment);
@@ -260,11 +260,11 @@ Verdict JudgeData(std::span<std::uint8_t> bytes, std::uint8_t flags, bool is_fra
 }
 
 Verdict JudgeGap(Fields& fields) {
-  constexpr std::int64_t kMostNumbers = 1 << 17;
+  constexpr std::int64_t kMaxNumbers = 1 << 17;
   std::int64_t from = 0;
   std::int64_t to = 0;
   return KeepIf(fields.Skip(8) && fields.HasSequenceNumber(1, from) && fields.HasSequenceNumber(1, to) && to >= from &&
-                to - from <= kMostNumbers && fields.HasBits());
+                to - from <= kMaxNumbers && fields.HasBits());
 }
 
 Verdict JudgeHeartbeat(Fields& fields) {

@@ -25,7 +25,7 @@ using eprosima::fastdds::dds::Log;
 using eprosima::fastdds::dds::LogConsumer;
 
 // Calls that wait for the other process, in bytes; beyond them a client gets no response.
-constexpr std::size_t kMostPending = std::size_t{64} << 20;
+constexpr std::size_t kMaxPending = std::size_t{64} << 20;
 
 // The errors of Fast DDS, as about messages of strangers.
 class LimitedLog final : public LogConsumer {
@@ -100,7 +100,7 @@ class Services {
 
   // On a thread of Fast DDS.
   void Pass(std::uint32_t id, const Bytes& request) {
-    if (request.size() > Link::kLargestContent || link_.pending() > kMostPending) return;
+    if (request.size() > Link::kMaxContent || link_.pending() > kMaxPending) return;
     link_.Add(LinkKind::kRequest, id, std::as_bytes(std::span(request)));
     if (!link_.Flush() || link_.pending() > 0) wake_.Signal();
   }

@@ -17,14 +17,14 @@ using Clock = std::chrono::steady_clock;
 
 // ms between two attempts to connect.
 constexpr int kFirstDelay = 5;
-constexpr int kLongestDelay = 500;
+constexpr int kMaxDelay = 500;
 constexpr auto kHealthyTime = std::chrono::seconds(1);  // of a connection; after this the delays begin anew
 
 // Unsent bytes, beyond which streams keep their newest sample only: so many that they are not old when they are sent.
-constexpr std::size_t kMostPending = std::size_t{256} << 10;
-constexpr auto kLongestSend = std::chrono::seconds(1);
+constexpr std::size_t kMaxPending = std::size_t{256} << 10;
+constexpr auto kMaxSend = std::chrono::seconds(1);
 constexpr int kSendMilliseconds = 5;
-constexpr std::size_t kMostRequests = 1000;  // waiting; as many as DDS would keep
+constexpr std::size_t kMaxRequests = 1000;  // waiting; as many as DDS would keep
 
 std::span<const std::byte> BytesOf(std::string_view text) {
   return std::as_bytes(std::span(text));
@@ -46,9 +46,9 @@ class HostConnection::Writer final : public TopicWriter {
   bool Write(const void* sample) noexcept override {
     try {
       Bytes bytes = wire::SampleToCdr(sample, type_);
-      if (bytes.size() > Link::kLargestContent) return false;
+      if (bytes.size() > Link::kMaxContent) return false;
       const std::lock_guard lock(owner_.mutex_);
-      const bool is_full = owner_.link_ && owner_.link_->pending() > kMostPending;
+      const bool is_full = owner_.link_ && owner_.link_->pending() > kMaxPending;
       if (is_full && !is_latched_) {
         const bool is_first = owner_.held_.insert_or_assign(id_, std::move(bytes)).second;
         return is_first;  // else the sample that was held is lost
@@ -147,7 +147,7 @@ class HostConnection::Service final : public ServiceServer {
   bool Respond(const void* response) noexcept override {
     try {
       const Bytes bytes = wire::SampleToCdr(response, response_);
-      if (bytes.size() > Link::kLargestContent) return false;
+      if (bytes.size() > Link::kMaxContent) return false;
       const std::lock_guard lock(owner_.mutex_);
       if (!owner_.link_ || !owner_.services_.contains(id_)) return false;
       owner_.Send(LinkKind::kRespond, id_, bytes);
@@ -236,11 +236,11 @@ void HostConnection::Flush() {
 }
 
 void HostConnection::AwaitSent() {
-  const Clock::time_point end = Clock::now() + kLongestSend;
+  const Clock::time_point end = Clock::now() + kMaxSend;
   for (;;) {
     const std::lock_guard lock(mutex_);
     if (!link_ || broken_) return;
-    if (link_->pending() <= kMostPending) SendHeld();
+    if (link_->pending() <= kMaxPending) SendHeld();
     FlushNow();
     if (broken_ || (link_->pending() == 0 && held_.empty()) || Clock::now() >= end) return;
     pollfd waited = {link_->descriptor(), POLLOUT, 0};
@@ -315,7 +315,7 @@ void HostConnection::Run() {
     pollfd waited = {wake_.descriptor(), POLLIN, 0};
     poll(&waited, 1, delay);
     wake_.Clear();
-    delay = std::min(2 * delay, kLongestDelay);
+    delay = std::min(2 * delay, kMaxDelay);
   }
 }
 
@@ -329,7 +329,7 @@ void HostConnection::Serve() {
       {
         const std::lock_guard lock(mutex_);
         ReceiveNow();
-        if (link_->pending() <= kMostPending) SendHeld();
+        if (link_->pending() <= kMaxPending) SendHeld();
         if (!link_->Flush()) broken_ = true;  // the rest follows at POLLOUT
         if (broken_) return Close();
       }
@@ -453,7 +453,7 @@ void HostConnection::Process(const LinkMessage& message) {
     case LinkKind::kRepeated:
       requests_.push_back(
           {message.id, message.kind == LinkKind::kRepeated, Bytes(message.content.begin(), message.content.end())});
-      if (requests_.size() > kMostRequests) requests_.pop_front();
+      if (requests_.size() > kMaxRequests) requests_.pop_front();
       wake_.Signal();
       return;
     case LinkKind::kMismatch:

@@ -24,11 +24,11 @@ constexpr const char* kProgram = "ros-participant";
 constexpr auto kPoll = std::chrono::milliseconds(2);  // until the program listens, or has ended
 // A program that dies again and again is started ever more rarely, but each time: ROS nodes wait for it.
 constexpr auto kFirstStartDelay = std::chrono::milliseconds(100);
-constexpr auto kLongestStartDelay = std::chrono::milliseconds(30'000);
+constexpr auto kMaxStartDelay = std::chrono::milliseconds(30'000);
 constexpr auto kHealthyProgram = std::chrono::seconds(60);  // after this the delays start anew
 constexpr auto kStopTime = std::chrono::seconds(5);
-constexpr int kMostOccupied = 50;  // programs in turn that find the socket in use, although nothing answers there
-constexpr int kRefused = 2;        // exit status: the options would be refused again
+constexpr int kMaxOccupied = 50;  // programs in turn that find the socket in use, although nothing answers there
+constexpr int kRefused = 2;       // exit status: the options would be refused again
 
 }  // namespace
 
@@ -143,7 +143,7 @@ std::optional<int> HostProgram::Open(Status& error) {
     if (waitpid(child_, &status, WNOHANG) <= 0) continue;
     const pid_t ended = std::exchange(child_, 0);
     if (status == 0) {  // another process was first
-      if (++occupied < kMostOccupied) continue;
+      if (++occupied < kMaxOccupied) continue;
       error =
           Failure("the socket '" + socket_ + "' of the ROS participant is in use, and no program of this user listens");
       return std::nullopt;
@@ -178,7 +178,7 @@ void HostProgram::Run(int connection) {
     }
     while (!open) {
       if (!Wait(delay)) return;
-      delay = std::min(2 * delay, kLongestStartDelay);
+      delay = std::min(2 * delay, kMaxStartDelay);
       Status error;
       try {
         open = Open(error);

@@ -15,7 +15,7 @@ namespace troupe::ros {
 namespace {
 
 constexpr std::size_t kReadAtATime = std::size_t{64} << 10;
-constexpr int kMostChunks = 16;  // of one call: a fast sender holds up no other
+constexpr int kMaxChunks = 16;  // of one call: a fast sender holds up no other
 constexpr std::size_t kDroppedAtATime = std::size_t{256} << 10;
 
 using nlohmann::json;
@@ -53,7 +53,7 @@ Link::~Link() {
 }
 
 void Link::Add(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
-  TROUPE_CHECK(content.size() <= kLargestContent);
+  TROUPE_CHECK(content.size() <= kMaxContent);
   const Header header = {static_cast<std::uint32_t>(content.size()), static_cast<std::uint32_t>(kind), id};
   const auto begin = std::as_bytes(std::span(&header, 1));
   const std::lock_guard lock(mutex_);
@@ -91,7 +91,7 @@ std::size_t Link::pending() const {
 }
 
 bool Link::ReadArrived() {
-  for (int chunk = 0; chunk < kMostChunks; ++chunk) {
+  for (int chunk = 0; chunk < kMaxChunks; ++chunk) {
     const ssize_t count = recv(descriptor_, chunk_.data(), chunk_.size(), MSG_DONTWAIT);
     if (count == 0) return false;
     if (count < 0 && errno == EINTR) continue;

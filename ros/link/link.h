@@ -73,7 +73,7 @@ struct WantedContent {
 
 class Link {
  public:
-  static constexpr std::size_t kLargestContent = std::size_t{64} << 20;
+  static constexpr std::size_t kMaxContent = std::size_t{64} << 20;
 
   // Owns the descriptor.
   explicit Link(int descriptor);
@@ -83,7 +83,7 @@ class Link {
 
   int descriptor() const { return descriptor_; }
 
-  // Adds a message to those that Flush sends. REQUIRES: content is not larger than kLargestContent. From any thread, as
+  // Adds a message to those that Flush sends. REQUIRES: content is not larger than kMaxContent. From any thread, as
   // the two below.
   void Add(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
   // Sends as much as the socket takes, without waiting. False: the other side has gone.
@@ -102,7 +102,7 @@ class Link {
       Header header;
       if (left < sizeof header) break;
       std::memcpy(&header, received_.data() + at, sizeof header);
-      if (header.size > kLargestContent || header.kind > static_cast<std::uint32_t>(kLastLinkKind)) return false;
+      if (header.size > kMaxContent || header.kind > static_cast<std::uint32_t>(kLastLinkKind)) return false;
       if (left < sizeof header + header.size) break;
       receive(LinkMessage{static_cast<LinkKind>(header.kind), header.id,
                           std::span(received_).subspan(at + sizeof header, header.size)});

@@ -41,10 +41,10 @@ struct CancelResult {
 template <typename Goal>
 class ActionGoals {
  public:
-  // False, and no effect, if the id is known or kMostOpen goals are open.
+  // False, and no effect, if the id is known or kMaxOpen goals are open.
   bool Add(const Goal& goal) {
     const auto open = std::count_if(goals_.begin(), goals_.end(), [](const Goal& other) { return !other.ended(); });
-    if (Find(goal.id) != nullptr || static_cast<std::size_t>(open) >= kMostOpen) return false;
+    if (Find(goal.id) != nullptr || static_cast<std::size_t>(open) >= kMaxOpen) return false;
     goals_.push_back(goal);
     return true;
   }
@@ -83,16 +83,16 @@ class ActionGoals {
   std::vector<Goal>& all() { return goals_; }
   const std::vector<Goal>& all() const { return goals_; }
 
-  // Removes ended goals, except for the latest kMostEnded.
+  // Removes ended goals, except for the latest kMaxEnded.
   void RemoveOldEnded() {
     auto ended = std::count_if(goals_.begin(), goals_.end(), [](const Goal& goal) { return goal.ended(); });
     std::erase_if(goals_,
-                  [&](const Goal& goal) { return goal.ended() && ended-- > static_cast<std::ptrdiff_t>(kMostEnded); });
+                  [&](const Goal& goal) { return goal.ended() && ended-- > static_cast<std::ptrdiff_t>(kMaxEnded); });
   }
 
  private:
-  static constexpr std::size_t kMostOpen = 100;
-  static constexpr std::size_t kMostEnded = 16;
+  static constexpr std::size_t kMaxOpen = 100;
+  static constexpr std::size_t kMaxEnded = 16;
 
   template <typename Condition>
   Goal* FindIf(const Condition& condition) {

@@ -20,7 +20,7 @@ constexpr std::uint32_t kBytesPerFloat = 4;
 // Only x, y and the heading vary in the plane.
 void SetDiagonal(double (&covariance)[36], double x, double y, double heading) {
   const double variances[kColumns] = {x, y, 0.0, 0.0, 0.0, heading};
-  for (std::size_t i = 0; i < kColumns; ++i) covariance[i * kColumns + i] = std::max(variances[i], kLeastVariance);
+  for (std::size_t i = 0; i < kColumns; ++i) covariance[i * kColumns + i] = std::max(variances[i], kMinVariance);
 }
 
 void Copy(const std::vector<double>& values, float* out) {

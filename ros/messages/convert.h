@@ -58,9 +58,9 @@ TransformStamped MakeTransform(const Time& stamp, const std::string& parent, con
                                dds::WireArena& arena);
 TfMessage MakeTfMessage(const std::vector<TransformStamped>& transforms, dds::WireArena& arena);
 
-// `pose` is of `child` in `frame`; `twist` in `child`. No variance is below kLeastVariance, which also is that of the
+// `pose` is of `child` in `frame`; `twist` in `child`. No variance is below kMinVariance, which also is that of the
 // components out of the plane: filters reject a variance of zero.
-inline constexpr double kLeastVariance = 1e-6;  // m^2, rad^2, and of velocities: 1 mm, 1 mrad
+inline constexpr double kMinVariance = 1e-6;  // m^2, rad^2, and of velocities: 1 mm, 1 mrad
 OdometryMessage MakeOdometry(const Time& stamp, const std::string& frame, const std::string& child, const Pose& pose,
                              const Twist& twist, const Covariance& error, dds::WireArena& arena);
 

@@ -39,7 +39,7 @@ void AddHypothesis(const std::string& class_id, const Pose& pose, Detection& det
   auto* const result = arena.Fill(detection.results, 1);
   result->hypothesis = {arena.Copy(class_id), 1.0};
   result->pose.pose = ToMessage(pose);
-  for (std::size_t i = 0; i < 6; ++i) result->pose.covariance[7 * i] = kLeastVariance;
+  for (std::size_t i = 0; i < 6; ++i) result->pose.covariance[7 * i] = kMinVariance;
 }
 
 std::string HexOf(const Color& color) {
@@ -141,7 +141,7 @@ ImuMessage MakeImuMessage(const Time& stamp, const std::string& frame, const Imu
   message.orientation = ToMessage(Pose{0.0, 0.0, 0.0, reading.heading}).orientation;
   message.angular_velocity.z = reading.turn;
   message.linear_acceleration = {reading.force_xy.x(), reading.force_xy.y(), reading.force_z};
-  const auto variance = [](double deviation) { return std::max(deviation * deviation, kLeastVariance); };
+  const auto variance = [](double deviation) { return std::max(deviation * deviation, kMinVariance); };
   for (const std::size_t axis : {0, 4, 8}) {  // of a 3 x 3 matrix
     const bool is_z = axis == 8;
     message.orientation_covariance[axis] = variance(is_z ? reading.heading_noise : 0.0);

@@ -18,7 +18,7 @@ const char* FingersOf(const GripperMotion& motion, double largest) {
 }
 
 // Twice the bytes as digits, and the names around them.
-constexpr std::size_t kLongestText = 4 * kMostRadioBytes;
+constexpr std::size_t kMaxText = 4 * kMaxRadioBytes;
 
 // Digits of either case.
 std::optional<std::string> BytesOf(std::string digits) {
@@ -101,7 +101,7 @@ std::string ReceptionJson(const WorldDescription& world, const RadioReception& r
 }
 
 Result<RadioMessage> ReadRadioMessage(const WorldDescription& world, std::size_t radio, const std::string& text) {
-  if (text.size() > kLongestText) return Refused("a text that is too long");
+  if (text.size() > kMaxText) return Refused("a text that is too long");
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return Refused("a text that is no JSON object");
   RadioMessage message{.radio = radio};

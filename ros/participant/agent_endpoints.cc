@@ -16,7 +16,7 @@ namespace troupe::ros {
 namespace {
 
 // Bytes that wait for an agent; beyond them it gets no samples and requests.
-constexpr std::size_t kMostPending = std::size_t{4} << 20;
+constexpr std::size_t kMaxPending = std::size_t{4} << 20;
 
 // For which an endpoint of an agent that has ended waits for the next one: the time of an edit, or of the restart of an
 // agent.
@@ -334,7 +334,7 @@ const dds_topic_descriptor_t* AgentEndpoints::TypeOf(const std::string& name) {
 
 void AgentEndpoints::Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
   const bool may_be_dropped = kind == LinkKind::kSample || kind == LinkKind::kRequest || kind == LinkKind::kRepeated;
-  if (may_be_dropped && link_.pending() > kMostPending) return;
+  if (may_be_dropped && link_.pending() > kMaxPending) return;
   link_.Add(kind, id, content);
   // At once, so that an acknowledged command is with the agent.
   if (!link_.Flush() || link_.pending() > 0) wake_();

@@ -19,14 +19,14 @@
 namespace troupe::ros {
 namespace {
 
-constexpr std::size_t kMostWaiting = 100;  // requests to a service without an agent, or without a response
+constexpr std::size_t kMaxWaiting = 100;  // requests to a service without an agent, or without a response
 
 // A process that dies again and again is started ever more rarely, but each time: clients wait for it.
 constexpr auto kFirstDelay = std::chrono::milliseconds(100);
-constexpr auto kLongestDelay = std::chrono::milliseconds(30'000);
+constexpr auto kMaxDelay = std::chrono::milliseconds(30'000);
 constexpr auto kHealthyTime = std::chrono::seconds(60);  // after this the delays start anew
 constexpr auto kStopTime = std::chrono::seconds(3);
-constexpr std::size_t kMostResponses = std::size_t{64} << 20;  // bytes of responses that wait for it
+constexpr std::size_t kMaxResponses = std::size_t{64} << 20;  // bytes of responses that wait for it
 
 std::vector<std::string> ArgumentsOf(const RosNetwork& network) {
   std::vector<std::string> arguments = NetworkArguments(network);
@@ -169,7 +169,7 @@ void ReusableService::Pass(std::span<const std::byte> request) {
   Bytes bytes(request.begin(), request.end());
   if (!passes_) {
     waiting_.push_back(std::move(bytes));
-    if (waiting_.size() > kMostWaiting) waiting_.pop_front();
+    if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
     return;
   }
   sink_(request, false);
@@ -180,7 +180,7 @@ void ReusableService::KeepUnanswered(Bytes request) {
   const wire::UntypedSample sample(request_);
   if (!wire::SampleFromCdr(request, request_, sample.data()).ok()) return;
   unanswered_.emplace_back(*static_cast<const CallHeader*>(sample.data()), std::move(request));
-  if (unanswered_.size() > kMostWaiting) unanswered_.pop_front();
+  if (unanswered_.size() > kMaxWaiting) unanswered_.pop_front();
 }
 
 // Fast DDS pads samples to a multiple of 4 bytes, without stating it in their fourth byte. Any bytes are safe.
@@ -236,7 +236,7 @@ FastDdsSide::~FastDdsSide() {
 void FastDdsSide::Start() {
   due_.reset();
   started_ = Clock::now();
-  delay_ = std::clamp(2 * delay_, kFirstDelay, kLongestDelay);
+  delay_ = std::clamp(2 * delay_, kFirstDelay, kMaxDelay);
   int ends[2] = {-1, -1};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends) != 0) {
     due_ = Clock::now() + delay_;
@@ -262,7 +262,7 @@ void FastDdsSide::Start() {
 }
 
 void FastDdsSide::Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
-  if (!link_ || (kind == LinkKind::kRespond && link_->pending() > kMostResponses)) return;
+  if (!link_ || (kind == LinkKind::kRespond && link_->pending() > kMaxResponses)) return;
   link_->Add(kind, id, content);
   link_->Flush();  // an end is noticed by Process
 }

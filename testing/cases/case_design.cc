@@ -12,9 +12,9 @@ namespace troupe {
 namespace {
 
 constexpr std::uint64_t kDesignStream = 0x6465'7369'676e;
-constexpr std::uint64_t kMostDraws = 1000;       // of a case until one meets the constraints
-constexpr std::uint64_t kMostPairs = 4'000'000;  // of a pairwise design
-constexpr std::uint64_t kPairCandidates = 30;    // of a case that has a pair, of which the best is chosen
+constexpr std::uint64_t kMaxDraws = 1000;       // of a case until one meets the constraints
+constexpr std::uint64_t kMaxPairs = 4'000'000;  // of a pairwise design
+constexpr std::uint64_t kPairCandidates = 30;   // of a case that has a pair, of which the best is chosen
 
 }  // namespace
 
@@ -37,18 +37,18 @@ Result<CaseDesign> CaseDesign::Make(std::vector<Variation> variations, std::vect
   std::uint64_t all = 1;
   for (const Variation& variation : design.variations_) {
     if (variation.size() == 0) continue;
-    if (design.settings_.kind == DesignKind::kProduct && all > kMostCases / variation.size()) {
+    if (design.settings_.kind == DesignKind::kProduct && all > kMaxCases / variation.size()) {
       return Error{{},
                    fmt::format("found more than {} combinations of values, expected fewer, or the design 'pairwise' or "
                                "'random'",
-                               kMostCases)};
+                               kMaxCases)};
     }
     all *= variation.size();
   }
   if (design.settings_.kind == DesignKind::kPairwise) {
     std::uint64_t values = 0;
     for (const Variation& variation : design.variations_) values += variation.size();
-    if (values * values / 2 > kMostPairs) {
+    if (values * values / 2 > kMaxPairs) {
       return Error{
           {}, fmt::format("found {} values, whose pairs are too many, expected fewer, or the design 'random'", values)};
     }
@@ -90,7 +90,7 @@ TestCase CaseDesign::MakeProduct(std::uint64_t number) const {
     rest /= size;
   }
   TestCase draws;
-  for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
+  for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
     draws = FromIndices(indices, RandomBits({kDesignStream, settings_.seed, number, draw}));
     const bool all_listed =
         std::all_of(variations_.begin(), variations_.end(), [](const auto& v) { return v.size() > 0; });
@@ -101,7 +101,7 @@ TestCase CaseDesign::MakeProduct(std::uint64_t number) const {
 
 TestCase CaseDesign::Random(std::uint64_t key) const {
   TestCase draws;
-  for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
+  for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
     draws.clear();
     const std::uint64_t bits = RandomBits({kDesignStream, settings_.seed, key, draw});
     for (std::size_t i = 0; i < variations_.size(); ++i)
@@ -153,7 +153,7 @@ void CaseDesign::MakePairs() {
     std::vector<std::uint64_t> best;
     std::size_t most = 0;
     std::uint64_t valid = 0;
-    for (std::uint64_t draw = 0; draw < kMostDraws && valid < kPairCandidates; ++draw) {
+    for (std::uint64_t draw = 0; draw < kMaxDraws && valid < kPairCandidates; ++draw) {
       std::vector<std::uint64_t> indices(variations_.size());
       for (const std::size_t i : listed) {
         const std::uint64_t size = std::max<std::uint64_t>(variations_[i].size(), 1);

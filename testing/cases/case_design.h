@@ -21,7 +21,7 @@ struct DesignSettings {
 };
 
 // More cases than these are a mistake.
-inline constexpr std::uint64_t kMostCases = 10'000'000;
+inline constexpr std::uint64_t kMaxCases = 10'000'000;
 
 class CaseDesign {
  public:

@@ -28,7 +28,7 @@ std::optional<Tick> TickFromJson(const json& value) {
 
 // The least of each part of a run, so that no near miss is lost.
 std::vector<Monitor::Moment> Thinned(std::span<const Monitor::Moment> history) {
-  const std::size_t part = (history.size() + kMostMoments - 1) / kMostMoments;
+  const std::size_t part = (history.size() + kMaxMoments - 1) / kMaxMoments;
   std::vector<Monitor::Moment> thinned;
   for (std::size_t begin = 0; begin < history.size(); begin += part) {
     const auto end = history.begin() + static_cast<std::ptrdiff_t>(std::min(begin + part, history.size()));

@@ -31,11 +31,11 @@ struct ExpectationOutcome {
   std::optional<Tick> decided_at;        // the tick after which the verdict was known
   std::optional<Tick> cause_tick;        // that decides the robustness
   std::vector<std::string> causes;       // robots and objects that decide it
-  std::vector<Monitor::Moment> history;  // at most kMostMoments: the least robustness of each part of the run
+  std::vector<Monitor::Moment> history;  // at most kMaxMoments: the least robustness of each part of the run
 
   bool operator==(const ExpectationOutcome&) const = default;
 };
-inline constexpr std::size_t kMostMoments = 200;
+inline constexpr std::size_t kMaxMoments = 200;
 
 struct CaseOutcome {
   CaseVerdict verdict = CaseVerdict::kNotRun;

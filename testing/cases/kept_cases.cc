@@ -12,8 +12,8 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostKept = 100;
-constexpr std::size_t kMostBytes = 10'000'000;
+constexpr std::size_t kMaxKeptCases = 100;
+constexpr std::size_t kMaxFileBytes = 10'000'000;
 
 std::string PathOf(const TestFile& test) {
   return std::filesystem::path(test.path()).replace_extension(".failing").string();
@@ -26,7 +26,7 @@ Result<KeptCases> KeptCases::Read(const TestFile& test, std::vector<std::string>
   const std::string path = PathOf(test);
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return kept;
-  const Result<std::string> text = ReadWholeFile(path, kMostBytes);
+  const Result<std::string> text = ReadWholeFile(path, kMaxFileBytes);
   if (!text.ok()) return Error{{path}, "cannot read: " + text.error().message};
   std::istringstream lines(text.value());
   std::map<std::string, std::size_t> places;  // by the text of the case
@@ -60,7 +60,8 @@ Status KeptCases::Write(const TestFile& test, const std::vector<TestCase>& faili
   for (const KeptCase& kept : cases_) lines.push_back(CaseText(kept.draws));
   for (const TestCase& draws : failing) {
     const std::string line = CaseText(draws);
-    if (std::find(lines.begin(), lines.end(), line) == lines.end() && lines.size() < kMostKept) lines.push_back(line);
+    if (std::find(lines.begin(), lines.end(), line) == lines.end() && lines.size() < kMaxKeptCases)
+      lines.push_back(line);
   }
   std::string text = "# Cases that have failed. 'troupe test' runs them first; remove a line to forget its case.\n";
   for (const std::string& line : lines) text += line + "\n";

@@ -14,8 +14,8 @@ namespace troupe {
 namespace {
 
 constexpr std::uint64_t kDrawStream = 0x6361'7365'7300;  // separates draws of cases from other uses of a seed
-constexpr double kMostValues = 1e9;
-constexpr int kMostNormalDraws = 1000;  // of a normal number until one is within the bounds
+constexpr double kMaxValues = 1e9;
+constexpr int kMaxNormalDraws = 1000;  // of a normal number until one is within the bounds
 
 // One place for a number's text: a draw is what its text says.
 std::string ShortNumber(double number) {
@@ -122,7 +122,7 @@ Result<Variation> Variation::Read(const JsonTree& tree, const JsonNode& entry, V
       return tree.ErrorAt(range->items[2],
                           fmt::format("found the step {}, expected one above 0", range->items[2].text));
     }
-    if ((variation.to_ - variation.from_) / variation.step_ >= kMostValues) {
+    if ((variation.to_ - variation.from_) / variation.step_ >= kMaxValues) {
       return tree.ErrorAt(*range, "found a range of more than 1000000000 values, expected a greater step");
     }
   } else if (const JsonNode* const uniform = entry.Find("uniform")) {
@@ -178,7 +178,7 @@ std::string Variation::Draw(std::uint64_t key, std::uint64_t counter) const {
   if (kind_ == Kind::kUniform) {
     return NumberText(from_ + (to_ - from_) * RandomUniform({kDrawStream, key, counter}));
   }
-  for (std::uint64_t i = 0; i < kMostNormalDraws; ++i) {
+  for (std::uint64_t i = 0; i < kMaxNormalDraws; ++i) {
     const double number = mean_ + deviation_ * RandomNormal({kDrawStream, key, counter, i});
     if (from_ <= number && number <= to_) return NumberText(number);
   }

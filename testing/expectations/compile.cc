@@ -16,8 +16,8 @@
 namespace troupe {
 namespace {
 
-constexpr Tick kLongestInterval = 1'000'000'000;  // ticks
-constexpr std::size_t kMostNodes = 20'000;
+constexpr Tick kMaxInterval = 1'000'000'000;  // ticks
+constexpr std::size_t kMaxNodes = 20'000;
 constexpr std::array<const char*, 5> kFunctions{"abs", "sqrt", "min", "max", "count"};
 
 // What an expression is worth.
@@ -183,9 +183,9 @@ class Compiler {
     std::size_t lanes = 1;
     for (const std::size_t variable : variables) {
       lanes *= program_.variables[variable].bodies.size();
-      if (lanes > kMostLanes) {
+      if (lanes > kMaxLanes) {
         if (!error_) {
-          error_ = TextError(at_offset_, "found more than " + std::to_string(kMostLanes) +
+          error_ = TextError(at_offset_, "found more than " + std::to_string(kMaxLanes) +
                                              " combinations of robots, expected fewer variables or a pattern of names");
         }
         return 1;
@@ -238,7 +238,7 @@ class Compiler {
   }
 
   std::size_t Add(Node node) {
-    if (program_.nodes.size() >= kMostNodes && !error_) {
+    if (program_.nodes.size() >= kMaxNodes && !error_) {
       error_ = TextError(at_offset_, "found too many operators, expected a shorter expectation");
     }
     if (error_ && !program_.nodes.empty()) return 0;
@@ -451,8 +451,8 @@ class Compiler {
       const double nearest = std::round(ticks);
       ticks = std::abs(ticks - nearest) <= 1e-6 ? nearest : is_end ? std::floor(ticks) : std::ceil(ticks);
     }
-    if (!(ticks <= static_cast<double>(kLongestInterval))) {
-      Fail(place, "found an interval beyond " + std::to_string(kLongestInterval) + " ticks, expected a shorter one");
+    if (!(ticks <= static_cast<double>(kMaxInterval))) {
+      Fail(place, "found an interval beyond " + std::to_string(kMaxInterval) + " ticks, expected a shorter one");
       return 0;
     }
     return static_cast<Tick>(ticks);

@@ -261,7 +261,7 @@ class Parser {
   class Depth {
    public:
     explicit Depth(Parser& parser) : parser_(parser) {
-      if (++parser_.depth_ > kDeepestExpectation) parser_.Fail("fewer operators inside each other");
+      if (++parser_.depth_ > kMaxExpectationDepth) parser_.Fail("fewer operators inside each other");
     }
     ~Depth() { --parser_.depth_; }
 
@@ -350,7 +350,7 @@ class Parser {
     Syntax left = is_sum ? Sum("*", "/") : Factor();
     std::size_t links = 0;
     while (!error_ && (IsSign(one) || IsSign(other))) {
-      if (depth_ + ++links > kDeepestExpectation) Fail("fewer terms");
+      if (depth_ + ++links > kMaxExpectationDepth) Fail("fewer terms");
       const Token sign = tokens_[at_++];
       std::vector<Syntax> children;
       children.push_back(std::move(left));
@@ -489,9 +489,9 @@ class Parser {
 };
 
 Result<std::vector<Token>> Tokens(std::string_view text) {
-  if (text.size() > kLongestExpectation) {
-    return TextError(
-        0, "found " + std::to_string(text.size()) + " bytes, expected at most " + std::to_string(kLongestExpectation));
+  if (text.size() > kMaxExpectationLength) {
+    return TextError(0, "found " + std::to_string(text.size()) + " bytes, expected at most " +
+                            std::to_string(kMaxExpectationLength));
   }
   return Lexer(text).ReadAll();
 }

@@ -23,7 +23,7 @@
 namespace troupe {
 
 inline constexpr Tick kForever = std::numeric_limits<Tick>::max();
-inline constexpr std::size_t kMostLanes = 4'000'000;
+inline constexpr std::size_t kMaxLanes = 4'000'000;
 
 // A window of ticks relative to the present one, both ends included.
 struct TickWindow {

@@ -81,8 +81,8 @@ struct Syntax {
   bool Is(SyntaxKind its_kind, std::string_view its_name) const { return kind == its_kind && name == its_name; }
 };
 
-inline constexpr std::size_t kLongestExpectation = 8192;  // bytes
-inline constexpr std::size_t kDeepestExpectation = 200;   // nested operators
+inline constexpr std::size_t kMaxExpectationLength = 8192;  // bytes
+inline constexpr std::size_t kMaxExpectationDepth = 200;    // nested operators
 
 Result<Syntax> ParseFormula(std::string_view text);
 

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMostLineBytes = 2'000'000'000;
+constexpr std::size_t kMaxLineBytes = 2'000'000'000;
 
 std::string CsvField(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
@@ -147,7 +147,7 @@ std::string CaseReport::Lines() const {
 }
 
 Status CaseReport::AddLines(const std::string& file) {
-  const Result<std::string> text = ReadWholeFile(file, kMostLineBytes);
+  const Result<std::string> text = ReadWholeFile(file, kMaxLineBytes);
   if (!text.ok()) return Error{{file}, "cannot read: " + text.error().message, text.error().code};
   std::istringstream stream(text.value());
   std::string line;

@@ -11,9 +11,9 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostFaults = 100;  // that the page shows in full
+constexpr std::size_t kMaxFaults = 100;   // that the page shows in full
 constexpr std::size_t kFirstFaults = 10;  // of them, those that are not behind one more click
-constexpr std::size_t kMostGroups = 200;  // rows of a table of metrics
+constexpr std::size_t kMaxGroups = 200;   // rows of a table of metrics
 
 constexpr const char* kStyle =
     R"(body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:70em;padding:0 1em;color:#222}
@@ -141,8 +141,8 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
   std::size_t shown = 0;
   for (const std::string& group : names) {
     const Statistics& statistics = groups.at(group);
-    if (++shown > kMostGroups) {
-      html += fmt::format("<tr><td colspan=\"7\">{} more: see the CSV file</td></tr>\n", groups.size() - kMostGroups);
+    if (++shown > kMaxGroups) {
+      html += fmt::format("<tr><td colspan=\"7\">{} more: see the CSV file</td></tr>\n", groups.size() - kMaxGroups);
       break;
     }
     html += fmt::format(
@@ -195,17 +195,17 @@ std::string CaseReport::PageOf(const Entry& entry) const {
     html += "</table>\n";
   }
   html += "<p class=\"grid\">";
-  constexpr std::size_t kMostSquares = 5000;
+  constexpr std::size_t kMaxSquares = 5000;
   std::size_t squares = 0;
   for (const auto& [number, row] : entry.rows) {
-    if (++squares > kMostSquares) break;
+    if (++squares > kMaxSquares) break;
     html += fmt::format("<span class=\"{}\" title=\"{}\"></span>", ClassOf(row.verdict), Escaped(CaseText(row.draws)));
   }
   html += "</p>\n";
   std::size_t shown = 0;
   for (const auto& [number, fault] : entry.faults) {
-    if (++shown > kMostFaults) {
-      html += fmt::format("<p>{} more: see cases.jsonl</p>\n", entry.faults.size() - kMostFaults);
+    if (++shown > kMaxFaults) {
+      html += fmt::format("<p>{} more: see cases.jsonl</p>\n", entry.faults.size() - kMaxFaults);
       break;
     }
     if (shown == kFirstFaults + 1)

@@ -29,7 +29,7 @@ class DdsRig final : public TransportRig {
     return Keep(MakeDdsAgentTransport(agent));
   }
   Transport& ForObserver() override {
-    if (observers_.size() < kMostObserverParticipants) {
+    if (observers_.size() < kMaxObserverParticipants) {
       observers_.push_back(&Keep(MakeDdsObserverTransport(options_)));
       return *observers_.back();
     }
@@ -38,7 +38,7 @@ class DdsRig final : public TransportRig {
 
  private:
   // The participants of one test process; further observers share them.
-  static constexpr std::size_t kMostObserverParticipants = 10;
+  static constexpr std::size_t kMaxObserverParticipants = 10;
 
   Transport& Keep(std::unique_ptr<Transport> transport) {
     if (!faults_.empty()) transport = MakeFaultyTransport(std::move(transport), ParseFaults(faults_).value());

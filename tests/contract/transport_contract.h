@@ -109,7 +109,7 @@ TEST_P(TransportContract, HistoryArrivesIntact) {
   service.endpoint->SendSession(SomeSession(77));
   StartedAgent agent(rig_->ForAgent(), 5);
   ASSERT_TRUE(agent.sessions.WaitFor(kPatience, [](const SessionMessage&) { return true; }));
-  HistoryMessage sent{77, {5, 6}, MemoryPlace{2, 8, true}, {}};
+  HistoryMessage sent{77, {5, 6}, ControllerCheckpoint{2, 8, true}, {}};
   for (Tick tick = 9; tick < 60; ++tick) {
     sent.entries.push_back({SomeFrame(tick, 200), tick % 7 != 0, {}});
     sent.entries.back().frame.events.clear();

@@ -14,13 +14,13 @@ namespace {
 using Phase = TickCoordinator::Phase;
 
 constexpr RunId kRun = 1;
-constexpr double kLongestWait = 0.05;          // s, as RunService
-constexpr double kLongestRecovery = 60;        // s, from the last fault to a run that is whole again
-constexpr std::size_t kMostEvents = 2000;      // in the queue, and waiting for a stopped process
-constexpr double kLongestGap = 3.0;            // s, of the frames that an observer shows, with messages lost
-constexpr double kLongestRequest = 0.01;       // s, from a tool to the service
-constexpr std::uint64_t kMostSteps = 500'000;  // events of a run
-constexpr std::size_t kMostReports = 200;      // events or notices between two reports of the service
+constexpr double kMaxWait = 0.05;             // s, as RunService
+constexpr double kMaxRecovery = 60;           // s, from the last fault to a run that is whole again
+constexpr std::size_t kMaxEvents = 2000;      // in the queue, and waiting for a stopped process
+constexpr double kMaxGap = 3.0;               // s, of the frames that an observer shows, with messages lost
+constexpr double kMaxRequest = 0.01;          // s, from a tool to the service
+constexpr std::uint64_t kMaxSteps = 500'000;  // events of a run
+constexpr std::size_t kMaxReports = 200;      // events or notices between two reports of the service
 
 CoordinatorOptions MakeCoordinatorOptions(const FaultPlan& plan) {
   return {.settings = plan.settings,
@@ -84,24 +84,24 @@ bool FaultSimulation::Await(const Condition& condition, double seconds) {
 }
 
 void FaultSimulation::CheckRecovery() {
-  Await([] { return false; }, kLongestRequest);  // all requests have arrived
+  Await([] { return false; }, kMaxRequest);  // all requests have arrived
   journal_.SetOnCommit(nullptr);
   Await([this] { return !returning_; }, 10.0);
   if (!service_runs()) return;
   SendRequest({.command = ControlCommand::kPlay});
   const double owner_looks = 1.0;
-  const double end = events_.now() + kLongestRecovery;
+  const double end = events_.now() + kMaxRecovery;
   while (violation_.empty() && service_runs()) {
     StartMissingAgents();
     if (Await([this] { return !service_runs() || IsConsistent(); }, owner_looks)) break;
     if (events_.now() >= end) return Violate("the run does not recover: " + DescribeInconsistency());
   }
   const Tick target = reference_.ticks() + 3;
-  const bool advances = Await([&] { return !service_runs() || reference_.ticks() >= target; }, kLongestRecovery);
+  const bool advances = Await([&] { return !service_runs() || reference_.ticks() >= target; }, kMaxRecovery);
   if (!advances) return Violate("the barrier is stalled: " + DescribeInconsistency());
   const Edition edition = reference_.edition();
   const Tick tick = reference_.tick();
-  if (!Await([&] { return !service_runs() || ObserversHaveShown(edition, tick); }, kLongestGap)) {
+  if (!Await([&] { return !service_runs() || ObserversHaveShown(edition, tick); }, kMaxGap)) {
     Violate(fmt::format("an observer does not show tick {} of edition {}", tick, edition));
   }
 }
@@ -129,8 +129,8 @@ void FaultSimulation::CheckRequests() {
 }
 
 void FaultSimulation::CheckMemory() {
-  if (++steps_ > kMostSteps) return Violate("the time does not advance");
-  if (events_.size() > kMostEvents || network_.most_waiting() > kMostEvents) {
+  if (++steps_ > kMaxSteps) return Violate("the time does not advance");
+  if (events_.size() > kMaxEvents || network_.most_waiting() > kMaxEvents) {
     Violate(fmt::format("{} events wait, and {} messages for a process", events_.size(), network_.most_waiting()));
   }
 }
@@ -228,7 +228,7 @@ void FaultSimulation::ActAsService() {
   }
   const std::vector<std::string> notices = coordinator_->DrainNotices();
   for (const std::string& notice : notices) Log("service: {}", notice);
-  if (reports.size() > kMostReports || notices.size() > kMostReports) return Violate("too many reports");
+  if (reports.size() > kMaxReports || notices.size() > kMaxReports) return Violate("too many reports");
   const std::vector<std::string> robots = coordinator_->DrainNewRobots();
   const Edition edition = coordinator_->frame().edition;
   if (!robots.empty() && edition > launched_edition_) {  // not reported before, by a service that died
@@ -239,7 +239,7 @@ void FaultSimulation::ActAsService() {
     Log("service: ends");
     return network_.End(kService);
   }
-  WakeService(std::clamp(coordinator_->NextPoll(), events_.now(), events_.now() + kLongestWait));
+  WakeService(std::clamp(coordinator_->NextPoll(), events_.now(), events_.now() + kMaxWait));
 }
 
 void FaultSimulation::WakeService(double time) {
@@ -311,7 +311,7 @@ void FaultSimulation::SendHistory(const HistoryMessage& history) {
 void FaultSimulation::SendRequest(const ControlRequest& request) {
   const std::size_t index = requests_.size();
   requests_.push_back({.command = request.command});
-  events_.After(random_.Uniform(0.0, kLongestRequest), [this, request, index] {
+  events_.After(random_.Uniform(0.0, kMaxRequest), [this, request, index] {
     network_.RunInside(kService, [this, request, index] {
       requests_[index].arrived = true;
       Log("tool: request {}, command {} '{}'", index, static_cast<int>(request.command), request.name);

@@ -7,8 +7,8 @@ namespace troupe::faults {
 namespace {
 
 // s. From the moment at which two processes can reach each other to their discovery.
-constexpr double kLeastDiscovery = 0.01;
-constexpr double kMostDiscovery = 0.2;
+constexpr double kMinDiscovery = 0.01;
+constexpr double kMaxDiscovery = 0.2;
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void Network::Update(ProcessId from, ProcessId to) {
   const std::uint64_t epoch = ++view.epoch;
   if (view.open) {
     const ProcessId agent = to == kService ? from : to;
-    events_.After(random_.Uniform(kLeastDiscovery, kMostDiscovery), [this, agent] { Discover(agent); });
+    events_.After(random_.Uniform(kMinDiscovery, kMaxDiscovery), [this, agent] { Discover(agent); });
     if (view.connected) view.handlers.on_open();
     return;
   }
@@ -98,7 +98,7 @@ void Network::ExpireLeasesOf(ProcessId process) {
     if (!view.connected || !random_.Chance(0.3)) continue;
     view.connected = false;
     view.handlers.on_lost();
-    events_.After(random_.Uniform(kLeastDiscovery, kMostDiscovery), [this, lost = agent] { Discover(lost); });
+    events_.After(random_.Uniform(kMinDiscovery, kMaxDiscovery), [this, lost = agent] { Discover(lost); });
   }
 }
 

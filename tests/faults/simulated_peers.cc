@@ -6,8 +6,8 @@
 namespace troupe::faults {
 namespace {
 
-constexpr double kLongestAgentWait = 0.1;  // s, as AgentHost
-constexpr double kLongestTask = 0.05;      // s
+constexpr double kMaxAgentWait = 0.1;  // s, as AgentHost
+constexpr double kMaxTask = 0.05;      // s
 
 }  // namespace
 
@@ -40,13 +40,13 @@ void SimulatedAgent::Act() {
     outputs_.send_join(*join);
   }
   if (protocol_.over()) return Act();
-  WakeAt(std::clamp(protocol_.NextPoll(), events_.now(), events_.now() + kLongestAgentWait));
+  WakeAt(std::clamp(protocol_.NextPoll(), events_.now(), events_.now() + kMaxAgentWait));
 }
 
 void SimulatedAgent::BeginTask() {
   task_runs_ = true;
   const auto task = std::make_shared<ReplicaTask>(*protocol_.BeginTask());
-  events_.After(network_.random().Uniform(0.0, kLongestTask), [this, task] {
+  events_.After(network_.random().Uniform(0.0, kMaxTask), [this, task] {
     network_.RunInside(id(), [this, task] {
       task->Perform(options_, {});
       task_runs_ = false;

@@ -11,10 +11,10 @@ namespace troupe::test {
 namespace {
 
 constexpr int kSpawned = 20;
-constexpr int kDeleted = 10;            // robots that are deleted and spawned again, in turn
-constexpr int kRounds = 20;             // of five edits
-constexpr int kSettled = kRounds / 2;   // rounds after which allocators have what they need
-constexpr double kMostGrowthMib = 1.0;  // of a process in the other rounds
+constexpr int kDeleted = 10;           // robots that are deleted and spawned again, in turn
+constexpr int kRounds = 20;            // of five edits
+constexpr int kSettled = kRounds / 2;  // rounds after which allocators have what they need
+constexpr double kMaxGrowthMib = 1.0;  // of a process in the other rounds
 
 const char* const kField = R"(name "field"
 define cube model ( block ( points 4 point[0] [0 0] point[1] [0 1] point[2] [1 1] point[3] [1 0] z [0 1] ) )
@@ -95,9 +95,9 @@ TEST(RosManyEdits, TheGraphIsRightAfterEachAndMemoryIsFlat) {
     service_settled = MemoryOf(service);
     participant_settled = MemoryOf(participant);
   }
-  EXPECT_LT(MeanMemoryOf(agents), agents_settled + kMostGrowthMib);
-  EXPECT_LT(MemoryOf(service), service_settled + kMostGrowthMib);
-  EXPECT_LT(MemoryOf(participant), participant_settled + kMostGrowthMib);
+  EXPECT_LT(MeanMemoryOf(agents), agents_settled + kMaxGrowthMib);
+  EXPECT_LT(MemoryOf(service), service_settled + kMaxGrowthMib);
+  EXPECT_LT(MemoryOf(participant), participant_settled + kMaxGrowthMib);
   run.End();
 }
 

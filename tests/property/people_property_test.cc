@@ -107,7 +107,7 @@ TEST(PeopleProperty, StepsOfSeveralThreadsHaveTheBitsOfOne) {
     SCOPED_TRACE(seed);
     RandomStream random(seed + 41'000'000);
     const Scene scene(CrowdedWorld(seed, 75));
-    ASSERT_GE(scene.world().people.size(), Stepper::kFewestPeople);
+    ASSERT_GE(scene.world().people.size(), Stepper::kMinPeople);
     WorldState state = InitialState(scene);
     BodyIndex bodies(scene);
     Stepper two(scene, std::make_shared<ThreadPool>(2));      // robots by one thread

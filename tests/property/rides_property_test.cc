@@ -143,7 +143,7 @@ TEST(RidesProperty, AllReachTheOtherLevelsAndNoneIsInAnotherBody) {
 TEST(RidesProperty, StepsOfSeveralThreadsHaveTheBitsOfOne) {
   RandomStream random(44'000'000);
   const Scene scene(RandomHouse(random, 3, 60).world);
-  ASSERT_GE(scene.world().people.size(), Stepper::kFewestPeople);
+  ASSERT_GE(scene.world().people.size(), Stepper::kMinPeople);
   WorldState state = InitialState(scene);
   BodyIndex bodies(scene);
   Stepper two(scene, std::make_shared<ThreadPool>(2));

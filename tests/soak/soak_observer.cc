@@ -26,8 +26,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLongestSilence = 10.0;  // s, before the first frame
-constexpr double kLongestTick = 500.0;    // ms: a longer time is a wait for the lease of an agent
+constexpr double kMaxSilence = 10.0;  // s, before the first frame
+constexpr double kMaxTick = 500.0;    // ms: a longer time is a wait for the lease of an agent
 
 double Since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -65,7 +65,7 @@ class Observer final : public ObserverHandler {
     int count = 0;
     for (const double ms : tick_ms_) {
       longest = std::max(longest, ms);
-      if (ms > kLongestTick) continue;
+      if (ms > kMaxTick) continue;
       sum += ms;
       ++count;
     }
@@ -97,8 +97,8 @@ int Observe(const DdsOptions& options, double seconds, double report_seconds) {
   auto reported = start;
   while (!signals.requested() && !observer.over() && Since(start) < seconds) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    if (!observer.seen() && Since(start) > kLongestSilence) {
-      fmt::print(stderr, "error: no frame within {} s\n", kLongestSilence);
+    if (!observer.seen() && Since(start) > kMaxSilence) {
+      fmt::print(stderr, "error: no frame within {} s\n", kMaxSilence);
       return kExitFailed;
     }
     if (report_seconds > 0.0 && Since(reported) >= report_seconds) {

@@ -187,7 +187,7 @@ TEST(Sensors, WrongValuesOfSingleNumbersAreWarnings) {
   const auto radio = ParametersOf<RadioParameters>("radio( loss 1.5 range -1 delay 61 bandwidth \"fast\" )", "");
   EXPECT_EQ(radio.loss, 1.0);
   EXPECT_EQ(radio.range, 0.0);
-  EXPECT_EQ(radio.delay, kLongestRadioDelay);
+  EXPECT_EQ(radio.delay, kMaxRadioDelay);
   EXPECT_EQ(radio.bandwidth, RadioParameters().bandwidth);
   const auto camera = ParametersOf<CameraParameters>("camera( pantilt [0 80] )", "");
   EXPECT_EQ(camera.elevation.max, kMaxElevation);

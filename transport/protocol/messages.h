@@ -55,11 +55,11 @@ struct SessionMessage {
 };
 
 // How far the memory of robots reaches: the newest state that they have processed.
-struct MemoryPlace {
+struct ControllerCheckpoint {
   Edition edition = 0;
   Tick tick = 0;
   bool decided = false;  // on this state; false: it was paused
-  auto operator<=>(const MemoryPlace&) const = default;
+  auto operator<=>(const ControllerCheckpoint&) const = default;
 };
 
 // Agent to service: requests the control of robots, by name. Resent until answered.
@@ -75,7 +75,7 @@ struct JoinMessage {
   Incarnation incarnation = 0;  // of the newest service that the agent knows
   // The names of those robots whose controllers accept goals.
   std::vector<std::string> accept_goals = {};
-  std::optional<MemoryPlace> memory = {};  // nothing: the robots are new
+  std::optional<ControllerCheckpoint> memory = {};  // nothing: the robots are new
   bool operator==(const JoinMessage&) const = default;
 };
 
@@ -149,8 +149,8 @@ struct HistoryEntry {
 // is behind. They process them, and join again.
 struct HistoryMessage {
   RunId run = 0;
-  std::vector<AgentId> agents;            // that asked; others may use it if it follows their memory
-  std::optional<MemoryPlace> after = {};  // that it follows; nothing: the robots of these agents are new
+  std::vector<AgentId> agents;                     // that asked; others may use it if it follows their memory
+  std::optional<ControllerCheckpoint> after = {};  // that it follows; nothing: the robots of these agents are new
   std::vector<HistoryEntry> entries;
   Incarnation incarnation = 0;
   bool operator==(const HistoryMessage&) const = default;
@@ -220,7 +220,7 @@ enum class ControlCommand : std::uint8_t {
 };
 inline constexpr ControlCommand kLastControlCommand = ControlCommand::kLift;
 
-inline constexpr std::uint64_t kMostCommandTicks = 1'000'000;
+inline constexpr std::uint64_t kMaxCommandTicks = 1'000'000;
 
 // The scopes of a reset; a sum of these.
 inline constexpr std::uint8_t kResetTime = 1;     // back to tick 0

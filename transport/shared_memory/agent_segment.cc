@@ -11,7 +11,7 @@
 namespace troupe {
 namespace {
 
-constexpr double kLongestSleep = 10.0;  // s
+constexpr double kMaxSleep = 10.0;  // s
 constexpr std::uint64_t kGroups = 32;
 
 }  // namespace
@@ -59,7 +59,7 @@ bool AgentSegment::Wait() {
   waiting_ = true;
   const std::uint32_t read = read_;
   while (!closing_ && frames().published.load(std::memory_order_acquire) == read) {
-    FutexWait(frames().published, read, kLongestSleep, group_);
+    FutexWait(frames().published, read, kMaxSleep, group_);
   }
   waiting_ = false;
   return !closing_;

@@ -13,8 +13,8 @@ namespace troupe {
 namespace {
 
 // s. The service looks for answers after twice the usual time, and then less and less often.
-constexpr double kShortestWait = 0.001;
-constexpr double kLongestWait = 0.05;
+constexpr double kMinWait = 0.001;
+constexpr double kMaxWait = 0.05;
 constexpr double kIdleWait = 0.5;  // without agents
 constexpr double kLearningRate = 0.1;
 
@@ -157,10 +157,10 @@ void ServiceSegment::End() {
 
 double ServiceSegment::LongestWait() const {
   const std::lock_guard lock(mutex_);
-  if (missing_ == 0) return slot_of_.empty() ? kIdleWait : kLongestWait;
+  if (missing_ == 0) return slot_of_.empty() ? kIdleWait : kMaxWait;
   const double elapsed = std::chrono::duration<double>(Clock::now() - published_at_).count();
   const double first = 2.0 * usual_seconds_ - elapsed;
-  return std::clamp(first > 0.0 ? first : elapsed / 2.0, kShortestWait, kLongestWait);
+  return std::clamp(first > 0.0 ? first : elapsed / 2.0, kMinWait, kMaxWait);
 }
 
 bool ServiceSegment::Wait() {

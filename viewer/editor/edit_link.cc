@@ -22,9 +22,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostRectangles = 64;       // of a model that is shown as an object
-constexpr double kProbeSpeed = 0.4;               // m/s
-constexpr std::uint64_t kMostStepsAtOnce = 1000;  // of a request
+constexpr std::size_t kMaxRectangles = 64;       // of a model that is shown as an object
+constexpr double kProbeSpeed = 0.4;              // m/s
+constexpr std::uint64_t kMaxStepsAtOnce = 1000;  // of a request
 
 // With the static models as objects; not those of maps, which the scene draws in another way.
 WorldDescription WithAllAsObjects(WorldDescription world) {
@@ -36,7 +36,7 @@ WorldDescription WithAllAsObjects(WorldDescription world) {
     const ModelDescription& model = world.models[i];
     roots[i] = model.parent ? roots[model.parent->index()] : i;
     const Shape& shape = world.shape(model.shape);
-    if (shape.area || shape.rectangles.size() > kMostRectangles || model.removed) can_be[roots[i]] = false;
+    if (shape.area || shape.rectangles.size() > kMaxRectangles || model.removed) can_be[roots[i]] = false;
   }
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     const bool is_object = std::find(world.objects.begin(), world.objects.end(), ModelId(i)) != world.objects.end();
@@ -251,8 +251,8 @@ Status EditLink::Apply(const ControlRequest& request, ControlReply& reply) {
       changed_.notify_all();
       return {};
     case ControlCommand::kStep:
-      if (request.ticks > kMostStepsAtOnce) {
-        return Error{{}, fmt::format("found {} steps, expected at most {} at once", request.ticks, kMostStepsAtOnce)};
+      if (request.ticks > kMaxStepsAtOnce) {
+        return Error{{}, fmt::format("found {} steps, expected at most {} at once", request.ticks, kMaxStepsAtOnce)};
       }
       if (!test_) {
         if (Status failure = StartTest("", 0.0); !failure.ok()) return failure;

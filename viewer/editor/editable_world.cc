@@ -85,8 +85,8 @@ void AddEntities(const WorldNode& parent, const std::string& parent_name, const 
   }
 }
 
-constexpr std::size_t kMostPictureBlocks = 200;
-constexpr std::size_t kMostPictureCorners = 200;
+constexpr std::size_t kMaxPictureBlocks = 200;
+constexpr std::size_t kMaxPictureCorners = 200;
 
 // Tenths of a millimetre: fewer bytes.
 double Rounded(double value) {
@@ -95,7 +95,7 @@ double Rounded(double value) {
 
 void AddToPicture(nlohmann::json& blocks, const Polygon& outline, const ZRange& z, const Pose& X_WM,
                   const Color& color) {
-  if (blocks.size() >= kMostPictureBlocks || outline.size() > kMostPictureCorners) return;
+  if (blocks.size() >= kMaxPictureBlocks || outline.size() > kMaxPictureCorners) return;
   const Transform2 to_world(X_WM);
   nlohmann::json corners = nlohmann::json::array();
   for (const Vec2& corner : outline) {
@@ -109,7 +109,7 @@ void AddToPicture(nlohmann::json& blocks, const Polygon& outline, const ZRange& 
 
 constexpr double kWall = 0.1;        // m, thickness and a part of the height of the room's walls
 constexpr double kWallHeight = 0.5;  // m
-constexpr double kLeastHalf = 3.0;   // m, half the width of the room
+constexpr double kMinHalf = 3.0;     // m, half the width of the room
 constexpr double kProbeWidth = 0.3;  // m
 
 class TreeBuilder {
@@ -271,7 +271,7 @@ Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& mode
   const Result<LoadedWorld> alone = BuildAlone(tree, model, files);
   if (!alone.ok()) return alone.error();
   const ModelDescription& root = alone.value().world.models.front();
-  const double half = std::max(kLeastHalf, 1.5 * std::max(root.size_x, root.size_y));
+  const double half = std::max(kMinHalf, 1.5 * std::max(root.size_x, root.size_y));
   Result<WorldNode> made = Instantiate(tree, model, {});
   if (!made.ok()) return made.error();
   const TreeBuilder builder(tree);

@@ -39,7 +39,7 @@ Result<std::optional<std::string>> ReadIfThere(const std::string& path) {
 
 Status EditedPictures::Open(const std::string& path) {
   if (files_.contains(path)) return {};
-  if (files_.size() >= kMostPictures) return Error{{path}, "found too many images in editing, expected at most 32"};
+  if (files_.size() >= kMaxPictures) return Error{{path}, "found too many images in editing, expected at most 32"};
   const std::optional<std::uint64_t> bytes = HashOfFile(path);
   const Result<GreyImage> image = ReadGreyPng(path);
   if (!image.ok()) return image.error();
@@ -51,7 +51,7 @@ Status EditedPictures::Open(const std::string& path) {
 Status EditedPictures::Create(const std::string& path) {
   std::error_code ignored;
   if (fs::exists(path, ignored)) return Error{{path}, "found the file in use, expected a new name"};
-  if (files_.size() >= kMostPictures) return Error{{path}, "found too many images in editing, expected at most 32"};
+  if (files_.size() >= kMaxPictures) return Error{{path}, "found too many images in editing, expected at most 32"};
   files_.emplace(path, OnDisk{});
   return {};
 }
@@ -128,7 +128,7 @@ void EditedFile::Change(std::string text, PictureVersions versions, std::string 
   states_.back().bytes = BytesOf(states_.back(), &states_[at_]);
   std::size_t bytes = 0;
   for (const State& state : states_) bytes += state.bytes;
-  while (states_.size() > 2 && (states_.size() > kMostStates || bytes > kMostHistoryBytes)) {
+  while (states_.size() > 2 && (states_.size() > kMaxStates || bytes > kMaxHistoryBytes)) {
     bytes -= states_[0].bytes + states_[1].bytes;
     states_.erase(states_.begin());
     states_[0].bytes = BytesOf(states_[0], nullptr);

@@ -27,7 +27,7 @@ using PictureVersions = std::map<std::string, PicturePointer>;
 // are in its history.
 class EditedPictures {
  public:
-  static constexpr std::size_t kMostPictures = 32;  // each has at most kMaxGreyPixels bytes
+  static constexpr std::size_t kMaxPictures = 32;  // each has at most kMaxGreyPixels bytes
 
   // Reads a PNG file that is to be edited, or knows it already. The error names one of another format.
   Status Open(const std::string& path);
@@ -58,8 +58,8 @@ class EditedPictures {
 
 class EditedFile {
  public:
-  static constexpr std::size_t kMostStates = 500;               // of the history
-  static constexpr std::size_t kMostHistoryBytes = 64'000'000;  // of their texts and pixels
+  static constexpr std::size_t kMaxStates = 500;               // of the history
+  static constexpr std::size_t kMaxHistoryBytes = 64'000'000;  // of their texts and pixels
 
   // A file that does not exist yet begins with `initial`. The error names a folder that does not exist, or a file that
   // cannot be read.

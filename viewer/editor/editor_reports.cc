@@ -20,8 +20,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostPictures = 300;  // of the palette
-constexpr std::size_t kMostWarnings = 200;  // in a reply
+constexpr std::size_t kMaxPictures = 300;  // of the palette
+constexpr std::size_t kMaxWarnings = 200;  // in a reply
 
 const char* KindText(EditedKind kind) {
   return kind == EditedKind::kWorld ? "world" : kind == EditedKind::kInclude ? "include" : "scenario";
@@ -116,7 +116,7 @@ Result<Json> Editor::Execute(const edit::Document&) const {
       properties.push_back({{"name", property.name}, {"value", ToStage(property.value)}});
     }
     for (const Warning& warning : world_->loaded.warnings) {
-      if (warnings.size() < kMostWarnings) warnings.push_back(warning.ToString());
+      if (warnings.size() < kMaxWarnings) warnings.push_back(warning.ToString());
     }
     for (const EditedEntity& entity : world_->entities) {
       entities.push_back({{"name", entity.name},
@@ -150,7 +150,7 @@ Result<Json> Editor::Execute(const edit::Palette&) const {
                 {"type", model.type},
                 {"here", model.where.file == path()},
                 {"where", WhereJson(model.where)}};
-    if (models.size() < kMostPictures) {
+    if (models.size() < kMaxPictures) {
       const Result<LoadedWorld> alone = BuildAlone(world_->tree, model.name, files());
       if (alone.ok()) row["picture"] = PictureOf(alone.value().world);
     }

@@ -14,9 +14,9 @@ namespace troupe::foxglove {
 namespace {
 
 constexpr Time kSecond = 1'000'000'000;
-constexpr std::uint64_t kMostCells = std::uint64_t{4} << 20;  // in the message of the map
-constexpr int kUint8 = 1;                                     // of foxglove.PackedElementField
-constexpr int kInfo = 2;                                      // of foxglove.Log
+constexpr std::uint64_t kMaxCells = std::uint64_t{4} << 20;  // in the message of the map
+constexpr int kUint8 = 1;                                    // of foxglove.PackedElementField
+constexpr int kInfo = 2;                                     // of foxglove.Log
 constexpr int kWarning = 3;
 
 Json PoseOf(const Pose& pose) {
@@ -84,11 +84,11 @@ void AddBody(const Scene& scene, BodyId id, ModelId root, Time time, Json& entit
 void AddStaticMap(const Scene& scene, Time time, Json& entities) {
   const WorldDescription& world = scene.world();
   Json triangles = Json::array();
-  for (std::size_t i = 0; i < world.models.size() && triangles.size() < kMostStaticPieces; ++i) {
+  for (std::size_t i = 0; i < world.models.size() && triangles.size() < kMaxStaticPieces; ++i) {
     const ModelId model(i);
     if (scene.body_of(model)) continue;
     for (const ConvexPiece& piece : MakePieces(world, model, scene.X_LM(model))) {
-      if (triangles.size() >= kMostStaticPieces) break;
+      if (triangles.size() >= kMaxStaticPieces) break;
       triangles.push_back(TrianglesOf(piece, world.model(model).color));
     }
   }
@@ -168,7 +168,7 @@ void AddScans(const WorldDescription& world, RobotId robot, std::vector<Channel>
     const auto* ranger = std::get_if<RangerParameters>(&description.sensors[i].parameters);
     if (ranger == nullptr) continue;
     for (std::size_t k = 0; k < ranger->ray_sensors->size(); ++k) {
-      if ((*ranger->ray_sensors)[k].samples < 2 || channels.size() >= kMostScanChannels) continue;
+      if ((*ranger->ray_sensors)[k].samples < 2 || channels.size() >= kMaxScanChannels) continue;
       std::string topic = "/" + description.name + "/" + description.sensors[i].name;
       if (k > 0) topic += "." + std::to_string(k);
       channels.push_back({.id = static_cast<std::uint32_t>(channels.size() + 1),
@@ -223,7 +223,7 @@ std::string TransformsText(const Scene& scene, const WorldState& state, Time tim
 }
 
 std::string MapText(const Scene& scene, Time time) {
-  const OccupancyGrid grid = MakeOccupancyGrid(scene, std::nullopt, UsualMapHeight(scene), kMostCells);
+  const OccupancyGrid grid = MakeOccupancyGrid(scene, std::nullopt, UsualMapHeight(scene), kMaxCells);
   std::string data(grid.occupied.size(), '\0');
   for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<char>(grid.occupied[i] ? 100 : 0);
   const Json field = {{"name", "occupancy"}, {"offset", 0}, {"type", kUint8}};

@@ -19,7 +19,7 @@ namespace troupe::foxglove {
 // Simulated time, ns.
 using Time = std::uint64_t;
 
-inline constexpr std::size_t kMostStaticPieces = 20'000;  // of the static map in a scene; the rest is in /map only
+inline constexpr std::size_t kMaxStaticPieces = 20'000;  // of the static map in a scene; the rest is in /map only
 
 std::string SceneText(const Scene& scene, Time time);
 std::string TransformsText(const Scene& scene, const WorldState& state, Time time);
@@ -63,7 +63,7 @@ struct Channel {
   std::string frame = {};  // kScan: of the ray sensor
 };
 
-inline constexpr std::size_t kMostScanChannels = 500;
+inline constexpr std::size_t kMaxScanChannels = 500;
 
 // Ids count from 1. Scans have a topic for each ray sensor with several rays: /NAME/RANGER or /NAME/RANGER.1.
 std::vector<Channel> ChannelsOf(const WorldDescription& world);

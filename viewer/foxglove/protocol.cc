@@ -8,7 +8,7 @@
 namespace troupe::foxglove {
 namespace {
 
-constexpr std::size_t kMostSubscriptions = 1000;  // in a message
+constexpr std::size_t kMaxSubscriptions = 1000;  // in a message
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they are in memory");
 
@@ -86,7 +86,7 @@ std::optional<std::uint32_t> IdIn(const Json& object, const char* key) {
 
 Result<ClientMessage> ParseSubscribe(const Json& object) {
   const auto list = object.find("subscriptions");
-  if (list == object.end() || !list->is_array() || list->size() > kMostSubscriptions) return Malformed("subscriptions");
+  if (list == object.end() || !list->is_array() || list->size() > kMaxSubscriptions) return Malformed("subscriptions");
   Subscribe subscribe;
   for (const Json& element : *list) {
     const auto id = IdIn(element, "id");
@@ -99,7 +99,7 @@ Result<ClientMessage> ParseSubscribe(const Json& object) {
 
 Result<ClientMessage> ParseUnsubscribe(const Json& object) {
   const auto list = object.find("subscriptionIds");
-  if (list == object.end() || !list->is_array() || list->size() > kMostSubscriptions) {
+  if (list == object.end() || !list->is_array() || list->size() > kMaxSubscriptions) {
     return Malformed("subscriptionIds");
   }
   Unsubscribe unsubscribe;

@@ -19,20 +19,20 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kLargest = 1e6;  // of world files
-constexpr std::size_t kMostBlocks = 200;
-constexpr std::size_t kMostCorners = 1000;
-constexpr std::size_t kMostProperties = 100;
-constexpr std::size_t kLongestPath = 20;         // of a part
-constexpr std::size_t kMostPoints = 5000;        // of a stroke
-constexpr int kFarthest = 100'000;               // pixels
-constexpr int kWidest = 500;                     // pixels
-constexpr std::int64_t kMostWork = 100'000'000;  // pixels that a stroke fills, some of them again
-constexpr double kSmallestPixel = 0.001;         // m
+constexpr std::size_t kMaxBlocks = 200;
+constexpr std::size_t kMaxCorners = 1000;
+constexpr std::size_t kMaxProperties = 100;
+constexpr std::size_t kMaxPath = 20;            // of a part
+constexpr std::size_t kMaxPoints = 5000;        // of a stroke
+constexpr int kFarthest = 100'000;              // pixels
+constexpr int kWidest = 500;                    // pixels
+constexpr std::int64_t kMaxWork = 100'000'000;  // pixels that a stroke fills, some of them again
+constexpr double kMinPixel = 0.001;             // m
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFreed = 255;
-constexpr std::size_t kMostRuns = 500'000;
+constexpr std::size_t kMaxRuns = 500'000;
 constexpr std::size_t kDeepest = 4;  // objects around a member
-constexpr int kMostLevels = 50;      // of lists and objects in a value
+constexpr int kMaxLevels = 50;       // of lists and objects in a value
 
 Error Malformed(std::string message) {
   return {{}, std::move(message)};
@@ -158,13 +158,13 @@ class Decoder {
     const auto list = object.find("blocks");
     const Error malformed =
         Malformed("found blocks of another form, expected outlines of 3 to 1000 corners with heights");
-    if (list == object.end() || !list->is_array() || list->size() > kMostBlocks) return malformed;
+    if (list == object.end() || !list->is_array() || list->size() > kMaxBlocks) return malformed;
     std::vector<DrawnBlock> blocks;
     for (const Json& each : *list) {
       if (!each.is_object() || !each.contains("outline") || !each["outline"].is_array()) return malformed;
       const Json& outline = each["outline"];
       const auto z = Numbers(each, "z", 2);
-      if (outline.size() < 3 || outline.size() > kMostCorners || !z) return malformed;
+      if (outline.size() < 3 || outline.size() > kMaxCorners || !z) return malformed;
       DrawnBlock block{{}, (*z)[0], (*z)[1]};
       if (block.z_max <= block.z_min)
         return Malformed("found a block without height, expected its top above its underside");
@@ -196,7 +196,7 @@ class Decoder {
     WrittenProperties properties;
     const auto given = request_.find(key);
     if (given == request_.end()) return properties;
-    if (!given->is_object() || given->size() > kMostProperties) {
+    if (!given->is_object() || given->size() > kMaxProperties) {
       Fail("found no object of properties");
       return properties;
     }
@@ -223,7 +223,7 @@ class Decoder {
 
   // Nothing: the path is not one.
   static std::optional<PartPath> Path(const Json& list) {
-    if (!list.is_array() || list.size() > kLongestPath) return std::nullopt;
+    if (!list.is_array() || list.size() > kMaxPath) return std::nullopt;
     PartPath path;
     for (const Json& step : list) {
       const std::optional<std::size_t> index = Index(step);
@@ -331,7 +331,7 @@ class Decoder {
     stroke.value = Flag("erase") ? kFreed : kOccupied;
     const auto points = request_.find("points");
     const Error malformed = Malformed("found no points, expected 1 to 5000 of two whole numbers within 100000 pixels");
-    if (points == request_.end() || !points->is_array() || points->empty() || points->size() > kMostPoints)
+    if (points == request_.end() || !points->is_array() || points->empty() || points->size() > kMaxPoints)
       return malformed;
     for (const Json& point : *points) {
       if (!point.is_array() || point.size() != 2) return malformed;
@@ -342,7 +342,7 @@ class Decoder {
     }
     if (stroke.tool != PixelStroke::Tool::kLine && stroke.points.size() != 2)
       return Malformed("found another number of points, expected the two corners of a rectangle");
-    if (WorkOf(stroke) > kMostWork) return Malformed("found a stroke that is too long for so wide a brush");
+    if (WorkOf(stroke) > kMaxWork) return Malformed("found a stroke that is too long for so wide a brush");
     return stroke;
   }
 
@@ -383,7 +383,7 @@ class Decoder {
       }
     }
     const auto value = request_.find("value");
-    if (value != request_.end() && IsDeeper(*value, kMostLevels)) {
+    if (value != request_.end() && IsDeeper(*value, kMaxLevels)) {
       Fail("found lists or objects more than 50 deep");
     } else if (value != request_.end() && !value->is_null()) {
       operation.value = SpacedJson(*value);
@@ -460,13 +460,13 @@ class Decoder {
     operation.size = Numbers(request_, "size", 3).value_or(std::vector<double>(3));
     operation.pixel = NumberOr("pixel", 0.0);
     const std::optional<Pose> pose = PoseIn(request_);
-    if (!pose || !(operation.pixel >= kSmallestPixel) || !(operation.size[2] > 0.0)) {
+    if (!pose || !(operation.pixel >= kMinPixel) || !(operation.size[2] > 0.0)) {
       Fail("found no size, pixel or pose, expected lengths in m, and pixels of at least 0.001 m");
     }
     operation.pose = pose.value_or(Pose());
     if (const auto runs = request_.find("runs"); runs != request_.end()) {
       const bool are_counts =
-          runs->is_array() && runs->size() <= kMostRuns &&
+          runs->is_array() && runs->size() <= kMaxRuns &&
           std::all_of(runs->begin(), runs->end(), [](const Json& run) { return Index(run).has_value(); });
       if (!are_counts) {
         Fail("found no runs of pixels, expected at most 500000 counts");
@@ -486,7 +486,7 @@ class Decoder {
       if (!operation.index) Fail("found no rule");
       return operation;
     }
-    if (!rule->is_object() || IsDeeper(*rule, kMostLevels)) {
+    if (!rule->is_object() || IsDeeper(*rule, kMaxLevels)) {
       Fail("found no rule, expected an object");
       return operation;
     }

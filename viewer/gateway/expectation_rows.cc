@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
 // Of a row; there are at least half as many, because then the stride is doubled.
-constexpr std::size_t kMostMarks = 256;
+constexpr std::size_t kMaxMarks = 256;
 
 enum RowMark : std::uint8_t { kOpen = 0, kHolds = 1, kViolated = 2 };
 
@@ -97,7 +97,7 @@ void ExpectationRows::Add(const std::shared_ptr<const ViewedState>& state) {
   }
   if (stopped_.empty()) {
     const std::uint64_t count = state->position - first_->position;
-    if (count / stride_ >= kMostMarks) {
+    if (count / stride_ >= kMaxMarks) {
       stride_ *= 2;
       for (Row& row : rows_) {
         std::size_t kept = 0;
@@ -136,7 +136,7 @@ PageReply ExpectationRows::Answer(const ExpectationsRequest& request) {
   }
   const auto start = Clock::now();
   bool is_missing = false;  // the next state was not received yet
-  for (; next_ <= range->last && Clock::now() - start < kLongestPastAnswer; ++next_) {
+  for (; next_ <= range->last && Clock::now() - start < kMaxPastAnswer; ++next_) {
     const Result<std::shared_ptr<const ViewedState>> found = past_.At(next_);
     if (!found.ok()) return ReplyToEdit(request.id, found.error());
     is_missing = found.value()->position != next_;

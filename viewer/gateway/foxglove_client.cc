@@ -35,7 +35,7 @@ foxglove::Time FoxgloveClient::ShownTime() const {
 }
 
 void FoxgloveClient::Send(std::string content, bool is_text) {
-  if (waiting_.size() >= kMostWaiting) return;
+  if (waiting_.size() >= kMaxWaiting) return;
   waiting_.push_back({std::make_shared<const std::string>(std::move(content)), is_text});
 }
 

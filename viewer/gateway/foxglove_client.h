@@ -17,7 +17,7 @@ namespace troupe {
 
 class FoxgloveClient final : public Viewer {
  public:
-  static constexpr std::size_t kMostWaiting = 2000;  // messages; a client with more of them does not read
+  static constexpr std::size_t kMaxWaiting = 2000;  // messages; a client with more of them does not read
 
   // `range`: of a recording.
   FoxgloveClient(const ShownRun& run, const std::string& name, const std::optional<PastStates::Range>& range)

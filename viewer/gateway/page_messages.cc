@@ -28,11 +28,11 @@ void Write(ByteWriter& writer, const Rectangle& r) {
   writer.WriteFloat(r.max_y);
 }
 
-// The pixels of an area, reduced to at most kLargestArea along each side: a byte for eight, row by row from below.
+// The pixels of an area, reduced to at most kMaxArea along each side: a byte for eight, row by row from below.
 void WritePixels(ByteWriter& writer, const PixelArea& area) {
   const PixelRectangle bounds = area.cover().bounds();
-  const int reduction = std::max({1, (bounds.x1 - bounds.x0 + kLargestArea - 1) / kLargestArea,
-                                  (bounds.y1 - bounds.y0 + kLargestArea - 1) / kLargestArea});
+  const int reduction = std::max(
+      {1, (bounds.x1 - bounds.x0 + kMaxArea - 1) / kMaxArea, (bounds.y1 - bounds.y0 + kMaxArea - 1) / kMaxArea});
   const int width = (bounds.x1 - bounds.x0 + reduction - 1) / reduction;
   const int height = (bounds.y1 - bounds.y0 + reduction - 1) / reduction;
   std::vector<std::uint8_t> bits((static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 7) / 8, 0);

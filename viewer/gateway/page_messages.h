@@ -149,7 +149,7 @@ inline constexpr std::uint32_t kPageProtocol = 7;
 
 // A dense bitmap is sent with at most this many pixels along each side; beyond that a pixel of the page stands for
 // several, and is occupied if one of them is.
-inline constexpr int kLargestArea = 2048;
+inline constexpr int kMaxArea = 2048;
 
 // The bytes of the message. `number`: of the world, counted by the gateway; the updates of the world repeat it.
 std::string EncodeWorld(const SessionMessage& session, std::uint32_t number);

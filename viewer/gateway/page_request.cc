@@ -37,9 +37,9 @@ constexpr std::array<CommandName, 16> kCommands = {{{"status", ControlCommand::k
                                                     {"door", ControlCommand::kDoor},
                                                     {"lift", ControlCommand::kLift}}};
 
-constexpr std::uint64_t kMostTicks = 1'000'000;
-constexpr std::uint64_t kMostPosition = std::uint64_t{1} << 53;
-constexpr std::size_t kMostOrders = 64;  // to grippers
+constexpr std::uint64_t kMaxTicks = 1'000'000;
+constexpr std::uint64_t kMaxPosition = std::uint64_t{1} << 53;
+constexpr std::size_t kMaxOrders = 64;  // to grippers
 
 Error Malformed(const std::string& found, const std::string& expected) {
   return {{}, "found " + found + ", expected " + expected};
@@ -110,7 +110,7 @@ bool ReadOptional(const Json& object, const char* key, std::optional<double>& va
 }
 
 Result<std::vector<GripperOrder>> ParseOrders(const Json& value) {
-  if (!value.is_array() || value.size() > kMostOrders) return MalformedCommand("a list of grippers");
+  if (!value.is_array() || value.size() > kMaxOrders) return MalformedCommand("a list of grippers");
   std::vector<GripperOrder> orders;
   for (const Json& element : value) {
     const auto number = element.is_object() ? element.find("gripper") : element.end();
@@ -188,7 +188,7 @@ Result<PageControl> DecodeControl(std::uint64_t id, const std::string& name, con
   }
   if (*command == ControlCommand::kStep || *command == ControlCommand::kCommandRobot) {
     const auto ticks = WholeNumberIn(object, "ticks");
-    if (!ticks || *ticks == 0 || *ticks > kMostTicks) return Malformed("no ticks", "1 to 1000000");
+    if (!ticks || *ticks == 0 || *ticks > kMaxTicks) return Malformed("no ticks", "1 to 1000000");
     request.ticks = *ticks;
   }
   if (*command == ControlCommand::kDelete || *command == ControlCommand::kSetPose ||
@@ -235,7 +235,7 @@ Result<PageRequest> ParseSelect(const Json& object) {
     select.all = true;
     return PageRequest(std::move(select));
   }
-  if (!robots->is_array() || robots->size() > kMostSelected) return Malformed("no list of robots", "up to 64 names");
+  if (!robots->is_array() || robots->size() > kMaxSelected) return Malformed("no list of robots", "up to 64 names");
   for (const Json& robot : *robots) {
     if (!robot.is_string()) return Malformed("a robot without a name", "a text");
     select.robots.push_back(robot.get<std::string>());
@@ -263,7 +263,7 @@ Result<PageRequest> ParseSeries(const Json& object) {
   const auto from = WholeNumberIn(object, "from");
   const auto to = WholeNumberIn(object, "to");
   const auto every = WholeNumberIn(object, "every");
-  if (!id || !from || !to || !every || *every == 0 || *from > kMostPosition || *every > kMostPosition) {
+  if (!id || !from || !to || !every || *every == 0 || *from > kMaxPosition || *every > kMaxPosition) {
     return Malformed("a series", "an id, from, to and every");
   }
   series.id = *id;
@@ -271,7 +271,7 @@ Result<PageRequest> ParseSeries(const Json& object) {
   series.to = *to;
   series.every = *every;
   const auto signals = object.find("signals");
-  if (signals == object.end() || !signals->is_array() || signals->size() > kMostSignals) {
+  if (signals == object.end() || !signals->is_array() || signals->size() > kMaxSignals) {
     return Malformed("no signals", "a list of up to 32");
   }
   for (const Json& signal : *signals) {
@@ -290,7 +290,7 @@ Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest)
   if (!object.is_object()) return Malformed("a text", "a JSON object");
   const std::string type = TextIn(object, "type");
   if (type == "edit") return ParseEdit(object);
-  if (text.size() > kLongestPageRequest) return Malformed("a long text", "at most 8192 bytes");
+  if (text.size() > kMaxPageRequest) return Malformed("a long text", "at most 8192 bytes");
   if (type == "select") return ParseSelect(object);
   if (type == "control") {
     const auto id = WholeNumberIn(object, "id");
@@ -342,7 +342,7 @@ bool IsQuestion(ControlCommand command) {
 }
 
 Result<PageControl> ParseControl(std::uint64_t id, const std::string& command, std::string_view json) {
-  if (json.size() > kLongestPageRequest) return Malformed("a long text", "at most 8192 bytes");
+  if (json.size() > kMaxPageRequest) return Malformed("a long text", "at most 8192 bytes");
   Json object = Json::parse(json, nullptr, false);
   if (!object.is_object()) object = Json::object();
   return DecodeControl(id, command, object);

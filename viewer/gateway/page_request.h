@@ -42,9 +42,9 @@
 
 namespace troupe {
 
-inline constexpr std::size_t kLongestPageRequest = 8192;       // bytes
-inline constexpr std::size_t kLongestEditRequest = 1'000'000;  // bytes, of the page of an editor
-inline constexpr std::size_t kMostSelected = 64;               // robots by name
+inline constexpr std::size_t kMaxPageRequest = 8192;       // bytes
+inline constexpr std::size_t kMaxEditRequest = 1'000'000;  // bytes, of the page of an editor
+inline constexpr std::size_t kMaxSelected = 64;            // robots by name
 
 struct SelectRequest {
   bool all = false;
@@ -74,7 +74,7 @@ struct PageEdit {
   Result<EditOperation> operation;  // the error is for the reply
 };
 
-inline constexpr std::size_t kMostSignals = 32;
+inline constexpr std::size_t kMaxSignals = 32;
 
 struct SeriesRequest {
   std::uint64_t id = 0;  // repeated in the reply
@@ -107,7 +107,7 @@ using PageRequest = std::variant<SelectRequest, PageControl, SeekRequest, LiveRe
                                  TotalsRequest, ExpectationsRequest, RunAgainRequest>;
 
 // The error is of the page, or of a stranger: it is not a request. `longest`: bytes of an edit; others are shorter.
-Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest = kLongestPageRequest);
+Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest = kMaxPageRequest);
 
 // The same for a service of Foxglove: `json` has the members of a command but for "type", "id" and "command".
 Result<PageControl> ParseControl(std::uint64_t id, const std::string& command, std::string_view json);

@@ -10,7 +10,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostAwaited = 50;  // names in a status
+constexpr std::size_t kMaxAwaited = 50;  // names in a status
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::string SessionText(const ViewerGatewayOptions& options, const SessionFacts&
 std::shared_ptr<const std::string> StatusText(std::optional<StatusMessage> status) {
   if (!status) return nullptr;
   const std::size_t count = status->waiting_for.size();
-  status->waiting_for.resize(std::min(count, kMostAwaited));
+  status->waiting_for.resize(std::min(count, kMaxAwaited));
   auto text = FieldsToJson<nlohmann::ordered_json>(*status);
   text["type"] = "status";
   text["waiting_count"] = count;

@@ -56,7 +56,7 @@ enum class ReadingKind : std::uint8_t {
 };
 
 // Bytes of a radio message that the page receives; its length comes with them.
-constexpr std::size_t kMostMessageBytes = 256;
+constexpr std::size_t kMaxMessageBytes = 256;
 
 void Write(ByteWriter& writer, std::span<const double> values) {
   writer.WriteCount(values.size());
@@ -167,7 +167,7 @@ struct ContentWriter {
       writer.WriteByte(reception.to_all);
       writer.WriteCount(reception.bytes.size());
       writer.WriteText(
-          CutUtf8({reinterpret_cast<const char*>(reception.bytes.data()), reception.bytes.size()}, kMostMessageBytes));
+          CutUtf8({reinterpret_cast<const char*>(reception.bytes.data()), reception.bytes.size()}, kMaxMessageBytes));
       writer.Write(reception.rssi);
       writer.Write(reception.tick);
       writer.WriteByte(reception.place.has_value());
@@ -206,7 +206,7 @@ Result<std::optional<PageRequest>> PageViewer::Receive(std::string_view message,
 }
 
 void PageViewer::Answer(PageReply reply) {
-  if (waiting_.size() >= kMostReplies) return;
+  if (waiting_.size() >= kMaxReplies) return;
   waiting_.push_back({std::make_shared<const std::string>(std::move(reply.text)), true});
 }
 

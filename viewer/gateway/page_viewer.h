@@ -67,7 +67,7 @@ struct PageReadings {
 class PageViewer final : public Viewer {
  public:
   // Replies that wait for a viewer; a viewer with more of them does not read, and is not answered any more.
-  static constexpr std::size_t kMostReplies = 64;
+  static constexpr std::size_t kMaxReplies = 64;
 
   // `longest`: bytes of a request. All of them outlive the viewer.
   PageViewer(const ShownRun& run, const PastStates& past, PageReadings& readings, std::size_t longest)

@@ -13,7 +13,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostSamples = 2000;
+constexpr std::size_t kMaxSamples = 2000;
 
 PageReply Reply(std::uint64_t id, Json text, const std::string& problem = "") {
   text["type"] = "reply";
@@ -39,7 +39,7 @@ PageReply PastReader::Series(const SeriesRequest& request) {
   if (at < range->first) at += (range->first - at + request.every - 1) / request.every * request.every;
   const std::uint64_t to = std::min(request.to, range->last);
   const auto start = Clock::now();
-  for (; at <= to && ticks.size() < kMostSamples && Clock::now() - start < kLongestPastAnswer; at += request.every) {
+  for (; at <= to && ticks.size() < kMaxSamples && Clock::now() - start < kMaxPastAnswer; at += request.every) {
     Result<std::shared_ptr<const ViewedState>> found = past_.At(at);
     if (!found.ok()) return Reply(request.id, Json::object(), found.error().ToString());
     const std::shared_ptr<const ViewedState>& state = found.value();
@@ -71,7 +71,7 @@ PageReply PastReader::Totals(const TotalsRequest& request) {
     next_ = range->first;
   }
   const auto start = Clock::now();
-  for (; next_ <= range->last && Clock::now() - start < kLongestPastAnswer; ++next_) {
+  for (; next_ <= range->last && Clock::now() - start < kMaxPastAnswer; ++next_) {
     const Result<std::shared_ptr<const ViewedState>> found = past_.At(next_);
     if (!found.ok()) return Reply(request.id, Json::object(), found.error().ToString());
     if (found.value()->position == next_) Add(found.value());

@@ -19,7 +19,7 @@
 namespace troupe {
 
 // Of the answer to one question about the past: seeks wait for it.
-inline constexpr auto kLongestPastAnswer = std::chrono::milliseconds(40);
+inline constexpr auto kMaxPastAnswer = std::chrono::milliseconds(40);
 
 // JSON has no infinite numbers.
 nlohmann::json NumberOrNull(double value);

@@ -9,7 +9,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostSpans = 500;
+constexpr std::size_t kMaxSpans = 500;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ std::shared_ptr<const ViewedWorld> MakeViewedWorld(const SessionMessage& session
   return world;
 }
 
-std::shared_ptr<const ViewedWorld> WorldShelf::Of(const SessionMessage& session) {
+std::shared_ptr<const ViewedWorld> WorldCache::Of(const SessionMessage& session) {
   const std::lock_guard lock(mutex_);
   std::erase_if(worlds_, [](const auto& world) { return world.expired(); });
   for (const auto& known : worlds_) {
@@ -58,7 +58,7 @@ void SpanList::Add(std::uint64_t position, Tick tick) {
     }
   }
   spans_.push_back({position, position, tick});
-  if (spans_.size() <= kMostSpans) return;
+  if (spans_.size() <= kMaxSpans) return;
   spans_[0].last = spans_[1].last;  // the oldest gap is not told any more
   spans_.erase(spans_.begin() + 1);
 }

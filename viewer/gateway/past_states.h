@@ -36,7 +36,7 @@ std::shared_ptr<const ViewedWorld> MakeViewedWorld(const SessionMessage& session
 // The worlds that viewers have, so that a past state has the same one as a live state: a page builds each anew.
 //
 // Threads: any.
-class WorldShelf {
+class WorldCache {
  public:
   // The world of a session, made if no viewer can have it.
   std::shared_ptr<const ViewedWorld> Of(const SessionMessage& session);

@@ -20,7 +20,7 @@ namespace troupe {
 template <typename Request, typename Answer>
 class RequestQueue {
  public:
-  static constexpr std::size_t kMostWaiting = 32;  // requests; more are refused
+  static constexpr std::size_t kMaxWaiting = 32;  // requests; more are refused
 
   // Both functions are called on the thread of the queue; `on_answer` when DrainAnswers has some.
   RequestQueue(std::function<Answer(const Request&)> perform, std::function<void()> on_answer)
@@ -40,7 +40,7 @@ class RequestQueue {
   bool Add(ViewerId viewer, Request request) {
     {
       const std::lock_guard lock(mutex_);
-      if (waiting_.size() >= kMostWaiting) return false;
+      if (waiting_.size() >= kMaxWaiting) return false;
       waiting_.emplace_back(viewer, std::move(request));
     }
     changed_.notify_all();

@@ -54,7 +54,7 @@ class RunFeed : public ObserverHandler {
 
   // The states of the run since it has been followed, and those of its journal.
   RunPast& history() { return history_; }
-  WorldShelf& shelf() { return shelf_; }
+  WorldCache& shelf() { return shelf_; }
 
   // Completes the past and the events by the run's journal as it is now; null: there is none. A run that has ended
   // without having been followed is then shown at its end. On any thread.
@@ -84,7 +84,7 @@ class RunFeed : public ObserverHandler {
   // locked.
   std::uint64_t CompleteEvents(const Recorded& recorded);
 
-  WorldShelf shelf_;
+  WorldCache shelf_;
   RunPast history_;
   mutable std::mutex mutex_;  // guards the others but for announced_
   FeedContent content_;

@@ -76,7 +76,7 @@ class Viewers final : public WebHandler {
   static Changed Executed(RunLink& link, const Change& change);
   std::string Metrics();
   void Ask(WebLoop& loop, ViewerId id, std::uint64_t number, PastQuestion question);
-  std::size_t LongestRequest() const { return options_.editor ? kLongestEditRequest : kLongestPageRequest; }
+  std::size_t LongestRequest() const { return options_.editor ? kMaxEditRequest : kMaxPageRequest; }
   void NameSession();
   bool RunsAgain() const { return link_ != nullptr && link_->can_run_again() && run_.content.last; }
   bool SavesRecording() const { return link_ != nullptr && link_->has_recording() && run_.content.last; }
@@ -312,7 +312,7 @@ class RunGateway final : public ViewerGateway {
     web.access.loopback_only = is_loopback;
     web.access.token = options.token.empty() && !is_loopback ? MakeToken() : options.token;
     if (!is_loopback) web.access.names = {HostName()};
-    web.longest_text = options.editor ? kLongestEditRequest : kLongestPageRequest;
+    web.longest_text = options.editor ? kMaxEditRequest : kMaxPageRequest;
     web.files = options.files;
     Result<std::unique_ptr<WebServer>> server = WebServer::Create(web);
     if (!server.ok()) return server.error();

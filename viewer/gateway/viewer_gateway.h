@@ -40,7 +40,7 @@ class RunLink {
   virtual bool follows_always() const { return false; }
   // The run so far, of its journal. Null: there is none. May take a while. On any thread; the shelf outlives the
   // result.
-  virtual std::shared_ptr<Recorded> ReadJournal(WorldShelf& shelf) {
+  virtual std::shared_ptr<Recorded> ReadJournal(WorldCache& shelf) {
     (void)shelf;
     return nullptr;
   }

@@ -164,8 +164,8 @@ Status WebServer::Implementation::Listen() {
   info.uid = static_cast<decltype(info.uid)>(-1);
   info.user = this;
   info.protocols = protocols_.data();
-  info.max_http_header_data2 = kLongestHeaders;
-  info.fd_limit_per_thread = kMostConnections + 20;
+  info.max_http_header_data2 = kMaxHeaders;
+  info.fd_limit_per_thread = kMaxConnections + 20;
   info.server_string = "troupe";
   info.iface = options_.address == "0.0.0.0" ? nullptr : options_.address.c_str();
   info.vhost_name = "troupe";
@@ -256,14 +256,14 @@ int WebServer::Implementation::OnHttp(lws* socket, lws_callback_reasons reason, 
 // Other users of the host can open any number of connections, but cannot keep one that has shown the token away: the
 // oldest one that has not is closed for it.
 bool WebServer::Implementation::MakeRoom() {
-  if (connections_ < kMostConnections) return true;
+  if (connections_ < kMaxConnections) return true;
   if (strangers_.empty()) return false;
   // The first call may only shut it down, and lws would then wait for its peer; the second one closes it.
   lws* const oldest = strangers_.front();
   for (int call = 0; call < 2 && !strangers_.empty() && strangers_.front() == oldest; ++call) {
     lws_set_timeout(oldest, PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_SYNC);
   }
-  return connections_ < kMostConnections;
+  return connections_ < kMaxConnections;
 }
 
 int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol) {
@@ -280,7 +280,7 @@ int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol)
   const std::string token = TokenIn(socket);
   const Access access =
       is_page ? options_.access.ForSocket(host, origin, token) : options_.access.ForProgram(host, origin, token);
-  const bool full = viewers_.size() >= kMostViewers;
+  const bool full = viewers_.size() >= kMaxViewers;
   if (access == Access::kGranted) std::erase(strangers_, socket);
   if (access == Access::kGranted && !full) return 0;
   const int written = full ? Refuse(socket, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many viewers")

@@ -1,8 +1,8 @@
 // WebServer: HTTP for the files of the page, and WebSockets for viewers, on libwebsockets. It knows nothing of the
 // simulation.
 //
-// Bounds: kMostConnections connections, of which kMostViewers are viewers (a further one replaces the oldest that has
-// not shown the token of the page); headers of kLongestHeaders; messages from a viewer as long as Options says; one
+// Bounds: kMaxConnections connections, of which kMaxViewers are viewers (a further one replaces the oldest that has
+// not shown the token of the page); headers of kMaxHeaders; messages from a viewer as long as Options says; one
 // message on its way to each viewer, in pieces of kPiece bytes. A connection that sends no request for kRequestSeconds,
 // or does not answer a ping, is closed.
 //
@@ -84,9 +84,9 @@ class WebServer {
  public:
   // The page's, then those of other programs (viewer/foxglove/protocol.h).
   static constexpr const char* kProtocols[] = {"troupe", "foxglove.sdk.v1", "foxglove.websocket.v1"};
-  static constexpr int kMostConnections = 100;
-  static constexpr int kMostViewers = 40;
-  static constexpr int kLongestHeaders = 4096;                   // bytes
+  static constexpr int kMaxConnections = 100;
+  static constexpr int kMaxViewers = 40;
+  static constexpr int kMaxHeaders = 4096;                       // bytes
   static constexpr std::size_t kPiece = std::size_t{32} * 1024;  // bytes
   static constexpr int kRequestSeconds = 5;
   static constexpr int kPingSeconds = 10;    // of silence, until a ping

@@ -188,7 +188,7 @@ class PageHost {
   void MakeViewer() {
     NameSession();
     answers_.emplace(past(), nullptr, feed_, options_.expectations);
-    viewer_.emplace(shown_, past(), readings_, kLongestPageRequest);
+    viewer_.emplace(shown_, past(), readings_, kMaxPageRequest);
   }
 
   // In the memory of the page, with values_.

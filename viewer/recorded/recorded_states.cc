@@ -6,11 +6,11 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;
+constexpr std::size_t kMaxKeptBytes = std::size_t{128} << 20;
 
 }  // namespace
 
-Result<std::unique_ptr<RecordedStates>> RecordedStates::Create(RunSoFar run, WorldShelf& shelf) {
+Result<std::unique_ptr<RecordedStates>> RecordedStates::Create(PartialRecording run, WorldCache& shelf) {
   std::unique_ptr<RecordedStates> states(new RecordedStates(shelf));
   std::uint64_t count = 0;
   Result<std::unique_ptr<StateReader>> reader = StateReader::Create(
@@ -61,7 +61,7 @@ void RecordedStates::Keep(const ReplayedWorld& world, const RecordedTick& tick) 
   kept_bytes_ += SizeOf(*state);
   kept_.emplace(position, std::move(state));
   // The farthest ones are dropped.
-  while (kept_bytes_ > kMostKeptBytes && kept_.size() > 1) {
+  while (kept_bytes_ > kMaxKeptBytes && kept_.size() > 1) {
     const bool first = position - kept_.begin()->first > kept_.rbegin()->first - position;
     const auto dropped = first ? kept_.begin() : std::prev(kept_.end());
     kept_bytes_ -= SizeOf(*dropped->second);

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "recording/run_so_far.h"
+#include "recording/partial_recording.h"
 #include "troupe/result.h"
 #include "viewer/gateway/past_states.h"
 #include "world-service/replay/state_reader.h"
@@ -24,7 +24,7 @@ class RecordedStates final : public Recorded {
  public:
   // Reads all ticks, but steps none. The error is a recording of another version of the step, or one without a
   // readable tick. The shelf outlives the states.
-  static Result<std::unique_ptr<RecordedStates>> Create(RunSoFar run, WorldShelf& shelf);
+  static Result<std::unique_ptr<RecordedStates>> Create(PartialRecording run, WorldCache& shelf);
 
   // Why the ticks end early; nothing: they do not.
   const std::optional<std::string>& damage() const { return reader_->damage(); }
@@ -39,11 +39,11 @@ class RecordedStates final : public Recorded {
   bool is_whole() const override { return reader_->run().is_whole && !damage(); }
 
  private:
-  explicit RecordedStates(WorldShelf& shelf) : shelf_(shelf) {}
+  explicit RecordedStates(WorldCache& shelf) : shelf_(shelf) {}
   void Keep(const ReplayedWorld& world, const RecordedTick& tick);
   std::shared_ptr<const ViewedWorld> WorldOf(const ReplayedWorld& world);
 
-  WorldShelf& shelf_;
+  WorldCache& shelf_;
   SpanList spans_;  // constant after Create, like the next
   std::deque<NumberedEvent> events_;
   std::unique_ptr<StateReader> reader_;                     // null only until Create has ended

@@ -2,21 +2,21 @@
 
 #include <algorithm>
 
-#include "world-service/core/goals_of_people.h"
+#include "world-service/core/pedestrian_goals.h"
 
 namespace troupe {
 namespace {
 
-constexpr double kAvoidReach = 5.0;         // m: others farther away are not avoided
-constexpr std::size_t kMostNeighbors = 12;  // the nearest
-constexpr double kWalkerHorizon = 1.5;      // s
-constexpr double kWallHorizon = 0.5;        // s
-constexpr double kGap = 0.01;               // m that people leave to others and to walls if they can
-constexpr double kSight = 4.0;              // m at which curious and scared people notice a robot
-constexpr double kForget = 6.0;             // m at which curious ones forget the robots that they have watched
-constexpr double kWatchDistance = 1.2;      // m between a curious person and a robot
-constexpr double kWatchTime = 10.0;         // s
-constexpr double kScaredGap = 1.0;          // m that scared people leave to robots
+constexpr double kAvoidReach = 5.0;        // m: others farther away are not avoided
+constexpr std::size_t kMaxNeighbors = 12;  // the nearest
+constexpr double kWalkerHorizon = 1.5;     // s
+constexpr double kWallHorizon = 0.5;       // s
+constexpr double kGap = 0.01;              // m that people leave to others and to walls if they can
+constexpr double kSight = 4.0;             // m at which curious and scared people notice a robot
+constexpr double kForget = 6.0;            // m at which curious ones forget the robots that they have watched
+constexpr double kWatchDistance = 1.2;     // m between a curious person and a robot
+constexpr double kWatchTime = 10.0;        // s
+constexpr double kScaredGap = 1.0;         // m that scared people leave to robots
 
 // The nearest robot at the person's height; null if none is within kForget.
 const Disc* NearestRobot(const PeopleView& view, std::size_t i) {
@@ -84,9 +84,9 @@ void Avoidance::FindOthers(PersonId id) {
       me.center, me.z, kAvoidReach,
       [&](std::uint32_t k) {
         if (k == i || (view_.disc(k).is_robot && reaction == PersonReaction::kCareless)) return;
-        if (const auto square = square_to(view_.disc(k))) AddNearest({*square, k}, kMostNeighbors, others_);
+        if (const auto square = square_to(view_.disc(k))) AddNearest({*square, k}, kMaxNeighbors, others_);
       },
-      [&](double distance) { return others_.size() == kMostNeighbors && others_.back().square < distance * distance; });
+      [&](double distance) { return others_.size() == kMaxNeighbors && others_.back().square < distance * distance; });
   view_.objects().ForEachNear(me.center, me.z, kAvoidReach, [&](std::uint32_t k) {
     if (const auto square = square_to(view_.disc(k))) objects_.push_back({*square, k});
   });

@@ -24,10 +24,10 @@ class DoorTurn {
       state_.held = is_asked_for_.value_or(false) || (door_.reach > 0.0 && HasRobotInReach());
     }
     state_.blocked = false;
-    const double way = state_.Aim() - state_.opening;
+    const double way = state_.commanded_opening() - state_.opening;
     if (way == 0.0) return;
     const double most = workspace_.seconds() / door_.seconds;
-    const double end = std::fabs(way) <= most ? state_.Aim() : state_.opening + std::copysign(most, way);
+    const double end = std::fabs(way) <= most ? state_.commanded_opening() : state_.opening + std::copysign(most, way);
     const double rate = std::copysign(1.0 / door_.seconds, way);
     const double duration = std::fabs(end - state_.opening) * door_.seconds;
     const std::optional<double> contact = FirstContactOfLeaves(rate, duration);

@@ -10,8 +10,8 @@ namespace troupe {
 namespace {
 
 // Far more than rounding, and than the distance at which bodies count as touching.
-constexpr double kMargin = 1e-4;        // m
-constexpr double kSmallestCell = 0.01;  // m
+constexpr double kMargin = 1e-4;   // m
+constexpr double kMinCell = 0.01;  // m
 
 // How far a robot's motions of this tick can move its parts, beyond what turns about its origin can.
 double TravelOf(const Scene& scene, RobotId robot, const Proposal* proposal, double radius) {
@@ -107,7 +107,7 @@ void Islands::JoinOverlapping() {
     sum += reach.radius;
   }
   const auto bodies = static_cast<double>(reaches_.size());
-  const Grid grid(bounds.Inflated(kSmallestCell), std::max(2.0 * sum / bodies, kSmallestCell), 2.0 * bodies + 16.0);
+  const Grid grid(bounds.Inflated(kMinCell), std::max(2.0 * sum / bodies, kMinCell), 2.0 * bodies + 16.0);
   const auto for_each_cell = [&](std::size_t body, const auto& visit) {
     const CellRange range = grid.CellsOf(Rectangle{reaches_[body].center.x(), reaches_[body].center.y(),
                                                    reaches_[body].center.x(), reaches_[body].center.y()}

@@ -4,7 +4,7 @@
 
 #include "common/spatial/convex_piece.h"
 #include "world-service/core/edit_world.h"
-#include "world-service/core/rides_of_people.h"
+#include "world-service/core/lift_boarding.h"
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {

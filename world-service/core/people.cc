@@ -7,10 +7,10 @@
 
 #include "troupe/random.h"
 #include "world-service/core/avoidance.h"
-#include "world-service/core/moves_of_people.h"
+#include "world-service/core/lift_boarding.h"
+#include "world-service/core/pedestrian_motion.h"
 #include "world-service/core/people_view.h"
-#include "world-service/core/rides_of_people.h"
-#include "world-service/core/walks_of_people.h"
+#include "world-service/core/preferred_velocity.h"
 
 namespace troupe {
 namespace {

@@ -183,9 +183,9 @@ Status CheckRadioMessages(const WorldDescription& world, const Proposal& proposa
 }
 
 Status CheckLightsAndText(const Scene& scene, const Proposal& proposal) {
-  if (proposal.say.size() > kMostSaidBytes) {
+  if (proposal.say.size() > kMaxSaidBytes) {
     return BadProposal("found a text of " + std::to_string(proposal.say.size()) + " bytes, expected at most " +
-                       std::to_string(kMostSaidBytes));
+                       std::to_string(kMaxSaidBytes));
   }
   // It is printed on terminals.
   if (!IsPlainLine(proposal.say)) {
@@ -263,7 +263,7 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
 Stepper::Stepper(const Scene& scene, std::shared_ptr<ThreadPool> pool, std::size_t fewest_robots)
     : scene_(scene),
       pool_(pool && pool->size() > 1 && scene.world().robots.size() >= fewest_robots ? pool : nullptr),
-      people_pool_(pool && pool->size() > 1 && scene.world().people.size() >= kFewestPeople ? pool : nullptr),
+      people_pool_(pool && pool->size() > 1 && scene.world().people.size() >= kMinPeople ? pool : nullptr),
       indices_(pool_ ? pool_->size() : 1, BodyIndex(scene)) {}
 
 StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> proposals) {

@@ -46,12 +46,11 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
 class Stepper {
  public:
   // With fewer robots, a step takes less time than to wake a thread.
-  static constexpr std::size_t kFewestRobots = 32;
-  static constexpr std::size_t kFewestPeople = 48;
+  static constexpr std::size_t kMinRobots = 32;
+  static constexpr std::size_t kMinPeople = 48;
 
   // `pool` may be null: one thread. REQUIRES: the scene outlives the stepper.
-  explicit Stepper(const Scene& scene, std::shared_ptr<ThreadPool> pool = {},
-                   std::size_t fewest_robots = kFewestRobots);
+  explicit Stepper(const Scene& scene, std::shared_ptr<ThreadPool> pool = {}, std::size_t fewest_robots = kMinRobots);
 
   // REQUIRES: as above.
   StepResult Step(const WorldState& state, std::span<const Proposal> proposals);

@@ -20,7 +20,7 @@ namespace {
 struct Start {
   ReplayedWorld world;
   RecordedTick tick;  // without its inputs
-  std::optional<MemoryPlace> previous;
+  std::optional<ControllerCheckpoint> previous;
 };
 
 Result<Start> FindStart(const Recording& recording, const std::optional<Tick>& from) {
@@ -174,7 +174,7 @@ class Restoration {
     }
     if (edit.request.command == ControlCommand::kDelete && edit.world) {
       deleted_.push_back({edit.request.name, std::make_shared<const WorldDescription>(*edit.world)});
-      if (deleted_.size() > kMostDeleted) deleted_.pop_front();
+      if (deleted_.size() > kMaxDeleted) deleted_.pop_front();
     }
   }
 
@@ -221,7 +221,7 @@ class Restoration {
   std::shared_ptr<const Scene> reported_scene_;  // that the observers know; null: there are none yet
   RecordedTick tick_;
   std::uint64_t next_number_ = 0;
-  std::optional<MemoryPlace> previous_;
+  std::optional<ControllerCheckpoint> previous_;
   std::optional<ReportedEdit> edit_;
   std::optional<UnfinishedRewind> rewind_;
   std::uint64_t last_copy_ = 0;            // number of the last state of the newest rewind; 0: there was none
@@ -301,10 +301,10 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   return branch;
 }
 
-std::optional<MemoryPlace> PreviousOf(const RecordedTick& tick) {
+std::optional<ControllerCheckpoint> PreviousOf(const RecordedTick& tick) {
   if (tick.number == 0) return std::nullopt;
-  if (tick.edit) return MemoryPlace{tick.edition - 1, tick.edit->before.state.tick, false};
-  return MemoryPlace{tick.edition, tick.tick - 1, true};
+  if (tick.edit) return ControllerCheckpoint{tick.edition - 1, tick.edit->before.state.tick, false};
+  return ControllerCheckpoint{tick.edition, tick.tick - 1, true};
 }
 
 Result<ResumedRun> RestoreRun(const Journal& journal, const MakeRunObservers& make_observers) {

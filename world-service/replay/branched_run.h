@@ -57,6 +57,6 @@ using MakeRunObservers = std::function<Result<RunObservers>(const std::shared_pt
 Result<ResumedRun> RestoreRun(const Journal& journal, const MakeRunObservers& make_observers);
 
 // The state before a recorded one; nothing: there is none.
-std::optional<MemoryPlace> PreviousOf(const RecordedTick& tick);
+std::optional<ControllerCheckpoint> PreviousOf(const RecordedTick& tick);
 
 }  // namespace troupe

@@ -11,8 +11,8 @@ namespace troupe {
 namespace {
 
 // The entries of one batch: a message that any receiver can process, for which an agent works some ms.
-constexpr std::size_t kMostEntries = 500;
-constexpr std::size_t kMostBytes = std::size_t{256} << 10;  // estimated
+constexpr std::size_t kMaxEntries = 500;
+constexpr std::size_t kMaxBytes = std::size_t{256} << 10;  // estimated
 
 }  // namespace
 
@@ -108,7 +108,7 @@ Result<std::vector<HistoryEntry>> JournalHistory::ReadBatch(const HistoryRequest
     if (Status broken = Seek(request); !broken.ok()) return broken.error();
   }
   std::size_t bytes = 0;
-  while (cursor_->next() && entries.size() < kMostEntries && bytes < kMostBytes) {
+  while (cursor_->next() && entries.size() < kMaxEntries && bytes < kMaxBytes) {
     bytes += MemoryOf(cursor_->world().state());
     if (Status broken = Add(entries); !broken.ok()) return broken.error();
   }

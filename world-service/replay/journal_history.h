@@ -44,8 +44,8 @@ class JournalHistory final : public RunHistory {
   const std::vector<RunRecorder*> recordings_;
   std::unique_ptr<const Recording> recording_;
   std::optional<ReplayCursor> cursor_;
-  std::map<std::string, Edition> changed_;  // by robot: when it got another controller, and was made anew
-  std::optional<MemoryPlace> sent_;         // the entry before the state; nothing: not sent
+  std::map<std::string, Edition> changed_;    // by robot: when it got another controller, and was made anew
+  std::optional<ControllerCheckpoint> sent_;  // the entry before the state; nothing: not sent
   std::shared_ptr<const Scene> sent_scene_;
 };
 
@@ -105,7 +105,7 @@ class JournalRewind final : public RewindStates {
   std::optional<RecordedTick> first_tick_;  // nothing: a service has written it
   std::optional<std::uint64_t> copies_;  // that follow the first state, as a service has written; nothing: it has not
   std::uint64_t written_ = 0;            // of these
-  std::optional<MemoryPlace> previous_;  // the state before that of the cursor
+  std::optional<ControllerCheckpoint> previous_;  // the state before that of the cursor
 };
 
 }  // namespace troupe

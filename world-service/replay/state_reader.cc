@@ -14,7 +14,7 @@ constexpr std::uint64_t kStepOn = 100;
 
 }  // namespace
 
-Result<std::unique_ptr<StateReader>> StateReader::Create(RunSoFar run, const TickVisitor& visit) {
+Result<std::unique_ptr<StateReader>> StateReader::Create(PartialRecording run, const TickVisitor& visit) {
   if (Status other = CheckStepVersion(run.recording); !other.ok()) return other.error();
   std::unique_ptr<StateReader> states(new StateReader(std::move(run)));
   const Recording& recording = states->run_.recording;

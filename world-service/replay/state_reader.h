@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "recording/run_so_far.h"
+#include "recording/partial_recording.h"
 #include "troupe/result.h"
 #include "world-service/replay/replayed_world.h"
 
@@ -31,11 +31,11 @@ class StateReader {
 
   // Reads all ticks, but steps none. The error is a recording of another version of the step, or one without a readable
   // tick.
-  static Result<std::unique_ptr<StateReader>> Create(RunSoFar run, const TickVisitor& visit = {});
+  static Result<std::unique_ptr<StateReader>> Create(PartialRecording run, const TickVisitor& visit = {});
   StateReader(const StateReader&) = delete;
   StateReader& operator=(const StateReader&) = delete;
 
-  const RunSoFar& run() const { return run_; }
+  const PartialRecording& run() const { return run_; }
   // Why the ticks end early; nothing: they do not.
   const std::optional<std::string>& damage() const { return damage_; }
   const std::vector<Place>& places() const { return places_; }  // by position, not empty
@@ -50,13 +50,13 @@ class StateReader {
   const RecordedTick& tick() const { return tick_; }
 
  private:
-  explicit StateReader(RunSoFar run) : run_(std::move(run)) {}
+  explicit StateReader(PartialRecording run) : run_(std::move(run)) {}
   std::optional<std::string> ReadPlaces(const TickVisitor& visit);
   // Brings the world to the last keyframe before a position, or before the first state.
   Status Restart(std::uint64_t position);
   Status Advance();
 
-  const RunSoFar run_;
+  const PartialRecording run_;
   std::optional<std::string> damage_;  // constant after Create, like the next two
   std::vector<Place> places_;
   bool has_edits_ = false;  // then the world is not the same in all states

@@ -41,11 +41,10 @@ bool EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reaso
 }
 
 void EventLog::Report(Tick tick, std::optional<RobotId> robot, std::string_view text) {
-  const bool enters_frame = reports_between_frames_ < kMostReports;
-  const bool is_told = unreported_reports_ < kMostReports;
+  const bool enters_frame = reports_between_frames_ < kMaxReports;
+  const bool is_told = unreported_reports_ < kMaxReports;
   if (!enters_frame && !is_told) return;
-  const Event event{
-      .tick = tick, .type = EventType::kReported, .robot = robot, .detail = PlainLine(text, kLongestReport)};
+  const Event event{.tick = tick, .type = EventType::kReported, .robot = robot, .detail = PlainLine(text, kMaxReport)};
   if (enters_frame) between_frames_.push_back(event);
   if (is_told) unreported_.push_back(event);
   reports_between_frames_ += enters_frame;

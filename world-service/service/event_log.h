@@ -26,7 +26,7 @@ class EventLog {
   // a hostile peer cannot hide other events. Returns whether this one is reported itself.
   bool Reject(Tick tick, std::optional<RobotId> robot, std::string reason, double now);
 
-  // An agent reports a line: a plain one of at most kLongestReport bytes. Drops it when many are waiting: a hostile
+  // An agent reports a line: a plain one of at most kMaxReport bytes. Drops it when many are waiting: a hostile
   // peer may send any number in a tick.
   void Report(Tick tick, std::optional<RobotId> robot, std::string_view text);
 
@@ -51,8 +51,8 @@ class EventLog {
   std::uint64_t rejected() const { return rejected_; }
 
  private:
-  static constexpr std::size_t kMostReports = 100;  // of a frame, and of those that were not reported yet
-  static constexpr std::size_t kLongestReport = 1000;
+  static constexpr std::size_t kMaxReports = 100;  // of a frame, and of those that were not reported yet
+  static constexpr std::size_t kMaxReport = 1000;
 
   std::vector<Event> between_frames_;
   std::vector<Event> unreported_;

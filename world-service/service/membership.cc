@@ -128,7 +128,7 @@ JoinDecision Membership::Join(const JoinMessage& join, const StatePlace& next, d
   ++present_members_;
   Member& member = members_[join.agent];
   member.id = join.agent;
-  member.host = PlainLine(join.host, kLongestHost);
+  member.host = PlainLine(join.host, kMaxHost);
   member.pid = join.pid;
   member.robots = std::move(robots);
   return {JoinDecision::Outcome::kAdmitted, &member, {}};

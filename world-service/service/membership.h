@@ -14,7 +14,7 @@
 namespace troupe {
 
 // Bytes of the name of a peer's host that are shown: as many as a name in DNS has.
-inline constexpr std::size_t kLongestHost = 255;
+inline constexpr std::size_t kMaxHost = 255;
 
 // An agent that was admitted. Times are wall times in s, of the coordinator's clock.
 struct Member {

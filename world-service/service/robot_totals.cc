@@ -85,7 +85,7 @@ std::vector<RobotTotal> RobotTotals::Collect(std::size_t most) const {
     std::vector<std::pair<ModelId, std::uint64_t>> contacts(counts.contacts.begin(), counts.contacts.end());
     std::stable_sort(contacts.begin(), contacts.end(),
                      [](const auto& a, const auto& b) { return a.second > b.second; });
-    contacts.resize(std::min(contacts.size(), kMostContacts));
+    contacts.resize(std::min(contacts.size(), kMaxContacts));
     for (const auto& [obstacle, count] : contacts) total.contacts.push_back(world.model(obstacle).name);
     robot_of_root.emplace(world.robots[i].root, totals.size() - 1);
   }

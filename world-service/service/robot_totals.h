@@ -19,7 +19,7 @@ struct RobotTotal {
   std::string robot;
   double distance = 0.0;                // m, driven; edits of users do not count
   std::uint64_t stalls = 0;             // motions that a contact cut short
-  std::vector<std::string> contacts;    // the obstacles of these, the most frequent first; at most kMostContacts
+  std::vector<std::string> contacts;    // the obstacles of these, the most frequent first; at most kMaxContacts
   std::uint64_t grips = 0;              // objects that it has gripped
   std::uint64_t goals = 0;              // that users sent
   std::uint64_t goals_reached = 0;      // of them
@@ -39,7 +39,7 @@ struct RobotTotal {
 
 class RobotTotals : public RunObserver {
  public:
-  static constexpr std::size_t kMostContacts = 5;
+  static constexpr std::size_t kMaxContacts = 5;
   static constexpr double kGoalReached = 0.3;  // m, from the last waypoint of a goal
 
   Status OnBegin(const RunStart& start) override;

@@ -11,7 +11,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMostOpen = 1000;  // requests; a hostile tool may send any number
+constexpr std::size_t kMaxOpen = 1000;  // requests; a hostile tool may send any number
 
 Error Refusal(std::string reason) {
   return {{}, std::move(reason)};
@@ -27,7 +27,7 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
   OpenRequest open{request, std::move(reply), std::move(world)};
   if (request.command == ControlCommand::kStatus) return Accept(open);
   if (IsOver(run_)) return Reply(open, Refusal("the run is over"));
-  if (queue_.size() + awaiting_pause_.size() >= kMostOpen) {
+  if (queue_.size() + awaiting_pause_.size() >= kMaxOpen) {
     return Reply(open, Refusal("too many requests are waiting"));
   }
   if (request.command == ControlCommand::kChange) {
@@ -73,9 +73,9 @@ Status RunControl::CommandRobot(const ControlRequest& request, double now) {
   if (run_.phase == RunPhase::kGathering) return Refusal("the run has not begun; no robot can be commanded before");
   const std::optional<RobotId> robot = FindRobot(run_.world(), request.name);
   if (!robot) return Refusal("the world has no robot '" + request.name + "'");
-  if (request.ticks == 0 || request.ticks > kMostCommandTicks) {
+  if (request.ticks == 0 || request.ticks > kMaxCommandTicks) {
     return Refusal("found a command for " + std::to_string(request.ticks) + " ticks, expected 1 to " +
-                   std::to_string(kMostCommandTicks));
+                   std::to_string(kMaxCommandTicks));
   }
   RobotCommand command = request.robot_command;
   command.robot = *robot;
@@ -119,7 +119,7 @@ void RunControl::Play(const OpenRequest& play, double now) {
   });
   engine_.SetPlayAfterEdits(edit_ || !queue_.empty());
   if (engine_.play_after_edits()) {
-    if (!run_.frame.paused || engine_.holding()) engine_.PlanPause();
+    if (!run_.frame.paused || engine_.holding()) engine_.RequestPause();
   } else {
     engine_.SetTicksToPause(std::nullopt);
     if (run_.frame.paused && run_.phase == RunPhase::kRunning) engine_.Resume(now);
@@ -139,7 +139,7 @@ void RunControl::EnqueueEdit(OpenRequest edit, double now) {
   }
   if (!engine_.ticks_to_pause()) {
     engine_.SetPlayAfterEdits(true);
-    engine_.PlanPause();
+    engine_.RequestPause();
   }
   Enqueue(std::move(edit), now);
 }

@@ -18,17 +18,17 @@ namespace troupe {
 
 // A request for states of the past.
 struct HistoryRequest {
-  std::optional<MemoryPlace> after = {};  // those that follow this one
-  Edition from = 0;                       // without `after`: those from the first of this edition on
+  std::optional<ControllerCheckpoint> after = {};  // those that follow this one
+  Edition from = 0;                                // without `after`: those from the first of this edition on
   bool operator==(const HistoryRequest&) const = default;
 };
 
 // A run that was set back to an earlier tick.
 struct RewoundRun {
   std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const Scene> original;  // of the world that a reset restores
-  FrameMessage frame;                     // the state, its hash and the editions
-  std::optional<MemoryPlace> previous;    // the state before it; nothing: it is the first since the fresh start
+  std::shared_ptr<const Scene> original;         // of the world that a reset restores
+  FrameMessage frame;                            // the state, its hash and the editions
+  std::optional<ControllerCheckpoint> previous;  // the state before it; nothing: it is the first since the fresh start
 };
 
 // The states with which a run is set back to an earlier tick: that with which the robots of that time were made anew,
@@ -65,9 +65,9 @@ class RobotMemories {
   // A state is committed: by a step, by an edit in the pause at `before`, or by a rewind that ends behind `previous`.
   void OnStep(const FrameMessage& frame) { previous_ = {frame.edition, frame.state.tick - 1, true}; }
   void OnEdit(const FrameMessage& frame, Tick before) { previous_ = {frame.edition - 1, before, false}; }
-  void OnRewind(const std::optional<MemoryPlace>& previous) { previous_ = previous; }
+  void OnRewind(const std::optional<ControllerCheckpoint>& previous) { previous_ = previous; }
   // A run is continued: robots that were spawned since the fresh start count as made then.
-  void Resume(const std::optional<MemoryPlace>& previous, Edition fresh_edition) {
+  void Resume(const std::optional<ControllerCheckpoint>& previous, Edition fresh_edition) {
     previous_ = previous;
     fresh_edition_ = fresh_edition;
   }
@@ -83,9 +83,9 @@ class RobotMemories {
   }
 
  private:
-  std::optional<MemoryPlace> previous_;     // the state before the newest; nothing: there is none
-  Edition fresh_edition_ = 0;               // of all robots but these:
-  std::map<std::string, Edition> spawned_;  // robots that were added since, and when
+  std::optional<ControllerCheckpoint> previous_;  // the state before the newest; nothing: there is none
+  Edition fresh_edition_ = 0;                     // of all robots but these:
+  std::map<std::string, Edition> spawned_;        // robots that were added since, and when
 };
 
 // A rewind within which a service died: some of its states are missing.
@@ -101,22 +101,22 @@ struct DeletedEntity {
   std::string name;
   std::shared_ptr<const WorldDescription> entity;  // a world with it alone
 };
-inline constexpr std::size_t kMostDeleted = 100;
+inline constexpr std::size_t kMaxDeleted = 100;
 
 // A run that another service has begun, at its newest committed state, for the service that continues it.
 struct ResumedRun {
   RunId run = 0;
-  bool is_branch = false;                 // a new run, which begins with a state of a recorded one
-  Incarnation incarnation = 0;            // of the service that continues
-  std::shared_ptr<const Scene> original;  // that a reset restores
-  std::shared_ptr<const Scene> scene;     // of the newest state
-  std::optional<FrameMessage> frame;      // with the newest state; nothing: the run had not begun
-  std::optional<MemoryPlace> previous;    // the state before; nothing: there is none
-  std::uint64_t next_number = 0;          // of the state after it, counted from the start of the run
+  bool is_branch = false;                        // a new run, which begins with a state of a recorded one
+  Incarnation incarnation = 0;                   // of the service that continues
+  std::shared_ptr<const Scene> original;         // that a reset restores
+  std::shared_ptr<const Scene> scene;            // of the newest state
+  std::optional<FrameMessage> frame;             // with the newest state; nothing: the run had not begun
+  std::optional<ControllerCheckpoint> previous;  // the state before; nothing: there is none
+  std::uint64_t next_number = 0;                 // of the state after it, counted from the start of the run
   RunProgress progress;
   std::optional<UnfinishedRewind> rewind = {};  // must be finished before the run continues
   std::optional<std::string> world_file = {};   // that was loaded during the run, empty for no world
-  std::deque<DeletedEntity> deleted = {};       // the newest last, at most kMostDeleted
+  std::deque<DeletedEntity> deleted = {};       // the newest last, at most kMaxDeleted
 };
 
 // Rewind: sets a run back to an earlier tick, in a quiescent pause that lasts until it is finished.

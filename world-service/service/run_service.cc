@@ -27,10 +27,10 @@ using Phase = TickCoordinator::Phase;
 
 // Wall times, s.
 constexpr double kStatusPeriod = 0.5;
-constexpr double kLongestWait = 0.05;  // so that `stop` and progress reports need not wait for longer
+constexpr double kMaxWait = 0.05;  // so that `stop` and progress reports need not wait for longer
 constexpr double kFlushTime = 0.5;
 
-constexpr std::size_t kMostFileRequests = 100;  // a hostile tool may send any number
+constexpr std::size_t kMaxFileRequests = 100;  // a hostile tool may send any number
 
 double Now() {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
@@ -89,7 +89,7 @@ class Driver final : public WorldControl, private ServiceHandler {
         lock.lock();
         continue;
       }
-      wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kLongestWait);
+      wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kMaxWait);
       if (file_requests_.empty()) wake_.wait_until(lock, TimePoint(wake_at_));
     }
     Report(true, lock);
@@ -162,7 +162,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     if (coordinator_.phase() == Phase::kOver) {
       return coordinator_.Reply(asked.request, asked.reply, Error{{}, "the run is over"});
     }
-    if (file_requests_.size() >= kMostFileRequests) {
+    if (file_requests_.size() >= kMaxFileRequests) {
       return coordinator_.Reply(asked.request, asked.reply, Error{{}, "too many requests are waiting"});
     }
     file_requests_.push_back(std::move(asked));
@@ -389,7 +389,7 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   if (!all_begun) return failure.error();
   Result<RunSummary> summary = driver.Finish();
   if (summary.ok()) {
-    summary.value().totals = totals.Collect(kMostRobotTotals);
+    summary.value().totals = totals.Collect(kMaxRobotTotals);
     summary.value().totals_since = totals.since();
   }
   if (trace) note(trace->Close());

@@ -39,10 +39,10 @@ struct RunSummary {
   std::vector<std::string> lost;   // robots without an agent at the end
   bool interrupted = false;
   double record_waited_seconds = 0.0;  // wall time that ticks waited for an observer, the recording
-  std::vector<RobotTotal> totals;      // of the first kMostRobotTotals robots
+  std::vector<RobotTotal> totals;      // of the first kMaxRobotTotals robots
   std::uint64_t totals_since = 0;      // the tick from which on they count
 };
-inline constexpr std::size_t kMostRobotTotals = 1000;
+inline constexpr std::size_t kMaxRobotTotals = 1000;
 
 struct ServiceOptions {
   RunSettings settings;

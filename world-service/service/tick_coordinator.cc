@@ -61,7 +61,7 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
   // An agent that is started again at the end of a run leaves with the others.
   if (run_.phase == Phase::kEnding) return run_.endpoint.SendFrame(run_.frame);
   if (run_.phase == Phase::kGathering && join.memory &&
-      *join.memory == MemoryPlace{run_.frame.edition, run_.frame.state.tick, true}) {
+      *join.memory == ControllerCheckpoint{run_.frame.edition, run_.frame.state.tick, true}) {
     run_.is_decided = true;
   }
   std::optional<HistoryRequest> missing;
@@ -141,7 +141,7 @@ void TickCoordinator::OnAgentGone(AgentId agent, double now) {
 void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
   if (rival.run == run_.options.run) return OnOtherService(rival, now);
   if (run_.started_at && !rival.begun) Announce();  // for the rival, which cannot know that this run has begun
-  const std::string process = PlainLine(rival.host, kLongestHost) + ", pid " + std::to_string(rival.pid);
+  const std::string process = PlainLine(rival.host, kMaxHost) + ", pid " + std::to_string(rival.pid);
   if (run_.phase == Phase::kGathering && (rival.begun || rival.run < run_.options.run)) {
     return Fail(Failure("another world service runs in this session (" + process + "); use another session name"), now);
   }
@@ -154,7 +154,7 @@ void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
 void TickCoordinator::OnOtherService(const SessionMessage& other, double now) {
   if (other.incarnation < run_.options.incarnation) return Announce();
   if (other.incarnation == run_.options.incarnation) return;
-  Fail(Failure("another world service (" + PlainLine(other.host, kLongestHost) + ", pid " + std::to_string(other.pid) +
+  Fail(Failure("another world service (" + PlainLine(other.host, kMaxHost) + ", pid " + std::to_string(other.pid) +
                ") continues this run"),
        now);
 }

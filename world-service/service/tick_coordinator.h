@@ -83,7 +83,7 @@ class TickCoordinator {
   // Agents that wait for the same states of the past.
   struct HistoryDemand {
     HistoryRequest request;
-    std::optional<MemoryPlace> after;  // the memory of their robots
+    std::optional<ControllerCheckpoint> after;  // the memory of their robots
     std::vector<AgentId> agents;
     double since = 0.0;  // wall time, s
   };

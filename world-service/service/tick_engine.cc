@@ -12,11 +12,11 @@ namespace {
 
 // Wall times, s.
 constexpr double kFirstResendOfLast = 0.02;  // of the last frame: agents that missed it delay the end
-constexpr double kLongestEnd = 1.0;          // for agents to leave
+constexpr double kMaxEnd = 1.0;              // for agents to leave
 constexpr double kAskPeriod = 0.1;           // from one request to an agent to join again to the next
 constexpr double kFirstAnswers = 5.0;        // of silence after the first frame, until a notice
 constexpr double kHaltedResend = 0.5;        // of the frame, while the run waits for lost agents
-constexpr double kNewestAnswer = 0.1;        // its share in the smoothed time of an agent's answers
+constexpr double kLatencySmoothing = 0.1;    // its share in the smoothed time of an agent's answers
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> SpeedOf(const RunSettings& settings) {
@@ -136,7 +136,7 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now, const S
   Collect(*member, proposal, now, shared);
   const double answer = now - committed_at_;
   double& smoothed = member->answer_seconds;
-  smoothed = smoothed == 0.0 ? answer : smoothed + kNewestAnswer * (answer - smoothed);
+  smoothed = smoothed == 0.0 ? answer : smoothed + kLatencySmoothing * (answer - smoothed);
   if (barrier_.complete()) {
     ++member->times_last;
     member->waited_seconds += now - arrived_at_;
@@ -398,7 +398,7 @@ void TickEngine::Opened(double now) {
   if (run_.endpoint.may_lose_messages()) {
     resend_timer_.Start(now);
   } else {
-    resend_timer_.Start(now, ResendTimer::kLongestWait);
+    resend_timer_.Start(now, ResendTimer::kMaxWait);
   }
 }
 
@@ -536,7 +536,7 @@ void TickEngine::Fail(Error error, double now) {
 void TickEngine::End(double now, const std::vector<RobotId>& lost) {
   // First, so that the run ends also if the rest throws.
   run_.phase = run_.members.present_members() == 0 ? RunPhase::kOver : RunPhase::kEnding;
-  end_at_ = now + kLongestEnd;
+  end_at_ = now + kMaxEnd;
   resend_timer_.Start(now, kFirstResendOfLast);
   if (!std::exchange(run_.frame.last, true)) run_.endpoint.SendFrame(run_.frame);
   for (RobotId robot : lost) run_.lost_robots.push_back(run_.world().robot(robot).name);

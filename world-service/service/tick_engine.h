@@ -71,7 +71,7 @@ class TickEngine {
   // Those for which the shown frame waits, for people.
   const std::vector<std::string>& awaited() const { return awaited_; }
   // A pause at the next occasion: at once if the frame is paused, else after the next tick.
-  void PlanPause() { SetTicksToPause(run_.frame.paused ? 0 : 1); }
+  void RequestPause() { SetTicksToPause(run_.frame.paused ? 0 : 1); }
 
   // A multiple of real time; nothing: no pacing. REQUIRES: it is finite and positive; in realtime mode there is one.
   void SetSpeed(std::optional<double> speed, double now);

@@ -184,9 +184,9 @@ class PaceWatch {
 // it, and drops what is under way; in the silence the queue drains, and the middleware repeats what was dropped.
 class ResendTimer {
  public:
-  static constexpr double kShortestWait = 0.004;
-  static constexpr double kLongestFirstWait = 0.05;  // also before anything was learned
-  static constexpr double kLongestWait = 1.0;
+  static constexpr double kMinWait = 0.004;
+  static constexpr double kMaxFirstWait = 0.05;  // also before anything was learned
+  static constexpr double kMaxWait = 1.0;
   // An agent that does not answer within the deadline is lost. With half as many resends in that time, as the silences
   // leave, the loss of messages loses no agent: if each round trip fails with probability 0.7, a hundred fail with
   // 3e-16.
@@ -194,25 +194,24 @@ class ResendTimer {
   // Resends without an answer of any agent, until a silence that is as long as they were.
   static constexpr int kBurst = 20;
   // Answers of other agents postpone a resend up to this many times the longest wait.
-  static constexpr double kMostPostponed = 20.0;
+  static constexpr double kMaxPostponed = 20.0;
   // Waits are up to this many times as long while resends prove needless. So is the first wait after a silence was
   // needed.
-  static constexpr double kLongestStretch = 10.0;
+  static constexpr double kMaxStretch = 10.0;
 
   // `deadline`: of an agent for its answer; 0: none.
   explicit ResendTimer(double deadline = 0.0)
-      : longest_wait_(deadline > 0.0 ? std::clamp(deadline / kResendsInDeadline, kShortestWait, kLongestWait)
-                                     : kLongestWait),
-        silence_(std::min(kBurst * longest_wait_, kLongestWait)) {}
+      : longest_wait_(deadline > 0.0 ? std::clamp(deadline / kResendsInDeadline, kMinWait, kMaxWait) : kMaxWait),
+        silence_(std::min(kBurst * longest_wait_, kMaxWait)) {}
 
   // A frame was sent for the first time; the one before is answered. The first resend is due after the wait that was
   // learned, each later one after twice the wait before.
   void Start(double now) {
     if (heard_) Learn(longest_);
-    stretch_ = 2 * twice_ > answers_ ? std::min(2.0 * stretch_, kLongestStretch) : std::max(0.9 * stretch_, 1.0);
-    if (is_silent_ || is_calm_) mean_ = kLongestStretch * kLongestFirstWait;
-    const double longest = mean_ > kLongestFirstWait ? kLongestStretch : stretch_;
-    Start(now, std::clamp(mean_ + 4.0 * deviation_, kShortestWait, longest * kLongestFirstWait));
+    stretch_ = 2 * twice_ > answers_ ? std::min(2.0 * stretch_, kMaxStretch) : std::max(0.9 * stretch_, 1.0);
+    if (is_silent_ || is_calm_) mean_ = kMaxStretch * kMaxFirstWait;
+    const double longest = mean_ > kMaxFirstWait ? kMaxStretch : stretch_;
+    Start(now, std::clamp(mean_ + 4.0 * deviation_, kMinWait, longest * kMaxFirstWait));
   }
   // The same with a wait of the caller's choice; nothing is learned from it.
   void Start(double now, double first_wait) {
@@ -243,7 +242,7 @@ class ResendTimer {
   // An answer arrived twice: a resend was needless, so answers need longer than was learned.
   void AnsweredTwice() {
     if (resent_) ++twice_;
-    mean_ = std::max(mean_, std::min(1.25 * mean_ + 0.001, stretch_ * kLongestFirstWait));
+    mean_ = std::max(mean_, std::min(1.25 * mean_ + 0.001, stretch_ * kMaxFirstWait));
   }
   double due() const { return due_; }
 
@@ -251,7 +250,7 @@ class ResendTimer {
   void Wait(double now, double wait) {
     wait_ = wait;
     due_ = now + wait_;
-    latest_ = now + kMostPostponed * std::max(wait_, stretch_ * longest_wait_);
+    latest_ = now + kMaxPostponed * std::max(wait_, stretch_ * longest_wait_);
   }
   // As TCP learns its round-trip time.
   void Learn(double longest) {
@@ -262,7 +261,7 @@ class ResendTimer {
 
   double longest_wait_;
   double silence_;
-  double mean_ = kLongestFirstWait;  // of the longest silence in a tick
+  double mean_ = kMaxFirstWait;  // of the longest silence in a tick
   double deviation_ = 0.0;
   double stretch_ = 1.0;  // of the waits
   double wait_ = 0.0;

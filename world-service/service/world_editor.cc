@@ -93,7 +93,7 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
   }
   if (deleted) {
     deleted_.push_back(std::move(*deleted));
-    if (deleted_.size() > kMostDeleted) deleted_.pop_front();
+    if (deleted_.size() > kMaxDeleted) deleted_.pop_front();
   }
   run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
   if (request.command == ControlCommand::kLoadWorld) original_ = edited.value().scene;

@@ -22,7 +22,7 @@ class WorldEditor {
   // Both outlive the editor.
   WorldEditor(LiveRun& run, TickEngine& engine);
 
-  // The entity called `name` that was deleted last, for a spawn; null: none, or kMostDeleted were deleted since.
+  // The entity called `name` that was deleted last, for a spawn; null: none, or kMaxDeleted were deleted since.
   std::shared_ptr<const WorldDescription> Deleted(const std::string& name) const;
 
   // Applies an edit and publishes the edited frame, which is paused. Returns the request with the name that a spawned

@@ -58,25 +58,25 @@ class ModelBuilder {
   std::map<ModelId, ModelId> placed_alone_;
 };
 
-constexpr double kMostJoules = 1e12;  // or W, or kg
+constexpr double kMaxJoules = 1e12;  // or W, or kg
 
 // The amount in J of the property, or of the one in kJ.
 std::optional<double> ReadJoules(PropertyReader& reader, std::string_view name) {
   std::optional<double> joules;
   const std::string thousands = "k" + std::string(name);
-  if (reader.node().Find(name) != nullptr) joules = reader.Number(name, 0.0, -kMostJoules, kMostJoules);
+  if (reader.node().Find(name) != nullptr) joules = reader.Number(name, 0.0, -kMaxJoules, kMaxJoules);
   if (reader.node().Find(thousands) != nullptr) {
     if (joules) {
       reader.diagnostics().Warn(reader.Where(thousands), "found both " + Quoted(name) + " and " + Quoted(thousands) +
                                                              ", expected one of them; the latter counts");
     }
-    joules = 1000.0 * reader.Number(thousands, 0.0, -kMostJoules / 1000.0, kMostJoules / 1000.0);
+    joules = 1000.0 * reader.Number(thousands, 0.0, -kMaxJoules / 1000.0, kMaxJoules / 1000.0);
   }
   return joules;
 }
 
 double ReadRate(PropertyReader& reader, std::string_view name) {
-  return reader.Number(name, 0.0, 0.0, kMostJoules);
+  return reader.Number(name, 0.0, 0.0, kMaxJoules);
 }
 
 // One of the four properties of joules makes a store; a store of negative joules is endless.

@@ -20,7 +20,7 @@ namespace {
 
 // Separates the starts of people from other uses of the same seed.
 constexpr std::uint64_t kStartStream = 0x7374'6172'7473;
-constexpr std::uint64_t kMostDraws = 5000;
+constexpr std::uint64_t kMaxDraws = 5000;
 constexpr double kGap = 0.02;       // m between people, and to walls, at the start
 constexpr double kTogether = 1.25;  // m: people of a group start at most so far beside each other
 
@@ -81,7 +81,7 @@ class Crowd {
     if (leader) {
       box = Rectangle::Around(world_.model(world_.person(*leader).root).X_PM.translation(), kTogether);
     }
-    for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
+    for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
       const Vec2 at(box.min_x + Random(number, person, draw, 0) * box.width(),
                     box.min_y + Random(number, person, draw, 1) * box.height());
       if (!Contains(rule.region, at) || !IsFree(at, rule)) continue;
@@ -147,7 +147,7 @@ class Crowd {
     PersonDescription person;
     person.root = ModelId(world_.models.size());
     person.radius = rule.radius;
-    person.speed = rule.speed.min + Random(number, i, kMostDraws, 0) * (rule.speed.max - rule.speed.min);
+    person.speed = rule.speed.min + Random(number, i, kMaxDraws, 0) * (rule.speed.max - rule.speed.min);
     person.max_speed = rule.max_speed > 0.0 ? std::max(rule.max_speed, person.speed) : 1.4 * person.speed;
     person.reaction = rule.reaction;
     person.goals = rule.goals;
@@ -210,9 +210,9 @@ Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>&
   std::uint64_t count = loaded.world.people.size();
   for (const PeopleRule& rule : rules) {
     count += rule.count;
-    if (count <= kMostPeople) continue;
+    if (count <= kMaxPeople) continue;
     return Error{rule.where,
-                 "found " + std::to_string(count) + " people in all, expected at most " + std::to_string(kMostPeople)};
+                 "found " + std::to_string(count) + " people in all, expected at most " + std::to_string(kMaxPeople)};
   }
   if (rules.empty()) return loaded;
   const std::uint64_t first = loaded.world.people.size();
@@ -254,7 +254,7 @@ Result<LoadedWorld> AddCrowd(LoadedWorld loaded) {
   for (const CrowdGroup& group : crowd.groups) {
     if (!group.robots.empty() || group.count == 0) continue;
     PeopleRule rule;
-    rule.count = static_cast<std::uint32_t>(std::min<std::size_t>(group.count, kMostPeople + 1));
+    rule.count = static_cast<std::uint32_t>(std::min<std::size_t>(group.count, kMaxPeople + 1));
     const std::uint32_t state = number_of(group.state);
     rule.goals = first + state;
     // All of a group start at one point: beside each other there.

@@ -30,7 +30,7 @@ struct PeopleRule {
 };
 
 // The most people of a world.
-inline constexpr std::uint32_t kMostPeople = 20'000;
+inline constexpr std::uint32_t kMaxPeople = 20'000;
 
 // The world with the people of the rules, each at a start that is drawn from the region until nothing that can be hit
 // is within the person's radius. The same world, rules and `seed` give the same people. The error counts those that

@@ -29,7 +29,7 @@ Result<LoadedWorld> PlaceSpawns(LoadedWorld loaded, const std::vector<PlannedSpa
 class CellMap {
  public:
   // Best with boxes of about `cell_size` metres: each is in a few cells then.
-  explicit CellMap(double cell_size) : cell_size_(std::max(cell_size, kSmallestCell)) {}
+  explicit CellMap(double cell_size) : cell_size_(std::max(cell_size, kMinCell)) {}
 
   // REQUIRES: box is not empty, within 1000 km of the origin
   void Insert(const Rectangle& box, std::uint32_t number) {
@@ -55,7 +55,7 @@ class CellMap {
   }
 
  private:
-  static constexpr double kSmallestCell = 1e-3;  // m
+  static constexpr double kMinCell = 1e-3;  // m
 
   struct Range {
     std::int64_t min_column, min_row, max_column, max_row;

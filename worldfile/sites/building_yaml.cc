@@ -18,7 +18,7 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t kMaxBuildingBytes = 64'000'000;
-constexpr double kLeastStorey = 2.6;  // m between levels: a wall and the floor above it
+constexpr double kMinStorey = 2.6;  // m between levels: a wall and the floor above it
 
 class BuildingReader {
  public:
@@ -255,7 +255,7 @@ class BuildingReader {
     std::stable_sort(by_height.begin(), by_height.end(),
                      [](const SiteLevel* a, const SiteLevel* b) { return a->elevation < b->elevation; });
     for (std::size_t i = 1; i < by_height.size(); ++i) {
-      const double least = by_height[i - 1]->elevation + kLeastStorey;
+      const double least = by_height[i - 1]->elevation + kMinStorey;
       if (by_height[i]->elevation >= least) continue;
       diagnostics_.Warn(by_height[i]->where, "found level " + Quoted(by_height[i]->name) + " at an elevation of " +
                                                  NumberText(by_height[i]->elevation) + " m, expected at least " +
@@ -288,9 +288,9 @@ class BuildingReader {
       const std::string text = yaml_.Text(found, Quoted(key) + " of " + of);
       return text.empty() ? otherwise : FindLevel(found, text);
     };
-    constexpr double kLeastSide = 0.2;  // m
-    lift.width = number(node, "width", kLeastSide);
-    lift.depth = number(node, "depth", kLeastSide);
+    constexpr double kMinSide = 0.2;  // m
+    lift.width = number(node, "width", kMinSide);
+    lift.depth = number(node, "depth", kMinSide);
     lift.is_operated = yaml_.Flag(yaml_.Find(node, "plugins"), "'plugins' of " + of, true);
     const Vec2 raw(number(node, "x", -kMaxMagnitude), number(node, "y", -kMaxMagnitude));
     const double heading = WrapAngle(number(node, "yaw", -1e3));

@@ -175,8 +175,8 @@ class Lexer {
       return Fail(begin_, "found " + Quoted(Text()) + ", expected a plain decimal number (without exponent or unit)");
     }
     Make(TokenKind::kNumber, token);
-    constexpr std::size_t kMostDigits = 300;
-    if (token.text.size() > kMostDigits) {
+    constexpr std::size_t kMaxDigits = 300;
+    if (token.text.size() > kMaxDigits) {
       return Fail(begin_, "found " + Quoted(token.text) + ", expected a number of fewer digits");
     }
     const std::optional<LeadingNumber> number = ReadLeadingNumber(token.text);

@@ -106,7 +106,7 @@ class AgentProtocolTest : public testing::Test {
   AgentProtocol protocol_{endpoint_, options_, {}, now_};
 };
 
-HistoryMessage HistoryOf(const std::optional<MemoryPlace>& after, std::vector<HistoryEntry> entries,
+HistoryMessage HistoryOf(const std::optional<ControllerCheckpoint>& after, std::vector<HistoryEntry> entries,
                          const std::vector<AgentId>& agents = {kAgent}) {
   return {kRun, agents, after, std::move(entries)};
 }
@@ -133,17 +133,17 @@ TEST_F(HistoryTest, TheRobotsProcessItAndTheAgentJoinsAgainAtOnce) {
   EXPECT_EQ(PollAfter(5.0), std::nullopt) << "it joins no more before it knows the history";
   PerformTask();
   JoinMessage join = Joined();
-  EXPECT_EQ(join.memory, (MemoryPlace{0, 2, true}));
+  EXPECT_EQ(join.memory, (ControllerCheckpoint{0, 2, true}));
   EXPECT_THAT(endpoint_.sent, IsEmpty());
   // The same again, what others need, and what does not follow, have no effect.
   protocol_.OnHistory(HistoryOf({}, {Entry(0)}));
-  protocol_.OnHistory(HistoryOf(MemoryPlace{0, 5, true}, {Entry(6)}));
+  protocol_.OnHistory(HistoryOf(ControllerCheckpoint{0, 5, true}, {Entry(6)}));
   EXPECT_FALSE(protocol_.has_task());
   // An answer to another agent with the same memory is of use.
-  protocol_.OnHistory(HistoryOf(MemoryPlace{0, 2, true}, {Entry(3)}, {99}));
+  protocol_.OnHistory(HistoryOf(ControllerCheckpoint{0, 2, true}, {Entry(3)}, {99}));
   PerformTask();
   join = Joined();
-  EXPECT_EQ(join.memory, (MemoryPlace{0, 3, true}));
+  EXPECT_EQ(join.memory, (ControllerCheckpoint{0, 3, true}));
   SendFrame(4);
   EXPECT_THAT(endpoint_.sent, IsEmpty());
   Answer(true);
@@ -478,7 +478,7 @@ TEST_F(HistoryTest, TheEndOfTheServiceEndsAMemberWhoseRobotsProcessAHistory) {
   JoinAndRun();
   protocol_.OnServiceLost(now_);
   Joined();
-  protocol_.OnHistory(HistoryOf(MemoryPlace{0, 0, true}, {Entry(1)}));
+  protocol_.OnHistory(HistoryOf(ControllerCheckpoint{0, 0, true}, {Entry(1)}));
   ReplicaTask task = protocol_.BeginTask().value();
   protocol_.OnServiceGone(now_);
   Finish(task);

@@ -88,7 +88,7 @@ TEST_F(InterruptedRunTest, ARewindIsFinishedWhereverItWasInterrupted) {
       EXPECT_EQ(resumed.frame->fresh_edition, rewound_.fresh_edition);
       EXPECT_EQ(resumed.frame->world_edition, rewound_.world_edition);
       EXPECT_EQ(resumed.next_number, kAfterRewind);
-      EXPECT_EQ(resumed.previous, (MemoryPlace{rewound_.edition, 34, true}));
+      EXPECT_EQ(resumed.previous, (ControllerCheckpoint{rewound_.edition, 34, true}));
       EXPECT_TRUE(!with_hashes || folder_.Read("resumed-hashes") == hashes);
     }
   }
@@ -99,10 +99,10 @@ TEST_F(InterruptedRunTest, TheStateBeforeTheNewestIsThatOfAnEditOrAStep) {
   const auto previous = [this](std::uint64_t states, std::uint64_t recorded) {
     return Resume(DieWith(states, recorded)).value().options.resumed->previous;
   };
-  EXPECT_EQ(previous(kEdit + 1, kEdit), (MemoryPlace{0, 30, false}));
-  EXPECT_EQ(previous(kEdit + 1, kEdit + 1), (MemoryPlace{0, 30, false}));
-  EXPECT_EQ(previous(kEdit + 2, kEdit), (MemoryPlace{1, 30, true}));
-  EXPECT_EQ(previous(kEdit, kEdit), (MemoryPlace{0, 29, true}));
+  EXPECT_EQ(previous(kEdit + 1, kEdit), (ControllerCheckpoint{0, 30, false}));
+  EXPECT_EQ(previous(kEdit + 1, kEdit + 1), (ControllerCheckpoint{0, 30, false}));
+  EXPECT_EQ(previous(kEdit + 2, kEdit), (ControllerCheckpoint{1, 30, true}));
+  EXPECT_EQ(previous(kEdit, kEdit), (ControllerCheckpoint{0, 29, true}));
   EXPECT_EQ(previous(1, 1), std::nullopt);
 }
 

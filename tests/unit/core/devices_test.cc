@@ -241,7 +241,7 @@ TEST_F(TransmitTest, ProposalsBeyondTheRadiosAreRefused) {
   EXPECT_NE(problem({{0, b_, std::vector<std::uint8_t>(6)}, {0, b_, std::vector<std::uint8_t>(6)}}), "");
   EXPECT_EQ(problem({{2, {}, {}}}), "found a message of sensor 2, expected a radio of the robot");
   EXPECT_EQ(problem({{0, RobotId(2), {}}}), "found a radio message to robot 2, expected one of 2 robots");
-  EXPECT_NE(problem(std::vector<RadioMessage>(kMostRadioMessages + 1, {0, {}, {}})), "");
+  EXPECT_NE(problem(std::vector<RadioMessage>(kMaxRadioMessages + 1, {0, {}, {}})), "");
 }
 
 TEST_F(TransmitTest, ADeletedRobotTakesItsMessagesAlong) {

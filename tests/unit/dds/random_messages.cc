@@ -284,9 +284,9 @@ JoinMessage RandomMessages::Join() {
           RandomPlace()};
 }
 
-std::optional<MemoryPlace> RandomMessages::RandomPlace() {
+std::optional<ControllerCheckpoint> RandomMessages::RandomPlace() {
   if (Coin()) return std::nullopt;
-  return MemoryPlace{static_cast<Edition>(Bits()), Bits(), Coin()};
+  return ControllerCheckpoint{static_cast<Edition>(Bits()), Bits(), Coin()};
 }
 
 std::vector<AdmissionMessage> RandomMessages::Admissions() {

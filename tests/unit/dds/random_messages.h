@@ -51,7 +51,7 @@ class RandomMessages {
     return Id(Below(count));
   }
   void FillManipulation(WorldState& state);
-  std::optional<MemoryPlace> RandomPlace();
+  std::optional<ControllerCheckpoint> RandomPlace();
   RadioMessage RandomMessage(std::size_t robots);
 
   std::mt19937_64 engine_;

@@ -106,10 +106,10 @@ TEST(EditedFileTest, AFullDiskLeavesTheFileAsItWas) {
 TEST(EditedFileTest, HistoryIsBounded) {
   const test::TemporaryFolder folder;
   EditedFile file = Opened(folder / "new.world", "");
-  for (std::size_t i = 0; i < 2 * EditedFile::kMostStates; ++i) file.Change(std::to_string(i), "edit");
+  for (std::size_t i = 0; i < 2 * EditedFile::kMaxStates; ++i) file.Change(std::to_string(i), "edit");
   std::size_t undone = 0;
   for (; file.undo_label(); ++undone) file.Undo();
-  EXPECT_EQ(undone, EditedFile::kMostStates - 1);
+  EXPECT_EQ(undone, EditedFile::kMaxStates - 1);
 }
 
 class Watcher : public ObserverHandler {

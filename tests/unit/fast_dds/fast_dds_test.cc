@@ -98,7 +98,7 @@ TEST_F(PendingCallsTest, IsBounded) {
   EXPECT_EQ(calls_.size(), Calls::kMost);
   EXPECT_FALSE(calls_.RemoveCaller(1));
   EXPECT_TRUE(calls_.RemoveCaller(Calls::kMost + 1));
-  const Bytes large(Calls::kMostBytes / 2, 1);
+  const Bytes large(Calls::kMaxBytes / 2, 1);
   for (int i = 1; i <= 10; ++i) calls_.Add(10'000 + i, {1, 1}, large, start_);
   EXPECT_LE(calls_.size(), 2u);
   calls_.Forget(1);

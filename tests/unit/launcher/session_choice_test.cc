@@ -13,7 +13,7 @@ TEST(SessionChoiceTest, OfOneRunIsMadeSoon) {
   choice.Update({}, true, 0.05);
   choice.Update({"a"}, true, 0.1);
   EXPECT_FALSE(choice.is_made()) << "another one may answer";
-  choice.Update({"a"}, true, 0.1 + SessionChoice::kShortestQuiet);
+  choice.Update({"a"}, true, 0.1 + SessionChoice::kMinQuiet);
   EXPECT_TRUE(choice.is_made());
   EXPECT_THAT(choice.sessions(), ElementsAre("a"));
 }
@@ -31,7 +31,7 @@ TEST(SessionChoiceTest, WaitsLongerForAKnownRunAndOnASlowMachine) {
   choice.Update({"a"}, false, 0.1);
   choice.Update({"a"}, false, 1.5);
   EXPECT_FALSE(choice.is_made()) << "a run that is known to exist is not discovered yet";
-  choice.Update({"a"}, false, 0.1 + SessionChoice::kLongestQuiet);
+  choice.Update({"a"}, false, 0.1 + SessionChoice::kMaxQuiet);
   EXPECT_TRUE(choice.is_made());
 
   SessionChoice slow;

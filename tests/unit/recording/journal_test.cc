@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "recording/partial_recording.h"
 #include "recording/recording_writer.h"
-#include "recording/run_so_far.h"
 #include "tests/support/small_world.h"
 
 namespace troupe {
@@ -198,7 +198,7 @@ TEST_F(JournalTest, ARunThatGoesOnIsReadAsFarAsItHasCome) {
   RecordingWriter writer = RecordingWriter::Create(mcap::CreateFileSink(files_.recording).value(), run_).value();
   const std::unique_ptr<JournalTail> tail = JournalTail::Create(files_, run_.run, JournalSync::kNo).value();
   const auto read = [this] {
-    Result<RunSoFar> run = RunSoFar::Read(files_);
+    Result<PartialRecording> run = PartialRecording::Read(files_);
     if (!run.ok()) throw std::runtime_error(run.error().ToString());
     std::vector<RecordedTick> found;
     RunReader reader(run.value());

@@ -55,7 +55,7 @@ TEST(MakeOdometry, ContainsPoseTwistAndCovariances) {
   EXPECT_EQ(odometry.twist.covariance[0], 0.4);
   EXPECT_EQ(odometry.twist.covariance[7], 0.5);
   EXPECT_EQ(odometry.twist.covariance[35], 0.6);
-  for (const std::size_t z_roll_pitch : {14, 21, 28}) EXPECT_EQ(odometry.pose.covariance[z_roll_pitch], kLeastVariance);
+  for (const std::size_t z_roll_pitch : {14, 21, 28}) EXPECT_EQ(odometry.pose.covariance[z_roll_pitch], kMinVariance);
   EXPECT_EQ(odometry.pose.covariance[1], 0.0);
 }
 
@@ -237,7 +237,7 @@ TEST(ConvertSensors, FiducialsAreBoxesOfTheirModels) {
   EXPECT_EQ(result.pose.pose.position.x, 1.75);
   EXPECT_EQ(result.pose.pose.position.z, -0.2);
   EXPECT_NEAR(result.pose.pose.orientation.z, std::sqrt(0.5), 1e-12);
-  EXPECT_EQ(result.pose.covariance[0], kLeastVariance);
+  EXPECT_EQ(result.pose.covariance[0], kMinVariance);
   EXPECT_EQ(result.pose.covariance[1], 0.0);
   EXPECT_EQ(detection.bbox.center.position.x, 1.75);
   EXPECT_DOUBLE_EQ(detection.bbox.center.position.z, 0.1);

@@ -186,7 +186,7 @@ TEST_F(RadioTest, WritesALineForTheScanLog) {
 TEST(RadioLimits, BytesOfATickFollowFromTheBandwidth) {
   EXPECT_EQ(BytesPerTick({.bandwidth = 80.0}, 0.1), 8u);
   EXPECT_EQ(BytesPerTick({.bandwidth = 79.0}, 0.1), 7u);
-  EXPECT_EQ(BytesPerTick({.bandwidth = 1e9}, 0.1), kMostRadioBytes);
+  EXPECT_EQ(BytesPerTick({.bandwidth = 1e9}, 0.1), kMaxRadioBytes);
   EXPECT_EQ(DelayTicks({.delay = 0.0}, 0.1), 0u);
   EXPECT_EQ(DelayTicks({.delay = 0.3}, 0.1), 3u);
   EXPECT_EQ(DelayTicks({.delay = 0.31}, 0.1), 4u);
@@ -206,9 +206,9 @@ TEST(RadioLimits, MessagesBeyondTheBytesOfATickAreLeftOut) {
   EXPECT_TRUE(CheckMessages(robot, 0.1, WithinLimits(robot, 0.1, all)).ok());
   EXPECT_FALSE(CheckMessages(robot, 0.1, all).ok());
   EXPECT_FALSE(CheckMessages(robot, 0.1, {{message(2, 0)}}).ok());
-  const std::vector<RadioMessage> many(kMostRadioMessages + 1, message(0, 0));
+  const std::vector<RadioMessage> many(kMaxRadioMessages + 1, message(0, 0));
   EXPECT_FALSE(CheckMessages(robot, 0.1, many).ok());
-  EXPECT_EQ(WithinLimits(robot, 0.1, many).size(), kMostRadioMessages);
+  EXPECT_EQ(WithinLimits(robot, 0.1, many).size(), kMaxRadioMessages);
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ TEST_F(MembershipTest, TheHostOfAPeerIsAPlainLine) {
   const JoinDecision decision = members_.Join(join, {0, 1}, 0.0);
   ASSERT_EQ(decision.outcome, Outcome::kAdmitted);
   EXPECT_EQ(decision.member->host.substr(0, 8), "a [2J xx");
-  EXPECT_EQ(decision.member->host.size(), kLongestHost);
+  EXPECT_EQ(decision.member->host.size(), kMaxHost);
 }
 
 TEST_F(MembershipTest, RefusesInvalidJoins) {
@@ -273,7 +273,7 @@ TEST(ResendTimerTest, AnswersOfOthersCannotPostponeAResendForLong) {
 TEST(ResendTimerTest, WithoutADeadlineItWaitsUpToASecond) {
   ResendTimer timer(0.0);
   const std::vector<double> resends = Resends(timer);
-  EXPECT_NEAR(resends.back() - resends[resends.size() - 2], ResendTimer::kLongestWait, 1e-9);
+  EXPECT_NEAR(resends.back() - resends[resends.size() - 2], ResendTimer::kMaxWait, 1e-9);
 }
 
 // Over a slow link: each answer arrives `delay` after the first frame, and each resend is answered once more. Returns

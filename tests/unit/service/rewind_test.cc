@@ -111,7 +111,7 @@ FrameMessage Newest(Edition edition, Tick tick) {
   return frame;
 }
 
-JoinMessage JoinWith(const std::optional<MemoryPlace>& memory, const std::string& robot = "r0") {
+JoinMessage JoinWith(const std::optional<ControllerCheckpoint>& memory, const std::string& robot = "r0") {
   return {.robots = {robot}, .memory = memory};
 }
 
@@ -124,13 +124,15 @@ TEST(RobotMemoriesTest, AMemoryMustReachToTheStateBeforeTheNewest) {
   RobotMemories memories;
   const FrameMessage newest = Newest(0, 7);
   memories.OnStep(newest);
-  const MemoryPlace before{0, 6, true};
+  const ControllerCheckpoint before{0, 6, true};
   EXPECT_EQ(memories.MissingFor(JoinWith({}), newest), HistoryRequest());
-  EXPECT_EQ(memories.MissingFor(JoinWith(MemoryPlace{0, 5, true}), newest), (HistoryRequest{MemoryPlace{0, 5, true}}));
-  EXPECT_EQ(memories.MissingFor(JoinWith(MemoryPlace{0, 6, false}), newest), (HistoryRequest{MemoryPlace{0, 6, false}}))
+  EXPECT_EQ(memories.MissingFor(JoinWith(ControllerCheckpoint{0, 5, true}), newest),
+            (HistoryRequest{ControllerCheckpoint{0, 5, true}}));
+  EXPECT_EQ(memories.MissingFor(JoinWith(ControllerCheckpoint{0, 6, false}), newest),
+            (HistoryRequest{ControllerCheckpoint{0, 6, false}}))
       << "it has not decided on that state";
   EXPECT_EQ(memories.MissingFor(JoinWith(before), newest), std::nullopt);
-  EXPECT_EQ(memories.MissingFor(JoinWith(MemoryPlace{0, 7, false}), newest), std::nullopt);
+  EXPECT_EQ(memories.MissingFor(JoinWith(ControllerCheckpoint{0, 7, false}), newest), std::nullopt);
 }
 
 TEST(RobotMemoriesTest, RobotsBeginWithTheirWorldOrWhenTheyAreSpawned) {
@@ -140,14 +142,14 @@ TEST(RobotMemoriesTest, RobotsBeginWithTheirWorldOrWhenTheyAreSpawned) {
   memories.OnNewRobots({"late"}, 1);
   EXPECT_EQ(memories.MissingFor(JoinWith({}, "late"), Newest(1, 1)), std::nullopt);
   EXPECT_EQ(memories.MissingFor(JoinWith({}), Newest(1, 1)), HistoryRequest());
-  EXPECT_EQ(memories.MissingFor(JoinWith(MemoryPlace{0, 1, false}), Newest(1, 1)), std::nullopt);
+  EXPECT_EQ(memories.MissingFor(JoinWith(ControllerCheckpoint{0, 1, false}), Newest(1, 1)), std::nullopt);
   memories.OnStep(Newest(1, 2));
   EXPECT_EQ(memories.MissingFor(JoinWith({}, "late"), Newest(1, 2)), (HistoryRequest{{}, 1}));
   memories.OnEdit(Newest(2, 0), 2);
   memories.OnFreshStart(2);
-  EXPECT_EQ(memories.MissingFor(JoinWith(MemoryPlace{1, 2, false}), Newest(2, 0)), std::nullopt);
+  EXPECT_EQ(memories.MissingFor(JoinWith(ControllerCheckpoint{1, 2, false}), Newest(2, 0)), std::nullopt);
   memories.OnStep(Newest(2, 1));
-  EXPECT_EQ(memories.MissingFor(JoinWith(MemoryPlace{1, 2, false}), Newest(2, 1)), (HistoryRequest{{}, 2}))
+  EXPECT_EQ(memories.MissingFor(JoinWith(ControllerCheckpoint{1, 2, false}), Newest(2, 1)), (HistoryRequest{{}, 2}))
       << "a memory from before the fresh start is of no use";
 }
 
@@ -167,7 +169,7 @@ class MemoryTest : public CoordinatorTest {
     endpoint.admissions.clear();
     ASSERT_EQ(tick(), policy == OnAgentLoss::kFreeze ? 4u : 3u);
   }
-  void JoinWithMemory(AgentId agent, const std::optional<MemoryPlace>& memory) {
+  void JoinWithMemory(AgentId agent, const std::optional<ControllerCheckpoint>& memory) {
     JoinMessage join = JoinOf(agent, {"r0"});
     join.memory = memory;
     coordinator->OnJoin(join, now);
@@ -189,12 +191,12 @@ TEST_F(MemoryTest, AnAgentThatIsBehindIsSentHistoryAndNotAdmitted) {
   EXPECT_THAT(demands[0].agents, ElementsAre(7, 8));
   EXPECT_THAT(coordinator->DrainHistoryDemands(now + 1.0), IsEmpty());
 
-  JoinWithMemory(7, MemoryPlace{0, 1, true});
+  JoinWithMemory(7, ControllerCheckpoint{0, 1, true});
   now += 0.02;
   const auto next = coordinator->DrainHistoryDemands(now);
   ASSERT_THAT(next, SizeIs(1));
-  EXPECT_EQ(next[0].after, (MemoryPlace{0, 1, true}));
-  JoinWithMemory(7, MemoryPlace{0, 2, true});
+  EXPECT_EQ(next[0].after, (ControllerCheckpoint{0, 1, true}));
+  JoinWithMemory(7, ControllerCheckpoint{0, 2, true});
   ASSERT_THAT(endpoint.admissions, SizeIs(1));
   EXPECT_TRUE(endpoint.admissions[0].admitted);
   Propose(2);

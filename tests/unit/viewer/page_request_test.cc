@@ -121,7 +121,7 @@ TEST(PageRequestTest, ReadsRequestsForANewRun) {
 
 TEST(PageRequestTest, RefusesEverythingElse) {
   std::string many = R"({"type": "select", "robots": [)";
-  for (std::size_t i = 0; i <= kMostSelected; ++i) many += i == 0 ? "\"r\"" : ",\"r\"";
+  for (std::size_t i = 0; i <= kMaxSelected; ++i) many += i == 0 ? "\"r\"" : ",\"r\"";
   many += "]}";
   const std::string texts[] = {
       "",
@@ -132,7 +132,7 @@ TEST(PageRequestTest, RefusesEverythingElse) {
       std::string(4000, '['),
       std::string("\xff\xfe{}"),
       std::string("{\0}", 3),
-      std::string(kLongestPageRequest + 1, ' '),
+      std::string(kMaxPageRequest + 1, ' '),
       many,
       R"({"type": "select"})",
       R"({"type": "select", "robots": "some"})",
@@ -211,12 +211,12 @@ TEST(PageRequestTest, EditsAreLongerThanOtherRequests) {
   const std::string edit =
       R"({"type": "edit", "id": 3, "op": "set_text", "text": ")" + std::string(20'000, 'x') + "\"}";
   EXPECT_FALSE(ParsePageRequest(edit).ok());
-  const PageRequest request = test::ValueOf(ParsePageRequest(edit, kLongestEditRequest));
+  const PageRequest request = test::ValueOf(ParsePageRequest(edit, kMaxEditRequest));
   const PageEdit& parsed = std::get<PageEdit>(request);
   EXPECT_EQ(parsed.id, 3U);
   EXPECT_EQ(std::get<edit::SetText>(parsed.operation.value()).text.size(), 20'000U);
   const std::string select = R"({"type": "select", "robots": [")" + std::string(20'000, 'x') + "\"]}";
-  EXPECT_FALSE(ParsePageRequest(select, kLongestEditRequest).ok());
+  EXPECT_FALSE(ParsePageRequest(select, kMaxEditRequest).ok());
   for (const char* bad : {R"({"type": "edit", "op": "undo"})", R"({"type": "edit", "id": 1})",
                           R"({"type": "edit", "id": -1, "op": "undo"})", R"({"type": "edit", "id": 1, "op": 5})"}) {
     EXPECT_FALSE(ParsePageRequest(bad).ok()) << bad;

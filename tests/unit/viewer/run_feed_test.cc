@@ -216,7 +216,7 @@ TEST(KeptStatesTest, SpansLoseTheStatesThatAreDropped) {
 // The journal of a run that stalls once in each tick.
 class ScriptedJournal : public Recorded {
  public:
-  ScriptedJournal(const SessionMessage& session, WorldShelf& shelf, Tick last, bool is_whole = false)
+  ScriptedJournal(const SessionMessage& session, WorldCache& shelf, Tick last, bool is_whole = false)
       : world_(shelf.Of(session)), last_(last), is_whole_(is_whole) {}
   std::optional<Range> range() const override { return Range{0, last_}; }
   std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }

@@ -49,7 +49,7 @@ class ScriptedLink : public RunLink {
   }
 
   bool follows_always() const override { return always; }
-  std::shared_ptr<Recorded> ReadJournal(WorldShelf&) override { return journal ? journal() : nullptr; }
+  std::shared_ptr<Recorded> ReadJournal(WorldCache&) override { return journal ? journal() : nullptr; }
 
   ObserverHandler& AwaitObserver() {
     std::unique_lock lock(mutex);

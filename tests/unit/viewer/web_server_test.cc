@@ -234,7 +234,7 @@ TEST_F(WebServerTest, PathsWithDotsAreNoFiles) {
 TEST_F(WebServerTest, HalfOpenSocketsAreClosedInTime) {
   Serve();
   std::vector<std::unique_ptr<WebClient>> half_open;  // of which one side has ended, or nothing was sent
-  for (int i = 0; i < 2 * WebServer::kMostConnections; ++i) {
+  for (int i = 0; i < 2 * WebServer::kMaxConnections; ++i) {
     half_open.push_back(std::make_unique<WebClient>(server_->port()));
     if (i % 2 == 0) half_open.back()->Send("GET /");
     if (i % 4 == 1) half_open.back()->EndSending();
@@ -249,7 +249,7 @@ TEST_F(WebServerTest, ConnectionsWithoutTheTokenKeepNoOwnerAway) {
   Serve("secret");
   std::vector<std::unique_ptr<WebClient>> idle;
   const auto flood = [&] {
-    for (int i = 0; i < WebServer::kMostConnections; ++i) idle.push_back(std::make_unique<WebClient>(server_->port()));
+    for (int i = 0; i < WebServer::kMaxConnections; ++i) idle.push_back(std::make_unique<WebClient>(server_->port()));
   };
   flood();
   EXPECT_THAT(WebClient(server_->port()).Get("/?token=secret"), StartsWith("HTTP/1.1 200"));
@@ -395,14 +395,14 @@ TEST_F(WebServerTest, TenThousandConnectionsLeaveNothingBehind) {
 TEST_F(WebServerTest, ViewersBeyondTheLimitAreTurnedAway) {
   Serve();
   std::vector<std::unique_ptr<WebClient>> viewers;
-  for (int i = 0; i < WebServer::kMostViewers; ++i) {
+  for (int i = 0; i < WebServer::kMaxViewers; ++i) {
     viewers.push_back(std::make_unique<WebClient>(server_->port()));
     viewers.back()->Upgrade();
   }
   WebClient late(server_->port());
   EXPECT_THAT(late.Get("/socket", WebClient::UpgradeHeaders(late.host(), "http://" + late.host())), HasSubstr(" 503 "));
   viewers.clear();
-  handler_.AwaitClosed(WebServer::kMostViewers);
+  handler_.AwaitClosed(WebServer::kMaxViewers);
   ExpectHealthy();
 }
 

@@ -36,7 +36,7 @@ Result<Goal> GoalFromWire(const troupe_wire_RobotCommand& wire) {
   goal.number = wire.goal;
   const auto x = Elements(wire.goal_x);
   const auto y = Elements(wire.goal_y);
-  if (x.size() != y.size() || x.size() > kMostWaypoints) {
+  if (x.size() != y.size() || x.size() > kMaxWaypoints) {
     return Error{{}, "command of a robot with goal columns of different lengths, or too long"};
   }
   for (std::size_t i = 0; i < x.size(); ++i) {

@@ -25,7 +25,7 @@ using Deadline = std::chrono::time_point<Clock, std::chrono::duration<double>>;
 constexpr std::chrono::milliseconds kKeysPeriod(100);
 
 // s; a longer wait is several of these.
-constexpr double kLongestWait = 1.0;
+constexpr double kMaxWait = 1.0;
 
 // s: the first request is repeated, since a lost reply is resent no sooner than after a heartbeat. A service that is
 // stopped for longer than all repetitions is not waited for.
@@ -91,7 +91,7 @@ class ControlClient::Connection {
   // Returns early when a reply arrives, or a service appears or disappears.
   void WaitUntil(Deadline deadline) {
     const std::chrono::duration<double> left = deadline - Clock::now();
-    changes_.wait(std::clamp(left.count(), 0.0, kLongestWait));
+    changes_.wait(std::clamp(left.count(), 0.0, kMaxWait));
   }
 
   Result<ControlReply> Call(ControlRequest request, double seconds) {

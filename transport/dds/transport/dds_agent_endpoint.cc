@@ -12,7 +12,7 @@ namespace troupe::dds {
 
 namespace {
 
-constexpr double kMostLeaveWait = 1.0;  // s, for which the service may acknowledge the last samples
+constexpr double kMaxLeaveWait = 1.0;  // s, for which the service may acknowledge the last samples
 constexpr auto kMakePeriod = std::chrono::milliseconds(500);  // between two attempts to make the network's endpoints
 
 }  // namespace
@@ -105,7 +105,7 @@ DdsAgentEndpoint::~DdsAgentEndpoint() {
     last.agent = agent;
     joins_.SendWire(last);
   }
-  connection_.publisher.AwaitAcknowledgments(kMostLeaveWait);
+  connection_.publisher.AwaitAcknowledgments(kMaxLeaveWait);
 }
 
 void DdsAgentEndpoint::Start(AgentHandler& handler) {
@@ -134,7 +134,7 @@ void DdsAgentEndpoint::Deliver(const std::function<void()>& drain) {
   }
 }
 
-void DdsAgentEndpoint::ChooseWays() {
+void DdsAgentEndpoint::SelectTransports() {
   if (!data_sharing_) return;
   JoinEndedReaders();
   for (const Sender* service : sessions_.Matched()) {
@@ -206,7 +206,7 @@ bool DdsAgentEndpoint::DrainSegment(AgentSegment& segment, const GuidPrefix& ser
         return true;
       case AgentSegment::Outcome::kFrame:
         if (services_.Judge(shared_frame_.run, shared_frame_.incarnation, service) ==
-            KnownServices::Verdict::kService) {
+            ServiceRegistry::Verdict::kService) {
           handler_->OnFrame(shared_frame_);
         }
         break;
@@ -234,7 +234,7 @@ void DdsAgentEndpoint::DrainSessions() {
         segments_.erase(ended.writer);
       });
   sessions_.Clear();  // a world may be large, and is received once
-  ChooseWays();
+  SelectTransports();
 }
 
 void DdsAgentEndpoint::EndRuns(const Sender& service, bool in_order) {

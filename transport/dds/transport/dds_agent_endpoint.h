@@ -86,7 +86,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   void EndRuns(const Sender& service, bool in_order);
 
   // Chooses the way to each service that was discovered. REQUIRES: mutex_ is locked.
-  void ChooseWays();
+  void SelectTransports();
   // A thread that has ended keeps its stack until it is joined. REQUIRES: mutex_ is locked.
   void JoinEndedReaders();
   // Null: this service is to be reached over the network.
@@ -114,7 +114,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
 
   std::mutex mutex_;  // locked while a handler runs; guards the members below
   AgentHandler* handler_ = nullptr;
-  KnownServices services_;
+  ServiceRegistry services_;
   FrameMessage shared_frame_;  // filled again and again
   std::vector<Reader> readers_;
 };

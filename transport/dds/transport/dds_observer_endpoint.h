@@ -126,7 +126,7 @@ class DdsObserverEndpoint : public ObserverEndpoint {
   std::atomic<bool> frames_are_short_ = false;
 
   std::mutex mutex_;  // guards the members below it
-  KnownServices services_;
+  ServiceRegistry services_;
   ObserverProtocol protocol_;
 
   std::optional<ObserverQueue> queue_;  // once started

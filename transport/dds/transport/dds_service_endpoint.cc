@@ -12,7 +12,7 @@ namespace {
 
 // s, for which all readers together may acknowledge the last samples. A viewer has a low priority: on a busy machine it
 // may be a second behind. A reader that was killed does not acknowledge, until its lease expires.
-constexpr double kMostEndWait = 5.0;
+constexpr double kMaxEndWait = 5.0;
 
 using Clock = std::chrono::steady_clock;
 
@@ -38,7 +38,7 @@ std::vector<std::unique_ptr<AgentGroup>> MakeGroups(const std::vector<const DdsC
 }
 
 // Ticks between whole frames, for listeners that send no requests.
-constexpr Tick kWholePeriod = 100;
+constexpr Tick kKeyframePeriod = 100;
 
 // A frame is sent to the observers as a whole at most once in this time (s). An observer that has not received it
 // resends its request later than that.
@@ -78,7 +78,7 @@ DdsServiceEndpoint::~DdsServiceEndpoint() {
   for (const auto& group : groups_) {
     if (run_ != 0) group->sessions.SendWire(last);
   }
-  const auto end = Clock::now() + std::chrono::duration<double>(kMostEndWait);
+  const auto end = Clock::now() + std::chrono::duration<double>(kMaxEndWait);
   for (const auto& group : groups_) {
     group->connection.publisher.AwaitAcknowledgments(std::chrono::duration<double>(end - Clock::now()).count());
   }
@@ -297,7 +297,7 @@ const WorldState* FrameStream::BaseOf(const FrameMessage& frame) const {
   // Every agent that answered the frame of the tick before has its state. To the others this frame is resent, whole.
   const bool follows = sent_ && frame.run == sent_->run && frame.edition == sent_->edition &&
                        frame.state.tick == sent_->state.tick + 1 && HaveSameRows(frame.state, sent_->state);
-  const bool whole = !follows || frame.paused || frame.last || frame.state.tick % kWholePeriod == 0;
+  const bool whole = !follows || frame.paused || frame.last || frame.state.tick % kKeyframePeriod == 0;
   return whole ? nullptr : &sent_->state;
 }
 

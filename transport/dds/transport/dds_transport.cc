@@ -20,9 +20,9 @@ using dds::DomainConfig;
 
 // Bounds the memory that a stranger's messages need. The longest that a service receives is the join or the proposal of
 // an agent with a hundred thousand robots.
-constexpr std::uint32_t kLargestSampleForService = 16'000'000;  // bytes
+constexpr std::uint32_t kMaxSampleForService = 16'000'000;  // bytes
 // The largest sample for agents and observers is a world.
-constexpr std::uint32_t kLargestSampleForPeers = 1'000'000'000;
+constexpr std::uint32_t kMaxSampleForPeers = 1'000'000'000;
 
 constexpr double kHeartbeatWithSharing = 0.1;  // s
 
@@ -113,7 +113,7 @@ DomainConfig PeerConfig(const DdsOptions& options) {
   DomainConfig config = ConfigOf(options);
   config.discovery_multicast = false;
   config.describes_types = false;  // the service does
-  config.max_sample_bytes = kLargestSampleForPeers;
+  config.max_sample_bytes = kMaxSampleForPeers;
   config.peers = {options.service_address.empty() ? "127.0.0.1" : options.service_address};
   return config;
 }
@@ -167,8 +167,8 @@ std::size_t SensorBytes(const SensorDescription& sensor) {
 
 std::size_t SessionBytes(const WorldDescription& world) {
   std::size_t bytes =
-      kLargestSampleForService + kRowBytes * (world.models.size() + world.joints.size() + world.grippers.size() +
-                                              world.objects.size() + world.doors.size() + world.people.size());
+      kMaxSampleForService + kRowBytes * (world.models.size() + world.joints.size() + world.grippers.size() +
+                                          world.objects.size() + world.doors.size() + world.people.size());
   for (const Shape& shape : world.shapes) bytes += ShapeBytes(shape);
   for (const RobotDescription& robot : world.robots) {
     bytes += 2 * kRowBytes + robot.controller.parameters.size();
@@ -183,7 +183,7 @@ DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options) {
   DomainConfig config = ConfigOf(options);
   // Cyclone has one bound for what a participant receives and sends.
   config.max_sample_bytes = static_cast<std::uint32_t>(
-      std::clamp<std::size_t>(options.session_bytes, kLargestSampleForService, kLargestSampleForPeers));
+      std::clamp<std::size_t>(options.session_bytes, kMaxSampleForService, kMaxSampleForPeers));
   std::unique_ptr<DdsTransport> transport;
   const auto create = [&](const DomainConfig& free, std::uint16_t port) {
     if (transport) {

@@ -82,10 +82,10 @@ class Senders : public SampleFilter {
   std::set<dds_instance_handle_t> refused_;
 };
 
-// KnownServices: which participant is the world service of a run: the first one that sends a message of that run, and
+// ServiceRegistry: which participant is the world service of a run: the first one that sends a message of that run, and
 // after it the one that continues the run, with a higher incarnation. Messages of the run from any other participant
 // are not the service's.
-class KnownServices {
+class ServiceRegistry {
  public:
   enum class Verdict : std::uint8_t {
     kService,
@@ -95,7 +95,7 @@ class KnownServices {
 
   // `only`: this participant alone is the first service of any run. `proven`: the senders have proven to belong to the
   // run, so that one of them may continue it at once.
-  explicit KnownServices(bool proven, std::optional<GuidPrefix> only = std::nullopt) : proven_(proven), only_(only) {}
+  explicit ServiceRegistry(bool proven, std::optional<GuidPrefix> only = std::nullopt) : proven_(proven), only_(only) {}
 
   // Whether messages of the participant may be those of a service.
   bool MayBeService(const GuidPrefix& participant) const { return !only_ || *only_ == participant || proven_; }

@@ -29,8 +29,8 @@ FrameMessage HeadOf(const FrameMessage& frame) {
 using Clock = std::chrono::steady_clock;
 
 // A run that is killed loses no more than the ticks of about this time.
-constexpr std::chrono::duration<double> kLongestDelay(1.0);
-constexpr std::size_t kMostSpare = 64;
+constexpr std::chrono::duration<double> kMaxDelay(1.0);
+constexpr std::size_t kMaxSpare = 64;
 
 // Nearly all of a world is its shapes.
 std::size_t SizeOf(const WorldDescription& world) {
@@ -332,7 +332,7 @@ void RecordingThread::Run() {
 
 std::optional<RecordingThread::Work> RecordingThread::Await() {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, kLongestDelay,
+  changed_.wait_for(lock, kMaxDelay,
                     [this] { return closed_ || !entries_.empty() || flush_asked_ > flushed_ || !status_.ok(); });
   if (!status_.ok()) return std::nullopt;
   Work work;
@@ -345,8 +345,8 @@ std::optional<RecordingThread::Work> RecordingThread::Await() {
   } else {
     work.closes = closed_;
   }
-  work.flushes = work.closes || Clock::now() - chunk_ended_ >= kLongestDelay ||
-                 (flush_asked_ > flushed_ && popped_ >= flush_asked_);
+  work.flushes =
+      work.closes || Clock::now() - chunk_ended_ >= kMaxDelay || (flush_asked_ > flushed_ && popped_ >= flush_asked_);
   return work;
 }
 
@@ -376,7 +376,7 @@ void RecordingThread::Finish(Work work) {
   }
   {
     const std::lock_guard lock(mutex_);
-    if (work.tick && spare_.size() < kMostSpare) spare_.push_back(std::move(*work.tick));
+    if (work.tick && spare_.size() < kMaxSpare) spare_.push_back(std::move(*work.tick));
     if (!work.flushes) return;
     flushed_ = popped_;
   }

@@ -242,7 +242,7 @@ class Maker {
   const Site& site_;
   dds::WireArena& arena_;
   std::vector<std::string>& left_out_;
-  std::size_t room_ = kMostDrawingBytes;
+  std::size_t room_ = kMaxDrawingBytes;
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace troupe::ros {
 using BuildingMapMessage = rmf_building_map_msgs_msg_dds__BuildingMap_;
 
 // All drawings of a map together. A message has at most 64 MiB.
-inline constexpr std::size_t kMostDrawingBytes = std::size_t{60} << 20;
+inline constexpr std::size_t kMaxDrawingBytes = std::size_t{60} << 20;
 
 // A drawing that is not there is left out. `left_out`: is added those for which the map has no room, by their files.
 BuildingMapMessage MakeBuildingMap(const Site& site, dds::WireArena& arena, std::vector<std::string>& left_out);

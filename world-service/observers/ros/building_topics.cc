@@ -34,7 +34,7 @@ BuildingTopics::BuildingTopics(const ros::RosNode& node, const char* topic, std:
   empty_.name = arena_.Copy("");
   if (!left_out.empty()) {
     report(fmt::format("the map of the building has no room for {}: its drawings may have {} MiB together",
-                       fmt::join(left_out, ", "), ros::kMostDrawingBytes >> 20));
+                       fmt::join(left_out, ", "), ros::kMaxDrawingBytes >> 20));
   }
   topic_.Write(map());
   service_.Start();

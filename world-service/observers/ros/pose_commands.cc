@@ -130,7 +130,7 @@ void PoseCommands::SetGoal(const std::string& robot, const char* frame, const ro
   ControlRequest request;
   request.command = ControlCommand::kCommandRobot;
   request.name = robot;
-  request.ticks = kMostCommandTicks;
+  request.ticks = kMaxCommandTicks;
   request.robot_command.goal = Goal{0, {Vec2(X_WG.value().x, X_WG.value().y)}, X_WG.value().heading};
   Ask(request, kGoalTopic);
 }

@@ -9,7 +9,7 @@
 namespace troupe {
 namespace {
 
-constexpr double kMostTilt = 1e-3;  // of a unit quaternion's x and y: room for rounding
+constexpr double kMaxTilt = 1e-3;  // of a unit quaternion's x and y: room for rounding
 
 // As in simulation_interfaces/msg/Bounds.
 constexpr std::uint8_t kBox = 1;
@@ -67,7 +67,7 @@ Result<Pose> PoseFromRos(const char* frame, const ros::PoseMessage& pose) {
     return Error{{}, "found a pose that is not finite"};
   }
   if (norm < 1e-6) return Error{{}, "found an orientation of zeros, expected a quaternion"};
-  if (std::abs(q.x) > kMostTilt * norm || std::abs(q.y) > kMostTilt * norm) {
+  if (std::abs(q.x) > kMaxTilt * norm || std::abs(q.y) > kMaxTilt * norm) {
     return Error{{}, "found a tilted pose, expected one that is upright"};
   }
   return Pose{pose.position.x, pose.position.y, pose.position.z, WrapAngle(2.0 * Atan2(q.z, q.w))};

@@ -20,7 +20,7 @@ namespace troupe {
 namespace {
 
 constexpr std::int32_t kDepth = 100;  // as of the plugins of Open-RMF
-constexpr std::size_t kMostRefusals = 1000;
+constexpr std::size_t kMaxRefusals = 1000;
 
 // What the thread has to do. Those who ask for it may hold any lock but this one, and so may none who has this one.
 class Duties {
@@ -407,7 +407,7 @@ void RmfTopics::AddEdit(ControlRequest edit) {
 }
 
 void RmfTopics::Refuse(const std::string& line) {
-  if (refused_.size() >= kMostRefusals) refused_.clear();
+  if (refused_.size() >= kMaxRefusals) refused_.clear();
   if (refused_.insert(line).second) reports_->Add(line);
 }
 

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::int32_t kWorkcellDepth = 10;          // as of the plugins of Open-RMF
 constexpr std::int32_t kWorkcellRequestDepth = 100;  // of all workcells
-constexpr std::size_t kMostPast = 10'000;
-constexpr std::size_t kMostLateResults = 10'000;
-constexpr std::size_t kLongestNumber = 256;  // bytes
+constexpr std::size_t kMaxPast = 10'000;
+constexpr std::size_t kMaxLateResults = 10'000;
+constexpr std::size_t kMaxNumber = 256;  // bytes
 
 enum class WorkcellMode : std::int32_t { kIdle = 0, kBusy = 1 };
 
@@ -126,9 +126,9 @@ void RmfWorkcells::Read() {
 // As for the plugins, another dispenser or ingestor may have the workcell's name: it is no error.
 void RmfWorkcells::Accept(WorkcellKind kind, const Request& request) {
   if (Find(kind, request.workcell) == nullptr) return;
-  if (request.number.size() > kLongestNumber) {
+  if (request.number.size() > kMaxNumber) {
     report_(fmt::format("/{}_requests: {} '{}': found a request_guid of {} bytes, expected at most {}", Word(kind),
-                        Word(kind), request.workcell, request.number.size(), kLongestNumber));
+                        Word(kind), request.workcell, request.number.size(), kMaxNumber));
     return;
   }
   const Move move{request.workcell, request.number, kind};
@@ -192,14 +192,14 @@ void RmfWorkcells::Fail(const Move& move, const std::string& reason) {
 }
 
 void RmfWorkcells::Answer(const Move& move, bool is_done) {
-  if (past_.size() >= kMostPast) past_.clear();
+  if (past_.size() >= kMaxPast) past_.clear();
   past_[{move.kind, move.workcell, move.number}] = is_done;
   WriteResult(move, is_done ? ResultStatus::kFulfilled : ResultStatus::kRefused);
 }
 
 void RmfWorkcells::WriteResult(const Move& move, ResultStatus status) {
   if (results_ == Results::kAtOnce) return TopicsOf(move.kind).WriteResult(stamp_, move.workcell, move.number, status);
-  if (late_results_.size() < kMostLateResults) return late_results_.push_back({move, status, stamp_});
+  if (late_results_.size() < kMaxLateResults) return late_results_.push_back({move, status, stamp_});
   report_(
       fmt::format("/{}_results: the run is paused; left out a result of request '{}'", Word(move.kind), move.number));
 }

@@ -21,8 +21,8 @@ constexpr std::int32_t kAnswerDepth = 1000;  // of many nodes
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 // Wall times, s.
-constexpr double kFirstAnswers = 5.0;   // until a notice of those that have never answered
-constexpr double kLongestArming = 1.0;  // of a program that does not answer
+constexpr double kFirstAnswers = 5.0;  // until a notice of those that have never answered
+constexpr double kMaxArming = 1.0;     // of a program that does not answer
 
 double SecondsSince(std::chrono::steady_clock::time_point time) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - time).count();
@@ -135,7 +135,7 @@ bool RosLockstepWait::IsArmed() const {
 
 bool RosLockstepWait::IsPrepared() {
   const std::lock_guard lock(mutex_);
-  awaits_armed_ = !armed_.empty() && SecondsSince(armed_at_) <= kLongestArming && !IsArmed();
+  awaits_armed_ = !armed_.empty() && SecondsSince(armed_at_) <= kMaxArming && !IsArmed();
   return !awaits_armed_;
 }
 

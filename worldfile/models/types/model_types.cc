@@ -42,13 +42,13 @@ constexpr FormerType kFormerTypes[] = {
     {"wifi", "a 'radio'"},
 };
 
-constexpr std::size_t kMostListed = 40;  // names in a message
+constexpr std::size_t kMaxListed = 40;  // names in a message
 
 // " (chair, scout)"; "" without a name.
 std::string ListText(const std::vector<std::string>& names) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMostListed); ++i) text += (i == 0 ? " (" : ", ") + names[i];
-  if (names.size() > kMostListed) text += " and " + std::to_string(names.size() - kMostListed) + " more";
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxListed); ++i) text += (i == 0 ? " (" : ", ") + names[i];
+  if (names.size() > kMaxListed) text += " and " + std::to_string(names.size() - kMaxListed) + " more";
   return text.empty() ? "" : text + ")";
 }
 

@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kDefaultSensorHeight = 0.02;  // m
 
-constexpr std::size_t kMostPlanes = 1024;
+constexpr std::size_t kMaxPlanes = 1024;
 
 // rad, of the planes of a sensor with several: by `planes` and `vertical_fov`, or as a list. Empty: one horizontal
 // plane.
 std::vector<double> ReadElevations(PropertyReader& reader) {
-  const std::size_t planes = static_cast<std::size_t>(reader.Integer("planes", 1, 1, kMostPlanes));
+  const std::size_t planes = static_cast<std::size_t>(reader.Integer("planes", 1, 1, kMaxPlanes));
   const double fov = ReadAngle(reader, "vertical_fov", DegreesToRadians(30.0), 2.0 * kMaxElevation);
   const Property* const list = reader.Use("elevations");
   std::vector<double> elevations;
@@ -41,13 +41,13 @@ std::vector<double> ReadElevations(PropertyReader& reader) {
   if (!numbers) return {};
   for (const double number : *numbers) elevations.push_back(reader.units().Angle(number));
   std::sort(elevations.begin(), elevations.end());
-  const bool usable = !elevations.empty() && elevations.size() <= kMostPlanes && elevations.front() >= -kMaxElevation &&
+  const bool usable = !elevations.empty() && elevations.size() <= kMaxPlanes && elevations.front() >= -kMaxElevation &&
                       elevations.back() <= kMaxElevation &&
                       std::adjacent_find(elevations.begin(), elevations.end()) == elevations.end();
   if (usable) return elevations;
   reader.diagnostics().Fail(reader.Where("elevations"),
                             "found elevations that are equal, too many or beyond 85 degrees, expected up to " +
-                                std::to_string(kMostPlanes) + " different ones");
+                                std::to_string(kMaxPlanes) + " different ones");
   return {};
 }
 

@@ -1,4 +1,4 @@
-// How lifts serve people: ServePeople of rides_of_people.h.
+// How lifts serve people: ServePeople of lift_boarding.h.
 #include <algorithm>
 #include <cmath>
 #include <memory_resource>
@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/spatial/walk_routes.h"
-#include "world-service/core/goals_of_people.h"
-#include "world-service/core/rides_of_people.h"
+#include "world-service/core/lift_boarding.h"
+#include "world-service/core/pedestrian_goals.h"
 
 namespace troupe {
 namespace {

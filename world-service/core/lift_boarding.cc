@@ -1,9 +1,9 @@
-#include "world-service/core/rides_of_people.h"
+#include "world-service/core/lift_boarding.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "world-service/core/goals_of_people.h"
+#include "world-service/core/pedestrian_goals.h"
 
 namespace troupe {
 namespace {

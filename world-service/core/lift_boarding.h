@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "world-service/core/goals_of_people.h"
+#include "world-service/core/pedestrian_goals.h"
 #include "world-service/core/people_view.h"
 #include "world-service/core/step_workspace.h"
 

@@ -1,5 +1,5 @@
 // Smaller cases of a planted fault, and the search for a rare one.
-#include "testing/cases/smaller_case.h"
+#include "testing/cases/shrink.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "world-service/core/walks_of_people.h"
+#include "world-service/core/preferred_velocity.h"
 
 #include <algorithm>
 #include <optional>
 
-#include "world-service/core/goals_of_people.h"
-#include "world-service/core/rides_of_people.h"
+#include "world-service/core/lift_boarding.h"
+#include "world-service/core/pedestrian_goals.h"
 
 namespace troupe {
 namespace {
@@ -15,7 +15,7 @@ constexpr double kTooFar = 3.0;        // m at which a leader waits
 constexpr double kPassable = 0.9;      // the opening of a door from which on people pass
 constexpr double kHalfOpen = 0.5;      // of one that is blocked
 constexpr double kWaitingGap = 0.3;    // m between people who wait and the sweep of a leaf
-constexpr double kLeastGap = 0.03;     // m: those who are nearer step back
+constexpr double kMinGap = 0.03;       // m: those who are nearer step back
 constexpr double kSteppingBack = 0.6;  // of the speed
 constexpr double kGivenUp = 1.0;       // s: so long a person stands after a goal that it cannot reach
 
@@ -193,7 +193,7 @@ class Walk {
     if (is_passable) return velocity;
     const DoorPortal::Clearance clearance = clearance_of(*ahead.door);
     const double gap = clearance.distance - radius;
-    if (gap < kLeastGap) return kSteppingBack * description_.speed * clearance.away;
+    if (gap < kMinGap) return kSteppingBack * description_.speed * clearance.away;
     if (gap < kWaitingGap) return {0.0, 0.0};
     return velocity * std::min(1.0, (gap - 0.5 * kWaitingGap) / (kSlowDown * description_.speed + 1e-9));
   }
@@ -205,7 +205,7 @@ class Walk {
       const bool passes = asked_ == door + 1 && IsPassable(view_.state().doors[door]);
       if (passes || !portal.closed.front().z.Overlaps(view_.disc(i_).z)) continue;
       const DoorPortal::Clearance clearance = portal.ClearanceOf(here_);
-      if (clearance.distance - view_.disc(i_).radius >= kLeastGap) continue;
+      if (clearance.distance - view_.disc(i_).radius >= kMinGap) continue;
       velocity = kSteppingBack * description_.speed * clearance.away;
       return;
     }

@@ -1,4 +1,4 @@
-#include "testing/cases/smaller_case.h"
+#include "testing/cases/shrink.h"
 
 #include <algorithm>
 #include <chrono>
@@ -12,8 +12,8 @@ namespace troupe {
 namespace {
 
 constexpr std::uint64_t kSearchStream = 0x7365'6172'6368;
-constexpr std::size_t kMostNear = 5;        // cases that are kept for each expectation
-constexpr std::uint64_t kMostRepeats = 50;  // draws until a case is new
+constexpr std::size_t kMaxNear = 5;        // cases that are kept for each expectation
+constexpr std::uint64_t kMaxRepeats = 50;  // draws until a case is new
 
 // Robots and objects that stand by themselves.
 std::vector<std::string> EntitiesOf(const WorldDescription& world) {
@@ -216,7 +216,7 @@ TestCase CaseSearch::Propose() {
 
 TestCase CaseSearch::Next() {
   TestCase draws;
-  for (std::uint64_t i = 0; i < kMostRepeats; ++i) {
+  for (std::uint64_t i = 0; i < kMaxRepeats; ++i) {
     draws = Propose();
     ++proposals_;
     if (proposed_.insert(CaseText(draws)).second) break;
@@ -233,7 +233,7 @@ void CaseSearch::Add(const TestCase& draws, const CaseOutcome& outcome) {
     const auto place =
         std::find_if(list.begin(), list.end(), [&](const Near& near) { return robustness < near.robustness; });
     list.insert(place, {robustness, draws});
-    if (list.size() > kMostNear) list.pop_back();
+    if (list.size() > kMaxNear) list.pop_back();
   }
 }
 

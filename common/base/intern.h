@@ -1,4 +1,4 @@
-// OneOfAlike: one copy of a value that many objects have each, as the rays of the robots of a swarm, so that a cache of
+// Intern: one copy of a value that many objects have each, as the rays of the robots of a swarm, so that a cache of
 // the processor has it.
 #pragma once
 
@@ -14,8 +14,8 @@ namespace troupe {
 
 // The value, shared with the objects that got an equal one lately. Safe to call from several threads.
 template <typename T>
-Shared<T> OneOfAlike(T value) {
-  constexpr std::size_t kMostKnown = 16;  // a world has few kinds of robots
+Shared<T> Intern(T value) {
+  constexpr std::size_t kMaxKnown = 16;  // a world has few kinds of robots
   static std::mutex mutex;
   static std::vector<std::weak_ptr<const T>> known;
   const std::scoped_lock lock(mutex);
@@ -24,7 +24,7 @@ Shared<T> OneOfAlike(T value) {
     if (std::shared_ptr<const T> shared = one.lock(); shared != nullptr && *shared == value) return shared;
   }
   const auto added = std::make_shared<const T>(std::move(value));
-  if (known.size() == kMostKnown) known.erase(known.begin());
+  if (known.size() == kMaxKnown) known.erase(known.begin());
   known.push_back(added);
   return added;
 }

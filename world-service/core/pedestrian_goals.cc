@@ -1,4 +1,4 @@
-#include "world-service/core/goals_of_people.h"
+#include "world-service/core/pedestrian_goals.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "world-service/core/moves_of_people.h"
+#include "world-service/core/pedestrian_motion.h"
 
 #include <algorithm>
 #include <span>
