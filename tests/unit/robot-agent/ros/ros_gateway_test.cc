@@ -13,6 +13,7 @@
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/world_topics.h"
+#include "ros/messages/convert.h"
 #include "tests/support/dds_domain.h"
 #include "tests/support/garbage_sender.h"
 #include "tests/support/gripper_world.h"
