@@ -1,11 +1,12 @@
 #include "common/model/states.h"
 
-#include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "common/base/hash.h"
+#include "common/model/field_check.h"
+#include "common/model/field_hasher.h"
 #include "troupe/check.h"
 #include "troupe/radio_limits.h"
 
@@ -33,83 +34,6 @@ std::optional<std::size_t> CountRows(const WorldDescription& world, const Device
   return std::nullopt;
 }
 
-bool IsKnown(const WorldDescription& world, ModelId model) {
-  return model.index() < world.models.size();
-}
-bool IsKnown(const WorldDescription& world, RobotId robot) {
-  return robot.index() < world.robots.size();
-}
-bool IsKnown(const WorldDescription& world, GripperId gripper) {
-  return gripper.index() < world.grippers.size();
-}
-bool IsKnown(const WorldDescription& world, ObjectId object) {
-  return object.index() < world.objects.size();
-}
-
-// Checks one state: all of its numbers are finite, and all of its ids are those of the world.
-class ValueCheck {
- public:
-  explicit ValueCheck(const WorldDescription& world) : world_(world) {}
-
-  void operator()(double number) { finite_ = finite_ && std::isfinite(number); }
-  template <typename Tag>
-  void operator()(Id<Tag> id) {
-    known_ = known_ && IsKnown(world_, id);
-  }
-  template <typename Tag>
-  void operator()(const std::optional<Id<Tag>>& id) {
-    known_ = known_ && (!id || IsKnown(world_, *id));
-  }
-  template <typename Number>
-  requires(std::is_integral_v<Number> || std::is_enum_v<Number>) void operator()(Number) {}  // any
-  void operator()(const std::vector<std::uint8_t>&) {}                                       // any
-
-  Status status() const {
-    if (!finite_) return StateError("found a number that is not finite in a state");
-    if (!known_) return StateError("found an id in a state that the world does not have");
-    return {};
-  }
-
- private:
-  const WorldDescription& world_;
-  bool finite_ = true;
-  bool known_ = true;
-};
-
-void Add(Hasher& hasher, double value) {
-  hasher.Add(value);
-}
-
-template <typename Number>
-requires(std::is_integral_v<Number> || std::is_enum_v<Number>) void Add(Hasher& hasher, Number value) {
-  hasher.Add(static_cast<std::uint64_t>(value));
-}
-
-template <typename Tag>
-void Add(Hasher& hasher, Id<Tag> id) {
-  hasher.Add(std::uint64_t{id.index()});
-}
-
-template <typename Tag>
-void Add(Hasher& hasher, const std::optional<Id<Tag>>& id) {
-  hasher.Add(std::uint64_t{id ? id->index() + 1 : 0});
-}
-
-void Add(Hasher& hasher, const std::vector<std::uint8_t>& bytes) {
-  hasher.Add(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-}
-
-template <HasFields Row>
-void Add(Hasher& hasher, const Row& row) {
-  ForEachLeaf<Row>([&](const auto& leaf) { Add(hasher, leaf.Of(row)); });
-}
-
-// Rows without their number: worlds without any of a kind keep their hashes when states have a new kind.
-template <HasFields Row>
-void Add(Hasher& hasher, const std::vector<Row>& rows) {
-  for (const Row& row : rows) Add(hasher, row);
-}
-
 // At tick 0 the poses determine the supports: a state has the same hash before and after they are found.
 std::vector<ObjectState> WithoutSupports(std::vector<ObjectState> objects) {
   for (ObjectState& object : objects) {
@@ -135,26 +59,24 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
 
 Status CheckState(const WorldDescription& world, const DeviceCounts& devices, const WorldState& state) {
   Status problem;
-  ValueCheck check(world);
+  FieldCheck check(&world, std::numeric_limits<double>::max());
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
     const std::vector<Row>& rows = table.Of(state);
     const std::size_t expected = CountRows<Row>(world, devices).value_or(rows.size());
-    if (problem.ok() && rows.size() != expected) {
+    if (!problem.ok()) return;
+    if (rows.size() != expected) {
       problem = StateError("found a state of " + std::to_string(rows.size()) + " " + std::string(table.name) +
                            ", expected " + std::to_string(expected));
     }
-    for (const Row& row : rows) ForEachLeaf<Row>([&](const auto& leaf) { check(leaf.Of(row)); });
+    for (std::size_t i = 0; i < rows.size() && problem.ok(); ++i) {
+      if (check.Check(rows[i])) continue;
+      problem = StateError("state: " + std::string(table.name) + "." + std::to_string(i) + "." + check.problem());
+    }
   });
-  if (problem.ok()) problem = check.status();
   if (!problem.ok()) return problem;
   for (const ObjectState& object : state.objects) {
     if ((object.mode == ObjectMode::kHeld) != object.holder.has_value()) {
       return StateError("found an object that is held without a holder, or has a holder without being held");
-    }
-  }
-  for (const DoorState& door : state.doors) {
-    if (!(door.opening >= 0.0 && door.opening <= 1.0 && door.target >= 0.0 && door.target <= 1.0)) {
-      return StateError("found a door that is not between closed and open");
     }
   }
   for (std::size_t i = 0; i < state.lifts.size(); ++i) {
@@ -190,13 +112,17 @@ bool HaveSameRows(const WorldState& a, const WorldState& b) {
 }
 
 std::uint64_t StateHash(const WorldState& state) {
-  Hasher hasher;
-  ForEachField<WorldState>([&](const auto& field) {
-    const auto& part = field.Of(state);
-    if constexpr (std::is_same_v<decltype(part), const std::vector<ObjectState>&>) {
-      if (state.tick == 0) return Add(hasher, WithoutSupports(part));
+  FieldHasher hasher;
+  hasher.Add(state.tick);
+  // Rows without their number: worlds without any of a kind keep their hashes when states have a new kind.
+  const auto add_rows = [&](const auto& rows) {
+    for (const auto& row : rows) hasher.Add(row);
+  };
+  ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
+    if constexpr (std::is_same_v<Row, ObjectState>) {
+      if (state.tick == 0) return add_rows(WithoutSupports(state.objects));
     }
-    Add(hasher, part);
+    add_rows(table.Of(state));
   });
   return hasher.value();
 }

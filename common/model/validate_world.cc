@@ -15,8 +15,6 @@
 namespace troupe {
 namespace {
 
-constexpr std::int64_t kMaxInterval_ns = 1'000'000'000'000;
-
 bool AreUsable(std::initializer_list<double> numbers) {
   for (double number : numbers) {
     if (!(std::abs(number) <= kMaxMagnitude)) return false;
@@ -91,8 +89,6 @@ Status CheckAreas(const WorldDescription& world) {
   }
   return Status();
 }
-
-constexpr double kMaxEnergy = 1e12;  // J, W or kg
 
 Status CheckModel(const WorldDescription& world, std::size_t index) {
   const ModelDescription& model = world.models[index];
@@ -343,9 +339,9 @@ Status CheckRosDomains(const WorldDescription& world) {
 }  // namespace
 
 Status Validate(const WorldDescription& world) {
-  if (world.interval_ns < 1 || world.interval_ns > kMaxInterval_ns) {
+  if (world.interval_ns < 1 || static_cast<double>(world.interval_ns) > kMaxInterval_ns) {
     return Problem("found a tick of " + std::to_string(world.interval_ns) + " ns, expected 1 to " +
-                   std::to_string(kMaxInterval_ns));
+                   std::to_string(static_cast<std::int64_t>(kMaxInterval_ns)));
   }
   for (std::size_t i = 0; i < world.shapes.size(); ++i) {
     if (Status error = InPart(CheckShape(world.shapes[i]), "shape", i); !error.ok()) return error;

@@ -1,6 +1,8 @@
 // Color: red, green, blue and opacity.
 #pragma once
 
+#include "troupe/fields.h"
+
 namespace troupe {
 
 // Red, green, blue, opacity in 0..1.
@@ -10,6 +12,9 @@ struct Color {
   double b = 0.0;
   double a = 1.0;
   bool operator==(const Color&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{Field{"r", &Color::r}, Field{"g", &Color::g}, Field{"b", &Color::b}, Field{"a", &Color::a}};
+  }
 };
 
 }  // namespace troupe

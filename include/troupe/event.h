@@ -34,12 +34,16 @@ struct Event {
   std::optional<RobotId> robot = {};
   std::optional<ModelId> other = {};
   std::string detail = {};
-  std::optional<ModelId> object = {};  // the root of an object's tree
+  std::optional<ModelId> object = {};
   bool operator==(const Event&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"tick", &Event::tick},   Field{"type", &Event::type},     Field{"robot", &Event::robot},
-        Field{"other", &Event::other}, Field{"object", &Event::object}, Field{"detail", &Event::detail},
+        Field{"tick", &Event::tick, "of the step that caused it"}.In("tick"),
+        Field{"type", &Event::type},
+        Field{"robot", &Event::robot},
+        Field{"other", &Event::other, "the other body, of the types that name one"},
+        Field{"object", &Event::object, "the root of an object's tree"},
+        Field{"detail", &Event::detail},
     };
   }
 };

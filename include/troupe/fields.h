@@ -1,28 +1,79 @@
-// The fields of a row type (RobotState, Event, ...), listed once: a static function Fields() of the type returns a
-// tuple of Field, one for each member. From this list come the state hash, the checks, the words of shared memory, the
-// columns of idl/, the differences of replays and the rows of the viewer's page. A member that is not listed does not
-// compile.
+// The fields of a row type (RobotState, DoorDescription, Event, ...), listed once: a static function Fields() of the
+// type returns a tuple of Field, one for each member, with its name, documentation, unit and limits:
+//
+//   Field{"opening", &DoorState::opening, "from 0, closed, to 1"}.Within(0, 1),
+//   Field{"z", &LiftState::z, "of the cabin's floor"}.In("m"),
+//
+// From this list come hashes, checks, the words of shared memory, the messages of idl/, the differences of replays, the
+// rows of the viewer's page and the random rows of tests. A member that is not listed does not compile.
 //
 // A field of a type with fields is a branch; the other ones, its and those of its branches, are the leaves of a type.
+// All of it is known at compile time.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace troupe {
 
+// The numbers that a field may have; all finite ones by default. Those of a list are its elements', those of an
+// interval its ends'.
+struct FieldLimits {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool is_min_excluded = false;
+
+  constexpr bool has_min() const { return min != -std::numeric_limits<double>::infinity(); }
+  constexpr bool has_max() const { return max != std::numeric_limits<double>::infinity(); }
+  // False for a number that is not finite.
+  constexpr bool Contain(double value) const {
+    constexpr double kMax = std::numeric_limits<double>::max();
+    return value >= min && value <= max && value >= -kMax && value <= kMax && !(is_min_excluded && value == min);
+  }
+  bool operator==(const FieldLimits&) const = default;
+};
+
+// What is known of a field, whatever its type. Its default is the member's, of a row made by Row().
+struct FieldInfo {
+  std::string_view name;           // lower case, words separated by '_'; unique among the leaves of a state's type
+  std::string_view documentation;  // one line
+  std::string_view unit;           // "m", "rad/s", ...; empty: none, or that of each leaf of a branch
+  FieldLimits limits;
+};
+
 template <typename RowType, typename PartType>
-struct Field {
+struct Field : FieldInfo {
+  using Row = RowType;
   using Part = PartType;
 
-  constexpr Field(std::string_view its_name, Part RowType::*its_member) : name(its_name), member(its_member) {}
+  constexpr Field(std::string_view its_name, Part RowType::*its_member, std::string_view its_documentation = {})
+      : FieldInfo{its_name, its_documentation, {}, {}}, member(its_member) {}
+
+  constexpr Field In(std::string_view its_unit) const {
+    Field field = *this;
+    field.unit = its_unit;
+    return field;
+  }
+  constexpr Field AtLeast(double min) const { return With({min, limits.max, false}); }
+  constexpr Field Above(double min) const { return With({min, limits.max, true}); }
+  constexpr Field AtMost(double max) const { return With({limits.min, max, limits.is_min_excluded}); }
+  constexpr Field Within(double min, double max) const { return With({min, max, false}); }
+  constexpr Field With(const FieldLimits& its_limits) const {
+    Field field = *this;
+    field.limits = its_limits;
+    return field;
+  }
+
   constexpr Part& Of(RowType& row) const { return row.*member; }
   constexpr const Part& Of(const RowType& row) const { return row.*member; }
 
-  std::string_view name;  // lower case, words separated by '_'; unique among the leaves of a type
   Part RowType::*member;
 };
 
@@ -31,9 +82,23 @@ concept HasFields = requires {
   Row::Fields();
 };
 
+// The units of fields.
+inline constexpr std::array<std::string_view, 18> kFieldUnits = {
+    "m", "rad", "s",    "m/s", "rad/s", "m/s^2", "m or rad", "m/s or rad/s", "J",
+    "W", "kg",  "tick", "ns",  "pixel", "byte",  "byte/s",   "dBm",          "dB"};
+
+template <typename Value>
+inline constexpr bool kIsList = false;
+template <typename Element>
+inline constexpr bool kIsList<std::vector<Element>> = true;
+template <typename Value>
+inline constexpr bool kIsOptional = false;
+template <typename Value>
+inline constexpr bool kIsOptional<std::optional<Value>> = true;
+
 namespace fields_internal {
 
-struct Anything {
+struct AnyConvertible {
   template <typename Value>
   operator Value() const;  // NOLINT(google-explicit-constructor): stands for any initializer
 };
@@ -41,7 +106,7 @@ struct Anything {
 template <typename Row, std::size_t... I>
 constexpr bool CanInitialize(std::index_sequence<I...>) {
   return requires {
-    Row{(static_cast<void>(I), Anything{})...};
+    Row{(static_cast<void>(I), AnyConvertible{})...};
   };
 }
 
@@ -70,16 +135,29 @@ constexpr bool AreDistinct(const std::tuple<Listed...>& fields) {
       fields);
 }
 
+constexpr bool IsUnit(std::string_view unit) {
+  for (const std::string_view known : kFieldUnits) {
+    if (unit == known) return true;
+  }
+  return unit.empty();
+}
+
 template <typename Branch, typename Leaf>
-struct NestedLeaf {
+struct NestedLeaf : FieldInfo {
   using Part = typename Leaf::Part;
+
+  constexpr NestedLeaf(const Branch& its_branch, const Leaf& its_leaf)
+      : FieldInfo(its_leaf), branch(its_branch), leaf(its_leaf) {
+    if (documentation.empty()) documentation = branch.documentation;
+    if (unit.empty()) unit = branch.unit;
+    if (limits == FieldLimits()) limits = branch.limits;
+  }
 
   template <typename Row>
   constexpr auto& Of(Row& row) const {
     return leaf.Of(branch.Of(row));
   }
 
-  std::string_view name;
   Branch branch;
   Leaf leaf;
 };
@@ -92,7 +170,7 @@ constexpr auto LeavesOf(const Listed& field) {
   if constexpr (HasFields<typename Listed::Part>) {
     return std::apply(
         [&](const auto&... leaf) {
-          return std::tuple(NestedLeaf<Listed, std::remove_cvref_t<decltype(leaf)>>{leaf.name, field, leaf}...);
+          return std::tuple(NestedLeaf<Listed, std::remove_cvref_t<decltype(leaf)>>(field, leaf)...);
         },
         Leaves<typename Listed::Part>());
   } else {
@@ -112,6 +190,8 @@ constexpr auto FieldsOf() {
   constexpr auto fields = Row::Fields();
   static_assert(std::tuple_size_v<decltype(fields)> == kMemberCount<Row>, "a member is missing in Fields()");
   static_assert(fields_internal::AreDistinct(fields), "a member is listed twice in Fields()");
+  static_assert(std::apply([](const auto&... field) { return (... && fields_internal::IsUnit(field.unit)); }, fields),
+                "a field has a unit that is not in kFieldUnits");
   return fields;
 }
 

@@ -5,6 +5,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace troupe {
 
@@ -23,6 +24,15 @@ class Id {
 
   std::uint32_t index_ = kUnset;
 };
+
+template <typename Value>
+inline constexpr bool kIsId = false;
+template <typename Tag>
+inline constexpr bool kIsId<Id<Tag>> = true;
+template <typename Value>
+inline constexpr bool kIsOptionalId = false;
+template <typename Tag>
+inline constexpr bool kIsOptionalId<std::optional<Id<Tag>>> = true;
 
 using ModelId = Id<struct ModelTag>;      // in WorldDescription::models
 using RobotId = Id<struct RobotTag>;      // in WorldDescription::robots and WorldState::robots

@@ -1,6 +1,8 @@
 // Interval: a closed range of numbers.
 #pragma once
 
+#include "troupe/fields.h"
+
 namespace troupe {
 
 struct Interval {
@@ -9,6 +11,7 @@ struct Interval {
   double Clamp(double value) const { return value < min ? min : (value > max ? max : value); }
   bool Contains(double value) const { return value >= min && value <= max; }
   bool operator==(const Interval&) const = default;
+  static constexpr auto Fields() { return std::tuple{Field{"min", &Interval::min}, Field{"max", &Interval::max}}; }
 };
 
 }  // namespace troupe

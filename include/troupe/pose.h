@@ -14,19 +14,19 @@
 namespace troupe {
 
 struct Pose {
-  double x = 0.0;        // m
-  double y = 0.0;        // m
-  double z = 0.0;        // m
-  double heading = 0.0;  // rad, in (-pi, pi]
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+  double heading = 0.0;
 
   Vec2 translation() const { return {x, y}; }
   bool operator==(const Pose&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"x", &Pose::x},
-        Field{"y", &Pose::y},
-        Field{"z", &Pose::z},
-        Field{"heading", &Pose::heading},
+        Field{"x", &Pose::x}.In("m"),
+        Field{"y", &Pose::y}.In("m"),
+        Field{"z", &Pose::z}.In("m"),
+        Field{"heading", &Pose::heading, "in (-pi, pi], counter-clockwise"}.In("rad"),
     };
   }
 };
@@ -67,17 +67,17 @@ class Transform2 {
 
 // Velocity of a robot in its own frame R.
 struct Twist {
-  double vx = 0.0;  // m/s, forward
-  double vy = 0.0;  // m/s, to the left
-  double wz = 0.0;  // rad/s, counter-clockwise
+  double vx = 0.0;
+  double vy = 0.0;
+  double wz = 0.0;
 
   bool IsZero() const { return vx == 0.0 && vy == 0.0 && wz == 0.0; }
   bool operator==(const Twist&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"vx", &Twist::vx},
-        Field{"vy", &Twist::vy},
-        Field{"wz", &Twist::wz},
+        Field{"vx", &Twist::vx, "forward"}.In("m/s"),
+        Field{"vy", &Twist::vy, "to the left"}.In("m/s"),
+        Field{"wz", &Twist::wz, "counter-clockwise"}.In("rad/s"),
     };
   }
 };

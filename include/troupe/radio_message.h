@@ -17,14 +17,14 @@ inline constexpr std::size_t kMaxRadioMessages = 64;   // that one robot sends i
 
 // A message that a robot is to send in its next tick.
 struct RadioMessage {
-  std::size_t radio = 0;           // of the robot: in RobotInfo::sensors, as in RobotDescription::sensors
-  std::optional<RobotId> to = {};  // the only robot that may receive it; nothing: all in range
+  std::size_t radio = 0;
+  std::optional<RobotId> to = {};
   std::vector<std::uint8_t> bytes = {};
   bool operator==(const RadioMessage&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"radio", &RadioMessage::radio},
-        Field{"to", &RadioMessage::to},
+        Field{"radio", &RadioMessage::radio, "the sensor, in RobotInfo::sensors as in RobotDescription::sensors"},
+        Field{"to", &RadioMessage::to, "the only robot that may receive it; none: all in range"},
         Field{"bytes", &RadioMessage::bytes},
     };
   }
@@ -33,15 +33,17 @@ struct RadioMessage {
 // A message on its way.
 struct RadioTransmission {
   RobotId from;
-  Tick sent = 0;           // the tick in which it was sent
-  Tick due = 0;            // the tick in which it arrives, not before `sent`
-  std::size_t number = 0;  // among the robot's messages of that tick
+  Tick sent = 0;
+  Tick due = 0;
+  std::size_t number = 0;
   RadioMessage message = {};
   bool operator==(const RadioTransmission&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"from", &RadioTransmission::from},       Field{"sent", &RadioTransmission::sent},
-        Field{"due", &RadioTransmission::due},         Field{"number", &RadioTransmission::number},
+        Field{"from", &RadioTransmission::from},
+        Field{"sent", &RadioTransmission::sent, "the tick in which it was sent"}.In("tick"),
+        Field{"due", &RadioTransmission::due, "the tick in which it arrives, not before `sent`"}.In("tick"),
+        Field{"number", &RadioTransmission::number, "among the robot's messages of that tick"},
         Field{"message", &RadioTransmission::message},
     };
   }

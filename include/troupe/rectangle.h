@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "troupe/fields.h"
 #include "troupe/vec2.h"
 
 namespace troupe {
@@ -46,6 +47,14 @@ struct Rectangle {
   double height() const { return max_y - min_y; }
   Vec2 center() const { return {0.5 * (min_x + max_x), 0.5 * (min_y + max_y)}; }
   bool operator==(const Rectangle&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"min_x", &Rectangle::min_x}.In("m"),
+        Field{"min_y", &Rectangle::min_y}.In("m"),
+        Field{"max_x", &Rectangle::max_x}.In("m"),
+        Field{"max_y", &Rectangle::max_y}.In("m"),
+    };
+  }
 };
 
 // Counter-clockwise from the one with the smallest coordinates.

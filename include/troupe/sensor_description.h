@@ -1,16 +1,17 @@
 // SensorDescription: a sensor that is mounted on a robot, of any kind. A kind is an alternative of SensorParameters: a
-// struct with its name (kType), its parts (VisitFields), its rules (Check) and a summary. From these the description is
-// hashed, checked, sent and recorded; common/sensing has its measurement.
+// struct with its name (kType), its fields with their limits (fields.h), further rules (Check) if it has any, and a
+// summary. From these the description is hashed, checked, sent and recorded; common/sensing has its measurement.
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "troupe/color.h"
+#include "troupe/fields.h"
 #include "troupe/ids.h"
 #include "troupe/interval.h"
 #include "troupe/pose.h"
@@ -29,57 +30,67 @@ inline constexpr double kMaxElevation = 85.0 / 180 * kPi;  // rad, of a ray of a
 
 // One fan of rays, or several one above another. Frame S: the sensor; rays leave from its origin.
 struct RaySensorDescription {
-  Pose X_MS;                        // in the ranger model's frame
-  Interval range{0.0, 5.0};         // m
-  double fov = 0.1;                 // rad; the fan spans -fov/2 .. +fov/2, both ends included
-  std::uint32_t samples = 1;        // 1 to kMaxRaySamples; 1: a single ray straight ahead
-  double noise_variance = 0.0;      // m^2, added to a hit's range
-  double noise_proportional = 0.0;  // a hit's range r gets r * this * uniform(-1, 1)
-  double noise_angle = 0.0;         // rad: a ray's bearing gets uniform(-1, 1) * this * step / 2, as in Stage
-  // rad, above the horizontal: of each plane of a scanner with several, ascending. Empty: one horizontal plane.
+  Pose X_MS;
+  Interval range{0.0, 5.0};
+  double fov = 0.1;
+  std::uint32_t samples = 1;
+  double noise_variance = 0.0;
+  double noise_proportional = 0.0;
+  double noise_angle = 0.0;
   std::vector<double> elevations = {};
 
   // Planes of rays; 1 without elevations.
   std::size_t planes() const { return elevations.empty() ? 1 : elevations.size(); }
   bool operator==(const RaySensorDescription&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("pose", self.X_MS);
-    visit("range", self.range);
-    visit("fov", self.fov);
-    visit("samples", self.samples);
-    visit("noise_variance", self.noise_variance);
-    visit("noise_proportional", self.noise_proportional);
-    visit("noise_angle", self.noise_angle);
-    visit("elevations", self.elevations);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &RaySensorDescription::X_MS, "in the ranger model's frame"},
+        Field{"range", &RaySensorDescription::range}.In("m").AtLeast(0),
+        Field{"fov", &RaySensorDescription::fov, "the fan spans -fov/2 .. +fov/2, both ends included"}
+            .In("rad")
+            .AtLeast(0),
+        Field{"samples", &RaySensorDescription::samples, "1: a single ray straight ahead"}.Within(1, kMaxRaySamples),
+        Field{"noise_variance", &RaySensorDescription::noise_variance, "of a hit's range, m^2"}.AtLeast(0),
+        Field{"noise_proportional", &RaySensorDescription::noise_proportional,
+              "a hit's range r gets r * this * uniform(-1, 1)"},
+        Field{"noise_angle", &RaySensorDescription::noise_angle,
+              "a ray's bearing gets uniform(-1, 1) * this * step / 2, as in Stage"}
+            .In("rad"),
+        Field{"elevations", &RaySensorDescription::elevations,
+              "of the planes of a scanner, ascending; none: one horizontal plane"}
+            .In("rad")
+            .Within(-kMaxElevation, kMaxElevation),
+    };
   }
 };
 
 // A ranger: one or more ray sensors (a laser scanner has one, a sonar ring many).
 struct RangerParameters {
   static constexpr std::string_view kType = "ranger";
-  Shared<std::vector<RaySensorDescription>> ray_sensors = {};  // robots of one macro have one list
+  Shared<std::vector<RaySensorDescription>> ray_sensors = {};
 
   Status Check() const;
   std::string Summary() const;  // "16 sensors, 16 rays"
   bool operator==(const RangerParameters&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("ray_sensors", self.ray_sensors);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"ray_sensors", &RangerParameters::ray_sensors, "one list for the robots of a macro"},
+    };
   }
 };
 
 // A light beam across the gap of a gripper: broken when an object is between its ends. Frame G: the gripper's model.
 struct BreakBeam {
-  Vec2 from{0.0, 0.0};  // m, in frame G
-  Vec2 to{0.0, 0.0};    // m, in frame G
-  double z = 0.0;       // m, in frame G
+  Vec2 from{0.0, 0.0};
+  Vec2 to{0.0, 0.0};
+  double z = 0.0;
   bool operator==(const BreakBeam&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("from", self.from);
-    visit("to", self.to);
-    visit("z", self.z);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"from", &BreakBeam::from, "in G"}.In("m"),
+        Field{"to", &BreakBeam::to, "in G"}.In("m"),
+        Field{"z", &BreakBeam::z, "in G"}.In("m"),
+    };
   }
 };
 
@@ -90,9 +101,10 @@ struct BreakBeamParameters {
   Status Check() const;  // never success: the beams of a robot follow from its grippers
   std::string Summary() const;
   bool operator==(const BreakBeamParameters&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("beams", self.beams);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"beams", &BreakBeamParameters::beams},
+    };
   }
 };
 
@@ -100,50 +112,54 @@ struct BreakBeamParameters {
 struct FiducialParameters {
   static constexpr std::string_view kType = "fiducial";
   Pose X_MS = {};
-  Interval range{0.0, 8.0};     // m, between the origins of the finder and the model
-  double id_range = 5.0;        // m: nearer models are identified
-  double fov = kPi;             // rad; up to 2 pi
-  std::int32_t key = 0;         // equal to the model's
-  bool ignores_height = false;  // else the line of sight must end on the model's body, at the finder's height
+  Interval range{0.0, 8.0};
+  double id_range = 5.0;
+  double fov = kPi;
+  std::int32_t key = 0;
+  bool ignores_height = false;
 
-  Status Check() const;
   std::string Summary() const;
   bool operator==(const FiducialParameters&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("pose", self.X_MS);
-    visit("range", self.range);
-    visit("id_range", self.id_range);
-    visit("fov", self.fov);
-    visit("key", self.key);
-    visit("ignores_height", self.ignores_height);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &FiducialParameters::X_MS},
+        Field{"range", &FiducialParameters::range, "between the origins of the finder and the model"}.In("m").AtLeast(
+            0),
+        Field{"id_range", &FiducialParameters::id_range, "nearer models are identified"}.In("m").AtLeast(0),
+        Field{"fov", &FiducialParameters::fov}.In("rad").Within(0, 2 * kPi),
+        Field{"key", &FiducialParameters::key, "equal to the model's"},
+        Field{"ignores_height", &FiducialParameters::ignores_height,
+              "else the line of sight must end on the model's body, at the finder's height"},
+    };
   }
 };
 
 // One side of a bumper: a straight strip. Frame B: its middle, x pointing away from the robot.
 struct BumperSegment {
   Pose X_MB = {};
-  double length = 0.0;  // m, along y of B
+  double length = 0.0;
   bool operator==(const BumperSegment&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("pose", self.X_MB);
-    visit("length", self.length);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &BumperSegment::X_MB},
+        Field{"length", &BumperSegment::length, "along y of B"}.In("m").AtLeast(0),
+    };
   }
 };
 
 struct BumperParameters {
   static constexpr std::string_view kType = "bumper";
   std::vector<BumperSegment> segments = {};
-  double height = 0.0;  // m, of every segment, upwards from its pose
+  double height = 0.0;
 
   Status Check() const;
   std::string Summary() const;
   bool operator==(const BumperParameters&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("segments", self.segments);
-    visit("height", self.height);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"segments", &BumperParameters::segments},
+        Field{"height", &BumperParameters::height, "of each segment, upwards from its pose"}.In("m").AtLeast(0),
+    };
   }
 };
 
@@ -151,34 +167,33 @@ struct BumperParameters {
 struct ContactParameters {
   static constexpr std::string_view kType = "contact";
 
-  Status Check() const { return {}; }
   std::string Summary() const { return {}; }
   bool operator==(const ContactParameters&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& /*self*/, Visit /*visit*/) {}
+  static constexpr auto Fields() { return std::tuple{}; }
 };
 
 // A finder of blobs of one colour in a picture of one row of rays. Frame S: the finder, looking along x.
 struct BlobfinderParameters {
   static constexpr std::string_view kType = "blobfinder";
   Pose X_MS = {};
-  std::uint32_t width = 80;  // pixels of the image; one ray for each column
+  std::uint32_t width = 80;
   std::uint32_t height = 60;
-  double range = 12.0;             // m
-  double fov = 60.0 / 180 * kPi;   // rad, of the image's width; up to 2 pi
-  std::vector<Color> colors = {};  // that it finds; empty: all
+  double range = 12.0;
+  double fov = 60.0 / 180 * kPi;
+  std::vector<Color> colors = {};
 
-  Status Check() const;
   std::string Summary() const;
   bool operator==(const BlobfinderParameters&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("pose", self.X_MS);
-    visit("width", self.width);
-    visit("height", self.height);
-    visit("range", self.range);
-    visit("fov", self.fov);
-    visit("colors", self.colors);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &BlobfinderParameters::X_MS},
+        Field{"width", &BlobfinderParameters::width, "of the image; one ray for each column"}.In("pixel").Within(
+            1, kMaxImageSide),
+        Field{"height", &BlobfinderParameters::height}.In("pixel").Within(1, kMaxImageSide),
+        Field{"range", &BlobfinderParameters::range}.In("m").AtLeast(0),
+        Field{"fov", &BlobfinderParameters::fov, "of the image's width"}.In("rad").Above(0).AtMost(2 * kPi),
+        Field{"colors", &BlobfinderParameters::colors, "that it finds; none: all"},
+    };
   }
 };
 
@@ -186,11 +201,11 @@ struct BlobfinderParameters {
 struct CameraParameters {
   static constexpr std::string_view kType = "camera";
   Pose X_MS = {};
-  std::uint32_t width = 32;  // pixels
+  std::uint32_t width = 32;
   std::uint32_t height = 32;
-  Interval range{0.2, 8.0};                                 // m, of depths
-  double fov = 70.0 / 180 * kPi;                            // rad, of the width; below pi
-  Interval elevation{-20.0 / 180 * kPi, 20.0 / 180 * kPi};  // rad, of the lower and the upper edge, in the middle
+  Interval range{0.2, 8.0};
+  double fov = 70.0 / 180 * kPi;
+  Interval elevation{-20.0 / 180 * kPi, 20.0 / 180 * kPi};
 
   // rad, upwards: the tilts that a controller can give the camera, added to `elevation`. They contain 0.
   Interval TiltLimits() const;
@@ -198,14 +213,17 @@ struct CameraParameters {
   Status Check() const;
   std::string Summary() const;
   bool operator==(const CameraParameters&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("pose", self.X_MS);
-    visit("width", self.width);
-    visit("height", self.height);
-    visit("range", self.range);
-    visit("fov", self.fov);
-    visit("elevation", self.elevation);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &CameraParameters::X_MS},
+        Field{"width", &CameraParameters::width}.In("pixel").Within(1, kMaxImageSide),
+        Field{"height", &CameraParameters::height}.In("pixel").Within(1, kMaxImageSide),
+        Field{"range", &CameraParameters::range, "of depths"}.In("m").AtLeast(0),
+        Field{"fov", &CameraParameters::fov, "of the width"}.In("rad").Above(0).AtMost(2 * kMaxElevation),
+        Field{"elevation", &CameraParameters::elevation, "of the lower and the upper edge, in the middle"}
+            .In("rad")
+            .Within(-kMaxElevation, kMaxElevation),
+    };
   }
 };
 
@@ -217,40 +235,44 @@ struct RadioParameters {
   static constexpr std::string_view kType = "radio";
   Pose X_MS = {};
   std::int32_t channel = 0;
-  double range = 10.0;              // m, between the antennas, without walls
-  double bandwidth = 10e3;          // bytes/s that it can send
-  double delay = 0.0;               // s until a message arrives, rounded up to whole ticks
-  double loss = 0.0;                // the probability that a receiver in range loses a message
-  double range_loss = 0.0;          // the probability of another loss, at `range`; in proportion to the distance
-  double power = 20.0;              // dBm, at 1 m
-  double path_loss_exponent = 2.0;  // 2: as in free space
-  double wall_loss = 10.0;          // dB, of each wall between the antennas
-  double body_loss = 3.0;           // dB, of each robot or object between them
-  // It measures the ranges and bearings of the senders of the messages that it receives, with these standard deviations
-  // in m and rad.
+  double range = 10.0;
+  double bandwidth = 10e3;
+  double delay = 0.0;
+  double loss = 0.0;
+  double range_loss = 0.0;
+  double power = 20.0;
+  double path_loss_exponent = 2.0;
+  double wall_loss = 10.0;
+  double body_loss = 3.0;
   bool range_and_bearing = false;
   double range_noise = 0.0;
   double bearing_noise = 0.0;
 
-  Status Check() const;
   std::string Summary() const;
   bool operator==(const RadioParameters&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("pose", self.X_MS);
-    visit("channel", self.channel);
-    visit("range", self.range);
-    visit("bandwidth", self.bandwidth);
-    visit("delay", self.delay);
-    visit("loss", self.loss);
-    visit("range_loss", self.range_loss);
-    visit("power", self.power);
-    visit("path_loss_exponent", self.path_loss_exponent);
-    visit("wall_loss", self.wall_loss);
-    visit("body_loss", self.body_loss);
-    visit("range_and_bearing", self.range_and_bearing);
-    visit("range_noise", self.range_noise);
-    visit("bearing_noise", self.bearing_noise);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &RadioParameters::X_MS},
+        Field{"channel", &RadioParameters::channel},
+        Field{"range", &RadioParameters::range, "between the antennas, without walls"}.In("m").AtLeast(0),
+        Field{"bandwidth", &RadioParameters::bandwidth, "that it can send"}.In("byte/s").AtLeast(0),
+        Field{"delay", &RadioParameters::delay, "until a message arrives, rounded up to whole ticks"}.In("s").Within(
+            0, kMaxRadioDelay),
+        Field{"loss", &RadioParameters::loss, "the probability that a receiver in range loses a message"}.Within(0, 1),
+        Field{"range_loss", &RadioParameters::range_loss,
+              "the probability of another loss, at `range`; in proportion to the distance"}
+            .Within(0, 1),
+        Field{"power", &RadioParameters::power, "at 1 m"}.In("dBm"),
+        Field{"path_loss_exponent", &RadioParameters::path_loss_exponent, "2: as in free space"}.Above(0),
+        Field{"wall_loss", &RadioParameters::wall_loss, "of each wall between the antennas"}.In("dB").AtLeast(0),
+        Field{"body_loss", &RadioParameters::body_loss, "of each robot or object between the antennas"}
+            .In("dB")
+            .AtLeast(0),
+        Field{"range_and_bearing", &RadioParameters::range_and_bearing,
+              "it measures the ranges and bearings of the senders"},
+        Field{"range_noise", &RadioParameters::range_noise, "standard deviation"}.In("m").AtLeast(0),
+        Field{"bearing_noise", &RadioParameters::bearing_noise, "standard deviation"}.In("rad").AtLeast(0),
+    };
   }
 };
 
@@ -260,23 +282,23 @@ struct RadioParameters {
 struct ImuParameters {
   static constexpr std::string_view kType = "imu";
   Pose X_MS = {};
-  double heading_noise = 0.0;       // rad
-  double gyro_noise = 0.0;          // rad/s
-  double gyro_bias = 0.0;           // rad/s
-  double acceleration_noise = 0.0;  // m/s^2, along each axis, like the next
-  double acceleration_bias = 0.0;   // m/s^2
+  double heading_noise = 0.0;
+  double gyro_noise = 0.0;
+  double gyro_bias = 0.0;
+  double acceleration_noise = 0.0;
+  double acceleration_bias = 0.0;
 
-  Status Check() const;
   std::string Summary() const { return {}; }
   bool operator==(const ImuParameters&) const = default;
-  template <typename Self, typename Visit>
-  static void VisitFields(Self& self, Visit visit) {
-    visit("pose", self.X_MS);
-    visit("heading_noise", self.heading_noise);
-    visit("gyro_noise", self.gyro_noise);
-    visit("gyro_bias", self.gyro_bias);
-    visit("acceleration_noise", self.acceleration_noise);
-    visit("acceleration_bias", self.acceleration_bias);
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"pose", &ImuParameters::X_MS},
+        Field{"heading_noise", &ImuParameters::heading_noise}.In("rad").AtLeast(0),
+        Field{"gyro_noise", &ImuParameters::gyro_noise}.In("rad/s").AtLeast(0),
+        Field{"gyro_bias", &ImuParameters::gyro_bias}.In("rad/s").AtLeast(0),
+        Field{"acceleration_noise", &ImuParameters::acceleration_noise, "along each axis"}.In("m/s^2").AtLeast(0),
+        Field{"acceleration_bias", &ImuParameters::acceleration_bias, "along each axis"}.In("m/s^2").AtLeast(0),
+    };
   }
 };
 
@@ -285,26 +307,31 @@ using SensorParameters =
                  BlobfinderParameters, CameraParameters, RadioParameters, ImuParameters>;
 
 struct SensorDescription {
-  std::string name = {};           // unique on its robot: the model's name without the robot's, "ranger:0"
-  ModelId model = {};              // frame M; in the robot's tree
-  std::uint32_t period_ticks = 1;  // due at every tick that is a multiple of this
+  std::string name = {};
+  ModelId model = {};
+  std::uint32_t period_ticks = 1;
   SensorParameters parameters = {};
   bool operator==(const SensorDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &SensorDescription::name,
+              "unique on its robot: the model's name without the robot's, \"ranger:0\""},
+        Field{"model", &SensorDescription::model, "frame M; in the robot's tree"},
+        Field{"period", &SensorDescription::period_ticks, "due at every tick that is a multiple of this"}
+            .In("tick")
+            .AtLeast(1),
+        Field{"parameters", &SensorDescription::parameters},
+    };
+  }
 };
 
 // Name of a kind of sensor: "ranger", "break_beam", ...
 std::string_view TypeOf(const SensorParameters& parameters);
 
-// The parameters as named lists of numbers, in SI units and in the order of VisitFields.
-struct SensorField {
-  std::string name;
-  std::vector<double> numbers;
-};
-std::vector<SensorField> FieldsOf(const SensorParameters& parameters);
-// The inverse. The error names the type or the field that is not known, not complete or out of range.
-Result<SensorParameters> ParametersFrom(std::string_view type, std::span<const SensorField> fields);
+// Parameters of this kind with their defaults; nothing if the kind is not known.
+std::optional<SensorParameters> DefaultParameters(std::string_view type);
 
-// Success for parameters that a robot may have: all numbers within kMaxMagnitude, and the rules of the kind.
+// Success for parameters that a robot may have: all fields within their limits, and the rules of the kind.
 Status CheckParameters(const SensorParameters& parameters);
 
 // For people: "16 sensors, 16 rays"; may be empty.

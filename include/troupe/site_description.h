@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "troupe/fields.h"
 #include "troupe/pose.h"
 #include "troupe/vec2.h"
 
@@ -17,30 +18,54 @@ namespace troupe {
 // All levels share x and y, and each is at its height.
 struct LevelDescription {
   std::string name;
-  double z = 0.0;  // m, of its floor
+  double z = 0.0;
   bool operator==(const LevelDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &LevelDescription::name},
+        Field{"z", &LevelDescription::z, "of its floor"}.In("m"),
+    };
+  }
 };
 
 // The name of the level nearest to a height, of two the lower one; "L1" without levels.
 std::string LevelAt(std::span<const LevelDescription> levels, double z);
 
 struct LaneVertex {
-  std::string name;         // may be empty
-  Vec2 position{0.0, 0.0};  // m, frame W
-  double z = 0.0;           // m, of its floor
+  std::string name;
+  Vec2 position{0.0, 0.0};
+  double z = 0.0;
   bool is_charger = false;
-  std::string dock;                        // names: empty for none
-  std::string mutex;                       // a group of vertices and lanes that one robot at a time may be in
-  std::optional<std::uint32_t> lift = {};  // that the vertex is in, in WorldDescription::lifts
-  std::uint32_t floor = 0;                 // of the lift, in LiftDescription::floors
+  std::string dock;
+  std::string mutex;
+  std::optional<std::uint32_t> lift = {};
+  std::uint32_t floor = 0;
   bool operator==(const LaneVertex&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &LaneVertex::name, "may be empty"},
+        Field{"position", &LaneVertex::position, "in W"}.In("m"),
+        Field{"z", &LaneVertex::z, "of its floor"}.In("m"),
+        Field{"charger", &LaneVertex::is_charger},
+        Field{"dock", &LaneVertex::dock, "its name; empty: none"},
+        Field{"mutex", &LaneVertex::mutex, "a group of vertices and lanes for one robot at a time; empty: none"},
+        Field{"lift", &LaneVertex::lift, "around the vertex, in WorldDescription::lifts"},
+        Field{"floor", &LaneVertex::floor, "of the lift, in LiftDescription::floors"},
+    };
+  }
 };
 
 // A door that a lane passes.
 struct LaneDoor {
-  std::uint32_t door = 0;  // in WorldDescription::doors
-  double at = 0.0;         // m, from the start of the lane
+  std::uint32_t door = 0;
+  double at = 0.0;
   bool operator==(const LaneDoor&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"door", &LaneDoor::door, "in WorldDescription::doors"},
+        Field{"at", &LaneDoor::at, "distance from the start of the lane"}.In("m").AtLeast(0),
+    };
+  }
 };
 
 enum class LaneFacing : std::uint8_t { kAny = 0, kForward = 1, kBackward = 2 };
@@ -49,20 +74,30 @@ constexpr LaneFacing LastOf(LaneFacing) {
 }
 
 struct Lane {
-  std::uint32_t start = 0;  // vertices
+  std::uint32_t start = 0;
   std::uint32_t end = 0;
   bool is_bidirectional = false;
-  double speed_limit = 0.0;  // m/s; 0: none
-  // How the robot faces on the way from the start to the end. On the way back it keeps that heading.
+  double speed_limit = 0.0;
   LaneFacing facing = LaneFacing::kAny;
   std::string mutex;
-  std::vector<LaneDoor> doors;  // in the order of `at`
+  std::vector<LaneDoor> doors;
   bool operator==(const Lane&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"start", &Lane::start, "vertex"},
+        Field{"end", &Lane::end, "vertex"},
+        Field{"bidirectional", &Lane::is_bidirectional},
+        Field{"speed_limit", &Lane::speed_limit, "0: none"}.In("m/s").AtLeast(0),
+        Field{"facing", &Lane::facing, "of the robot from the start to the end; on the way back it keeps that heading"},
+        Field{"mutex", &Lane::mutex, "as of vertices"},
+        Field{"doors", &Lane::doors, "in the order of `at`"},
+    };
+  }
 };
 
 // The lanes of one kind of robot, straight from vertex to vertex.
 struct LaneGraph {
-  std::uint32_t number = 0;  // by which robots name it
+  std::uint32_t number = 0;
   std::vector<LaneVertex> vertices;
   std::vector<Lane> lanes;
   bool operator==(const LaneGraph&) const = default;
@@ -71,6 +106,13 @@ struct LaneGraph {
   // The first lane that leads there.
   std::optional<std::size_t> LaneBetween(std::size_t from, std::size_t to) const;
   Vec2 Way(std::size_t from, std::size_t to) const { return vertices[to].position - vertices[from].position; }
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"number", &LaneGraph::number, "by which robots name it"},
+        Field{"vertices", &LaneGraph::vertices},
+        Field{"lanes", &LaneGraph::lanes},
+    };
+  }
 };
 
 // The vertex nearest to a point, by the distance in the plane and `per_height` m for each m of height between them; of

@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "troupe/color.h"
+#include "troupe/fields.h"
 #include "troupe/ids.h"
 #include "troupe/interval.h"
 #include "troupe/pixel_area.h"
@@ -41,23 +42,36 @@ namespace troupe {
 
 // A prism: an outline in the model's frame M, extruded over a height interval above the model's base.
 struct Block {
-  Polygon outline;  // normalized, m, frame M
-  ZRange z;         // m above the model's pose
+  Polygon outline;
+  ZRange z;
   bool operator==(const Block&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"outline", &Block::outline, "normalized, in M"}.In("m"),
+        Field{"z", &Block::z, "above the model's pose"}.In("m"),
+    };
+  }
 };
 
 // The solid body of one or more models of the same geometry.
 struct Shape {
   std::vector<Block> blocks;
-  // The occupied area of a bitmap: rectangles that do not overlap, m, frame M, all of one height interval.
   std::vector<Rectangle> rectangles;
   ZRange rectangles_z;
-  // The same for a bitmap with too many rectangles for its pixels, instead of a list; of that height interval as well.
-  // Only shapes of static models have one.
+  // The same for a bitmap with too many rectangles for its pixels, instead of a list. Only shapes of static models have
+  // one.
   std::optional<PixelArea> area = {};
 
   bool empty() const { return blocks.empty() && rectangles.empty() && !area; }
   bool operator==(const Shape&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"blocks", &Shape::blocks},
+        Field{"rectangles", &Shape::rectangles, "occupied area of a bitmap, in M; they do not overlap"},
+        Field{"rectangles_z", &Shape::rectangles_z, "of all rectangles, or of the area"},
+        Field{"areas", &Shape::area, "at most one, in place of rectangles"},
+    };
+  }
 };
 
 // The shape with the rectangles of its area as a list, or as blocks where the area is turned.
@@ -67,58 +81,121 @@ Shape Listed(Shape shape);
 // a light.
 struct Blinking {
   std::int64_t period_ns = 0;
-  std::int64_t on_ns = 0;      // 0: always off; the period: always on
-  bool is_switched_on = true;  // at load; that of a robot is switched by its controller (LightState)
+  std::int64_t on_ns = 0;
+  bool is_switched_on = true;
 
   bool is_light() const { return period_ns > 0; }
   bool IsOnAt(std::int64_t time_ns) const { return time_ns % period_ns < on_ns; }  // REQUIRES: is_light()
   bool operator==(const Blinking&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"blink_period", &Blinking::period_ns, "of a light; 0: it is none"}.In("ns").AtLeast(0),
+        Field{"blink_on", &Blinking::on_ns, "from the beginning of each period; 0: always off; the period: always on"}
+            .In("ns")
+            .AtLeast(0),
+        Field{"switched_on", &Blinking::is_switched_on,
+              "at load; a robot's controller switches its lights (LightState)"},
+    };
+  }
 };
+
+inline constexpr double kMaxEnergy = 1e12;  // J, W or kg
 
 // The energy of a model: what it consumes, stores, gives and takes. A model is fed by its own store, or by that of its
 // nearest ancestor that has one; a model without either consumes nothing.
 struct PowerDescription {
   bool has_store = false;
-  bool endless = false;     // the store never empties
-  double joules = 0.0;      // J, in the store at load
-  double capacity = 0.0;    // J
-  double watts = 0.0;       // W that the model consumes all the time
-  double mass = 0.0;        // kg, of a robot: it consumes 10 W per kg and m/s or rad/s while it moves
-  double give_watts = 0.0;  // W that it gives, at the most, to models that touch it
-  double take_watts = 0.0;  // W that it takes, at the most, from models that it touches
+  bool endless = false;
+  double joules = 0.0;
+  double capacity = 0.0;
+  double watts = 0.0;
+  double mass = 0.0;
+  double give_watts = 0.0;
+  double take_watts = 0.0;
   bool operator==(const PowerDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"has_store", &PowerDescription::has_store},
+        Field{"endless", &PowerDescription::endless, "the store never empties"},
+        Field{"joules", &PowerDescription::joules, "in the store at load"}.In("J").Within(0, kMaxEnergy),
+        Field{"capacity", &PowerDescription::capacity}.In("J").Within(0, kMaxEnergy),
+        Field{"watts", &PowerDescription::watts, "consumed all the time"}.In("W").Within(0, kMaxEnergy),
+        Field{"mass", &PowerDescription::mass, "of a robot: it consumes 10 W per kg and m/s or rad/s while it moves"}
+            .In("kg")
+            .Within(0, kMaxEnergy),
+        Field{"give_watts", &PowerDescription::give_watts, "given, at the most, to models that touch it"}
+            .In("W")
+            .Within(0, kMaxEnergy),
+        Field{"take_watts", &PowerDescription::take_watts, "taken, at the most, from models that it touches"}
+            .In("W")
+            .Within(0, kMaxEnergy),
+    };
+  }
 };
 
 // The pixels of a ROS map that a model was made from, occupied or not: its image begins at the model's origin. Only the
 // maps that are made of a world depend on it, so it does not count for a world's hash.
 struct MapGrid {
-  std::uint32_t columns = 0;  // 0: the model is no map
+  std::uint32_t columns = 0;
   std::uint32_t rows = 0;
-  double resolution = 0.0;  // m, side of a pixel
+  double resolution = 0.0;
   bool operator==(const MapGrid&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"map_columns", &MapGrid::columns, "0: the model is no map"},
+        Field{"map_rows", &MapGrid::rows},
+        Field{"map_resolution", &MapGrid::resolution, "side of a pixel"}.In("m").AtLeast(0),
+    };
+  }
 };
 
 struct ModelDescription {
-  std::string name;  // unique, children as "parent.child"
-  std::string type;  // as in the world file: "model", "position", "ranger", ...
+  std::string name;
+  std::string type;
   std::optional<ModelId> parent;
-  Pose X_PM;  // pose at load in the parent's frame (the world's without parent); stacking is included
+  Pose X_PM;
   ShapeId shape;
-  double size_x = 0.0;  // m, as declared
-  double size_y = 0.0;  // m
-  double size_z = 0.0;  // m
+  double size_x = 0.0;
+  double size_y = 0.0;
+  double size_z = 0.0;
   Color color;
-  bool obstacle_return = true;       // collides
-  double ranger_return = 1.0;        // intensity of a ranger's hit; negative: transparent to rangers
-  bool gripper_return = false;       // may be gripped, moved and dropped
-  std::int32_t fiducial_return = 0;  // the id that a fiducial finder reads; 0: none
-  std::int32_t fiducial_key = 0;     // only finders with the same key find it
-  bool show_nose = false;            // pictures show its heading
-  Blinking blinking = {};            // of a light
+  bool obstacle_return = true;
+  double ranger_return = 1.0;
+  bool gripper_return = false;
+  std::int32_t fiducial_return = 0;
+  std::int32_t fiducial_key = 0;
+  bool show_nose = false;
+  Blinking blinking = {};
   PowerDescription power = {};
   MapGrid map = {};
-  bool removed = false;  // by an edit: it keeps its id, but has no body, and its name is free
+  bool removed = false;
   bool operator==(const ModelDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &ModelDescription::name, "unique; of a child \"parent.child\""},
+        Field{"type", &ModelDescription::type, "as in the world file: \"model\", \"position\", \"ranger\", ..."},
+        Field{"parent", &ModelDescription::parent},
+        Field{"pose_in_parent", &ModelDescription::X_PM,
+              "at load, in the world's frame without parent; stacking is included"},
+        Field{"shape", &ModelDescription::shape},
+        Field{"size_x", &ModelDescription::size_x, "as declared"}.In("m"),
+        Field{"size_y", &ModelDescription::size_y, "as declared"}.In("m"),
+        Field{"size_z", &ModelDescription::size_z, "as declared"}.In("m"),
+        Field{"color", &ModelDescription::color},
+        Field{"obstacle_return", &ModelDescription::obstacle_return, "collides"},
+        Field{"ranger_return", &ModelDescription::ranger_return,
+              "intensity of a ranger's hit; negative: transparent to rangers"},
+        Field{"gripper_return", &ModelDescription::gripper_return, "may be gripped, moved and dropped"},
+        Field{"fiducial_return", &ModelDescription::fiducial_return, "identifier for fiducial finders; 0: none"},
+        Field{"fiducial_key", &ModelDescription::fiducial_key, "only finders with the same key find it"},
+        Field{"show_nose", &ModelDescription::show_nose, "pictures show its heading"},
+        Field{"blinking", &ModelDescription::blinking, "of a light"},
+        Field{"power", &ModelDescription::power},
+        Field{"map", &ModelDescription::map},
+        Field{"removed", &ModelDescription::removed,
+              "by an edit: it keeps its id, but has no body, and its name is free"},
+    };
+  }
 };
 
 // The colour of the model's body at a simulated time: that of a light that is off is dark. `is_switched_on`: of a
@@ -130,6 +207,9 @@ enum class DriveType : std::uint8_t {
   kOmni,          // vx, vy, wz
   kCar,           // speed and steering angle; the twist is vx, wz
 };
+constexpr DriveType LastOf(DriveType) {
+  return DriveType::kCar;
+}
 
 // Bounds of each component of a twist (m/s, m/s, rad/s) or of its rate of change (m/s^2, m/s^2, rad/s^2).
 struct TwistBounds {
@@ -137,71 +217,138 @@ struct TwistBounds {
   Interval y;
   Interval heading;
   bool operator==(const TwistBounds&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"x", &TwistBounds::x},
+        Field{"y", &TwistBounds::y},
+        Field{"heading", &TwistBounds::heading},
+    };
+  }
 };
 
 struct DriveDescription {
   DriveType type = DriveType::kDifferential;
-  double wheelbase = 1.0;  // m, car only
+  double wheelbase = 1.0;
   TwistBounds velocity;
-  TwistBounds acceleration;  // min: strongest braking or reversing (<= 0); max: strongest speeding up (>= 0)
+  TwistBounds acceleration;
   bool operator==(const DriveDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"type", &DriveDescription::type},
+        Field{"wheelbase", &DriveDescription::wheelbase, "of a car"}.In("m").Above(0),
+        Field{"velocity", &DriveDescription::velocity},
+        Field{"acceleration", &DriveDescription::acceleration,
+              "min: strongest braking or reversing (<= 0); max: strongest speeding up (>= 0)"},
+    };
+  }
 };
 
 enum class LocalizationType : std::uint8_t {
   kGps,       // the pose estimate is the true pose
   kOdometry,  // the pose estimate adds up motion, with errors
 };
+constexpr LocalizationType LastOf(LocalizationType) {
+  return LocalizationType::kOdometry;
+}
 
 struct LocalizationDescription {
   LocalizationType type = LocalizationType::kGps;
-  Pose origin;  // odometry starts here (frame: odom)
-  // Odometry's relative errors of x, y and heading: a motion d is read as d * (1 + error).
+  Pose origin;
   double error_x = 0.0;
   double error_y = 0.0;
   double error_heading = 0.0;
   bool operator==(const LocalizationDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"type", &LocalizationDescription::type},
+        Field{"origin", &LocalizationDescription::origin, "of frame odom"},
+        Field{"error_x", &LocalizationDescription::error_x,
+              "of odometry, relative: a motion d is read as d * (1 + error)"},
+        Field{"error_y", &LocalizationDescription::error_y, "likewise"},
+        Field{"error_heading", &LocalizationDescription::error_heading, "likewise"},
+    };
+  }
 };
 
 enum class JointType : std::uint8_t {
   kPrismatic,  // shifts the model along the axis
   kRevolute,   // turns it about the vertical through its origin
 };
+constexpr JointType LastOf(JointType) {
+  return JointType::kRevolute;
+}
 
 // One degree of freedom of a robot: its model, with everything below, moves relative to the parent. At position q the
 // model's pose is X_PM * (a shift by q * axis, or a turn by q).
 struct JointDescription {
-  std::string name;  // the model's name without the robot's: "gripper.lift"
+  std::string name;
   RobotId robot;
-  ModelId model;  // in the robot's tree, not its root
+  ModelId model;
   JointType type = JointType::kPrismatic;
-  Vec2 axis_xy{0.0, 0.0};  // with axis_z a unit vector in the model's frame; revolute: (0, 0, 1)
+  Vec2 axis_xy{0.0, 0.0};
   double axis_z = 1.0;
-  Interval position;       // limits, m or rad
-  double start = 0.0;      // position at load
-  double max_speed = 1.0;  // m/s or rad/s, to both sides
+  Interval position;
+  double start = 0.0;
+  double max_speed = 1.0;
   bool operator==(const JointDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &JointDescription::name, "the model's name without the robot's: \"gripper.lift\""},
+        Field{"robot", &JointDescription::robot},
+        Field{"model", &JointDescription::model, "in the robot's tree, not its root"},
+        Field{"type", &JointDescription::type},
+        Field{"axis", &JointDescription::axis_xy,
+              "with axis_z a unit vector in the model's frame; revolute: (0, 0, 1)"},
+        Field{"axis_z", &JointDescription::axis_z},
+        Field{"position", &JointDescription::position, "limits"}.In("m or rad"),
+        Field{"start", &JointDescription::start, "position at load"}.In("m or rad"),
+        Field{"max_speed", &JointDescription::max_speed, "to both sides"}.In("m/s or rad/s").AtLeast(0),
+    };
+  }
 };
 
 // Two fingers that close on an object, and perhaps a lift that raises them. Finger joints are at their minimum when
 // open and move up towards each other. Frame G: the model that the fingers are mounted on.
 struct GripperDescription {
-  std::string name;  // the model's name without the robot's
+  std::string name;
   RobotId robot;
-  ModelId model;  // frame G; moved by the lift
+  ModelId model;
   JointId left;
   JointId right;
-  ModelId left_pad;  // the model that must touch an object to hold it; moved by the left finger
+  ModelId left_pad;
   ModelId right_pad;
-  std::optional<JointId> lift = {};  // 0 percent is its minimum, 100 percent its maximum
+  std::optional<JointId> lift = {};
   std::vector<BreakBeam> beams;
-  bool autosnatch = false;  // closes by itself when a beam is broken, and opens when none is
+  bool autosnatch = false;
   bool operator==(const GripperDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &GripperDescription::name, "the model's name without the robot's"},
+        Field{"robot", &GripperDescription::robot},
+        Field{"model", &GripperDescription::model, "frame G; moved by the lift"},
+        Field{"left", &GripperDescription::left, "the joint of the finger"},
+        Field{"right", &GripperDescription::right, "likewise"},
+        Field{"left_pad", &GripperDescription::left_pad,
+              "the model that must touch an object to hold it; moved by the left finger"},
+        Field{"right_pad", &GripperDescription::right_pad, "likewise"},
+        Field{"lift", &GripperDescription::lift, "0 percent is its minimum, 100 percent its maximum"},
+        Field{"beams", &GripperDescription::beams},
+        Field{"autosnatch", &GripperDescription::autosnatch,
+              "closes by itself when a beam is broken, and opens when none is"},
+    };
+  }
 };
 
 struct ControllerDescription {
-  std::string name = "idle";      // a built-in controller, or a file (NamesLibrary)
-  std::string parameters = "{}";  // a JSON object
+  std::string name = "idle";
+  std::string parameters = "{}";
   bool operator==(const ControllerDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &ControllerDescription::name, "a built-in controller, or a file (NamesLibrary)"},
+        Field{"parameters", &ControllerDescription::parameters, "a JSON object"},
+    };
+  }
 };
 
 // True if a controller of this name is a file: a shared library, whose name contains a slash or ends in ".so", or a
@@ -213,53 +360,99 @@ std::string ControllerFile(const std::string& controller);
 // A leaf of a door: an object that only its door moves.
 struct DoorLeaf {
   ObjectId object;
-  Pose X_WH;           // of the object's root while the door is closed
-  double turn = 0.0;   // rad, of a door that opens: the leaf turns about the origin of H
-  double shift = 0.0;  // m, or slides along the x axis of H; one of both is 0
+  Pose X_WH;
+  double turn = 0.0;
+  double shift = 0.0;
   bool operator==(const DoorLeaf&) const = default;
 
   // At an opening from 0, closed, to 1.
   Pose X_WH_at(double opening) const { return X_WH * Pose{opening * shift, 0.0, 0.0, WrapAngle(opening * turn)}; }
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"object", &DoorLeaf::object},
+        Field{"closed", &DoorLeaf::X_WH, "of the object's root while the door is closed, in W"},
+        Field{"turn", &DoorLeaf::turn, "of a door that opens: the leaf turns about the origin of H"}.In("rad").Within(
+            -2 * kPi, 2 * kPi),
+        Field{"shift", &DoorLeaf::shift, "or slides along the x axis of H; one of both is 0"}.In("m"),
+    };
+  }
 };
 
 // One or more leaves that open and close together.
 struct DoorDescription {
-  ModelId model;  // has no body; its name is the door's
+  ModelId model;
   std::vector<DoorLeaf> leaves;
-  double seconds = 3.0;     // from closed to open
-  double reach = 0.0;       // m: it opens for robots that are nearer to its model; 0: for none
-  double opening = 0.0;     // at load
-  bool is_operated = true;  // false: it stays as it is
+  double seconds = 3.0;
+  double reach = 0.0;
+  double opening = 0.0;
+  bool is_operated = true;
   bool operator==(const DoorDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"model", &DoorDescription::model, "has no body; its name is the door's"},
+        Field{"leaves", &DoorDescription::leaves},
+        Field{"seconds", &DoorDescription::seconds, "from closed to open"}.In("s").AtLeast(1e-3),
+        Field{"reach", &DoorDescription::reach, "it opens for robots nearer to its model; 0: for none"}.In("m").AtLeast(
+            0),
+        Field{"opening", &DoorDescription::opening, "at load"}.Within(0, 1),
+        Field{"operated", &DoorDescription::is_operated, "false: it stays as it is"},
+    };
+  }
 };
 
 // A height at which a lift stops.
 struct LiftFloor {
   std::string name;
-  double z = 0.0;                  // m, of the cabin's floor
-  std::vector<std::size_t> doors;  // in WorldDescription::doors: those of the cabin and of the shaft that open here
+  double z = 0.0;
+  std::vector<std::size_t> doors;
   bool operator==(const LiftFloor&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &LiftFloor::name},
+        Field{"z", &LiftFloor::z, "of the cabin's floor"}.In("m"),
+        Field{"doors", &LiftFloor::doors, "of the cabin and of the shaft, open here; in WorldDescription::doors"},
+    };
+  }
 };
 
 // A cabin that moves along z, with what stands in it, while all of its doors are closed.
 struct LiftDescription {
-  ModelId model;                         // has no body; its name is the lift's
-  ObjectId cabin;                        // an object that only the lift moves; at the height of the floor at load
-  std::vector<std::size_t> cabin_doors;  // that move with it
+  ModelId model;
+  ObjectId cabin;
+  std::vector<std::size_t> cabin_doors;
   std::vector<LiftFloor> floors;
-  std::uint32_t floor = 0;  // at load
-  double speed = 1.0;       // m/s
+  std::uint32_t floor = 0;
+  double speed = 1.0;
   bool operator==(const LiftDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"model", &LiftDescription::model, "has no body; its name is the lift's"},
+        Field{"cabin", &LiftDescription::cabin, "moved by the lift alone; at the height of the floor at load"},
+        Field{"cabin_doors", &LiftDescription::cabin_doors, "moving with the cabin, in WorldDescription::doors"},
+        Field{"floors", &LiftDescription::floors},
+        Field{"floor", &LiftDescription::floor, "at load"},
+        Field{"speed", &LiftDescription::speed}.In("m/s").AtLeast(1e-3),
+    };
+  }
 };
+
+// The ports of a higher domain would exceed 65535.
+inline constexpr std::uint32_t kLastRosDomain = 230;
 
 // How a robot appears in ROS 2. It changes no result.
 struct RosIdentity {
-  std::optional<std::uint32_t> domain = {};  // its own ROS domain, where its topics have plain names; none: the run's
-  std::string name_space = {};               // of its topics, "/fleet/anna"; empty: its name
+  std::optional<std::uint32_t> domain = {};
+  std::string name_space = {};
   bool operator==(const RosIdentity&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"ros_domain", &RosIdentity::domain,
+              "its own ROS domain, where its topics have plain names; none: the run's"}
+            .Within(0, kLastRosDomain),
+        Field{"ros_namespace", &RosIdentity::name_space, "of its topics, \"/fleet/anna\"; empty: its name"},
+    };
+  }
 };
-inline constexpr std::uint32_t kLastRosDomain = 230;
-
 // A pose that a scenario names, for instance of a goal. It changes no result.
 struct NamedPlace {
   std::string name;
@@ -267,17 +460,36 @@ struct NamedPlace {
   std::vector<std::string> tags;
   Pose X_WN;
   bool operator==(const NamedPlace&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &NamedPlace::name},
+        Field{"description", &NamedPlace::description},
+        Field{"tags", &NamedPlace::tags},
+        Field{"pose", &NamedPlace::X_WN, "in W"},
+    };
+  }
 };
 
 struct RobotDescription {
-  std::string name;  // the root model's name
+  std::string name;
   ModelId root;
   DriveDescription drive;
   LocalizationDescription localization;
-  std::vector<SensorDescription> sensors;  // in the order of the world file; break beams are their grippers'
+  std::vector<SensorDescription> sensors;
   ControllerDescription controller;
   RosIdentity ros = {};
   bool operator==(const RobotDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &RobotDescription::name, "the root model's name"},
+        Field{"root", &RobotDescription::root},
+        Field{"drive", &RobotDescription::drive},
+        Field{"localization", &RobotDescription::localization},
+        Field{"sensors", &RobotDescription::sensors, "in the order of the world file; break beams are their grippers'"},
+        Field{"controller", &RobotDescription::controller},
+        Field{"ros", &RobotDescription::ros},
+    };
+  }
 };
 
 // The reaction of a person to a robot.
@@ -293,51 +505,86 @@ constexpr PersonReaction LastOf(PersonReaction) {
 
 // A goal set that may follow another one.
 struct NextGoals {
-  std::uint32_t goals = 0;  // in WorldDescription::goal_sets
-  double weight = 1.0;      // of the choice, relative to those of the others
+  std::uint32_t goals = 0;
+  double weight = 1.0;
   bool operator==(const NextGoals&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"goals", &NextGoals::goals, "in WorldDescription::goal_sets"},
+        Field{"weight", &NextGoals::weight, "of the choice, relative to the others"}.Above(0),
+    };
+  }
 };
 
 // Goals of people: a person chooses one of the points, walks there, waits, and chooses among the next sets.
 struct GoalSet {
   std::string name;
-  std::vector<Vec2> points;          // m, frame W; none: the person stays where it is
-  double reach = 0.5;                // m: so near to the point the person has arrived
-  Interval wait;                     // s, at the goal; drawn between these
-  std::vector<NextGoals> next;       // none: the person stays at its goal
-  std::vector<double> heights = {};  // m, of the points; none: on the level on which the person starts
+  std::vector<Vec2> points;
+  double reach = 0.5;
+  Interval wait;
+  std::vector<NextGoals> next;
+  std::vector<double> heights = {};
   bool operator==(const GoalSet&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &GoalSet::name},
+        Field{"points", &GoalSet::points, "in W; none: the person stays where it is"}.In("m"),
+        Field{"reach", &GoalSet::reach, "distance at which the person has arrived"}.In("m").Above(0),
+        Field{"wait", &GoalSet::wait, "at the goal, drawn between these"}.In("s").AtLeast(0),
+        Field{"next", &GoalSet::next, "none: the person stays at its goal"},
+        Field{"heights", &GoalSet::heights, "of the points; none: on the level on which the person starts"}.In("m"),
+    };
+  }
 };
+
+inline constexpr double kMaxPersonRadius = 10.0;  // m
+inline constexpr double kMaxPersonSpeed = 100.0;  // m/s
 
 // A walker of the world: it is moved by the step, and is a body like all others.
 struct PersonDescription {
-  ModelId root;            // the body, without joints; its name is the person's
-  double radius = 0.25;    // m: no part of the body is farther from its axis
-  double speed = 1.3;      // m/s, without an obstacle
-  double max_speed = 1.8;  // m/s
+  ModelId root;
+  double radius = 0.25;
+  double speed = 1.3;
+  double max_speed = 1.8;
   PersonReaction reaction = PersonReaction::kRegular;
-  std::uint32_t goals = 0;              // its first goal set
-  std::optional<PersonId> leader = {};  // with whom it walks, to the leader's goals
+  std::uint32_t goals = 0;
+  std::optional<PersonId> leader = {};
   bool operator==(const PersonDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"root", &PersonDescription::root, "the body, without joints; its name is the person's"},
+        Field{"radius", &PersonDescription::radius, "no part of the body is farther from its axis"}
+            .In("m")
+            .Above(0)
+            .AtMost(kMaxPersonRadius),
+        Field{"speed", &PersonDescription::speed, "without an obstacle"}.In("m/s").Within(0, kMaxPersonSpeed),
+        Field{"max_speed", &PersonDescription::max_speed}.In("m/s").Within(0, kMaxPersonSpeed),
+        Field{"reaction", &PersonDescription::reaction, "to robots"},
+        Field{"goals", &PersonDescription::goals, "its first goal set"},
+        Field{"leader", &PersonDescription::leader, "with whom it walks, to the leader's goals"},
+    };
+  }
 };
+
+inline constexpr double kMaxInterval_ns = 1e12;  // of a tick
 
 struct WorldDescription {
   std::string name;
   std::uint64_t seed = 0;
-  std::int64_t interval_ns = 100'000'000;  // length of a tick
+  std::int64_t interval_ns = 100'000'000;
   std::vector<Shape> shapes;
   std::vector<ModelDescription> models;
   std::vector<RobotDescription> robots;
   std::vector<JointDescription> joints;
   std::vector<GripperDescription> grippers;
-  std::vector<ModelId> objects;  // movable objects, which may be gripped and fall: the roots of their trees
-  double gravity = 9.81;         // m/s^2; 0: a released object stays in the air
+  std::vector<ModelId> objects;
+  double gravity = 9.81;
   std::vector<NamedPlace> places = {};
   std::vector<DoorDescription> doors = {};
   std::vector<LiftDescription> lifts = {};
   std::vector<GoalSet> goal_sets = {};
   std::vector<PersonDescription> people = {};
-  std::vector<LevelDescription> levels = {};  // of a building, or the floors of lifts; none: the world is one level
+  std::vector<LevelDescription> levels = {};
   std::vector<LaneGraph> lane_graphs = {};
 
   double interval_seconds() const { return static_cast<double>(interval_ns) * 1e-9; }
@@ -348,6 +595,28 @@ struct WorldDescription {
   const GripperDescription& gripper(GripperId id) const { return grippers[id.index()]; }
   const PersonDescription& person(PersonId id) const { return people[id.index()]; }
   bool operator==(const WorldDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &WorldDescription::name},
+        Field{"seed", &WorldDescription::seed},
+        Field{"interval", &WorldDescription::interval_ns, "length of a tick"}.In("ns").Within(1, kMaxInterval_ns),
+        Field{"shapes", &WorldDescription::shapes},
+        Field{"models", &WorldDescription::models},
+        Field{"robots", &WorldDescription::robots},
+        Field{"joints", &WorldDescription::joints},
+        Field{"grippers", &WorldDescription::grippers},
+        Field{"objects", &WorldDescription::objects, "the roots of movable objects, which may be gripped and fall"},
+        Field{"gravity", &WorldDescription::gravity, "0: a released object stays in the air"}.In("m/s^2").AtLeast(0),
+        Field{"places", &WorldDescription::places},
+        Field{"doors", &WorldDescription::doors},
+        Field{"lifts", &WorldDescription::lifts},
+        Field{"goal_sets", &WorldDescription::goal_sets},
+        Field{"people", &WorldDescription::people},
+        Field{"levels", &WorldDescription::levels,
+              "of a building, or the floors of lifts; none: the world is one level"},
+        Field{"lane_graphs", &WorldDescription::lane_graphs},
+    };
+  }
 };
 
 // True if the model is `root` or below it.

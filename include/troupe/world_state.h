@@ -15,45 +15,47 @@
 namespace troupe {
 
 struct RobotState {
-  Pose X_WR;             // of the robot's root model
-  Twist twist;           // executed during the tick that ended here, in R; zero after a stall
-  bool stalled = false;  // the last commanded motion was cut short by a contact
+  Pose X_WR;
+  Twist twist;
+  bool stalled = false;
   bool operator==(const RobotState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"pose", &RobotState::X_WR},
-        Field{"twist", &RobotState::twist},
-        Field{"stalled", &RobotState::stalled},
+        Field{"pose", &RobotState::X_WR, "of the root model, in W"},
+        Field{"twist", &RobotState::twist, "executed during the tick that ended here, in R; zero after a stall"},
+        Field{"stalled", &RobotState::stalled, "the last commanded motion was cut short by a contact"},
     };
   }
 };
 
 struct JointState {
-  double position = 0.0;  // m or rad
-  double velocity = 0.0;  // m/s or rad/s, executed during the tick that ended here; zero after a contact
-  bool blocked = false;   // the last commanded motion was cut short by a contact
+  double position = 0.0;
+  double velocity = 0.0;
+  bool blocked = false;
   bool operator==(const JointState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"position", &JointState::position},
-        Field{"velocity", &JointState::velocity},
-        Field{"blocked", &JointState::blocked},
+        Field{"position", &JointState::position}.In("m or rad"),
+        Field{"velocity", &JointState::velocity, "executed during the tick that ended here; zero after a contact"}.In(
+            "m/s or rad/s"),
+        Field{"blocked", &JointState::blocked, "the last commanded motion was cut short by a contact"},
     };
   }
 };
 
 struct GripperState {
-  std::optional<ModelId> left_contact = {};   // the model that stopped the left pad when it last closed
-  std::optional<ModelId> right_contact = {};  // likewise
-  // The object between the pads. The gripper holds it if the object's holder is this gripper; otherwise another
-  // gripper holds it, and this one will when that one opens.
+  std::optional<ModelId> left_contact = {};
+  std::optional<ModelId> right_contact = {};
+  // The gripper holds this object if the object's holder is this gripper; otherwise another gripper holds it, and this
+  // one will when that one opens.
   std::optional<ObjectId> clamped = {};
   bool operator==(const GripperState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"left_contact", &GripperState::left_contact},
-        Field{"right_contact", &GripperState::right_contact},
-        Field{"clamped", &GripperState::clamped},
+        Field{"left_contact", &GripperState::left_contact, "the model that stopped the left pad when it last closed"},
+        Field{"right_contact", &GripperState::right_contact,
+              "the model that stopped the right pad when it last closed"},
+        Field{"clamped", &GripperState::clamped, "the object between the pads"},
     };
   }
 };
@@ -70,34 +72,33 @@ constexpr ObjectMode LastOf(ObjectMode) {
 }
 
 struct ObjectState {
-  Pose X_WO = {};  // of the object's root model
+  Pose X_WO = {};
   ObjectMode mode = ObjectMode::kPlaced;
-  double fall_speed = 0.0;               // m/s, downwards
-  std::optional<GripperId> holder = {};  // in mode kHeld
-  // In mode kResting: the model under the object's centre, with which it moves; nothing on the ground, or if the
-  // centre is above no support.
-  std::optional<ModelId> support = {};
+  double fall_speed = 0.0;
+  std::optional<GripperId> holder = {};  // in mode kHeld and only then
+  std::optional<ModelId> support = {};  // in mode kResting; nothing on the ground, or if the centre is above no support
   bool operator==(const ObjectState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"pose", &ObjectState::X_WO},
-        Field{"mode", &ObjectState::mode},
-        Field{"fall_speed", &ObjectState::fall_speed},
-        Field{"holder", &ObjectState::holder},
-        Field{"support", &ObjectState::support},
+        Field{"pose", &ObjectState::X_WO, "of the root model, in W"},
+        Field{"mode", &ObjectState::mode, "0 placed, 1 resting, 2 falling, 3 held, 4 mounted"},
+        Field{"fall_speed", &ObjectState::fall_speed, "downwards"}.In("m/s"),
+        Field{"holder", &ObjectState::holder, "the gripper that holds it"},
+        Field{"support", &ObjectState::support, "the model under its centre, with which it moves"},
     };
   }
 };
 
 // A store of energy.
 struct StoreState {
-  double joules = 0.0;        // J; of an endless one as at load
-  double charge_watts = 0.0;  // W that it has received during the tick that ended here, on average
+  double joules = 0.0;
+  double charge_watts = 0.0;
   bool operator==(const StoreState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"joules", &StoreState::joules},
-        Field{"charge_watts", &StoreState::charge_watts},
+        Field{"joules", &StoreState::joules, "content; of an endless store as at load"}.In("J"),
+        Field{"charge_watts", &StoreState::charge_watts, "received during the tick that ended here, on average"}.In(
+            "W"),
     };
   }
 };
@@ -105,15 +106,15 @@ struct StoreState {
 // The velocity of an inertial measurement unit, in W, during the tick before the last one: with the present one it
 // gives the acceleration. An edit that changes the velocity of its robot sets it to the new one.
 struct ImuState {
-  double vx = 0.0;  // m/s
+  double vx = 0.0;
   double vy = 0.0;
   double vz = 0.0;
   bool operator==(const ImuState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"vx", &ImuState::vx},
-        Field{"vy", &ImuState::vy},
-        Field{"vz", &ImuState::vz},
+        Field{"vx", &ImuState::vx}.In("m/s"),
+        Field{"vy", &ImuState::vy}.In("m/s"),
+        Field{"vz", &ImuState::vz}.In("m/s"),
     };
   }
 };
@@ -131,29 +132,29 @@ struct LightState {
 
 // The direction of a camera, from that of the world file.
 struct CameraState {
-  double pan = 0.0;   // rad, to the left, in (-pi, pi]
-  double tilt = 0.0;  // rad, upwards, within CameraParameters::TiltLimits
+  double pan = 0.0;
+  double tilt = 0.0;
   bool operator==(const CameraState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"pan", &CameraState::pan},
-        Field{"tilt", &CameraState::tilt},
+        Field{"pan", &CameraState::pan, "to the left, in (-pi, pi]"}.In("rad"),
+        Field{"tilt", &CameraState::tilt, "upwards, within CameraParameters::TiltLimits"}.In("rad"),
     };
   }
 };
 
 struct DoorState {
-  double opening = 0.0;  // from 0, closed, to 1
-  double target = 0.0;   // likewise, as it was requested last
-  bool held = false;     // open for a robot within its reach or a person that asks, whatever the target
-  bool blocked = false;  // the motion of the last tick was cut short by a body in its way
+  double opening = 0.0;
+  double target = 0.0;
+  bool held = false;
+  bool blocked = false;
   bool operator==(const DoorState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"opening", &DoorState::opening},
-        Field{"target", &DoorState::target},
-        Field{"held", &DoorState::held},
-        Field{"blocked", &DoorState::blocked},
+        Field{"opening", &DoorState::opening, "from 0, closed, to 1"}.Within(0, 1),
+        Field{"target", &DoorState::target, "the opening that was requested last"}.Within(0, 1),
+        Field{"held", &DoorState::held, "open for a robot in its reach or a person, whatever the target"},
+        Field{"blocked", &DoorState::blocked, "the motion of the last tick was cut short by a body"},
     };
   }
 
@@ -161,80 +162,95 @@ struct DoorState {
 };
 
 struct LiftState {
-  double z = 0.0;                       // m, of the cabin's floor
-  std::uint32_t floor = 0;              // that it moves to or stands at, in LiftDescription::floors
-  std::optional<RobotId> session = {};  // the only robot whose orders count; nothing: any
-  bool blocked = false;                 // the motion of the last tick was cut short by a body in its way
+  double z = 0.0;
+  std::uint32_t floor = 0;
+  std::optional<RobotId> session = {};
+  bool blocked = false;
   bool operator==(const LiftState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"z", &LiftState::z},
-        Field{"floor", &LiftState::floor},
-        Field{"session", &LiftState::session},
-        Field{"blocked", &LiftState::blocked},
+        Field{"z", &LiftState::z, "of the cabin's floor"}.In("m"),
+        Field{"floor", &LiftState::floor, "destination or present stop, in LiftDescription::floors"},
+        Field{"session", &LiftState::session, "the only robot whose orders count; none: any"},
+        Field{"blocked", &LiftState::blocked, "the motion of the last tick was cut short by a body"},
     };
   }
 };
 
-// A person: its body, and where it is in its walks.
+// A person: its body, and its progress through its goals, and through doors and lifts on the way.
 struct PersonState {
-  Pose X_WP;        // of its root model
-  double vx = 0.0;  // m/s, in W, during the tick that ended here
+  Pose X_WP;
+  double vx = 0.0;
   double vy = 0.0;
-  std::uint32_t goals = 0;    // its goal set
-  std::uint32_t goal = 0;     // number of the point among those of the set
-  std::uint32_t choices = 0;  // goals that it has chosen so far; 0: none yet
-  std::uint32_t waits = 0;    // ticks until it leaves the goal that it has reached; 0: it walks
-  std::uint32_t watched = 0;  // ticks for which it has watched robots, of a curious one
-  std::uint32_t door = 0;     // the door that it asks for, by its number from 1 on; 0: none
-  std::uint32_t lift = 0;     // that it goes to or rides, likewise
-  std::uint32_t floor = 0;    // where it gets off, in LiftDescription::floors
-  std::uint32_t called = 0;   // the tick (modulo 2^32) since which it calls that lift; 0: not yet
-  std::uint32_t place = 0;    // where it stands in the cabin, or may get on to; from 1 on; 0: it waits
-  // Ticks for which it has been getting on or off; while it waits, from its call to its last vain try to get on.
-  std::uint32_t passing = 0;
+  std::uint32_t goals = 0;
+  std::uint32_t goal = 0;
+  std::uint32_t goals_chosen = 0;
+  std::uint32_t dwell_ticks = 0;
+  std::uint32_t watch_ticks = 0;
+  std::uint32_t door = 0;
+  std::uint32_t lift = 0;
+  std::uint32_t floor = 0;
+  std::uint32_t call_tick = 0;
+  std::uint32_t place = 0;
+  // In the doorway of the cabin: the duration of getting on or off so far. Outside, with place 0: the time from the
+  // call to the last failed attempt to get on, which puts the person behind those that have called since.
+  std::uint32_t boarding_ticks = 0;
   bool operator==(const PersonState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"pose", &PersonState::X_WP},   Field{"vx", &PersonState::vx},
-        Field{"vy", &PersonState::vy},       Field{"goals", &PersonState::goals},
-        Field{"goal", &PersonState::goal},   Field{"choices", &PersonState::choices},
-        Field{"waits", &PersonState::waits}, Field{"watched", &PersonState::watched},
-        Field{"door", &PersonState::door},   Field{"lift", &PersonState::lift},
-        Field{"floor", &PersonState::floor}, Field{"called", &PersonState::called},
-        Field{"place", &PersonState::place}, Field{"passing", &PersonState::passing},
+        Field{"pose", &PersonState::X_WP, "of the root model, in W"},
+        Field{"vx", &PersonState::vx, "in W, during the tick that ended here"}.In("m/s"),
+        Field{"vy", &PersonState::vy, "in W, during the tick that ended here"}.In("m/s"),
+        Field{"goals", &PersonState::goals, "the goal set, in WorldDescription::goal_sets"},
+        Field{"goal", &PersonState::goal, "the point, among those of the set"},
+        Field{"goals_chosen", &PersonState::goals_chosen, "so far; 0: none yet"},
+        Field{"dwell_ticks", &PersonState::dwell_ticks, "left at the goal; 0: it walks"}.In("tick"),
+        Field{"watch_ticks", &PersonState::watch_ticks, "spent on watching robots, of a curious person"}.In("tick"),
+        Field{"door", &PersonState::door, "requested by the person, by its number from 1 on; 0: none"},
+        Field{"lift", &PersonState::lift, "called or ridden, by its number from 1 on; 0: none"},
+        Field{"floor", &PersonState::floor, "destination, in LiftDescription::floors"},
+        Field{"call_tick", &PersonState::call_tick, "of the call of the lift, modulo 2^32; 0: not yet"}.In("tick"),
+        Field{"place", &PersonState::place, "in the cabin, assigned or taken, from 1 on; 0: it waits outside"},
+        Field{"boarding_ticks", &PersonState::boarding_ticks,
+              "of getting on or off; outside, from the call to the last failed attempt"}
+            .In("tick"),
     };
   }
 
-  // It goes to no lift any more, or has left the one that it rode.
-  void EndRide() { lift = floor = called = place = passing = 0; }
+  // Clears the lift trip.
+  void EndRide() { lift = floor = call_tick = place = boarding_ticks = 0; }
 };
 
 struct WorldState {
   Tick tick = 0;
-  std::vector<RobotState> robots;         // by RobotId
-  std::vector<JointState> joints;         // by JointId
-  std::vector<GripperState> grippers;     // by GripperId
-  std::vector<ObjectState> objects;       // by ObjectId
-  std::vector<StoreState> stores = {};    // of FindStores
-  std::vector<ImuState> imus = {};        // of FindImus
-  std::vector<LightState> lights = {};    // of FindLights
-  std::vector<CameraState> cameras = {};  // of FindCameras
-  // On their way, or arriving at this tick; in the order of `sent`, then of robots, then of `number`.
-  std::vector<RadioTransmission> transmissions = {};
-  std::vector<DoorState> doors = {};     // of WorldDescription::doors
-  std::vector<LiftState> lifts = {};     // of WorldDescription::lifts
-  std::vector<PersonState> people = {};  // by PersonId
+  std::vector<RobotState> robots;
+  std::vector<JointState> joints;
+  std::vector<GripperState> grippers;
+  std::vector<ObjectState> objects;
+  std::vector<StoreState> stores = {};
+  std::vector<ImuState> imus = {};
+  std::vector<LightState> lights = {};
+  std::vector<CameraState> cameras = {};
+  std::vector<RadioTransmission> transmissions = {};  // in the order of `sent`, then of robots, then of `number`
+  std::vector<DoorState> doors = {};
+  std::vector<LiftState> lifts = {};
+  std::vector<PersonState> people = {};
   bool operator==(const WorldState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"tick", &WorldState::tick},       Field{"robots", &WorldState::robots},
-        Field{"joints", &WorldState::joints},   Field{"grippers", &WorldState::grippers},
-        Field{"objects", &WorldState::objects}, Field{"stores", &WorldState::stores},
-        Field{"imus", &WorldState::imus},       Field{"lights", &WorldState::lights},
-        Field{"cameras", &WorldState::cameras}, Field{"transmissions", &WorldState::transmissions},
-        Field{"doors", &WorldState::doors},     Field{"lifts", &WorldState::lifts},
-        Field{"people", &WorldState::people},
+        Field{"tick", &WorldState::tick}.In("tick"),
+        Field{"robots", &WorldState::robots, "by RobotId"},
+        Field{"joints", &WorldState::joints, "by JointId"},
+        Field{"grippers", &WorldState::grippers, "by GripperId"},
+        Field{"objects", &WorldState::objects, "by ObjectId"},
+        Field{"stores", &WorldState::stores, "in the order of FindStores"},
+        Field{"imus", &WorldState::imus, "in the order of FindImus"},
+        Field{"lights", &WorldState::lights, "in the order of FindLights"},
+        Field{"cameras", &WorldState::cameras, "in the order of FindCameras"},
+        Field{"transmissions", &WorldState::transmissions, "radio messages on their way, or arriving at this tick"},
+        Field{"doors", &WorldState::doors, "in the order of WorldDescription::doors"},
+        Field{"lifts", &WorldState::lifts, "in the order of WorldDescription::lifts"},
+        Field{"people", &WorldState::people, "by PersonId"},
     };
   }
 };

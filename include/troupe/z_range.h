@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "troupe/fields.h"
+
 namespace troupe {
 
 // Lengths and depths up to this count as touching, not as overlapping: it absorbs rounding, and is far below anything
@@ -10,8 +12,8 @@ namespace troupe {
 inline constexpr double kTouchTolerance = 1e-9;  // m
 
 struct ZRange {
-  double min = 0.0;  // m
-  double max = 0.0;  // m
+  double min = 0.0;
+  double max = 0.0;
 
   bool Contains(double z) const { return z >= min && z < max; }
   // True if the intervals share a length; touching intervals and empty ones do not.
@@ -20,6 +22,9 @@ struct ZRange {
   }
   ZRange operator+(double dz) const { return {min + dz, max + dz}; }
   bool operator==(const ZRange&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{Field{"min", &ZRange::min}.In("m"), Field{"max", &ZRange::max}.In("m")};
+  }
 };
 
 }  // namespace troupe

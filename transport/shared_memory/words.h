@@ -33,22 +33,6 @@ namespace words_internal {
 
 template <typename Value>
 inline constexpr bool kIsBytes = std::is_same_v<Value, std::string> || std::is_same_v<Value, std::vector<std::uint8_t>>;
-template <typename Value>
-inline constexpr bool kIsList = false;
-template <typename Element>
-inline constexpr bool kIsList<std::vector<Element>> = true;
-template <typename Value>
-inline constexpr bool kIsId = false;
-template <typename Tag>
-inline constexpr bool kIsId<Id<Tag>> = true;
-template <typename Value>
-inline constexpr bool kIsOptional = false;
-template <typename Value>
-inline constexpr bool kIsOptional<std::optional<Value>> = true;
-template <typename Value>
-inline constexpr bool kIsOptionalId = false;
-template <typename Tag>
-inline constexpr bool kIsOptionalId<std::optional<Id<Tag>>> = true;
 
 }  // namespace words_internal
 
@@ -72,8 +56,7 @@ constexpr bool HasFixedWords() {
         []<typename... Listed>(const Listed&...) { return (... && HasFixedWords<typename Listed::Part>()); },
         kFields<Value>);
   } else {
-    using namespace words_internal;
-    return !kIsBytes<Value> && !kIsList<Value> && (!kIsOptional<Value> || kIsOptionalId<Value>);
+    return !words_internal::kIsBytes<Value> && !kIsList<Value> && (!kIsOptional<Value> || kIsOptionalId<Value>);
   }
 }
 
@@ -85,7 +68,7 @@ constexpr std::uint64_t LayoutOf(std::uint64_t hash) {
       for (const char c : field.name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;  // FNV-1a
       hash = LayoutOf<typename Listed::Part>(hash * 0x100000001b3);
     });
-  } else if constexpr (words_internal::kIsList<Value> || words_internal::kIsOptional<Value>) {
+  } else if constexpr (kIsList<Value> || kIsOptional<Value>) {
     hash = LayoutOf<typename Value::value_type>(hash);
   }
   return hash;
@@ -145,15 +128,15 @@ void WordWriter::Add(const Value& value) {
     ForEachField<Value>([&](const auto& field) { Add(field.Of(value)); });
   } else if constexpr (words_internal::kIsBytes<Value>) {
     AddBytes(value.data(), value.size());
-  } else if constexpr (words_internal::kIsList<Value>) {
+  } else if constexpr (kIsList<Value>) {
     AddWord(value.size());
     for (const auto& element : value) Add(element);
-  } else if constexpr (words_internal::kIsOptionalId<Value>) {
+  } else if constexpr (kIsOptionalId<Value>) {
     AddWord(value ? std::uint64_t{value->index()} : kNone);
-  } else if constexpr (words_internal::kIsOptional<Value>) {
+  } else if constexpr (kIsOptional<Value>) {
     AddWord(value ? 1 : 0);
     if (value) Add(*value);
-  } else if constexpr (words_internal::kIsId<Value>) {
+  } else if constexpr (kIsId<Value>) {
     AddWord(value.index());
   } else if constexpr (std::is_same_v<Value, Vec2>) {
     Add(value.x());
@@ -174,22 +157,22 @@ bool WordReader::Read(Value& value) {
     return std::apply([&](const auto&... field) { return (... && Read(field.Of(value))); }, kFields<Value>);
   } else if constexpr (words_internal::kIsBytes<Value>) {
     return ReadBytes(value);
-  } else if constexpr (words_internal::kIsList<Value>) {
+  } else if constexpr (kIsList<Value>) {
     if (!ReadWord(word) || word > remaining() / LeastWords<typename Value::value_type>()) return false;
     value.resize(static_cast<std::size_t>(word));
     for (auto& element : value) {
       if (!Read(element)) return false;
     }
     return true;
-  } else if constexpr (words_internal::kIsOptionalId<Value>) {
+  } else if constexpr (kIsOptionalId<Value>) {
     if (!ReadWord(word) || (word > most_id && word != WordWriter::kNone)) return false;
     value.reset();
     if (word != WordWriter::kNone) value.emplace(static_cast<std::size_t>(word));
     return true;
-  } else if constexpr (words_internal::kIsOptional<Value>) {
+  } else if constexpr (kIsOptional<Value>) {
     value.reset();
     return ReadWord(word, 1) && (word == 0 || Read(value.emplace()));
-  } else if constexpr (words_internal::kIsId<Value>) {
+  } else if constexpr (kIsId<Value>) {
     if (!ReadWord(word, most_id)) return false;
     value = Value(static_cast<std::size_t>(word));
     return true;
@@ -215,7 +198,7 @@ template <typename Value>
 std::size_t CountWords(const Value& value) {
   if constexpr (HasFields<Value>) {
     return std::apply([&](const auto&... field) { return (0 + ... + CountWords(field.Of(value))); }, kFields<Value>);
-  } else if constexpr (words_internal::kIsList<Value> && !words_internal::kIsBytes<Value>) {
+  } else if constexpr (kIsList<Value> && !words_internal::kIsBytes<Value>) {
     using Element = typename Value::value_type;
     if constexpr (HasFixedWords<Element>()) return 1 + value.size() * LeastWords<Element>();
     std::size_t count = 1;

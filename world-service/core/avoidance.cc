@@ -42,7 +42,7 @@ std::optional<Vec2> ReactToRobots(const PeopleView& view, PersonId id, PersonSta
   if (description.reaction != PersonReaction::kCurious && description.reaction != PersonReaction::kScared) return {};
   const Disc* const robot = NearestRobot(view, id.index());
   if (robot == nullptr) {
-    person.watched = 0;
+    person.watch_ticks = 0;
     return {};
   }
   const Vec2 to = robot->center - view.disc(id.index()).center;
@@ -52,8 +52,8 @@ std::optional<Vec2> ReactToRobots(const PeopleView& view, PersonId id, PersonSta
     velocity -= description.speed * (1.0 - std::max(0.0, distance) / kSight) * Unit(to);
     return {};
   }
-  if (person.watched >= TicksOf(view.world(), kWatchTime)) return {};
-  ++person.watched;
+  if (person.watch_ticks >= TicksOf(view.world(), kWatchTime)) return {};
+  ++person.watch_ticks;
   velocity = distance > kWatchDistance ? Vec2(description.speed * Unit(to)) : Vec2(0.0, 0.0);
   return robot->center;
 }

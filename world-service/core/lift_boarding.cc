@@ -94,7 +94,7 @@ class Rider {
     const std::optional<LiftStop>& stop = portal_.stops[lift_.floor];
     const bool is_open = stop && IsOpen(view_.world(), state, number_);
     const bool wants_off = lift_.floor == person_.floor || lift_.session || person_.place == 0;
-    if (is_open && wants_off && person_.passing < PassingTicks(view_.world())) {
+    if (is_open && wants_off && person_.boarding_ticks < PassingTicks(view_.world())) {
       return TowardsDoor(*stop, here_, radius_, speed_);
     }
     if (person_.place == 0) return OutOfDoorway();
@@ -123,12 +123,12 @@ class Rider {
   RideWalk Wait(const LiftStop& stop, const Vec2& here_U, std::uint32_t floor) {
     const auto tick = static_cast<std::uint32_t>(view_.state().tick);  // the last bits, as of the call
     const double distance = (stop.Entrance() - here_).norm();
-    if (person_.called == 0) {
+    if (person_.call_tick == 0) {
       const bool is_there = distance <= kCallDistance || (distance <= kQueueReach && IsInQueue(stop.Entrance()));
       if (!is_there) return {.walks_to = WalkRoutes::Stop{person_.lift - 1, floor}};
-      person_.called = tick;
+      person_.call_tick = tick;
     }
-    if (tick - person_.called > TicksOf(view_.world(), kPatience)) {
+    if (tick - person_.call_tick > TicksOf(view_.world(), kPatience)) {
       person_.EndRide();
       return {.gave_up = true};
     }
@@ -145,7 +145,7 @@ class Rider {
 
   bool IsInQueue(const Vec2& entrance) const {
     return troupe::IsInQueue(view_, id_.index(), entrance, [&](const PersonState& other) {
-      return other.lift == person_.lift && other.called != 0 && other.place == 0;
+      return other.lift == person_.lift && other.call_tick != 0 && other.place == 0;
     });
   }
 

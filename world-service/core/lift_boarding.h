@@ -1,8 +1,8 @@
 // The rides of people on lifts: who waits, gets on, stands in the cabin and gets off. Private to this folder.
 //
-// A person that goes to another level walks to a lift, calls it (PersonState::called) and waits beside the way of those
-// who get off. Before the doors move, each lift serves its people (ServePeople): while no robot has its session, it
-// goes towards the person that called first, stops on the way for others, and gives places in its cabin to those who
+// A person that goes to another level walks to a lift, calls it (PersonState::call_tick) and waits beside the way of
+// those who get off. Before the doors move, each lift serves its people (ServePeople): while no robot has its session,
+// it goes towards the person that called first, stops on the way for others, and gives places in its cabin to those who
 // wait at its floor, once all who get off are out. While a robot has the session, people leave the lift to it: they get
 // off where its doors open and wait. So robots never wait for people's calls.
 #pragma once

@@ -21,7 +21,7 @@ struct Passenger {
   // The floor at which the lift serves it next.
   std::optional<std::uint32_t> Wants() const { return is_inside ? std::optional(state->floor) : at; }
   // The tick by which it has its turn: that of its call, or, while it waits, of its last vain try to get on.
-  std::uint32_t turn() const { return state->called + (is_inside || state->place != 0 ? 0 : state->passing); }
+  std::uint32_t turn() const { return state->call_tick + (is_inside || state->place != 0 ? 0 : state->boarding_ticks); }
 };
 
 class LiftService {
@@ -43,7 +43,7 @@ class LiftService {
                           .is_inside = portal_.IsInside(here, state.X_WP.z - lift_.z)};
       if (state.place > portal_.places.size()) state.place = 0;
       if (!passenger.is_inside) passenger.at = portal_.FloorAt(state.X_WP.z);
-      if (passenger.is_inside || state.called != 0) passengers_.push_back(passenger);
+      if (passenger.is_inside || state.call_tick != 0) passengers_.push_back(passenger);
     }
   }
 
@@ -75,29 +75,29 @@ class LiftService {
   void CountPassing(Passenger& passenger) {
     PersonState& state = *passenger.state;
     if (passenger.is_inside) {
-      if (state.called == 0) state.called = now_;
+      if (state.call_tick == 0) state.call_tick = now_;
       const bool gets_off =
           (is_open_ || is_stuck_) && (state.floor == lift_.floor || lift_.session || state.place == 0);
-      state.passing = gets_off ? (state.passing + 1) % (2 * limit()) : 0;  // it tries again after a pause
-      if (state.passing == limit()) state.called = now_;
+      state.boarding_ticks = gets_off ? (state.boarding_ticks + 1) % (2 * limit()) : 0;  // it tries again after a pause
+      if (state.boarding_ticks == limit()) state.call_tick = now_;
       return;
     }
     if (state.place == 0) {
-      if (state.passing > now_ - state.called) state.passing = 0;  // of its way out of the cabin
-      if (is_stuck_ && passenger.at == lift_.floor) state.passing = now_ - state.called;
+      if (state.boarding_ticks > now_ - state.call_tick) state.boarding_ticks = 0;  // of its way out of the cabin
+      if (is_stuck_ && passenger.at == lift_.floor) state.boarding_ticks = now_ - state.call_tick;
       return;
     }
     const bool gets_on = is_open_ && !lift_.session && passenger.at == lift_.floor;
-    if (gets_on && ++state.passing < limit()) return;
+    if (gets_on && ++state.boarding_ticks < limit()) return;
     // Its floor is the one at which it is: it has got off, and is still in the doorway.
     if (passenger.at == state.floor) return;
     state.place = 0;
-    state.passing = gets_on ? now_ - state.called : 0;
+    state.boarding_ticks = gets_on ? now_ - state.call_tick : 0;
   }
 
   bool AreGettingOff() const {
     return std::any_of(passengers_.begin(), passengers_.end(), [&](const Passenger& each) {
-      return each.is_inside && each.state->floor == lift_.floor && each.state->passing < limit();
+      return each.is_inside && each.state->floor == lift_.floor && each.state->boarding_ticks < limit();
     });
   }
   bool IsGettingOn(const Passenger& each) const {
@@ -144,7 +144,7 @@ class LiftService {
       stays = true;
       if (!is_open_) return true;
       next->state->place = *place;
-      next->state->passing = 0;
+      next->state->boarding_ticks = 0;
     }
   }
 

@@ -24,13 +24,13 @@ std::uint32_t TicksOf(const WorldDescription& world, double seconds) {
 
 void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person) {
   const std::vector<NextGoals>& next = world.goal_sets[person.goals].next;
-  const bool is_first = person.choices == 0;
+  const bool is_first = person.goals_chosen == 0;
   if (!is_first && next.empty()) return;
   const std::uint32_t before = person.goals;
   if (!is_first) {
     double total = 0.0;
     for (const NextGoals& choice : next) total += choice.weight;
-    double left = Draw(world, id, person.choices, 0) * total;
+    double left = Draw(world, id, person.goals_chosen, 0) * total;
     person.goals = next.back().goals;
     for (const NextGoals& choice : next) {
       left -= choice.weight;
@@ -43,18 +43,19 @@ void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person)
   const bool is_another = !is_first && person.goals == before && points > 1;
   // Not the same point again.
   const std::size_t choices = std::max<std::size_t>(points, 1) - (is_another ? 1 : 0);
-  auto goal = static_cast<std::uint32_t>(Draw(world, id, person.choices, 1) * static_cast<double>(choices));
+  auto goal = static_cast<std::uint32_t>(Draw(world, id, person.goals_chosen, 1) * static_cast<double>(choices));
   if (is_another && goal >= person.goal) ++goal;
   person.goal = goal;
-  ++person.choices;
-  person.waits = 0;
+  ++person.goals_chosen;
+  person.dwell_ticks = 0;
 }
 
 void ArriveAtGoal(const WorldDescription& world, PersonId id, PersonState& person) {
   const GoalSet& set = world.goal_sets[person.goals];
   if (set.next.empty()) return;
-  person.waits = TicksOf(world, set.wait.min + Draw(world, id, person.choices, 2) * (set.wait.max - set.wait.min));
-  if (person.waits == 0) ChooseGoal(world, id, person);
+  person.dwell_ticks =
+      TicksOf(world, set.wait.min + Draw(world, id, person.goals_chosen, 2) * (set.wait.max - set.wait.min));
+  if (person.dwell_ticks == 0) ChooseGoal(world, id, person);
 }
 
 }  // namespace troupe

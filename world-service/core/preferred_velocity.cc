@@ -37,12 +37,12 @@ class Walk {
     if (leader_) {
       FollowGoals();
     } else {
-      const bool ends_waiting = person_.choices > 0 && person_.waits > 0 && --person_.waits == 0;
-      if (person_.choices == 0 || ends_waiting) ChooseGoal(view_.world(), id_, person_);
+      const bool ends_waiting = person_.goals_chosen > 0 && person_.dwell_ticks > 0 && --person_.dwell_ticks == 0;
+      if (person_.goals_chosen == 0 || ends_waiting) ChooseGoal(view_.world(), id_, person_);
     }
     AloneWalk walk;
     asked_ = 0;
-    if (person_.waits == 0 && person_.choices > 0) walk = ToGoal();
+    if (person_.dwell_ticks == 0 && person_.goals_chosen > 0) walk = ToGoal();
     if (!walk.is_bound) KeepTogether(walk.velocity);
     if (!walk.is_bound) MakeRoom(walk.velocity);
     person_.door = asked_;
@@ -58,8 +58,8 @@ class Walk {
     const bool has_changed = person_.goals != first.goals || person_.goal != first.goal;
     person_.goals = first.goals;
     person_.goal = first.goal;
-    person_.choices = first.choices;
-    person_.waits = IsOnLevelOf(first) && person_.lift == 0 ? first.waits : 0;
+    person_.goals_chosen = first.goals_chosen;
+    person_.dwell_ticks = IsOnLevelOf(first) && person_.lift == 0 ? first.dwell_ticks : 0;
     // A ride to a goal that is not valid any more ends where the person has not got on.
     if (has_changed && person_.place == 0) person_.EndRide();
   }
@@ -67,7 +67,7 @@ class Walk {
   // The next goal comes after a while, as after one that it has reached: the search for a way takes time, too. A
   // follower waits for its leader's choice.
   void GiveUp() {
-    if (!leader_) person_.waits = std::max<std::uint32_t>(TicksOf(view_.world(), kGivenUp), 1);
+    if (!leader_) person_.dwell_ticks = std::max<std::uint32_t>(TicksOf(view_.world(), kGivenUp), 1);
   }
   void Arrive() {
     if (!leader_) ArriveAtGoal(view_.world(), id_, person_);
@@ -153,7 +153,7 @@ class Walk {
   // The point itself may be taken.
   bool IsInQueue(const Vec2& target) const {
     return troupe::IsInQueue(view_, i_, target, [&](const PersonState& other) {
-      return other.goals == person_.goals && other.goal == person_.goal && other.waits != 0;
+      return other.goals == person_.goals && other.goal == person_.goal && other.dwell_ticks != 0;
     });
   }
 
@@ -165,7 +165,7 @@ class Walk {
     if (!IsOnLevelOf(view_.person(*leader_)) || person_.lift != 0) return;
     const Vec2 to_leader = view_.disc(*leader_).center - here_;
     const double distance = to_leader.norm();
-    if (person_.waits > 0) velocity = Vec2(0.0, 0.0);
+    if (person_.dwell_ticks > 0) velocity = Vec2(0.0, 0.0);
     if (distance > kTogether) velocity += std::min(description_.speed, distance - kTogether) * Unit(to_leader);
   }
 

@@ -68,15 +68,6 @@ constexpr auto WithoutFirst(const std::tuple<All...>& all) {
   return std::apply([](const auto&, auto&... others) { return std::tuple<decltype(others)...>(others...); }, all);
 }
 
-template <typename Value>
-inline constexpr bool kIsOptionalId = false;
-template <typename Tag>
-inline constexpr bool kIsOptionalId<std::optional<Id<Tag>>> = true;
-template <typename Value>
-inline constexpr bool kIsId = false;
-template <typename Tag>
-inline constexpr bool kIsId<Id<Tag>> = true;
-
 // Whether a cell of a column has the type for a field.
 template <typename Cell, typename Part>
 constexpr bool IsCellOf() {

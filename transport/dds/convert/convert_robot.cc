@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "transport/dds/convert/convert_parts.h"
+#include "transport/dds/convert/sensor_numbers.h"
 
 namespace troupe::dds {
 namespace {
@@ -26,9 +27,9 @@ troupe_wire_Sensor ToWire(const SensorDescription& sensor, WireArena& arena) {
   wire.type = arena.Copy(std::string(TypeOf(sensor.parameters)));
   wire.model = static_cast<std::uint32_t>(sensor.model.index());
   wire.period = sensor.period_ticks;
-  const std::vector<SensorField> fields = FieldsOf(sensor.parameters);
+  const std::vector<NamedNumbers> fields = NumbersOf(sensor.parameters);
   troupe_wire_SensorField* out = arena.Fill(wire.fields, fields.size());
-  for (const SensorField& field : fields) {
+  for (const NamedNumbers& field : fields) {
     out->name = arena.Copy(field.name);
     std::copy(field.numbers.begin(), field.numbers.end(), arena.Fill(out->numbers, field.numbers.size()));
     ++out;
@@ -39,7 +40,7 @@ Status FromWire(const troupe_wire_Sensor& wire, SensorDescription& sensor) {
   sensor.name = Text(wire.name);
   sensor.model = ModelId(wire.model);
   sensor.period_ticks = wire.period;
-  std::vector<SensorField> fields;
+  std::vector<NamedNumbers> fields;
   for (const troupe_wire_SensorField& field : Elements(wire.fields)) {
     const auto numbers = Elements(field.numbers);
     fields.push_back({Text(field.name), {numbers.begin(), numbers.end()}});

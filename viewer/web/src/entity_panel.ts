@@ -101,8 +101,8 @@ export class EntityPanel {
     const speed = Math.hypot(row.vx, row.vy);
     const badge = byId('panel-state');
     badge.className = `badge ${speed > 0.05 ? 'moving' : 'idle'}`;
-    setText(badge, row.waits > 0 ? 'waiting' : speed > 0.05 ? 'walking' : 'standing');
-    this.showFactsOnly([...this.poseFacts(pose), ['speed', `${fixed(speed, 3)} m/s`], ['goals', `${row.choices}`]]);
+    setText(badge, row.dwellTicks > 0 ? 'waiting' : speed > 0.05 ? 'walking' : 'standing');
+    this.showFactsOnly([...this.poseFacts(pose), ['speed', `${fixed(speed, 3)} m/s`], ['goals', `${row.goalsChosen}`]]);
   }
 
   private showFactsOnly(facts: Array<[string, string]>): void {

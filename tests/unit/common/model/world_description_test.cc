@@ -247,19 +247,19 @@ const Fault kFaults[] = {
     {[](auto& w) { w.robots[0].sensors[0].period_ticks = 0; },
      "robot 0 'm1': its ranger 'ranger:0' has a period of no ticks"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].X_MS.x = kNan; },
-     "robot 0 'm1': ranger 'ranger:0': its field 'ray_sensors' has a number that is not finite or too large"},
+     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.pose.x: found nan, expected at most 1e+06 in size"},
     {[](auto& w) {
        RaySensors(w.robots[0].sensors[0])[0].range = {-1.0, 1.0};
      },
-     "robot 0 'm1': ranger 'ranger:0': the range of a sensor is not an interval from 0 up"},
+     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.range.min: found -1, expected at least 0 m"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].fov = -0.1; },
-     "robot 0 'm1': ranger 'ranger:0': the fov of a sensor is not finite or negative"},
+     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.fov: found -0.1, expected at least 0 rad"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 0; },
-     "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 100000 samples"},
+     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.samples: found 0, expected from 1 to 100000"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 100'001; },
-     "robot 0 'm1': ranger 'ranger:0': a sensor does not have 1 to 100000 samples"},
+     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.samples: found 100001, expected from 1 to 100000"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].noise_variance = -1.0; },
-     "robot 0 'm1': ranger 'ranger:0': the noise of a sensor is not finite or its variance negative"},
+     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.noise_variance: found -1, expected at least 0"},
 };
 
 // The lanes of a peer.
@@ -330,53 +330,13 @@ std::vector<SensorParameters> AllKinds() {
   };
 }
 
-TEST(SensorDescription, EveryKindSurvivesItsFields) {
+TEST(SensorDescription, ParametersOfEveryKindPass) {
   const std::vector<SensorParameters> kinds = AllKinds();
   ASSERT_EQ(kinds.size(), std::variant_size_v<SensorParameters>);
-  for (std::size_t i = 0; i < kinds.size(); ++i) {
-    const SensorParameters& parameters = kinds[i];
-    ASSERT_EQ(parameters.index(), i);
-    const Result<SensorParameters> read = ParametersFrom(TypeOf(parameters), FieldsOf(parameters));
-    ASSERT_TRUE(read.ok()) << TypeOf(parameters) << ": " << read.error().message;
-    EXPECT_EQ(read.value(), parameters) << TypeOf(parameters);
+  for (const SensorParameters& parameters : kinds) {
     if (TypeOf(parameters) == "break_beam") continue;  // they belong to grippers
     EXPECT_TRUE(CheckParameters(parameters).ok()) << CheckParameters(parameters).error().message;
   }
-}
-
-TEST(SensorDescription, DamagedFieldsAreRefused) {
-  for (const SensorParameters& parameters : AllKinds()) {
-    const std::vector<SensorField> fields = FieldsOf(parameters);
-    EXPECT_FALSE(ParametersFrom("scent", fields).ok());
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      std::vector<SensorField> damaged = fields;
-      damaged[i].name += "x";
-      EXPECT_FALSE(ParametersFrom(TypeOf(parameters), damaged).ok());
-      damaged = fields;
-      damaged[i].numbers.pop_back();
-      EXPECT_FALSE(ParametersFrom(TypeOf(parameters), damaged).ok());
-      damaged = fields;
-      damaged[i].numbers.push_back(0.0);
-      EXPECT_FALSE(ParametersFrom(TypeOf(parameters), damaged).ok());
-      damaged = fields;
-      damaged.erase(damaged.begin() + static_cast<std::ptrdiff_t>(i));
-      EXPECT_FALSE(ParametersFrom(TypeOf(parameters), damaged).ok());
-    }
-    std::vector<SensorField> more = fields;
-    more.push_back({"more", {}});
-    EXPECT_FALSE(ParametersFrom(TypeOf(parameters), more).ok());
-  }
-}
-
-TEST(SensorDescription, WholeNumbersAreWholeAndListsEnd) {
-  std::vector<SensorField> fields = FieldsOf(BlobfinderParameters{});
-  for (const double width : {1.5, -1.0, 1e12, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    fields[1].numbers = {width};
-    EXPECT_FALSE(ParametersFrom("blobfinder", fields).ok()) << width;
-  }
-  fields = FieldsOf(BumperParameters{});
-  fields[0].numbers = {4e9};  // the length of a list without elements
-  EXPECT_FALSE(ParametersFrom("bumper", fields).ok());
 }
 
 TEST(SensorDescription, ValuesThatCannotBeAreRefused) {

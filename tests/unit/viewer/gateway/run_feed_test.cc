@@ -376,7 +376,7 @@ TEST(StateRowsTest, AViewerThatSkipsAnyUpdatesHasTheWholeState) {
     state.lights[below(state.lights.size())].is_switched_on = below(2) == 0;
     state.doors[below(3)].opening = 1.0 / static_cast<double>(update);
     state.lifts[below(2)].floor = static_cast<std::uint32_t>(update);
-    ++state.people[below(state.people.size())].choices;
+    ++state.people[below(state.people.size())].goals_chosen;
     rows.Assign(std::make_shared<const WorldState>(state), update, update == 1);
     EXPECT_LE(quick.Apply(Difference(rows, update - 1)), update == 1 ? 63u : 12u);
     EXPECT_EQ(quick.state, state);

@@ -153,7 +153,7 @@ TEST(PeopleInLifts, PeopleLeaveTheLiftToARobotUntilItsSessionEnds) {
     EXPECT_EQ(run.state.lifts[kLift].floor, 0u);
   }
   EXPECT_EQ(run.state.people[0].place, 0u);
-  EXPECT_GT(run.state.people[0].called, 0u);
+  EXPECT_GT(run.state.people[0].call_tick, 0u);
   EXPECT_GT(run.Place(anna).x(), 0.2);
   call.lifts = {{kLift, 0, true}};
   run.Step({call});
@@ -165,11 +165,11 @@ TEST(PeopleInLifts, APersonThatIsMovedForgetsItsRideAndOneWithoutALiftGivesUp) {
   HouseWorld house(2);
   const PersonId anna = house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
   PeopleRun run(house.world);
-  ASSERT_TRUE(run.StepUntil(400, [&] { return run.state.people[0].called != 0; }));
+  ASSERT_TRUE(run.StepUntil(400, [&] { return run.state.people[0].call_tick != 0; }));
   const std::string name = house.world.model(house.world.person(anna).root).name;
   const EditedWorld moved = test::ValueOf(SetPose(run.scene, run.state, name, {6.0, 5.0, 0.0, 0.0}));
   EXPECT_EQ(moved.state.people[0].lift, 0u);
-  EXPECT_EQ(moved.state.people[0].called, 0u);
+  EXPECT_EQ(moved.state.people[0].call_tick, 0u);
 
   house.AddPersonOn(1, {12.0, 5.0}, house.AddTour({{{12.0, 5.0}, 1}}));  // so that the level is known
   for (LiftFloor& floor : house.world.lifts[kLift].floors) floor.doors.clear();
@@ -202,7 +202,7 @@ TEST(PeopleInLifts, APersonThatTriesAgainAndAgainToGetOnGivesUpAfterItsPatience)
   house.AddRobot(test::Box(-0.2, -0.58, 0.2, 0.58), {0.0, 0.6}, {0.3, 5.0, 0.0, 0.0});  // in the doorway
   house.AddPersonOn(0, {4.0, 5.0}, house.AddTour({{{10.0, 5.0}, 1}}));
   PeopleRun run(house.world);
-  ASSERT_TRUE(run.StepUntil(400, [&] { return run.state.people[0].called != 0; }));
+  ASSERT_TRUE(run.StepUntil(400, [&] { return run.state.people[0].call_tick != 0; }));
   const Tick called = run.state.tick;
   int tries = 0;
   bool had_place = false;
@@ -210,7 +210,7 @@ TEST(PeopleInLifts, APersonThatTriesAgainAndAgainToGetOnGivesUpAfterItsPatience)
     const bool has_place = run.state.people[0].place != 0;
     tries += has_place && !had_place ? 1 : 0;
     had_place = has_place;
-    return run.state.people[0].choices > 1;
+    return run.state.people[0].goals_chosen > 1;
   }));
   EXPECT_GE(run.state.tick - called, 3000u);
   EXPECT_GE(tries, 10);
@@ -224,7 +224,7 @@ TEST(PeopleInLifts, TheLastBitsOfTicksAreEnoughForRides) {
   run.state.tick = (Tick{1} << 32) - 60;
   EXPECT_TRUE(run.StepUntil(900, [&] { return Level(run, anna) == 2 && run.state.people[0].lift == 0; }));
   EXPECT_TRUE(run.StepUntil(900, [&] { return Level(run, anna) == 0 && run.state.people[0].lift == 0; }));
-  EXPECT_EQ(run.state.people[0].choices, 2u);
+  EXPECT_EQ(run.state.people[0].goals_chosen, 2u);
 }
 
 // A box in the way of a leaf of the lift on level 1.

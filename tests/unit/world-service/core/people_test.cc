@@ -28,10 +28,10 @@ TEST(People, APersonWalksAroundAWallToItsGoalWaitsThereAndChoosesAnother) {
   const PersonId anna = test.AddPerson({0.0, 0.0}, test.AddGoals({{8.0, 0.0}, {0.0, 0.0}}, {2.0, 2.0}));
   test.world.goal_sets[0].reach = 0.2;
   PeopleRun run(test.world);
-  run.state.people[0].choices = 1;  // on its way to the first point
+  run.state.people[0].goals_chosen = 1;  // on its way to the first point
   double length = 0.0;
   int arrival = 0;
-  while (arrival < 200 && run.state.people[0].waits == 0) {
+  while (arrival < 200 && run.state.people[0].dwell_ticks == 0) {
     const Vec2 before = run.Place(anna);
     run.Step();
     length += (run.Place(anna) - before).norm();
@@ -43,7 +43,7 @@ TEST(People, APersonWalksAroundAWallToItsGoalWaitsThereAndChoosesAnother) {
   EXPECT_LT(length, 9.5);
   EXPECT_NEAR(0.1 * arrival, length / 1.3, 1.5);  // s, at its speed
   int waited = 0;
-  for (; run.state.people[0].choices == 1; ++waited) run.Step();
+  for (; run.state.people[0].goals_chosen == 1; ++waited) run.Step();
   EXPECT_EQ(waited, 20);
   EXPECT_EQ(run.state.people[0].goal, 1u);
 }
@@ -59,7 +59,7 @@ TEST(People, APersonWithoutAWayStaysAndOneWithoutGoalsStands) {
   PeopleRun run(test.world);
   for (int i = 0; i < 50; ++i) run.Step();
   EXPECT_LT(run.Place(locked_in).norm(), 0.1);
-  EXPECT_LE(run.state.people[locked_in.index()].choices, 6u);  // it looks for a way once a second
+  EXPECT_LE(run.state.people[locked_in.index()].goals_chosen, 6u);  // it looks for a way once a second
   EXPECT_EQ(run.Place(standing), Vec2(5.0, 0.0));
 }
 

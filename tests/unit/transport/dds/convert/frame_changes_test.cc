@@ -90,7 +90,7 @@ class Changes {
     }
     for (PersonState& person : state.people) {
       for (double* number : {&person.X_WP.x, &person.X_WP.heading, &person.vx, &person.vy}) Change(*number);
-      if (Chance(0.1)) ++person.choices;
+      if (Chance(0.1)) ++person.goals_chosen;
     }
     for (ImuState& imu : state.imus) {
       for (double* number : {&imu.vx, &imu.vy, &imu.vz}) Change(*number);

@@ -344,7 +344,8 @@ FrameMessage RandomMessages::Frame() {
   for (PersonState& person : frame.state.people) {
     const auto number = [this] { return static_cast<std::uint32_t>(Below(100)); };
     person = {{Number(), Number(), Number(), Number()}, Number(), Number(), 0, 0, 0, 0, 0};
-    for (std::uint32_t* field : {&person.goals, &person.goal, &person.choices, &person.waits, &person.watched}) {
+    for (std::uint32_t* field :
+         {&person.goals, &person.goal, &person.goals_chosen, &person.dwell_ticks, &person.watch_ticks}) {
       *field = number();
     }
   }

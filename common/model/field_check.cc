@@ -1,0 +1,43 @@
+#include "common/model/field_check.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace troupe {
+
+std::string FieldCheck::TextOf(double number) {
+  std::ostringstream text;
+  text << number;
+  return text.str();
+}
+
+bool FieldCheck::FailNumber(double number, const FieldInfo& field) {
+  const bool is_near = std::abs(number) <= magnitude_;
+  if (is_near || field.limits.has_max()) return Fail(TextOf(number), Expected(field));
+  return Fail(TextOf(number),
+              magnitude_ > kMaxMagnitude ? "a finite number" : "at most " + TextOf(magnitude_) + " in size");
+}
+
+std::string FieldCheck::Expected(const FieldInfo& field) {
+  const auto& [min, max, is_min_excluded] = field.limits;
+  const std::string unit = field.unit.empty() ? "" : " " + std::string(field.unit);
+  if (field.limits.has_min() && field.limits.has_max() && !is_min_excluded) {
+    return "from " + TextOf(min) + " to " + TextOf(max) + unit;
+  }
+  std::string text;
+  if (field.limits.has_min()) text = (is_min_excluded ? "above " : "at least ") + TextOf(min);
+  if (field.limits.has_max()) text += (text.empty() ? "at most " : " and at most ") + TextOf(max);
+  return text + unit;
+}
+
+bool FieldCheck::Fail(const std::string& found, const std::string& expected) {
+  problem_ = ": found " + found + ", expected " + expected;
+  return false;
+}
+
+bool FieldCheck::FailAt(std::string_view part) {
+  problem_ = std::string(part) + (problem_.starts_with(':') ? "" : ".") + problem_;
+  return false;
+}
+
+}  // namespace troupe
