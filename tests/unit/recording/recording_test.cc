@@ -272,19 +272,22 @@ TEST(Recording, HasCompleteSchemas) {
   EXPECT_THAT(SchemaOf(kChannelTypes[2]).data, HasSubstr("struct World {"));
 }
 
-// The names of the columns of a struct of frame.idl. Converters match columns by their order and types.
-std::vector<std::string> ColumnsOf(const std::string& type) {
-  const auto* const idl = std::find_if(kIdlTexts, kIdlTexts + kIdlTextCount,
-                                       [](const IdlText& file) { return file.file == std::string("frame.idl"); });
+// The names of the members of a struct in idl/. Converters match members by their order and types.
+std::vector<std::string> MembersIn(const std::string& file, const std::string& type) {
+  const auto* const idl =
+      std::find_if(kIdlTexts, kIdlTexts + kIdlTextCount, [&](const IdlText& text) { return text.file == file; });
   const std::string text = idl->text;
   const std::size_t start = text.find("struct " + type + " {");
   const std::string body = text.substr(start, text.find("};", start) - start);
-  const std::regex column(R"((?:sequence<[a-z ]+>|\w+Columns) (\w+);)");
+  const std::regex member(R"((?:[a-z]+|[a-z]+ long|sequence<[\w ]+>|[A-Z]\w+) (\w+);)");
   std::vector<std::string> names;
-  for (std::sregex_iterator found(body.begin(), body.end(), column), end; found != end; ++found) {
+  for (std::sregex_iterator found(body.begin(), body.end(), member), end; found != end; ++found) {
     names.push_back((*found)[1]);
   }
   return names;
+}
+std::vector<std::string> ColumnsOf(const std::string& type) {
+  return MembersIn("frame.idl", type);
 }
 
 template <typename Row>
@@ -313,6 +316,63 @@ TEST(IdlColumnsTest, HaveTheNamesOfTheFields) {
   std::vector<std::string> event = LeafNames<Event>();
   event.erase(event.begin());  // the tick
   EXPECT_EQ(ColumnsOf("EventColumns"), event);
+}
+
+// The names of the members for a field: its own, or those of its parts where the type in idl/ has no struct for them.
+template <typename Part>
+void AddMembers(const std::string& name, std::vector<std::string>& names) {
+  constexpr bool kIsSpread = std::is_same_v<Part, Blinking> || std::is_same_v<Part, PowerDescription> ||
+                             std::is_same_v<Part, MapGrid> || std::is_same_v<Part, RosIdentity>;
+  if constexpr (std::is_same_v<Part, Interval> || std::is_same_v<Part, ZRange>) {
+    names.insert(names.end(), {name + "_min", name + "_max"});
+  } else if constexpr (std::is_same_v<Part, Vec2>) {
+    names.insert(names.end(), {name + "_x", name + "_y"});
+  } else if constexpr (std::is_same_v<Part, SensorParameters>) {
+    names.insert(names.end(), {"type", "fields"});
+  } else if constexpr (kIsSpread) {
+    for (const std::string& leaf : LeafNames<Part>()) names.push_back(leaf);
+  } else {
+    names.push_back(name);
+  }
+}
+
+template <typename Row>
+void ExpectMembers(const std::string& type) {
+  std::vector<std::string> names;
+  ForEachField<Row>(
+      [&]<typename Part>(const Field<Row, Part>& field) { AddMembers<Part>(std::string(field.name), names); });
+  EXPECT_EQ(MembersIn("world.idl", type), names) << type;
+}
+
+TEST(IdlColumnsTest, TheWorldHasTheNamesOfTheFields) {
+  ExpectMembers<Color>("Color");
+  ExpectMembers<Pose>("Pose");
+  ExpectMembers<Block>("Block");
+  ExpectMembers<Shape>("Shape");
+  ExpectMembers<ModelDescription>("Model");
+  ExpectMembers<TwistBounds>("TwistBounds");
+  ExpectMembers<DriveDescription>("Drive");
+  ExpectMembers<LocalizationDescription>("Localization");
+  ExpectMembers<SensorDescription>("Sensor");
+  ExpectMembers<ControllerDescription>("Controller");
+  ExpectMembers<RobotDescription>("Robot");
+  ExpectMembers<NamedPlace>("Place");
+  ExpectMembers<JointDescription>("Joint");
+  ExpectMembers<BreakBeam>("BreakBeam");
+  ExpectMembers<GripperDescription>("Gripper");
+  ExpectMembers<DoorLeaf>("DoorLeaf");
+  ExpectMembers<DoorDescription>("Door");
+  ExpectMembers<LiftFloor>("LiftFloor");
+  ExpectMembers<LiftDescription>("Lift");
+  ExpectMembers<NextGoals>("NextGoals");
+  ExpectMembers<GoalSet>("GoalSet");
+  ExpectMembers<PersonDescription>("Person");
+  ExpectMembers<LevelDescription>("Level");
+  ExpectMembers<LaneVertex>("LaneVertex");
+  ExpectMembers<LaneDoor>("LaneDoor");
+  ExpectMembers<Lane>("Lane");
+  ExpectMembers<LaneGraph>("LaneGraph");
+  ExpectMembers<WorldDescription>("World");
 }
 
 }  // namespace

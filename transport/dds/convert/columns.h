@@ -13,112 +13,12 @@
 #include <vector>
 
 #include "transport/dds/binding/wire.h"
+#include "transport/dds/convert/cells.h"
 #include "troupe/fields.h"
 #include "troupe/ids.h"
 #include "troupe/result.h"
 
 namespace troupe::dds {
-
-// The members of a struct of idlc, in their order.
-template <typename Struct>
-auto MembersOf(Struct& s) {
-  constexpr std::size_t count = kMemberCount<std::remove_const_t<Struct>>;
-  static_assert((count >= 2 && count <= 12) || count == 18, "add the struct's number of members here");
-  if constexpr (count == 2) {
-    auto& [a, b] = s;
-    return std::tie(a, b);
-  } else if constexpr (count == 3) {
-    auto& [a, b, c] = s;
-    return std::tie(a, b, c);
-  } else if constexpr (count == 4) {
-    auto& [a, b, c, d] = s;
-    return std::tie(a, b, c, d);
-  } else if constexpr (count == 5) {
-    auto& [a, b, c, d, e] = s;
-    return std::tie(a, b, c, d, e);
-  } else if constexpr (count == 6) {
-    auto& [a, b, c, d, e, f] = s;
-    return std::tie(a, b, c, d, e, f);
-  } else if constexpr (count == 7) {
-    auto& [a, b, c, d, e, f, g] = s;
-    return std::tie(a, b, c, d, e, f, g);
-  } else if constexpr (count == 8) {
-    auto& [a, b, c, d, e, f, g, h] = s;
-    return std::tie(a, b, c, d, e, f, g, h);
-  } else if constexpr (count == 9) {
-    auto& [a, b, c, d, e, f, g, h, i] = s;
-    return std::tie(a, b, c, d, e, f, g, h, i);
-  } else if constexpr (count == 10) {
-    auto& [a, b, c, d, e, f, g, h, i, j] = s;
-    return std::tie(a, b, c, d, e, f, g, h, i, j);
-  } else if constexpr (count == 11) {
-    auto& [a, b, c, d, e, f, g, h, i, j, k] = s;
-    return std::tie(a, b, c, d, e, f, g, h, i, j, k);
-  } else if constexpr (count == 12) {
-    auto& [a, b, c, d, e, f, g, h, i, j, k, l] = s;
-    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
-  } else {
-    auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r] = s;
-    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r);
-  }
-}
-
-template <typename... All>
-constexpr auto WithoutFirst(const std::tuple<All...>& all) {
-  return std::apply([](const auto&, auto&... others) { return std::tuple<decltype(others)...>(others...); }, all);
-}
-
-// Whether a cell of a column has the type for a field.
-template <typename Cell, typename Part>
-constexpr bool IsCellOf() {
-  if constexpr (kIsOptionalId<Part>) return std::is_same_v<Cell, std::int32_t>;
-  if constexpr (kIsId<Part>) return std::is_same_v<Cell, std::uint32_t>;
-  if constexpr (std::is_same_v<Part, std::string>) return std::is_same_v<Cell, char*>;
-  if constexpr (std::is_same_v<Part, bool> || std::is_enum_v<Part>) return std::is_same_v<Cell, std::uint8_t>;
-  // An index has the width of the machine, and its column 32 bits everywhere.
-  if constexpr (std::is_same_v<Part, std::uint64_t> || std::is_same_v<Part, std::size_t>) {
-    return std::is_same_v<Cell, std::uint32_t> || std::is_same_v<Cell, std::uint64_t>;
-  }
-  return std::is_same_v<Cell, Part>;
-}
-
-template <typename Cell, typename Part>
-Cell ToCell(const Part& part, WireArena& arena) {
-  static_assert(IsCellOf<Cell, Part>(), "a column has another type than its field");
-  if constexpr (kIsOptionalId<Part>) {
-    return part ? static_cast<Cell>(part->index()) : Cell{-1};
-  } else if constexpr (kIsId<Part>) {
-    return static_cast<Cell>(part.index());
-  } else if constexpr (std::is_same_v<Part, std::string>) {
-    return arena.Copy(part);
-  } else {
-    return static_cast<Cell>(part);
-  }
-}
-
-// False if the value is not one of the type: an unknown enumerator, another flag than 0 and 1, an id below -1. Numbers
-// that are not finite and ids that no world has pass.
-template <typename Cell, typename Part>
-bool FromCell(Cell cell, Part& part) {
-  static_assert(IsCellOf<std::remove_const_t<Cell>, Part>(), "a column has another type than its field");
-  if constexpr (kIsOptionalId<Part>) {
-    if (cell >= 0) {
-      part.emplace(static_cast<std::size_t>(cell));
-    } else {
-      part.reset();
-    }
-    return cell >= -1;
-  } else if constexpr (kIsId<Part>) {
-    part = Part(cell);
-  } else if constexpr (std::is_same_v<Part, std::string>) {
-    part = Text(cell);
-  } else {
-    part = static_cast<Part>(cell);
-    if constexpr (std::is_same_v<Part, bool>) return cell <= 1;
-    if constexpr (std::is_enum_v<Part>) return part <= LastOf(Part());
-  }
-  return true;
-}
 
 namespace columns_internal {
 

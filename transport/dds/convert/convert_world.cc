@@ -1,31 +1,24 @@
-#include "transport/dds/convert/convert_parts.h"
+// World descriptions: all types with lists of fields by StructWriter and StructReader.
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "transport/dds/convert/convert.h"
+#include "transport/dds/convert/sensor_numbers.h"
+#include "transport/dds/convert/structs.h"
 
 namespace troupe::dds {
-
-troupe_wire_World ToWire(const WorldDescription& world, WireArena& arena) {
-  troupe_wire_World wire{};
-  wire.name = arena.Copy(world.name);
-  wire.seed = world.seed;
-  wire.interval = world.interval_ns;
-  PartsToWire(world.shapes, wire.shapes, arena);
-  PartsToWire(world.models, wire.models, arena);
-  PartsToWire(world.robots, wire.robots, arena);
-  PartsToWire(world.joints, wire.joints, arena);
-  PartsToWire(world.grippers, wire.grippers, arena);
-  std::uint32_t* objects = arena.Fill(wire.objects, world.objects.size());
-  for (ModelId object : world.objects) *objects++ = static_cast<std::uint32_t>(object.index());
-  wire.gravity = world.gravity;
-  PartsToWire(world.places, wire.places, arena);
-  PartsToWire(world.doors, wire.doors, arena);
-  PartsToWire(world.lifts, wire.lifts, arena);
-  PartsToWire(world.goal_sets, wire.goal_sets, arena);
-  PartsToWire(world.people, wire.people, arena);
-  PartsToWire(world.levels, wire.levels, arena);
-  PartsToWire(world.lane_graphs, wire.lane_graphs, arena);
-  return wire;
-}
-
 namespace {
+
+troupe_wire_PixelLines ToWire(const PixelLines& lines) {
+  return {lines.center, lines.factor, lines.second_center, lines.second_factor, lines.shift};
+}
+PixelLines FromWire(const troupe_wire_PixelLines& wire) {
+  return {wire.center, wire.factor, wire.second_center, wire.second_factor, wire.shift};
+}
 
 // Equal robots mostly follow one another: each shares its list of rays with the one before.
 void ShareRaySensors(std::vector<RobotDescription>& robots) {
@@ -45,32 +38,64 @@ void ShareRaySensors(std::vector<RobotDescription>& robots) {
 
 }  // namespace
 
+void ToWire(const SensorParameters& parameters, char*& type, dds_sequence_troupe_wire_SensorField& wire,
+            WireArena& arena) {
+  type = arena.Copy(TypeOf(parameters));
+  const std::vector<NamedNumbers> fields = NumbersOf(parameters);
+  troupe_wire_SensorField* out = arena.Fill(wire, fields.size());
+  for (const NamedNumbers& field : fields) {
+    out->name = arena.Copy(field.name);
+    std::copy(field.numbers.begin(), field.numbers.end(), arena.Fill(out->numbers, field.numbers.size()));
+    ++out;
+  }
+}
+Result<SensorParameters> FromWire(const char* type, const dds_sequence_troupe_wire_SensorField& wire) {
+  std::vector<NamedNumbers> fields;
+  for (const troupe_wire_SensorField& field : Elements(wire)) {
+    const auto numbers = Elements(field.numbers);
+    fields.push_back({Text(field.name), {numbers.begin(), numbers.end()}});
+  }
+  return ParametersFrom(Text(type), fields);
+}
+
+troupe_wire_PixelArea ToWire(const PixelArea& area, WireArena& arena) {
+  troupe_wire_PixelArea wire{};
+  const Bitmap& bitmap = area.cover().bitmap();
+  wire.width = static_cast<std::uint32_t>(bitmap.width());
+  wire.height = static_cast<std::uint32_t>(bitmap.height());
+  const std::size_t words = Bitmap::WordsOf(bitmap.width(), bitmap.height());
+  bitmap.Pack({arena.Fill(wire.bits, words), words});
+  wire.x = ToWire(area.x());
+  wire.y = ToWire(area.y());
+  wire.lines_in_model = PoseToWire(area.X_MA());
+  return wire;
+}
+Result<PixelArea> FromWire(const troupe_wire_PixelArea& wire) {
+  constexpr std::uint32_t kMaxSide = std::numeric_limits<std::int32_t>::max();
+  const auto bits = Elements(wire.bits);
+  // Before anything is allocated by these numbers.
+  if (wire.width < 1 || wire.height < 1 || wire.width > kMaxSide || wire.height > kMaxSide ||
+      bits.size() != (std::uint64_t{wire.width} * wire.height + 63) / 64) {
+    return Error{{},
+                 "an area of " + std::to_string(wire.width) + " x " + std::to_string(wire.height) + " pixels with " +
+                     std::to_string(bits.size()) + " words of 64 bits, expected one bit for each pixel"};
+  }
+  Bitmap bitmap = Bitmap::Unpacked(static_cast<int>(wire.width), static_cast<int>(wire.height), bits);
+  return PixelArea(std::make_shared<const DenseCover>(std::move(bitmap)), FromWire(wire.x), FromWire(wire.y),
+                   PoseFromWire(wire.lines_in_model));
+}
+
+troupe_wire_World ToWire(const WorldDescription& world, WireArena& arena) {
+  troupe_wire_World wire{};
+  StructWriter(arena).Write(world, wire);
+  return wire;
+}
+
 Result<WorldDescription> FromWire(const troupe_wire_World& wire) {
   WorldDescription world;
-  world.name = Text(wire.name);
-  world.seed = wire.seed;
-  world.interval_ns = wire.interval;
-  Status status;
-  const auto read = [&](const auto& from, auto& to) {
-    if (status.ok()) status = PartsFromWire(from, to);
-  };
-  read(wire.shapes, world.shapes);
-  read(wire.models, world.models);
-  read(wire.robots, world.robots);
+  if (Status status = StructReader().Read(wire, world); !status.ok()) return status.error();
   ShareRaySensors(world.robots);
-  read(wire.joints, world.joints);
-  read(wire.grippers, world.grippers);
-  for (std::uint32_t object : Elements(wire.objects)) world.objects.emplace_back(object);
-  world.gravity = wire.gravity;
-  read(wire.places, world.places);
-  read(wire.doors, world.doors);
-  read(wire.lifts, world.lifts);
-  read(wire.goal_sets, world.goal_sets);
-  read(wire.people, world.people);
-  read(wire.levels, world.levels);
-  read(wire.lane_graphs, world.lane_graphs);
-  if (status.ok()) status = Validate(world);
-  if (!status.ok()) return status.error();
+  if (Status status = Validate(world); !status.ok()) return status.error();
   return world;
 }
 

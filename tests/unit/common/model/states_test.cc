@@ -252,6 +252,31 @@ TEST(FieldsTest, MembersOfAllKindsCount) {
   EXPECT_EQ(kMemberCount<Outer>, 7u);
 }
 
+TEST(FieldsTest, AFieldHasItsUnitItsLimitsAndItsDocumentation) {
+  const auto opening = std::get<0>(kFields<DoorState>);
+  EXPECT_EQ(opening.documentation, "from 0, closed, to 1");
+  EXPECT_TRUE(opening.limits.Contain(1.0));
+  EXPECT_FALSE(opening.limits.Contain(1.1));
+  EXPECT_EQ(std::get<0>(kFields<LiftState>).unit, "m");
+  EXPECT_EQ(std::get<3>(kLeaves<RobotState>).unit, "rad") << "that of the leaf";
+  EXPECT_EQ(std::get<2>(kLeaves<GoalSet>).unit, "m");
+  constexpr auto above = Field{"x", &Pose::x}.Above(0).AtMost(2).limits;
+  EXPECT_FALSE(above.Contain(0.0));
+  EXPECT_TRUE(above.Contain(2.0));
+  EXPECT_FALSE(FieldLimits().Contain(HUGE_VAL));
+  EXPECT_FALSE(FieldLimits().Contain(std::nan("")));
+}
+
+TEST(CheckStateTest, AFieldBeyondItsLimitsIsNamed) {
+  WorldDescription world = SomeWorld();
+  world.doors.resize(2);
+  WorldState state = SomeState();
+  state.doors.resize(2);
+  EXPECT_TRUE(CheckState(world, state).ok());
+  state.doors[1].opening = 1.5;
+  EXPECT_EQ(CheckState(world, state).error().message, "state: doors.1.opening: found 1.5, expected from 0 to 1");
+}
+
 TEST(FieldsTest, AMemberThatIsListedTwiceIsFound) {
   EXPECT_TRUE(fields_internal::AreDistinct(Outer::Fields()));
   EXPECT_FALSE(fields_internal::AreDistinct(std::tuple{Field{"x", &Pose::x}, Field{"y", &Pose::x}}));

@@ -9,6 +9,7 @@
 
 #include "common/model/find_robots.h"
 #include "common/model/states.h"
+#include "tests/support/random_rows.h"
 #include "tests/support/small_world.h"
 #include "tests/support/test_world.h"
 #include "troupe/sensor_description.h"
@@ -75,96 +76,106 @@ TEST(FindRobots, FindsThoseThatExist) {
   EXPECT_EQ(NamesThatExist(test.world, {"m", names[0], "", names[1]}), (std::vector<std::string>{names[0], names[1]}));
 }
 
-TEST(WorldHash, ChangesWithEveryField) {
-  const std::function<void(WorldDescription&)> changes[] = {
-      [](WorldDescription&) {},
-      [](WorldDescription& w) { w.name = "other"; },
-      [](WorldDescription& w) { w.seed = 1; },
-      [](WorldDescription& w) { ++w.interval_ns; },
-      [](WorldDescription& w) { w.shapes[0].blocks[0].outline[0].x() += 1e-9; },
-      [](WorldDescription& w) { w.shapes[0].blocks[0].z.max += 1e-9; },
-      [](WorldDescription& w) { w.shapes[0].rectangles[0].max_y += 1e-9; },
-      [](WorldDescription& w) { w.shapes[0].rectangles.push_back({}); },
-      [](WorldDescription& w) { w.shapes[0].rectangles_z.min = -1.0; },
-      [](WorldDescription& w) { w.models[0].name = "x"; },
-      [](WorldDescription& w) { w.models[0].type = "x"; },
-      [](WorldDescription& w) { w.models[1].parent.reset(); },
-      [](WorldDescription& w) { w.models[1].X_PM.z += 1e-9; },
-      [](WorldDescription& w) { w.models[1].shape = ShapeId(0); },
-      [](WorldDescription& w) { w.models[1].size_x = 1.0; },
-      [](WorldDescription& w) { w.models[1].size_y = 1.0; },
-      [](WorldDescription& w) { w.models[1].size_z = 1.0; },
-      [](WorldDescription& w) { w.models[1].color.a = 0.5; },
-      [](WorldDescription& w) { w.models[1].obstacle_return = false; },
-      [](WorldDescription& w) { w.models[1].ranger_return = -1.0; },
-      [](WorldDescription& w) { w.models[1].gripper_return = true; },
-      [](WorldDescription& w) { w.models[1].fiducial_return = -3; },
-      [](WorldDescription& w) { w.models[1].show_nose = true; },
-      [](WorldDescription& w) { w.robots[0].name = "x"; },
-      [](WorldDescription& w) { w.robots[0].root = ModelId(0); },
-      [](WorldDescription& w) { w.robots[0].drive.type = DriveType::kCar; },
-      [](WorldDescription& w) { w.robots[0].drive.wheelbase = 2.0; },
-      [](WorldDescription& w) { w.robots[0].drive.velocity.y.max = 2.0; },
-      [](WorldDescription& w) { w.robots[0].drive.acceleration.heading.min = -2.0; },
-      [](WorldDescription& w) { w.robots[0].localization.type = LocalizationType::kOdometry; },
-      [](WorldDescription& w) { w.robots[0].localization.origin.x = 2.0; },
-      [](WorldDescription& w) { w.robots[0].localization.error_heading = 2.0; },
-      [](WorldDescription& w) { w.robots[0].sensors[0].name = "x"; },
-      [](WorldDescription& w) { w.robots[0].sensors[0].model = ModelId(2); },
-      [](WorldDescription& w) { w.robots[0].sensors[0].period_ticks = 2; },
-      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].X_MS.x = 2.0; },
-      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].range.max = 2.0; },
-      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].fov = 2.0; },
-      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 2; },
-      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].noise_variance = 2.0; },
-      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].noise_proportional = 2.0; },
-      [](WorldDescription& w) { RaySensors(w.robots[0].sensors[0])[0].noise_angle = 2.0; },
-      [](WorldDescription& w) { w.robots[0].sensors.clear(); },
-      [](WorldDescription& w) { w.robots[0].controller.name = "wander"; },
-      [](WorldDescription& w) { w.robots[0].controller.parameters = "{\"a\":1}"; },
-      [](WorldDescription& w) { w.robots.clear(); },
-      [](WorldDescription& w) {
-        w.levels.push_back({"L1", 0.0});
-      },
-      [](WorldDescription& w) {
-        w.levels.push_back({"L2", 0.0});
-      },
-      [](WorldDescription& w) {
-        w.levels.push_back({"L2", 1.0});
-      },
-      [](WorldDescription& w) { w.lane_graphs = OneLane(); },
-      [](WorldDescription& w) {
-        w.lane_graphs = OneLane();
-        w.lane_graphs[0].number = 3;
-      },
-      [](WorldDescription& w) {
-        w.lane_graphs = OneLane();
-        w.lane_graphs[0].vertices[1].is_charger = true;
-      },
-      [](WorldDescription& w) {
-        w.lane_graphs = OneLane();
-        w.lane_graphs[0].vertices[1].lift = 0;
-      },
-      [](WorldDescription& w) {
-        w.lane_graphs = OneLane();
-        w.lane_graphs[0].lanes[0].is_bidirectional = true;
-      },
-      [](WorldDescription& w) {
-        w.lane_graphs = OneLane();
-        w.lane_graphs[0].lanes[0].facing = LaneFacing::kBackward;
-      },
-      [](WorldDescription& w) {
-        w.lane_graphs = OneLane();
-        w.lane_graphs[0].lanes[0].doors = {{0, 0.5}};
-      },
+// Calls use() with each field of a value changed, one after another, and each list shortened.
+template <typename Value, typename Use>
+void WithEachChange(Value& value, const Use& use) {
+  const auto with = [&](const auto& other) {
+    const Value before = value;
+    value = other;
+    use();
+    value = before;
   };
-  std::set<std::uint64_t> hashes;
-  for (const auto& change : changes) {
-    WorldDescription world = FullWorld();
-    change(world);
-    EXPECT_TRUE(hashes.insert(Hash(world)).second) << "change " << hashes.size();
+  if constexpr (HasFields<Value>) {
+    ForEachField<Value>([&](const auto& field) { WithEachChange(field.Of(value), use); });
+  } else if constexpr (std::is_same_v<Value, SensorParameters>) {
+    std::visit([&](auto& kind) { WithEachChange(kind, use); }, value);
+  } else if constexpr (std::is_same_v<Value, Vec2>) {
+    with(Vec2(value.x() + 1e-9, value.y()));
+    with(Vec2(value.x(), value.y() + 1e-9));
+  } else if constexpr (kIsList<Value>) {
+    for (auto& element : value) WithEachChange(element, use);
+    ASSERT_FALSE(value.empty());
+    with(Value(value.begin(), value.end() - 1));
+  } else if constexpr (std::is_same_v<Value, std::string>) {
+    with(value + "x");
+  } else if constexpr (kIsId<Value>) {
+    with(Value(value.index() + 1));
+  } else if constexpr (std::is_same_v<Value, std::optional<PixelArea>>) {
+    // the hash is that of its rectangles
+  } else if constexpr (kIsOptional<Value>) {
+    ASSERT_TRUE(value.has_value());
+    with(std::nullopt);
+    WithEachChange(*value, use);
+  } else if constexpr (std::is_same_v<Value, bool>) {
+    with(!value);
+  } else if constexpr (std::is_enum_v<Value>) {
+    with(value == Value() ? LastOf(value) : Value());
+  } else if constexpr (std::is_arithmetic_v<Value>) {
+    with(static_cast<Value>(value * 2 + 1));
+  } else {
+    WithEachChange(value.Change(), use);  // Shared
   }
-  EXPECT_EQ(Hash(FullWorld()), Hash(FullWorld()));
+}
+
+// One row of each type, with values.
+WorldDescription WorldOfEachRow() {
+  test::RandomRows random(1);
+  const auto one = [&](auto& rows) {
+    rows.resize(1);
+    random.Fill(rows[0]);
+  };
+  WorldDescription world;
+  one(world.shapes);
+  one(world.shapes[0].blocks);
+  world.shapes[0].blocks[0].outline.resize(3);
+  one(world.shapes[0].rectangles);
+  one(world.models);
+  world.models[0].parent = ModelId(0);
+  one(world.robots);
+  world.robots[0].ros.domain = 5;
+  one(world.robots[0].sensors);
+  RangerParameters ranger;
+  one(ranger.ray_sensors.Change());
+  one(ranger.ray_sensors.Change()[0].elevations);
+  world.robots[0].sensors[0].parameters = ranger;
+  one(world.joints);
+  one(world.grippers);
+  world.grippers[0].lift = JointId(0);
+  one(world.grippers[0].beams);
+  world.objects.resize(1);
+  one(world.places);
+  one(world.places[0].tags);
+  one(world.doors);
+  one(world.doors[0].leaves);
+  one(world.lifts);
+  world.lifts[0].cabin_doors = {0};
+  one(world.lifts[0].floors);
+  world.lifts[0].floors[0].doors = {0};
+  one(world.goal_sets);
+  world.goal_sets[0].points = {{1.0, 2.0}};
+  one(world.goal_sets[0].next);
+  world.goal_sets[0].heights = {0.5};
+  one(world.people);
+  world.people[0].leader = PersonId(0);
+  one(world.levels);
+  one(world.lane_graphs);
+  one(world.lane_graphs[0].vertices);
+  world.lane_graphs[0].vertices[0].lift = 0;
+  one(world.lane_graphs[0].lanes);
+  one(world.lane_graphs[0].lanes[0].doors);
+  return world;
+}
+
+TEST(WorldHash, ChangesWithEveryField) {
+  WorldDescription world = WorldOfEachRow();
+  std::set<std::uint64_t> hashes = {Hash(world)};
+  std::size_t changes = 1;
+  WithEachChange(world, [&] {
+    ++changes;
+    EXPECT_TRUE(hashes.insert(Hash(world)).second) << "change " << changes;
+  });
+  EXPECT_GT(changes, 200u);
+  EXPECT_EQ(Hash(world), Hash(WorldOfEachRow()));
 }
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -195,8 +206,8 @@ struct Fault {
 };
 
 const Fault kFaults[] = {
-    {[](auto& w) { w.interval_ns = 0; }, "found a tick of 0 ns, expected 1 to 1000000000000"},
-    {[](auto& w) { w.interval_ns = -5; }, "found a tick of -5 ns, expected 1 to 1000000000000"},
+    {[](auto& w) { w.interval_ns = 0; }, "interval: found 0, expected from 1 to 1e+12 ns"},
+    {[](auto& w) { w.interval_ns = -5; }, "interval: found -5, expected from 1 to 1e+12 ns"},
     {[](auto& w) { w.shapes[0].blocks[0].outline.resize(2); },
      "shape 0: the outline of a block is not usable: found 2 vertices, expected at least 3"},
     {[](auto& w) { std::swap(w.shapes[0].blocks[0].outline[0], w.shapes[0].blocks[0].outline[2]); },
@@ -204,81 +215,88 @@ const Fault kFaults[] = {
     {[](auto& w) {
        w.shapes[0].blocks[0].z = {1.0, 0.0};
      },
-     "shape 0: the height interval of a block is not finite or upside down"},
-    {[](auto& w) { w.shapes[0].rectangles[0].max_x = 0.0; }, "shape 0: a rectangle is not finite or has no area"},
-    {[](auto& w) { w.shapes[0].rectangles[0].max_x = kInfinity; }, "shape 0: a rectangle is not finite or has no area"},
+     "shapes.0.blocks.0.z: found an interval from 1 to 0, expected an end that is not below its beginning"},
+    {[](auto& w) { w.shapes[0].rectangles[0].max_x = 0.0; }, "shape 0: a rectangle has no area"},
+    {[](auto& w) { w.shapes[0].rectangles[0].max_x = kInfinity; },
+     "shapes.0.rectangles.0.max_x: found inf, expected at most 1e+06 in size"},
     {[](auto& w) { w.shapes[0].rectangles_z.max = kNan; },
-     "shape 0: the height interval of the rectangles is not finite or upside down"},
+     "shapes.0.rectangles_z.max: found nan, expected at most 1e+06 in size"},
     {[](auto& w) { w.models[0].name = ""; }, "model 0 '': it has no name"},
     {[](auto& w) { w.models[1].name = "m0"; }, "model 1 'm0': another model has the same name"},
     {[](auto& w) { w.models[0].parent = ModelId(0); }, "model 0 'm0': its parent does not precede it"},
-    {[](auto& w) { w.models[0].parent = ModelId(9); }, "model 0 'm0': its parent does not precede it"},
-    {[](auto& w) { w.models[0].shape = ShapeId(4); }, "model 0 'm0': it names a shape that does not exist"},
-    {[](auto& w) { w.models[0].X_PM.x = kNan; }, "model 0 'm0': its pose is not finite or too far away"},
-    {[](auto& w) { w.models[0].X_PM.x = 1e7; }, "model 0 'm0': its pose is not finite or too far away"},
-    {[](auto& w) { w.models[0].size_x = kInfinity; }, "model 0 'm0': its size is not finite or too large"},
-    {[](auto& w) { w.models[0].color.r = kNan; }, "model 0 'm0': its color is not finite"},
-    {[](auto& w) { w.models[0].ranger_return = kNan; }, "model 0 'm0': its ranger_return is not finite or too large"},
-    {[](auto& w) { w.robots[0].root = ModelId(77); }, "robot 0 'm1': its root model does not exist"},
+    {[](auto& w) { w.models[0].parent = ModelId(9); }, "models.0.parent: found 9, expected one of 4"},
+    {[](auto& w) { w.models[0].shape = ShapeId(4); }, "models.0.shape: found 4, expected one of 4"},
+    {[](auto& w) { w.models[0].X_PM.x = kNan; },
+     "models.0.pose_in_parent.x: found nan, expected at most 1e+06 in size"},
+    {[](auto& w) { w.models[0].X_PM.x = 1e7; },
+     "models.0.pose_in_parent.x: found 1e+07, expected at most 1e+06 in size"},
+    {[](auto& w) { w.models[0].size_x = kInfinity; }, "models.0.size_x: found inf, expected at most 1e+06 in size"},
+    {[](auto& w) { w.models[0].color.r = kNan; }, "models.0.color.r: found nan, expected at most 1e+06 in size"},
+    {[](auto& w) { w.models[0].ranger_return = kNan; },
+     "models.0.ranger_return: found nan, expected at most 1e+06 in size"},
+    {[](auto& w) { w.robots[0].root = ModelId(77); }, "robots.0.root: found 77, expected one of 4"},
     {[](auto& w) { w.robots[1] = w.robots[0]; }, "robot 1 'm1': it is not in the order of the root models"},
     {[](auto& w) { w.robots[0].root = ModelId(2); }, "robot 0 'm1': its root model has a parent"},
     {[](auto& w) { w.robots[0].name = "x"; }, "robot 0 'x': its root model has another name: 'm1'"},
-    {[](auto& w) { w.robots[0].drive.wheelbase = 0.0; }, "robot 0 'm1': its wheelbase is not a positive number"},
+    {[](auto& w) { w.robots[0].drive.wheelbase = 0.0; }, "robots.0.drive.wheelbase: found 0, expected above 0 m"},
     {[](auto& w) {
        w.robots[0].drive.velocity.x = {1.0, -1.0};
      },
-     "robot 0 'm1': its velocity bounds are not intervals"},
+     "robots.0.drive.velocity.x: found an interval from 1 to -1, expected an end that is not below its beginning"},
     {[](auto& w) { w.robots[0].drive.velocity.x.max = kInfinity; },
-     "robot 0 'm1': its velocity bounds are not intervals"},
+     "robots.0.drive.velocity.x.max: found inf, expected at most 1e+06 in size"},
     {[](auto& w) { w.robots[0].drive.acceleration.y.min = 1.0; },
+     "robots.0.drive.acceleration.y: found an interval from 1 to 0, expected an end that is not below its beginning"},
+    {[](auto& w) {
+       w.robots[0].drive.acceleration.y = {1.0, 2.0};
+     },
      "robot 0 'm1': its acceleration bounds are not intervals around 0"},
     {[](auto& w) { w.robots[0].localization.origin.y = kNan; },
-     "robot 0 'm1': its localization origin is not finite or too far away"},
+     "robots.0.localization.origin.y: found nan, expected at most 1e+06 in size"},
     {[](auto& w) { w.robots[0].localization.error_x = kNan; },
-     "robot 0 'm1': its odometry errors are not finite or too large"},
-    {[](auto& w) { w.robots[0].ros.domain = 231; },
-     "robot 0 'm1': found the ROS domain 231, expected at most 230: the ports of a higher one would exceed 65535"},
+     "robots.0.localization.error_x: found nan, expected at most 1e+06 in size"},
+    {[](auto& w) { w.robots[0].ros.domain = 231; }, "robots.0.ros.ros_domain: found 231, expected from 0 to 230"},
     {[](auto& w) { w.robots[0].ros.domain = w.robots[1].ros.domain = 5; },
      "found the ROS domain 5 for robot 'm3', which robot 'm1' has already, expected one for each robot"},
     {[](auto& w) { w.robots[0].sensors[0].model = ModelId(0); },
      "robot 0 'm1': its ranger 'ranger:0' is not one of its models"},
     {[](auto& w) { w.robots[0].sensors[0].model = ModelId(50); },
-     "robot 0 'm1': its ranger 'ranger:0' is not one of its models"},
+     "robots.0.sensors.0.model: found 50, expected one of 4"},
     {[](auto& w) { w.robots[0].sensors[0].period_ticks = 0; },
-     "robot 0 'm1': its ranger 'ranger:0' has a period of no ticks"},
+     "robots.0.sensors.0.period: found 0, expected at least 1 tick"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].X_MS.x = kNan; },
-     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.pose.x: found nan, expected at most 1e+06 in size"},
+     "robots.0.sensors.0.parameters.ray_sensors.0.pose.x: found nan, expected at most 1e+06 in size"},
     {[](auto& w) {
        RaySensors(w.robots[0].sensors[0])[0].range = {-1.0, 1.0};
      },
-     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.range.min: found -1, expected at least 0 m"},
+     "robots.0.sensors.0.parameters.ray_sensors.0.range.min: found -1, expected at least 0 m"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].fov = -0.1; },
-     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.fov: found -0.1, expected at least 0 rad"},
+     "robots.0.sensors.0.parameters.ray_sensors.0.fov: found -0.1, expected at least 0 rad"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 0; },
-     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.samples: found 0, expected from 1 to 100000"},
+     "robots.0.sensors.0.parameters.ray_sensors.0.samples: found 0, expected from 1 to 100000"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 100'001; },
-     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.samples: found 100001, expected from 1 to 100000"},
+     "robots.0.sensors.0.parameters.ray_sensors.0.samples: found 100001, expected from 1 to 100000"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].noise_variance = -1.0; },
-     "robot 0 'm1': ranger 'ranger:0': ray_sensors.0.noise_variance: found -1, expected at least 0"},
+     "robots.0.sensors.0.parameters.ray_sensors.0.noise_variance: found -1, expected at least 0"},
 };
 
 // The lanes of a peer.
 TEST(Validate, NamesTheFaultOfASite) {
   const Fault faults[] = {
-      {[](auto& w) { w.levels[1].z = -1.0; }, "level 1: it is too far away or not above the one before it"},
-      {[](auto& w) { w.levels[1].z = 0.0; }, "level 1: it is too far away or not above the one before it"},
-      {[](auto& w) { w.levels[0].z = kNan; }, "level 0: it is too far away or not above the one before it"},
+      {[](auto& w) { w.levels[1].z = -1.0; }, "level 1: it is not above the one before it"},
+      {[](auto& w) { w.levels[1].z = 0.0; }, "level 1: it is not above the one before it"},
+      {[](auto& w) { w.levels[0].z = kNan; }, "levels.0.z: found nan, expected at most 1e+06 in size"},
       {[](auto& w) { w.lane_graphs.push_back(w.lane_graphs[0]); },
        "lanes 0: they are not in the order of their numbers"},
       {[](auto& w) { w.lane_graphs[0].vertices[1].z = kInfinity; },
-       "lanes 0: vertex 1: it is not finite or too far away"},
+       "lane_graphs.0.vertices.1.z: found inf, expected at most 1e+06 in size"},
       {[](auto& w) { w.lane_graphs[0].vertices[0].lift = 0; }, "lanes 0: vertex 0: its lift does not exist"},
       {[](auto& w) { w.lane_graphs[0].lanes[0].end = 2; }, "lanes 0: lane 0: an end of it does not exist"},
       {[](auto& w) { w.lane_graphs[0].lanes[0].end = 0; }, "lanes 0: lane 0: its ends are one vertex"},
       {[](auto& w) { w.lane_graphs[0].lanes[0].speed_limit = -1.0; },
-       "lanes 0: lane 0: its speed limit is negative or too large"},
+       "lane_graphs.0.lanes.0.speed_limit: found -1, expected at least 0 m/s"},
       {[](auto& w) { w.lane_graphs[0].lanes[0].facing = static_cast<LaneFacing>(3); },
-       "lanes 0: lane 0: the direction in which robots face does not exist"},
+       "lane_graphs.0.lanes.0.facing: found 3, expected a known kind"},
       {[](auto& w) {
          w.lane_graphs[0].lanes[0].doors = {{0, 1.0}};
        },

@@ -1,30 +1,17 @@
 #include "tests/unit/transport/dds/convert/random_messages.h"
 
+#include <algorithm>
+
 namespace troupe::test {
 
-std::string RandomMessages::Text() {
-  std::string text(Below(12), ' ');
-  for (char& c : text) c = static_cast<char>(1 + Below(255));
-  return text;
-}
-
 std::vector<std::string> RandomMessages::Texts() {
-  std::vector<std::string> texts(Below(4));
-  for (std::string& text : texts) text = Text();
+  std::vector<std::string> texts;
+  Fill(texts);
   return texts;
 }
 
 Pose RandomMessages::RandomPose() {
   return {Number(), Number(), Number(), Number(-3.0, 3.0)};
-}
-
-Interval RandomMessages::RandomInterval(double min, double max) {
-  const double middle = 0.5 * (min + max);
-  return {Number(min, middle), Number(middle, max)};
-}
-
-TwistBounds RandomMessages::RandomBounds(double min, double max) {
-  return {RandomInterval(min, max), RandomInterval(min, max), RandomInterval(min, max)};
 }
 
 // A triangle or a quadrilateral, as a loader would leave it.
@@ -38,132 +25,55 @@ Polygon RandomMessages::RandomPolygon() {
 
 Shape RandomMessages::RandomShape() {
   Shape shape;
-  shape.blocks.resize(Below(4));
-  for (Block& block : shape.blocks) {
-    block.outline = RandomPolygon();
-    block.z = {Number(0.0, 1.0), Number(1.0, 2.0)};
-  }
-  shape.rectangles.resize(Below(4));
+  Fill(shape);
+  for (Block& block : shape.blocks) block.outline = RandomPolygon();
   for (Rectangle& r : shape.rectangles)
     r = {Number(-2.0, -1.0), Number(-2.0, -1.0), Number(1.0, 2.0), Number(1.0, 2.0)};
-  shape.rectangles_z = {Number(0.0, 1.0), Number(1.0, 2.0)};
   return shape;
 }
 
 ModelDescription RandomMessages::RandomModel(std::size_t index, std::size_t shapes) {
   ModelDescription model;
-  model.name = "m" + std::to_string(index) + Text();
-  model.type = Text();
-  model.X_PM = RandomPose();
+  Fill(model);
+  model.name.insert(0, "m" + std::to_string(index));
   model.shape = ShapeId(Below(shapes));
-  model.size_x = Number(0.0);
-  model.size_y = Number(0.0);
-  model.size_z = Number(0.0);
-  model.color = {Number(0.0, 1.0), Number(0.0, 1.0), Number(0.0, 1.0), Number(0.0, 1.0)};
-  model.obstacle_return = Coin();
-  model.ranger_return = Number();
-  model.gripper_return = Coin();
-  model.fiducial_return = static_cast<std::int32_t>(Bits());
-  model.fiducial_key = static_cast<std::int32_t>(Bits());
-  model.show_nose = Coin();
-  if (Coin()) model.blinking = {1000, static_cast<std::int64_t>(Below(1001)), Coin()};
-  if (Coin()) {
-    const double capacity = Number(1.0, 9.0);
-    model.power = {Coin(), Coin(), Number(0.0, 1.0), capacity, Number(0.0), Number(0.0), Number(0.0), Number(0.0)};
-  }
-  if (Coin()) {
-    model.map = {1 + static_cast<std::uint32_t>(Below(100)), 1 + static_cast<std::uint32_t>(Below(100)),
-                 Number(0.1, 1.0)};
-  }
-  model.removed = Coin();
+  model.power.capacity = std::max(model.power.capacity, model.power.joules);
+  model.blinking.period_ns = std::max(model.blinking.period_ns, model.blinking.on_ns);
+  if (Coin()) model.map = {};
+  model.map.columns = model.map.resolution > 0.0 ? model.map.columns + 1 : 0;
+  model.map.rows = model.map.resolution > 0.0 ? model.map.rows + 1 : 0;
   return model;
-}
-
-// A sensor of any kind but break beams, which belong to grippers.
-SensorParameters RandomMessages::RandomSensor() {
-  const auto pixels = [this] { return 1 + static_cast<std::uint32_t>(Below(kMaxImageSide)); };
-  switch (Below(7)) {
-    case 0: {
-      RangerParameters ranger;
-      std::vector<RaySensorDescription>& ray_sensors = ranger.ray_sensors.Change();
-      ray_sensors.resize(Below(4));
-      for (RaySensorDescription& sensor : ray_sensors) {
-        sensor = {
-            RandomPose(),     RandomInterval(0.0, 50.0), Number(0.0, 6.0), 1 + static_cast<std::uint32_t>(Below(999)),
-            Number(0.0, 1.0), Number(0.0, 1.0),          Number(0.0, 1.0)};
-        if (Coin()) sensor.elevations = {Number(-1.0, -0.1), Number(0.0, 1.0)};
-      }
-      return ranger;
-    }
-    case 1:
-      return FiducialParameters{RandomPose(),     RandomInterval(0.0, 9.0),          Number(0.0, 9.0),
-                                Number(0.0, 6.0), static_cast<std::int32_t>(Bits()), Coin()};
-    case 2: {
-      BumperParameters bumper;
-      bumper.segments.resize(Below(4));
-      for (BumperSegment& segment : bumper.segments) segment = {RandomPose(), Number(0.0, 2.0)};
-      bumper.height = Number(0.0, 1.0);
-      return bumper;
-    }
-    case 3:
-      return ContactParameters{};
-    case 4: {
-      BlobfinderParameters finder{RandomPose(), pixels(), pixels(), Number(0.0, 9.0), Number(0.1, 2.9), {}};
-      finder.colors.resize(Below(3));
-      for (Color& color : finder.colors) color = {Number(0.0, 1.0), Number(0.0, 1.0), Number(0.0, 1.0), 1.0};
-      return finder;
-    }
-    case 5: {
-      RadioParameters radio{
-          .X_MS = RandomPose(), .channel = static_cast<std::int32_t>(Bits()), .range = Number(0.0, 9.0)};
-      for (double* number :
-           {&radio.bandwidth, &radio.delay, &radio.loss, &radio.range_loss, &radio.power, &radio.path_loss_exponent,
-            &radio.wall_loss, &radio.body_loss, &radio.range_noise, &radio.bearing_noise}) {
-        *number = Number(0.1, 1.0);
-      }
-      radio.range_and_bearing = Coin();
-      return radio;
-    }
-    default:
-      return CameraParameters{
-          RandomPose(), pixels(), pixels(), RandomInterval(0.0, 9.0), Number(0.1, 2.9), RandomInterval(-1.4, 1.4)};
-  }
 }
 
 RobotDescription RandomMessages::RandomRobot(ModelId root, const std::string& name) {
   RobotDescription robot;
+  Fill(robot);
   robot.name = name;
   robot.root = root;
-  robot.drive = {static_cast<DriveType>(Below(3)), Number(0.1, 2.0), RandomBounds(-9.0, 9.0), {}};
-  robot.drive.acceleration.x = {Number(-9.0, 0.0), Number(0.0, 9.0)};
-  robot.drive.acceleration.y = {Number(-9.0, 0.0), Number(0.0, 9.0)};
-  robot.drive.acceleration.heading = {Number(-9.0, 0.0), Number(0.0, 9.0)};
-  robot.localization = {static_cast<LocalizationType>(Below(2)), RandomPose(), Number(), Number(), Number()};
-  robot.sensors.resize(Below(4));
-  for (SensorDescription& sensor : robot.sensors) {
-    sensor.name = Text();
-    sensor.model = root;
-    sensor.period_ticks = 1 + static_cast<std::uint32_t>(Below(1000));
-    sensor.parameters = RandomSensor();
+  robot.ros.domain.reset();  // one robot has it
+  TwistBounds& acceleration = robot.drive.acceleration;
+  for (Interval* bound : {&acceleration.x, &acceleration.y, &acceleration.heading}) {
+    *bound = {Number(-9.0, 0.0), Number(0.0, 9.0)};
   }
-  robot.controller = {Text(), Text()};
+  for (SensorDescription& sensor : robot.sensors) {
+    sensor.model = root;
+    auto* const ranger = std::get_if<RangerParameters>(&sensor.parameters);
+    if (ranger == nullptr) continue;
+    for (RaySensorDescription& rays : ranger->ray_sensors.Change())
+      std::sort(rays.elevations.begin(), rays.elevations.end());
+  }
   return robot;
 }
 
 JointDescription RandomMessages::RandomJoint(RobotId robot, ModelId model) {
   JointDescription joint;
-  joint.name = "j" + Text();
+  Fill(joint);
+  joint.name.insert(0, "j");
   joint.robot = robot;
   joint.model = model;
-  if (Coin()) {
-    joint.type = JointType::kRevolute;
-  } else {
-    joint.axis_xy = {0.6, 0.0};
-    joint.axis_z = -0.8;
-  }
-  joint.position = RandomInterval(-2.0, 2.0);
+  joint.axis_xy = joint.type == JointType::kRevolute ? Vec2(0.0, 0.0) : Vec2(0.6, 0.0);
+  joint.axis_z = joint.type == JointType::kRevolute ? 1.0 : -0.8;
   joint.start = Number(joint.position.min, joint.position.max);
-  joint.max_speed = Number(0.0, 3.0);
   return joint;
 }
 
@@ -186,8 +96,7 @@ void RandomMessages::AddGripper(WorldDescription& world) {
                              .right_pad = ModelId(root + 3),
                              .beams = {}};
   if (Coin()) gripper.lift = JointId(first);
-  gripper.beams.resize(Below(3));
-  for (BreakBeam& beam : gripper.beams) beam = {{Number(), Number()}, {Number(), Number()}, Number()};
+  Fill(gripper.beams);
   gripper.autosnatch = Coin();
   world.grippers.push_back(gripper);
 }
@@ -213,12 +122,11 @@ WorldDescription RandomMessages::RandomWorld() {
   for (std::size_t grippers = Below(3); grippers > 0; --grippers) AddGripper(world);
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     if (!world.doors.empty() && Coin()) break;
-    DoorDescription door{.model = ModelId(i), .leaves = {{ObjectId(i), RandomPose(), 0.0, 0.0}}};
+    DoorDescription door;
+    Fill(door);
+    door.model = ModelId(i);
+    door.leaves.assign(1, {ObjectId(i), RandomPose(), 0.0, 0.0});
     (Coin() ? door.leaves[0].turn : door.leaves[0].shift) = Number(-3.0, 3.0);
-    door.seconds = Number(0.1, 9.0);
-    door.reach = Number(0.0);
-    door.opening = Number(0.0, 1.0);
-    door.is_operated = Coin();
     world.doors.push_back(door);
   }
   if (world.doors.size() < world.objects.size() && Coin()) {
@@ -230,7 +138,9 @@ WorldDescription RandomMessages::RandomWorld() {
     lift.speed = Number(0.1, 9.0);
     world.lifts.push_back(lift);
   }
+  AddPeople(world);
   world.gravity = Number(0.0);
+  Fill(world.places);
   for (std::size_t i = Below(3); i > 0; --i) world.levels.push_back({Text(), -static_cast<double>(i)});
   for (std::size_t i = Below(3); i > 0; --i) world.lane_graphs.push_back(RandomLanes(world));
   for (std::size_t i = 0; i < world.lane_graphs.size(); ++i) {
@@ -239,23 +149,41 @@ WorldDescription RandomMessages::RandomWorld() {
   return world;
 }
 
+void RandomMessages::AddPeople(WorldDescription& world) {
+  Fill(world.goal_sets);
+  if (world.goal_sets.empty()) return;
+  const auto any_set = [&] { return static_cast<std::uint32_t>(Below(world.goal_sets.size())); };
+  for (GoalSet& set : world.goal_sets) {
+    set.heights.resize(Coin() ? set.points.size() : 0);
+    for (NextGoals& next : set.next) next.goals = any_set();
+  }
+  Fill(world.people);
+  for (std::size_t i = 0; i < world.people.size(); ++i) {
+    PersonDescription& person = world.people[i];
+    if (person.speed > person.max_speed) std::swap(person.speed, person.max_speed);
+    person.goals = any_set();
+    if (i > 0 && Coin()) person.leader = PersonId(0);
+    person.root = ModelId(world.models.size());
+    world.models.push_back(RandomModel(world.models.size(), world.shapes.size()));
+  }
+}
+
 LaneGraph RandomMessages::RandomLanes(const WorldDescription& world) {
   LaneGraph graph;
   graph.vertices.resize(2 + Below(4));
   for (LaneVertex& vertex : graph.vertices) {
-    vertex = {Text(), {Number(), Number()}, Number(), Coin(), Text(), Text(), {}, 0};
+    Fill(vertex);
+    vertex.lift.reset();
     if (world.lifts.empty() || Coin()) continue;
     vertex.lift = 0;
     vertex.floor = static_cast<std::uint32_t>(Below(world.lifts[0].floors.size()));
   }
   graph.lanes.resize(Below(5));
   for (Lane& lane : graph.lanes) {
+    Fill(lane);
     lane.start = static_cast<std::uint32_t>(Below(graph.vertices.size() - 1));
     lane.end = static_cast<std::uint32_t>(graph.vertices.size() - 1);
-    lane.is_bidirectional = Coin();
-    lane.speed_limit = Number(0.0);
-    lane.facing = static_cast<LaneFacing>(Below(3));
-    lane.mutex = Text();
+    lane.doors.clear();
     for (std::size_t i = 0; i < world.doors.size() && Coin(); ++i) {
       lane.doors.push_back({static_cast<std::uint32_t>(i), static_cast<double>(i)});
     }
@@ -295,64 +223,24 @@ std::vector<AdmissionMessage> RandomMessages::Admissions() {
   return answers;
 }
 
-void RandomMessages::FillManipulation(WorldState& state) {
-  state.joints.resize(Below(6));
-  state.grippers.resize(Below(4));
-  state.objects.resize(Below(6));
-  for (JointState& joint : state.joints) joint = {Number(), Number(), Coin()};
+FrameMessage RandomMessages::Frame() {
+  FrameMessage frame;
+  WorldState& state = frame.state;
+  frame.run = Bits();
+  Fill(state);
   for (GripperState& gripper : state.grippers) {
     gripper = {MaybeId<ModelId>(50), MaybeId<ModelId>(50), MaybeId<ObjectId>(state.objects.size())};
   }
   for (ObjectState& object : state.objects) {
-    object = {RandomPose(), static_cast<ObjectMode>(Below(3)), Number(), {}, MaybeId<ModelId>(50)};
+    object.support = MaybeId<ModelId>(50);
     object.holder = MaybeId<GripperId>(state.grippers.size());
-    if (object.holder) object.mode = ObjectMode::kHeld;
+    object.mode = object.holder ? ObjectMode::kHeld : static_cast<ObjectMode>(Below(3));
   }
-}
-
-RadioMessage RandomMessages::RandomMessage(std::size_t robots) {
-  RadioMessage message{.radio = Below(9), .to = MaybeId<RobotId>(robots)};
-  message.bytes.resize(Below(40));
-  for (std::uint8_t& byte : message.bytes) byte = static_cast<std::uint8_t>(Below(256));
-  return message;
-}
-
-FrameMessage RandomMessages::Frame() {
-  FrameMessage frame;
-  frame.run = Bits();
-  frame.state.tick = Bits();
-  frame.state.robots.resize(Below(20));
-  for (RobotState& robot : frame.state.robots) {
-    robot = {RandomPose(), {Number(), Number(), Number()}, Coin()};
-  }
-  FillManipulation(frame.state);
-  frame.state.stores.resize(Below(4));
-  for (StoreState& store : frame.state.stores) store = {Number(), Number()};
-  frame.state.imus.resize(Below(4));
-  for (ImuState& imu : frame.state.imus) imu = {Number(), Number(), Number()};
-  frame.state.lights.resize(Below(4));
-  for (LightState& light : frame.state.lights) light = {Coin()};
-  frame.state.cameras.resize(Below(4));
-  for (CameraState& camera : frame.state.cameras) camera = {Number(), Number()};
-  frame.state.doors.resize(Below(4));
-  for (DoorState& door : frame.state.doors) door = {Number(0.0, 1.0), Number(0.0, 1.0), Coin(), Coin()};
-  frame.state.lifts.resize(Below(4));
-  for (LiftState& lift : frame.state.lifts) {
-    lift = {Number(), static_cast<std::uint32_t>(Bits()), MaybeId<RobotId>(frame.state.robots.size()), Coin()};
-  }
-  frame.state.people.resize(Below(4));
-  for (PersonState& person : frame.state.people) {
-    const auto number = [this] { return static_cast<std::uint32_t>(Below(100)); };
-    person = {{Number(), Number(), Number(), Number()}, Number(), Number(), 0, 0, 0, 0, 0};
-    for (std::uint32_t* field :
-         {&person.goals, &person.goal, &person.goals_chosen, &person.dwell_ticks, &person.watch_ticks}) {
-      *field = number();
-    }
-  }
-  if (!frame.state.robots.empty()) frame.state.transmissions.resize(Below(5));
-  for (RadioTransmission& transmission : frame.state.transmissions) {
-    const std::size_t robots = frame.state.robots.size();
-    transmission = {RobotId(Below(robots)), Bits(), Bits(), Below(64), RandomMessage(robots)};
+  for (LiftState& lift : state.lifts) lift.session = MaybeId<RobotId>(state.robots.size());
+  if (state.robots.empty()) state.transmissions.clear();
+  for (RadioTransmission& transmission : state.transmissions) {
+    transmission.from = RobotId(Below(state.robots.size()));
+    transmission.message.to = MaybeId<RobotId>(state.robots.size());
   }
   frame.state_hash = Bits();
   frame.last = Coin();
@@ -365,14 +253,12 @@ FrameMessage RandomMessages::Frame() {
   frame.remembered = Coin();
   frame.awaited.resize(Below(4));
   for (AgentId& agent : frame.awaited) agent = Bits();
-  frame.events.resize(Below(5));
+  Fill(frame.events);
   for (Event& event : frame.events) {
     event.tick = frame.state.tick;
-    event.type = static_cast<EventType>(Below(12));
-    if (Coin() && !frame.state.robots.empty()) event.robot = RobotId(Below(frame.state.robots.size()));
+    event.robot = MaybeId<RobotId>(frame.state.robots.size());
     event.other = MaybeId<ModelId>(1000);
     event.object = MaybeId<ModelId>(1000);
-    event.detail = Text();
   }
   for (std::size_t robot = Below(4); robot < frame.state.robots.size(); robot += 1 + Below(6)) {
     frame.commands.push_back(Command(RobotId(robot)));
@@ -382,18 +268,8 @@ FrameMessage RandomMessages::Frame() {
 
 RobotCommand RandomMessages::Command(RobotId robot) {
   RobotCommand command;
+  Fill(command);
   command.robot = robot;
-  if (Coin()) command.twist = {Number(), Number(), Number()};
-  command.grippers.resize(Below(3));
-  for (GripperOrder& order : command.grippers) {
-    order.gripper = Below(5);
-    if (Coin()) order.opening = Number(0.0, 100.0);
-    if (Coin()) order.lift = Number(0.0, 100.0);
-  }
-  if (Coin()) return command;
-  command.goal.emplace().number = static_cast<std::uint32_t>(Bits());
-  for (std::size_t count = Below(4); count > 0; --count) command.goal->waypoints.emplace_back(Number(), Number());
-  if (Coin()) command.goal->heading = Number(-3.0, 3.0);
   return command;
 }
 

@@ -2,15 +2,15 @@
 #pragma once
 
 #include <optional>
-#include <random>
 
+#include "tests/support/random_rows.h"
 #include "transport/protocol/messages.h"
 
 namespace troupe::test {
 
-class RandomMessages {
+class RandomMessages : private RandomRows {
  public:
-  explicit RandomMessages(std::uint64_t seed) : engine_(seed) {}
+  using RandomRows::RandomRows;
 
   SessionMessage Session();
   JoinMessage Join();
@@ -23,25 +23,16 @@ class RandomMessages {
   RobotCommand Command(RobotId robot);
 
  private:
-  std::uint64_t Bits() { return engine_(); }
-  std::uint64_t Below(std::uint64_t count) { return engine_() % count; }
-  bool Coin() { return Below(2) == 1; }
-  double Number(double min = -100.0, double max = 100.0) {
-    return std::uniform_real_distribution<double>(min, max)(engine_);
-  }
-  std::string Text();
   std::vector<std::string> Texts();
   Pose RandomPose();
-  Interval RandomInterval(double min, double max);
-  TwistBounds RandomBounds(double min, double max);
   Polygon RandomPolygon();
   Shape RandomShape();
   ModelDescription RandomModel(std::size_t index, std::size_t shapes);
-  SensorParameters RandomSensor();
   RobotDescription RandomRobot(ModelId root, const std::string& name);
   JointDescription RandomJoint(RobotId robot, ModelId model);
   // A robot with a gripper, after all other models and robots.
   void AddGripper(WorldDescription& world);
+  void AddPeople(WorldDescription& world);
   WorldDescription RandomWorld();
   LaneGraph RandomLanes(const WorldDescription& world);  // without number
   // An id below `count`, or none.
@@ -50,11 +41,7 @@ class RandomMessages {
     if (count == 0 || Coin()) return std::nullopt;
     return Id(Below(count));
   }
-  void FillManipulation(WorldState& state);
   std::optional<ControllerCheckpoint> RandomPlace();
-  RadioMessage RandomMessage(std::size_t robots);
-
-  std::mt19937_64 engine_;
 };
 
 }  // namespace troupe::test
