@@ -21,7 +21,7 @@ constexpr const char* kTen[] = {
     "forall r: always (stalled(r) -> eventually[0, 10 s] not stalled(r))",
     "forall r: eventually[0, 300 s] at(r, dock)",
     "forall r: always speed(r) <= 1 m/s",
-    "forall r: always abs(turn_rate(r)) < 180 deg/s",
+    "forall r: always abs(wz(r)) < 180 deg/s",
     "within(cave)",
     "always (count r: stalled(r)) < 90",
     "always[10 s, end] (mean r: speed(r)) > 0.001 m/s or true",

@@ -22,6 +22,7 @@ set(may_include_common/geometry common/base)
 set(may_include_common/bitmap common/base common/geometry)
 set(may_include_common/image common/base common/bitmap)
 set(may_include_common/model common/base common/bitmap common/geometry)
+set(may_include_common/signals common/base common/geometry common/model)
 set(may_include_common/spatial common/base common/bitmap common/geometry common/model)
 set(may_include_common/sensing common/base common/geometry common/model common/spatial include/troupe/sensor.h)
 set(may_include_common/crowd common/base common/geometry)
@@ -78,9 +79,10 @@ set(may_include_ros/link common/base ros/messages ros/connection transport/wire)
 
 set(may_include_world-service/core common/base common/crowd common/geometry common/model common/spatial)
 set(may_include_world-service/service
-  common/base common/geometry common/model common/run common/spatial worldfile worldfile/models transport/protocol common/trace world-service/core)
+  common/base common/geometry common/model common/run common/signals common/spatial worldfile worldfile/models transport/protocol
+  common/trace world-service/core)
 set(may_include_world-service/observers/recorder
-  common/base common/geometry common/model transport/protocol recording recording/mcap common/run common/spatial
+  common/base common/geometry common/model common/signals transport/protocol recording recording/mcap common/run common/spatial
   world-service/core world-service/service)
 set(may_include_world-service/replay
   common/base common/geometry common/model transport/protocol recording common/run common/sensing common/spatial
@@ -133,7 +135,8 @@ set(may_include_include/troupe/simulation.h
   common/base common/geometry common/model common/picture include/troupe/controller.h include/troupe/sensor.h)
 
 # Expectations know a run by its ticks, wherever they come from.
-set(may_include_testing/expectations common/base common/geometry common/model common/sensing common/spatial)
+set(may_include_testing/expectations
+  common/base common/geometry common/model common/sensing common/signals common/spatial)
 set(may_include_include/troupe/testing.h common/base testing/expectations include/troupe/simulation.h)
 
 # Cases of tests run on simulations.
@@ -158,13 +161,13 @@ set(may_include_library/runs
 # The package for Python, on the library and, for controllers, on what those may include.
 set(may_include_python/native common/base common/model include/troupe/controller.h include/troupe/sensor.h
   include/troupe/recorded_simulation.h include/troupe/simulation.h include/troupe/simulation_page.h include/troupe/version.h
-  testing/expectations)
+  common/signals testing/expectations)
 
 # The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.
 set(may_include_viewer/foxglove
   common/base common/geometry common/model common/spatial include/troupe/sensor.h)
 set(may_include_viewer/gateway
-  common/base common/geometry common/model common/picture transport/protocol common/sensing common/spatial
+  common/base common/geometry common/model common/picture transport/protocol common/sensing common/signals common/spatial
   testing/expectations viewer/foxglove worldfile/edit worldfile/text)
 
 # Recordings for the gateway, in the program and in pages without a server.
@@ -193,7 +196,7 @@ set(may_include_launcher/supervise
   worldfile worldfile/models worldfile/scenario launcher/hosts launcher/process robot-agent/agent
   robot-agent/ros world-service/observers/recorder world-service/program world-service/service)
 set(may_include_launcher/export
-  common/base common/sensing common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove
+  common/base common/sensing common/signals common/spatial recording/mcap ros/connection ros/messages transport/wire viewer/foxglove
   world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher/driving
   common/base transport/dds/tools common/geometry common/model transport/protocol common/run)

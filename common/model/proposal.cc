@@ -87,6 +87,24 @@ const char* ToString(EventType type) {
       return "said";
     case EventType::kReported:
       return "reported";
+    case EventType::kDoorOpened:
+      return "door_opened";
+    case EventType::kDoorClosed:
+      return "door_closed";
+    case EventType::kDoorBlocked:
+      return "door_blocked";
+    case EventType::kLiftLeft:
+      return "lift_left";
+    case EventType::kLiftArrived:
+      return "lift_arrived";
+    case EventType::kLiftBlocked:
+      return "lift_blocked";
+    case EventType::kPersonBoarded:
+      return "person_boarded";
+    case EventType::kPersonAlighted:
+      return "person_alighted";
+    case EventType::kPersonArrived:
+      return "person_arrived";
   }
   return "unknown";
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,6 +34,11 @@ bool HaveSameRows(const WorldState& a, const WorldState& b);
 // The state hash: 64 bits that differ when any bit of a state does (up to collisions). Two runs are the same when their
 // hashes are the same at every tick.
 std::uint64_t StateHash(const WorldState& state);
+
+// "placed", "resting", "falling", "held" or "mounted".
+const char* NameOf(ObjectMode mode);
+// The model that holds or supports an object; nothing on the ground.
+std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object);
 
 // The poses of the models of a state: forward kinematics of robots, joints and objects.
 

@@ -23,9 +23,23 @@ enum class EventType : std::uint8_t {
   kOutOfEnergy = 10,  // the robot's store is empty: it stops
   kSaid = 11,         // the robot's controller says `detail`
   kReported = 12,     // the robot's controller or agent reports `detail`, for people; not of the step
+  // `object` is the model of the door, of the lift, or the root of the person.
+  kDoorOpened = 13,      // it is fully open
+  kDoorClosed = 14,      // it is closed
+  kDoorBlocked = 15,     // a body cuts its motion short
+  kLiftLeft = 16,        // its cabin leaves the floor `detail`
+  kLiftArrived = 17,     // its cabin stands at the floor `detail`
+  kLiftBlocked = 18,     // a body cuts the cabin's motion short
+  kPersonBoarded = 19,   // the person is in the cabin of the lift `other`; `detail` is the lift's floor
+  kPersonAlighted = 20,  // the person has left that cabin
+  kPersonArrived = 21,   // the person has reached a goal of the set `detail`
 };
+// Of those, the frequent ones, which summaries count instead of telling each.
+constexpr bool IsOfBuilding(EventType type) {
+  return type >= EventType::kDoorOpened;
+}
 constexpr EventType LastOf(EventType) {
-  return EventType::kReported;
+  return EventType::kPersonArrived;
 }
 
 struct Event {

@@ -1,13 +1,17 @@
 // Tables for pandas and spreadsheets: a file for each kind of row.
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "common/base/output_file.h"
+#include "common/signals/state_tables.h"
 #include "launcher/export/run_export.h"
 #include "world-service/observers/recorder/recorder.h"
 
@@ -29,19 +33,37 @@ class Table {
   // A row: texts (quoted where they need it), numbers, and nothing for an empty cell.
   template <typename... Cells>
   Status Add(const Cells&... cells) {
+    AppendAll(cells...);
+    return file_.EndLine();
+  }
+  // A row by its cells: Begin(cells ...), AppendCell, End.
+  template <typename... Cells>
+  void Begin(const Cells&... cells) {
+    AppendAll(cells...);
+  }
+  // The value of a signal; nothing if it has none.
+  void AppendCell(const Signal& signal, const SignalView& view, std::size_t row) {
+    file_.Append(",");
+    if (signal.type == ValueType::kText) return Append(signal.text(view, row));
+    const double number = signal.number(view, row);
+    if (signal.type == ValueType::kTruth) return Append(number != 0.0);
+    if (!std::isnan(number)) Append(number);
+  }
+  Status End() { return file_.EndLine(); }
+  Status Close() { return file_.Close(); }
+
+ private:
+  explicit Table(OutputFile file) : file_(std::move(file)) {}
+
+  template <typename... Cells>
+  void AppendAll(const Cells&... cells) {
     bool is_first = true;
     const auto add = [&](const auto& cell) {
       if (!std::exchange(is_first, false)) file_.Append(",");
       Append(cell);
     };
     (add(cells), ...);
-    return file_.EndLine();
   }
-  Status Close() { return file_.Close(); }
-
- private:
-  explicit Table(OutputFile file) : file_(std::move(file)) {}
-
   void Append(const std::string& text) { file_.Append(QuoteForCsv(text)); }
   void Append(const char* text) { file_.Append(text); }
   void Append(double number) { file_.Append(number); }
@@ -55,98 +77,93 @@ class Table {
   OutputFile file_;
 };
 
+// The file of a table of the state: that of robots has the name that users know from `troupe run --poses`.
+std::string FileOf(const StateTable& table) {
+  return (table.name == "robots" ? "poses" : table.name) + ".csv";
+}
+
 class CsvExport final : public RunExport {
  public:
-  // The tables of a folder, or the poses alone.
+  // The tables of a folder, or that of robots alone.
   static Result<std::unique_ptr<RunExport>> Create(const std::string& path) {
     std::unique_ptr<CsvExport> csv(new CsvExport);
     const bool is_file = path.ends_with(".csv");
-    const auto make = [&](std::optional<Table>& table, const std::string& file, std::string_view columns) -> Status {
-      Result<Table> created = Table::Create(is_file ? path : path + "/" + file, columns);
-      if (!created.ok()) return created.error();
-      table = std::move(created).value();
-      return {};
+    const auto make = [&](const std::string& file, const std::string& columns) -> Result<Table> {
+      return Table::Create(is_file ? path : path + "/" + file, "time,tick," + columns);
     };
     if (!is_file) {
       std::error_code failure;
       std::filesystem::create_directories(path, failure);
       if (failure) return Error{{path}, "cannot make the folder: " + failure.message(), ErrorCode::kFailure};
     }
-    Status made = make(csv->poses_, "poses.csv", "time,tick,robot,x,y,z,heading,vx,vy,wz,stalled,joules");
-    if (!is_file) {
-      if (made.ok()) made = make(csv->objects_, "objects.csv", "time,tick,object,x,y,z,heading,mode,on");
-      if (made.ok()) made = make(csv->joints_, "joints.csv", "time,tick,joint,position,velocity,blocked");
-      if (made.ok()) made = make(csv->events_, "events.csv", "time,tick,event,robot,object,other,detail");
-      if (made.ok()) {
-        made =
-            make(csv->readings_, "readings.csv", "time,tick,robot,sensor,scan,ray,bearing,elevation,range,intensity");
-      }
+    for (const StateTable& table : StateTables()) {
+      if (is_file && table.name != "robots") continue;
+      std::string columns = table.singular;
+      for (const Signal& signal : table.signals) columns += "," + signal.name;
+      Result<Table> made = make(FileOf(table), columns);
+      if (!made.ok()) return made.error();
+      csv->tables_.push_back({table, std::move(made).value()});
     }
-    if (!made.ok()) return made.error();
+    if (is_file) return std::unique_ptr<RunExport>(std::move(csv));
+    for (auto [table, file, columns] :
+         {std::tuple(&csv->events_, "events.csv", "event,robot,object,other,detail"),
+          std::tuple(&csv->readings_, "readings.csv", "robot,sensor,scan,ray,bearing,elevation,range,intensity")}) {
+      Result<Table> made = make(file, columns);
+      if (!made.ok()) return made.error();
+      *table = std::move(made).value();
+    }
     return std::unique_ptr<RunExport>(std::move(csv));
   }
 
   Status Add(const ReplayedWorld& world, std::uint64_t nanoseconds) override {
     const double time = static_cast<double>(nanoseconds) / 1e9;
-    Status status = AddPoses(world, time);
-    if (status.ok() && objects_) status = AddObjects(world, time);
-    if (status.ok() && joints_) status = AddJoints(world, time);
-    if (status.ok() && events_) status = AddEvents(world, time);
+    if (scene_ != world.scene()) {
+      scene_ = world.scene();
+      things_.emplace(world.world());
+    }
+    for (RowTable& table : tables_) {
+      if (Status status = AddRows(world, time, table); !status.ok()) return status;
+    }
+    Status status;
+    if (events_) status = AddEvents(world, time);
     if (status.ok() && readings_) status = AddReadings(world, time);
     return status;
   }
 
   Status Close() override {
     Status first;
-    for (std::optional<Table>* table : {&poses_, &objects_, &joints_, &events_, &readings_}) {
-      if (!*table) continue;
-      if (Status closed = (*table)->Close(); first.ok()) first = std::move(closed);
-    }
+    const auto close = [&](Table& table) {
+      if (Status closed = table.Close(); first.ok()) first = std::move(closed);
+    };
+    for (RowTable& table : tables_) close(table.file);
+    if (events_) close(*events_);
+    if (readings_) close(*readings_);
     return first;
   }
 
  private:
+  // The rows of a table of the state.
+  struct RowTable {
+    const StateTable& table;
+    Table file;
+  };
+
   CsvExport() = default;
 
-  Status AddPoses(const ReplayedWorld& world, double time) {
-    const WorldState& state = world.state();
-    for (std::size_t i = 0; i < state.robots.size(); ++i) {
-      if (!RobotExists(world.world(), RobotId(i))) continue;
-      const auto& [X_WR, twist, stalled] = state.robots[i];
-      std::optional<double> joules;
-      const RobotDescription& robot = world.world().robots[i];
-      if (const auto store = world.scene()->store_of(robot.root)) joules = state.stores[*store].joules;
-      Status status = poses_->Add(time, state.tick, robot.name, X_WR.x, X_WR.y, X_WR.z, X_WR.heading, twist.vx,
-                                  twist.vy, twist.wz, stalled, joules);
-      if (!status.ok()) return status;
-    }
-    return {};
-  }
-
-  Status AddObjects(const ReplayedWorld& world, double time) {
-    const WorldDescription& description = world.world();
-    const WorldState& state = world.state();
-    for (std::size_t i = 0; i < state.objects.size(); ++i) {
-      const ModelDescription& model = description.model(description.objects[i]);
-      if (model.removed) continue;
-      const ObjectState& object = state.objects[i];
-      const std::optional<ModelId> carrier = CarrierOf(description, object);
-      const Pose& X_WO = object.X_WO;
-      Status status = objects_->Add(time, state.tick, model.name, X_WO.x, X_WO.y, X_WO.z, X_WO.heading,
-                                    NameOf(object.mode), carrier ? description.model(*carrier).name : std::string());
-      if (!status.ok()) return status;
-    }
-    return {};
-  }
-
-  Status AddJoints(const ReplayedWorld& world, double time) {
-    const WorldDescription& description = world.world();
-    for (std::size_t i = 0; i < world.state().joints.size(); ++i) {
-      const JointState& joint = world.state().joints[i];
-      const ModelDescription& model = description.model(description.joints[i].model);
-      if (model.removed) continue;
-      Status status = joints_->Add(time, world.state().tick, model.name, joint.position, joint.velocity, joint.blocked);
-      if (!status.ok()) return status;
+  Status AddRows(const ReplayedWorld& world, double time, RowTable& rows) {
+    const SignalView view{*things_, world.world(), world.state()};
+    const StateTable& table = rows.table;
+    const std::size_t kind = KindOf(table.name);
+    for (std::size_t row = 0; row < table.rows(view.state); ++row) {
+      std::string name;
+      if (!table.varies) {
+        const ThingId thing = things_->first(kind) + static_cast<ThingId>(row);
+        if (!things_->exists(thing)) continue;
+        name = things_->name(thing);
+      }
+      rows.file.Begin(time, view.state.tick, name);
+      for (const Signal& signal : table.signals) rows.file.AppendCell(signal, view, row);
+      if (Status status = rows.file.End(); !status.ok()) return status;
     }
     return {};
   }
@@ -192,11 +209,11 @@ class CsvExport final : public RunExport {
     return {};
   }
 
-  std::optional<Table> poses_;
-  std::optional<Table> objects_;
-  std::optional<Table> joints_;
+  std::vector<RowTable> tables_;
   std::optional<Table> events_;
   std::optional<Table> readings_;
+  std::shared_ptr<const Scene> scene_;  // of things_
+  std::optional<Things> things_;
   RunReadings measured_;
 };
 

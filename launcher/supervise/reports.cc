@@ -193,11 +193,15 @@ void Progress::Update(const StatusMessage& status) {
 }
 
 void Progress::TellEvent(Tick tick, const std::string& event, const std::string& text) {
-  const bool stall = event == ToString(EventType::kStallBegan) || event == ToString(EventType::kStallEnded);
+  bool is_frequent = event == ToString(EventType::kStallBegan) || event == ToString(EventType::kStallEnded);
+  for (int i = 0; i <= static_cast<int>(LastOf(EventType())); ++i) {
+    const auto type = static_cast<EventType>(i);
+    is_frequent = is_frequent || (IsOfBuilding(type) && event == ToString(type));
+  }
   // Agents that join at tick 0 begin the run, unless one has been lost since.
   const bool start = tick == 0 && event == ToString(EventType::kJoined) && !has_lost_agent_;
   has_lost_agent_ = has_lost_agent_ || event == ToString(EventType::kLeft);
-  if (!stall && !start) Tell(text);
+  if (!is_frequent && !start) Tell(text);
 }
 
 void Progress::Tell(const std::string& line, const std::string& command) {

@@ -5,6 +5,7 @@
 PYBIND11_MODULE(_troupe, module) {
   module.doc() = "The native part of troupe: its names are those of the package.";
   module.attr("__version__") = troupe::VersionText();
+  troupe::python::DefineState(module);
   troupe::python::DefineSimulation(module);
   troupe::python::DefineVectorSimulation(module);
   troupe::python::DefineMonitors(module);

@@ -120,6 +120,8 @@ class SteppedWorld final : public World {
   using World::World;
 };
 
+// DefineState first: the other classes are made of its.
+void DefineState(py::module_& module);
 void DefineSimulation(py::module_& module);
 void DefineVectorSimulation(py::module_& module);
 void DefineMonitors(py::module_& module);

@@ -1,7 +1,7 @@
 """The native part of troupe. Units: m, rad, s. Frames: W world, R robot."""
 
 import os
-from typing import List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -51,6 +51,17 @@ class State:
     def grippers(self) -> Tuple[str, ...]: ...
     @property
     def objects(self) -> Tuple[str, ...]: ...
+    @property
+    def doors(self) -> Tuple[str, ...]: ...
+    @property
+    def lifts(self) -> Tuple[str, ...]: ...
+    @property
+    def people(self) -> Tuple[str, ...]: ...
+    @property
+    def tables(self) -> Tuple[str, ...]:
+        """The names of the tables of the state: robots, joints, doors, people ..."""
+    def table(self, name: str) -> Dict[str, Union[numpy.ndarray, Tuple[str, ...]]]:
+        """A table of the state: "name" and the signals of docs/testing.md, each an array or a tuple of texts."""
     def robot(self, robot: _Robot) -> RobotInfo: ...
     @property
     def poses(self) -> _Array:

@@ -6,7 +6,6 @@
 
 #include "testing/expectations/compile.h"
 #include "testing/expectations/network.h"
-#include "testing/expectations/rewrite.h"
 #include "testing/expectations/roots.h"
 #include "testing/expectations/signals.h"
 #include "troupe/expectation.h"
@@ -22,9 +21,11 @@ Status CheckTick(const MonitorProgram& program, const TickView& tick, std::optio
     return Error{{},
                  "found tick " + std::to_string(tick.state.tick) + ", expected tick " + std::to_string(*first + ticks)};
   }
-  const WorldDescription& world = tick.scene.world();
-  const bool fits = tick.state.robots.size() == program.robots && world.interval_ns == program.interval_ns &&
-                    tick.state.robots.size() + tick.state.objects.size() == program.body_names.size();
+  bool fits = tick.scene.world().interval_ns == program.interval_ns;
+  for (std::size_t kind = 0; kind < StateTables().size(); ++kind) {
+    const StateTable& table = StateTables()[kind];
+    fits = fits && (table.varies || table.rows(tick.state) == program.things->count(kind));
+  }
   if (!fits) return Error{{}, "found a tick of another world, expected the world of the expectation"};
   return {};
 }
@@ -176,8 +177,8 @@ Monitor::Cause Monitor::cause() const {
   if (!state_->first) return cause;
   Roots::Cause found = state_->roots.FindCause(program);
   if (found.tick) cause.tick = *state_->first + *found.tick;
-  for (const std::uint32_t body : found.bodies) {
-    const std::string& name = program.body_names[body];
+  for (const ThingId thing : found.things) {
+    const std::string& name = program.things->name(thing);
     if (std::find(cause.names.begin(), cause.names.end(), name) == cause.names.end()) cause.names.push_back(name);
   }
   return cause;
@@ -272,60 +273,6 @@ std::optional<double> MetricMonitor::value() const {
   if (!state.finished || state.count == 0.0) return std::nullopt;
   const bool is_mean = state.network.program().metric == MetricKind::kMean;
   return is_mean ? state.result / state.count : state.result;
-}
-
-std::vector<LanguageEntry> ListSignals() {
-  std::vector<LanguageEntry> entries;
-  for (const SignalInfo& info : Signals()) {
-    std::string result = ToString(info.dimension);
-    if (info.type == ValueType::kTruth) result = "condition";
-    if (info.type == ValueType::kText) result = "text";
-    if (info.type == ValueType::kNumber && result.empty()) result = "number";
-    if (info.kind == SignalKind::kJoint) result = "m, rad";
-    if (info.kind == SignalKind::kJointSpeed) result = "m/s, rad/s";
-    entries.push_back({info.usage, result, info.meaning});
-  }
-  entries.push_back({"count(event(...))", "number", "Number of such events so far."});
-  entries.push_back({"abs(X)", "as X", "Absolute value."});
-  entries.push_back({"sqrt(X)", "root of X", "Square root: m of m^2."});
-  entries.push_back({"min(X, Y), max(X, Y)", "as X", "The lesser or greater of two numbers."});
-  return entries;
-}
-
-std::vector<LanguageEntry> ListOperators() {
-  return {
-      {"always[A, B] P", "condition", "P holds at each tick from A to B after this one, always P: at all to the end."},
-      {"eventually[A, B] P", "condition", "P holds at one of these ticks."},
-      {"P until[A, B] Q", "condition",
-       "Q holds at one of these ticks, and P at each tick from this one to the one before."},
-      {"finally P", "condition", "P holds at the last tick of the run."},
-      {"historically[A, B] P", "condition",
-       "P has held at each tick from B to A before this one, or to the first one."},
-      {"once[A, B] P", "condition", "P has held at one of these ticks."},
-      {"P since Q", "condition", "Q has held at this tick or before, and P at each tick after it up to this one."},
-      {"not P, P and Q, P or Q, P -> Q", "condition",
-       "As usual; P -> Q is not P or Q. From strong to weak: not and the "
-       "temporal operators, until and since, and, or, ->."},
-      {"X < Y, <=, >, >=, ==, !=", "condition", "Comparison of two numbers of one unit. Robustness: their difference."},
-      {"X + Y, X - Y, X * Y, X / Y, -X", "number", "Arithmetic with units."},
-      {"forall r: P, exists r: P", "condition",
-       "P holds for all robots, or for one. The formula behind ':' is as long as "
-       "possible."},
-      {"forall a, b: P", "condition", "For all pairs of different robots; up to four variables."},
-      {"forall r in \"scout*\": P", "condition", "For robots with names like that: * any characters, ? one."},
-      {"forall o in objects: P, in objects \"can*\": P", "condition", "For movable objects."},
-      {"min r: X, max r: X, sum r: X, mean r: X", "as X", "Over the robots, at one tick."},
-      {"count r: P", "number", "Number of robots for which P holds, at one tick."},
-      {"true, false", "condition", "Constants."},
-  };
-}
-
-std::vector<LanguageEntry> ListShorthands() {
-  std::vector<LanguageEntry> entries;
-  for (const Shorthand& shorthand : Shorthands()) {
-    entries.push_back({shorthand.usage, shorthand.formula, shorthand.meaning});
-  }
-  return entries;
 }
 
 }  // namespace troupe

@@ -8,14 +8,6 @@
 namespace troupe {
 namespace {
 
-// "a, b, c ..."
-std::string Listing(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 8;
-  std::string text;
-  for (std::size_t i = 0; i < names.size() && i < kMost; ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > kMost ? text + ", ..." : text;
-}
-
 bool Measures(const SensorParameters& parameters, SignalKind kind) {
   switch (kind) {
     case SignalKind::kPressed:
@@ -29,40 +21,63 @@ bool Measures(const SensorParameters& parameters, SignalKind kind) {
 
 }  // namespace
 
-WorldNames::WorldNames(const ExpectationScope& scope) : scope_(scope), stores_(FindStores(scope.world)) {
-  for (std::size_t i = 0; i < world().robots.size(); ++i) {
-    bodies_.push_back(world().robots[i].name);
-    exists_.push_back(RobotExists(world(), RobotId(i)));
-  }
-  for (const ModelId object : world().objects) {
-    bodies_.push_back(world().model(object).name);
-    exists_.push_back(!world().model(object).removed);
-  }
+std::string WorldNames::Listing(const std::vector<std::string>& names) {
+  constexpr std::size_t kMax = 8;
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < kMax; ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.size() > kMax ? text + ", ..." : text;
 }
 
-Result<std::vector<std::uint32_t>> WorldNames::Domain(const Syntax& bound) const {
-  const bool robots = bound.domain == DomainKind::kRobots;
-  std::vector<std::uint32_t> bodies;
+std::string NameOfKinds(const std::vector<std::size_t>& kinds) {
+  std::string text;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const std::string& name = StateTables()[kinds[i]].singular;
+    const bool is_vowel = std::string_view("aeiou").find(name[0]) != std::string_view::npos;
+    if (i == 0) text = is_vowel ? "an " : "a ";
+    if (i > 0) text += i + 1 == kinds.size() ? " or " : ", ";
+    text += name;
+  }
+  return text;
+}
+
+WorldNames::WorldNames(const ExpectationScope& scope)
+    : scope_(scope), things_(std::make_shared<const Things>(scope.world)) {}
+
+const WorldState& WorldNames::placed() const {
+  if (!placed_) placed_ = PlacedState(world());
+  return *placed_;
+}
+
+Result<std::vector<ThingId>> WorldNames::Domain(const Syntax& bound) const {
+  const std::span<const StateTable> tables = StateTables();
+  const auto table =
+      std::find_if(tables.begin(), tables.end(), [&](const StateTable& t) { return t.name == bound.domain; });
+  if (table == tables.end() || table->varies) {
+    std::vector<std::string> names;
+    for (const StateTable& known : tables) {
+      if (!known.varies) names.push_back(known.name);
+    }
+    std::string all;
+    for (const std::string& name : names) all += name + ", ";
+    return TextError(bound.domain_offset, "found '" + PlainLine(bound.domain, 40) + "', expected " + all +
+                                              "or names as a text such as \"scout*\"" +
+                                              DidYouMean(bound.domain, names));
+  }
+  const std::size_t kind = KindOf(table->name);
+  std::vector<ThingId> found;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (!exists_[i] || is_robot(static_cast<std::uint32_t>(i)) != robots) continue;
-    names.push_back(bodies_[i]);
-    if (!bound.pattern || MatchesGlob(*bound.pattern, bodies_[i])) bodies.push_back(static_cast<std::uint32_t>(i));
+  for (ThingId thing = things_->first(kind); thing < things_->first(kind) + things_->count(kind); ++thing) {
+    if (!things_->exists(thing)) continue;
+    names.push_back(things_->name(thing));
+    if (!bound.pattern || MatchesGlob(*bound.pattern, names.back())) found.push_back(thing);
   }
-  if (bodies.empty() && bound.pattern) {
-    const std::string kind = robots ? "robot" : "object";
+  if (found.empty() && bound.pattern) {
     return TextError(bound.pattern_offset, "found the pattern '" + PlainLine(*bound.pattern, 40) +
-                                               "' that matches no " + kind + ", expected one of the " + kind + "s (" +
-                                               Listing(names) + ")" + DidYouMean(*bound.pattern, names));
+                                               "' that matches no " + table->singular + ", expected one of the " +
+                                               table->name + " (" + Listing(names) + ")" +
+                                               DidYouMean(*bound.pattern, names));
   }
-  return bodies;
-}
-
-std::optional<std::uint32_t> WorldNames::FindBody(const std::string& name) const {
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (exists_[i] && bodies_[i] == name) return static_cast<std::uint32_t>(i);
-  }
-  return std::nullopt;
+  return found;
 }
 
 std::optional<ModelId> WorldNames::FindStaticModel(const std::string& name) const {
@@ -87,6 +102,13 @@ const NamedRegion* WorldNames::FindRegion(const std::string& name) const {
   return nullptr;
 }
 
+bool WorldNames::IsName(const std::string& name) const {
+  for (std::size_t kind = 0; kind < StateTables().size(); ++kind) {
+    if (things_->Find(name, kind)) return true;
+  }
+  return FindStaticModel(name) || FindPlace(name) != nullptr || FindRegion(name) != nullptr;
+}
+
 Error WorldNames::Unknown(const Syntax& at, const std::string& expected, const std::vector<std::string>& names) {
   std::string found = "something else";
   if (at.kind == SyntaxKind::kName || at.kind == SyntaxKind::kText) found = "'" + PlainLine(at.name, 40) + "'";
@@ -97,12 +119,14 @@ Error WorldNames::Unknown(const Syntax& at, const std::string& expected, const s
   return TextError(at.offset, "found " + found + ", expected " + expected + listing + DidYouMean(at.name, names));
 }
 
-std::vector<std::string> WorldNames::RobotNames() const {
-  return {bodies_.begin(), bodies_.begin() + static_cast<std::ptrdiff_t>(world().robots.size())};
-}
-
-std::vector<std::string> WorldNames::ObjectNames() const {
-  return {bodies_.begin() + static_cast<std::ptrdiff_t>(world().robots.size()), bodies_.end()};
+std::vector<std::string> WorldNames::NamesOf(const std::vector<std::size_t>& kinds) const {
+  std::vector<std::string> names;
+  for (const std::size_t kind : kinds) {
+    for (ThingId thing = things_->first(kind); thing < things_->first(kind) + things_->count(kind); ++thing) {
+      names.push_back(things_->name(thing));
+    }
+  }
+  return names;
 }
 
 std::vector<std::string> WorldNames::PlaceNames() const {
@@ -117,37 +141,29 @@ std::vector<std::string> WorldNames::RegionNames() const {
   return names;
 }
 
-Result<std::uint32_t> WorldNames::FindJoint(std::uint32_t robot, const Syntax& at) const {
+Result<ThingId> WorldNames::FindJoint(ThingId robot, const Syntax& at) const {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < world().joints.size(); ++i) {
     const JointDescription& joint = world().joints[i];
     if (joint.robot != RobotId(robot)) continue;
-    if (joint.name == at.name) return static_cast<std::uint32_t>(i);
+    if (joint.name == at.name) return things_->first(KindOf("joints")) + static_cast<ThingId>(i);
     names.push_back(joint.name);
   }
   return Unknown(
-      at, (names.empty() ? "no joint, because there is none on robot " : "a joint of robot ") + bodies_[robot], names);
+      at, (names.empty() ? "no joint, because there is none on robot " : "a joint of robot ") + things_->name(robot),
+      names);
 }
 
-std::optional<std::uint32_t> WorldNames::StoreOf(std::uint32_t robot) const {
-  for (std::size_t i = 0; i < stores_.size(); ++i) {
-    if (IsInTree(world(), stores_[i], world().robots[robot].root)) return static_cast<std::uint32_t>(i);
+std::uint32_t WorldNames::FindFiniteStore(ThingId robot) const {
+  const std::vector<ModelId> stores = FindStores(world());
+  for (std::size_t i = 0; i < stores.size(); ++i) {
+    if (!IsInTree(world(), stores[i], world().robots[robot].root)) continue;
+    return world().model(stores[i]).power.endless ? SignalUse::kNone : static_cast<std::uint32_t>(i);
   }
-  return std::nullopt;
+  return SignalUse::kNone;
 }
 
-Result<std::uint32_t> WorldNames::FindStore(std::uint32_t robot, const Syntax& at) const {
-  if (const std::optional<std::uint32_t> store = StoreOf(robot)) return *store;
-  return TextError(at.offset, "found '" + at.name + "' of robot " + bodies_[robot] +
-                                  ", which has no store of energy, expected robots that have one");
-}
-
-std::uint32_t WorldNames::FindFiniteStore(std::uint32_t robot) const {
-  const std::optional<std::uint32_t> store = StoreOf(robot);
-  return store && !world().model(stores_[*store]).power.endless ? *store : SignalUse::kNone;
-}
-
-Result<std::uint32_t> WorldNames::FindSensor(std::uint32_t robot, SignalKind kind, const Syntax* name,
+Result<std::uint32_t> WorldNames::FindSensor(ThingId robot, SignalKind kind, const Syntax* name,
                                              const Syntax& at) const {
   const std::vector<SensorDescription>& sensors = world().robots[robot].sensors;
   std::vector<std::string> names;
@@ -156,9 +172,10 @@ Result<std::uint32_t> WorldNames::FindSensor(std::uint32_t robot, SignalKind kin
     if (name == nullptr || sensors[i].name == name->name) return static_cast<std::uint32_t>(i);
     names.push_back(sensors[i].name);
   }
+  const std::string& robot_name = things_->name(robot);
   const std::string sensor = kind == SignalKind::kPressed ? "bumper" : kind == SignalKind::kHeard ? "radio" : "ranger";
-  if (name != nullptr && !names.empty()) return Unknown(*name, "a " + sensor + " of robot " + bodies_[robot], names);
-  return TextError(at.offset, "found '" + at.name + "' of robot " + bodies_[robot] + ", which has no " + sensor +
+  if (name != nullptr && !names.empty()) return Unknown(*name, "a " + sensor + " of robot " + robot_name, names);
+  return TextError(at.offset, "found '" + at.name + "' of robot " + robot_name + ", which has no " + sensor +
                                   ", expected robots that have one");
 }
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "testing/expectations/operators.h"
+
 namespace troupe {
 namespace {
 
@@ -41,11 +43,6 @@ double FoldInStrands(std::span<const double> values, double start, const Combina
 FoldKind KindOf(Op op) {
   if (op == Op::kUntil) return FoldKind::kUntil;
   return op == Op::kWindowMin || op == Op::kPastMin ? FoldKind::kLeast : FoldKind::kGreatest;
-}
-
-double Difference(double a, double b, double of_equal) {
-  const double difference = a - b;
-  return a == b ? of_equal : (difference == difference ? difference : -kInfinity);  // a comparison with NaN is false
 }
 
 // Calls compute(lane, a, b) for each lane with the values of two inputs.
@@ -226,45 +223,20 @@ void Network::Advance(std::size_t level, Tick now, const TickView* tick) {
 void Network::Compute(const Node& node, State& state, const TickView* tick) {
   const std::span<double> out(state.values);
   if (node.op == Op::kSignal) {
-    ReadSignal(node.signal, *tick, state.memory, out);
+    ReadSignal(node.signal, *program_->things, *tick, state.memory, out);
     return;
   }
   const std::span<const double> a = values(node.inputs[0].node);
-  const auto unary = [&](const auto& compute) {
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = compute(a[i]);
-  };
-  const auto binary = [&](const auto& compute) {
-    ForEachLane(node, a, values(node.inputs[1].node),
-                [&](std::size_t i, double left, double right) { out[i] = compute(left, right); });
-  };
+  const bool is_computed = VisitOperator(node.op, [&]<Op op>() {
+    if (IsUnary(op)) {
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = Apply<op>(a[i], 0.0);
+    } else {
+      ForEachLane(node, a, values(node.inputs[1].node),
+                  [&](std::size_t i, double left, double right) { out[i] = Apply<op>(left, right); });
+    }
+  });
+  if (is_computed) return;
   switch (node.op) {
-    case Op::kAdd:
-      return binary([](double x, double y) { return x + y; });
-    case Op::kSubtract:
-      return binary([](double x, double y) { return x - y; });
-    case Op::kMultiply:
-      return binary([](double x, double y) { return x * y; });
-    case Op::kDivide:
-      return binary([](double x, double y) { return x / y; });
-    case Op::kSmaller:
-      return binary([](double x, double y) { return x < y ? x : y; });
-    case Op::kLarger:
-      return binary([](double x, double y) { return x > y ? x : y; });
-    case Op::kNegate:
-    case Op::kNot:
-      return unary([](double x) { return -x; });
-    case Op::kAbsolute:
-      return unary([](double x) { return std::abs(x); });
-    case Op::kSquareRoot:
-      return unary([](double x) { return std::sqrt(x); });
-    case Op::kGreater:
-      return binary([](double x, double y) { return Difference(x, y, -0.0); });
-    case Op::kAtLeast:
-      return binary([](double x, double y) { return Difference(x, y, 0.0); });
-    case Op::kEqual:
-      return binary([](double x, double y) { return x == y ? 0.0 : -std::abs(Difference(x, y, 0.0)); });
-    case Op::kUnequal:
-      return binary([](double x, double y) { return x == y ? -0.0 : std::abs(Difference(x, y, 0.0)); });
     case Op::kAnd:
     case Op::kOr: {
       Spread(node.inputs[0], a, out);
@@ -455,17 +427,17 @@ void Network::LoadSeries(const Node& node, State& state) {
   }
 }
 
-void AppendBodies(const MonitorProgram& program, const std::vector<std::size_t>& variables, std::size_t lane,
-                  std::vector<std::uint32_t>& bodies) {
-  const std::size_t begin = bodies.size();
+void AppendThings(const MonitorProgram& program, const std::vector<std::size_t>& variables, std::size_t lane,
+                  std::vector<ThingId>& things) {
+  const std::size_t begin = things.size();
   for (std::size_t i = variables.size(); i-- > 0;) {
-    const std::vector<std::uint32_t>& domain = program.variables[variables[i]].bodies;
-    bodies.insert(bodies.begin() + static_cast<std::ptrdiff_t>(begin), domain[lane % domain.size()]);
+    const std::vector<ThingId>& domain = program.variables[variables[i]].things;
+    things.insert(things.begin() + static_cast<std::ptrdiff_t>(begin), domain[lane % domain.size()]);
     lane /= domain.size();
   }
 }
 
-void Network::FindCause(std::size_t number, std::size_t lane, std::vector<std::uint32_t>& bodies) const {
+void Network::FindCause(std::size_t number, std::size_t lane, std::vector<ThingId>& things) const {
   const Node& node = program_->nodes[number];
   if (!node.names_cause) return;
   const auto lane_of = [&](const Input& input) {
@@ -475,8 +447,8 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<std::u
   switch (node.op) {
     case Op::kSignal:
       if (states_[number].memory.pair.first == states_[number].memory.pair.second) return;  // none yet
-      bodies.push_back(states_[number].memory.pair.first);
-      bodies.push_back(states_[number].memory.pair.second);
+      things.push_back(states_[number].memory.pair.first);
+      things.push_back(states_[number].memory.pair.second);
       return;
     case Op::kForall:
     case Op::kExists:
@@ -491,8 +463,8 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<std::u
         if (!best || (is_least ? block[i] < block[*best] : block[i] > block[*best])) best = i;
       }
       if (!best) return;
-      AppendBodies(*program_, node.reduced_variables, *best, bodies);
-      FindCause(node.inputs[0].node, lane * node.reduced + *best, bodies);
+      AppendThings(*program_, node.reduced_variables, *best, things);
+      FindCause(node.inputs[0].node, lane * node.reduced + *best, things);
       return;
     }
     case Op::kAnd:
@@ -503,7 +475,7 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<std::u
         const double least = values(best->node)[lane_of(*best)];
         if (node.op == Op::kAnd ? value < least : value > least) best = &input;
       }
-      FindCause(best->node, lane_of(*best), bodies);
+      FindCause(best->node, lane_of(*best), things);
       return;
     }
     case Op::kSum:
@@ -524,7 +496,7 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<std::u
     case Op::kLastValue:
       return;  // of several robots, or of other ticks
     default:
-      for (const Input& input : node.inputs) FindCause(input.node, lane_of(input), bodies);
+      for (const Input& input : node.inputs) FindCause(input.node, lane_of(input), things);
   }
 }
 

@@ -74,8 +74,8 @@ class Network {
   Tick TimeOf(std::size_t node, Tick now) const { return now - program_->nodes[node].delay; }
   std::span<const double> values(std::size_t node) const { return states_[node].values; }
 
-  // Appends the bodies of the variables of the quantifiers that decide a lane of the node at present.
-  void FindCause(std::size_t node, std::size_t lane, std::vector<std::uint32_t>& bodies) const;
+  // Appends the things of the variables of the quantifiers that decide a lane of the node at present.
+  void FindCause(std::size_t node, std::size_t lane, std::vector<ThingId>& things) const;
 
  private:
   struct State {
@@ -104,8 +104,8 @@ class Network {
   bool ended_ = false;
 };
 
-// Adds the bodies of lane `lane` of the product of `variables`.
-void AppendBodies(const MonitorProgram& program, const std::vector<std::size_t>& variables, std::size_t lane,
-                  std::vector<std::uint32_t>& bodies);
+// Adds the things of lane `lane` of the product of `variables`.
+void AppendThings(const MonitorProgram& program, const std::vector<std::size_t>& variables, std::size_t lane,
+                  std::vector<ThingId>& things);
 
 }  // namespace troupe

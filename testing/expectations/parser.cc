@@ -1,173 +1,14 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <utility>
 
 #include "common/base/text.h"
-#include "testing/expectations/syntax.h"
+#include "testing/expectations/lexer.h"
 
 namespace troupe {
 namespace {
 
-constexpr std::array kUnits{
-    Unit{"m/s^2", 1.0, {1, -2, 0, 0}},
-    Unit{"m/s", 1.0, {1, -1, 0, 0}},
-    Unit{"km/h", 1.0 / 3.6, {1, -1, 0, 0}},
-    Unit{"rad/s", 1.0, {0, -1, 1, 0}},
-    Unit{"deg/s", 0.017453292519943295, {0, -1, 1, 0}},
-    Unit{"ticks", 1.0, {0, 1, 0, 0}},
-    Unit{"tick", 1.0, {0, 1, 0, 0}},
-    Unit{"mm", 1e-3, {1, 0, 0, 0}},
-    Unit{"cm", 1e-2, {1, 0, 0, 0}},
-    Unit{"km", 1e3, {1, 0, 0, 0}},
-    Unit{"m", 1.0, {1, 0, 0, 0}},
-    Unit{"ms", 1e-3, {0, 1, 0, 0}},
-    Unit{"min", 60.0, {0, 1, 0, 0}},
-    Unit{"s", 1.0, {0, 1, 0, 0}},
-    Unit{"h", 3600.0, {0, 1, 0, 0}},
-    Unit{"rad", 1.0, {0, 0, 1, 0}},
-    Unit{"deg", 0.017453292519943295, {0, 0, 1, 0}},
-    Unit{"kJ", 1e3, {0, 0, 0, 1}},
-    Unit{"Wh", 3600.0, {0, 0, 0, 1}},
-    Unit{"J", 1.0, {0, 0, 0, 1}},
-    Unit{"W", 1.0, {0, -1, 0, 1}},
-    Unit{"%", 1e-2, {}},
-};
-
-// Words that are no names.
-constexpr std::array<std::string_view, 13> kWords{"and",  "or",           "not",   "always", "eventually", "finally",
-                                                  "once", "historically", "until", "since",  "forall",     "exists",
-                                                  "in"};
 constexpr std::array<std::string_view, 5> kNumberBinders{"min", "max", "sum", "mean", "count"};
-
-enum class TokenKind : std::uint8_t { kEnd, kNumber, kText, kWord, kSign };
-
-struct Token {
-  TokenKind kind = TokenKind::kEnd;
-  std::size_t offset = 0;
-  std::string text;  // of a text: without quotes; of a number: its unit
-  double number = 0.0;
-};
-
-bool IsLetter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-}
-bool IsDigit(char c) {
-  return c >= '0' && c <= '9';
-}
-bool IsWordCharacter(char c) {
-  return IsLetter(c) || IsDigit(c);
-}
-bool IsSpace(char c) {
-  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
-
-class Lexer {
- public:
-  explicit Lexer(std::string_view text) : text_(text) {}
-
-  Result<std::vector<Token>> ReadAll() {
-    std::vector<Token> tokens;
-    do {
-      Result<Token> token = Read();
-      if (!token.ok()) return token.error();
-      tokens.push_back(std::move(token).value());
-    } while (tokens.back().kind != TokenKind::kEnd);
-    return tokens;
-  }
-
- private:
-  Result<Token> Read() {
-    while (at_ < text_.size() && IsSpace(text_[at_])) ++at_;
-    Token token{TokenKind::kEnd, at_, {}, 0.0};
-    if (at_ == text_.size()) return token;
-    const char c = text_[at_];
-    if (IsDigit(c) || (c == '.' && at_ + 1 < text_.size() && IsDigit(text_[at_ + 1]))) return ReadNumber();
-    if (c == '\'' || c == '"') return ReadText();
-    if (IsLetter(c)) {
-      token.kind = TokenKind::kWord;
-      token.text = ReadWord();
-      return token;
-    }
-    token.kind = TokenKind::kSign;
-    for (const std::string_view sign : {"->", "<=", ">=", "==", "!="}) {
-      if (text_.substr(at_).starts_with(sign)) {
-        token.text = sign;
-        at_ += sign.size();
-        return token;
-      }
-    }
-    if (std::string_view("()[],:<>+-*/").find(c) != std::string_view::npos) {
-      token.text = c;
-      ++at_;
-      return token;
-    }
-    std::string hint;
-    if (c == '=') hint = "; did you mean '=='?";
-    if (c == '&') hint = "; did you mean 'and'?";
-    if (c == '|') hint = "; did you mean 'or'?";
-    if (c == '!') hint = "; did you mean 'not'?";
-    const std::size_t length = std::max<std::size_t>(Utf8Length(text_, at_), 1);
-    return TextError(
-        at_, "found '" + PlainLine(text_.substr(at_, length)) + "', expected a name, a number or an operator" + hint);
-  }
-
-  std::string ReadWord() {
-    const std::size_t begin = at_;
-    while (at_ < text_.size() && IsWordCharacter(text_[at_])) ++at_;
-    return std::string(text_.substr(begin, at_ - begin));
-  }
-
-  Result<Token> ReadText() {
-    const std::size_t begin = at_;
-    const std::size_t end = text_.find(text_[begin], begin + 1);
-    if (end == std::string_view::npos) {
-      return TextError(begin, "found a text without an end, expected a second " + std::string(1, text_[begin]));
-    }
-    at_ = end + 1;
-    return Token{TokenKind::kText, begin, std::string(text_.substr(begin + 1, end - begin - 1)), 0.0};
-  }
-
-  Result<Token> ReadNumber() {
-    Token token{TokenKind::kNumber, at_, {}, 0.0};
-    const char* const begin = text_.data() + at_;
-    const auto [end, problem] = std::from_chars(begin, text_.data() + text_.size(), token.number);
-    if (problem != std::errc() || !std::isfinite(token.number)) {
-      return TextError(at_, "found a number that is too large or too small");
-    }
-    at_ += static_cast<std::size_t>(end - begin);
-    std::size_t next = at_;
-    while (next < text_.size() && IsSpace(text_[next])) ++next;
-    const std::string_view rest = text_.substr(next);
-    for (const Unit& unit : kUnits) {  // longer names first, where one begins another
-      const std::string_view name = unit.name;
-      const bool ends =
-          rest.size() == name.size() || (rest.size() > name.size() && !IsWordCharacter(rest[name.size()]));
-      if (rest.starts_with(name) && (ends || name == "%")) {
-        token.text = name == "tick" ? "ticks" : name;
-        at_ = next + name.size();
-        return token;
-      }
-    }
-    if (rest.empty() || !IsLetter(rest.front())) return token;
-    const std::size_t length =
-        static_cast<std::size_t>(std::find_if_not(rest.begin(), rest.end(), IsWordCharacter) - rest.begin());
-    const std::string word(rest.substr(0, length));
-    const bool is_word = std::find(kWords.begin(), kWords.end(), word) != kWords.end();
-    if (is_word) return token;
-    std::vector<std::string> names;
-    for (const Unit& unit : kUnits) names.emplace_back(unit.name);
-    std::string hint = DidYouMean(word, names);
-    if (word == "seconds" || word == "sec") hint = "; did you mean 's'?";
-    if (word == "meters" || word == "metres" || word == "meter") hint = "; did you mean 'm'?";
-    if (word == "degrees") hint = "; did you mean 'deg'?";
-    return TextError(next, "found unit '" + word + "', expected a unit such as m, s, ticks, deg, m/s or J" + hint);
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-};
 
 class Parser {
  public:
@@ -394,7 +235,8 @@ class Parser {
     const bool binds_number = IsNumberBinder(token.text) && Ahead(1).kind == TokenKind::kWord && !IsWordAt(1, "in");
     if (token.text == "forall" || token.text == "exists" || binds_number) return Bound();
     const bool is_region_test = token.text == "in" && Ahead(1).kind == TokenKind::kSign && Ahead(1).text == "(";
-    if (!is_region_test && std::find(kWords.begin(), kWords.end(), token.text) != kWords.end()) {
+    if (!is_region_test &&
+        std::find(kReservedWords.begin(), kReservedWords.end(), token.text) != kReservedWords.end()) {
       const bool is_prefix = token.text == "not" || token.text == "always" || token.text == "eventually" ||
                              token.text == "finally" || token.text == "once" || token.text == "historically";
       Fail(is_prefix ? "a signal, a number or '(': '" + token.text + " ...' needs parentheses here"
@@ -420,8 +262,8 @@ class Parser {
     Syntax bound = Combine(SyntaxKind::kBound, tokens_[at_++], {});
     do {
       if (!bound.variables.empty()) ++at_;  // the comma
-      const bool is_name =
-          Now().kind == TokenKind::kWord && std::find(kWords.begin(), kWords.end(), Now().text) == kWords.end();
+      const bool is_name = Now().kind == TokenKind::kWord &&
+                           std::find(kReservedWords.begin(), kReservedWords.end(), Now().text) == kReservedWords.end();
       if (!is_name) {
         Fail("the name of a variable");
         return {};
@@ -438,18 +280,14 @@ class Parser {
     } while (IsSign(","));
     if (IsWord("in")) {
       ++at_;
-      bound.pattern_offset = Now().offset;
-      bool names_domain = false;
-      if (IsWord("robots") || IsWord("objects")) {
-        bound.domain = IsWord("objects") ? DomainKind::kObjects : DomainKind::kRobots;
-        names_domain = true;
-        ++at_;
-      }
+      bound.domain_offset = bound.pattern_offset = Now().offset;
+      const bool names_domain = Now().kind == TokenKind::kWord;
+      if (names_domain) bound.domain = tokens_[at_++].text;
       if (Now().kind == TokenKind::kText) {
         bound.pattern_offset = Now().offset;
         bound.pattern = tokens_[at_++].text;
       } else if (!names_domain) {
-        Fail("robots, objects, or names as a text such as \"scout*\"");
+        Fail("robots, objects, people, doors or the like, or names as a text such as \"scout*\"");
         return {};
       }
     }
@@ -488,89 +326,10 @@ class Parser {
   std::optional<Error> error_;
 };
 
-Result<std::vector<Token>> Tokens(std::string_view text) {
-  if (text.size() > kMaxExpectationLength) {
-    return TextError(0, "found " + std::to_string(text.size()) + " bytes, expected at most " +
-                            std::to_string(kMaxExpectationLength));
-  }
-  return Lexer(text).ReadAll();
-}
-
-std::string NumberText(double value) {
-  std::array<char, 32> buffer{};
-  const auto [end, problem] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  static_cast<void>(problem);  // the shortest text of any double fits
-  return {buffer.data(), end};
-}
-
-std::string TextOf(const NumberSyntax& number) {
-  return NumberText(number.value) + (number.unit.empty() || number.unit == "%" ? "" : " ") + number.unit;
-}
-
-std::string Quoted(const std::string& text) {
-  const char quote = text.find('"') == std::string::npos ? '"' : '\'';
-  return quote + text + quote;
-}
-
-// How strongly a node binds: the levels of the grammar.
-int Level(const Syntax& syntax) {
-  if (syntax.kind == SyntaxKind::kBound) return 0;
-  if (syntax.kind == SyntaxKind::kTemporal) return syntax.children.size() == 2 ? 4 : 5;
-  if (syntax.kind != SyntaxKind::kOperator) return 10;
-  const std::string& name = syntax.name;
-  if (name == "->") return 1;
-  if (name == "or") return 2;
-  if (name == "and") return 3;
-  if (name == "not") return 5;
-  if (name == "+" || (name == "-" && syntax.children.size() == 2)) return 7;
-  if (name == "*" || name == "/") return 8;
-  if (name == "-") return 9;
-  return 6;
-}
-
-// The child, in parentheses if it binds less than `least`.
-std::string Inside(const Syntax& child, int least) {
-  const std::string text = ToString(child);
-  return Level(child) < least ? "(" + text + ")" : text;
-}
-
-std::string TextOf(const std::optional<IntervalSyntax>& interval) {
-  if (!interval) return {};
-  return "[" + TextOf(interval->from) + ", " + (interval->to ? TextOf(*interval->to) : "end") + "]";
-}
-
 }  // namespace
 
-Error TextError(std::size_t offset, std::string message) {
-  return {{{}, 1, static_cast<int>(offset) + 1}, std::move(message), ErrorCode::kBadInput};
-}
-
-const Unit* FindUnit(std::string_view name) {
-  const auto* const found = std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.name == name; });
-  return found == kUnits.end() ? nullptr : found;
-}
-
-std::string ToString(const Dimension& dimension) {
-  if (dimension == Dimension{0, -1, 0, 1}) return "W";
-  std::string over;
-  std::string under;
-  const auto add = [&](int exponent, const char* name) {
-    std::string& text = exponent > 0 ? over : under;
-    if (exponent == 0) return;
-    if (!text.empty()) text += "*";
-    text += name;
-    if (std::abs(exponent) > 1) text += "^" + std::to_string(std::abs(exponent));
-  };
-  add(dimension.joule, "J");
-  add(dimension.metre, "m");
-  add(dimension.radian, "rad");
-  add(dimension.second, "s");
-  if (under.empty()) return over;
-  return (over.empty() ? "1" : over) + "/" + (under.find('*') == std::string::npos ? under : "(" + under + ")");
-}
-
-Result<Syntax> ParseFormula(std::string_view text) {
-  Result<std::vector<Token>> tokens = Tokens(text);
+Result<Syntax> ParseFormula(std::string_view text, NameSyntax names) {
+  Result<std::vector<Token>> tokens = Tokens(text, names);
   if (!tokens.ok()) return tokens.error();
   return Parser(std::move(tokens).value()).Whole();
 }
@@ -579,55 +338,6 @@ Result<MetricSyntax> ParseMetric(std::string_view text) {
   Result<std::vector<Token>> tokens = Tokens(text);
   if (!tokens.ok()) return tokens.error();
   return Parser(std::move(tokens).value()).WholeMetric();
-}
-
-std::string ToString(const Syntax& syntax) {
-  const std::vector<Syntax>& children = syntax.children;
-  switch (syntax.kind) {
-    case SyntaxKind::kNumber:
-      return TextOf(syntax.number);
-    case SyntaxKind::kText:
-      return Quoted(syntax.name);
-    case SyntaxKind::kName:
-      return syntax.name;
-    case SyntaxKind::kCall: {
-      std::string text = syntax.name + "(";
-      for (std::size_t i = 0; i < children.size(); ++i) text += (i > 0 ? ", " : "") + ToString(children[i]);
-      return text + ")";
-    }
-    case SyntaxKind::kOperator: {
-      const int level = Level(syntax);
-      if (syntax.name == "not") return "not " + Inside(children[0], 5);
-      if (children.size() == 1) return syntax.name + Inside(children[0], 9);
-      std::string text;
-      for (std::size_t i = 0; i < children.size(); ++i) {
-        // Sums group to the left, "->" to the right; chains of "and" and "or" are one node.
-        const bool groups = (syntax.name == "->" && i == 1) || (level >= 7 && i == 0);
-        if (i > 0) text += " " + syntax.name + " ";
-        text += Inside(children[i], groups ? level : level + 1);
-      }
-      return text;
-    }
-    case SyntaxKind::kTemporal: {
-      const std::string name = syntax.name + TextOf(syntax.interval) + " ";
-      if (children.size() == 2) return Inside(children[0], 5) + " " + name + Inside(children[1], 4);
-      return name + Inside(children[0], 5);
-    }
-    case SyntaxKind::kBound: {
-      std::string text = syntax.name;
-      for (std::size_t i = 0; i < syntax.variables.size(); ++i) text += (i > 0 ? ", " : " ") + syntax.variables[i];
-      if (syntax.domain == DomainKind::kObjects) text += " in objects";
-      if (syntax.pattern) text += (syntax.domain == DomainKind::kObjects ? " " : " in ") + Quoted(*syntax.pattern);
-      return text + ": " + ToString(children[0]);
-    }
-  }
-  return {};
-}
-
-std::string ToString(const MetricSyntax& metric) {
-  constexpr std::array<const char*, 6> kBeginnings{"time of first ", "time of last ", "min of ",
-                                                   "max of ",        "mean of ",      "final of "};
-  return kBeginnings[static_cast<std::size_t>(metric.kind)] + ToString(metric.of);
 }
 
 }  // namespace troupe

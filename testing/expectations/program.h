@@ -1,7 +1,7 @@
 // Program: an expectation or a metric, compiled for one world: a graph of operators without names, in an order in which
 // each comes after its inputs. Immutable; a monitor (network.h) runs it.
 //
-// Lanes: a node has a value for each combination of the robots or objects of the variables that it depends on, its
+// Lanes: a node has a value for each combination of the things of the variables that it depends on, its
 // lanes. The lanes of the variables that are bound first change slowest. Truth is a robustness (expectation.h).
 //
 // Delays: what a node says about tick t it can say at tick t + delay at the earliest. All inputs of a node have the
@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -124,7 +125,7 @@ struct RootNode {
 
 struct Variable {
   std::string name;
-  std::vector<std::uint32_t> bodies;  // its domain: numbers of bodies
+  std::vector<ThingId> things;  // its domain
 };
 
 struct MonitorProgram {
@@ -141,8 +142,7 @@ struct MonitorProgram {
   std::vector<std::uint32_t> counted;  // lanes of `value`; empty: all
   Dimension dimension;
   // Of the world.
-  std::vector<std::string> body_names;  // robots by id, then objects by id
-  std::size_t robots = 0;
+  std::shared_ptr<const Things> things;
   std::int64_t interval_ns = 0;
 };
 

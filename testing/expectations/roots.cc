@@ -48,7 +48,7 @@ Roots::Roots(const MonitorProgram& program) : states_(program.roots.size()) {
     }
     const bool names = std::any_of(root.inputs.begin(), root.inputs.end(),
                                    [&](const Input& input) { return program.nodes[input.node].names_cause; });
-    if (names) state.bodies.resize(root.lanes);
+    if (names) state.things.resize(root.lanes);
   }
 }
 
@@ -79,9 +79,9 @@ void Roots::UpdateRoot(const Network& network, const RootNode& root, State& stat
     state.best[lane] = value;
     state.when[lane] = time;
     changed_ = true;
-    if (state.bodies.empty()) return;
-    state.bodies[lane].clear();
-    network.FindCause(from_node, from_lane, state.bodies[lane]);
+    if (state.things.empty()) return;
+    state.things[lane].clear();
+    network.FindCause(from_node, from_lane, state.things[lane]);
   };
   switch (root.op) {
     case RootOp::kValue:
@@ -228,8 +228,8 @@ void Roots::AddCause(const MonitorProgram& program, std::size_t number, std::siz
     if (!state.complete && root.op == RootOp::kFinally) cause.tick.reset();
     // Before "until" has found its right side, what its left side has lost decides.
     if (root.op == RootOp::kUntil && state.best[lane] == -kInfinity) cause.tick = state.way_when[lane];
-    if (!state.bodies.empty()) {
-      cause.bodies.insert(cause.bodies.end(), state.bodies[lane].begin(), state.bodies[lane].end());
+    if (!state.things.empty()) {
+      cause.things.insert(cause.things.end(), state.things[lane].begin(), state.things[lane].end());
     }
     return;
   }
@@ -243,7 +243,7 @@ void Roots::AddCause(const MonitorProgram& program, std::size_t number, std::siz
   if (root.op == RootOp::kForall || root.op == RootOp::kExists) {
     ForEachCounted(root, lane, [&](std::size_t i) { consider(root.inputs[0].node, i); });
     if (!best) return;
-    AppendBodies(program, root.reduced_variables, best->second % root.reduced, cause.bodies);
+    AppendThings(program, root.reduced_variables, best->second % root.reduced, cause.things);
   } else {
     for (const Input& input : root.inputs) {
       consider(input.node, LaneOf(input, lane, states_[input.node].low.size()));

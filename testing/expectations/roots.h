@@ -25,7 +25,7 @@ class Roots {
 
   struct Cause {
     std::optional<Tick> tick = {};  // from 0
-    std::vector<std::uint32_t> bodies = {};
+    std::vector<ThingId> things = {};
   };
   Cause FindCause(const MonitorProgram& program) const;
 
@@ -37,7 +37,7 @@ class Roots {
     std::vector<double> way;   // of "until": the least value on the left so far
     std::vector<Tick> when;    // at which best has changed
     std::vector<Tick> way_when;
-    std::vector<std::vector<std::uint32_t>> bodies;  // that have changed it
+    std::vector<std::vector<ThingId>> things;  // that have changed it
     bool complete = false;
   };
 

@@ -14,54 +14,31 @@ namespace troupe {
 namespace {
 
 constexpr Dimension kMetre{1, 0, 0, 0};
-constexpr Dimension kRadian{0, 0, 1, 0};
 constexpr Dimension kSecond{0, 1, 0, 0};
 constexpr Dimension kMetrePerSecond{1, -1, 0, 0};
-constexpr Dimension kRadianPerSecond{0, -1, 1, 0};
-constexpr Dimension kJoule{0, 0, 0, 1};
-constexpr Dimension kWatt{0, -1, 0, 1};
 constexpr Dimension kRatio{};
 
-constexpr std::array kSignals{
-    SignalInfo{SignalKind::kX, "x", "b", ValueType::kNumber, kMetre, "x(r)",
-               "Position of a robot or object in the world, along x."},
-    SignalInfo{SignalKind::kY, "y", "b", ValueType::kNumber, kMetre, "y(r)", "Its position along y."},
-    SignalInfo{SignalKind::kZ, "z", "b", ValueType::kNumber, kMetre, "z(r)", "Its height above the ground."},
-    SignalInfo{SignalKind::kHeading, "heading", "b", ValueType::kNumber, kRadian, "heading(r)",
-               "Its heading, counter-clockwise from the x axis, from -pi to pi."},
-    SignalInfo{SignalKind::kSpeed, "speed", "r", ValueType::kNumber, kMetrePerSecond, "speed(r)",
-               "Speed of a robot over the ground during the tick that ended, never negative."},
-    SignalInfo{SignalKind::kTurnRate, "turn_rate", "r", ValueType::kNumber, kRadianPerSecond, "turn_rate(r)",
-               "Its yaw rate, positive to the left."},
-    SignalInfo{SignalKind::kStalled, "stalled", "r", ValueType::kTruth, kRatio, "stalled(r)",
-               "A contact has cut its last commanded motion short."},
+constexpr std::array<const char*, 5> kFunctions{"abs", "sqrt", "min", "max", "count"};
+
+constexpr std::array kRunSignals{
     SignalInfo{
         SignalKind::kDistance, "distance", "bd", ValueType::kNumber, kMetre, "distance(r, WHAT)",
-        "Exact shortest distance in the plane between the solid parts of two robots, objects or static models that "
-        "share a height, infinite if none do; to a place from the parts at any height."},
-    SignalInfo{
-        SignalKind::kAt, "at", "bp?l", ValueType::kTruth, kRatio, "at(r, PLACE[, RADIUS])",
-        "The origin of the robot or object is within RADIUS of the place, 0.2 m if none is given. Robustness: m."},
+        "Exact shortest distance in the plane between the solid parts of two robots, objects, people or static models "
+        "that share a height, infinite if none do; to a place from the parts at any height."},
+    SignalInfo{SignalKind::kAt, "at", "bp?l", ValueType::kTruth, kRatio, "at(r, PLACE[, RADIUS])",
+               "The origin of the robot, object or person is within RADIUS of the place, 0.2 m if none is given. "
+               "Robustness: m."},
     SignalInfo{SignalKind::kIn, "in", "bg", ValueType::kTruth, kRatio, "in(r, REGION)",
                "Its origin is in the region or on its edge. Robustness: distance from the edge, m."},
     SignalInfo{SignalKind::kHolds, "holds", "r?o", ValueType::kTruth, kRatio, "holds(r[, o])",
                "A gripper of the robot holds the object, or any object."},
-    SignalInfo{SignalKind::kFalling, "falling", "o", ValueType::kTruth, kRatio, "falling(o)", "The object falls."},
-    SignalInfo{SignalKind::kResting, "resting", "o", ValueType::kTruth, kRatio, "resting(o)",
-               "The object has come to rest on a support or on the ground after a fall or a motion."},
     SignalInfo{SignalKind::kAlive, "alive", "r", ValueType::kTruth, kRatio, "alive(r)",
                "The robot's agent has not left or been lost, or has rejoined, and its store of energy is not empty."},
-    SignalInfo{SignalKind::kEnergy, "energy", "r", ValueType::kNumber, kJoule, "energy(r)",
-               "Energy in the robot's store."},
-    SignalInfo{SignalKind::kCapacity, "capacity", "r", ValueType::kNumber, kJoule, "capacity(r)",
-               "The most that its store can have."},
-    SignalInfo{SignalKind::kCharging, "charging", "r", ValueType::kNumber, kWatt, "charging(r)",
-               "Power that its store has received during the tick that ended."},
     SignalInfo{SignalKind::kJoint, "joint", "rj", ValueType::kNumber, kMetre, "joint(r, \"NAME\")",
-               "Position of a joint, such as \"gripper.lift\": m, or rad of a joint that turns."},
+               "Position of a joint of the robot, such as \"gripper.lift\": m, or rad of a joint that turns."},
     SignalInfo{SignalKind::kJointSpeed, "joint_speed", "rj", ValueType::kNumber, kMetrePerSecond,
                "joint_speed(r, \"NAME\")", "Its velocity, m/s or rad/s."},
-    SignalInfo{SignalKind::kBlocked, "blocked", "rj", ValueType::kTruth, kRatio, "blocked(r, \"NAME\")",
+    SignalInfo{SignalKind::kJointBlocked, "blocked", "rj", ValueType::kTruth, kRatio, "blocked(r, \"NAME\")",
                "A contact has cut the joint's last commanded motion short."},
     SignalInfo{SignalKind::kRange, "range", "r?s", ValueType::kNumber, kMetre, "range(r[, \"SENSOR\"])",
                "Least range that a ranger reads, with its noise; the robot's first ranger if none is named."},
@@ -84,19 +61,21 @@ constexpr std::array kSignals{
     SignalInfo{SignalKind::kTime, "time", "", ValueType::kNumber, kSecond, "time", "Simulated time, 0 at tick 0."},
     SignalInfo{SignalKind::kHash, "hash", "", ValueType::kText, kRatio, "hash",
                "State hash, for == and != with a text of 16 hexadecimal digits."},
-    SignalInfo{
-        SignalKind::kEvent, "event", "e?bx", ValueType::kTruth, kRatio, "event(TYPE[, r[, \"DETAIL\"]])",
-        "An event of this type has happened at this tick, with this robot or object, with a detail that matches the "
-        "pattern."},
+    SignalInfo{SignalKind::kEvent, "event", "e?tx", ValueType::kTruth, kRatio, "event(TYPE[, r[, \"DETAIL\"]])",
+               "An event of this type has happened at this tick, with this robot, object, door, lift or person, with a "
+               "detail that matches the pattern."},
 };
 
 double Truth(bool value) {
   return value ? kInfinity : -kInfinity;
 }
 
-const Pose& PoseOf(const WorldState& state, std::uint32_t body) {
+// Of a body: a robot, an object or a person.
+const Pose& PoseOf(const WorldState& state, ThingId body) {
   const std::size_t robots = state.robots.size();
-  return body < robots ? state.robots[body].X_WR : state.objects[body - robots].X_WO;
+  const std::size_t objects = state.objects.size();
+  if (body < robots) return state.robots[body].X_WR;
+  return body < robots + objects ? state.objects[body - robots].X_WO : state.people[body - robots - objects].X_WP;
 }
 
 double Norm(double x, double y) {
@@ -253,24 +232,24 @@ double ReadClosestPair(const SignalUse& signal, const TickView& tick, SignalMemo
   return least;
 }
 
-bool Matches(const Event& event, const SignalUse& signal, std::size_t lane, const TickView& tick) {
+bool Matches(const Event& event, const SignalUse& signal, std::size_t lane, const Things& things) {
   if (event.type != signal.event) return false;
   if (!signal.text.empty() && !MatchesGlob(signal.text, event.detail)) return false;
   if (signal.subjects.empty()) return true;
-  const std::size_t body = signal.subjects[lane];
-  const std::size_t robots = tick.state.robots.size();
-  if (body < robots) return event.robot == RobotId(body);
-  return event.object == tick.scene.world().objects[body - robots];
+  const ThingId thing = signal.subjects[lane];
+  if (things.kind_of(thing) == RobotKind()) return event.robot == RobotId(thing);
+  return things.model(thing) && event.object == things.model(thing);
 }
 
-void ReadEvents(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
+void ReadEvents(const SignalUse& signal, const Things& things, const TickView& tick, SignalMemory& memory,
+                std::span<double> values) {
   const bool counts = signal.kind == SignalKind::kEventCount;
   if (counts && memory.numbers.empty()) memory.numbers.assign(values.size(), 0.0);
   if (!counts) std::fill(values.begin(), values.end(), -kInfinity);
   for (const Event& event : tick.events) {
     if (event.type != signal.event) continue;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      if (!Matches(event, signal, i, tick)) continue;
+      if (!Matches(event, signal, i, things)) continue;
       if (counts) {
         memory.numbers[i] += 1.0;
       } else {
@@ -340,47 +319,104 @@ void ReadSensors(const SignalUse& signal, const TickView& tick, SignalMemory& me
   }
 }
 
-}  // namespace
-
-std::span<const SignalInfo> Signals() {
-  return kSignals;
+// A signal of the state's tables.
+void ReadTable(const SignalUse& signal, const Things& things, const TickView& tick, std::span<double> values) {
+  const SignalView view{things, tick.scene.world(), tick.state};
+  const Signal& column = *signal.column;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t row = signal.subjects[i] - signal.first;
+    switch (column.type) {
+      case ValueType::kNumber:
+        values[i] = column.number(view, row);
+        break;
+      case ValueType::kTruth:
+        values[i] = Truth(column.number(view, row) != 0.0);
+        break;
+      case ValueType::kText:
+        values[i] = Truth((column.text(view, row) == signal.text) != signal.negated);
+        break;
+    }
+  }
 }
 
-void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
+double ReadHash(const SignalUse& signal, const TickView& tick) {
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(StateHash(tick.state)));
+  return Truth((signal.text == digits.data()) != signal.negated);
+}
+
+}  // namespace
+
+std::size_t SignalInfo::least() const {
+  return std::min(std::string_view(parameters).find('?'), most());
+}
+
+std::size_t SignalInfo::most() const {
+  const std::string_view letters = parameters;
+  return letters.size() - (letters.find('?') == std::string_view::npos ? 0 : 1);
+}
+
+std::span<const SignalInfo> RunSignals() {
+  return kRunSignals;
+}
+
+const SignalInfo* FindRunSignal(std::string_view name) {
+  const auto* const found =
+      std::find_if(kRunSignals.begin(), kRunSignals.end(), [&](const SignalInfo& info) { return name == info.name; });
+  return found == kRunSignals.end() ? nullptr : found;
+}
+
+std::vector<std::size_t> KindsWith(std::string_view signal) {
+  std::vector<std::size_t> kinds;
+  const std::span<const StateTable> tables = StateTables();
+  for (std::size_t kind = 0; kind < tables.size(); ++kind) {
+    if (!tables[kind].varies && tables[kind].Find(signal) != nullptr) kinds.push_back(kind);
+  }
+  const auto is_body = [](std::size_t kind) {
+    return kind == RobotKind() || kind == ObjectKind() || kind == PersonKind();
+  };
+  std::stable_partition(kinds.begin(), kinds.end(), is_body);
+  return kinds;
+}
+
+bool IsFunction(std::string_view name) {
+  return std::find(kFunctions.begin(), kFunctions.end(), name) != kFunctions.end();
+}
+
+bool IsSignalOrFunction(std::string_view name) {
+  return IsFunction(name) || FindRunSignal(name) != nullptr || !KindsWith(name).empty();
+}
+
+std::vector<std::string> SignalNames() {
+  std::vector<std::string> names;
+  for (const StateTable& table : StateTables()) {
+    for (const Signal& signal : table.signals) {
+      if (!table.varies) names.push_back(signal.name);
+    }
+  }
+  for (const SignalInfo& info : kRunSignals) names.emplace_back(info.name);
+  for (const char* const function : kFunctions) names.emplace_back(function);
+  return names;
+}
+
+void ReadSignal(const SignalUse& signal, const Things& things, const TickView& tick, SignalMemory& memory,
+                std::span<double> values) {
   const WorldState& state = tick.state;
   const auto for_each = [&](const auto& value) {
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(signal.subjects[i]);
   };
-  const auto for_each_part = [&](const auto& value) {
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(signal.parts[i]);
-  };
-  const auto object = [&](std::uint32_t body) -> const ObjectState& {
-    return state.objects[body - state.robots.size()];
-  };
   switch (signal.kind) {
-    case SignalKind::kX:
-      return for_each([&](std::uint32_t body) { return PoseOf(state, body).x; });
-    case SignalKind::kY:
-      return for_each([&](std::uint32_t body) { return PoseOf(state, body).y; });
-    case SignalKind::kZ:
-      return for_each([&](std::uint32_t body) { return PoseOf(state, body).z; });
-    case SignalKind::kHeading:
-      return for_each([&](std::uint32_t body) { return PoseOf(state, body).heading; });
-    case SignalKind::kSpeed:
-      return for_each([&](std::uint32_t body) {
-        const Twist& twist = state.robots[body].twist;
-        return Norm(twist.vx, twist.vy);
-      });
-    case SignalKind::kTurnRate:
-      return for_each([&](std::uint32_t body) { return state.robots[body].twist.wz; });
-    case SignalKind::kStalled:
-      return for_each([&](std::uint32_t body) { return Truth(state.robots[body].stalled); });
+    case SignalKind::kTable:
+    case SignalKind::kJoint:
+    case SignalKind::kJointSpeed:
+    case SignalKind::kJointBlocked:
+      return ReadTable(signal, things, tick, values);
     case SignalKind::kDistance:
       return ReadDistances(signal, tick, memory, values);
     case SignalKind::kPersonDistance:
       return ReadPersonDistances(signal, tick, values);
     case SignalKind::kPeopleNear:
-      return for_each([&](std::uint32_t robot) { return CountPeopleNear(signal, tick, robot); });
+      return for_each([&](ThingId robot) { return CountPeopleNear(signal, tick, robot); });
     case SignalKind::kIntrusionTime:
     case SignalKind::kIntrusions:
       return ReadIntrusions(signal, tick, memory, values);
@@ -388,39 +424,20 @@ void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& mem
       values[0] = ReadClosestPair(signal, tick, memory);
       return;
     case SignalKind::kAt:
-      return for_each([&](std::uint32_t body) {
+      return for_each([&](ThingId body) {
         const Pose& X_WB = PoseOf(state, body);
         return signal.number - Norm(X_WB.x - signal.point.x(), X_WB.y - signal.point.y());
       });
     case SignalKind::kIn:
-      return for_each([&](std::uint32_t body) { return DepthIn(signal.region, PoseOf(state, body).translation()); });
+      return for_each([&](ThingId body) { return DepthIn(signal.region, PoseOf(state, body).translation()); });
     case SignalKind::kHolds:
       for (std::size_t i = 0; i < values.size(); ++i) {
         const std::size_t held = signal.others.empty() ? kAnyObject : signal.others[i] - state.robots.size();
         values[i] = ReadHeld(tick, signal.subjects[i], held);
       }
       return;
-    case SignalKind::kFalling:
-      return for_each([&](std::uint32_t body) { return Truth(object(body).mode == ObjectMode::kFalling); });
-    case SignalKind::kResting:
-      return for_each([&](std::uint32_t body) { return Truth(object(body).mode == ObjectMode::kResting); });
     case SignalKind::kAlive:
       return ReadAlive(signal, tick, memory, values);
-    case SignalKind::kEnergy:
-      return for_each_part([&](std::uint32_t store) { return state.stores[store].joules; });
-    case SignalKind::kCapacity:
-      return for_each_part([&](std::uint32_t store) {
-        const WorldDescription& world = tick.scene.world();
-        return world.model(tick.scene.stores()[store].model).power.capacity;
-      });
-    case SignalKind::kCharging:
-      return for_each_part([&](std::uint32_t store) { return state.stores[store].charge_watts; });
-    case SignalKind::kJoint:
-      return for_each_part([&](std::uint32_t joint) { return state.joints[joint].position; });
-    case SignalKind::kJointSpeed:
-      return for_each_part([&](std::uint32_t joint) { return state.joints[joint].velocity; });
-    case SignalKind::kBlocked:
-      return for_each_part([&](std::uint32_t joint) { return Truth(state.joints[joint].blocked); });
     case SignalKind::kRange:
     case SignalKind::kMeanRange:
     case SignalKind::kPressed:
@@ -432,15 +449,15 @@ void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& mem
     case SignalKind::kTime:
       values[0] = static_cast<double>(state.tick) * static_cast<double>(tick.scene.world().interval_ns) / 1e9;
       return;
-    case SignalKind::kHash: {
-      std::array<char, 17> digits{};
-      std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(StateHash(state)));
-      values[0] = Truth((signal.text == digits.data()) != signal.negated);
+    case SignalKind::kRows:
+      values[0] = static_cast<double>(StateTables()[signal.table].rows(state));
       return;
-    }
+    case SignalKind::kHash:
+      values[0] = ReadHash(signal, tick);
+      return;
     case SignalKind::kEvent:
     case SignalKind::kEventCount:
-      return ReadEvents(signal, tick, memory, values);
+      return ReadEvents(signal, things, tick, memory, values);
   }
 }
 

@@ -1,5 +1,6 @@
-// Signals: what expectations see of a run. One table says how each is written, what it returns and what it means; the
-// documentation has the same table. A signal is read from a tick for all its lanes at once.
+// Signals: what expectations see of a run: the signals of the state's tables (common/signals), and those of the table
+// here, which says how each is written, what it returns and what it means; the documentation has the same. A signal is
+// read from a tick for all its lanes at once.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/signals/state_tables.h"
 #include "common/spatial/convex_piece.h"
 #include "testing/expectations/syntax.h"
 #include "testing/expectations/tick_view.h"
@@ -25,27 +27,16 @@ namespace troupe {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class SignalKind : std::uint8_t {
-  kX,
-  kY,
-  kZ,
-  kHeading,
-  kSpeed,
-  kTurnRate,
-  kStalled,
+  kTable,  // of the state's tables (common/signals)
   kDistance,
   kClosestPair,
   kAt,
   kIn,
   kHolds,
-  kFalling,
-  kResting,
   kAlive,
-  kEnergy,
-  kCapacity,
-  kCharging,
   kJoint,
   kJointSpeed,
-  kBlocked,
+  kJointBlocked,
   kRange,
   kMeanRange,
   kPressed,
@@ -56,15 +47,17 @@ enum class SignalKind : std::uint8_t {
   kIntrusions,
   kTick,
   kTime,
+  kRows,
   kHash,
   kEvent,
   kEventCount,
 };
 
-enum class ValueType : std::uint8_t { kNumber, kTruth, kText };
-
-// A parameter is one letter: r robot, o object, b robot or object, d robot, object, static model or place, p place,
-// g region, s sensor, j joint, e type of event, x pattern of a text, l length. Those behind "?" may be left out.
+// A signal that no table of the state has: of several things, of readings, of events or of the whole run.
+//
+// A parameter is one letter: r robot, o object, b robot, object or person, d body, static model or place, p place, g
+// region, s sensor, j joint, e type of event, t any thing, x pattern of a text, l length. Those behind "?" may be left
+// out.
 struct SignalInfo {
   SignalKind kind;
   const char* name;
@@ -73,23 +66,39 @@ struct SignalInfo {
   Dimension dimension;
   const char* usage;
   const char* meaning;
-};
-std::span<const SignalInfo> Signals();
 
-// A signal in a program. Bodies are numbered as in Scene: robots, then objects.
+  // How many arguments it has.
+  std::size_t least() const;
+  std::size_t most() const;
+};
+std::span<const SignalInfo> RunSignals();
+const SignalInfo* FindRunSignal(std::string_view name);  // null: there is none
+
+// The tables that have a signal of that name, by their places in StateTables(): those with bodies first.
+std::vector<std::size_t> KindsWith(std::string_view signal);
+
+bool IsFunction(std::string_view name);  // "abs", "sqrt", "min", "max", "count"
+bool IsSignalOrFunction(std::string_view name);
+// Of both, for proposals.
+std::vector<std::string> SignalNames();
+
+// A signal in a program.
 struct SignalUse {
   static constexpr std::uint32_t kNone = 0xffffffff;
 
   SignalKind kind = SignalKind::kTick;
-  std::vector<std::uint32_t> subjects = {};  // by lane: bodies
-  std::vector<std::uint32_t> others = {};    // by lane: bodies of kDistance and kHolds; empty: `point` or `model`
-  std::vector<std::uint32_t> parts = {};     // by lane: joint, store, or sensor of the robot; kNone: none
-  Vec2 point{0.0, 0.0};                      // m, in W: a place
-  std::optional<ModelId> model = {};         // the root of a static tree
+  const Signal* column = nullptr;         // kTable: of StateTables(); the subjects are of one kind
+  ThingId first = 0;                      // of that kind
+  std::vector<ThingId> subjects = {};     // by lane
+  std::vector<ThingId> others = {};       // by lane: bodies of kDistance and kHolds; empty: `point` or `model`
+  std::vector<std::uint32_t> parts = {};  // by lane: store or sensor of the robot; kNone: none
+  Vec2 point{0.0, 0.0};                   // m, in W: a place
+  std::optional<ModelId> model = {};      // the root of a static tree
   Polygon region = {};
-  double number = 0.0;  // m, radius of kAt, reach of kPeopleNear and of intrusions
-  std::string text = {};
-  bool negated = false;  // kHash: !=
+  double number = 0.0;    // m, radius of kAt, reach of kPeopleNear and of intrusions
+  std::size_t table = 0;  // of kRows
+  std::string text = {};  // that a text is compared with; the pattern of an event's detail
+  bool negated = false;   // of a text: !=
   EventType event = EventType::kStallBegan;
 };
 
@@ -103,7 +112,8 @@ struct SignalMemory {
   std::pair<std::uint32_t, std::uint32_t> pair = {0, 0};  // the bodies of kClosestPair
 };
 
-// Writes the value of each lane to `values`.
-void ReadSignal(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values);
+// Writes the value of each lane to `values`. `things`: of the world of the tick.
+void ReadSignal(const SignalUse& signal, const Things& things, const TickView& tick, SignalMemory& memory,
+                std::span<double> values);
 
 }  // namespace troupe

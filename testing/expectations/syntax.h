@@ -1,14 +1,16 @@
-// The syntax of expectations: a text as a tree, and a tree as text. What names mean is not known here (compile.h).
+// The syntax of expectations, and of the constraints of tests: a text as a tree, and a tree as text. What names mean is
+// not known here (compile.h).
 //
 //   formula    = or ["->" formula]
-//   or         = and {"or" and}          and = until {"and" until}
+//   or         = and {"or" and}
+//   and        = until {"and" until}
 //   until      = unary [("until" [interval] | "since") until]
 //   unary      = ("not" | ("always" | "eventually" | "historically" | "once") [interval] | "finally") unary |
 //   comparison comparison = sum [("<" | "<=" | ">" | ">=" | "==" | "!=") sum] sum        = product {("+" | "-")
-//   product}          product = factor {("*" | "/") factor} factor     = "-" factor | number [unit] | text | name ["("
+//   product} product    = factor {("*" | "/") factor} factor     = "-" factor | number [unit] | text | name ["("
 //   [formula {"," formula}] ")"] | "(" formula ")" | bound bound      = ("forall" | "exists" | "min" | "max" | "sum" |
-//   "mean" | "count") name {"," name} [domain] ":" formula domain     = "in" (text | ("robots" | "objects") [text])
-//   interval   = "[" number [unit] "," (number [unit] | "end") "]"
+//   "mean" | "count") name {"," name} [domain] ":" formula domain     = "in" (text | name [text]) interval   = "["
+//   number [unit] "," (number [unit] | "end") "]"
 #pragma once
 
 #include <cstddef>
@@ -64,8 +66,6 @@ enum class SyntaxKind : std::uint8_t {
   kBound,     // name: "forall", ...; variables; one child
 };
 
-enum class DomainKind : std::uint8_t { kRobots, kObjects };
-
 struct Syntax {
   SyntaxKind kind = SyntaxKind::kNumber;
   std::size_t offset = 0;  // of its first byte, of an operator: of the operator
@@ -73,7 +73,8 @@ struct Syntax {
   NumberSyntax number = {};
   std::optional<IntervalSyntax> interval = {};
   std::vector<std::string> variables = {};
-  DomainKind domain = DomainKind::kRobots;
+  std::string domain = "robots";  // of a quantifier: a table of the state
+  std::size_t domain_offset = 0;
   std::optional<std::string> pattern = {};  // of names in the domain
   std::size_t pattern_offset = 0;
   std::vector<Syntax> children = {};
@@ -84,7 +85,9 @@ struct Syntax {
 inline constexpr std::size_t kMaxExpectationLength = 8192;  // bytes
 inline constexpr std::size_t kMaxExpectationDepth = 200;    // nested operators
 
-Result<Syntax> ParseFormula(std::string_view text);
+// kPath: a name may be a path to a value of a scenario, as `vary` has them: "spawn[0].count".
+enum class NameSyntax : std::uint8_t { kWord, kPath };
+Result<Syntax> ParseFormula(std::string_view text, NameSyntax names = NameSyntax::kWord);
 
 // Of a metric.
 enum class MetricKind : std::uint8_t { kFirst, kLast, kMin, kMax, kMean, kFinal };

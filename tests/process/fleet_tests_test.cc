@@ -278,6 +278,16 @@ TEST_F(FleetTests, SmallestCasesKeepTheRobotsThatAnyExpectationNames) {
   EXPECT_THAT(tested.output, HasSubstr("(2 robots, "));
 }
 
+// Doors, a lift and people as users write them.
+TEST_F(FleetTests, TheExampleOfAHouseWithGuestsPasses) {
+  const std::string example =
+      std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/examples/fleet_tests/guesthouse.test.json";
+  const Tested tested = Run({"test", example, "--report", report_, "--case", "seed=1"});
+  EXPECT_EQ(tested.exit_status, 0) << tested.output;
+  EXPECT_THAT(tested.output, HasSubstr("1 passed, 0 failed"));
+  EXPECT_THAT(TextOf(report_ + "/cases.csv"), HasSubstr("openness of doors"));
+}
+
 TEST_F(FleetTests, CheckReadsTheKeysOfTests) {
   const Tested good = Run({"check", test_});
   EXPECT_EQ(good.exit_status, 0) << good.output;

@@ -119,7 +119,7 @@ void FindSignals(const Syntax& formula, std::set<std::string>& names) {
 }
 
 void ExpectAllSignals(const std::set<std::string>& names) {
-  for (const SignalInfo& signal : Signals()) EXPECT_TRUE(names.contains(signal.name)) << signal.name;
+  for (const SignalInfo& signal : RunSignals()) EXPECT_TRUE(names.contains(signal.name)) << signal.name;
 }
 
 TEST(ExpectationPropertyTest, RobustnessHasTheValueAndSignOfTheDefinitions) {

@@ -97,7 +97,7 @@ class NaiveEvaluator {
   template <typename Visit>
   void ForEachBinding(const Syntax& f, std::size_t next, const Visit& visit) {
     if (next == f.variables.size()) return visit();
-    const bool is_of_robots = f.domain == DomainKind::kRobots;
+    const bool is_of_robots = f.domain == "robots";
     for (std::size_t body = is_of_robots ? 0 : robots(); body < (is_of_robots ? robots() : names_.size()); ++body) {
       bool used = false;
       for (std::size_t i = 0; i < next; ++i) used = used || bindings_[f.variables[i]] == body;
@@ -233,7 +233,7 @@ class NaiveEvaluator {
     if (f.name == "energy") return state.stores[StoreOf(body)].joules;
     if (f.name == "capacity") return world().model(world().robots[body].root).power.capacity;
     if (f.name == "charging") return state.stores[StoreOf(body)].charge_watts;
-    if (f.name == "turn_rate") return state.robots[body].twist.wz;
+    if (f.name == "wz") return state.robots[body].twist.wz;
     if (f.name == "speed") {
       const Twist& twist = state.robots[body].twist;
       return std::sqrt(twist.vx * twist.vx + twist.vy * twist.vy);

@@ -152,7 +152,7 @@ class RandomFormula {
       case 1:
         return {of("speed", variable), "joint_speed(" + variable + ", \"gripper.lift\")"};
       case 2:
-        return {of("turn_rate", variable), of("turn_rate", "r2")};
+        return {of("wz", variable), of("wz", "r2")};
       case 3:
         return {of("energy", variable), of("capacity", variable)};
       case 4:

@@ -1,5 +1,6 @@
 // Doors and lifts: what files make of them, and how they move.
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 
 #include "common/model/states.h"
@@ -7,6 +8,7 @@
 #include "tests/support/values.h"
 #include "tests/worldfile/scenario_run.h"
 #include "tests/worldfile/world_folder.h"
+#include "troupe/expectation.h"
 #include "world-service/core/edit_world.h"
 #include "world-service/core/step.h"
 
@@ -213,6 +215,33 @@ TEST(Doors, WaitForARobotInTheDoorwayWithoutTouchingItsBits) {
   EXPECT_FALSE(Door(run).blocked);
 }
 
+// The events of `ticks` ticks, as "type thing detail".
+std::vector<std::string> EventsOf(Simulation& simulation, int ticks) {
+  std::vector<std::string> texts;
+  for (int i = 0; i < ticks; ++i) {
+    simulation.Step();
+    for (const Event& event : simulation.events()) {
+      if (!IsOfBuilding(event.type)) continue;
+      EXPECT_EQ(event.tick, simulation.tick());
+      const std::string detail = event.detail.empty() ? "" : " " + event.detail;
+      texts.push_back(ToString(event.type) + (" " + simulation.world().model(*event.object).name) + detail);
+    }
+  }
+  return texts;
+}
+
+TEST(Doors, AreInTheEventsOfTheStep) {
+  Simulation run = Simulate(kGate + "cart ( name \"r\" pose [-1 0 0 0] )");
+  const std::string name = run.world().model(run.world().doors[0].model).name;
+  Do(run, "r", Order(1.0), 0);
+  EXPECT_THAT(EventsOf(run, 30), testing::ElementsAre("door_opened " + name));
+  Do(run, "r", Motion(1.0), 10);  // into the doorway
+  Do(run, "r", Order(0.0), 0);
+  EXPECT_THAT(EventsOf(run, 30), testing::ElementsAre("door_blocked " + name));
+  Do(run, "r", Motion(1.0), 0);
+  EXPECT_THAT(EventsOf(run, 40), testing::ElementsAre("door_closed " + name));
+}
+
 TEST(Doors, WaitForAPersonInTheDoorway) {
   const std::string gate = R"(
     door ( name "gate" pose [0 0 0 90] size [1.2 0.1 2] kind "sliding" seconds 2 opening 1 )
@@ -413,6 +442,40 @@ TEST(Lifts, OfABuildingAreRiddenByAScript) {
   EXPECT_EQ(run.state().lifts[0].z, 4.0);
   EXPECT_FALSE(run.state().lifts[0].session);
   EXPECT_EQ(run.state().doors[*FindDoor(run.scene().world(), "lobby_door")].opening, 0.0);
+}
+
+TEST(Lifts, AreInTheEventsOfTheStep) {
+  Simulation run = SimulateWithPerson(kLift, 0.3, 0.3, 0.06);
+  Do(run, "r", Call(1), 0);
+  std::vector<std::string> events = EventsOf(run, 200);
+  std::erase_if(events, [](const std::string& event) { return event.starts_with("door"); });
+  EXPECT_THAT(events, testing::ElementsAre(HasSubstr("lift_left"), HasSubstr("lift_arrived")));
+}
+
+// Guests of a house ride its lift to their goals: by the expectations of a user.
+TEST(Lifts, AndPeopleAreSignalsOfExpectations) {
+  const std::string file = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/sites/guesthouse_guests.json";
+  Simulation run = ValueOf(Simulation::Load(file));
+  const ExpectationScope scope{run.world()};
+  std::vector<Monitor> monitors;
+  for (const char* const text :
+       {"exists p in people: eventually event(person_boarded, p)", "exists p in people: eventually level(p) == 'L2'",
+        "forall l in lifts: always (open(l) -> stands(l))", "eventually event(lift_arrived, guest_lift, 'L2')",
+        "exists p in people: eventually (lift(p) == 'guest_lift' and floor(p) == 'L2')",
+        "eventually[0 s, 120 s] open(lobby_door)", "forall p in people: always speed(p) < 2.5 m/s",
+        "exists p in people: eventually event(person_arrived, p)", "always count(people) == 6 or count(people) > 6"}) {
+    const Result<Expectation> expectation = Expectation::Parse(text, scope);
+    ASSERT_TRUE(expectation.ok()) << text << ": " << expectation.error().message;
+    monitors.emplace_back(expectation.value());
+  }
+  for (int tick = 0; tick <= 1200; ++tick) {
+    for (Monitor& monitor : monitors) ASSERT_TRUE(monitor.Push(run).ok());
+    run.Step();
+  }
+  for (Monitor& monitor : monitors) {
+    monitor.Finish();
+    EXPECT_EQ(monitor.verdict(), Verdict::kTrue) << monitor.expectation().text();
+  }
 }
 
 TEST(Lifts, CarryAPersonAndLeaveAnotherOne) {

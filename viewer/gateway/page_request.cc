@@ -276,7 +276,7 @@ Result<PageRequest> ParseSeries(const Json& object) {
   }
   for (const Json& signal : *signals) {
     const bool is_pair = signal.is_array() && signal.size() == 2 && signal[0].is_string() && signal[1].is_string();
-    if (!is_pair) return Malformed("a signal", "the names of a robot and of its signal");
+    if (!is_pair) return Malformed("a signal", "the names of a thing and of its signal");
     series.signals.push_back({signal[0].get<std::string>(), signal[1].get<std::string>()});
   }
   return PageRequest(std::move(series));

@@ -32,6 +32,12 @@ Json NumberOrNull(double value) {
 PageReply PastReader::Series(const SeriesRequest& request) {
   const std::optional<PastStates::Range> range = past_.range();
   if (!range) return Reply(request.id, Json::object(), "there is no past state");
+  if (request.signals.empty()) {
+    const Result<std::shared_ptr<const ViewedState>> found = past_.At(range->last);
+    if (!found.ok()) return Reply(request.id, Json::object(), found.error().ToString());
+    signals_.SetState(found.value());
+    return Reply(request.id, {{"tables", signals_.Describe()}});
+  }
   Json ticks = Json::array();
   Json positions = Json::array();
   std::vector<Json> values(request.signals.size(), Json::array());
@@ -96,19 +102,20 @@ PageReply PastReader::Totals(const TotalsRequest& request) {
 void PastReader::Add(const std::shared_ptr<const ViewedState>& state) {
   const WorldDescription& world = state->world->description();
   const bool is_same_world = last_ != nullptr && last_->world == state->world;
-  if (!is_same_world) stores_ = StoresOfRobots(world);
+  if (!is_same_world) things_.emplace(world);
   const bool is_step = is_same_world && last_->edition == state->edition && last_->state->tick < state->state->tick;
   const double seconds =
       is_step ? static_cast<double>(state->state->tick - last_->state->tick) * world.interval_seconds() : 0.0;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (!RobotExists(world, RobotId(i))) continue;
     RobotTotals& robot = totals_[world.robots[i].name];
-    robot.has_store = !stores_[i].empty();
+    const std::vector<std::size_t>& stores = things_->stores_of(RobotId(i));
+    robot.has_store = !stores.empty();
     if (!is_step) continue;
     const Pose& now = state->state->robots[i].X_WR;
     const Pose& before = last_->state->robots[i].X_WR;
     robot.distance += std::hypot(now.x - before.x, now.y - before.y);
-    for (const std::size_t store : stores_[i]) {
+    for (const std::size_t store : stores) {
       const StoreState& after = state->state->stores[store];
       robot.energy += last_->state->stores[store].joules - after.joules + after.charge_watts * seconds;
     }

@@ -31,7 +31,7 @@ class PastReader {
 
   // The values of signals at the states from a position to another one, each `every`-th: {"ticks", "positions",
   // "values": [of each signal; null: none]}, and "next": the position with which to go on, null at the end. Positions
-  // without a state have no values.
+  // without a state have no values. Without signals: {"tables"}, the signals that there are (SignalReader::Describe).
   PageReply Series(const SeriesRequest& request);
 
   // What each robot has done from the first state on: {"complete", "first_tick", "last_tick", "seconds", "robots":
@@ -54,8 +54,8 @@ class PastReader {
   std::map<std::string, RobotTotals> totals_;  // by robot
   std::shared_ptr<const ViewedState> first_;   // that the totals have; null: none
   std::shared_ptr<const ViewedState> last_;
-  std::uint64_t next_ = 0;                        // position
-  std::vector<std::vector<std::size_t>> stores_;  // of the world of last_
+  std::uint64_t next_ = 0;        // position
+  std::optional<Things> things_;  // of the world of last_
 };
 
 }  // namespace troupe

@@ -122,7 +122,8 @@ class RobotTurn {
 constexpr std::size_t kClaim = 4;
 
 // Once all robots have acted.
-StepResult Finish(StepWorkspace& workspace, std::span<const Proposal* const> by_robot, ThreadPool* people_pool) {
+StepResult Finish(StepWorkspace& workspace, const WorldState& before, std::span<const Proposal* const> by_robot,
+                  ThreadPool* people_pool) {
   CallLifts(by_robot, workspace);
   MoveDoors(by_robot, workspace);
   MoveLifts(workspace);
@@ -136,6 +137,7 @@ StepResult Finish(StepWorkspace& workspace, std::span<const Proposal* const> by_
   std::stable_sort(result.events.begin(), result.events.end(),
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });
   std::move(workspace.object_events.begin(), workspace.object_events.end(), std::back_inserter(result.events));
+  AddBuildingEvents(workspace.scene, before, result.state, result.events);
   return result;
 }
 
@@ -255,7 +257,7 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
     const std::size_t i = (memory.next.tick + k) % count;  // so that no robot is always first
     RobotTurn(workspace, RobotId(i), by_robot[i]).Act();
   }
-  StepResult result = Finish(workspace, by_robot, people_pool);
+  StepResult result = Finish(workspace, state, by_robot, people_pool);
   bodies = std::move(memory.bodies);
   return result;
 }
@@ -294,7 +296,7 @@ StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> prop
   for (std::vector<Event>& of_thread : events) {
     std::move(of_thread.begin(), of_thread.end(), std::back_inserter(workspace.robot_events));
   }
-  StepResult result = Finish(workspace, by_robot, people_pool_.get());
+  StepResult result = Finish(workspace, state, by_robot, people_pool_.get());
   indices_.front() = std::move(memory.bodies);
   return result;
 }

@@ -143,6 +143,9 @@ void MoveDoors(std::span<const Proposal* const> by_robot, StepWorkspace& workspa
 void CallLifts(std::span<const Proposal* const> by_robot, StepWorkspace& workspace);
 void MoveLifts(StepWorkspace& workspace);
 
+// Adds what doors, lifts and people have done between two states: doors in their order, then lifts, then people.
+void AddBuildingEvents(const Scene& scene, const WorldState& before, const WorldState& now, std::vector<Event>& events);
+
 // Gravity: objects that have lost their support fall straight to the highest support under their footprint, and rest
 // there.
 

@@ -109,6 +109,26 @@ std::string EventText(const WorldDescription& world, const Event& event) {
     case EventType::kOutOfEnergy:
       text += robot + " has no energy";
       break;
+    case EventType::kDoorOpened:
+      text += Name(world, event.object) + " is open";
+      break;
+    case EventType::kDoorClosed:
+      text += Name(world, event.object) + " is closed";
+      break;
+    case EventType::kDoorBlocked:
+    case EventType::kLiftBlocked:
+      text += Name(world, event.object) + " is blocked";
+      break;
+    case EventType::kLiftLeft:
+      return text + Name(world, event.object) + " leaves floor " + event.detail;
+    case EventType::kLiftArrived:
+      return text + Name(world, event.object) + " is at floor " + event.detail;
+    case EventType::kPersonBoarded:
+      return text + Name(world, event.object) + " gets on " + Name(world, event.other) + " at " + event.detail;
+    case EventType::kPersonAlighted:
+      return text + Name(world, event.object) + " gets off " + Name(world, event.other) + " at " + event.detail;
+    case EventType::kPersonArrived:
+      return text + Name(world, event.object) + " has reached " + event.detail;
     case EventType::kSaid:
       return text + robot + " says: " + event.detail;
     case EventType::kReported:

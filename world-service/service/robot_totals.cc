@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/signals/state_tables.h"
+
 namespace troupe {
 namespace {
 
@@ -71,7 +73,7 @@ std::vector<RobotTotal> RobotTotals::Collect(std::size_t most) const {
   std::vector<RobotTotal> totals;
   if (scene_ == nullptr) return totals;
   const WorldDescription& world = scene_->world();
-  std::map<ModelId, std::size_t> robot_of_root;  // place in `totals`
+  const Things things(world);
   for (std::size_t i = 0; i < std::min(robots_.size(), world.robots.size()) && totals.size() < most; ++i) {
     if (!RobotExists(world, RobotId(i))) continue;
     const Counts& counts = robots_[i];
@@ -87,16 +89,12 @@ std::vector<RobotTotal> RobotTotals::Collect(std::size_t most) const {
                      [](const auto& a, const auto& b) { return a.second > b.second; });
     contacts.resize(std::min(contacts.size(), kMaxContacts));
     for (const auto& [obstacle, count] : contacts) total.contacts.push_back(world.model(obstacle).name);
-    robot_of_root.emplace(world.robots[i].root, totals.size() - 1);
-  }
-  const std::vector<ModelId> stores = FindStores(world);
-  for (std::size_t i = 0; i < std::min(stores.size(), stores_.size()); ++i) {
-    const auto robot = robot_of_root.find(RootOf(world, stores[i]));
-    const PowerDescription& power = world.model(stores[i]).power;
-    if (robot == robot_of_root.end() || power.endless) continue;
-    RobotTotal& total = totals[robot->second];
-    total.joules = total.joules.value_or(0.0) + stores_[i].joules;
-    total.capacity = total.capacity.value_or(0.0) + power.capacity;
+    for (const std::size_t store : things.stores_of(RobotId(i))) {
+      if (store >= stores_.size()) continue;
+      const ModelId model = things.model(things.first(KindOf("stores")) + static_cast<ThingId>(store)).value();
+      total.joules = total.joules.value_or(0.0) + stores_[store].joules;
+      total.capacity = total.capacity.value_or(0.0) + world.model(model).power.capacity;
+    }
   }
   return totals;
 }

@@ -121,7 +121,7 @@ export class Connection {
     return this.ask({type: 'edit', op, ...more}) as Promise<EditReply>;
   }
 
-  // Of [robot, signal], at each `every`-th position.
+  // Of [thing, signal], at each `every`-th position.
   series(signals: Array<[string, string]>, from: number, to: number, every: number): Promise<SeriesReply> {
     return this.ask({type: 'series', signals, from, to, every}) as Promise<unknown> as Promise<SeriesReply>;
   }

@@ -23,6 +23,15 @@ export function eventText({type, robot, other, object, detail}: RunEvent): strin
     case EventType.Landed: return `${object || 'an object'} rests on ${other || 'the ground'}`;
     case EventType.Unstable: return `${object || 'an object'} rests unstably on ${other || 'the ground'}`;
     case EventType.OutOfEnergy: return `${robot} is out of energy`;
+    case EventType.DoorOpened: return `${object} is open`;
+    case EventType.DoorClosed: return `${object} is closed`;
+    case EventType.DoorBlocked:
+    case EventType.LiftBlocked: return `${object} is blocked`;
+    case EventType.LiftLeft: return `${object} leaves ${detail}`;
+    case EventType.LiftArrived: return `${object} is at ${detail}`;
+    case EventType.PersonBoarded: return `${object} gets on ${other} at ${detail}`;
+    case EventType.PersonAlighted: return `${object} gets off ${other} at ${detail}`;
+    case EventType.PersonArrived: return `${object} has reached ${detail}`;
     case EventType.Said: return `${robot} says: ${detail}`;
     case EventType.Reported: return robot ? `${robot}: ${detail}` : detail;
   }
@@ -36,6 +45,9 @@ interface Kind {
 const KINDS: Kind[] = [
   {name: 'Contacts', types: [EventType.StallBegan, EventType.StallEnded, EventType.Blocked]},
   {name: 'Objects', types: [EventType.Gripped, EventType.Released, EventType.Landed, EventType.Unstable]},
+  {name: 'Doors', types: [EventType.DoorOpened, EventType.DoorClosed, EventType.DoorBlocked]},
+  {name: 'Lifts', types: [EventType.LiftLeft, EventType.LiftArrived, EventType.LiftBlocked]},
+  {name: 'People', types: [EventType.PersonBoarded, EventType.PersonAlighted, EventType.PersonArrived]},
   {name: 'Messages', types: [EventType.Said, EventType.Reported]},
   {name: 'Energy', types: [EventType.OutOfEnergy]},
   {name: 'Agents', types: [EventType.Joined, EventType.Left, EventType.ProposalRejected]},
@@ -45,7 +57,8 @@ function kindOf(event: RunEvent): Kind {
   return KINDS.find(kind => kind.types.includes(event.type)) ?? KINDS[0];
 }
 
-const WARNINGS = [EventType.Blocked, EventType.StallBegan, EventType.Unstable, EventType.OutOfEnergy];
+const WARNINGS = [EventType.Blocked, EventType.StallBegan, EventType.Unstable, EventType.OutOfEnergy,
+  EventType.DoorBlocked, EventType.LiftBlocked];
 const FAULTS = [EventType.Left, EventType.ProposalRejected];
 
 // 2: a fault, 1: a warning, 0: neither.

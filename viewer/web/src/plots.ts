@@ -1,65 +1,33 @@
-// Plots: signals of robots over simulated time, those of one unit in one chart. The gateway computes the values from the
-// states of the past (viewer/gateway/signals.h), so that they are there at once, also after a seek and in recordings; only
-// the times in which agents answer are those that the page has seen. A click goes to a moment; all values are saved as CSV.
+// Plots: signals of robots, doors, people and all other things of a run over simulated time, those of one unit in one
+// chart. The gateway says which signals there are, and computes the values from the states of the past
+// (viewer/gateway/signals.h), so that they are there at once, also after a seek and in recordings; only the times in
+// which agents answer are those that the page has seen. A click goes to a moment; all values are saved as CSV.
 import {robotColor} from './colors';
 import {chart, type Curve} from './chart';
 import type {Connection} from './connection';
 import {make, setText, toast} from './dom';
 import {saveText} from './graphics';
-import type {SeriesReply, World} from './protocol';
-import {isInTree, type Run} from './run';
+import type {SeriesReply, SignalTable, World} from './protocol';
+import type {Run} from './run';
 import {clockText, secondsAt, spansOf} from './times';
 
 export interface Signal {
-  robot: string;
+  thing: string;  // a robot, a door, a joint ...
   name: string;  // as in viewer/gateway/signals.h, or ANSWER
 }
 
 const ANSWER = 'answer';  // the time in which the agent of the robot answers
 
-interface SignalType {
-  text: string;
+interface Scale {
   unit: string;
   scale: number;  // from the unit of the gateway, which files have
 }
 
-const TYPES: Record<string, SignalType> = {
-  speed: {text: 'speed', unit: 'm/s', scale: 1},
-  vx: {text: 'forward speed', unit: 'm/s', scale: 1},
-  vy: {text: 'sideways speed', unit: 'm/s', scale: 1},
-  wz: {text: 'turning', unit: '°/s', scale: 180 / Math.PI},
-  x: {text: 'x', unit: 'm', scale: 1},
-  y: {text: 'y', unit: 'm', scale: 1},
-  z: {text: 'z', unit: 'm', scale: 1},
-  heading: {text: 'heading', unit: '°', scale: 180 / Math.PI},
-  stalled: {text: 'stalled', unit: '', scale: 1},
-  energy: {text: 'energy', unit: 'J', scale: 1},
-  charge: {text: 'charging', unit: 'W', scale: 1},
-  [ANSWER]: {text: 'answer time of the agent', unit: 'ms', scale: 1},
-};
+const DEGREES = 180 / Math.PI;
 
-function typeOf(world: World, {robot, name}: Signal): SignalType {
-  if (TYPES[name]) return TYPES[name];
-  const [kind, ...rest] = name.split('/');
-  const part = rest.join('/');
-  if (kind === 'range') {
-    const ray = /^(.*)\/(\d+)$/.exec(part);
-    return {text: ray ? `${ray[1]}, ray ${ray[2]}` : `nearest range of ${part}`, unit: 'm', scale: 1};
-  }
-  const index = world.robots.findIndex(r => r.present && r.name === robot);
-  const joint = world.joints.find(j => j.robot === index && j.name === part);
-  return joint?.revolute ? {text: part, unit: '°', scale: 180 / Math.PI} : {text: part, unit: 'm', scale: 1};
-}
-
-// The signals that a robot has.
-function signalsOf(world: World, index: number): string[] {
-  const robot = world.robots[index];
-  const names = ['speed', 'x', 'y', 'z', 'heading', 'vx', 'vy', 'wz', 'stalled'];
-  const hasStore = world.stores.some(store => !store.endless && isInTree(world, store.model, robot.root));
-  if (hasStore) names.push('energy', 'charge');
-  for (const joint of world.joints) if (joint.robot === index) names.push(`joint/${joint.name}`);
-  for (const sensor of robot.sensors) if (sensor.type === 'ranger') names.push(`range/${sensor.name}`);
-  return [...names, ANSWER];
+// What the page shows in the unit of a field.
+function scaleOf(unit: string): Scale {
+  return unit.startsWith('rad') ? {unit: unit.replace('rad', '°'), scale: DEGREES} : {unit, scale: 1};
 }
 
 const WINDOWS: Array<[string, number]> = [['10 s', 10], ['1 min', 60], ['10 min', 600], ['all', Infinity]];
@@ -90,13 +58,18 @@ export class Plots {
   private readonly export = make('button', 'small', 'CSV') as HTMLButtonElement;
   private readonly charts = make('div', 'plot-charts');
   private choices = '';
+  private readonly thing = make('select', 'plot-thing') as HTMLSelectElement;  // of the choice; '': the selected robot
+  private tables: SignalTable[] = [];  // of the world of `tablesOf`
+  private tablesOf = '';
 
   // `answer`: the newest time in which the agent of a robot has answered, s; null: it is not known.
   constructor(
       private readonly parent: HTMLElement, private readonly connection: Connection,
       private readonly seek: (position: number) => void, private readonly answer: (robot: string) => number | null,
       private readonly fileName: () => string) {
-    this.choice.setAttribute('aria-label', 'Add a signal of the selected robot to the plots');
+    this.thing.setAttribute('aria-label', 'The thing whose signals can be added to the plots');
+    this.thing.onchange = () => this.show(this.run, this.selected);
+    this.choice.setAttribute('aria-label', 'Add a signal of it to the plots');
     this.choice.onchange = () => this.add(this.choice.value);
     this.range.setAttribute('aria-label', 'Time that the plots show');
     this.range.append(...WINDOWS.map(([text, seconds]) => new Option(text, String(seconds))));
@@ -105,22 +78,23 @@ export class Plots {
     this.export.title = 'Save the values in the shown time as CSV, at each tick';
     this.export.onclick = () => void this.save();
     const head = make('div', 'plot-head');
-    head.append(make('h2', '', 'Plots'), this.choice, this.range, this.export);
+    head.append(make('h2', '', 'Plots'), this.thing, this.choice, this.range, this.export);
     this.parent.append(head, this.charts);
   }
 
   // The signals that are shown now.
   get shown(): Signal[] {
     if (this.signals.length > 0 || !this.run || this.selected < 0) return this.signals;
-    return [{robot: this.run.world.robots[this.selected].name, name: 'speed'}];
+    return [{thing: this.run.world.robots[this.selected].name, name: 'speed'}];
   }
 
   // `selected`: a robot; -1: none.
   show(run: Run | null, selected: number): void {
     this.run = run;
     this.selected = selected;
-    this.parent.hidden = !run?.hasState || (selected < 0 && this.signals.length === 0);
+    this.parent.hidden = !run?.hasState || (selected < 0 && this.signals.length === 0 && this.tables.length < 2);
     if (!run?.hasState) return;
+    void this.describe(run);
     this.noteAnswers(run);
     if (this.parent.offsetParent === null) return;
     this.offer(run);
@@ -128,34 +102,88 @@ export class Plots {
     this.draw(run);
   }
 
-  add(name: string): void {
+  // A signal of the chosen thing, or of a part of it: "gripper.lift position".
+  add(text: string): void {
     this.choice.value = '';
-    if (!this.run || this.selected < 0 || name === '') return;
-    const robot = this.run.world.robots[this.selected].name;
-    const signals = this.shown.filter(signal => signal.robot !== robot || signal.name !== name);
+    const chosen = this.chosen();
+    if (!this.run || chosen === '' || text === '') return;
+    const space = text.startsWith('range/') ? -1 : text.lastIndexOf(' ');
+    const part = text.slice(0, Math.max(space, 0));
+    const name = text.slice(space + 1);
+    const thing = part === '' ? chosen : `${chosen}.${part}`;
+    const signals = this.shown.filter(signal => signal.thing !== thing || signal.name !== name);
     if (signals.length >= MOST_SIGNALS) return toast(`The plots show at most ${MOST_SIGNALS} signals`, true);
-    this.signals = [...signals, {robot, name}];
+    this.signals = [...signals, {thing, name}];
     this.show(this.run, this.selected);
   }
 
   private remove(signal: Signal): void {
-    this.signals = this.shown.filter(other => other !== signal && (other.robot !== signal.robot || other.name !== signal.name));
+    this.signals = this.shown.filter(other => other !== signal && (other.thing !== signal.thing || other.name !== signal.name));
     this.show(this.run, this.selected);
   }
 
+  // The signals that there are, from the gateway, once for each world.
+  private async describe(run: Run): Promise<void> {
+    const key = `${run.world.run} ${run.world.number}`;
+    if (this.asking || key === this.tablesOf) return;
+    this.tablesOf = key;
+    const reply = await this.connection.series([], 0, 0, 1);
+    if (!reply.done || !reply.tables) {
+      this.tablesOf = '';
+      return;
+    }
+    this.tables = reply.tables.filter(({things}) => things.length > 0);
+    this.choices = '';
+    this.thing.replaceChildren(new Option('selected robot', ''), ...this.tables.filter(({name}) => name !== 'robots').map(table => {
+      const group = make('optgroup', '') as HTMLOptGroupElement;
+      group.label = table.name;
+      group.append(...table.things.map(thing => new Option(thing, thing)));
+      return group;
+    }));
+    if (this.run) this.show(this.run, this.selected);
+  }
+
+  private chosen(): string {
+    return this.thing.value || (this.run?.world.robots[this.selected]?.name ?? '');
+  }
+
+  private scaleOf(world: World, {thing, name}: Signal): Scale {
+    if (name === ANSWER) return {unit: 'ms', scale: 1};
+    if (name.startsWith('range/')) return {unit: 'm', scale: 1};
+    const table = this.tables.find(({things, signals}) => things.includes(thing) && signals.some(signal => signal.name === name));
+    const unit = table?.signals.find(signal => signal.name === name)?.unit ?? '';
+    const [shift, turn] = unit.split(' or ');
+    if (turn === undefined) return scaleOf(unit);
+    const joint = world.joints.find(j => thing === `${world.robots[j.robot].name}.${j.name}`);
+    return scaleOf(joint?.revolute ? turn : shift);
+  }
+
   private offer(run: Run): void {
-    const key = `${run.world.number} ${this.selected}`;
+    const chosen = this.chosen();
+    const key = `${run.world.number} ${chosen} ${this.thing.value}`;
     if (key === this.choices) return;
     this.choices = key;
-    const names = this.selected >= 0 ? signalsOf(run.world, this.selected) : [];
-    const robot = run.world.robots[this.selected]?.name ?? '';
-    this.choice.disabled = names.length === 0;
-    this.choice.replaceChildren(
-      new Option('Add …', ''),
-      ...names.map(name => {
-        const {text, unit} = typeOf(run.world, {robot, name});
-        return new Option(unit ? `${text} (${unit})` : text, name);
-      }));
+    const options: HTMLOptionElement[] = [];
+    const offer = (text: string, thing: string, name: string, documentation: string): void => {
+      const {unit} = this.scaleOf(run.world, {thing, name});
+      const option = new Option(unit ? `${text} (${unit})` : text, text);
+      option.title = documentation;
+      options.push(option);
+    };
+    for (const table of this.tables) {
+      for (const thing of table.things) {
+        const part = thing === chosen ? '' : thing.startsWith(`${chosen}.`) ? thing.slice(chosen.length + 1) : null;
+        if (part === null) continue;
+        for (const {name, documentation} of table.signals) offer(part === '' ? name : `${part} ${name}`, thing, name, documentation);
+      }
+    }
+    const robot = this.thing.value === '' ? run.world.robots[this.selected] : undefined;
+    for (const sensor of robot?.sensors ?? []) {
+      if (sensor.type === 'ranger') offer(`range/${sensor.name}`, chosen, `range/${sensor.name}`, 'the nearest range');
+    }
+    if (robot) offer(ANSWER, chosen, ANSWER, 'the time in which its agent answers');
+    this.choice.disabled = options.length === 0;
+    this.choice.replaceChildren(new Option('Add …', ''), ...options);
   }
 
   // The ends of the shown time, as positions: it ends with the live state, and has a past one in it.
@@ -168,7 +196,7 @@ export class Plots {
   }
 
   private gatewaySignals(): Array<[string, string]> {
-    return this.shown.filter(({name}) => name !== ANSWER).map(({robot, name}) => [robot, name]);
+    return this.shown.filter(({name}) => name !== ANSWER).map(({thing, name}) => [thing, name]);
   }
 
   // Asks for the values that are missing, a part at a time.
@@ -206,11 +234,11 @@ export class Plots {
 
   private noteAnswers(run: Run): void {
     if (run.past) return;
-    for (const {robot, name} of this.shown) {
+    for (const {thing, name} of this.shown) {
       if (name !== ANSWER) continue;
-      const seconds = this.answer(robot);
-      const known = this.answers.get(robot) ?? [];
-      this.answers.set(robot, known);
+      const seconds = this.answer(thing);
+      const known = this.answers.get(thing) ?? [];
+      this.answers.set(thing, known);
       if (seconds !== null && run.position > (known[known.length - 1]?.[0] ?? -1)) known.push([run.position, 1000 * seconds]);
       if (known.length > 10 * MOST_SAMPLES) known.splice(0, MOST_SAMPLES);
     }
@@ -222,11 +250,12 @@ export class Plots {
     const used = new Map<string, number>();  // signals of a robot so far
     let column = 0;
     for (const signal of this.shown) {
-      const {text, unit, scale} = typeOf(run.world, signal);
-      const index = run.world.robots.findIndex(r => r.present && r.name === signal.robot);
-      const count = used.get(signal.robot) ?? 0;
-      used.set(signal.robot, count + 1);
-      const points: Array<[number, number | null]> = signal.name === ANSWER ? this.answers.get(signal.robot) ?? []
+      const {unit, scale} = this.scaleOf(run.world, signal);
+      const robot = run.world.robots.findIndex(r => r.present && (r.name === signal.thing || signal.thing.startsWith(`${r.name}.`)));
+      const color = robotColor(robot >= 0 ? robot : this.shown.indexOf(signal));
+      const count = used.get(signal.thing) ?? 0;
+      used.set(signal.thing, count + 1);
+      const points: Array<[number, number | null]> = signal.name === ANSWER ? this.answers.get(signal.thing) ?? []
         : samples?.positions.map((position, i): [number, number | null] => {
           const value = samples.values[column]?.[i] ?? null;
           return [position, value === null ? null : value * scale];
@@ -234,7 +263,7 @@ export class Plots {
       if (signal.name !== ANSWER) ++column;
       const list = curves.get(unit) ?? [];
       list.push({
-        name: `${signal.robot} ${text}`, color: robotColor(Math.max(0, index)), dash: DASHES[count % DASHES.length], points,
+        name: `${signal.thing} ${signal.name}`, color, dash: DASHES[count % DASHES.length], points,
         isTurn: signal.name === 'heading', remove: () => this.remove(signal),
       });
       curves.set(unit, list);
@@ -263,14 +292,14 @@ export class Plots {
     const answers = this.shown.filter(({name}) => name === ANSWER);
     const [from, to] = this.window(run);
     const quoted = (text: string): string => (/[",\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
-    const head = [...signals.map(([robot, name]) => `${robot}.${name}`), ...answers.map(({robot}) => `${robot}.answer_ms`)];
+    const head = [...signals.map(([thing, name]) => `${thing}.${name}`), ...answers.map(({thing}) => `${thing}.answer_ms`)];
     const lines = [['tick', 'time', ...head].map(quoted).join(',')];
     for (let next: number | null = from; next !== null;) {
       const reply: SeriesReply = await this.connection.series(signals, next, to, 1);
       if (!reply.done) throw new Error(reply.problem);
       reply.ticks.forEach((tick, i) => {
         const values = reply.values.map(column => column[i]);
-        const seen = answers.map(({robot}) => this.answers.get(robot)?.find(([position]) => position === reply.positions[i])?.[1] ?? null);
+        const seen = answers.map(({thing}) => this.answers.get(thing)?.find(([position]) => position === reply.positions[i])?.[1] ?? null);
         const time = Number((tick * run.world.interval).toFixed(9));
         lines.push([tick, time, ...[...values, ...seen].map(value => value ?? '')].join(','));
       });

@@ -171,6 +171,15 @@ export interface SeriesReply {
   ticks: number[];
   values: Array<Array<number | null>>;  // by signal
   next: number | null;  // the position with which to go on
+  tables?: SignalTable[];  // of a request without signals
+}
+
+// A kind of things, and the signals that each of them has (common/signals).
+export interface SignalTable {
+  name: string;  // "doors"
+  singular: string;
+  things: string[];
+  signals: Array<{name: string, unit: string, documentation: string}>;
 }
 
 // What the robots have done since the first state (viewer/gateway/past_reader.h).

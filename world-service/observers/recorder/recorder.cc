@@ -1,5 +1,6 @@
 #include "world-service/observers/recorder/recorder.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -19,6 +20,11 @@ nlohmann::json RecordedEvent(const WorldDescription& world, const Event& event) 
   return json;
 }
 
+// Whether lines have a format of their own for the table's rows; those of the others are the table's signals.
+bool HasOwnFormat(const StateTable& table) {
+  return table.name == "robots" || table.name == "joints" || table.name == "grippers" || table.name == "objects";
+}
+
 // Nothing for an empty path.
 Result<std::optional<OutputFile>> CreateIfNamed(const std::string& path) {
   if (path.empty()) return std::optional<OutputFile>();
@@ -34,26 +40,6 @@ std::string QuoteForCsv(const std::string& text) {
   std::string quoted = "\"";
   for (char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + '"';
-}
-
-const char* NameOf(ObjectMode mode) {
-  switch (mode) {
-    case ObjectMode::kPlaced:
-      return "placed";
-    case ObjectMode::kResting:
-      return "resting";
-    case ObjectMode::kFalling:
-      return "falling";
-    case ObjectMode::kHeld:
-      return "held";
-    case ObjectMode::kMounted:
-      return "mounted";
-  }
-  return "";
-}
-
-std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object) {
-  return object.holder ? world.gripper(*object.holder).model : object.support;
 }
 
 Result<std::unique_ptr<Recorder>> Recorder::Create(const WorldDescription& world, const OutputFiles& files) {
@@ -119,6 +105,18 @@ Status Recorder::WriteRecordHeader(std::optional<Edition> edition) {
       header["grippers"].push_back(name_of(gripper.model));
     }
     for (ModelId object : world_->objects) header["objects"].push_back(name_of(object));
+  }
+  things_.emplace(*world_);
+  for (const StateTable& table : StateTables()) {
+    const std::size_t kind = KindOf(table.name);
+    if (HasOwnFormat(table) || things_->count(kind) == 0) continue;
+    nlohmann::json columns = nlohmann::json::array();
+    for (const Signal& signal : table.signals) columns.push_back(signal.name);
+    nlohmann::json names = nlohmann::json::array();
+    for (ThingId thing = things_->first(kind); thing < things_->first(kind) + things_->count(kind); ++thing) {
+      names.push_back(things_->exists(thing) ? nlohmann::json(things_->name(thing)) : nlohmann::json());
+    }
+    header["tables"][table.name] = {{"columns", std::move(columns)}, {"names", std::move(names)}};
   }
   record_->Append(JsonText(header));
   return record_->EndLine();
@@ -222,6 +220,7 @@ Status Recorder::WriteRecord(const FrameMessage& frame) {
     AppendGrippers(frame.state);
     AppendObjects(frame.state);
   }
+  AppendTables(frame.state);
   if (!frame.events.empty()) {
     nlohmann::json events = nlohmann::json::array();
     for (const Event& event : frame.events) events.push_back(RecordedEvent(*world_, event));
@@ -279,6 +278,38 @@ void Recorder::AppendObjects(const WorldState& state) {
     separator = "],[";
   }
   record_->Append(state.objects.empty() ? "]" : "]]");
+}
+
+void Recorder::AppendTables(const WorldState& state) {
+  const SignalView view{*things_, *world_, state};
+  for (const StateTable& table : StateTables()) {
+    const std::size_t rows = table.rows(state);
+    if (HasOwnFormat(table) || table.varies || rows == 0) continue;
+    record_->Append(",\"" + table.name + "\":");
+    for (std::size_t row = 0; row < rows; ++row) {
+      const char* separator = row == 0 ? "[[" : ",[";
+      for (const Signal& signal : table.signals) {
+        record_->Append(std::exchange(separator, ","));
+        AppendCell(signal, view, row);
+      }
+      record_->Append("]");
+    }
+    record_->Append("]");
+  }
+}
+
+void Recorder::AppendCell(const Signal& signal, const SignalView& view, std::size_t row) {
+  const double number = signal.number(view, row);
+  if (signal.type == ValueType::kText) {
+    const std::string text = signal.text(view, row);
+    record_->Append(text.empty() ? "null" : JsonText(nlohmann::json(text)));
+  } else if (signal.type == ValueType::kTruth) {
+    record_->Append(number != 0.0 ? "1" : "0");
+  } else if (std::isfinite(number)) {
+    record_->Append(number);
+  } else {
+    record_->Append("null");
+  }
 }
 
 Status Recorder::OnEnd() {

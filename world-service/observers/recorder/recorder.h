@@ -10,6 +10,7 @@
 #include "common/base/file.h"
 #include "common/base/output_file.h"
 #include "common/run/run_settings.h"
+#include "common/signals/state_tables.h"
 #include "recording/journal.h"
 #include "troupe/result.h"
 #include "troupe/world_description.h"
@@ -20,10 +21,6 @@ namespace troupe {
 
 // A cell of a CSV file: in quotation marks if it needs them.
 std::string QuoteForCsv(const std::string& text);
-// "placed", "resting", "falling" or "held".
-const char* NameOf(ObjectMode mode);
-// The model that holds or supports an object; nothing on the ground.
-std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object);
 
 // Files to write while running; empty: none. docs/running.md has their formats.
 struct RecordedStart;
@@ -69,6 +66,9 @@ class Recorder final : public RunObserver {
   void AppendJoints(const WorldState& state);
   void AppendGrippers(const WorldState& state);
   void AppendObjects(const WorldState& state);
+  // The other tables of the state that have things: "doors":[[...],...].
+  void AppendTables(const WorldState& state);
+  void AppendCell(const Signal& signal, const SignalView& view, std::size_t row);
   // Whether the files contain joints and objects: the record if the world has any, the poses if the first world had.
   bool manipulates() const { return !world_->joints.empty() || !world_->objects.empty(); }
 
@@ -77,6 +77,7 @@ class Recorder final : public RunObserver {
   bool wide_poses_ = false;              // with the columns for joints and objects
   std::vector<std::string> csv_names_;   // by model, quoted where CSV needs it
   std::vector<std::string> json_names_;  // by model, quoted; empty without joints and objects
+  std::optional<Things> things_;         // of world_, for a record
   std::optional<OutputFile> hash_log_;
   std::optional<OutputFile> poses_;
   std::optional<OutputFile> record_;

@@ -35,8 +35,9 @@ class ConsoleReporter final : public Reporter {
                status.real_time_factor, status.waiting_for.empty() ? "" : "; waiting for ", WaitingText(status));
   }
   void OnEvent(const Event& event, const std::string& text) override {
-    // Robots stall all the time; the summary counts them.
+    // Robots stall all the time, and doors open; the summary counts stalls.
     if (event.type == EventType::kStallBegan || event.type == EventType::kStallEnded) return;
+    if (IsOfBuilding(event.type)) return;
     PrintPlain(stderr, "{}\n", text);
   }
   void OnNewRobots(const std::vector<std::string>& robots, Edition) override {

@@ -108,6 +108,8 @@ TEST(Constraint, ReadsTextsTruthsAndNumbers) {
                                                  {"not robots[a b].ros or spawn[0].count - 1 == 19", true},
                                                  {"-spawn[0].count / 4 < -5", false},
                                                  {"2 + 3 * 4 == 14", true},
+                                                 {"controller < 3 or controller == 3", false},
+                                                 {"controller == 'stand' -> spawn[0].count < 20", true},
                                                  {"(2 + 3) * 4 == 20", true}}) {
     const Result<Constraint> constraint = Constraint::Parse(text, names);
     ASSERT_TRUE(constraint.ok()) << text << ": " << constraint.error().message;

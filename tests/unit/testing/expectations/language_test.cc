@@ -48,6 +48,9 @@ TEST(ExpectationLanguageTest, PrintsFormulasInItsOwnSpelling) {
       {"stalled(anna) until [1 tick, end] stalled(bob)", "stalled(anna) until[1 ticks, end] stalled(bob)"},
       {"(forall r in 'scout*': stalled(r)) and true", "(forall r in \"scout*\": stalled(r)) and true"},
       {"forall o in objects: resting(o)", "forall o in objects: resting(o)"},
+      {"always (forall d in doors: open(d) -> not closed(d))", "always (forall d in doors: open(d) -> not closed(d))"},
+      {"exists p in people: level(p) == 'L1'", "exists p in people: level(p) == \"L1\""},
+      {"level(anna) != \"L1\" or count(transmissions) > 0", "level(anna) != \"L1\" or count(transmissions) > 0"},
       {"not (stalled(anna) and stalled(bob))", "not (stalled(anna) and stalled(bob))"},
       {"always (forall a, b: distance(a, b) > 2 cm)", "always (forall a, b: distance(a, b) > 2 cm)"},
       {"in(anna, door) and at(anna, dock, 20 cm)", "in(anna, door) and at(anna, dock, 20 cm)"},
@@ -84,7 +87,7 @@ constexpr Mistake kMistakes[] = {
     {"(stalled(anna)", 15, "expected ')'"},
     {"stalled(anna", 13, "expected ')' or ','"},
     {"stalled(anna))", 14, "found ')'"},
-    {"stalled()", 1, "found 0 arguments of 'stalled', expected stalled(r)"},
+    {"stalled()", 1, "found 0 arguments of 'stalled', expected stalled(robot)"},
     {"stalled(anna, bob)", 1, "found 2 arguments of 'stalled'"},
     {"staled(anna)", 1, "did you mean 'stalled'?"},
     {"stalled(ana)", 9, "did you mean 'anna'?"},
@@ -94,7 +97,7 @@ constexpr Mistake kMistakes[] = {
     {"forall r, r: stalled(r)", 11, "each variable once"},
     {"forall a, b, c, d, e: stalled(a)", 20, "at most 4 variables"},
     {"forall r: stalled(anna)", 1, "the variable 'r' that is not used"},
-    {"forall r in scout: stalled(r)", 13, "expected robots, objects, or names as a text"},
+    {"forall r in scout: stalled(r)", 13, "people, or names as a text"},
     {"forall r in \"scuot*\": stalled(r)", 13, "matches no robot"},
     {"forall o in objects \"can*\": resting(o)", 21, "matches no object"},
     {"forall r: r", 11, "found the variable 'r' alone"},
@@ -129,6 +132,13 @@ constexpr Mistake kMistakes[] = {
     {"x(anna) > 3 mn", 13, "found unit 'mn'"},
     {"x(anna) > 1e999", 11, "too large"},
     {"x(anna) > .", 11, "found '.'"},
+    {"turn_rate(anna) > 1", 1, "found 'turn_rate', expected its present name 'wz'"},
+    {"open(anna)", 6, "which is a robot, expected a door or lift"},
+    {"forall d in doors: stalled(d)", 28, "which is a door, expected a robot"},
+    {"count(roboots) > 1", 7, "found no event"},
+    {"level(anna) == \"L9\"", 13, "expected one of L1"},
+    {"level(anna) > \"L1\"", 13, "found texts compared"},
+    {"level(anna) == 1", 13, "found a text compared with a number"},
     {"always[0, 10 m] stalled(anna)", 7, "found a length (m) in an interval"},
     {"always[10 s, 5 s] stalled(anna)", 7, "without a tick in it"},
     {"always[0.01 s, 0.02 s] stalled(anna)", 7, "without a tick in it (a tick is 0.1 s)"},
@@ -148,13 +158,13 @@ constexpr Mistake kMistakes[] = {
     {"joint(anna, \"lift\") > 1", 13, "none on robot anna"},
     {"range(bob) > 1", 1, "robot bob, which has no ranger"},
     {"range(anna, \"laser\") > 1", 13, "expected a ranger of robot anna (ranger:0)"},
-    {"energy(anna) > 1", 1, "has no store of energy"},
+    {"energy(anna) > 1", 1, "found 'energy' of robot anna, which has none"},
     {"reached()", 1, "found 0 arguments of 'reached'"},
     {"reached(dock, soon)", 15, "expected the TIME"},
     {"within(dok)", 8, "expected a region"},
     {"all_alive(anna)", 1, "found 1 arguments of 'all_alive'"},
     {"state_hash(12)", 1, "found"},
-    {"distance(anna, nowhere) > 1", 16, "expected a variable, robot, object, model or place"},
+    {"distance(anna, nowhere) > 1", 16, "expected a variable, robot, object, person, model or place"},
     {"min r: x(r) > 1", 13, "expected a number for 'min'"},
 };
 
@@ -182,7 +192,7 @@ TEST(ExpectationLanguageTest, MetricsHaveUnitsAndErrors) {
       {"time of first at(anna, dock)", "s"}, {"time of last at(r, dock)", "s"},
       {"min of distance(a, b)", "m"},        {"max of speed(r)", "m/s"},
       {"mean of x(r) * x(r)", "m^2"},        {"final of (count r: stalled(r))", ""},
-      {"sum r: speed(r) / time", "m/s^2"},   {"max of abs(turn_rate(anna))", "rad/s"}};
+      {"sum r: speed(r) / time", "m/s^2"},   {"max of abs(wz(anna))", "rad/s"}};
   for (const auto& [text, unit] : units) {
     const Result<Metric> metric = Metric::Parse(text, fleet.scope());
     ASSERT_TRUE(metric.ok()) << text << ": " << metric.error().ToString();

@@ -1,0 +1,199 @@
+// The signals that follow from the fields of a row. One that is added here is in all users' views.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/model/states.h"
+#include "common/signals/state_tables.h"
+
+namespace troupe {
+namespace {
+
+void Add(StateTable& table, Signal signal) {
+  const auto same =
+      std::find_if(table.signals.begin(), table.signals.end(), [&](const Signal& s) { return s.name == signal.name; });
+  if (same != table.signals.end()) {
+    *same = std::move(signal);
+  } else {
+    table.signals.push_back(std::move(signal));
+  }
+}
+
+template <typename Number>
+void AddNumber(StateTable& table, const char* name, const char* unit, const char* documentation, Number number) {
+  Add(table, {name, unit, documentation, ValueType::kNumber, std::move(number)});
+}
+template <typename Truth>
+void AddTruth(StateTable& table, const char* name, const char* documentation, Truth truth) {
+  Add(table, {name, "", documentation, ValueType::kTruth,
+              [truth](const SignalView& view, std::size_t row) { return truth(view, row) ? 1.0 : 0.0; }});
+}
+
+// The level of a height, by its number and by its name.
+template <typename Height>
+void AddLevel(StateTable& table, Height height) {
+  Signal signal{"level", "", "the level of the building nearest to its height", ValueType::kText, {}};
+  signal.number = [height](const SignalView& view, std::size_t row) {
+    const std::vector<LevelDescription>& levels = view.world.levels;
+    const std::string name = LevelAt(levels, height(view.state, row));
+    const auto found =
+        std::find_if(levels.begin(), levels.end(), [&](const LevelDescription& level) { return level.name == name; });
+    return levels.empty() ? 0.0 : static_cast<double>(found - levels.begin());
+  };
+  signal.text = [height](const SignalView& view, std::size_t row) {
+    return LevelAt(view.world.levels, height(view.state, row));
+  };
+  signal.possible = [](const WorldDescription& world) {
+    std::vector<std::string> names;
+    for (const LevelDescription& level : world.levels) names.push_back(level.name);
+    if (names.empty()) names.push_back(LevelAt({}, 0.0));
+    return names;
+  };
+  Add(table, std::move(signal));
+}
+
+double SumOfStores(const SignalView& view, std::size_t robot, double StoreState::*part) {
+  const std::vector<std::size_t>& stores = view.things.stores_of(RobotId(robot));
+  if (stores.empty()) return kNoNumber;
+  double sum = 0.0;
+  for (const std::size_t store : stores) sum += view.state.stores[store].*part;
+  return sum;
+}
+
+double Capacity(const SignalView& view, std::size_t robot) {
+  const std::vector<std::size_t>& stores = view.things.stores_of(RobotId(robot));
+  if (stores.empty()) return kNoNumber;
+  double sum = 0.0;
+  for (const std::size_t store : stores) {
+    const ThingId thing = view.things.first(KindOf("stores")) + static_cast<ThingId>(store);
+    sum += view.world.model(view.things.model(thing).value()).power.capacity;
+  }
+  return sum;
+}
+
+void AddOfRobots(StateTable& table) {
+  AddNumber(table, "speed", "m/s", "over the ground during the tick that ended, never negative",
+            [](const SignalView& view, std::size_t row) {
+              const Twist& twist = view.state.robots[row].twist;
+              return std::sqrt(twist.vx * twist.vx + twist.vy * twist.vy);
+            });
+  AddLevel(table, [](const WorldState& state, std::size_t row) { return state.robots[row].X_WR.z; });
+  AddNumber(table, "energy", "J", "in its stores of energy that can become empty",
+            [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::joules); });
+  AddNumber(table, "capacity", "J", "the most that its stores can have", Capacity);
+  AddNumber(table, "charging", "W", "power that its stores have received during the tick that ended",
+            [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::charge_watts); });
+}
+
+void AddOfObjects(StateTable& table) {
+  const auto add_mode = [&](const char* name, const char* documentation, ObjectMode mode) {
+    AddTruth(table, name, documentation,
+             [mode](const SignalView& view, std::size_t row) { return view.state.objects[row].mode == mode; });
+  };
+  add_mode("falling", "it falls", ObjectMode::kFalling);
+  add_mode("resting", "it has come to rest on a support or on the ground after a fall or a motion",
+           ObjectMode::kResting);
+  AddLevel(table, [](const WorldState& state, std::size_t row) { return state.objects[row].X_WO.z; });
+  Signal on{"on", "", "the model that supports or holds it", ValueType::kText, {}};
+  on.number = [](const SignalView& view, std::size_t row) {
+    const std::optional<ModelId> carrier = CarrierOf(view.world, view.state.objects[row]);
+    return carrier ? static_cast<double>(carrier->index()) : kNoNumber;
+  };
+  on.text = [](const SignalView& view, std::size_t row) {
+    const std::optional<ModelId> carrier = CarrierOf(view.world, view.state.objects[row]);
+    return carrier ? view.world.model(*carrier).name : std::string();
+  };
+  Add(table, std::move(on));
+}
+
+void AddOfDoors(StateTable& table) {
+  AddTruth(table, "open", "it is as far open as it can be",
+           [](const SignalView& view, std::size_t row) { return view.state.doors[row].opening == 1.0; });
+  AddTruth(table, "closed", "it is closed",
+           [](const SignalView& view, std::size_t row) { return view.state.doors[row].opening == 0.0; });
+}
+
+// The name of a floor of a lift, and its number: `lift` is from 1 on; 0: none.
+Signal FloorSignal(const char* documentation,
+                   std::function<std::pair<std::size_t, std::uint32_t>(const WorldState&, std::size_t)> find) {
+  Signal signal{"floor", "", documentation, ValueType::kText, {}};
+  signal.number = [find](const SignalView& view, std::size_t row) {
+    const auto [lift, floor] = find(view.state, row);
+    return lift == 0 ? kNoNumber : static_cast<double>(floor);
+  };
+  signal.text = [find](const SignalView& view, std::size_t row) {
+    const auto [lift, floor] = find(view.state, row);
+    return lift == 0 ? std::string() : view.world.lifts[lift - 1].floors[floor].name;
+  };
+  signal.possible = [](const WorldDescription& world) {
+    std::vector<std::string> names;
+    for (const LiftDescription& lift : world.lifts) {
+      for (const LiftFloor& floor : lift.floors) names.push_back(floor.name);
+    }
+    return names;
+  };
+  return signal;
+}
+
+bool StandsAtFloor(const SignalView& view, std::size_t row) {
+  const LiftState& lift = view.state.lifts[row];
+  return lift.z == view.world.lifts[row].floors[lift.floor].z;
+}
+
+void AddOfLifts(StateTable& table) {
+  Add(table, FloorSignal("the floor that it moves to or stands at", [](const WorldState& state, std::size_t row) {
+        return std::pair(row + 1, state.lifts[row].floor);
+      }));
+  AddTruth(table, "stands", "its cabin stands at its floor", StandsAtFloor);
+  AddTruth(table, "open", "its cabin stands at its floor, and all doors there are open",
+           [](const SignalView& view, std::size_t row) {
+             if (!StandsAtFloor(view, row)) return false;
+             const LiftFloor& floor = view.world.lifts[row].floors[view.state.lifts[row].floor];
+             return std::all_of(floor.doors.begin(), floor.doors.end(),
+                                [&](std::size_t door) { return view.state.doors[door].opening == 1.0; });
+           });
+  AddLevel(table, [](const WorldState& state, std::size_t row) { return state.lifts[row].z; });
+}
+
+void AddOfPeople(StateTable& table) {
+  AddNumber(table, "speed", "m/s", "over the ground during the tick that ended, never negative",
+            [](const SignalView& view, std::size_t row) {
+              const PersonState& person = view.state.people[row];
+              return std::sqrt(person.vx * person.vx + person.vy * person.vy);
+            });
+  AddLevel(table, [](const WorldState& state, std::size_t row) { return state.people[row].X_WP.z; });
+  Add(table, FloorSignal("the floor to which it rides", [](const WorldState& state, std::size_t row) {
+        return std::pair(std::size_t{state.people[row].lift}, state.people[row].floor);
+      }));
+  // The field counts from 1 on.
+  const auto add_part = [&](const char* name, const char* documentation, std::uint32_t PersonState::*part,
+                            const auto& model_of) {
+    Signal signal{name, "", documentation, ValueType::kText, {}};
+    signal.number = [part](const SignalView& view, std::size_t row) {
+      const std::uint32_t number = view.state.people[row].*part;
+      return number == 0 ? kNoNumber : static_cast<double>(number - 1);
+    };
+    signal.text = [part, model_of](const SignalView& view, std::size_t row) {
+      const std::uint32_t number = view.state.people[row].*part;
+      return number == 0 ? std::string() : view.world.model(model_of(view.world, number - 1)).name;
+    };
+    Add(table, std::move(signal));
+  };
+  add_part("door", "the door that it asks for", &PersonState::door,
+           [](const WorldDescription& world, std::size_t door) { return world.doors[door].model; });
+  add_part("lift", "the lift that it has called or rides", &PersonState::lift,
+           [](const WorldDescription& world, std::size_t lift) { return world.lifts[lift].model; });
+}
+
+}  // namespace
+
+void AddDerivedSignals(StateTable& table) {
+  if (table.name == "robots") AddOfRobots(table);
+  if (table.name == "objects") AddOfObjects(table);
+  if (table.name == "doors") AddOfDoors(table);
+  if (table.name == "lifts") AddOfLifts(table);
+  if (table.name == "people") AddOfPeople(table);
+}
+
+}  // namespace troupe

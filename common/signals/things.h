@@ -1,0 +1,59 @@
+// Things: the rows of the tables of a state, as users know them: their kinds, names and numbers.
+//
+// The kind of a thing is the table that it is a row of, by its place in StateTables(). All things of a world are
+// numbered: robots, objects and people first, by which they have the numbers of their bodies (BodyId), then the other
+// kinds in the order of the tables. Radio messages come and go, so that they are no things.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "troupe/world_description.h"
+
+namespace troupe {
+
+using ThingId = std::uint32_t;
+
+class Things {
+ public:
+  explicit Things(const WorldDescription& world);  // valid
+
+  std::size_t size() const { return names_.size(); }
+  std::size_t count(std::size_t kind) const { return ranges_[kind].count; }
+  ThingId first(std::size_t kind) const { return ranges_[kind].first; }
+  std::size_t kind_of(ThingId thing) const;
+  std::size_t row_of(ThingId thing) const { return thing - first(kind_of(thing)); }
+
+  // The name of the model of a robot, object, person, door, lift, light or store; "ROBOT.PART" of a joint, gripper,
+  // camera or inertial measurement unit; "KIND NUMBER" of any other thing.
+  const std::string& name(ThingId thing) const { return names_[thing]; }
+  const std::vector<std::string>& names() const { return names_; }
+  // The model that the thing is or is mounted on; nothing if it has none.
+  std::optional<ModelId> model(ThingId thing) const { return models_[thing]; }
+  bool exists(ThingId thing) const { return exists_[thing]; }  // false: its model was removed
+  // The first one of that name and kind that exists.
+  std::optional<ThingId> Find(std::string_view name, std::size_t kind) const;
+
+  // The stores of energy of a robot that can become empty: rows of WorldState::stores.
+  const std::vector<std::size_t>& stores_of(RobotId robot) const { return stores_[robot.index()]; }
+
+ private:
+  struct Range {
+    ThingId first = 0;
+    std::uint32_t count = 0;
+  };
+
+  void FindStoresOfRobots(const WorldDescription& world);
+
+  std::vector<Range> ranges_;       // by kind
+  std::vector<std::string> names_;  // by ThingId, like the next two
+  std::vector<std::optional<ModelId>> models_;
+  std::vector<bool> exists_;
+  std::vector<std::vector<std::size_t>> stores_;  // by RobotId
+};
+
+}  // namespace troupe
