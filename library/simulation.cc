@@ -157,8 +157,7 @@ void Simulation::StepOnce() {
     now.commands[i].command.grippers.clear();
     now.commands[i].command.joints.clear();
     now.commands[i].command.messages.clear();
-    now.commands[i].command.doors.clear();
-    now.commands[i].command.lifts.clear();
+    now.commands[i].command.orders.clear();
     if (worked && !robot.failure().empty()) now.failures.push_back(robot.failure());
     if (!robot.report().empty()) impl_->reports.push_back(robot.report());
     const Status status = ValidateProposal(*now.scene, state, proposal);

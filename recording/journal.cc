@@ -55,11 +55,13 @@ std::vector<RobotId> ReadRobots(ByteReader& in) {
   return robots;
 }
 
-// The commands as those of a recorded tick, then the ticks that are left of each.
-void AddCommands(ByteWriter& out, const std::vector<CommandInForce>& commands) {
+// The commands and inputs as those of a recorded tick, then the ticks that are left of each command.
+void AddCommands(ByteWriter& out, const std::vector<CommandInForce>& commands, const std::vector<Input>& inputs) {
   out.Add(static_cast<std::uint32_t>(commands.size()));
-  if (commands.empty()) return;
+  out.Add(static_cast<std::uint32_t>(inputs.size()));
+  if (commands.empty() && inputs.empty()) return;
   RecordedTick tick;
+  tick.inputs = inputs;
   for (const CommandInForce& in_force : commands) tick.commands.push_back(in_force.command);
   out.AddWithLength<std::uint32_t>([&] { out.Add(std::span<const std::byte>(TickToBytes(tick))); });
   for (const CommandInForce& in_force : commands) {
@@ -69,11 +71,16 @@ void AddCommands(ByteWriter& out, const std::vector<CommandInForce>& commands) {
 }
 
 // False: they are damaged.
-bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands) {
+bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands, std::vector<Input>& inputs) {
   const auto count = in.Read<std::uint32_t>();
-  if (!in.ok() || count == 0) return in.ok();
+  const auto input_count = in.Read<std::uint32_t>();
+  if (!in.ok() || (count == 0 && input_count == 0)) return in.ok();
   RecordedTick tick;
-  if (!TickFromBytes(in.ReadWithLength<std::uint32_t>(), tick).ok() || tick.commands.size() != count) return false;
+  if (!TickFromBytes(in.ReadWithLength<std::uint32_t>(), tick).ok() || tick.commands.size() != count ||
+      tick.inputs.size() != input_count) {
+    return false;
+  }
+  inputs = std::move(tick.inputs);
   for (RobotCommand& command : tick.commands) {
     const auto ticks = in.Read<std::uint64_t>();
     commands.push_back({std::move(command), ticks, in.Read<std::uint8_t>() != 0});
@@ -83,7 +90,7 @@ bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands) {
 
 void AddProgress(ByteWriter& out, const RunProgress& progress) {
   // All members: a new one does not compile without a place here, and one in ReadProgress.
-  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands,
+  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands, inputs,
                first_number] = progress;
   out.Add(incarnation);
   out.Add(ticks_to_pause.value_or(kNoPause));
@@ -93,7 +100,7 @@ void AddProgress(ByteWriter& out, const RunProgress& progress) {
   AddRobots(out, newcomers);
   out.Add(static_cast<std::uint8_t>(speed_is_set));
   out.Add(std::bit_cast<std::uint64_t>(speed.value_or(kNoSpeed)));
-  AddCommands(out, commands);
+  AddCommands(out, commands, inputs);
   out.Add(first_number);
 }
 
@@ -109,7 +116,7 @@ bool ReadProgress(ByteReader& in, RunProgress& progress) {
   progress.speed_is_set = in.Read<std::uint8_t>() != 0;
   const auto speed = std::bit_cast<double>(in.Read<std::uint64_t>());
   if (speed > kNoSpeed) progress.speed = speed;
-  if (!ReadCommands(in, progress.commands)) return false;
+  if (!ReadCommands(in, progress.commands, progress.inputs)) return false;
   progress.first_number = in.Read<std::uint64_t>();
   return in.ok();
 }

@@ -142,6 +142,7 @@ std::vector<std::byte> TickToBytes(const RecordedTick& tick) {
   }
   troupe_wire_RobotCommand* const commands = arena.Fill(wire.commands, tick.commands.size());
   for (std::size_t i = 0; i < tick.commands.size(); ++i) commands[i] = dds::ToWire(tick.commands[i], arena);
+  wire.inputs = dds::ToWire(tick.inputs, arena);
   return wire::ToCdr(wire);
 }
 
@@ -168,7 +169,7 @@ Status TickFromBytes(std::span<const std::byte> bytes, RecordedTick& tick) {
     if (!command.ok()) return command.error();
     tick.commands.push_back(std::move(command).value());
   }
-  return {};
+  return dds::FromWire(wire.inputs, tick.inputs);
 }
 
 mcap::Schema SchemaOf(const ChannelType& channel) {

@@ -57,6 +57,7 @@ struct RecordedTick {
   std::uint64_t log_time = 0;               // ns of simulated time since the first; never decreases
   std::vector<Proposal> proposals = {};     // that entered the step, in robot-id order
   std::vector<RobotCommand> commands = {};  // from outside, that the agents had for the step
+  std::vector<Input> inputs = {};           // of tools, that entered the step, in the sequence of their execution
   std::vector<Event> events = {};
   std::optional<RecordedEdit> edit = {};
   std::optional<FrameMessage> keyframe = {};  // the state, whole; at some ticks
@@ -74,7 +75,7 @@ Result<RecordedRun> RunFromBytes(std::span<const std::byte> bytes);
 std::vector<std::byte> EditToBytes(const RecordedEdit& edit);
 Result<RecordedEdit> EditFromBytes(std::span<const std::byte> bytes);
 
-// The number, tick, edition, hash and events only.
+// The number, tick, edition, hash, events, commands and inputs.
 std::vector<std::byte> TickToBytes(const RecordedTick& tick);
 Status TickFromBytes(std::span<const std::byte> bytes, RecordedTick& tick);
 

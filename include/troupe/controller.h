@@ -21,6 +21,7 @@
 
 #include "troupe/deterministic_math.h"
 #include "troupe/ids.h"
+#include "troupe/order.h"
 #include "troupe/parameters.h"
 #include "troupe/pose.h"
 #include "troupe/radio_limits.h"
@@ -113,18 +114,6 @@ struct LightInfo {
   bool operator==(const LightInfo&) const = default;
 };
 
-struct LightCommand {
-  std::size_t light = 0;  // in RobotInfo::lights
-  bool on = false;
-};
-
-// Turns a camera at once, away from its direction in the world file.
-struct CameraCommand {
-  std::size_t sensor = 0;  // in RobotInfo::sensors
-  double pan = 0.0;        // rad, to the left
-  double tilt = 0.0;  // rad, upwards; bounded so that its picture ends within 85 degrees above and below the horizontal
-};
-
 // The disc around its hinge that a turning leaf of a door stays in.
 struct LeafSweep {
   Vec2 hinge{0.0, 0.0};  // m, in W
@@ -141,13 +130,6 @@ struct DoorInfo {
   bool operator==(const DoorInfo&) const = default;
 };
 
-// A request to the controls of a door. It stays valid until the next one of any robot; of several in one tick the one
-// that opens it farthest counts.
-struct DoorCommand {
-  std::size_t door = 0;  // in RobotInfo::doors
-  double opening = 1.0;  // from 0, closed, to 1
-};
-
 // A lift of the world.
 struct LiftInfo {
   std::string name;
@@ -155,14 +137,6 @@ struct LiftInfo {
   std::vector<std::string> floors;
   std::vector<std::vector<std::size_t>> doors = {};  // by floor: those that open there, in RobotInfo::doors
   bool operator==(const LiftInfo&) const = default;
-};
-
-// A call, which begins a session: until the robot ends it, the calls of others do not count, and its own counts only
-// while no other robot has one (Observation::lifts).
-struct LiftCommand {
-  std::size_t lift = 0;   // in RobotInfo::lifts
-  std::size_t floor = 0;  // in LiftInfo::floors
-  bool ends = false;      // ends the session of the robot, without a call
 };
 
 struct Observation {
@@ -204,17 +178,11 @@ struct Command {
   // of the next tick. Those that do not fit into the radio's bytes of a tick (BytesPerTick) are not sent. A sensor that
   // is no radio is a failure of the controller.
   std::vector<RadioMessage> messages = {};
-  // Applied in order; a light stays as it was switched last. An unknown light is a failure of the controller.
-  std::vector<LightCommand> lights = {};
-  // Applied in order; a camera keeps its direction until it is turned again. A sensor that is no camera, and a number
-  // that is not finite, are failures of the controller.
-  std::vector<CameraCommand> cameras = {};
+  // To lights, cameras, doors and lifts; executed in order. One for a device that the robot or the world does not have,
+  // or with a value out of its range, is a failure of the controller.
+  std::vector<Order> orders = {};
   // A text for people, an event of the run; beyond 200 bytes it is cut off.
   std::string say = {};
-  // An unknown door, or an opening that is not 0 to 1, is a failure of the controller.
-  std::vector<DoorCommand> doors = {};
-  // Applied in order. An unknown lift or floor is a failure of the controller.
-  std::vector<LiftCommand> lifts = {};
 };
 
 // A sensor of the robot. The description lives as long as the controller.
@@ -265,7 +233,7 @@ class Controller {
 // A shared library defines these two (TROUPE_CONTROLLER does it):
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
-#define TROUPE_CONTROLLER_ABI 10
+#define TROUPE_CONTROLLER_ABI 11
 #define TROUPE_CONTROLLER(Type)                                                                   \
   extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
     return TROUPE_CONTROLLER_ABI;                                                                 \

@@ -117,7 +117,7 @@ class Simulation {
   TickView View() const;
 
   // Drives a robot from outside, from the next tick on. The motion of `command` replaces that of the robot's controller
-  // until the next Drive or Release; the commands to grippers, joints, doors and lifts are executed once, after the
+  // until the next Drive or Release; the commands to grippers and joints and the orders are executed once, after the
   // controller's. The error is a number that is not finite, or a command to a gripper or joint that the robot cannot
   // execute.
   Status Drive(RobotId robot, Command command);

@@ -217,6 +217,19 @@ void ForEach(py::handle rows, const char* what, Add&& add) {
   for (const py::handle row : list) add(row);
 }
 
+Order ToOrder(py::handle row) {
+  const auto is = [row](const char* record) { return py::isinstance(row, Record(record)); };
+  if (!is("LightOrder") && !is("CameraOrder") && !is("DoorOrder") && !is("LiftOrder")) {
+    throw py::type_error(
+        fmt::format("orders: found {}, expected LightOrder, CameraOrder, DoorOrder or LiftOrder", TypeName(row)));
+  }
+  const auto m = py::reinterpret_borrow<py::tuple>(row);
+  if (is("LightOrder")) return LightOrder{ToIndex(m[0], "light"), ToBool(m[1], "on")};
+  if (is("CameraOrder")) return CameraOrder{ToIndex(m[0], "sensor"), ToNumber(m[1], "pan"), ToNumber(m[2], "tilt")};
+  if (is("DoorOrder")) return DoorOrder{ToIndex(m[0], "door"), ToNumber(m[1], "opening")};
+  return LiftOrder{ToIndex(m[0], "lift"), ToIndex(m[1], "floor"), ToBool(m[2], "ends")};
+}
+
 Command FromRecord(const py::tuple& record) {
   Command command;
   command.twist = {ToNumber(record[0], "vx"), ToNumber(record[1], "vy"), ToNumber(record[2], "wz")};
@@ -243,24 +256,9 @@ Command FromRecord(const py::tuple& record) {
     if (const py::object to = m[2]; !to.is_none()) message.to = RobotId(ToIndex(to, "to"));
     command.messages.push_back(std::move(message));
   });
-  ForEach(record[8], "lights", [&](py::handle row) {
-    const py::tuple m = Members(row, "LightCommand");
-    command.lights.push_back({ToIndex(m[0], "light"), ToBool(m[1], "on")});
-  });
-  ForEach(record[9], "cameras", [&](py::handle row) {
-    const py::tuple m = Members(row, "CameraCommand");
-    command.cameras.push_back({ToIndex(m[0], "sensor"), ToNumber(m[1], "pan"), ToNumber(m[2], "tilt")});
-  });
-  command.report = ToText(record[10], "report");
-  command.say = ToText(record[11], "say");
-  ForEach(record[12], "doors", [&](py::handle row) {
-    const py::tuple m = Members(row, "DoorCommand");
-    command.doors.push_back({ToIndex(m[0], "door"), ToNumber(m[1], "opening")});
-  });
-  ForEach(record[13], "lifts", [&](py::handle row) {
-    const py::tuple m = Members(row, "LiftCommand");
-    command.lifts.push_back({ToIndex(m[0], "lift"), ToIndex(m[1], "floor"), ToBool(m[2], "ends")});
-  });
+  ForEach(record[8], "orders", [&](py::handle row) { command.orders.push_back(ToOrder(row)); });
+  command.report = ToText(record[9], "report");
+  command.say = ToText(record[10], "say");
   return command;
 }
 

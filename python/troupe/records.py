@@ -16,8 +16,8 @@ __all__ = ["Pose", "Twist", "Event", "SensorInfo", "DriveInfo", "JointInfo", "Gr
            "RangeScan", "RangerReading", "Beam", "BreakBeamReading", "Fiducial", "FiducialReading", "BumperSegment",
            "BumperReading", "Contact", "ContactReading", "Blob", "BlobfinderReading", "CameraReading", "Place",
            "Reception", "RadioReading", "ImuReading", "JointReading", "GripperReading", "EnergyReading", "Goal",
-           "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightCommand", "CameraCommand", "DoorCommand",
-           "LiftInfo", "LiftReading", "LiftCommand", "Command"]
+           "Observation", "GripperCommand", "JointCommand", "RadioMessage", "LightOrder", "CameraOrder", "DoorOrder",
+           "LiftInfo", "LiftReading", "LiftOrder", "Command"]
 
 
 class Pose(NamedTuple):
@@ -391,23 +391,23 @@ class RadioMessage(NamedTuple):
     to: Optional[int] = None  # a robot's number; None: all in range
 
 
-class LightCommand(NamedTuple):
+class LightOrder(NamedTuple):
     light: int
     on: bool
 
 
-class CameraCommand(NamedTuple):
+class CameraOrder(NamedTuple):
     sensor: int
     pan: float = 0.0  # rad, to the left
     tilt: float = 0.0  # rad, upwards
 
 
-class DoorCommand(NamedTuple):
+class DoorOrder(NamedTuple):
     door: int
     opening: float = 1.0  # from 0, closed, to 1
 
 
-class LiftCommand(NamedTuple):
+class LiftOrder(NamedTuple):
     """A call, which begins a session: until it is ended, the calls of other robots do not count."""
 
     lift: int
@@ -426,9 +426,6 @@ class Command(NamedTuple):
     grippers: Sequence[GripperCommand] = ()
     joints: Sequence[JointCommand] = ()
     messages: Sequence[RadioMessage] = ()
-    lights: Sequence[LightCommand] = ()
-    cameras: Sequence[CameraCommand] = ()
+    orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder]] = ()  # executed in order
     report: str = ""  # an event of the run, for people
     say: str = ""  # a text for people, an event of the run
-    doors: Sequence[DoorCommand] = ()
-    lifts: Sequence[LiftCommand] = ()

@@ -55,10 +55,7 @@ class ScriptController final : public Controller {
     command.grippers.clear();
     command.joints.clear();
     command.messages.clear();
-    command.lights.clear();
-    command.cameras.clear();
-    command.doors.clear();
-    command.lifts.clear();
+    command.orders.clear();
     command.say.clear();
     const std::uint64_t count = commands_.size();
     for (std::uint64_t i = std::max(given_, due > count ? due - count : 0); i < due; ++i) {
@@ -66,10 +63,7 @@ class ScriptController final : public Controller {
       command.grippers.insert(command.grippers.end(), given.grippers.begin(), given.grippers.end());
       command.joints.insert(command.joints.end(), given.joints.begin(), given.joints.end());
       command.messages.insert(command.messages.end(), given.messages.begin(), given.messages.end());
-      command.lights.insert(command.lights.end(), given.lights.begin(), given.lights.end());
-      command.cameras.insert(command.cameras.end(), given.cameras.begin(), given.cameras.end());
-      command.doors.insert(command.doors.end(), given.doors.begin(), given.doors.end());
-      command.lifts.insert(command.lifts.end(), given.lifts.begin(), given.lifts.end());
+      command.orders.insert(command.orders.end(), given.orders.begin(), given.orders.end());
       if (!given.say.empty()) command.say = given.say;
     }
     given_ = due;
@@ -158,40 +152,40 @@ Result<JointCommand> ResolveJoint(const RobotInfo& info, const ScriptJoint& want
                                  Names(info.joints, [](const JointDescription* joint) { return joint->name; })));
 }
 
-Result<LightCommand> ResolveLight(const RobotInfo& info, const std::string& name, bool on) {
+Result<Order> ResolveLight(const RobotInfo& info, const std::string& name, bool on) {
   for (std::size_t i = 0; i < info.lights.size(); ++i) {
-    if (info.lights[i].name == name) return LightCommand{i, on};
+    if (info.lights[i].name == name) return Order(LightOrder{i, on});
   }
   return ScriptError(fmt::format("unknown light '{}', expected {}", name,
                                  Names(info.lights, [](const LightInfo& light) { return std::string(light.name); })));
 }
 
-Result<CameraCommand> ResolveCamera(const RobotInfo& info, const ScriptCamera& wanted) {
+Result<Order> ResolveCamera(const RobotInfo& info, const ScriptCamera& wanted) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < info.sensors.size(); ++i) {
     if (FindCamera(*info.robot, i) == nullptr) continue;
     names.push_back(info.sensors[i].description->name);
-    if (names.back() == wanted.name) return CameraCommand{i, wanted.pan, wanted.tilt};
+    if (names.back() == wanted.name) return Order(CameraOrder{i, wanted.pan, wanted.tilt});
   }
   return ScriptError(fmt::format("unknown camera '{}', expected {}", wanted.name,
                                  Names(names, [](const std::string& name) { return name; })));
 }
 
-Result<DoorCommand> ResolveDoor(const RobotInfo& info, const std::string& name, double opening) {
+Result<Order> ResolveDoor(const RobotInfo& info, const std::string& name, double opening) {
   for (std::size_t i = 0; i < info.doors.size(); ++i) {
-    if (info.doors[i].name == name) return DoorCommand{i, opening};
+    if (info.doors[i].name == name) return Order(DoorOrder{i, opening});
   }
   return ScriptError(fmt::format("unknown door '{}', expected {}", name,
                                  Names(info.doors, [](const DoorInfo& door) { return door.name; })));
 }
 
-Result<LiftCommand> ResolveLift(const RobotInfo& info, const std::string& name, const std::string& floor) {
+Result<Order> ResolveLift(const RobotInfo& info, const std::string& name, const std::string& floor) {
   for (std::size_t i = 0; i < info.lifts.size(); ++i) {
     if (info.lifts[i].name != name) continue;
-    if (floor.empty()) return LiftCommand{i, 0, true};
+    if (floor.empty()) return Order(LiftOrder{i, 0, true});
     const std::vector<std::string>& floors = info.lifts[i].floors;
     const auto found = std::find(floors.begin(), floors.end(), floor);
-    if (found != floors.end()) return LiftCommand{i, static_cast<std::size_t>(found - floors.begin())};
+    if (found != floors.end()) return Order(LiftOrder{i, static_cast<std::size_t>(found - floors.begin())});
     return ScriptError(fmt::format("unknown floor '{}' of lift '{}', expected {}", floor, name,
                                    Names(floors, [](const std::string& text) { return text; })));
   }
@@ -220,24 +214,24 @@ Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& comm
     resolved.command.messages.push_back({.radio = radio, .bytes = {command.send->begin(), command.send->end()}});
   }
   for (const auto& [name, on] : command.lights) {
-    const Result<LightCommand> found = ResolveLight(info, name, on);
+    const Result<Order> found = ResolveLight(info, name, on);
     if (!found.ok()) return found.error();
-    resolved.command.lights.push_back(found.value());
+    resolved.command.orders.push_back(found.value());
   }
   for (const ScriptCamera& camera : command.cameras) {
-    const Result<CameraCommand> found = ResolveCamera(info, camera);
+    const Result<Order> found = ResolveCamera(info, camera);
     if (!found.ok()) return found.error();
-    resolved.command.cameras.push_back(found.value());
+    resolved.command.orders.push_back(found.value());
   }
   for (const auto& [name, opening] : command.doors) {
-    const Result<DoorCommand> found = ResolveDoor(info, name, opening);
+    const Result<Order> found = ResolveDoor(info, name, opening);
     if (!found.ok()) return found.error();
-    resolved.command.doors.push_back(found.value());
+    resolved.command.orders.push_back(found.value());
   }
   for (const auto& [name, floor] : command.lifts) {
-    const Result<LiftCommand> found = ResolveLift(info, name, floor);
+    const Result<Order> found = ResolveLift(info, name, floor);
     if (!found.ok()) return found.error();
-    resolved.command.lifts.push_back(found.value());
+    resolved.command.orders.push_back(found.value());
   }
   resolved.command.say = command.say.value_or("");
   return resolved;

@@ -47,7 +47,7 @@ bool SiteControls::CallLift(std::size_t vertex) {
   if (!lift) return true;
   const std::optional<RobotId>& session = now_->lifts[*lift].session;
   if (session && *session != id_) return false;
-  command_->lifts.push_back({*lift, graph_->vertices[vertex].floor});
+  command_->orders.push_back(LiftOrder{*lift, graph_->vertices[vertex].floor});
   return session.has_value();
 }
 
@@ -61,7 +61,7 @@ bool SiteControls::AwaitLift(std::size_t vertex) {
   std::optional<double>& since = blocked_since_[*lift];
   since = is_blocked ? std::optional(since.value_or(now_->time)) : std::nullopt;
   if (!since || now_->time - *since < kPatience) return CallLift(vertex);
-  if (now_->lifts[*lift].session == id_) command_->lifts.push_back({*lift, 0, true});
+  if (now_->lifts[*lift].session == id_) command_->orders.push_back(LiftOrder{*lift, 0, true});
   return false;
 }
 
@@ -83,8 +83,11 @@ void SiteControls::EndSessions(const std::vector<std::size_t>& needed) {
   for (std::size_t i = 0; i < now_->lifts.size(); ++i) {
     if (now_->lifts[i].session != id_) continue;
     if (std::any_of(needed.begin(), needed.end(), [&](std::size_t vertex) { return LiftOf(vertex) == i; })) continue;
-    std::erase_if(command_->lifts, [&](const LiftCommand& call) { return call.lift == i; });
-    command_->lifts.push_back({i, 0, true});
+    std::erase_if(command_->orders, [&](const Order& order) {
+      const auto* const call = std::get_if<LiftOrder>(&order);
+      return call != nullptr && call->lift == i;
+    });
+    command_->orders.push_back(LiftOrder{i, 0, true});
   }
 }
 
@@ -141,7 +144,7 @@ bool SiteControls::IsClear(const Vec2& from, const Vec2& to, double z, double ra
 }
 
 bool SiteControls::OpenDoor(const LaneDoor& door) {
-  command_->doors.push_back({door.door, 1.0});
+  command_->orders.push_back(DoorOrder{door.door, 1.0});
   Note(door.door);
   return now_->doors[door.door].opening >= kOpen;
 }
@@ -187,8 +190,13 @@ void SiteControls::CloseBehind(const std::vector<Leg>& legs, const Vec2& positio
     });
     if (is_used) continue;  // it stays open until that is gone, too
     // A request of this tick was for a way that the robot has just left.
-    if (!is_on_way) std::erase_if(command_->doors, [&](const DoorCommand& each) { return each.door == passing.door; });
-    command_->doors.push_back({passing.door, 0.0});
+    if (!is_on_way) {
+      std::erase_if(command_->orders, [&](const Order& order) {
+        const auto* const opened = std::get_if<DoorOrder>(&order);
+        return opened != nullptr && opened->door == passing.door;
+      });
+    }
+    command_->orders.push_back(DoorOrder{passing.door, 0.0});
     passing.is_done = true;
   }
   std::erase_if(passing_, [](const Passing& passing) { return passing.is_done; });

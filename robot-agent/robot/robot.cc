@@ -17,6 +17,7 @@
 #include "common/base/prefetch.h"
 #include "common/base/text.h"
 #include "common/spatial/body_index.h"
+#include "common/spatial/check_order.h"
 #include "common/spatial/scene.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/controller/create_controller.h"
@@ -31,12 +32,6 @@ namespace {
 constexpr std::uint64_t kControllerStream = 0x636f6e74726f6c;
 
 constexpr std::size_t kMaxReport = 300;  // bytes
-
-// REQUIRES: the command is for a camera of the robot, with finite numbers.
-CameraOrder OrderOf(const RobotDescription& robot, const CameraCommand& command) {
-  const Interval limits = FindCamera(robot, command.sensor)->TiltLimits();
-  return {command.sensor, WrapAngle(command.pan), std::clamp(command.tilt, limits.min, limits.max)};
-}
 
 // The part of a model's name after that of its robot.
 std::string_view NameOnRobot(const RobotDescription& robot, const ModelDescription& model) {
@@ -131,9 +126,10 @@ Status Robot::CheckCommand(const Command& command) const {
 
 Status Robot::CheckOrders(const Command& command) const {
   Status status = CheckReceivers(command);
-  if (status.ok()) status = CheckLights(command);
-  if (status.ok()) status = CheckCameras(command);
-  if (status.ok()) status = CheckDoors(command);
+  for (const Order& order : command.orders) {
+    if (!status.ok()) break;
+    status = CheckOrder(*scene_, id_, WithinLimits(scene_->world(), id_, order));
+  }
   return status;
 }
 
@@ -145,44 +141,6 @@ Status Robot::CheckReceivers(const Command& command) const {
     const std::size_t robots = scene_->world().robots.size();
     if (message.to && message.to->index() >= robots) {
       return Error{{}, fmt::format("sends a message to robot {}, expected one of {}", message.to->index(), robots)};
-    }
-  }
-  return {};
-}
-
-Status Robot::CheckLights(const Command& command) const {
-  const std::size_t lights = scene_->lights_of(id_).size();
-  for (const LightCommand& light : command.lights) {
-    if (light.light < lights) continue;
-    return Error{{}, fmt::format("switches light {}, expected one of the robot's {}", light.light, lights)};
-  }
-  return {};
-}
-
-Status Robot::CheckDoors(const Command& command) const {
-  const std::size_t doors = scene_->world().doors.size();
-  for (const DoorCommand& door : command.doors) {
-    if (door.door >= doors) {
-      return Error{{}, fmt::format("operates door {}, expected one of the world's {}", door.door, doors)};
-    }
-    if (door.opening >= 0.0 && door.opening <= 1.0) continue;
-    return Error{{}, fmt::format("opens a door to {}, expected 0 to 1", door.opening)};
-  }
-  const std::vector<LiftDescription>& lifts = scene_->world().lifts;
-  for (const LiftCommand& lift : command.lifts) {
-    if (lift.lift < lifts.size() && (lift.ends || lift.floor < lifts[lift.lift].floors.size())) continue;
-    return Error{{}, fmt::format("calls lift {} to floor {}, expected those of the world", lift.lift, lift.floor)};
-  }
-  return {};
-}
-
-Status Robot::CheckCameras(const Command& command) const {
-  for (const CameraCommand& camera : command.cameras) {
-    if (FindCamera(description(), camera.sensor) == nullptr) {
-      return Error{{}, fmt::format("turns sensor {}, expected a camera of the robot", camera.sensor)};
-    }
-    if (!std::isfinite(camera.pan) || !std::isfinite(camera.tilt)) {
-      return Error{{}, fmt::format("turns a camera by {} and {}, expected numbers", camera.pan, camera.tilt)};
     }
   }
   return {};
@@ -295,15 +253,9 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
   Command command = failure_.empty() ? AskController(state, external.goal) : Command{};
   std::vector<RadioMessage> messages = std::move(command.messages);
   messages.insert(messages.end(), external.command.messages.begin(), external.command.messages.end());
-  std::vector<LightOrder> lights;
-  std::vector<CameraOrder> cameras;
-  std::vector<DoorOrder> doors;
-  std::vector<LiftOrder> lifts;
+  std::vector<Order> orders;
   for (const Command* const source : {static_cast<const Command*>(&command), &external.command}) {
-    for (const LightCommand& light : source->lights) lights.push_back({light.light, light.on});
-    for (const CameraCommand& camera : source->cameras) cameras.push_back(OrderOf(description(), camera));
-    for (const DoorCommand& door : source->doors) doors.push_back({door.door, door.opening});
-    for (const LiftCommand& lift : source->lifts) lifts.push_back({lift.lift, lift.floor, lift.ends});
+    for (const Order& order : source->orders) orders.push_back(WithinLimits(scene_->world(), id_, order));
   }
   std::string say = PlainLine(external.command.say.empty() ? command.say : external.command.say, kMaxSaidBytes);
   if (external.drives) command = external.command;
@@ -314,11 +266,8 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
           twist,
           failure_.empty() ? manipulator_.Propose(state) : std::vector<double>{},
           WithinLimits(description(), scene_->world().interval_seconds(), std::move(messages)),
-          std::move(lights),
-          std::move(cameras),
-          std::move(say),
-          std::move(doors),
-          std::move(lifts)};
+          ByKind(std::move(orders)),
+          std::move(say)};
 }
 
 const SensorReading& Robot::Measure(std::size_t sensor, const WorldState& state, const BodyIndex& bodies) {

@@ -105,9 +105,6 @@ class Robot {
   // What needs no manipulator.
   Status CheckOrders(const Command& command) const;
   Status CheckReceivers(const Command& command) const;  // of its radio messages
-  Status CheckLights(const Command& command) const;
-  Status CheckCameras(const Command& command) const;
-  Status CheckDoors(const Command& command) const;
   // Makes the controller and subscribes to its sensors.
   Status StartController(const AllowedPaths& libraries);
   Status Subscribe();

@@ -94,7 +94,7 @@ std::optional<std::size_t> Compiler::History(std::size_t number) {
     case RootOp::kAnd:
     case RootOp::kOr: {
       std::vector<std::size_t> inputs;
-      for (const Input& input : root.inputs) {
+      for (const NodeInput& input : root.inputs) {
         if (const std::optional<std::size_t> node = History(input.node)) inputs.push_back(*node);
       }
       if (inputs.empty()) return std::nullopt;

@@ -48,8 +48,8 @@ FoldKind KindOf(Op op) {
 // Calls compute(lane, a, b) for each lane with the values of two inputs.
 template <typename Compute>
 void ForEachLane(const Node& node, std::span<const double> a, std::span<const double> b, const Compute& compute) {
-  const Input& left = node.inputs[0];
-  const Input& right = node.inputs[1];
+  const NodeInput& left = node.inputs[0];
+  const NodeInput& right = node.inputs[1];
   if (left.lane_of.empty() && right.lane_of.empty() && a.size() == node.lanes && b.size() == node.lanes) {
     for (std::size_t i = 0; i < node.lanes; ++i) compute(i, a[i], b[i]);
     return;
@@ -67,7 +67,7 @@ void ForEachLane(const Node& node, std::span<const double> a, std::span<const do
 }
 
 // Copies the values of an input to the lanes of a node.
-void Spread(const Input& input, std::span<const double> from, std::span<double> to) {
+void Spread(const NodeInput& input, std::span<const double> from, std::span<double> to) {
   if (!input.lane_of.empty()) {
     for (std::size_t i = 0; i < to.size(); ++i) to[i] = from[input.lane_of[i]];
   } else if (from.size() == 1) {
@@ -144,7 +144,7 @@ bool Network::IsValid(std::size_t node, Tick now) const {
 
 Tick Network::InputDelay(const Node& node) const {
   Tick delay = 0;
-  for (const Input& input : node.inputs) delay = std::max(delay, program_->nodes[input.node].delay);
+  for (const NodeInput& input : node.inputs) delay = std::max(delay, program_->nodes[input.node].delay);
   return delay;
 }
 
@@ -242,7 +242,7 @@ void Network::Compute(const Node& node, State& state, const TickView* tick) {
       Spread(node.inputs[0], a, out);
       const bool is_and = node.op == Op::kAnd;
       for (std::size_t k = 1; k < node.inputs.size(); ++k) {
-        const Input& input = node.inputs[k];
+        const NodeInput& input = node.inputs[k];
         std::span<const double> other = values(input.node);
         if (!input.lane_of.empty() || other.size() != out.size()) {
           state.scratch.resize(out.size());
@@ -382,7 +382,7 @@ void Network::LoadSeries(const Node& node, State& state) {
     return;
   }
   const std::size_t lanes = node.lanes;
-  const auto load = [&](const Input& input, std::vector<double>& series) {
+  const auto load = [&](const NodeInput& input, std::vector<double>& series) {
     const State& source = states_[input.node];
     const std::size_t its_lanes = program_->nodes[input.node].lanes;
     const bool is_constant = program_->nodes[input.node].op == Op::kConstant;
@@ -440,7 +440,7 @@ void AppendThings(const MonitorProgram& program, const std::vector<std::size_t>&
 void Network::FindCause(std::size_t number, std::size_t lane, std::vector<ThingId>& things) const {
   const Node& node = program_->nodes[number];
   if (!node.names_cause) return;
-  const auto lane_of = [&](const Input& input) {
+  const auto lane_of = [&](const NodeInput& input) {
     if (!input.lane_of.empty()) return static_cast<std::size_t>(input.lane_of[lane]);
     return program_->nodes[input.node].lanes == 1 ? 0 : lane;
   };
@@ -469,8 +469,8 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<ThingI
     }
     case Op::kAnd:
     case Op::kOr: {
-      const Input* best = node.inputs.data();
-      for (const Input& input : node.inputs) {
+      const NodeInput* best = node.inputs.data();
+      for (const NodeInput& input : node.inputs) {
         const double value = values(input.node)[lane_of(input)];
         const double least = values(best->node)[lane_of(*best)];
         if (node.op == Op::kAnd ? value < least : value > least) best = &input;
@@ -496,7 +496,7 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<ThingI
     case Op::kLastValue:
       return;  // of several robots, or of other ticks
     default:
-      for (const Input& input : node.inputs) FindCause(input.node, lane_of(input), things);
+      for (const NodeInput& input : node.inputs) FindCause(input.node, lane_of(input), things);
   }
 }
 

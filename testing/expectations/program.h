@@ -83,14 +83,14 @@ enum class Op : std::uint8_t {
 };
 
 // The lane of an input for each lane of a node. Most often it is the same one.
-struct Input {
+struct NodeInput {
   std::size_t node = 0;
   std::vector<std::uint32_t> lane_of = {};  // empty: the same; the input's only one if it has one
 };
 
 struct Node {
   Op op = Op::kConstant;
-  std::vector<Input> inputs = {};
+  std::vector<NodeInput> inputs = {};
   std::vector<std::size_t> variables = {};  // of Program, ascending
   std::size_t lanes = 1;
   Tick delay = 0;
@@ -113,7 +113,7 @@ enum class RootOp : std::uint8_t { kValue, kNot, kAnd, kOr, kForall, kExists, kA
 
 struct RootNode {
   RootOp op = RootOp::kValue;
-  std::vector<Input> inputs = {};  // of roots for kNot to kExists, else of nodes
+  std::vector<NodeInput> inputs = {};  // of roots for kNot to kExists, else of nodes
   std::vector<std::size_t> variables = {};
   std::size_t lanes = 1;
   TickWindow window = {};

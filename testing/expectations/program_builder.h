@@ -54,7 +54,7 @@ class ProgramBuilder {
     node.lanes = Lanes(node.variables);
     if (error_) return;
     for (const std::size_t input : inputs) {
-      Input connection{input, {}};
+      NodeInput connection{input, {}};
       const std::vector<std::size_t>& its = sources[input].variables;
       if (its != node.variables && sources[input].lanes != 1)
         connection.lane_of = LaneMap(node.variables, its, node.lanes);

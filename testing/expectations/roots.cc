@@ -16,7 +16,7 @@ bool IsSame(double a, double b) {
   return a == b && std::signbit(a) == std::signbit(b);
 }
 
-std::size_t LaneOf(const Input& input, std::size_t lane, std::size_t input_lanes) {
+std::size_t LaneOf(const NodeInput& input, std::size_t lane, std::size_t input_lanes) {
   if (!input.lane_of.empty()) return input.lane_of[lane];
   return input_lanes == 1 ? 0 : lane;
 }
@@ -47,7 +47,7 @@ Roots::Roots(const MonitorProgram& program) : states_(program.roots.size()) {
       state.way_when.assign(root.lanes, 0);
     }
     const bool names = std::any_of(root.inputs.begin(), root.inputs.end(),
-                                   [&](const Input& input) { return program.nodes[input.node].names_cause; });
+                                   [&](const NodeInput& input) { return program.nodes[input.node].names_cause; });
     if (names) state.things.resize(root.lanes);
   }
 }
@@ -59,7 +59,7 @@ void Roots::Update(const Network& network, std::size_t level, Tick now) {
     if (IsCombination(root.op) || root.level != level || states_[i].complete) continue;
     // All inputs have one delay, but constants, which have a value at any time.
     std::size_t timed = root.inputs[0].node;
-    for (const Input& input : root.inputs) {
+    for (const NodeInput& input : root.inputs) {
       if (program.nodes[input.node].op != Op::kConstant) timed = input.node;
     }
     if (network.IsValid(timed, now)) UpdateRoot(network, root, states_[i], network.TimeOf(timed, now));
@@ -195,7 +195,7 @@ void Roots::Combine(const MonitorProgram& program) {
         high = is_least ? Least(high, inner.high[i]) : Greatest(high, inner.high[i]);
       };
       if (root.op == RootOp::kAnd || root.op == RootOp::kOr) {
-        for (const Input& input : root.inputs) {
+        for (const NodeInput& input : root.inputs) {
           const State& inner = states_[input.node];
           add(inner, LaneOf(input, lane, inner.low.size()));
         }
@@ -245,7 +245,7 @@ void Roots::AddCause(const MonitorProgram& program, std::size_t number, std::siz
     if (!best) return;
     AppendThings(program, root.reduced_variables, best->second % root.reduced, cause.things);
   } else {
-    for (const Input& input : root.inputs) {
+    for (const NodeInput& input : root.inputs) {
       consider(input.node, LaneOf(input, lane, states_[input.node].low.size()));
     }
   }

@@ -122,13 +122,13 @@ class Feeling final : public Controller {
       command.messages.push_back({*radio_, {}, std::vector<std::uint8_t>(8, static_cast<std::uint8_t>(memory_))});
     }
     for (std::size_t i = 0; i < lights_; ++i) {
-      if (draw(3) > 0.8) command.lights.push_back({i, draw(4) > 0.5});
+      if (draw(3) > 0.8) command.orders.push_back(LightOrder{i, draw(4) > 0.5});
     }
     for (std::size_t i = 0; i < grippers_; ++i) {
       if (draw(5) < 0.95) continue;
       command.grippers.push_back({i, draw(6) > 0.5 ? FingerCommand::kOpen : FingerCommand::kClose, 20.0 * draw(7)});
     }
-    if (camera_ && draw(7) > 0.9) command.cameras.push_back({*camera_, 6.0 * draw(0) - 3.0, draw(1) - 0.5});
+    if (camera_ && draw(7) > 0.9) command.orders.push_back(CameraOrder{*camera_, 6.0 * draw(0) - 3.0, draw(1) - 0.5});
     if (draw(4) > 0.97) command.say = "I feel " + std::to_string(memory_);
     return command;
   }

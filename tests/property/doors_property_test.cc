@@ -95,9 +95,10 @@ std::vector<Proposal> RandomProposals(const Scene& scene, RandomStream& random) 
     proposals.push_back(
         {RobotId(i), {random.Uniform(-1.0, 2.0), random.Uniform(-1.0, 1.0), random.Uniform(-3.0, 3.0)}});
     if (random.Chance(0.1)) {
-      proposals.back().doors.push_back({random.Index(scene.world().doors.size()), random.Chance(0.5) ? 1.0 : 0.0});
+      proposals.back().orders.push_back(
+          DoorOrder{random.Index(scene.world().doors.size()), random.Chance(0.5) ? 1.0 : 0.0});
     }
-    if (random.Chance(0.05)) proposals.back().lifts.push_back({0, random.Index(2), random.Chance(0.3)});
+    if (random.Chance(0.05)) proposals.back().orders.push_back(LiftOrder{0, random.Index(2), random.Chance(0.3)});
   }
   return proposals;
 }

@@ -61,12 +61,12 @@ class Caller {
     if (!called_ && random.Chance(0.002)) {
       floor_ = random.Index(scene.world().lifts[0].floors.size());
       called_ = state.tick;
-      proposal.lifts.push_back({0, floor_});
+      proposal.orders.push_back(LiftOrder{0, floor_});
     } else if (called_ && lift.floor == floor_ && lift.z == scene.world().lifts[0].floors[floor_].z) {
       longest = std::max(longest, arrived_ ? Tick{0} : state.tick - *called_);
       if (!arrived_) arrived_ = state.tick;
       if (state.tick - *arrived_ >= 50) {
-        proposal.lifts.push_back({0, 0, true});
+        proposal.orders.push_back(LiftOrder{0, 0, true});
         called_.reset();
         arrived_.reset();
         ++served;

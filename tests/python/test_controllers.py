@@ -183,7 +183,7 @@ class Controllers(unittest.TestCase):
         for i, command in enumerate(["'fast'", "(1,)", "(1, 2, 3, 4)", "('a', 'b')", "object()", "float('nan')",
                                      "(float('nan'), object())", "Command(vx='x')", "Command(grippers=[1])",
                                      "Command(joints=[JointCommand(9, 1.0)])", "Command(report=5)", "{1: 2}",
-                                     "Command(messages=[RadioMessage(99, b'x')])", "Command(lights=[LightCommand(7, True)])",
+                                     "Command(messages=[RadioMessage(99, b'x')])", "Command(orders=[LightOrder(7, True)])", "Command(orders=[5])",
                                      "(_ for _ in ()).throw(SystemExit(3))", "(_ for _ in ()).throw(KeyboardInterrupt())"]):
             name = f"wrong{i}.py"
             self.write(name, f"""

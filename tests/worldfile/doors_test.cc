@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/model/states.h"
+#include "common/spatial/check_order.h"
 #include "common/spatial/convex_piece.h"
 #include "tests/support/values.h"
 #include "tests/worldfile/scenario_run.h"
@@ -57,14 +58,14 @@ Simulation SimulateWithPerson(const std::string& text, double x, double y, doubl
 Command Motion(double vx) {
   return {.twist = {vx, 0.0, 0.0}};
 }
-Command Order(double opening, double vx = 0.0) {
+Command Open(double opening, double vx = 0.0) {
   Command command = Motion(vx);
-  command.doors = {{0, opening}};
+  command.orders = {DoorOrder{0, opening}};
   return command;
 }
 Command Call(std::size_t floor, double vx = 0.0) {
   Command command = Motion(vx);
-  command.lifts = {{.lift = 0, .floor = floor}};
+  command.orders = {LiftOrder{.lift = 0, .floor = floor}};
   return command;
 }
 
@@ -175,14 +176,14 @@ TEST(Doors, OpensAndClosesInItsTime) {
   run.Step(5);
   EXPECT_EQ(Door(run).opening, 0.0);
   EXPECT_EQ(run.state().objects[0].mode, ObjectMode::kMounted);
-  Do(run, "r", Order(1.0), 10);
+  Do(run, "r", Open(1.0), 10);
   EXPECT_NEAR(Door(run).opening, 0.5, 1e-12);
   EXPECT_NEAR(run.state().objects[0].X_WO.y, 0.6, 1e-9);
   run.Step(10);
   EXPECT_EQ(Door(run).opening, 1.0);
-  Do(run, "r", Order(0.25), 30);
+  Do(run, "r", Open(0.25), 30);
   EXPECT_EQ(Door(run).opening, 0.25);
-  Do(run, "r", Order(0.0), 30);
+  Do(run, "r", Open(0.0), 30);
   EXPECT_EQ(Door(run).opening, 0.0);
 }
 
@@ -191,7 +192,7 @@ TEST(Doors, ARobotStopsAtAClosedDoorAndPassesAnOpenOne) {
   Do(run, "r", Motion(1.0), 20);
   EXPECT_TRUE(run.state().robots[0].stalled);
   EXPECT_NEAR(run.state().robots[0].X_WR.x, -0.25, 1e-6);
-  Do(run, "r", Order(1.0), 20);
+  Do(run, "r", Open(1.0), 20);
   Do(run, "r", Motion(1.0), 20);
   EXPECT_GT(run.state().robots[0].X_WR.x, 1.0);
   ExpectNoOverlap(run);
@@ -199,12 +200,12 @@ TEST(Doors, ARobotStopsAtAClosedDoorAndPassesAnOpenOne) {
 
 TEST(Doors, WaitForARobotInTheDoorwayWithoutTouchingItsBits) {
   Simulation run = Simulate(kGate + "cart ( name \"r\" pose [-1 0 0 0] )");
-  Do(run, "r", Order(1.0, 1.0), 10);  // the leaf is still in its way
-  Do(run, "r", Order(1.0, 0.0), 20);
+  Do(run, "r", Open(1.0, 1.0), 10);  // the leaf is still in its way
+  Do(run, "r", Open(1.0, 0.0), 20);
   Do(run, "r", Motion(1.0), 3);
   const Pose before = run.state().robots[0].X_WR;
   ASSERT_LT(std::fabs(before.x), 0.2);
-  Do(run, "r", Order(0.0), 30);
+  Do(run, "r", Open(0.0), 30);
   EXPECT_TRUE(Door(run).blocked);
   // The leaf reaches from y = -0.6 to 0.6 when closed; the robot ends at 0.2.
   EXPECT_NEAR(Door(run).opening, (0.2 + 0.595) / 1.2, 1e-6);
@@ -250,7 +251,7 @@ TEST(Doors, WaitForAPersonInTheDoorway) {
   Simulation run = SimulateWithPerson(gate, 0.0, -0.2);
   const Pose before = run.state().people[0].X_WP;
   for (int i = 0; i < 40; ++i) {
-    Do(run, "r", Order(0.0), 1);
+    Do(run, "r", Open(0.0), 1);
     ExpectNoOverlap(run);
   }
   EXPECT_TRUE(Door(run).blocked);
@@ -261,7 +262,7 @@ TEST(Doors, WaitForAPersonInTheDoorway) {
 TEST(Doors, AHingedLeafStopsAtABoxAndGoesOnWithoutIt) {
   const std::string door = "door ( name \"d\" size [1 0.04 2] kind \"hinged\" seconds 1 )";
   Simulation run = Simulate(door + "crate ( name \"box\" pose [-0.2 0.5 0 0] ) cart ( name \"r\" pose [5 0 0 0] )");
-  Do(run, "r", Order(1.0), 20);
+  Do(run, "r", Open(1.0), 20);
   EXPECT_TRUE(Door(run).blocked);
   EXPECT_GT(Door(run).opening, 0.1);
   EXPECT_LT(Door(run).opening, 0.6);
@@ -290,11 +291,12 @@ TEST(Doors, OpenByThemselvesForRobotsInReachOnTheirLevel) {
 
 TEST(Doors, OfTwoOrdersInATickTheWiderCounts) {
   Simulation run = Simulate(kGate + "cart ( name \"a\" pose [-3 0 0 0] ) cart ( name \"b\" pose [-3 2 0 0] )");
-  ASSERT_TRUE(run.Drive(RobotId(0), Order(0.5)).ok());
-  ASSERT_TRUE(run.Drive(RobotId(1), Order(0.0)).ok());
+  ASSERT_TRUE(run.Drive(RobotId(0), Open(0.5)).ok());
+  ASSERT_TRUE(run.Drive(RobotId(1), Open(0.0)).ok());
   run.Step();
   EXPECT_EQ(Door(run).target, 0.5);
-  EXPECT_THAT(run.Drive(RobotId(0), Order(1.5)).error().message, HasSubstr("opens a door to 1.5, expected 0 to 1"));
+  EXPECT_THAT(run.Drive(RobotId(0), Open(1.5)).error().message,
+              HasSubstr("found the opening 1.500000 of a door, expected 0 to 1"));
 }
 
 TEST(Doors, AreSeenByRays) {
@@ -302,17 +304,27 @@ TEST(Doors, AreSeenByRays) {
       ranger ( pose [0 0 0.1 0] sensor ( range [0 5] fov 0 samples 1 ) ) ))");
   const auto range = [&] { return std::get<RangerReading>(run.Measure(RobotId(0), 0).content).ranges.at(0); };
   EXPECT_NEAR(range(), 1.95, 1e-9);
-  Do(run, "r", Order(1.0), 20);
+  Do(run, "r", Open(1.0), 20);
   EXPECT_EQ(range(), 5.0);
 }
 
-TEST(Doors, OperatedByAnEditAndNeitherMovedNorDeleted) {
+// The state after a tick with an order of a tool, which the world must accept.
+WorldState After(const Scene& scene, const WorldState& state, const Input& input) {
+  const Status valid = CheckInput(scene, input);
+  EXPECT_TRUE(valid.ok()) << valid.error().message;
+  return Step(scene, state, {}, std::span(&input, 1)).state;
+}
+
+TEST(Doors, OperatedByAToolAndNeitherMovedNorDeleted) {
   const auto scene = std::make_shared<const Scene>(
       LoadDoors(kGate + "cart ( name \"r\" pose [-3 0 0 0] )" + "door ( name \"fixed\" pose [9 0 0 0] operated 0 )"));
   const WorldState state = InitialState(*scene);
-  EXPECT_EQ(ValueOf(OperateDoor(scene, state, "gate", 1.0)).state.doors[0].target, 1.0);
-  EXPECT_THAT(OperateDoor(scene, state, "none", 1.0).error().message, HasSubstr("no door 'none'"));
-  EXPECT_THAT(OperateDoor(scene, state, "fixed", 1.0).error().message, HasSubstr("not operated"));
+  EXPECT_EQ(After(*scene, state, {{}, DoorOrder{0, 1.0}}).doors[0].target, 1.0);
+  EXPECT_THAT(CheckInput(*scene, {{}, DoorOrder{2, 1.0}}).error().message, HasSubstr("found door 2"));
+  EXPECT_THAT(CheckInput(*scene, {{}, DoorOrder{1, 1.0}}).error().message, HasSubstr("not operated"));
+  EXPECT_THAT(CheckInput(*scene, {{}, DoorOrder{0, 1.5}}).error().message, HasSubstr("expected 0 to 1"));
+  EXPECT_FALSE(CheckInput(*scene, {{}, LightOrder{0, true}}).ok());
+  EXPECT_FALSE(CheckInput(*scene, {RobotId(1), TwistOrder{}}).ok());
   EXPECT_THAT(DeleteEntity(scene, state, "gate").error().message, HasSubstr("not moved or deleted"));
   EXPECT_THAT(SetPose(scene, state, "gate.right", {}).error().message, HasSubstr("is a leaf of door 'gate'"));
 }
@@ -388,7 +400,7 @@ TEST(Lifts, ServeOneSessionAtATime) {
   EXPECT_EQ(LiftOf(run).floor, 1u);
   EXPECT_EQ(LiftOf(run).session, RobotId(0));
   Command end = Motion(0.0);
-  end.lifts = {{.lift = 0, .ends = true}};
+  end.orders = {LiftOrder{.lift = 0, .ends = true}};
   Do(run, "r", end, 1);
   EXPECT_FALSE(LiftOf(run).session);
   Do(run, "other", Call(0), 1);
@@ -411,18 +423,18 @@ TEST(Lifts, StopAboveWhatIsUnderTheCabin) {
   Simulation run = Simulate(kLift + "crate ( name \"below\" pose [0.5 0.5 0 0] obstacle_return 1 )");
   const auto scene = std::make_shared<const Scene>(run.world());
   // The box is put there once the cabin is above.
-  EditedWorld edited = ValueOf(CallLift(scene, run.state(), "up", "first"));
+  EditedWorld edited{scene, After(*scene, run.state(), {{}, LiftOrder{0, 1}})};
   const ObjectId below(edited.state.objects.size() - 1);
   edited.state.objects[below.index()].X_WO.x = 5.0;
   for (int i = 0; i < 100; ++i) edited.state = Step(*scene, edited.state, {}).state;
   ASSERT_EQ(edited.state.lifts[0].z, 3.0);
   edited = ValueOf(SetPose(scene, edited.state, "below", {0.5, 0.5, 0.0, 0.0}));
-  edited = ValueOf(CallLift(scene, edited.state, "up", "ground"));
+  edited.state = After(*scene, edited.state, {{}, LiftOrder{0, 0}});
   for (int i = 0; i < 100; ++i) edited.state = Step(*scene, edited.state, {}).state;
   EXPECT_TRUE(edited.state.lifts[0].blocked);
   EXPECT_NEAR(edited.state.lifts[0].z, 0.3, 1e-6);
-  EXPECT_THAT(CallLift(scene, edited.state, "up", "roof").error().message,
-              HasSubstr("lift 'up' has no floor 'roof', expected ground, first"));
+  EXPECT_THAT(CheckInput(*scene, {{}, LiftOrder{0, 2}}).error().message,
+              HasSubstr("found a call of lift 0 to floor 2"));
 }
 
 // A script rides the lift of the guesthouse to its second level.

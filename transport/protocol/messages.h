@@ -14,6 +14,7 @@
 #include "troupe/event.h"
 #include "troupe/fields.h"
 #include "troupe/ids.h"
+#include "troupe/order.h"
 #include "troupe/rectangle.h"
 #include "troupe/result.h"
 #include "troupe/robot_command.h"
@@ -389,6 +390,7 @@ struct RunProgress {
   bool speed_is_set = false;         // during the run, to:
   std::optional<double> speed = {};  // a multiple of real time; nothing: no pacing
   std::vector<CommandInForce> commands = {};
+  std::vector<Input> inputs = {};  // that enter the next step, in the sequence of their arrival
   // Of the state that the run began with: its journal has those before it too, if it continues another run.
   std::uint64_t first_number = 0;
   bool operator==(const RunProgress&) const = default;

@@ -80,7 +80,7 @@ bool ReadNewer(const SeqlockHeader& header, std::span<const Word> words, std::ui
 }
 
 // Changes with the fields of messages; the number in it with this file and the words of values (words.h).
-inline constexpr std::uint64_t kSharedLayout = LayoutOf<ProposalMessage>(LayoutOf<FrameMessage>(0x54726f7570650006));
+inline constexpr std::uint64_t kSharedLayout = LayoutOf<ProposalMessage>(LayoutOf<FrameMessage>(0x54726f7570650007));
 
 inline constexpr std::size_t kPage = 4096;
 inline constexpr std::size_t kSlots = 4096;  // agents of a run; more use the network

@@ -3,7 +3,7 @@
 // nothing has changed (shared_layout.h).
 //
 // A number, an id or a flag is one word; a list or a text its length and its elements, eight bytes of a text in a word;
-// a type with fields (troupe/fields.h) those, one after another.
+// a type with fields (troupe/fields.h) those, one after another; a variant the number of its alternative, then that.
 //
 // Writers store with release order and readers load with acquire order, which costs nothing on x86: a word is not seen
 // before those that were written earlier.
@@ -18,6 +18,8 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "troupe/fields.h"
@@ -33,6 +35,19 @@ namespace words_internal {
 
 template <typename Value>
 inline constexpr bool kIsBytes = std::is_same_v<Value, std::string> || std::is_same_v<Value, std::vector<std::uint8_t>>;
+template <typename Value>
+inline constexpr bool kIsVariant = false;
+template <typename... Alternatives>
+inline constexpr bool kIsVariant<std::variant<Alternatives...>> = true;
+
+// Calls visit.template operator()<Alternative>() for each alternative of a variant.
+template <typename Variant, typename Visit>
+constexpr void ForEachAlternative(Visit&& visit) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (visit.template operator()<std::variant_alternative_t<I, Variant>>(), ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<Variant>>());
+}
 
 }  // namespace words_internal
 
@@ -56,7 +71,8 @@ constexpr bool HasFixedWords() {
         []<typename... Listed>(const Listed&...) { return (... && HasFixedWords<typename Listed::Part>()); },
         kFields<Value>);
   } else {
-    return !words_internal::kIsBytes<Value> && !kIsList<Value> && (!kIsOptional<Value> || kIsOptionalId<Value>);
+    return !words_internal::kIsBytes<Value> && !kIsList<Value> && !words_internal::kIsVariant<Value> &&
+           (!kIsOptional<Value> || kIsOptionalId<Value>);
   }
 }
 
@@ -70,6 +86,9 @@ constexpr std::uint64_t LayoutOf(std::uint64_t hash) {
     });
   } else if constexpr (kIsList<Value> || kIsOptional<Value>) {
     hash = LayoutOf<typename Value::value_type>(hash);
+  } else if constexpr (words_internal::kIsVariant<Value>) {
+    words_internal::ForEachAlternative<Value>(
+        [&]<typename Alternative>() { hash = LayoutOf<Alternative>(hash * 0x100000001b3); });
   }
   return hash;
 }
@@ -136,6 +155,9 @@ void WordWriter::Add(const Value& value) {
   } else if constexpr (kIsOptional<Value>) {
     AddWord(value ? 1 : 0);
     if (value) Add(*value);
+  } else if constexpr (words_internal::kIsVariant<Value>) {
+    AddWord(value.index());
+    std::visit([&](const auto& alternative) { Add(alternative); }, value);
   } else if constexpr (kIsId<Value>) {
     AddWord(value.index());
   } else if constexpr (std::is_same_v<Value, Vec2>) {
@@ -172,6 +194,14 @@ bool WordReader::Read(Value& value) {
   } else if constexpr (kIsOptional<Value>) {
     value.reset();
     return ReadWord(word, 1) && (word == 0 || Read(value.emplace()));
+  } else if constexpr (words_internal::kIsVariant<Value>) {
+    if (!ReadWord(word, std::variant_size_v<Value> - 1)) return false;
+    std::uint64_t number = 0;
+    bool is_read = false;
+    words_internal::ForEachAlternative<Value>([&]<typename Alternative>() {
+      if (number++ == word) is_read = Read(value.template emplace<Alternative>());
+    });
+    return is_read;
   } else if constexpr (kIsId<Value>) {
     if (!ReadWord(word, most_id)) return false;
     value = Value(static_cast<std::size_t>(word));

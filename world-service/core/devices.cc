@@ -165,25 +165,35 @@ class Exchange {
 
 }  // namespace
 
-void OperateDevices(std::span<const Proposal* const> by_robot, StepWorkspace& workspace) {
-  for (std::size_t i = 0; i < by_robot.size(); ++i) {
-    const Proposal* const proposal = by_robot[i];
-    if (proposal == nullptr) continue;
-    const std::size_t first = proposal->lights.empty() ? 0 : workspace.scene.first_light_of(RobotId(i));
-    for (const LightOrder& order : proposal->lights) {
-      workspace.next.lights[first + order.light].is_switched_on = order.on;
-    }
+void OperateDevices(const TickOrders& orders, StepWorkspace& workspace) {
+  const auto switch_light = [&](const std::optional<RobotId>& robot, const LightOrder& order) {
+    workspace.next.lights[workspace.scene.first_light_of(*robot) + order.light].is_switched_on = order.on;
+  };
+  const auto turn_camera = [&](const std::optional<RobotId>& robot, const CameraOrder& order) {
     const std::span<const SensorPlace> cameras = workspace.scene.cameras();
-    for (const CameraOrder& order : proposal->cameras) {
-      const auto place = std::lower_bound(cameras.begin(), cameras.end(), SensorPlace{RobotId(i), order.sensor});
-      workspace.next.cameras[static_cast<std::size_t>(place - cameras.begin())] = {order.pan, order.tilt};
-    }
-    if (proposal->say.empty()) continue;
+    const auto place = std::lower_bound(cameras.begin(), cameras.end(), SensorPlace{*robot, order.sensor});
+    workspace.next.cameras[static_cast<std::size_t>(place - cameras.begin())] = {order.pan, order.tilt};
+  };
+  orders.ForEachInput<LightOrder>(switch_light);
+  orders.ForEachInput<CameraOrder>(turn_camera);
+  orders.ForEachOfRobots<LightOrder>(switch_light);
+  orders.ForEachOfRobots<CameraOrder>(turn_camera);
+  for (const Proposal* const proposal : orders.proposals) {
+    if (proposal == nullptr || proposal->say.empty()) continue;
     workspace.robot_events.push_back({.tick = workspace.next.tick,
                                       .type = EventType::kSaid,
-                                      .robot = RobotId(i),
+                                      .robot = proposal->robot,
                                       .other = {},
                                       .detail = proposal->say});
+  }
+}
+
+void SetTwists(std::span<const Input> inputs, StepWorkspace& workspace) {
+  for (const Input& input : inputs) {
+    const auto* const order = std::get_if<TwistOrder>(&input.order);
+    if (order == nullptr) continue;
+    workspace.next.robots[input.robot->index()].twist = order->twist;
+    KeepVelocities(workspace.scene, workspace.bodies, workspace.next, *input.robot);
   }
 }
 

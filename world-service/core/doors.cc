@@ -116,35 +116,22 @@ std::vector<std::optional<bool>> AskedFor(const StepWorkspace& workspace) {
 
 }  // namespace
 
-void MoveDoors(std::span<const Proposal* const> by_robot, StepWorkspace& workspace) {
+void MoveDoors(const TickOrders& orders, StepWorkspace& workspace) {
   const std::vector<DoorDescription>& doors = workspace.world().doors;
   if (doors.empty()) return;
   std::vector<std::optional<double>> targets(doors.size());
-  for (const Proposal* const proposal : by_robot) {
-    if (proposal == nullptr) continue;
-    for (const DoorOrder& order : proposal->doors) {
-      std::optional<double>& target = targets[order.door];
-      target = std::max(target.value_or(0.0), order.target);
-    }
-  }
+  orders.ForEachOfRobots<DoorOrder>([&](RobotId, const DoorOrder& order) {
+    std::optional<double>& target = targets[order.door];
+    target = std::max(target.value_or(0.0), order.opening);
+  });
+  orders.ForEachInput<DoorOrder>([&](const std::optional<RobotId>&, const DoorOrder& order) {
+    workspace.next.doors[order.door].target = order.opening;
+  });
   const std::vector<std::optional<bool>> asked = AskedFor(workspace);
   for (std::size_t i = 0; i < doors.size(); ++i) {
     if (targets[i] && doors[i].is_operated) workspace.next.doors[i].target = *targets[i];
     DoorTurn(workspace, i, asked[i]).Act();
   }
-}
-
-Result<EditedWorld> OperateDoor(const std::shared_ptr<const Scene>& scene, const WorldState& state,
-                                const std::string& name, double target) {
-  const std::optional<std::size_t> door = FindDoor(scene->world(), name);
-  if (!door) return Error{{}, "the world has no door '" + name + "'"};
-  if (!scene->world().doors[*door].is_operated) {
-    return Error{{}, "door '" + name + "' is not operated: it stays as it is"};
-  }
-  if (!(target >= 0.0 && target <= 1.0)) return Error{{}, "found an opening beyond 0 and 1"};
-  EditedWorld edited{scene, state};
-  edited.state.doors[*door].target = target;
-  return edited;
 }
 
 Status CheckIsMovable(const WorldDescription& world, ModelId root) {

@@ -252,23 +252,6 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
   return edited;
 }
 
-Result<EditedWorld> SetTwist(const std::shared_ptr<const Scene>& scene, const WorldState& state,
-                             const std::string& name, const Twist& twist) {
-  const Result<ModelId> root = FindEntity(scene->world(), name);
-  if (!root.ok()) return root.error();
-  const std::optional<RobotId> robot = scene->robot_of(root.value());
-  if (!robot) return Refuse("'" + name + "' is no robot: it has no drive");
-  constexpr double kLongEnough = 1e9;  // s, for any acceleration
-  const bool is_finite = std::isfinite(twist.vx) && std::isfinite(twist.vy) && std::isfinite(twist.wz);
-  if (!is_finite || !WithinLimits(scene->world().robot(*robot).drive, {}, twist, kLongEnough)) {
-    return Refuse("found a twist that the drive of '" + name + "' cannot have, expected one within its limits");
-  }
-  EditedWorld edited{scene, state};
-  edited.state.robots[robot->index()].twist = twist;
-  KeepVelocities(*scene, *robot, edited.state);
-  return edited;
-}
-
 Result<EditedWorld> DeleteEntity(const std::shared_ptr<const Scene>& scene, const WorldState& state,
                                  const std::string& name) {
   const Result<ModelId> root = FindEntity(scene->world(), name);

@@ -30,20 +30,6 @@ Result<ModelId> FindEntity(const WorldDescription& world, const std::string& nam
 Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const WorldState& state, const std::string& name,
                             const Pose& X_WE);
 
-// Sets the velocity of a robot, from which its drive accelerates. The error is an unknown name, an entity that is no
-// robot, or a twist that its drive cannot have.
-Result<EditedWorld> SetTwist(const std::shared_ptr<const Scene>& scene, const WorldState& state,
-                             const std::string& name, const Twist& twist);
-
-// Opens or closes a door, from the next tick on: to an opening from 0, closed, to 1. The error is an unknown name, or a
-// door that is not operated.
-Result<EditedWorld> OperateDoor(const std::shared_ptr<const Scene>& scene, const WorldState& state,
-                                const std::string& name, double target);
-
-// Calls a lift to a floor, from the next tick on; the session of a robot ends. The error is an unknown name.
-Result<EditedWorld> CallLift(const std::shared_ptr<const Scene>& scene, const WorldState& state,
-                             const std::string& name, const std::string& floor);
-
 // Whether an entity can be moved and deleted. The error is one that is a part of a door or a lift, or has one.
 Status CheckIsMovable(const WorldDescription& world, ModelId root);
 

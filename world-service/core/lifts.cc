@@ -13,18 +13,20 @@ namespace {
 // What stands in a cabin may have sunk into its floor by that: far more than rounding.
 constexpr double kFloorSlack = 1e-3;  // m
 
-// A robot that holds the session is the only one whose orders count, until it ends the session or is removed.
-void TakeOrders(const WorldDescription& world, std::size_t lift, std::span<const Proposal* const> by_robot,
-                LiftState& state) {
+// A call of a tool ends the session. A robot that has the session is the only one whose orders count, until it ends the
+// session or is removed.
+void ExecuteCalls(const WorldDescription& world, std::size_t lift, const TickOrders& orders, LiftState& state) {
   if (state.session && !RobotExists(world, *state.session)) state.session.reset();
-  for (const Proposal* const proposal : by_robot) {
-    if (proposal == nullptr) continue;
-    for (const LiftOrder& order : proposal->lifts) {
-      if (order.lift != lift || (state.session && *state.session != proposal->robot)) continue;
-      state.session = order.ends ? std::nullopt : std::optional(proposal->robot);
-      if (!order.ends) state.floor = static_cast<std::uint32_t>(order.floor);
-    }
-  }
+  orders.ForEachInput<LiftOrder>([&](const std::optional<RobotId>&, const LiftOrder& order) {
+    if (order.lift != lift) return;
+    state.session.reset();
+    if (!order.ends) state.floor = static_cast<std::uint32_t>(order.floor);
+  });
+  orders.ForEachOfRobots<LiftOrder>([&](RobotId robot, const LiftOrder& order) {
+    if (order.lift != lift || (state.session && *state.session != robot)) return;
+    state.session = order.ends ? std::nullopt : std::optional(robot);
+    if (!order.ends) state.floor = static_cast<std::uint32_t>(order.floor);
+  });
 }
 
 // One cabin on its way.
@@ -155,9 +157,9 @@ class CabinMotion {
 
 }  // namespace
 
-void CallLifts(std::span<const Proposal* const> by_robot, StepWorkspace& workspace) {
+void CallLifts(const TickOrders& orders, StepWorkspace& workspace) {
   const std::vector<LiftDescription>& lifts = workspace.world().lifts;
-  for (std::size_t i = 0; i < lifts.size(); ++i) TakeOrders(workspace.world(), i, by_robot, workspace.next.lifts[i]);
+  for (std::size_t i = 0; i < lifts.size(); ++i) ExecuteCalls(workspace.world(), i, orders, workspace.next.lifts[i]);
   ServePeople(workspace);
   for (std::size_t i = 0; i < lifts.size(); ++i) {
     LiftState& state = workspace.next.lifts[i];
@@ -183,23 +185,6 @@ void MoveLifts(StepWorkspace& workspace) {
     }
     if (may_move) CabinMotion(workspace, lifts[i], state).Act();
   }
-}
-
-Result<EditedWorld> CallLift(const std::shared_ptr<const Scene>& scene, const WorldState& state,
-                             const std::string& name, const std::string& floor) {
-  const std::optional<std::size_t> number = FindLift(scene->world(), name);
-  if (!number) return Error{{}, "the world has no lift '" + name + "'"};
-  const LiftDescription& lift = scene->world().lifts[*number];
-  std::string names;
-  for (std::size_t i = 0; i < lift.floors.size(); ++i) {
-    names += (i == 0 ? "" : ", ") + lift.floors[i].name;
-    if (lift.floors[i].name != floor) continue;
-    EditedWorld edited{scene, state};
-    edited.state.lifts[*number].floor = static_cast<std::uint32_t>(i);
-    edited.state.lifts[*number].session.reset();
-    return edited;
-  }
-  return Error{{}, "lift '" + name + "' has no floor '" + floor + "', expected " + names};
 }
 
 }  // namespace troupe

@@ -11,6 +11,7 @@
 
 #include "common/base/text.h"
 #include "common/model/device_limits.h"
+#include "common/spatial/check_order.h"
 #include "common/spatial/sweep.h"
 #include "troupe/check.h"
 #include "troupe/radio_limits.h"
@@ -122,17 +123,19 @@ class RobotTurn {
 constexpr std::size_t kClaim = 4;
 
 // Once all robots have acted.
-StepResult Finish(StepWorkspace& workspace, const WorldState& before, std::span<const Proposal* const> by_robot,
+StepResult Finish(StepWorkspace& workspace, const WorldState& before, const TickOrders& orders,
                   ThreadPool* people_pool) {
-  CallLifts(by_robot, workspace);
-  MoveDoors(by_robot, workspace);
+  const std::span<const Proposal* const> by_robot = orders.proposals;
+  CallLifts(orders, workspace);
+  MoveDoors(orders, workspace);
   MoveLifts(workspace);
   DropLostObjects(workspace);
   LetObjectsFall(workspace);
   MovePeople(workspace, people_pool);
   Transmit(workspace.world(), by_robot, workspace.next);
   ExchangeEnergy(workspace);
-  OperateDevices(by_robot, workspace);
+  OperateDevices(orders, workspace);
+  SetTwists(orders.inputs, workspace);
   StepResult result{std::move(workspace.next), std::move(workspace.robot_events)};
   std::stable_sort(result.events.begin(), result.events.end(),
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });
@@ -184,7 +187,7 @@ Status CheckRadioMessages(const WorldDescription& world, const Proposal& proposa
   return CheckMessages(world.robot(proposal.robot), world.interval_seconds(), proposal.messages);
 }
 
-Status CheckLightsAndText(const Scene& scene, const Proposal& proposal) {
+Status CheckTextAndOrders(const Scene& scene, const Proposal& proposal) {
   if (proposal.say.size() > kMaxSaidBytes) {
     return BadProposal("found a text of " + std::to_string(proposal.say.size()) + " bytes, expected at most " +
                        std::to_string(kMaxSaidBytes));
@@ -193,62 +196,22 @@ Status CheckLightsAndText(const Scene& scene, const Proposal& proposal) {
   if (!IsPlainLine(proposal.say)) {
     return BadProposal("found a text with a control character or a byte that is not UTF-8, expected a line of UTF-8");
   }
-  if (proposal.lights.empty()) return Status();
-  const std::size_t lights = scene.lights_of(proposal.robot).size();
-  for (const LightOrder& order : proposal.lights) {
-    if (order.light < lights) continue;
-    return BadProposal("found light " + std::to_string(order.light) + ", expected one of the robot's " +
-                       std::to_string(lights));
+  for (const Order& order : proposal.orders) {
+    if (Status problem = CheckOrder(scene, proposal.robot, order); !problem.ok()) return problem;
   }
-  return Status();
-}
-
-Status CheckCameras(const WorldDescription& world, const Proposal& proposal) {
-  for (const CameraOrder& order : proposal.cameras) {
-    const CameraParameters* const camera = FindCamera(world.robot(proposal.robot), order.sensor);
-    if (camera == nullptr) {
-      return BadProposal("found sensor " + std::to_string(order.sensor) + ", expected a camera of the robot");
-    }
-    const Interval limits = camera->TiltLimits();
-    if (order.pan >= -kPi && order.pan <= kPi && order.tilt >= limits.min && order.tilt <= limits.max) continue;
-    return BadProposal("found the pan " + std::to_string(order.pan) + " and tilt " + std::to_string(order.tilt) +
-                       " of a camera, expected -pi to pi and " + std::to_string(limits.min) + " to " +
-                       std::to_string(limits.max));
-  }
-  return Status();
-}
-
-Status CheckDoors(const WorldDescription& world, const Proposal& proposal) {
-  for (const DoorOrder& order : proposal.doors) {
-    if (order.door >= world.doors.size()) {
-      return BadProposal("found door " + std::to_string(order.door) + ", expected one of the world's " +
-                         std::to_string(world.doors.size()));
-    }
-    if (order.target >= 0.0 && order.target <= 1.0) continue;
-    return BadProposal("found the target " + std::to_string(order.target) + " of a door, expected 0 to 1");
-  }
-  return Status();
-}
-
-Status CheckLifts(const WorldDescription& world, const Proposal& proposal) {
-  for (const LiftOrder& order : proposal.lifts) {
-    if (order.lift < world.lifts.size() && (order.ends || order.floor < world.lifts[order.lift].floors.size()))
-      continue;
-    return BadProposal("found a call of lift " + std::to_string(order.lift) + " to floor " +
-                       std::to_string(order.floor) + ", expected those of the world");
-  }
-  return Status();
+  return {};
 }
 
 }  // namespace
 
-StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals) {
+StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals,
+                std::span<const Input> inputs) {
   BodyIndex bodies(scene);
-  return Step(scene, state, proposals, bodies);
+  return Step(scene, state, proposals, bodies, nullptr, inputs);
 }
 
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies,
-                ThreadPool* people_pool) {
+                ThreadPool* people_pool, std::span<const Input> inputs) {
   const std::size_t count = state.robots.size();
   const std::vector<const Proposal*> by_robot = ProposalByRobot(scene, state, proposals);
   StepMemory memory = MemoryFor(scene, state, bodies);
@@ -257,7 +220,7 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
     const std::size_t i = (memory.next.tick + k) % count;  // so that no robot is always first
     RobotTurn(workspace, RobotId(i), by_robot[i]).Act();
   }
-  StepResult result = Finish(workspace, state, by_robot, people_pool);
+  StepResult result = Finish(workspace, state, {inputs, by_robot}, people_pool);
   bodies = std::move(memory.bodies);
   return result;
 }
@@ -268,8 +231,8 @@ Stepper::Stepper(const Scene& scene, std::shared_ptr<ThreadPool> pool, std::size
       people_pool_(pool && pool->size() > 1 && scene.world().people.size() >= kMinPeople ? pool : nullptr),
       indices_(pool_ ? pool_->size() : 1, BodyIndex(scene)) {}
 
-StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> proposals) {
-  if (!pool_) return troupe::Step(scene_, state, proposals, indices_.front(), people_pool_.get());
+StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> proposals, std::span<const Input> inputs) {
+  if (!pool_) return troupe::Step(scene_, state, proposals, indices_.front(), people_pool_.get(), inputs);
   const std::vector<const Proposal*> by_robot = ProposalByRobot(scene_, state, proposals);
   islands_.Find(scene_, state, by_robot);
   StepMemory memory = MemoryFor(scene_, state, indices_.front());
@@ -296,7 +259,7 @@ StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> prop
   for (std::vector<Event>& of_thread : events) {
     std::move(of_thread.begin(), of_thread.end(), std::back_inserter(workspace.robot_events));
   }
-  StepResult result = Finish(workspace, state, by_robot, people_pool_.get());
+  StepResult result = Finish(workspace, state, {inputs, by_robot}, people_pool_.get());
   indices_.front() = std::move(memory.bodies);
   return result;
 }
@@ -329,10 +292,7 @@ Status ValidateProposal(const Scene& scene, const WorldState& state, const Propo
   }
   if (Status problem = CheckJointVelocities(scene, proposal); !problem.ok()) return problem;
   if (Status problem = CheckRadioMessages(world, proposal); !problem.ok()) return problem;
-  if (Status problem = CheckCameras(world, proposal); !problem.ok()) return problem;
-  if (Status problem = CheckDoors(world, proposal); !problem.ok()) return problem;
-  if (Status problem = CheckLifts(world, proposal); !problem.ok()) return problem;
-  return CheckLightsAndText(scene, proposal);
+  return CheckTextAndOrders(scene, proposal);
 }
 
 }  // namespace troupe

@@ -5,9 +5,10 @@
 // predecessors. A robot releases the object from which its fingers open, moves its base along the exact arc of its
 // twist until its first contact, moves its joints one by one, and grips the object on which its fingers close. Its
 // payload (the objects that it holds, and the stacks on them and on it) moves and collides with it. Then doors and
-// lifts move until a body is in their way, objects without support fall, people walk (people.h), the robots' radio
-// messages are on their way, and energy is consumed and exchanged. A robot without energy has no proposal. A motion cut
-// short by a contact ends at the contact; its stall or blocked flag is set and its velocity is zero.
+// lifts follow their orders, those of tools first, and move until a body is in their way, objects without support fall,
+// people walk (people.h), the robots' radio messages are on their way, and energy is consumed and exchanged. A robot
+// without energy has no proposal. A motion cut short by a contact ends at the contact; its stall or blocked flag is set
+// and its velocity is zero.
 #pragma once
 
 #include <cstdint>
@@ -31,15 +32,17 @@ struct StepResult {
   std::vector<Event> events;  // of robots in robot-id order, then of objects
 };
 
-// REQUIRES: `state` is InitialState of the scene, or the result of a step or an edit; it belongs to
-// the scene's world; `proposals` are in robot-id order, at most one for each robot, and valid. A
-// robot without a proposal stands still.
-StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals);
+// `inputs`: orders of tools, of which those of a kind are executed in their sequence, before those of robots; a twist
+// is set at the end of the tick. REQUIRES: `state` is InitialState of the scene, or the result of a step or an edit; it
+// belongs to the scene's world; `proposals` are in robot-id order, at most one for each robot, and valid; so are
+// `inputs` (check_order.h). A robot without a proposal stands still.
+StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals,
+                std::span<const Input> inputs = {});
 
 // The same, for one tick after another: `bodies`, an index of the scene, is updated only by the bodies that have moved
 // since the last step. Neither it nor the threads of `people_pool`, which may be null, change anything in the result.
 StepResult Step(const Scene& scene, const WorldState& state, std::span<const Proposal> proposals, BodyIndex& bodies,
-                ThreadPool* people_pool = nullptr);
+                ThreadPool* people_pool = nullptr, std::span<const Input> inputs = {});
 
 // The steps of one world, by several threads: islands of robots (islands.h) act at the same time, and people find their
 // velocities. The result is that of Step, bit for bit.
@@ -53,7 +56,7 @@ class Stepper {
   explicit Stepper(const Scene& scene, std::shared_ptr<ThreadPool> pool = {}, std::size_t fewest_robots = kMinRobots);
 
   // REQUIRES: as above.
-  StepResult Step(const WorldState& state, std::span<const Proposal> proposals);
+  StepResult Step(const WorldState& state, std::span<const Proposal> proposals, std::span<const Input> inputs = {});
 
  private:
   const Scene& scene_;
@@ -75,7 +78,8 @@ inline constexpr std::uint32_t kStepVersion = 5;
 
 // Validates proposals from the network before they enter a step.
 // Success if the proposal is for an existing robot, finite, and within the declared bounds of its drive (velocity and,
-// from the velocity that it has in `state`, acceleration) of its joints and of its radios. The error is for an event.
+// from the velocity that it has in `state`, acceleration), of its joints, its radios and its orders. The error is for
+// an event.
 Status ValidateProposal(const Scene& scene, const WorldState& state, const Proposal& proposal);
 
 }  // namespace troupe

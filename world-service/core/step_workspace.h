@@ -100,11 +100,36 @@ struct StepWorkspace {
   }
 };
 
+// The orders of a tick: those of tools, then those in the proposals of robots. All are valid.
+struct TickOrders {
+  std::span<const Input> inputs;               // in the sequence in which they are executed
+  std::span<const Proposal* const> proposals;  // by robot, null where there is none
+
+  // Calls use(robot, order) for each order of a kind; `robot` is nothing for one of a tool for the building.
+  template <typename Kind, typename Use>
+  void ForEachInput(const Use& use) const {
+    for (const Input& input : inputs) {
+      if (const auto* const order = std::get_if<Kind>(&input.order)) use(input.robot, *order);
+    }
+  }
+  template <typename Kind, typename Use>
+  void ForEachOfRobots(const Use& use) const {
+    for (const Proposal* const proposal : proposals) {
+      if (proposal == nullptr) continue;
+      for (const Order& any : proposal->orders) {
+        if (const auto* const order = std::get_if<Kind>(&any)) use(proposal->robot, *order);
+      }
+    }
+  }
+};
+
 // The devices of robots that a step switches and turns: lights and cameras; and the texts that robots say.
 
-// Executes these parts of the proposals, and adds an event for each text. `by_robot`: the proposals by robot, null
-// where there is none. REQUIRES: they are valid.
-void OperateDevices(std::span<const Proposal* const> by_robot, StepWorkspace& workspace);
+// Executes these orders, and adds an event for each text.
+void OperateDevices(const TickOrders& orders, StepWorkspace& workspace);
+
+// At the end of a tick: the velocities that tools set, of which inertial measurement units measure no acceleration.
+void SetTwists(std::span<const Input> inputs, StepWorkspace& workspace);
 
 // The energy of a step: what models consume, and what they give to those that touch them.
 
@@ -134,13 +159,12 @@ void KeepVelocities(const Scene& scene, const BodyIndex& bodies, WorldState& sta
 void KeepVelocities(const Scene& scene, RobotId robot, WorldState& state);
 
 // Doors, after the robots have acted: each moves towards its target, or opens for a robot in its reach, up to the
-// first contact of a leaf with a robot or an object. `by_robot`: the proposals by robot, null where there is none.
-// REQUIRES: they are valid.
-void MoveDoors(std::span<const Proposal* const> by_robot, StepWorkspace& workspace);
+// first contact of a leaf with a robot or an object.
+void MoveDoors(const TickOrders& orders, StepWorkspace& workspace);
 
-// Lifts: before the doors move, the orders of robots count, and each opens its doors where it stands at its floor and
-// closes them elsewhere. After them, one whose doors are all closed moves towards its floor, with what stands in it.
-void CallLifts(std::span<const Proposal* const> by_robot, StepWorkspace& workspace);
+// Lifts: before the doors move, the orders count, and each opens its doors where it stands at its floor and closes them
+// elsewhere. After them, one whose doors are all closed moves towards its floor, with what stands in it.
+void CallLifts(const TickOrders& orders, StepWorkspace& workspace);
 void MoveLifts(StepWorkspace& workspace);
 
 // Adds what doors, lifts and people have done between two states: doors in their order, then lifts, then people.

@@ -8,6 +8,7 @@
 
 #include "common/geometry/limits.h"
 #include "common/model/states.h"
+#include "common/spatial/check_order.h"
 #include "world-service/core/step.h"
 #include "world-service/service/apply_edit.h"
 
@@ -237,7 +238,10 @@ Status ReplayedWorld::Step(const RecordedTick& tick) {
       return Error{{}, "the proposal of robot " + name + " is refused: " + problem.error().message};
     }
   }
-  StepResult next = troupe::Step(*scene_, state_, tick.proposals, bodies_);
+  for (const Input& input : tick.inputs) {
+    if (Status problem = CheckInput(*scene_, input); !problem.ok()) return problem;
+  }
+  StepResult next = troupe::Step(*scene_, state_, tick.proposals, bodies_, nullptr, tick.inputs);
   events_ = std::move(next.events);
   SetState(std::move(next.state));
   return {};

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/model/states.h"
+#include "common/spatial/check_order.h"
 #include "world-service/core/step.h"
 
 namespace troupe {
@@ -64,10 +65,10 @@ bool IsEdit(ControlCommand command) {
     case ControlCommand::kSetPose:
     case ControlCommand::kRewind:
     case ControlCommand::kChange:
+      return true;
     case ControlCommand::kSetTwist:
     case ControlCommand::kDoor:
     case ControlCommand::kLift:
-      return true;
     case ControlCommand::kStatus:
     case ControlCommand::kPause:
     case ControlCommand::kPlay:
@@ -92,15 +93,6 @@ Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<con
       return Reset(request.scopes, original, scene, state);
     case ControlCommand::kSetPose:
       return SetPose(scene, state, request.name, request.pose);
-    case ControlCommand::kSetTwist:
-      return SetTwist(scene, state, request.name, request.twist);
-    case ControlCommand::kDoor:
-      if (request.source != "open" && request.source != "close") {
-        return Error{{}, "found '" + request.source + "' for a door, expected open or close"};
-      }
-      return OperateDoor(scene, state, request.name, request.source == "open" ? 1.0 : 0.0);
-    case ControlCommand::kLift:
-      return CallLift(scene, state, request.name, request.source);
     case ControlCommand::kDelete:
       return DeleteEntity(scene, state, request.name);
     case ControlCommand::kSpawn:
@@ -121,6 +113,52 @@ Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<con
     default:
       return Error{{}, "found no edit"};
   }
+}
+
+bool IsInput(ControlCommand command) {
+  return command == ControlCommand::kSetTwist || command == ControlCommand::kDoor || command == ControlCommand::kLift;
+}
+
+namespace {
+
+Result<Input> InputForRobot(const WorldDescription& world, const ControlRequest& request) {
+  const Result<ModelId> root = FindEntity(world, request.name);
+  if (!root.ok()) return root.error();
+  const std::optional<RobotId> robot = FindRobot(world, request.name);
+  if (!robot) return Error{{}, "'" + request.name + "' is no robot: it has no drive"};
+  return Input{robot, TwistOrder{request.twist}};
+}
+
+Result<Input> InputForDoor(const WorldDescription& world, const ControlRequest& request) {
+  if (request.source != "open" && request.source != "close") {
+    return Error{{}, "found '" + request.source + "' for a door, expected open or close"};
+  }
+  const std::optional<std::size_t> door = FindDoor(world, request.name);
+  if (!door) return Error{{}, "the world has no door '" + request.name + "'"};
+  return Input{{}, DoorOrder{*door, request.source == "open" ? 1.0 : 0.0}};
+}
+
+Result<Input> InputForLift(const WorldDescription& world, const ControlRequest& request) {
+  const std::optional<std::size_t> number = FindLift(world, request.name);
+  if (!number) return Error{{}, "the world has no lift '" + request.name + "'"};
+  const std::vector<LiftFloor>& floors = world.lifts[*number].floors;
+  std::string names;
+  for (std::size_t i = 0; i < floors.size(); ++i) {
+    if (floors[i].name == request.source) return Input{{}, LiftOrder{*number, i}};
+    names += (i == 0 ? "" : ", ") + floors[i].name;
+  }
+  return Error{{}, "lift '" + request.name + "' has no floor '" + request.source + "', expected " + names};
+}
+
+}  // namespace
+
+Result<Input> InputOf(const Scene& scene, const ControlRequest& request) {
+  Result<Input> input = request.command == ControlCommand::kDoor   ? InputForDoor(scene.world(), request)
+                        : request.command == ControlCommand::kLift ? InputForLift(scene.world(), request)
+                                                                   : InputForRobot(scene.world(), request);
+  if (!input.ok()) return input;
+  if (Status problem = CheckInput(scene, input.value()); !problem.ok()) return problem.error();
+  return input;
 }
 
 using Json = nlohmann::json;

@@ -17,8 +17,15 @@
 
 namespace troupe {
 
-// Reset, load, spawn, delete, set pose, set twist, rewind.
+// Reset, load, spawn, delete, set pose, rewind, change: what makes a new edition of the world or its state, in a pause.
 bool IsEdit(ControlCommand command);
+
+// Set twist, door, lift: what enters the next step, without a pause.
+bool IsInput(ControlCommand command);
+
+// The input that a request asks for, valid in the world. The error names what is unknown or out of range, for people.
+// REQUIRES: IsInput.
+Result<Input> InputOf(const Scene& scene, const ControlRequest& request);
 
 // `original`: the scene that a reset restores, the newest that was loaded. The error is the reason why the edit
 // cannot be applied: an unknown name, an obstacle, bad scopes. REQUIRES: the command is an edit; `edit.world` is null

@@ -27,7 +27,7 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
   OpenRequest open{request, std::move(reply), std::move(world)};
   if (request.command == ControlCommand::kStatus) return Accept(open);
   if (IsOver(run_)) return Reply(open, Refusal("the run is over"));
-  if (queue_.size() + awaiting_pause_.size() >= kMaxOpen) {
+  if (early_.size() + engine_.waiting_inputs() + queue_.size() + awaiting_pause_.size() >= kMaxOpen) {
     return Reply(open, Refusal("too many requests are waiting"));
   }
   if (request.command == ControlCommand::kChange) {
@@ -43,6 +43,7 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
     if (open.request.name.empty()) open.request.name = request.source;
   }
   if (IsEdit(open.request.command)) return EnqueueEdit(std::move(open), now);
+  if (IsInput(open.request.command)) return ExecuteInput(std::move(open), now);
   switch (request.command) {
     case ControlCommand::kPlay:
       return Play(open, now);
@@ -90,6 +91,21 @@ Status RunControl::CommandRobot(const ControlRequest& request, double now) {
   if (cancels_goal) command.goal.emplace();
   engine_.AddCommand(command, request.ticks);
   engine_.ReportProgress(now);
+  return {};
+}
+
+void RunControl::ExecuteInput(OpenRequest open, double now) {
+  if (!has_begun()) return Reply(open, Refusal("the run has not begun; nothing can be changed before"));
+  if (run_.phase == RunPhase::kGathering) return early_.push_back(std::move(open));
+  ReplyWith(open, AddInput(open.request, now));
+}
+
+Status RunControl::AddInput(const ControlRequest& request, double now) {
+  const Result<Input> input = InputOf(*run_.scene, request);
+  if (!input.ok()) return input.error();
+  engine_.AddInput(input.value());
+  editor_.ReportRequest(request);
+  engine_.ReportProgress(now);  // so that it survives the service
   return {};
 }
 
@@ -151,6 +167,9 @@ void RunControl::Enqueue(OpenRequest open, double now) {
 
 void RunControl::Advance(double now) {
   if (IsOver(run_)) return RefuseAll(Refusal("the run is over"));
+  if (run_.phase == RunPhase::kRunning) {
+    for (const OpenRequest& open : std::exchange(early_, {})) ReplyWith(open, AddInput(open.request, now));
+  }
   if (!quiescent()) return;
   ReplyToWaiting();
   ReplyToEdit();
@@ -305,6 +324,7 @@ RunState RunControl::State() const {
 
 void RunControl::RefuseAll(const Error& error) {
   for (const OpenRequest& open : std::exchange(awaiting_pause_, {})) Reply(open, error);
+  for (const OpenRequest& open : std::exchange(early_, {})) Reply(open, error);
   for (const OpenRequest& open : std::exchange(queue_, {})) Reply(open, error);
   if (const auto edit = std::exchange(edit_, std::nullopt)) Reply(*edit, error);
 }

@@ -1,6 +1,8 @@
 // RunControl: executes the requests of tools: pause, play, step, edits and queries. It keeps the open requests, in the
 // order of their arrival, and replies to each once. docs/tick-protocol.md describes the pause.
 //
+// Requests for doors, lifts and twists are inputs of the next tick: they need no pause, and are answered at once.
+//
 // A pause is quiescent when every member has answered the paused frame and no robot of an edit waits for its agent.
 // Edits and steps start in a quiescent pause only. Passive, as TickEngine.
 #pragma once
@@ -75,12 +77,15 @@ class RunControl {
   void Accept(const OpenRequest& open) const { Reply(open, std::vector<EntityReport>()); }
   Status SetSpeed(const std::optional<double>& speed, double now);
   Status CommandRobot(const ControlRequest& request, double now);
+  void ExecuteInput(OpenRequest open, double now);
+  Status AddInput(const ControlRequest& request, double now);
   Result<std::vector<EntityReport>> Entities(const std::string& name, bool with_boxes = false) const;
   RunState State() const;
 
   const LiveRun& run_;
   TickEngine& engine_;
   WorldEditor& editor_;
+  std::vector<OpenRequest> early_;           // inputs that wait until a continued run has its agents back
   std::deque<OpenRequest> queue_;            // steps and edits that wait for the pause before them
   std::vector<OpenRequest> awaiting_pause_;  // for a reply in the next quiescent pause
   Tick step_begun_ = 0;                      // the tick at which the step among them began

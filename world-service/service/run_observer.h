@@ -61,6 +61,7 @@ struct CommittedTick {
   const AppliedEdit* edit = nullptr;    // null: the frame is tick 0 of the loaded world, or the result of a step
   const WorldState* before = nullptr;   // the state to which the edit was applied; null without one
   std::span<const RobotCommand> commands = {};  // from outside, that the agents had for the proposals
+  std::span<const Input> inputs = {};           // of tools, that entered the step, in the sequence of their execution
   bool is_recorded = false;                     // the recording has the state already: the copy of one from the past
 };
 

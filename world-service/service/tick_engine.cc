@@ -6,6 +6,7 @@
 
 #include "common/base/or_failure.h"
 #include "common/model/states.h"
+#include "common/spatial/check_order.h"
 
 namespace troupe {
 namespace {
@@ -68,6 +69,8 @@ TickEngine::TickEngine(LiveRun& run, double now)
     const ResumedRun& resumed = *run_.options.resumed;
     commands_ = RobotCommands(LastGoalBefore(resumed));
     commands_.Restore(resumed.progress.commands);
+    inputs_ = resumed.progress.inputs;
+    DropInvalidInputs();
     if (resumed.progress.speed_is_set) SetSpeed(resumed.progress.speed, now);
     run_.frame = *resumed.frame;
     run_.memories.Resume(resumed.previous, run_.frame.fresh_edition);
@@ -126,12 +129,12 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now, const S
     AddMember(*member, now);
   }
   if (!barrier_.Arrive(proposal.agent)) return resend_timer_.AnsweredTwice();
-  all_have_answered_ = all_have_answered_ || barrier_.complete();
+  if (barrier_.complete()) first_answers_ = FirstAnswers::kComplete;
   if (proposal.paused) {
     member->silent_since.reset();
     resend_timer_.Answered(now);
     arrived_at_ = now;
-    return AdvanceShown(now);
+    return AdvanceRelease(now);
   }
   Collect(*member, proposal, now, shared);
   const double answer = now - committed_at_;
@@ -219,7 +222,8 @@ void TickEngine::Lose(Member& member, const std::string& reason, double now) {
 void TickEngine::LoseSilentMembers(double now) {
   const double deadline = run_.options.settings.agent_deadline_seconds;
   if (run_.phase != RunPhase::kRunning || barrier_.complete()) return;
-  if (!all_have_answered_ && !run_.realtime() && !run_.takes_over()) return AwaitFirstAnswers(now);
+  if (first_answers_ != FirstAnswers::kComplete && !run_.realtime() && !run_.takes_over())
+    return AwaitFirstAnswers(now);
   if (deadline <= 0.0) return;
   for (AgentId agent : barrier_.Missing()) {
     Member* const member = run_.members.Find(agent);
@@ -238,7 +242,7 @@ void TickEngine::AwaitFirstAnswers(double now) {
   const double waited = now - arrived_at_;
   const double timeout = run_.options.start_timeout_seconds;
   const bool is_over = run_.options.settings.agent_deadline_seconds > 0.0 && timeout > 0.0 && waited >= timeout;
-  if (!is_over && (waited < kFirstAnswers || has_reported_first_answers_)) return;
+  if (!is_over && (waited < kFirstAnswers || first_answers_ == FirstAnswers::kReportedMissing)) return;
   std::vector<RobotId> robots;
   std::vector<std::string> hosts;
   for (const AgentId agent : barrier_.Missing()) {
@@ -252,7 +256,7 @@ void TickEngine::AwaitFirstAnswers(double now) {
   text += ") within " + std::to_string(static_cast<int>(waited)) + " s";
   if (!run_.options.advice_on_silence.empty()) text += "; " + run_.options.advice_on_silence;
   if (is_over) return Fail(Failure(std::move(text)), now);
-  has_reported_first_answers_ = true;
+  first_answers_ = FirstAnswers::kReportedMissing;
   run_.notices.Add(std::move(text));
 }
 
@@ -307,10 +311,15 @@ bool TickEngine::ShowsTick(Tick tick) const {
                      [tick](RunObserver* observer) { return observer->ShowsTick(tick); });
 }
 
-void TickEngine::AdvanceShown(double now) {
-  if (!shows_ || !pause_answered() || halted()) return;
+FrameStage TickEngine::StageOf(const FrameMessage& frame, bool shows) {
+  if (!frame.paused) return FrameStage::kDeciding;
+  return shows ? FrameStage::kPublishing : FrameStage::kPaused;
+}
+
+void TickEngine::AdvanceRelease(double now) {
+  if (released() || !pause_answered() || halted()) return;
   Status outcome;
-  if (!std::exchange(shown_, true)) {
+  if (std::exchange(stage_, FrameStage::kAwaitingRelease) == FrameStage::kPublishing) {
     outcome = CallObservers(run_.observers, [&](RunObserver& observer) { return observer.OnShown(run_.frame); });
   }
   awaited_.clear();
@@ -324,7 +333,7 @@ void TickEngine::AdvanceShown(double now) {
   if (outcome.ok()) outcome = asked;
   if (!outcome.ok()) return Fail(outcome.error(), now);
   if (!awaited_.empty()) return;
-  shows_ = false;
+  stage_ = FrameStage::kPaused;
   if (ticks_to_pause_ != 0U) SendUnpaused(false, now);
 }
 
@@ -332,16 +341,15 @@ void TickEngine::Continue(double now) {
   FrameMessage& frame = run_.frame;
   pacer_.Resume(frame.state.tick, now);
   // If an agent has decided on the frame already, the service before had released it.
-  shows_ = !run_.is_decided && ShowsTick(frame.state.tick);
-  shown_ = false;
-  frame.paused = ticks_to_pause_ == 0U || shows_;
+  const bool shows = !run_.is_decided && ShowsTick(frame.state.tick);
   frame.last = IsLast(frame.state.tick);
-  if (frame.last) frame.paused = shows_ = false;
+  frame.paused = !frame.last && (ticks_to_pause_ == 0U || shows);
+  stage_ = StageOf(frame, shows);
   frame.holds = frame.paused && ticks_to_pause_ != 0U;
   if (!frame.paused) frame.commands = commands_.Sent();  // as of the service before: an agent may have answered it
   if (run_.members.present_members() == 0) halted_since_ = now;
   run_.endpoint.SendFrame(frame);
-  Opened(now);
+  OpenBarrier(now);
   if (run_.is_branch()) ReportBranch(now);
   if (!frame.last) return;
   // The agents that were there may have left because they have seen the last frame: they are not lost.
@@ -380,8 +388,14 @@ RunProgress TickEngine::Progress() const {
   progress.speed_is_set = speed_is_set_;
   if (speed_is_set_) progress.speed = speed();
   progress.commands = commands_.InForce();
+  progress.inputs = inputs_;
   if (run_.continues()) progress.first_number = run_.options.resumed->progress.first_number;
   return progress;
+}
+
+// Of devices that an edit has removed.
+void TickEngine::DropInvalidInputs() {
+  std::erase_if(inputs_, [&](const Input& input) { return !CheckInput(*run_.scene, input).ok(); });
 }
 
 void TickEngine::ReportProgress(double now) {
@@ -391,8 +405,7 @@ void TickEngine::ReportProgress(double now) {
   if (!outcome.ok()) Fail(outcome.error(), now);
 }
 
-// The barrier for the next tick.
-void TickEngine::Opened(double now) {
+void TickEngine::OpenBarrier(double now) {
   committed_at_ = arrived_at_ = now;
   barrier_.Open(run_.next_tick());
   if (run_.endpoint.may_lose_messages()) {
@@ -416,12 +429,13 @@ void TickEngine::Commit(double now) {
     }
   }
   if (observers_wait_since_) observers_waited_ += now - *std::exchange(observers_wait_since_, std::nullopt);
-  all_have_answered_ = true;  // that were not lost
+  first_answers_ = FirstAnswers::kComplete;  // of agents that are not lost
   EnterPhase(TickPhase::kStep, run_.next_tick());
   commands_.Elapse();
   ++steps_;
   const std::span<const Proposal> proposals = proposals_.ForStep(run_.frame.state);
-  StepResult result = stepper_->Step(run_.frame.state, proposals);
+  const std::vector<Input> inputs = ByKind(std::exchange(inputs_, {}));
+  StepResult result = stepper_->Step(run_.frame.state, proposals, inputs);
   FrameMessage next = SuccessorOf(run_.frame);
   next.state = std::move(result.state);
   next.state_hash = StateHash(next.state);
@@ -432,7 +446,7 @@ void TickEngine::Commit(double now) {
   next.paused = ticks_to_pause_ == 0U || ShowsTick(next.state.tick);
   if (!next.paused) next.commands = commands_.ForNextTick(run_.world());
   pacer_.Committed(next.state.tick, now);
-  Publish(std::move(next), {.proposals = proposals}, now);
+  Publish(std::move(next), {.proposals = proposals, .inputs = inputs}, now);
 }
 
 // The phases of the trace, and their means.
@@ -443,10 +457,10 @@ void TickEngine::EnterPhase(TickPhase phase, Tick tick) {
 void TickEngine::Resume(double now) {
   if (run_.options.phase_times != nullptr) run_.options.phase_times->Restart();  // a pause is no wait
   pacer_.Resume(run_.frame.state.tick, now);
-  if (!shows_) return SendUnpaused(true, now);
+  if (released()) return SendUnpaused(true, now);
   ResendHold();
   ReportProgress(now);
-  AdvanceShown(now);
+  AdvanceRelease(now);
 }
 
 void TickEngine::ResendHold() {
@@ -455,12 +469,13 @@ void TickEngine::ResendHold() {
 
 // The progress has the commands that agents know, and the end of a pause.
 void TickEngine::SendUnpaused(bool ends_pause, double now) {
+  stage_ = FrameStage::kDeciding;
   run_.frame.paused = run_.frame.holds = false;
   run_.frame.commands = commands_.ForNextTick(run_.world());
   if (ends_pause || !run_.frame.commands.empty()) ReportProgress(now);
   if (run_.phase != RunPhase::kRunning) return;
   run_.endpoint.SendFrame(run_.frame);
-  Opened(now);
+  OpenBarrier(now);
 }
 
 void TickEngine::SetSpeed(std::optional<double> speed, double now) {
@@ -480,7 +495,11 @@ void TickEngine::PublishEdit(FrameMessage next, const AppliedEdit& edit, double 
   next.state_hash = StateHash(next.state);
   next.events = run_.events.CompleteFrame(next.state.tick, std::move(next.events));
   next.paused = true;
-  if (is_recorded || next.fresh_edition == next.edition) commands_.Clear();
+  if (is_recorded || next.fresh_edition == next.edition) {
+    commands_.Clear();
+    inputs_.clear();
+  }
+  DropInvalidInputs();
   ticks_to_pause_ = 0;
   Publish(std::move(next), {.edit = &edit, .is_recorded = is_recorded}, now);
 }
@@ -489,9 +508,8 @@ void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
   const Tick tick = next.state.tick;
   next.last = IsLast(tick);
   if (next.last) next.paused = false;
-  shows_ = next.paused && ShowsTick(tick);
+  const FrameStage stage = StageOf(next, next.paused && ShowsTick(tick));
   next.holds = next.paused && ticks_to_pause_ != 0U;
-  shown_ = false;
   const auto committed = [&](const FrameMessage& frame, const FrameMessage& before) -> CommittedTick {
     if (origin.edit != nullptr) {
       return {.frame = frame,
@@ -500,7 +518,7 @@ void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
               .before = &before.state,
               .is_recorded = origin.is_recorded};
     }
-    return {.frame = frame, .proposals = origin.proposals, .commands = before.commands};
+    return {.frame = frame, .proposals = origin.proposals, .commands = before.commands, .inputs = origin.inputs};
   };
   EnterPhase(TickPhase::kRecord, tick);
   const RunProgress progress = Progress();
@@ -510,10 +528,11 @@ void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
   EnterPhase(TickPhase::kPublish, tick);
   const bool changes_world = next.world_edition != run_.frame.world_edition;
   const FrameMessage before = std::exchange(run_.frame, std::move(next));
+  stage_ = stage;
   if (changes_world) AnnounceSession(run_);
   run_.endpoint.SendFrame(run_.frame);  // before the observers' other work, so that the agents work meanwhile
   EnterPhase(TickPhase::kRecord, tick);
-  Opened(now);
+  OpenBarrier(now);
   outcome = CallObservers(run_.observers,
                           [&](RunObserver& observer) { return observer.OnTick(committed(run_.frame, before)); });
   if (!outcome.ok()) return Fail(outcome.error(), now);
@@ -543,7 +562,7 @@ void TickEngine::End(double now, const std::vector<RobotId>& lost) {
 }
 
 void TickEngine::Poll(double now) {
-  AdvanceShown(now);
+  AdvanceRelease(now);
   if (ReadyToCommit(now)) return Commit(now);
   if (run_.phase == RunPhase::kEnding && now >= end_at_) run_.phase = RunPhase::kOver;
   if (run_.phase == RunPhase::kOver) return;

@@ -23,6 +23,20 @@ namespace troupe {
 // When the ticks before a pause are committed: at the run's speed, or without waiting for their time.
 enum class Pace : bool { kRun, kAtOnce };
 
+// The newest frame of a running run, from its publication to the next step:
+//
+//   kPublishing ──all agents have published──► kAwaitingRelease ──all observers have released──► kPaused or kDeciding
+//   kPaused ──Resume──► kDeciding ──Commit──► the next frame
+//
+// A frame that no observer asks for (RunObserver::ShowsTick) is kPaused or kDeciding at once. In the first three the
+// frame is `paused`: agents publish it and answer without proposals.
+enum class FrameStage : std::uint8_t {
+  kPublishing,       // for observers; agents have not all answered
+  kAwaitingRelease,  // published; observers have not all released it
+  kPaused,           // until a user resumes the run
+  kDeciding,         // agents propose; the barrier opens the step
+};
+
 class TickEngine {
  public:
   // The run outlives the engine. Makes its first frame.
@@ -61,14 +75,14 @@ class TickEngine {
   bool pause_answered() const { return run_.phase == RunPhase::kRunning && run_.frame.paused && barrier_.complete(); }
   // Tells observers whether the paused frame only holds, after ticks_to_pause has changed.
   void ResendHold();
-  // Resends the frame without `paused`, so that the agents propose; of a shown tick, as soon as it is released.
+  // Resends the frame without `paused`, so that the agents propose; one that is awaited, as soon as it is released.
   // REQUIRES: the frame is paused, and no pause is due.
   void Resume(double now);
   // The frame is paused for the observers only, which have not released it: no pause is due.
   bool holding() const { return run_.frame.paused && ticks_to_pause_ != 0U; }
-  // Nothing is awaited for the shown frame.
-  bool released() const { return !shows_; }
-  // Those for which the shown frame waits, for people.
+  // No observer awaits anything for the frame.
+  bool released() const { return stage_ == FrameStage::kPaused || stage_ == FrameStage::kDeciding; }
+  // What the frame awaits in kAwaitingRelease, for people.
   const std::vector<std::string>& awaited() const { return awaited_; }
   // A pause at the next occasion: at once if the frame is paused, else after the next tick.
   void RequestPause() { SetTicksToPause(run_.frame.paused ? 0 : 1); }
@@ -78,6 +92,9 @@ class TickEngine {
   const std::optional<double>& speed() const { return pacer_.speed(); }
   // The command is in force for `ticks` ticks from the next frame on. REQUIRES: as RobotCommands::Add.
   void AddCommand(const RobotCommand& command, std::uint64_t ticks) { commands_.Add(command, ticks); }
+  // The input enters the next step, without a pause. REQUIRES: CheckInput succeeded.
+  void AddInput(const Input& input) { inputs_.push_back(input); }
+  std::size_t waiting_inputs() const { return inputs_.size(); }
 
   // The scene of the run is another one; `removed` members have no robots in it.
   void ChangeWorld(std::span<const AgentId> removed);
@@ -115,8 +132,11 @@ class TickEngine {
   void Commit(double now);
   // Observers ask for the frame of this tick to be shown before it is decided on.
   bool ShowsTick(Tick tick) const;
-  // Tells the observers that the agents have published the paused frame, and continues the run if they release it.
-  void AdvanceShown(double now);
+  // The stage of a frame that is published now; `shows`: an observer asks for it.
+  static FrameStage StageOf(const FrameMessage& frame, bool shows);
+  // In kPublishing and kAwaitingRelease: tells the observers that the agents have published the frame, asks them for
+  // its release, and continues the run after it.
+  void AdvanceRelease(double now);
   // Sends the paused frame without `paused`. `ends_pause`: of the run.
   void SendUnpaused(bool ends_pause, double now);
   // Publishes the newest frame of a run that is continued.
@@ -124,12 +144,14 @@ class TickEngine {
   // Reports the first state of a branch to the observers.
   void ReportBranch(double now);
   RunProgress Progress() const;
-  // The barrier for the next tick.
-  void Opened(double now);
+  void DropInvalidInputs();
+  // For the answers to the frame that is sent now.
+  void OpenBarrier(double now);
   void EnterPhase(TickPhase phase, Tick tick);
   // The inputs that led to a frame: of a step, or an edit.
   struct Origin {
     std::span<const Proposal> proposals = {};
+    std::span<const Input> inputs = {};
     const AppliedEdit* edit = nullptr;
     bool is_recorded = false;
   };
@@ -148,17 +170,18 @@ class TickEngine {
   TickBarrier barrier_;
   ProposalCollector proposals_;
   RobotCommands commands_;
+  std::vector<Input> inputs_;  // of the next step, in the sequence of their arrival
   Pacer pacer_;
   bool speed_is_set_ = false;  // during the run
   PaceWatch pace_watch_;
   ResendTimer resend_timer_;
-  bool all_have_answered_ = false;  // a frame
-  bool has_reported_first_answers_ = false;
+  // The first answers to a frame of this service: until they are complete a silent agent is not lost, but reported.
+  enum class FirstAnswers : std::uint8_t { kAwaited, kReportedMissing, kComplete };
+  FirstAnswers first_answers_ = FirstAnswers::kAwaited;
   bool play_after_edits_ = false;
   std::optional<std::uint64_t> ticks_to_pause_;
   Pace pace_ = Pace::kRun;
-  bool shows_ = false;  // the frame is paused and not released yet
-  bool shown_ = false;  // ... and the observers know that it is published
+  FrameStage stage_ = FrameStage::kDeciding;  // of the run's frame
   std::vector<std::string> awaited_;
   std::uint64_t steps_ = 0;
   std::uint64_t frames_resent_ = 0;

@@ -95,10 +95,14 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
     deleted_.push_back(std::move(*deleted));
     if (deleted_.size() > kMaxDeleted) deleted_.pop_front();
   }
-  run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
+  ReportRequest(request);
   if (request.command == ControlCommand::kLoadWorld) original_ = edited.value().scene;
   Commit(std::move(edited).value(), edit, now);
   return request;
+}
+
+void WorldEditor::ReportRequest(const ControlRequest& request) {
+  run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
 }
 
 // The world has what its controller needs.
@@ -176,7 +180,7 @@ void WorldEditor::Publish(FrameMessage next, const AppliedEdit& edit, double now
 }
 
 void WorldEditor::Rewind(const ControlRequest& request, const RewoundRun& rewound, double now) {
-  run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
+  ReportRequest(request);
   original_ = rewound.original;
   FrameMessage next = SuccessorOf(run_.frame);
   next.edition = rewound.frame.edition;

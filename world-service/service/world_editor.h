@@ -30,6 +30,8 @@ class WorldEditor {
   Result<ControlRequest> Apply(ControlRequest request, const WorldDescription* world, double now);
   // Publishes the state to which a request has rewound the run; it is paused. REQUIRES: the pause is quiescent.
   void Rewind(const ControlRequest& request, const RewoundRun& rewound, double now);
+  // A line for people about a request that is executed.
+  void ReportRequest(const ControlRequest& request);
   // Deletes an entity whose spawn has failed.
   void RevokeSpawn(const std::string& name, double now);
 

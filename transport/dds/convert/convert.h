@@ -10,6 +10,7 @@
 #include "idl/frame_request.h"
 #include "idl/history.h"
 #include "idl/join.h"
+#include "idl/order.h"
 #include "idl/proposal.h"
 #include "idl/robot_command.h"
 #include "idl/session.h"
@@ -65,6 +66,10 @@ Result<HistoryMessage> FromWire(const troupe_wire_History& wire);
 
 troupe_wire_Join ToWire(const JoinMessage& message, WireArena& arena);
 Result<JoinMessage> FromWire(const troupe_wire_Join& wire);
+
+// Orders of tools for one tick. CheckInput compares them with a world.
+troupe_wire_InputColumns ToWire(const std::vector<Input>& inputs, WireArena& arena);
+Status FromWire(const troupe_wire_InputColumns& wire, std::vector<Input>& inputs);
 
 troupe_wire_Proposal ToWire(const ProposalMessage& message, WireArena& arena);
 

@@ -4,6 +4,7 @@
 
 #include "transport/dds/convert/columns.h"
 #include "transport/dds/convert/convert.h"
+#include "transport/dds/convert/order_columns.h"
 
 namespace troupe::dds {
 namespace {
@@ -56,6 +57,39 @@ Status RowsFromWire(std::string_view what, const Columns& columns, const RowsOf&
   return {};
 }
 
+// Null if there is none of that robot.
+Proposal* FindProposal(std::vector<Proposal>& proposals, RobotId robot) {
+  const auto found = std::lower_bound(proposals.begin(), proposals.end(), robot,
+                                      [](const Proposal& a, RobotId b) { return a.robot < b; });
+  return found != proposals.end() && found->robot == robot ? &*found : nullptr;
+}
+
+void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& wire, WireArena& arena) {
+  if (std::all_of(proposals.begin(), proposals.end(), [](const Proposal& each) { return each.orders.empty(); })) return;
+  const auto for_each = [&](const auto& use) {
+    for (const Proposal& proposal : proposals) {
+      for (const Order& order : proposal.orders) use(proposal.robot, order);
+    }
+  };
+  OrdersToColumns<LightOrder>(for_each, wire.lights, arena);
+  OrdersToColumns<CameraOrder>(for_each, wire.cameras, arena);
+  OrdersToColumns<DoorOrder>(for_each, wire.doors, arena);
+  OrdersToColumns<LiftOrder>(for_each, wire.lifts, arena);
+}
+
+Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
+  const auto add = [&](RobotId robot, Order order) {
+    Proposal* const proposal = FindProposal(proposals, robot);
+    if (proposal != nullptr) proposal->orders.push_back(std::move(order));
+    return proposal != nullptr;
+  };
+  Status problem = OrdersFromColumns<LightOrder>("proposal of lights", wire.lights, add);
+  if (problem.ok()) problem = OrdersFromColumns<CameraOrder>("proposal of cameras", wire.cameras, add);
+  if (problem.ok()) problem = OrdersFromColumns<DoorOrder>("proposal of doors", wire.doors, add);
+  if (problem.ok()) problem = OrdersFromColumns<LiftOrder>("proposal of lifts", wire.lifts, add);
+  return problem;
+}
+
 // The texts of robots that say something.
 void TextsToWire(const std::vector<Proposal>& proposals, troupe_wire_SayColumns& wire, WireArena& arena) {
   const auto says = [](const Proposal& proposal) { return !proposal.say.empty(); };
@@ -74,10 +108,8 @@ Status TextsFromWire(const troupe_wire_SayColumns& wire, std::vector<Proposal>& 
   const auto texts = Elements(wire.say);
   if (!SameLength(robots, texts)) return Error{{}, "proposal of texts with columns of different lengths"};
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    const auto proposal =
-        std::lower_bound(proposals.begin(), proposals.end(), robots[i],
-                         [](const Proposal& a, std::uint32_t robot) { return a.robot.index() < robot; });
-    if (proposal == proposals.end() || proposal->robot.index() != robots[i] || !proposal->say.empty()) {
+    Proposal* const proposal = FindProposal(proposals, RobotId(robots[i]));
+    if (proposal == nullptr || !proposal->say.empty()) {
       return Error{{}, "proposal with a text of a robot that it does not have, or with two of one robot"};
     }
     proposal->say = Text(texts[i]);
@@ -85,22 +117,12 @@ Status TextsFromWire(const troupe_wire_SayColumns& wire, std::vector<Proposal>& 
   return {};
 }
 
-static_assert(kMemberCount<Proposal> == 9, "a new field of a proposal needs a column here");
+static_assert(kMemberCount<Proposal> == 6, "a new field of a proposal needs a column here");
+// A twist is an order of tools alone, which no proposal has.
+static_assert(std::variant_size_v<Order> == 5, "a new kind of order needs columns here, and in convert_order.cc");
 
 constexpr auto kMessages = [](auto& proposal) -> auto& {
   return proposal.messages;
-};
-constexpr auto kLights = [](auto& proposal) -> auto& {
-  return proposal.lights;
-};
-constexpr auto kCameras = [](auto& proposal) -> auto& {
-  return proposal.cameras;
-};
-constexpr auto kDoors = [](auto& proposal) -> auto& {
-  return proposal.doors;
-};
-constexpr auto kLifts = [](auto& proposal) -> auto& {
-  return proposal.lifts;
 };
 
 }  // namespace
@@ -129,11 +151,8 @@ troupe_wire_Proposal ToWire(const ProposalMessage& message, WireArena& arena) {
     joint_velocity = std::copy(proposal.joint_velocities.begin(), proposal.joint_velocities.end(), joint_velocity);
   }
   RowsToWire(message.proposals, kMessages, wire.messages, arena);
-  RowsToWire(message.proposals, kLights, wire.lights, arena);
-  RowsToWire(message.proposals, kCameras, wire.cameras, arena);
   TextsToWire(message.proposals, wire.say, arena);
-  RowsToWire(message.proposals, kDoors, wire.doors, arena);
-  RowsToWire(message.proposals, kLifts, wire.lifts, arena);
+  OrdersToWire(message.proposals, wire, arena);
   arena.FillStrings(wire.reports, message.reports);
   wire.paused = message.paused;
   wire.edition = message.edition;
@@ -170,11 +189,8 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message) {
   }
   if (!velocities.empty()) return WrongJoints();
   Status problem = RowsFromWire("proposal of radio messages", wire.messages, kMessages, message.proposals);
-  if (problem.ok()) problem = RowsFromWire("proposal of lights", wire.lights, kLights, message.proposals);
-  if (problem.ok()) problem = RowsFromWire("proposal of cameras", wire.cameras, kCameras, message.proposals);
   if (problem.ok()) problem = TextsFromWire(wire.say, message.proposals);
-  if (problem.ok()) problem = RowsFromWire("proposal of doors", wire.doors, kDoors, message.proposals);
-  if (problem.ok()) problem = RowsFromWire("proposal of lifts", wire.lifts, kLifts, message.proposals);
+  if (problem.ok()) problem = OrdersFromWire(wire, message.proposals);
   if (!problem.ok()) return problem;
   message.reports = Strings(wire.reports);
   return {};

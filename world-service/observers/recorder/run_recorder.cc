@@ -45,7 +45,7 @@ std::size_t SizeOf(const RecordedTick& tick) {
     size += proposal.joint_velocities.size() * sizeof(double);
     for (const RadioMessage& message : proposal.messages) size += sizeof message + message.bytes.size();
   }
-  size += tick.commands.size() * sizeof(RobotCommand);
+  size += tick.commands.size() * sizeof(RobotCommand) + tick.inputs.size() * sizeof(Input);
   if (tick.keyframe) size += MemoryOf(tick.keyframe->state);
   if (!tick.edit) return size;
   size += sizeof(RecordedEdit) + MemoryOf(tick.edit->before.state);
@@ -217,6 +217,7 @@ RecordedTick RunRecorder::Convert(const CommittedTick& tick) {
   recorded.state_hash = frame.state_hash;
   recorded.proposals.assign(tick.proposals.begin(), tick.proposals.end());
   recorded.commands.assign(tick.commands.begin(), tick.commands.end());
+  recorded.inputs.assign(tick.inputs.begin(), tick.inputs.end());
   recorded.events = frame.events;
   if (tick.edit != nullptr) {
     RecordedEdit& edit = recorded.edit.emplace();

@@ -55,9 +55,14 @@ class Duties {
 // What replies to requests use: they may come after the end of the object.
 struct RmfTopics::Shared {
   Duties duties;
-  std::mutex mutex;                           // guards the members below
-  std::size_t open = 0;                       // edits without a reply
-  std::map<std::string, std::string> wanted;  // by door or lift: the newest of these
+  std::mutex mutex;      // guards the members below
+  std::size_t open = 0;  // edits without a reply
+  // The newest request to a door or a lift, until the state has it.
+  struct Wanted {
+    std::string target;
+    std::optional<Tick> answered_at = {};  // an input of the tick after this one; nothing: not answered yet
+  };
+  std::map<std::string, Wanted> wanted;  // by door or lift
   struct Moved {
     std::string item;
     bool is_done = false;
@@ -66,11 +71,17 @@ struct RmfTopics::Shared {
   std::vector<Moved> moved;  // replies to edits of workcells, with room for those of open ones
 
   // The reply to an edit, which then has no name any more.
-  void Finish(ControlRequest& edit, bool is_done, const std::string& problem) noexcept {
+  void Finish(ControlRequest& edit, bool is_done, Tick tick, const std::string& problem) noexcept {
     const std::lock_guard lock(mutex);
     --open;
     const auto found = wanted.find(edit.name);
-    if (found != wanted.end() && found->second == edit.source) wanted.erase(found);
+    if (found != wanted.end() && found->second.target == edit.source) {
+      if (is_done) {
+        found->second.answered_at = tick;
+      } else {
+        wanted.erase(found);
+      }
+    }
     if (edit.command == ControlCommand::kSetPose) {
       moved.push_back({std::move(edit.name), is_done, {}});
       try {
@@ -222,6 +233,9 @@ void RmfTopics::OnCommit(const FrameMessage& frame) {
     state_.doors = frame.state.doors;
     state_.lifts = frame.state.lifts;
   }
+  std::erase_if(shared_->wanted, [&](const auto& entry) {
+    return entry.second.answered_at && *entry.second.answered_at != frame.state.tick;
+  });
   for (std::size_t i = 0; i < state_.lifts.size(); ++i) {
     const LiftDescription& lift = world.lifts[i];
     const std::string& name = world.model(lift.model).name;
@@ -386,13 +400,13 @@ void RmfTopics::CallLift(const LiftAsk& ask) {
 
 void RmfTopics::Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so) {
   const auto wanted = shared_->wanted.find(name);
-  if (wanted != shared_->wanted.end() ? wanted->second == source : is_so) return;
+  if (wanted != shared_->wanted.end() ? wanted->second.target == source : is_so) return;
   ControlRequest edit;
   edit.command = command;
   edit.name = name;
   edit.source = source;
   ReserveEdit();
-  shared_->wanted[name] = source;
+  shared_->wanted[name] = {source};
   AddEdit(std::move(edit));
 }
 
@@ -434,11 +448,11 @@ void RmfTopics::SendEdits() {
           if (!reply.done && sent->command != ControlCommand::kSetPose) reports->Add(sent->name + ": " + reply.problem);
         } catch (const std::bad_alloc&) {  // the line is missing
         }
-        shared->Finish(*sent, reply.done, reply.problem);
+        shared->Finish(*sent, reply.done, reply.tick, reply.problem);
       });
     } catch (const std::exception& exception) {  // as without memory
       reports_->Add(exception.what());
-      shared_->Finish(edit, false, {});
+      shared_->Finish(edit, false, 0, {});
     }
   }
 }

@@ -1,5 +1,6 @@
 // RmfTopics: the doors and lifts of a world as Open-RMF sees them. Their states are on /door_states and /lift_states;
-// requests on /door_requests and /lift_requests become edits of the run, as those of other tools are. It does what the
+// requests on /door_requests and /lift_requests become inputs of the next tick, as those of other tools
+// are. It does what the
 // plugins of rmf_simulation do: a door follows the newest request; a lift finishes a request before it takes another.
 // It also has the dispensers, ingestors and fleets of the world (RmfWorkcells, RmfFleets).
 //

@@ -51,9 +51,12 @@ struct RosLockstepWait::Channel {
   const std::unique_ptr<ros::TopicWriter> ticks;
   const std::unique_ptr<ros::TopicReader> answers;
   std::vector<Awaited> awaited;
-  // The shown tick: the connection is to announce it; it has, before all that arrives from then on.
-  bool is_passed_on = false;
-  bool is_announced = false;
+  // Of the tick that awaits answers: not yet given to the connection; given to it; told to the nodes of the domain,
+  // before all that arrives from then on.
+  enum class Announcement : std::uint8_t { kPending, kGiven, kTold };
+  Announcement announcement = Announcement::kPending;
+
+  bool is_told() const { return announcement == Announcement::kTold; }
 };
 
 RosLockstepWait::RosLockstepWait(ros::HostConnection& of_run, const ros::RosOptions& options,
@@ -99,7 +102,7 @@ std::string RosLockstepWait::TextOf(Edition edition, Tick tick) const {
 // A message counts for a tick from before the agents see its frame on.
 void RosLockstepWait::OnCommit(const FrameMessage& frame) {
   const std::lock_guard lock(mutex_);
-  is_shown_ = false;
+  awaits_answers_ = false;
   if (frame.paused && ShowsTick(frame.state.tick)) Arm(TextOf(frame.edition, frame.state.tick));
 }
 
@@ -109,11 +112,11 @@ void RosLockstepWait::OnShown(const FrameMessage& frame) {
   edition_ = frame.edition;
   tick_ = frame.state.tick;
   interval_ns_ = scene_->world().interval_ns;
-  shown_at_ = Clock::now();
-  is_shown_ = true;
+  published_at_ = Clock::now();
+  awaits_answers_ = true;
   Arm(TextOf(edition_, tick_));  // of a run that is continued
   for (const auto& channel : channels_) {
-    channel->is_passed_on = channel->is_announced = false;
+    channel->announcement = Channel::Announcement::kPending;
     for (Awaited& awaited : channel->awaited) awaited.done = false;
     Announce(*channel);
   }
@@ -142,11 +145,11 @@ bool RosLockstepWait::IsPrepared() {
 Result<TickRelease> RosLockstepWait::Release() {
   const std::lock_guard lock(mutex_);
   TickRelease release;
-  if (!is_shown_) return release;
-  const double waited = SecondsSince(shown_at_);
+  if (!awaits_answers_) return release;
+  const double waited = SecondsSince(published_at_);
   bool is_told = !follow_;
   for (const auto& channel : channels_) {
-    is_told = is_told && channel->is_announced;
+    is_told = is_told && channel->is_told();
     for (Awaited& awaited : channel->awaited) {
       if (awaited.done || awaited.is_dropped) continue;
       if (limit_ > 0.0 && awaited.was_seen && waited > limit_) {
@@ -159,10 +162,10 @@ Result<TickRelease> RosLockstepWait::Release() {
   if (!is_told && release.awaited.empty()) release.awaited.emplace_back("ROS");
   release.is_released = release.awaited.empty();
   if (release.is_released) {
-    is_shown_ = false;
-    told_first_ = true;
+    awaits_answers_ = false;
+    first_wait_is_over_ = true;
     Arm(TextOf(edition_, (tick_ / period_ + 1) * period_));
-  } else if (is_told && waited > kFirstAnswers && !std::exchange(told_first_, true)) {
+  } else if (is_told && waited > kFirstAnswers && !std::exchange(first_wait_is_over_, true)) {
     reports_.Add(fmt::format("tick {} waits for {}; docs/ros2-lockstep.md", tick_, fmt::join(release.awaited, ", ")));
   }
   return release;
@@ -276,22 +279,24 @@ std::vector<std::unique_ptr<RosLockstepWait::Channel>> RosLockstepWait::Follow(c
     });
     channel->connection.Announce();
     if (!armed_.empty()) channel->connection.Arm(armed_);
-    if (is_shown_ && !channel->is_passed_on) Announce(*channel);
+    if (awaits_answers_ && channel->announcement == Channel::Announcement::kPending) Announce(*channel);
   }
   std::erase(before, nullptr);
   return before;
 }
 
 bool RosLockstepWait::Advance() {
-  bool is_complete = is_shown_;
+  bool is_complete = awaits_answers_;
   for (const auto& channel : channels_) {
     const ros::HostConnection::Watched watched = channel->connection.watched();
-    if (is_shown_ && channel->is_passed_on && watched.is_told) channel->is_announced = true;
+    if (awaits_answers_ && channel->announcement == Channel::Announcement::kGiven && watched.is_told) {
+      channel->announcement = Channel::Announcement::kTold;
+    }
     for (Awaited& awaited : channel->awaited) {
       if (awaited.is_topic && watched.armed == armed_ && watched.arrived.contains(awaited.watch)) Note(awaited);
     }
     ReadAnswers(*channel);
-    is_complete = is_complete && channel->is_announced &&
+    is_complete = is_complete && channel->is_told() &&
                   std::all_of(channel->awaited.begin(), channel->awaited.end(),
                               [](const Awaited& awaited) { return awaited.done || awaited.is_dropped; });
   }
@@ -300,7 +305,7 @@ bool RosLockstepWait::Advance() {
 
 // Behind all messages of the tick, and so is the time.
 void RosLockstepWait::Announce(Channel& channel) {
-  channel.is_passed_on = true;
+  channel.announcement = Channel::Announcement::kGiven;
   channel.connection.Collect();
   if (channel.domain == options_.network.domain) hooks_.show_clock(tick_, interval_ns_);
   const std::int64_t ns = static_cast<std::int64_t>(tick_) * interval_ns_;
@@ -312,7 +317,7 @@ void RosLockstepWait::Announce(Channel& channel) {
 }
 
 void RosLockstepWait::ReadAnswers(Channel& channel) {
-  const std::int64_t shown_ns = static_cast<std::int64_t>(tick_) * interval_ns_;
+  const std::int64_t awaited_ns = static_cast<std::int64_t>(tick_) * interval_ns_;
   channel.answers->Drain([&](const void* sample) {
     const auto& answer = *static_cast<const ros::Header*>(sample);
     const std::string name = PlainLine(dds::Text(answer.frame_id), 200);
@@ -324,8 +329,8 @@ void RosLockstepWait::ReadAnswers(Channel& channel) {
     const std::int64_t ns = std::int64_t{answer.stamp.sec} * kNsPerSecond + answer.stamp.nanosec;
     found->was_seen = true;
     if (std::exchange(found->is_dropped, false)) reports_.Add(fmt::format("ticks wait for {} again", name));
-    if (ns == shown_ns) {
-      if (channel.is_announced) Note(*found);  // else to the frame before an edit
+    if (ns == awaited_ns) {
+      if (channel.is_told()) Note(*found);  // else to the frame before an edit
       return;
     }
     reports_.Add(fmt::format("{}: ignored the answer of '{}' to {}.{:09} s, which is not the awaited tick", kDoneTopic,
@@ -336,8 +341,8 @@ void RosLockstepWait::ReadAnswers(Channel& channel) {
 void RosLockstepWait::Note(Awaited& awaited) {
   if (std::exchange(awaited.is_dropped, false)) reports_.Add(fmt::format("ticks wait for {} again", awaited.name));
   awaited.was_seen = true;
-  if (!is_shown_ || std::exchange(awaited.done, true)) return;
-  awaited.waited_seconds += SecondsSince(shown_at_);
+  if (!awaits_answers_ || std::exchange(awaited.done, true)) return;
+  awaited.waited_seconds += SecondsSince(published_at_);
   const bool is_last = std::all_of(channels_.begin(), channels_.end(), [](const auto& channel) {
     return std::all_of(channel->awaited.begin(), channel->awaited.end(),
                        [](const Awaited& other) { return other.done || other.is_dropped; });

@@ -1,6 +1,6 @@
 // RosLockstepWait: ticks wait for nodes of ROS. docs/ros2-lockstep.md describes what a node sees.
 //
-// A tick that waits is shown first: the agents publish it while the run is paused for it. Then each ROS domain is told
+// The agents publish a tick that waits while the run is paused for it. Then each ROS domain is told
 // with /world/tick, behind all messages of the tick, and the run continues when all named ones have answered: a topic
 // by a message, a node by /world/tick_done. The threads of the connections note the answers; a thread of its own makes
 // and ends connections when the world has changed, because no tick may wait for that.
@@ -102,14 +102,14 @@ class RosLockstepWait {
   std::vector<std::unique_ptr<Channel>> channels_;
   std::string armed_;  // the newest text
   Clock::time_point armed_at_ = {};
-  bool awaits_armed_ = false;  // the run asks again when the channels know the text
-  bool is_shown_ = false;      // a tick waits
-  Edition edition_ = 0;        // of that
+  bool awaits_armed_ = false;    // the run asks again when the channels know the text
+  bool awaits_answers_ = false;  // the agents have published a tick, and the run waits for its release
+  Edition edition_ = 0;          // of that
   Tick tick_ = 0;
   std::int64_t interval_ns_ = 0;
-  Clock::time_point shown_at_ = {};
-  bool told_first_ = false;  // that the first answers are awaited
-  std::thread thread_;       // last, because it uses all other members
+  Clock::time_point published_at_ = {};
+  bool first_wait_is_over_ = false;  // the first answers have come, or a notice says that they are awaited
+  std::thread thread_;               // last, because it uses all other members
 };
 
 }  // namespace troupe

@@ -162,7 +162,8 @@ TEST_F(ImuTest, AnEditIsNoAcceleration) {
   for (int tick = 0; tick < 3; ++tick) state = Step(*scene, state, std::span(&ahead, 1)).state;
   const std::string name = worlds_.world.robot(robot_).name;
   EXPECT_NEAR(Measure(ValueOf(SetPose(scene, state, name, {5.0, 5.0, 0.0, 2.0})).state).force_xy.norm(), 0.0, 1e-9);
-  EXPECT_NEAR(Measure(ValueOf(SetTwist(scene, state, name, {-1.0, 0.5, 0.0})).state).force_xy.norm(), 0.0, 1e-9);
+  const Input turn{robot_, TwistOrder{{-1.0, 0.5, 0.0}}};
+  EXPECT_NEAR(Measure(Step(*scene, state, {}, std::span(&turn, 1)).state).force_xy.norm(), 0.0, 1e-9);
 }
 
 TEST_F(ImuTest, ErrorsHaveTheirDeviationsAndFollowTheSeed) {

@@ -212,8 +212,8 @@ TEST(SiteControls, KeepNoLiftWhoseLandingDoorIsBlocked) {
     Command command;
     controls.Begin(observation, command);
     const bool has_it = controls.AwaitLift(1);
-    EXPECT_EQ(command.lifts.size(), 1u);
-    EXPECT_EQ(!command.lifts.empty() && command.lifts[0].ends, !has_it);
+    EXPECT_EQ(command.orders.size(), 1u);
+    EXPECT_EQ(!command.orders.empty() && std::get<LiftOrder>(command.orders[0]).ends, !has_it);
     return has_it;
   };
   EXPECT_TRUE(await(0.0, true));
@@ -241,8 +241,8 @@ TEST(SiteControls, CloseADoorThatIsNotOnTheWayAnyMore) {
   const std::vector<Leg> around{{0, 3, 3}};
   const Vec2 before(3.0, 0.0);
   const auto target = [](const Command& command) {
-    EXPECT_EQ(command.doors.size(), 1u);
-    return command.doors.empty() ? -1.0 : command.doors.front().opening;
+    EXPECT_EQ(command.orders.size(), 1u);
+    return command.orders.empty() ? -1.0 : std::get<DoorOrder>(command.orders.front()).opening;
   };
   Command command;
   controls.Begin(observation, command);
@@ -261,19 +261,19 @@ TEST(SiteControls, CloseADoorThatIsNotOnTheWayAnyMore) {
     SeenRobot other;
     other.position = {5.0, 0.3};
     other.radius = 0.3;
-    const std::size_t orders = command.doors.size();
+    const std::size_t orders = command.orders.size();
     Command unused = command;
     controls.CloseBehind(around, {4.8, 0.0}, 0.3, {});
-    EXPECT_EQ(command.doors.size(), orders) << "while the robot is at the door";
+    EXPECT_EQ(command.orders.size(), orders) << "while the robot is at the door";
     controls.CloseBehind(around, before, 0.3, {other});
-    EXPECT_EQ(command.doors.size(), orders) << "while another robot is";
+    EXPECT_EQ(command.orders.size(), orders) << "while another robot is";
     controls.CloseBehind(around, before, 0.3, {});
     EXPECT_EQ(target(command), 0.0);
   }
   command = {};
   controls.Begin(observation, command);
   controls.CloseBehind(around, before, 0.3, {});
-  EXPECT_TRUE(command.doors.empty()) << "once";
+  EXPECT_TRUE(command.orders.empty()) << "once";
 }
 
 TEST(LanesController, NamesFaultsOfItsParametersAndPlaces) {

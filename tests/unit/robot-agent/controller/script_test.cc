@@ -67,13 +67,9 @@ TEST(ScriptTest, TurnsACameraOnce) {
   robot.sensors.push_back({.name = "scan", .parameters = RangerParameters{}});
   robot.sensors.push_back({.name = "eye", .parameters = CameraParameters{}});
   const auto script = MakeScript(robot);
-  EXPECT_TRUE(script->Update(At(1, {})).cameras.empty());
-  const std::vector<CameraCommand> turns = script->Update(At(2, {})).cameras;
-  ASSERT_EQ(turns.size(), 1u);
-  EXPECT_EQ(turns[0].sensor, 1u);
-  EXPECT_EQ(turns[0].pan, 0.5);
-  EXPECT_EQ(turns[0].tilt, -0.25);
-  EXPECT_TRUE(script->Update(At(3, {})).cameras.empty());
+  EXPECT_TRUE(script->Update(At(1, {})).orders.empty());
+  EXPECT_EQ(script->Update(At(2, {})).orders, (std::vector<Order>{CameraOrder{1, 0.5, -0.25}}));
+  EXPECT_TRUE(script->Update(At(3, {})).orders.empty());
 }
 
 TEST(ScriptTest, DrivesOmniSideways) {

@@ -235,11 +235,9 @@ ProposalMessage ProposalWithEveryField() {
                        {.robot = RobotId(5),
                         .twist = {},
                         .messages = {{1, std::nullopt, {7, 8}}, {2, RobotId(4), {9}}},
-                        .lights = {{0, true}, {3, false}},
-                        .cameras = {{4, 0.5, -0.5}},
+                        .orders = {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, -0.5},
+                                   DoorOrder{1, 0.5}, LiftOrder{0, 2, false}},
                         .say = "hello"}};
-  message.proposals[1].doors = {{1, 0.5}};
-  message.proposals[1].lifts = {{0, 2, false}};
   message.reports = {"a report"};
   message.edition = 6;
   message.incarnation = 7;

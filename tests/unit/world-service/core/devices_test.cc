@@ -39,14 +39,14 @@ class DevicesTest : public testing::Test {
     proposal.say = text;
     return proposal;
   }
-  Proposal Turn(std::vector<CameraOrder> cameras) const {
+  Proposal Turn(const std::vector<CameraOrder>& cameras) const {
     Proposal proposal{second_, {}};
-    proposal.cameras = std::move(cameras);
+    proposal.orders.assign(cameras.begin(), cameras.end());
     return proposal;
   }
-  static Proposal Switch(RobotId robot, std::vector<LightOrder> lights) {
+  static Proposal Switch(RobotId robot, const std::vector<LightOrder>& lights) {
     Proposal proposal{robot, {}};
-    proposal.lights = std::move(lights);
+    proposal.orders.assign(lights.begin(), lights.end());
     return proposal;
   }
 

@@ -145,7 +145,7 @@ TEST(PeopleInLifts, PeopleLeaveTheLiftToARobotUntilItsSessionEnds) {
   PeopleRun run(house.world);
   ASSERT_TRUE(run.StepUntil(400, [&] { return run.state.people[0].place != 0; }));
   Proposal call{RobotId(0), {}};
-  call.lifts.push_back({kLift, 0});
+  call.orders.push_back(LiftOrder{kLift, 0});
   run.Step({call});
   EXPECT_EQ(run.state.lifts[kLift].session, RobotId(0));
   for (int i = 0; i < 200; ++i) {
@@ -155,7 +155,7 @@ TEST(PeopleInLifts, PeopleLeaveTheLiftToARobotUntilItsSessionEnds) {
   EXPECT_EQ(run.state.people[0].place, 0u);
   EXPECT_GT(run.state.people[0].call_tick, 0u);
   EXPECT_GT(run.Place(anna).x(), 0.2);
-  call.lifts = {{kLift, 0, true}};
+  call.orders = {LiftOrder{kLift, 0, true}};
   run.Step({call});
   EXPECT_TRUE(run.StepUntil(600, [&] { return (run.Place(anna) - Vec2(10.0, 5.0)).norm() < 0.7; }));
   EXPECT_EQ(Level(run, anna), 1u);

@@ -304,15 +304,12 @@ ProposalMessage RandomMessages::Proposal() {
     message.proposals.push_back({RobotId(robot), {Number(), Number(), Number()}, {}});
     message.proposals.back().joint_velocities.resize(Below(4));
     for (double& velocity : message.proposals.back().joint_velocities) velocity = Number();
-    message.proposals.back().lights.resize(Below(3));
-    for (LightOrder& order : message.proposals.back().lights) order = {Below(5), Coin()};
-    message.proposals.back().cameras.resize(Below(3));
-    for (CameraOrder& order : message.proposals.back().cameras) order = {Below(5), Number(), Number()};
+    std::vector<Order>& orders = message.proposals.back().orders;
+    for (std::size_t i = Below(3); i > 0; --i) orders.push_back(LightOrder{Below(5), Coin()});
+    for (std::size_t i = Below(3); i > 0; --i) orders.push_back(CameraOrder{Below(5), Number(), Number()});
+    for (std::size_t i = Below(3); i > 0; --i) orders.push_back(DoorOrder{Below(5), Number()});
+    for (std::size_t i = Below(3); i > 0; --i) orders.push_back(LiftOrder{Below(5), Below(5), Coin()});
     if (Coin()) message.proposals.back().say = Text();
-    message.proposals.back().doors.resize(Below(3));
-    for (DoorOrder& order : message.proposals.back().doors) order = {Below(5), Number()};
-    message.proposals.back().lifts.resize(Below(3));
-    for (LiftOrder& order : message.proposals.back().lifts) order = {Below(5), Below(5), Coin()};
     robot += 1 + Below(10);
   }
   message.reports = Texts();

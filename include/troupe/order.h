@@ -1,0 +1,92 @@
+// Order: one demand for a tick beside motion: of a controller for the devices of its robot and for the doors and lifts
+// of the building (Command::orders), and of a tool from outside (Input). The same value travels from the controller in
+// the proposal to the step, which executes it.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <tuple>
+#include <variant>
+
+#include "troupe/fields.h"
+#include "troupe/ids.h"
+#include "troupe/pose.h"
+
+namespace troupe {
+
+// Switches a light of the robot. A light stays as it was switched last.
+struct LightOrder {
+  std::size_t light = 0;  // in RobotInfo::lights: among the robot's, in the order of models
+  bool on = false;
+  bool operator==(const LightOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"light", &LightOrder::light},
+        Field{"on", &LightOrder::on},
+    };
+  }
+};
+
+// Turns a camera of the robot at once, away from its direction in the world file. It keeps its direction until it is
+// turned again.
+struct CameraOrder {
+  std::size_t sensor = 0;  // in RobotInfo::sensors
+  double pan = 0.0;        // rad, to the left
+  double tilt = 0.0;  // rad, upwards; bounded so that its picture ends within 85 degrees above and below the horizontal
+  bool operator==(const CameraOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"sensor", &CameraOrder::sensor},
+        Field{"pan", &CameraOrder::pan},
+        Field{"tilt", &CameraOrder::tilt},
+    };
+  }
+};
+
+// A request to the controls of a door. It stays valid until the next one of any robot or tool; of several robots in one
+// tick the one that opens it farthest counts, and a robot's replaces that of a tool.
+struct DoorOrder {
+  std::size_t door = 0;  // in RobotInfo::doors and WorldDescription::doors
+  double opening = 1.0;  // from 0, closed, to 1
+  bool operator==(const DoorOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"door", &DoorOrder::door},
+        Field{"opening", &DoorOrder::opening},
+    };
+  }
+};
+
+// A call of a lift. That of a robot begins a session: until the robot ends it, the calls of other robots do not count,
+// and its own counts only while no other robot has one (Observation::lifts). That of a tool ends the session.
+struct LiftOrder {
+  std::size_t lift = 0;   // in RobotInfo::lifts and WorldDescription::lifts
+  std::size_t floor = 0;  // in LiftInfo::floors
+  bool ends = false;      // ends the session, without a call
+  bool operator==(const LiftOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"lift", &LiftOrder::lift},
+        Field{"floor", &LiftOrder::floor},
+        Field{"ends", &LiftOrder::ends},
+    };
+  }
+};
+
+// Sets the velocity of a robot at the end of the tick, from which its drive accelerates. Of tools only.
+struct TwistOrder {
+  Twist twist = {};  // in R, within the limits of the drive
+  bool operator==(const TwistOrder&) const = default;
+  static constexpr auto Fields() { return std::tuple{Field{"twist", &TwistOrder::twist}}; }
+};
+
+using Order = std::variant<LightOrder, CameraOrder, DoorOrder, LiftOrder, TwistOrder>;
+
+// An order from outside of the simulation, for one tick.
+struct Input {
+  std::optional<RobotId> robot = {};  // whose device it concerns; nothing: a door or a lift of the building
+  Order order = {};
+  bool operator==(const Input&) const = default;
+};
+
+}  // namespace troupe
