@@ -206,16 +206,16 @@ void WriteRecordings(const Seeds& seeds, const WorldDescription& world) {
   for (const ChannelType& channel : kChannelTypes) {
     copy.AddChannel({copy.AddSchema({channel.type, "", ""}), channel.topic, "cdr"});
   }
-  mcap::ByteWriter out(messages);
+  ByteWriter out(messages);
   for (std::size_t i = 0; i < reader.chunks().size(); ++i) {
     const mcap::Chunk chunk = reader.ReadChunk(i).value();
     for (const mcap::Message& message : chunk.messages) {
       copy.Add(message);
-      out.Add(static_cast<std::uint8_t>(message.channel));
-      out.AddWithLength<std::uint16_t>([&] { out.Add(message.data); });
+      out.Write(static_cast<std::uint8_t>(message.channel));
+      out.WriteWithLength<std::uint16_t>([&] { out.WriteBytes(message.data); });
     }
     Check(copy.EndChunk().ok());
-    out.Add(std::uint8_t{255});
+    out.Write(std::uint8_t{255});
   }
   Check(copy.Close().ok());
   Check(small.size() <= kMaxInputBytes && messages.size() <= kMaxRecording);

@@ -24,7 +24,7 @@ std::vector<std::byte> FileOf(Bytes bytes) {
   for (const ChannelType& channel : kChannelTypes) {
     writer.AddChannel({writer.AddSchema({channel.type, "omgidl", ""}), channel.topic, "cdr"});
   }
-  mcap::ByteReader in(bytes);
+  ByteReader in(bytes);
   std::uint64_t time = 0;
   for (int part = 0; part < kMaxParts && in.ok() && !in.at_end(); ++part) {
     const auto channel = in.Read<std::uint8_t>();

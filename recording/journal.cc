@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/bytes.h"
 #include "recording/mcap/bytes.h"
 #include "recording/partial_recording.h"
 
@@ -32,9 +32,6 @@ Result<std::uint64_t> NextNumber(const Recording& recording) {
   }
 }
 
-using mcap::ByteReader;
-using mcap::ByteWriter;
-
 // A file is left for the other one when it is longer.
 constexpr std::uint64_t kSegmentSize = std::uint64_t{1} << 20;  // bytes
 constexpr std::uint64_t kNoPause = std::numeric_limits<std::uint64_t>::max();
@@ -42,9 +39,9 @@ constexpr double kNoSpeed = 0.0;
 constexpr int kReadAttempts = 3;                                // to read a journal that is being written
 constexpr std::size_t kRecordHead = 2 * sizeof(std::uint32_t);  // length and CRC of the content
 
-void AddRobots(ByteWriter& out, const std::vector<RobotId>& robots) {
-  out.AddWithLength<std::uint32_t>([&] {
-    for (const RobotId robot : robots) out.Add(static_cast<std::uint32_t>(robot.index()));
+void AddRobots(ByteWriter<>& out, const std::vector<RobotId>& robots) {
+  out.WriteWithLength<std::uint32_t>([&] {
+    for (const RobotId robot : robots) out.Write(static_cast<std::uint32_t>(robot.index()));
   });
 }
 
@@ -56,17 +53,17 @@ std::vector<RobotId> ReadRobots(ByteReader& in) {
 }
 
 // The commands and inputs as those of a recorded tick, then the ticks that are left of each command.
-void AddCommands(ByteWriter& out, const std::vector<CommandInForce>& commands, const std::vector<Input>& inputs) {
-  out.Add(static_cast<std::uint32_t>(commands.size()));
-  out.Add(static_cast<std::uint32_t>(inputs.size()));
+void AddCommands(ByteWriter<>& out, const std::vector<CommandInForce>& commands, const std::vector<Input>& inputs) {
+  out.Write(static_cast<std::uint32_t>(commands.size()));
+  out.Write(static_cast<std::uint32_t>(inputs.size()));
   if (commands.empty() && inputs.empty()) return;
   RecordedTick tick;
   tick.inputs = inputs;
   for (const CommandInForce& in_force : commands) tick.commands.push_back(in_force.command);
-  out.AddWithLength<std::uint32_t>([&] { out.Add(std::span<const std::byte>(TickToBytes(tick))); });
+  out.WriteWithLength<std::uint32_t>([&] { out.WriteBytes(TickToBytes(tick)); });
   for (const CommandInForce& in_force : commands) {
-    out.Add(in_force.ticks);
-    out.Add(static_cast<std::uint8_t>(in_force.sent));
+    out.Write(in_force.ticks);
+    out.Write(static_cast<std::uint8_t>(in_force.sent));
   }
 }
 
@@ -88,20 +85,20 @@ bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands, std::ve
   return in.ok();
 }
 
-void AddProgress(ByteWriter& out, const RunProgress& progress) {
+void AddProgress(ByteWriter<>& out, const RunProgress& progress) {
   // All members: a new one does not compile without a place here, and one in ReadProgress.
   const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands, inputs,
                first_number] = progress;
-  out.Add(incarnation);
-  out.Add(ticks_to_pause.value_or(kNoPause));
-  out.Add(stalls);
-  out.Add(rejected);
+  out.Write(incarnation);
+  out.Write(ticks_to_pause.value_or(kNoPause));
+  out.Write(stalls);
+  out.Write(rejected);
   AddRobots(out, absent);
   AddRobots(out, newcomers);
-  out.Add(static_cast<std::uint8_t>(speed_is_set));
-  out.Add(std::bit_cast<std::uint64_t>(speed.value_or(kNoSpeed)));
+  out.Write(static_cast<std::uint8_t>(speed_is_set));
+  out.Write(speed.value_or(kNoSpeed));
   AddCommands(out, commands, inputs);
-  out.Add(first_number);
+  out.Write(first_number);
 }
 
 // False: it is damaged.
@@ -114,7 +111,7 @@ bool ReadProgress(ByteReader& in, RunProgress& progress) {
   progress.absent = ReadRobots(in);
   progress.newcomers = ReadRobots(in);
   progress.speed_is_set = in.Read<std::uint8_t>() != 0;
-  const auto speed = std::bit_cast<double>(in.Read<std::uint64_t>());
+  const auto speed = in.Read<double>();
   if (speed > kNoSpeed) progress.speed = speed;
   if (!ReadCommands(in, progress.commands, progress.inputs)) return false;
   progress.first_number = in.Read<std::uint64_t>();
@@ -303,15 +300,15 @@ Status JournalTail::Append(const RecordedTick* tick, const RunProgress& progress
   if (!status_.ok()) return status_;
   record_.clear();
   ByteWriter out(record_);
-  out.Add(std::uint32_t{0});  // the length and the CRC follow below
-  out.Add(std::uint32_t{0});
-  out.Add(run_);
-  out.Add(next_serial_++);
+  out.Write(std::uint32_t{0});  // the length and the CRC follow below
+  out.Write(std::uint32_t{0});
+  out.Write(run_);
+  out.Write(next_serial_++);
   AddProgress(out, progress);
   if (tick != nullptr) {
     for (const TickMessage& message : MessagesOf(*tick, run_)) {
-      out.Add(static_cast<std::uint8_t>(message.channel));
-      out.AddWithLength<std::uint32_t>([&] { out.Add(std::span<const std::byte>(message.data)); });
+      out.Write(static_cast<std::uint8_t>(message.channel));
+      out.WriteWithLength<std::uint32_t>([&] { out.WriteBytes(message.data); });
     }
   }
   const auto content = std::span<const std::byte>(record_).subspan(kRecordHead);

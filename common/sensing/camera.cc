@@ -181,14 +181,13 @@ class Camera final : public Sensor {
   // A depth that is no number within the limits is null.
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
     const CameraReading& content = std::get<CameraReading>(reading.content);
-    std::string line = LineStart(reading.tick, world.robot(robot()).name, description().name) +
-                       ",\"width\":" + std::to_string(content.width) + ",\"height\":" + std::to_string(content.height) +
-                       ",\"depths\":[";
-    for (const float depth : content.depths) {
-      if (line.back() != '[') line += ',';
-      line += std::isfinite(depth) ? JsonNumber(depth) : "null";
-    }
-    return line + "],\"colors\":\"" + ToHexadecimal(std::as_bytes(std::span(content.colors))) + "\"}\n";
+    std::string line;
+    JsonWriter json(line);
+    BeginReading(json, reading.tick, world.robot(robot()).name, description().name);
+    json.Member("width", content.width).Member("height", content.height).Key("depths").BeginList();
+    for (const float depth : content.depths) json.Value(double{depth});
+    json.EndList().Member("colors", ToHexadecimal(std::as_bytes(std::span(content.colors)))).EndObject();
+    return line + "\n";
   }
 
   void AddMarks(const SensedWorld& world, const SensorReading& reading, std::vector<Mark>& marks) const override {

@@ -16,15 +16,18 @@ class ContactSensor final : public Sensor {
   explicit ContactSensor(const SensorMount& mount) : Sensor(mount) {}
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
-    std::string line = LineStart(reading.tick, world.robot(robot()).name, description().name) + ",\"contacts\":[";
+    std::string line;
+    JsonWriter json(line);
+    BeginReading(json, reading.tick, world.robot(robot()).name, description().name);
+    json.Key("contacts").BeginList();
     for (const BodyContact& contact : std::get<ContactReading>(reading.content).contacts) {
-      if (line.back() != '[') line += ',';
-      line += "{\"part\":" + JsonString(world.model(contact.part).name) +
-              ",\"other\":" + JsonString(world.model(contact.other).name) +
-              ",\"point\":" + JsonNumbers({{contact.point.x(), contact.point.y()}}) +
-              ",\"z\":" + JsonNumbers({{contact.z_min, contact.z_max}}) + "}";
+      json.BeginObject().Member("part", world.model(contact.part).name);
+      json.Member("other", world.model(contact.other).name);
+      json.Member("point", std::array{contact.point.x(), contact.point.y()});
+      json.Member("z", std::array{contact.z_min, contact.z_max}).EndObject();
     }
-    return line + "]}\n";
+    json.EndList().EndObject();
+    return line + "\n";
   }
 
   void AddMarks(const SensedWorld& /*world*/, const SensorReading& reading, std::vector<Mark>& marks) const override {
@@ -66,12 +69,15 @@ class Bumper final : public Sensor {
   explicit Bumper(const SensorMount& mount) : Sensor(mount) {}
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
-    std::string line = LineStart(reading.tick, world.robot(robot()).name, description().name) + ",\"pressed_by\":[";
+    std::string line;
+    JsonWriter json(line);
+    BeginReading(json, reading.tick, world.robot(robot()).name, description().name);
+    json.Key("pressed_by").BeginList();
     for (const BumperReading::Segment& segment : std::get<BumperReading>(reading.content).segments) {
-      if (line.back() != '[') line += ',';
-      line += segment.pressed_by ? JsonString(world.model(*segment.pressed_by).name) : "null";
+      segment.pressed_by ? json.Value(world.model(*segment.pressed_by).name) : json.Null();
     }
-    return line + "]}\n";
+    json.EndList().EndObject();
+    return line + "\n";
   }
 
   void AddMarks(const SensedWorld& world, const SensorReading& reading, std::vector<Mark>& marks) const override {
@@ -163,12 +169,15 @@ class BreakBeams final : public Sensor {
   explicit BreakBeams(const SensorMount& mount) : Sensor(mount) {}
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
-    std::string line = LineStart(reading.tick, world.robot(robot()).name, description().name) + ",\"broken_by\":[";
+    std::string line;
+    JsonWriter json(line);
+    BeginReading(json, reading.tick, world.robot(robot()).name, description().name);
+    json.Key("broken_by").BeginList();
     for (const BreakBeamReading::Beam& beam : std::get<BreakBeamReading>(reading.content).beams) {
-      if (line.back() != '[') line += ',';
-      line += beam.broken_by ? JsonString(world.model(world.objects[beam.broken_by->index()]).name) : "null";
+      beam.broken_by ? json.Value(world.model(world.objects[beam.broken_by->index()]).name) : json.Null();
     }
-    return line + "]}\n";
+    json.EndList().EndObject();
+    return line + "\n";
   }
 
  private:

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -27,15 +28,17 @@ class Blobfinder final : public Sensor {
   explicit Blobfinder(const SensorMount& mount) : Sensor(mount) {}
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
-    std::string line = LineStart(reading.tick, world.robot(robot()).name, description().name) + ",\"blobs\":[";
+    std::string line;
+    JsonWriter json(line);
+    BeginReading(json, reading.tick, world.robot(robot()).name, description().name);
+    json.Key("blobs").BeginList();
     for (const Blob& blob : std::get<BlobfinderReading>(reading.content).blobs) {
-      if (line.back() != '[') line += ',';
-      line += "{\"color\":" + JsonNumbers({{blob.color.r, blob.color.g, blob.color.b}}) +
-              ",\"left\":" + std::to_string(blob.left) + ",\"top\":" + std::to_string(blob.top) +
-              ",\"right\":" + std::to_string(blob.right) + ",\"bottom\":" + std::to_string(blob.bottom) +
-              ",\"range\":" + JsonNumber(blob.range) + "}";
+      json.BeginObject().Member("color", std::array{blob.color.r, blob.color.g, blob.color.b});
+      json.Member("left", blob.left).Member("top", blob.top).Member("right", blob.right).Member("bottom", blob.bottom);
+      json.Member("range", blob.range).EndObject();
     }
-    return line + "]}\n";
+    json.EndList().EndObject();
+    return line + "\n";
   }
 
   void AddMarks(const SensedWorld& world, const SensorReading& reading, std::vector<Mark>& marks) const override {
@@ -113,16 +116,19 @@ class FiducialFinder final : public Sensor {
   explicit FiducialFinder(const SensorMount& mount) : Sensor(mount) {}
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
-    std::string line = LineStart(reading.tick, world.robot(robot()).name, description().name) + ",\"fiducials\":[";
+    std::string line;
+    JsonWriter json(line);
+    BeginReading(json, reading.tick, world.robot(robot()).name, description().name);
+    json.Key("fiducials").BeginList();
     for (const Fiducial& fiducial : std::get<FiducialReading>(reading.content).fiducials) {
-      if (line.back() != '[') line += ',';
       const Pose& pose = fiducial.X_SF;
-      line += "{\"id\":" + std::to_string(fiducial.id) + ",\"model\":" + JsonString(world.model(fiducial.model).name) +
-              ",\"range\":" + JsonNumber(fiducial.range) + ",\"bearing\":" + JsonNumber(fiducial.bearing) +
-              ",\"pose\":" + JsonNumbers({{pose.x, pose.y, pose.z, pose.heading}}) +
-              ",\"size\":" + JsonNumbers({{fiducial.size_x, fiducial.size_y, fiducial.size_z}}) + "}";
+      json.BeginObject().Member("id", fiducial.id).Member("model", world.model(fiducial.model).name);
+      json.Member("range", fiducial.range).Member("bearing", fiducial.bearing);
+      json.Member("pose", std::array{pose.x, pose.y, pose.z, pose.heading});
+      json.Member("size", std::array{fiducial.size_x, fiducial.size_y, fiducial.size_z}).EndObject();
     }
-    return line + "]}\n";
+    json.EndList().EndObject();
+    return line + "\n";
   }
 
   void AddMarks(const SensedWorld& world, const SensorReading& reading, std::vector<Mark>& marks) const override {

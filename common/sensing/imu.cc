@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include "common/sensing/sensor.h"
@@ -26,9 +27,12 @@ class Imu final : public Sensor {
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
     const ImuReading& imu = std::get<ImuReading>(reading.content);
-    return LineStart(reading.tick, world.robot(robot()).name, description().name) +
-           ",\"heading\":" + JsonNumber(imu.heading) + ",\"turn\":" + JsonNumber(imu.turn) +
-           ",\"force\":" + JsonNumbers({{imu.force_xy.x(), imu.force_xy.y(), imu.force_z}}) + "}\n";
+    std::string line;
+    JsonWriter json(line);
+    BeginReading(json, reading.tick, world.robot(robot()).name, description().name);
+    json.Member("heading", imu.heading).Member("turn", imu.turn);
+    json.Member("force", std::array{imu.force_xy.x(), imu.force_xy.y(), imu.force_z}).EndObject();
+    return line + "\n";
   }
 
  private:

@@ -217,21 +217,21 @@ class Radio final : public Sensor {
   explicit Radio(const SensorMount& mount) : Sensor(mount) {}
 
   std::string JsonLines(const WorldDescription& world, const SensorReading& reading) const override {
-    std::string line = LineStart(reading.tick, world.robot(robot()).name, description().name) + ",\"received\":[";
+    std::string line;
+    JsonWriter json(line);
+    BeginReading(json, reading.tick, world.robot(robot()).name, description().name);
+    json.Key("received").BeginList();
     for (const RadioReception& reception : std::get<RadioReading>(reading.content).receptions) {
-      if (line.back() != '[') line += ',';
-      line += "{\"from\":" + JsonString(world.robot(reception.from).name) +
-              ",\"to_all\":" + (reception.to_all ? "true" : "false") + ",\"bytes\":\"" +
-              ToHexadecimal(std::as_bytes(std::span(reception.bytes))) + "\",\"rssi\":" + JsonNumber(reception.rssi) +
-              ",\"tick\":" + std::to_string(reception.tick);
-      if (reception.place) {
-        line += ",\"range\":" + JsonNumber(reception.place->range) +
-                ",\"bearing\":" + JsonNumber(reception.place->bearing) +
-                ",\"elevation\":" + JsonNumber(reception.place->elevation);
+      json.BeginObject().Member("from", world.robot(reception.from).name).Member("to_all", reception.to_all);
+      json.Member("bytes", ToHexadecimal(std::as_bytes(std::span(reception.bytes))));
+      json.Member("rssi", reception.rssi).Member("tick", reception.tick);
+      if (const auto& place = reception.place) {
+        json.Member("range", place->range).Member("bearing", place->bearing).Member("elevation", place->elevation);
       }
-      line += '}';
+      json.EndObject();
     }
-    return line + "]}\n";
+    json.EndList().EndObject();
+    return line + "\n";
   }
 
   void AddMarks(const SensedWorld& world, const SensorReading& reading, std::vector<Mark>& marks) const override {

@@ -126,8 +126,10 @@ class Ranger final : public Sensor {
     std::string lines;
     for (std::size_t i = 0; i < ranger.geometry->size(); ++i) {
       const std::span ranges = std::span(ranger.ranges).subspan(ranger.first_ray(i), (*ranger.geometry)[i].rays());
-      lines += LineStart(reading.tick, world.robot(robot()).name, description().name + "." + std::to_string(i)) +
-               ",\"ranges\":" + JsonNumbers(ranges) + "}\n";
+      JsonWriter json(lines);
+      BeginReading(json, reading.tick, world.robot(robot()).name, description().name + "." + std::to_string(i));
+      json.Member("ranges", ranges).EndObject();
+      lines += '\n';
     }
     return lines;
   }

@@ -1,10 +1,5 @@
 #include "common/sensing/sensor.h"
 
-#include <charconv>
-#include <nlohmann/json.hpp>
-
-#include "common/base/json.h"
-
 namespace troupe {
 
 Sensor::Sensor(const SensorMount& mount) : robot_(mount.robot), index_(mount.index), description_(mount.description) {}
@@ -24,28 +19,8 @@ Pose Sensor::MountAt(const SensedWorld& world) const {
   return world.bodies.X_BL(body)[world.scene.link_of(model)] * world.scene.X_LM(model);
 }
 
-std::string LineStart(Tick tick, const std::string& robot, const std::string& sensor) {
-  return "{\"tick\":" + std::to_string(tick) + ",\"robot\":" + JsonString(robot) + ",\"sensor\":" + JsonString(sensor);
-}
-
-std::string JsonString(const std::string& text) {
-  return JsonText(nlohmann::json(text));
-}
-
-std::string JsonNumbers(std::span<const double> values) {
-  std::string text = "[";
-  text.reserve(2 + 20 * values.size());
-  for (const double value : values) {
-    char digits[32];
-    if (text.size() > 1) text += ',';
-    text.append(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
-  }
-  return text + "]";
-}
-
-std::string JsonNumber(double value) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof(digits), value).ptr};
+void BeginReading(JsonWriter& json, Tick tick, const std::string& robot, const std::string& sensor) {
+  json.BeginObject().Member("tick", tick).Member("robot", robot).Member("sensor", sensor);
 }
 
 }  // namespace troupe

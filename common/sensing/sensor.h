@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/json_writer.h"
 #include "common/model/mark.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/scene.h"
@@ -116,17 +117,7 @@ inline Color ColorOfModel(const SensedWorld& world, ModelId model, Tick tick) {
   return ColorAt(description.model(model), static_cast<std::int64_t>(tick) * description.interval_ns, is_switched_on);
 }
 
-// Parts of the JSON lines of readings.
-
-// `{"tick":12,"robot":"r0","sensor":"ranger:0"`, without a closing brace.
-std::string LineStart(Tick tick, const std::string& robot, const std::string& sensor);
-
-// A string in quotes; bytes that are not UTF-8 are replaced.
-std::string JsonString(const std::string& text);
-
-// `[0.1,5]`: each number as the shortest decimal that reads back as the same double.
-std::string JsonNumbers(std::span<const double> values);
-
-std::string JsonNumber(double value);
+// Begins the JSON line of a reading, an object: `{"tick":12,"robot":"r0","sensor":"ranger:0"`.
+void BeginReading(JsonWriter& json, Tick tick, const std::string& robot, const std::string& sensor);
 
 }  // namespace troupe

@@ -15,6 +15,7 @@
 #include <string_view>
 
 #include "common/base/file.h"
+#include "common/base/json_writer.h"
 #include "common/base/or_failure.h"
 #include "common/base/output_file.h"
 
@@ -33,15 +34,6 @@ std::optional<Tick> TickOf(std::string_view text) {
 // An event begins with its time, so that it is easily parsed. Chrome counts in microseconds.
 constexpr char kLineStart[] = "{\"ts\":";
 constexpr std::size_t kStartLength = sizeof kLineStart - 1;
-
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '"' || c == '\\') escaped += '\\';
-    escaped += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-  }
-  return escaped;
-}
 
 // In microseconds, with the nanoseconds behind the point.
 std::string Microseconds(std::int64_t nanoseconds) {
@@ -213,18 +205,24 @@ Result<TraceFile> TraceFile::Create(const std::string& path, const std::string& 
   (void)opened.value().Release();  // the stream closes it
   TraceFile trace(path, file);
   // Viewers accept a list without its end, as of a program that is running or was killed.
-  fmt::print(file, "[\n{{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":{},\"args\":{{\"name\":\"{} ({})\"}}}},\n",
-             getpid(), Escaped(process), getpid());
+  std::string line = "[\n";
+  JsonWriter json(line);
+  json.BeginObject().Member("name", "process_name").Member("ph", "M").Member("pid", getpid()).Key("args");
+  json.BeginObject().Member("name", fmt::format("{} ({})", process, getpid())).EndObject().EndObject();
+  fmt::print(file, "{},\n", line);
   return trace;
 }
 
 void TraceFile::Write(const char* name, std::size_t lane, std::int64_t begin, std::int64_t end, Tick tick,
                       const std::string& robot) {
   if (!file_ || !status_.ok()) return;
-  const std::string robot_field = robot.empty() ? "" : ",\"robot\":\"" + Escaped(robot) + "\"";
-  const std::string line =
-      fmt::format("{}{},\"dur\":{},\"name\":\"{}\",\"ph\":\"X\",\"pid\":{},\"tid\":{},\"args\":{{\"tick\":{}{}}}}},\n",
-                  kLineStart, Microseconds(begin), Microseconds(end - begin), name, getpid(), lane, tick, robot_field);
+  std::string line;
+  JsonWriter json(line);
+  json.BeginObject().Key("ts").Raw(Microseconds(begin)).Key("dur").Raw(Microseconds(end - begin)).Member("name", name);
+  json.Member("ph", "X").Member("pid", getpid()).Member("tid", lane).Key("args").BeginObject().Member("tick", tick);
+  if (!robot.empty()) json.Member("robot", robot);
+  json.EndObject().EndObject();
+  line += ",\n";
   if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size()) Fail();
 }
 

@@ -4,25 +4,22 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "command_line/terminal.h"
-#include "common/trace/tick_trace.h"
-#include "launcher/hosts/connect_hosts.h"
 #include "launcher/process/process.h"
 #include "launcher/supervise/agent_fleet.h"
-#include "launcher/supervise/output_files.h"
+#include "launcher/supervise/collect_outputs.h"
 #include "launcher/supervise/reports.h"
 #include "launcher/supervise/restarts.h"
 #include "launcher/supervise/run_again.h"
 #include "launcher/supervise/run_ways.h"
 #include "launcher/supervise/service_process.h"
+#include "launcher/supervise/viewer_process.h"
 #include "ros/link/host_program.h"
 
 namespace troupe {
@@ -38,70 +35,12 @@ constexpr auto kLeaveTimeout = std::chrono::seconds(5);
 // The restarts of an agent at one tick with on_agent_loss rebuild: an agent that dies again there will always do so.
 constexpr std::uint32_t kRestartsAtATick = 5;
 
-constexpr auto kCopyLinePeriod = std::chrono::seconds(5);
-
 // Network profiles (transport/dds/binding/domain_config.h).
 constexpr const char* kMulticastProfile = "lan";
 constexpr const char* kUnicastProfile = "unicast";
 
 double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
-}
-
-// `troupe view` as a process of its own, on the launcher's host.
-class ViewerProcess {
- public:
-  // `service_address` is "host:port", `journal` its options for that. The error is for people; without a viewer the run
-  // is the same.
-  Status Start(Host& host, const RunOptions& options, const std::string& service_address, const RunKeys& keys,
-               const std::vector<std::string>& journal);
-
-  // Checks for its end. The error, once, is an end that was not asked for.
-  Status Poll();
-  bool running() const { return process_ && process_->running(); }
-  // Asks it to end. No effect without a viewer, as below.
-  void Stop();
-  void Kill();
-
- private:
-  std::unique_ptr<Child> process_;  // null: none
-  bool stopped_ = false;
-};
-
-Status ViewerProcess::Start(Host& host, const RunOptions& options, const std::string& service_address,
-                            const RunKeys& keys, const std::vector<std::string>& journal) {
-  const NetworkSettings& network = options.network;
-  std::vector<std::string> arguments = {
-      "view",
-      network.session,
-      "--domain=" + std::to_string(network.domain),
-      "--interface=" + network.network_interface,
-      "--service=" + service_address,
-      "--security=" + keys.ForTools(),
-      "--run-command=" +
-          nlohmann::json(OwnCommandLine()).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)};
-  arguments.push_back("--scenario=" + options.file);
-  if (Progress::IsInteractive()) arguments.emplace_back("--runs-again");
-  arguments.insert(arguments.end(), journal.begin(), journal.end());
-  Result<std::unique_ptr<Child>> process = host.Start("troupe", arguments, false);
-  if (!process.ok()) return process.error();
-  process_ = std::move(process).value();
-  return Status();
-}
-
-Status ViewerProcess::Poll() {
-  if (!process_ || !process_->Poll() || stopped_) return Status();
-  return Failure("the viewer " + process_->end()->ToString() + "; to start another one: troupe view");
-}
-
-void ViewerProcess::Stop() {
-  stopped_ = true;
-  if (process_) process_->Signal(SIGTERM);
-}
-
-void ViewerProcess::Kill() {
-  stopped_ = true;
-  if (process_) process_->Kill();
 }
 
 class DistributedRun {
@@ -152,7 +91,6 @@ class DistributedRun {
   void RestartService();
   // The service runs, or will be started again.
   bool goes_on() const { return service_.process().running() || service_restarts_.due(); }
-  Status CollectOutputs();
   void CountFromTheFirstService(RunSummary& run) const;
   void Stop();
   // Ends the run. Only the first failure counts.
@@ -504,23 +442,12 @@ void DistributedRun::Stop() {
 
 void DistributedRun::ChooseNetworkProfile() {
   std::string& profile = options_.network.network_profile;
-  if (options_.hosts.empty() || (!profile.empty() && profile != kMulticastProfile)) return;
-  const HostSettings* const of_service = hosts_.service_settings();
-  const HostOnNetwork from = {&hosts_.service_host(),
-                              of_service != nullptr ? InterfaceOf(*of_service) : options_.network.network_interface};
-  std::vector<HostOnNetwork> to;
-  for (const AgentSite& site : hosts_.AgentSites()) {
-    if (site.host != from.first) to.emplace_back(site.host, site.network_interface);
-  }
-  const auto is_loopback = [](const HostOnNetwork& host) {
-    return host.second == kLoopbackInterface || host.second.starts_with("127.");
-  };
-  if (to.empty() || is_loopback(from) || std::any_of(to.begin(), to.end(), is_loopback)) return;
-  const std::vector<std::string> deaf =
-      HostsWithoutMulticast(from, to, options_.network.domain, options_.network.session, signals_);
+  if (!profile.empty() && profile != kMulticastProfile) return;
+  const std::vector<std::string> deaf = hosts_.WithoutMulticast(signals_);
   if (deaf.empty()) return;
   profile = kUnicastProfile;
-  const std::string name = from.first->name().empty() ? "this host" : "host " + from.first->name();
+  const Host& service_host = hosts_.service_host();
+  const std::string name = service_host.name().empty() ? "this host" : "host " + service_host.name();
   progress_.Tell(
       fmt::format("multicast from {} does not reach {} {}: the run uses the network profile unicast instead of "
                   "lan, and sends each frame to each agent",
@@ -551,38 +478,6 @@ void DistributedRun::AwaitProcesses() {
   PrintOutput();
 }
 
-// Continues after a failure, and returns the first: the scans of a run that failed may show the cause.
-Status DistributedRun::CollectOutputs() {
-  Status first;
-  const auto keep = [&first](Status status) {
-    if (first.ok()) first = std::move(status);
-  };
-  if (!started_) return first;
-  if (!options_.hosts.empty()) {
-    bool stops = false;  // a further request to stop ends the copies
-    const auto goes_on = [&] {
-      stops = signals_.ReadStopRequest() || stops;
-      return !stops;
-    };
-    keep(service_.FetchOutputs([&, next_line = Clock::now() + kCopyLinePeriod](std::size_t bytes) mutable {
-      if (Clock::now() >= next_line) {
-        next_line = Clock::now() + kCopyLinePeriod;
-        progress_.Tell(fmt::format("copying a file of the world service from host {}: {:.1f} MB",
-                                   hosts_.service_host().name(), static_cast<double>(bytes) / 1e6));
-      }
-      return goes_on();
-    }));
-    keep(agents_.FetchOutputs([this](const std::string& line) { progress_.Tell(line); }, goes_on));
-  }
-  if (!options_.scans.empty()) keep(MergeScans(agents_.scan_files(), options_.scans, LineFile::Space::kFree));
-  if (!options_.trace.file.empty()) {
-    std::vector<std::string> parts = {service_.trace_file()};
-    parts.insert(parts.end(), agents_.trace_files().begin(), agents_.trace_files().end());
-    keep(MergeTraces(parts, options_.trace.file));
-  }
-  return first;
-}
-
 // The last service knows its own time alone.
 void DistributedRun::CountFromTheFirstService(RunSummary& run) const {
   run.wall_seconds += std::chrono::duration<double>(service_started_at_ - started_at_).count();
@@ -591,7 +486,8 @@ void DistributedRun::CountFromTheFirstService(RunSummary& run) const {
 }
 
 RunEnd DistributedRun::End() {
-  const Status collected = CollectOutputs();
+  const Status collected =
+      started_ ? CollectOutputs(options_, hosts_, service_, agents_, signals_, progress_) : Status();
   if (failed()) return end_;
   if (output_failure_) return FailedRun(*output_failure_);
   if (!collected.ok()) return FailedRun(collected.error());

@@ -54,6 +54,76 @@ std::string CheckHostStart(const std::string& text) {
   return "found no '{command}' in '" + text + "', expected one, or '{command_text}'";
 }
 
+// What a run does after the death of its world service.
+void AddServiceLossFlags(CLI::App& command, RunOptions& options, const char* group) {
+  command
+      .add_option_function<std::string>(
+          "--on-service-loss",
+          [&options](const std::string& word) {
+            options.on_service_loss = word == kOnServiceLossWords[0] ? OnServiceLoss::kRestart : OnServiceLoss::kEnd;
+          },
+          "When the world service dies: restart it, so that the run continues (default), or end the run")
+      ->check(OneOf({kOnServiceLossWords.begin(), kOnServiceLossWords.end()}))
+      ->type_name("POLICY")
+      ->group(group);
+  command
+      .add_option("--journal", options.journal,
+                  "Keep the journal from which a world service that has died is restarted: a recording (default: the "
+                  "file of --record FILE.mcap, or a file without a name that ends with the run)")
+      ->check(NotEmpty())
+      ->type_name("FILE")
+      ->group(group);
+  command
+      .add_flag("--journal-sync", options.journal_sync,
+                "Wait in each tick until the journal is on the disk, so that it survives a loss of power")
+      ->group(group);
+}
+
+void AddHostFlags(CLI::App& command, RunOptions& options, const char* group) {
+  CLI::Option* const hosts =
+      command
+          .add_option("--hosts", options.host_addresses,
+                      "Hosts of the robots, in place of the scenario's; the world service is here")
+          ->delimiter(',')
+          ->check(NotEmpty())
+          ->type_name("NAME,...")
+          ->allow_extra_args(false)  // which would be FILE
+          ->group(group);
+  command
+      .add_option("--host-start", options.host_start,
+                  "Shell command that starts a process on one of --hosts, with {address} and {command} or "
+                  "{command_text} in it (default: by ssh)")
+      ->check(CLI::Validator(CheckHostStart, ""))
+      ->type_name("COMMAND")
+      ->needs(hosts)
+      ->group(group);
+}
+
+void AddProcessFlags(CLI::App& command, RunOptions& options) {
+  const char* group = "Processes and network";
+  command.add_flag("--in-process", options.in_process, "Run service and agents in this process, without DDS")
+      ->group(group);
+  AddRobotsPerProcessFlag(command, options.run.robots_per_process, group);
+  command
+      .add_option("--restart-agents", options.restart_agents,
+                  fmt::format("Start each agent that dies again, up to N times; 0: never (default: the scenario's, or "
+                              "{})",
+                              kDefaultRestartAgents))
+      ->check(WholeNumber(0, kMaxRestartAgents))
+      ->type_name("N")
+      ->group(group);
+  AddServiceLossFlags(command, options, group);
+  AddHostFlags(command, options, group);
+  AddThreadsFlag(command, options.threads, "with --in-process all cores; otherwise 1, of the world service", group);
+  AddSessionFlag(command, options.network,
+                 "Name of the run on the network (default: the world's name and the process id)", group);
+  options.network.network_interface.clear();  // CompleteRunOptions chooses
+  AddProcessNetworkFlags(command, options.network, "lo: this host only; auto if the scenario has hosts",
+                         "on, keys for this run alone; on the interface lo a token of the run", group);
+  AddStartTimeoutFlag(command, options.start_timeout_seconds, group);
+  command.add_flag("--headless", options.headless, "Start no viewer (see 'troupe view')")->group(group);
+}
+
 void AddOutputFlags(CLI::App& command, RunOptions& options) {
   const char* group = "Output files";
   AddHashLogFlag(command, options.hash_log, group);
@@ -85,64 +155,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   AddAllowFilesFlag(command, options.permissions.files, requests);
   AddAllowControllersFlag(command, options.permissions.controllers, requests);
 
-  const char* processes = "Processes and network";
-  command.add_flag("--in-process", options.in_process, "Run service and agents in this process, without DDS")
-      ->group(processes);
-  AddRobotsPerProcessFlag(command, options.run.robots_per_process, processes);
-  command
-      .add_option("--restart-agents", options.restart_agents,
-                  fmt::format("Start each agent that dies again, up to N times; 0: never (default: the scenario's, or "
-                              "{})",
-                              kDefaultRestartAgents))
-      ->check(WholeNumber(0, kMaxRestartAgents))
-      ->type_name("N")
-      ->group(processes);
-  command
-      .add_option_function<std::string>(
-          "--on-service-loss",
-          [&options](const std::string& word) {
-            options.on_service_loss = word == kOnServiceLossWords[0] ? OnServiceLoss::kRestart : OnServiceLoss::kEnd;
-          },
-          "When the world service dies: restart it, so that the run continues (default), or end the run")
-      ->check(OneOf({kOnServiceLossWords.begin(), kOnServiceLossWords.end()}))
-      ->type_name("POLICY")
-      ->group(processes);
-  command
-      .add_option("--journal", options.journal,
-                  "Keep the journal from which a world service that has died is restarted: a recording (default: the "
-                  "file of --record FILE.mcap, or a file without a name that ends with the run)")
-      ->check(NotEmpty())
-      ->type_name("FILE")
-      ->group(processes);
-  command
-      .add_flag("--journal-sync", options.journal_sync,
-                "Wait in each tick until the journal is on the disk, so that it survives a loss of power")
-      ->group(processes);
-  CLI::Option* const hosts =
-      command
-          .add_option("--hosts", options.host_addresses,
-                      "Hosts of the robots, in place of the scenario's; the world service is here")
-          ->delimiter(',')
-          ->check(NotEmpty())
-          ->type_name("NAME,...")
-          ->allow_extra_args(false)  // which would be FILE
-          ->group(processes);
-  command
-      .add_option("--host-start", options.host_start,
-                  "Shell command that starts a process on one of --hosts, with {address} and {command} or "
-                  "{command_text} in it (default: by ssh)")
-      ->check(CLI::Validator(CheckHostStart, ""))
-      ->type_name("COMMAND")
-      ->needs(hosts)
-      ->group(processes);
-  AddThreadsFlag(command, options.threads, "with --in-process all cores; otherwise 1, of the world service", processes);
-  AddSessionFlag(command, options.network,
-                 "Name of the run on the network (default: the world's name and the process id)", processes);
-  options.network.network_interface.clear();  // CompleteRunOptions chooses
-  AddProcessNetworkFlags(command, options.network, "lo: this host only; auto if the scenario has hosts",
-                         "on, keys for this run alone; on the interface lo a token of the run", processes);
-  AddStartTimeoutFlag(command, options.start_timeout_seconds, processes);
-  command.add_flag("--headless", options.headless, "Start no viewer (see 'troupe view')")->group(processes);
+  AddProcessFlags(command, options);
 
   const char* ros = "ROS 2";
   AddRosFlags(command, options.run.ros, options.ros, ros);

@@ -207,6 +207,22 @@ std::vector<AgentSite> RunHosts::AgentSites() const {
   return sites;
 }
 
+std::vector<std::string> RunHosts::WithoutMulticast(SignalWatch& signals) const {
+  if (options_.hosts.empty()) return {};
+  const HostSettings* const of_service = service_settings();
+  const HostOnNetwork from = {&service_host(),
+                              of_service != nullptr ? InterfaceOf(*of_service) : options_.network.network_interface};
+  std::vector<HostOnNetwork> to;
+  for (const AgentSite& site : AgentSites()) {
+    if (site.host != from.first) to.emplace_back(site.host, site.network_interface);
+  }
+  const auto is_loopback = [](const HostOnNetwork& host) {
+    return host.second == kLoopbackInterface || host.second.starts_with("127.");
+  };
+  if (to.empty() || is_loopback(from) || std::any_of(to.begin(), to.end(), is_loopback)) return {};
+  return HostsWithoutMulticast(from, to, options_.network.domain, options_.network.session, signals);
+}
+
 Result<std::vector<std::size_t>> RunHosts::PlaceOnSites(const std::vector<std::string>& robots) const {
   if (options_.hosts.empty()) return std::vector<std::size_t>(robots.size(), 0);
   return PlaceRobots(robots, options_.hosts);

@@ -51,6 +51,10 @@ class RunHosts {
   // "host:port", by which agents find a service that listens at this port.
   std::string ServiceAddress(std::uint16_t port) const;
 
+  // The names of the hosts of agents that do not hear the multicast of the world service's host; none where all is on
+  // the loopback interface, and when a stop is requested meanwhile (signals.stop_requested()).
+  std::vector<std::string> WithoutMulticast(SignalWatch& signals) const;
+
   // Where agents run.
   std::vector<AgentSite> AgentSites() const;
   // The index of the site of each robot.

@@ -8,35 +8,35 @@
 namespace troupe::mcap {
 namespace {
 
-void AddSchemaRecord(ByteWriter& writer, std::uint16_t id, const Schema& schema) {
-  writer.AddRecord(Opcode::kSchema, [&] {
-    writer.Add(id);
-    writer.Add(std::string_view(schema.name));
-    writer.Add(std::string_view(schema.encoding));
-    writer.Add(std::string_view(schema.data));
+void AddSchemaRecord(ByteWriter<>& writer, std::uint16_t id, const Schema& schema) {
+  WriteRecord(writer, Opcode::kSchema, [&] {
+    writer.Write(id);
+    writer.WriteText(schema.name);
+    writer.WriteText(schema.encoding);
+    writer.WriteText(schema.data);
   });
 }
 
-void AddChannelRecord(ByteWriter& writer, std::uint16_t id, const Channel& channel) {
-  writer.AddRecord(Opcode::kChannel, [&] {
-    writer.Add(id);
-    writer.Add(channel.schema);
-    writer.Add(std::string_view(channel.topic));
-    writer.Add(std::string_view(channel.message_encoding));
-    writer.AddWithLength<std::uint32_t>([&] {
+void AddChannelRecord(ByteWriter<>& writer, std::uint16_t id, const Channel& channel) {
+  WriteRecord(writer, Opcode::kChannel, [&] {
+    writer.Write(id);
+    writer.Write(channel.schema);
+    writer.WriteText(channel.topic);
+    writer.WriteText(channel.message_encoding);
+    writer.WriteWithLength<std::uint32_t>([&] {
       for (const auto& [key, value] : channel.metadata) {
-        writer.Add(std::string_view(key));
-        writer.Add(std::string_view(value));
+        writer.WriteText(key);
+        writer.WriteText(value);
       }
     });
   });
 }
 
-void AddMap(ByteWriter& writer, const std::map<std::uint16_t, std::uint64_t>& map) {
-  writer.AddWithLength<std::uint32_t>([&] {
+void AddMap(ByteWriter<>& writer, const std::map<std::uint16_t, std::uint64_t>& map) {
+  writer.WriteWithLength<std::uint32_t>([&] {
     for (const auto& [key, value] : map) {
-      writer.Add(key);
-      writer.Add(value);
+      writer.Write(key);
+      writer.Write(value);
     }
   });
 }
@@ -46,10 +46,10 @@ void AddMap(ByteWriter& writer, const std::map<std::uint16_t, std::uint64_t>& ma
 Result<Writer> Writer::Create(std::unique_ptr<ByteSink> sink, const std::string& profile, const std::string& library) {
   Writer writer(std::move(sink));
   ByteWriter out(writer.buffer_);
-  out.Add(std::span<const std::byte>(kMagic));
-  out.AddRecord(Opcode::kHeader, [&] {
-    out.Add(std::string_view(profile));
-    out.Add(std::string_view(library));
+  out.WriteBytes(kMagic);
+  WriteRecord(out, Opcode::kHeader, [&] {
+    out.WriteText(profile);
+    out.WriteText(library);
   });
   writer.WriteBuffer();
   if (!writer.status_.ok()) return writer.status_.error();
@@ -87,12 +87,12 @@ void Writer::Add(const Message& message) {
   end_time_ = std::max(end_time_, message.log_time);
   indices_[message.channel].push_back({message.log_time, records_.size()});
   ByteWriter out(records_);
-  out.AddRecord(Opcode::kMessage, [&] {
-    out.Add(message.channel);
-    out.Add(message.sequence);
-    out.Add(message.log_time);
-    out.Add(message.publish_time);
-    out.Add(message.data);
+  WriteRecord(out, Opcode::kMessage, [&] {
+    out.Write(message.channel);
+    out.Write(message.sequence);
+    out.Write(message.log_time);
+    out.Write(message.publish_time);
+    out.WriteBytes(message.data);
   });
 }
 
@@ -104,25 +104,25 @@ Status Writer::EndChunk() {
   ChunkInfo& info = chunk.info;
   info = {written_.size, 0, start_time_, end_time_, compression, compressed_.size(), records_.size(), {}};
   ByteWriter out(buffer_);
-  out.AddRecord(Opcode::kChunk, [&] {
-    out.Add(start_time_);
-    out.Add(end_time_);
-    out.Add(std::uint64_t{records_.size()});
-    out.Add(Crc32(records_));
-    out.Add(std::string_view(compression));
-    out.AddWithLength<std::uint64_t>([&] { out.Add(std::span<const std::byte>(compressed_)); });
+  WriteRecord(out, Opcode::kChunk, [&] {
+    out.Write(start_time_);
+    out.Write(end_time_);
+    out.Write(std::uint64_t{records_.size()});
+    out.Write(Crc32(records_));
+    out.WriteText(compression);
+    out.WriteWithLength<std::uint64_t>([&] { out.WriteBytes(compressed_); });
   });
   info.length = out.size();
   for (const auto& [channel, entries] : indices_) {
     chunk.index_offsets[channel] = written_.size + out.size();
     written_.statistics.channel_messages[channel] += entries.size();
     written_.statistics.messages += entries.size();
-    out.AddRecord(Opcode::kMessageIndex, [&, id = channel] {
-      out.Add(id);
-      out.AddWithLength<std::uint32_t>([&] {
+    WriteRecord(out, Opcode::kMessageIndex, [&, id = channel] {
+      out.Write(id);
+      out.WriteWithLength<std::uint32_t>([&] {
         for (const IndexEntry& entry : indices_.at(id)) {
-          out.Add(entry.log_time);
-          out.Add(entry.offset);
+          out.Write(entry.log_time);
+          out.Write(entry.offset);
         }
       });
     });
@@ -151,7 +151,7 @@ void Writer::WriteBuffer() {
 
 void Writer::WriteSummary() {
   ByteWriter out(buffer_);
-  out.AddRecord(Opcode::kDataEnd, [&] { out.Add(written_.crc); });
+  WriteRecord(out, Opcode::kDataEnd, [&] { out.Write(written_.crc); });
   WriteBuffer();
 
   const std::uint64_t summary_start = written_.size;
@@ -168,50 +168,50 @@ void Writer::WriteSummary() {
     for (const auto& [id, channel] : written_.channels) AddChannelRecord(out, id, channel);
   });
   add_group(Opcode::kStatistics, [&] {
-    out.AddRecord(Opcode::kStatistics, [&] {
-      out.Add(written_.statistics.messages);
-      out.Add(static_cast<std::uint16_t>(written_.schemas.size()));
-      out.Add(static_cast<std::uint32_t>(written_.channels.size()));
-      out.Add(std::uint32_t{0});  // attachments
-      out.Add(std::uint32_t{0});  // metadata
-      out.Add(static_cast<std::uint32_t>(written_.chunks.size()));
-      out.Add(written_.statistics.start_time);
-      out.Add(written_.statistics.end_time);
+    WriteRecord(out, Opcode::kStatistics, [&] {
+      out.Write(written_.statistics.messages);
+      out.Write(static_cast<std::uint16_t>(written_.schemas.size()));
+      out.Write(static_cast<std::uint32_t>(written_.channels.size()));
+      out.Write(std::uint32_t{0});  // attachments
+      out.Write(std::uint32_t{0});  // metadata
+      out.Write(static_cast<std::uint32_t>(written_.chunks.size()));
+      out.Write(written_.statistics.start_time);
+      out.Write(written_.statistics.end_time);
       AddMap(out, written_.statistics.channel_messages);
     });
   });
   add_group(Opcode::kChunkIndex, [&] {
     for (const IndexedChunk& chunk : written_.chunks) {
-      out.AddRecord(Opcode::kChunkIndex, [&] {
-        out.Add(chunk.info.start_time);
-        out.Add(chunk.info.end_time);
-        out.Add(chunk.info.offset);
-        out.Add(chunk.info.length);
+      WriteRecord(out, Opcode::kChunkIndex, [&] {
+        out.Write(chunk.info.start_time);
+        out.Write(chunk.info.end_time);
+        out.Write(chunk.info.offset);
+        out.Write(chunk.info.length);
         AddMap(out, chunk.index_offsets);
-        out.Add(chunk.index_length);
-        out.Add(std::string_view(chunk.info.compression));
-        out.Add(chunk.info.compressed_size);
-        out.Add(chunk.info.uncompressed_size);
+        out.Write(chunk.index_length);
+        out.WriteText(chunk.info.compression);
+        out.Write(chunk.info.compressed_size);
+        out.Write(chunk.info.uncompressed_size);
       });
     }
   });
   const std::uint64_t summary_offset_start = summary_start + out.size();
   for (const auto& [opcode, place] : groups) {
-    out.AddRecord(Opcode::kSummaryOffset, [&, group = opcode, start = place.first, length = place.second] {
-      out.Add(static_cast<std::uint8_t>(group));
-      out.Add(start);
-      out.Add(length);
+    WriteRecord(out, Opcode::kSummaryOffset, [&, group = opcode, start = place.first, length = place.second] {
+      out.Write(static_cast<std::uint8_t>(group));
+      out.Write(start);
+      out.Write(length);
     });
   }
-  out.AddRecord(Opcode::kFooter, [&] {
-    out.Add(summary_start);
-    out.Add(summary_offset_start);
+  WriteRecord(out, Opcode::kFooter, [&] {
+    out.Write(summary_start);
+    out.Write(summary_offset_start);
     // The record's header and length are in the buffer already, the length as 0.
     std::uint64_t length = kFooterLength;
     std::memcpy(buffer_.data() + out.size() - 3 * sizeof length, &length, sizeof length);
-    out.Add(Crc32(buffer_));
+    out.Write(Crc32(buffer_));
   });
-  out.Add(std::span<const std::byte>(kMagic));
+  out.WriteBytes(kMagic);
   WriteBuffer();
 }
 

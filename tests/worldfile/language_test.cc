@@ -204,7 +204,7 @@ TEST(MapYaml, ThresholdIsAProbability) {
   EXPECT_EQ(ShapeOf(loaded).rectangles.size(), 2u);
   EXPECT_EQ(ShapeOf(loaded).rectangles_z, (ZRange{0.0, 1.0}));
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_EQ(loaded.warnings[0].message, "key 'frobnicate' has no effect");
+  EXPECT_EQ(loaded.warnings[0].message, "key 'frobnicate' of a ROS map has no effect");
   EXPECT_EQ(loaded.warnings[0].where.line, 9);
 
   std::string yaml = kYaml;

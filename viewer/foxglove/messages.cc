@@ -1,12 +1,11 @@
 #include "viewer/foxglove/messages.h"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cmath>
 #include <variant>
 
 #include "common/base/base64.h"
+#include "common/base/json_writer.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/occupancy_grid.h"
 
@@ -112,13 +111,14 @@ void VisitBodies(const Scene& scene, const WorldState& state, const Visit& visit
   }
 }
 
-void AppendTransform(const std::string& parent, const std::string& child, const Pose& pose, Time time,
-                     std::string& text) {
+void WriteTransform(const std::string& parent, const std::string& child, const Pose& pose, Time time,
+                    JsonWriter& json) {
   const auto [sine, cosine] = SinCos(0.5 * pose.heading);
-  text += fmt::format(R"({}{{"timestamp":{{"sec":{},"nsec":{}}},"parent_frame_id":{},"child_frame_id":{},)"
-                      R"("translation":{{"x":{},"y":{},"z":{}}},"rotation":{{"x":0,"y":0,"z":{},"w":{}}}}})",
-                      text.back() == '[' ? "" : ",", time / kSecond, time % kSecond, Dump(parent), Dump(child), pose.x,
-                      pose.y, pose.z, sine, cosine);
+  json.BeginObject().Key("timestamp").BeginObject();
+  json.Member("sec", time / kSecond).Member("nsec", time % kSecond).EndObject();
+  json.Member("parent_frame_id", parent).Member("child_frame_id", child).Key("translation").BeginObject();
+  json.Member("x", pose.x).Member("y", pose.y).Member("z", pose.z).EndObject().Key("rotation").BeginObject();
+  json.Member("x", 0).Member("y", 0).Member("z", sine).Member("w", cosine).EndObject().EndObject();
 }
 
 constexpr const char* kSceneSchema = R"({"title":"foxglove.SceneUpdate","type":"object","properties":{
@@ -209,17 +209,20 @@ std::string TransformsText(const Scene& scene, const WorldState& state, Time tim
   std::vector<double> positions;
   for (const JointState& joint : state.joints) positions.push_back(joint.position);
   std::vector<Pose> X_BL;
-  std::string text = R"({"transforms":[)";
+  std::string text;
+  JsonWriter json(text);
+  json.BeginObject().Key("transforms").BeginList();
   VisitBodies(scene, state, [&](BodyId id, ModelId root, const Pose& X_WB) {
-    AppendTransform("map", FrameOf(world, root, {}), X_WB, time, text);
+    WriteTransform("map", FrameOf(world, root, {}), X_WB, time, json);
     const Body& body = scene.body(id);
     if (!body.has_joints()) return;
     scene.ComputeLinkPoses(id, positions, X_BL);
     for (std::size_t link = 1; link < body.links.size(); ++link) {
-      AppendTransform(FrameOf(world, root, {}), FrameOf(world, root, body.links[link].joint), X_BL[link], time, text);
+      WriteTransform(FrameOf(world, root, {}), FrameOf(world, root, body.links[link].joint), X_BL[link], time, json);
     }
   });
-  return text + "]}";
+  json.EndList().EndObject();
+  return text;
 }
 
 std::string MapText(const Scene& scene, Time time) {

@@ -1,16 +1,14 @@
 #include "viewer/foxglove/protocol.h"
 
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
+
+#include "common/base/bytes.h"
 
 namespace troupe::foxglove {
 namespace {
 
 constexpr std::size_t kMaxSubscriptions = 1000;  // in a message
-
-static_assert(std::endian::native == std::endian::little, "numbers are copied as they are in memory");
 
 struct Service {
   const char* name;
@@ -34,44 +32,6 @@ constexpr const char* kResponse =
 
 enum ServerOpcode : std::uint8_t { kData = 1, kTime = 2, kServiceResponse = 3, kPlaybackState = 5 };
 enum ClientOpcode : std::uint8_t { kClientData = 1, kServiceCall = 2, kPlaybackControl = 3 };
-
-template <typename Number>
-void Append(std::string& bytes, Number value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-// Numbers and texts, as long as there are enough bytes.
-class Reader {
- public:
-  explicit Reader(std::string_view rest) : rest_(rest) {}
-  template <typename Number>
-  Number Read() {
-    Number value{};
-    if (rest_.size() < sizeof value) {
-      failed_ = true;
-      return value;
-    }
-    std::memcpy(&value, rest_.data(), sizeof value);
-    rest_.remove_prefix(sizeof value);
-    return value;
-  }
-  std::string ReadText() {
-    const auto size = Read<std::uint32_t>();
-    if (size > rest_.size()) {
-      failed_ = true;
-      return {};
-    }
-    std::string text(rest_.substr(0, size));
-    rest_.remove_prefix(size);
-    return text;
-  }
-  std::string_view rest() const { return rest_; }
-  bool failed() const { return failed_; }
-
- private:
-  std::string_view rest_;
-  bool failed_ = false;
-};
 
 Error Malformed(const char* expected) {
   return {{}, std::string("found a malformed message of a client, expected ") + expected};
@@ -110,20 +70,20 @@ Result<ClientMessage> ParseUnsubscribe(const Json& object) {
   return ClientMessage(std::move(unsubscribe));
 }
 
-Result<ClientMessage> ParseServiceCall(Reader reader) {
+Result<ClientMessage> ParseServiceCall(ByteReader reader) {
   ServiceCall call;
   call.service = reader.Read<std::uint32_t>();
   call.call = reader.Read<std::uint32_t>();
   const std::string encoding = reader.ReadText();
-  if (reader.failed()) return Malformed("a whole service call");
+  if (!reader.ok()) return Malformed("a whole service call");
   if (encoding == "json" && call.service >= 1 && call.service <= kServices.size()) {
     call.command = kServices[call.service - 1].command;
   }
-  call.json = reader.rest();
+  call.json = reader.ReadRest();
   return ClientMessage(std::move(call));
 }
 
-Result<ClientMessage> ParsePlaybackControl(Reader reader) {
+Result<ClientMessage> ParsePlaybackControl(ByteReader reader) {
   PlaybackControl control;
   const auto command = reader.Read<std::uint8_t>();
   control.play = command == 0;
@@ -132,7 +92,7 @@ Result<ClientMessage> ParsePlaybackControl(Reader reader) {
   const auto time = reader.Read<Time>();
   if (seeks) control.seek = time;
   control.request = reader.ReadText();
-  if (reader.failed() || command > 1 || !(std::isfinite(control.speed) && control.speed >= 0.0F)) {
+  if (!reader.ok() || command > 1 || !(std::isfinite(control.speed) && control.speed >= 0.0F)) {
     return Malformed("a whole playback control request");
   }
   return ClientMessage(std::move(control));
@@ -198,43 +158,44 @@ std::string ServiceFailureText(std::uint32_t service, std::uint32_t call, const 
 
 std::string DataMessage(std::uint32_t subscription, Time time, std::string_view content) {
   std::string bytes;
+  ByteWriter writer(bytes);
   bytes.reserve(13 + content.size());
-  Append(bytes, std::uint8_t{kData});
-  Append(bytes, subscription);
-  Append(bytes, time);
-  bytes += content;
+  writer.Write(std::uint8_t{kData});
+  writer.Write(subscription);
+  writer.Write(time);
+  writer.WriteBytes(content);
   return bytes;
 }
 
 std::string TimeMessage(Time time) {
   std::string bytes;
-  Append(bytes, std::uint8_t{kTime});
-  Append(bytes, time);
+  ByteWriter writer(bytes);
+  writer.Write(std::uint8_t{kTime});
+  writer.Write(time);
   return bytes;
 }
 
 std::string ServiceResponse(std::uint32_t service, std::uint32_t call, std::string_view json) {
-  constexpr std::string_view kEncoding = "json";
   std::string bytes;
-  Append(bytes, std::uint8_t{kServiceResponse});
-  Append(bytes, service);
-  Append(bytes, call);
-  Append(bytes, static_cast<std::uint32_t>(kEncoding.size()));
-  bytes += kEncoding;
-  bytes += json;
+  ByteWriter writer(bytes);
+  writer.Write(std::uint8_t{kServiceResponse});
+  writer.Write(service);
+  writer.Write(call);
+  writer.WriteText("json");
+  writer.WriteBytes(json);
   return bytes;
 }
 
 std::string PlaybackStateMessage(PlaybackStatus status, Time time, float speed, bool did_seek,
                                  const std::string& request) {
   std::string bytes;
-  Append(bytes, std::uint8_t{kPlaybackState});
-  Append(bytes, static_cast<std::uint8_t>(status));
-  Append(bytes, time);
-  Append(bytes, speed);
-  Append(bytes, static_cast<std::uint8_t>(did_seek ? 1 : 0));
-  Append(bytes, static_cast<std::uint32_t>(request.size()));
-  bytes += request;
+  ByteWriter writer(bytes);
+  writer.Write(std::uint8_t{kPlaybackState});
+  writer.Write(static_cast<std::uint8_t>(status));
+  writer.Write(time);
+  writer.Write(speed);
+  writer.Write(static_cast<std::uint8_t>(did_seek ? 1 : 0));
+  writer.WriteText(request);
   return bytes;
 }
 
@@ -249,14 +210,14 @@ Result<ClientMessage> ParseText(std::string_view text) {
 }
 
 Result<ClientMessage> ParseBinary(std::string_view bytes) {
-  Reader reader(bytes);
+  ByteReader reader(bytes);
   switch (reader.Read<std::uint8_t>()) {
     case kServiceCall:
       return ParseServiceCall(reader);
     case kPlaybackControl:
       return ParsePlaybackControl(reader);
     case kClientData:
-      if (!reader.failed()) return ClientMessage(Ignored());
+      if (reader.ok()) return ClientMessage(Ignored());
       [[fallthrough]];
     default:
       return Malformed("a binary message of the protocol");

@@ -8,7 +8,7 @@
 namespace troupe {
 namespace {
 
-void Write(ByteWriter& writer, const Polygon& outline) {
+void Write(PageWriter& writer, const Polygon& outline) {
   writer.WriteCount(outline.size());
   for (const Vec2& point : outline) {
     writer.WriteFloat(point.x());
@@ -16,12 +16,12 @@ void Write(ByteWriter& writer, const Polygon& outline) {
   }
 }
 
-void Write(ByteWriter& writer, const ZRange& z) {
+void Write(PageWriter& writer, const ZRange& z) {
   writer.WriteFloat(z.min);
   writer.WriteFloat(z.max);
 }
 
-void Write(ByteWriter& writer, const Rectangle& r) {
+void Write(PageWriter& writer, const Rectangle& r) {
   writer.WriteFloat(r.min_x);
   writer.WriteFloat(r.min_y);
   writer.WriteFloat(r.max_x);
@@ -29,7 +29,7 @@ void Write(ByteWriter& writer, const Rectangle& r) {
 }
 
 // The pixels of an area, reduced to at most kMaxArea along each side: a byte for eight, row by row from below.
-void WritePixels(ByteWriter& writer, const PixelArea& area) {
+void WritePixels(PageWriter& writer, const PixelArea& area) {
   const PixelRectangle bounds = area.cover().bounds();
   const int reduction = std::max(
       {1, (bounds.x1 - bounds.x0 + kMaxArea - 1) / kMaxArea, (bounds.y1 - bounds.y0 + kMaxArea - 1) / kMaxArea});
@@ -50,10 +50,10 @@ void WritePixels(ByteWriter& writer, const PixelArea& area) {
   writer.WritePose(area.X_MA());
   writer.WriteCount(static_cast<std::size_t>(width));
   writer.WriteCount(static_cast<std::size_t>(height));
-  writer.Append({reinterpret_cast<const char*>(bits.data()), bits.size()});
+  writer.WriteBytes(std::as_bytes(std::span(bits)));
 }
 
-void Write(ByteWriter& writer, const Shape& shape) {
+void Write(PageWriter& writer, const Shape& shape) {
   writer.WriteCount(shape.blocks.size());
   for (const Block& block : shape.blocks) {
     Write(writer, block.z);
@@ -66,11 +66,11 @@ void Write(ByteWriter& writer, const Shape& shape) {
   const std::vector<Polygon> loops = OutlineOf(shape.rectangles);
   writer.WriteCount(loops.size());
   for (const Polygon& loop : loops) Write(writer, loop);
-  writer.WriteByte(shape.area.has_value());
+  writer.WriteFlag(shape.area.has_value());
   if (shape.area) WritePixels(writer, *shape.area);
 }
 
-void Write(ByteWriter& writer, const ModelDescription& model) {
+void Write(PageWriter& writer, const ModelDescription& model) {
   writer.WriteText(model.name);
   writer.WriteText(model.type);
   writer.WriteId(model.parent);
@@ -80,34 +80,34 @@ void Write(ByteWriter& writer, const ModelDescription& model) {
   writer.WriteFloat(model.color.g);
   writer.WriteFloat(model.color.b);
   writer.WriteFloat(model.color.a);
-  writer.WriteByte(model.removed);
+  writer.WriteFlag(model.removed);
 }
 
-void Write(ByteWriter& writer, const SensorDescription& sensor) {
+void Write(PageWriter& writer, const SensorDescription& sensor) {
   writer.WriteText(sensor.name);
   writer.WriteText(TypeOf(sensor.parameters));
 }
 
-void Write(ByteWriter& writer, const WorldDescription& world, RobotId id) {
+void Write(PageWriter& writer, const WorldDescription& world, RobotId id) {
   const RobotDescription& robot = world.robot(id);
   writer.WriteText(robot.name);
   writer.WriteCount(robot.root.index());
-  writer.WriteByte(RobotExists(world, id));
+  writer.WriteFlag(RobotExists(world, id));
   writer.WriteText(robot.controller.name);
   writer.WriteCount(robot.sensors.size());
   for (const SensorDescription& sensor : robot.sensors) Write(writer, sensor);
   // How fast a user can drive it; bounds without meaning are those of a world that states none.
   const TwistBounds& bounds = robot.drive.velocity;
-  writer.WriteByte(robot.drive.type == DriveType::kOmni);
+  writer.WriteFlag(robot.drive.type == DriveType::kOmni);
   writer.WriteFloat(bounds.x.max);
   writer.WriteFloat(robot.drive.type == DriveType::kCar ? bounds.x.max / robot.drive.wheelbase : bounds.heading.max);
 }
 
-void Write(ByteWriter& writer, const JointDescription& joint) {
+void Write(PageWriter& writer, const JointDescription& joint) {
   writer.WriteText(joint.name);
   writer.WriteCount(joint.robot.index());
   writer.WriteCount(joint.model.index());
-  writer.WriteByte(joint.type == JointType::kRevolute);
+  writer.WriteFlag(joint.type == JointType::kRevolute);
   writer.WriteFloat(joint.axis_xy.x());
   writer.WriteFloat(joint.axis_xy.y());
   writer.WriteFloat(joint.axis_z);
@@ -115,25 +115,25 @@ void Write(ByteWriter& writer, const JointDescription& joint) {
   writer.Write(joint.position.max);
 }
 
-void Write(ByteWriter& writer, const GripperDescription& gripper) {
+void Write(PageWriter& writer, const GripperDescription& gripper) {
   writer.WriteText(gripper.name);
   writer.WriteCount(gripper.robot.index());
   writer.WriteId(gripper.lift);
 }
 
-void WriteStores(ByteWriter& writer, const WorldDescription& world) {
+void WriteStores(PageWriter& writer, const WorldDescription& world) {
   const std::vector<ModelId> stores = FindStores(world);
   writer.WriteCount(stores.size());
   for (const ModelId model : stores) {
     const PowerDescription& power = world.model(model).power;
     writer.WriteCount(model.index());
     writer.Write(power.capacity);
-    writer.WriteByte(power.endless);
+    writer.WriteFlag(power.endless);
   }
 }
 
 // All lights: those of robots have a row in states, the others are always switched as at load.
-void WriteLights(ByteWriter& writer, const WorldDescription& world) {
+void WriteLights(PageWriter& writer, const WorldDescription& world) {
   std::vector<std::int32_t> rows(world.models.size(), -1);
   std::int32_t count = 0;
   for (const LightPlace& light : FindLights(world)) rows[light.model.index()] = count++;
@@ -146,20 +146,20 @@ void WriteLights(ByteWriter& writer, const WorldDescription& world) {
     writer.Write(rows[i]);
     writer.Write(blinking.period_ns);
     writer.Write(blinking.on_ns);
-    writer.WriteByte(blinking.is_switched_on);
+    writer.WriteFlag(blinking.is_switched_on);
     ++lights;
   }
   writer.FillCount(place, lights);
 }
 
-void Write(ByteWriter& writer, const DoorDescription& door) {
+void Write(PageWriter& writer, const DoorDescription& door) {
   writer.WriteCount(door.model.index());
   writer.WriteCount(door.leaves.size());
   for (const DoorLeaf& leaf : door.leaves) writer.WriteCount(leaf.object.index());
-  writer.WriteByte(door.is_operated);
+  writer.WriteFlag(door.is_operated);
 }
 
-void Write(ByteWriter& writer, const LiftDescription& lift) {
+void Write(PageWriter& writer, const LiftDescription& lift) {
   writer.WriteCount(lift.model.index());
   writer.WriteCount(lift.cabin.index());
   writer.WriteCount(lift.floors.size());
@@ -186,7 +186,7 @@ void StateRows::Assign(std::shared_ptr<const WorldState> state, std::uint64_t nu
   state_ = std::move(state);
 }
 
-void StateRows::Write(ByteWriter& writer, std::uint64_t since) const {
+void StateRows::Write(PageWriter& writer, std::uint64_t since) const {
   std::size_t table_number = 0;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
     const std::vector<std::uint64_t>& changed = changed_[table_number++];
@@ -208,7 +208,8 @@ void StateRows::Write(ByteWriter& writer, std::uint64_t since) const {
 
 std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   const WorldDescription& world = session.world;
-  ByteWriter writer;
+  std::string bytes;
+  PageWriter writer(bytes);
   writer.Write(static_cast<std::uint8_t>(PageMessage::kWorld));
   writer.Write(kPageProtocol);
   writer.Write(number);
@@ -241,7 +242,7 @@ std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
     writer.WriteText(level.name);
     writer.Write(level.z);
   }
-  return writer.ReleaseBytes();
+  return bytes;
 }
 
 }  // namespace troupe

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <concepts>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +12,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "common/base/bytes.h"
 #include "transport/protocol/messages.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
@@ -21,53 +20,29 @@
 
 namespace troupe {
 
-static_assert(std::endian::native == std::endian::little, "messages are copies of numbers in memory");
-
-// ByteWriter: appends numbers and texts, little-endian, to the bytes of a message for the page.
-class ByteWriter {
+// PageWriter: appends to the bytes of a message for the page.
+class PageWriter : public ByteWriter<std::string> {
  public:
-  template <typename Number>
-  requires std::is_arithmetic_v<Number>
-  void Write(Number value) {
-    char bytes[sizeof value];
-    std::memcpy(bytes, &value, sizeof value);
-    bytes_.append(bytes, sizeof value);
-  }
-  void WriteByte(bool value) { Write<std::uint8_t>(value ? 1 : 0); }
+  using ByteWriter::ByteWriter;
+
+  void WriteFlag(bool value) { Write(static_cast<std::uint8_t>(value ? 1 : 0)); }
   void WriteCount(std::size_t count) { Write(static_cast<std::uint32_t>(count)); }
   void WriteFloat(double value) { Write(static_cast<float>(value)); }
-  // The length in bytes, then UTF-8.
-  void WriteText(std::string_view text) {
-    WriteCount(text.size());
-    bytes_.append(text);
-  }
   // The index of an id, -1 for none.
   template <typename OptionalId>
   void WriteId(const OptionalId& id) {
     Write(id ? static_cast<std::int32_t>(id->index()) : std::int32_t{-1});
   }
   void WritePose(const Pose& pose) {
-    Write(pose.x);
-    Write(pose.y);
-    Write(pose.z);
-    Write(pose.heading);
+    for (const double number : {pose.x, pose.y, pose.z, pose.heading}) Write(number);
   }
-  void Append(std::string_view bytes) { bytes_.append(bytes); }
 
-  // A count whose value is known later.
+  // A count whose value is known later. REQUIRES of FillCount: `place` is from ReserveCount.
   std::size_t ReserveCount() {
     WriteCount(0);
-    return bytes_.size() - sizeof(std::uint32_t);
+    return size() - sizeof(std::uint32_t);
   }
-  void FillCount(std::size_t place, std::size_t count) {
-    const auto value = static_cast<std::uint32_t>(count);
-    std::memcpy(bytes_.data() + place, &value, sizeof value);
-  }
-
-  std::string ReleaseBytes() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
+  void FillCount(std::size_t place, std::size_t count) { Replace(place, static_cast<std::uint32_t>(count)); }
 };
 
 // The fields of rows (troupe/fields.h) on the page: how each type of value is written, and the types and readers of the
@@ -86,37 +61,37 @@ template <typename Value>
 struct PageValue {
   static_assert(std::is_enum_v<Value>, "the page has no type for a field");
   static constexpr PageType kType = {"number", "r.u8()"};
-  static void Write(ByteWriter& writer, Value value) { writer.Write(static_cast<std::uint8_t>(value)); }
+  static void Write(PageWriter& writer, Value value) { writer.Write(static_cast<std::uint8_t>(value)); }
 };
 template <>
 struct PageValue<double> {
   static constexpr PageType kType = {"number", "r.f64()"};
-  static void Write(ByteWriter& writer, double value) { writer.Write(value); }
+  static void Write(PageWriter& writer, double value) { writer.Write(value); }
 };
 template <>
 struct PageValue<std::uint32_t> {
   static constexpr PageType kType = {"number", "r.u32()"};
-  static void Write(ByteWriter& writer, std::uint32_t value) { writer.Write(value); }
+  static void Write(PageWriter& writer, std::uint32_t value) { writer.Write(value); }
 };
 template <>
 struct PageValue<bool> {
   static constexpr PageType kType = {"boolean", "r.flag()"};
-  static void Write(ByteWriter& writer, bool value) { writer.WriteByte(value); }
+  static void Write(PageWriter& writer, bool value) { writer.WriteFlag(value); }
 };
 template <typename Tag>
 struct PageValue<std::optional<Id<Tag>>> {
   static constexpr PageType kType = {"number", "r.i32()"};  // -1: none
-  static void Write(ByteWriter& writer, const std::optional<Id<Tag>>& id) { writer.WriteId(id); }
+  static void Write(PageWriter& writer, const std::optional<Id<Tag>>& id) { writer.WriteId(id); }
 };
 template <>
 struct PageValue<Pose> {
   static constexpr PageType kType = {"Pose", "r.pose()"};
-  static void Write(ByteWriter& writer, const Pose& pose) { writer.WritePose(pose); }
+  static void Write(PageWriter& writer, const Pose& pose) { writer.WritePose(pose); }
 };
 template <>
 struct PageValue<Twist> {
   static constexpr PageType kType = {"Twist", "r.twist()"};
-  static void Write(ByteWriter& writer, const Twist& twist) {
+  static void Write(PageWriter& writer, const Twist& twist) {
     writer.WriteFloat(twist.vx);
     writer.WriteFloat(twist.vy);
     writer.WriteFloat(twist.wz);
@@ -131,7 +106,7 @@ class StateRows {
   void Assign(std::shared_ptr<const WorldState> state, std::uint64_t number, bool fresh);
 
   // Writes the rows that are on the page (kIsOnPage) and have changed after update `since`; 0: all.
-  void Write(ByteWriter& writer, std::uint64_t since) const;
+  void Write(PageWriter& writer, std::uint64_t since) const;
 
  private:
   std::shared_ptr<const WorldState> state_ = std::make_shared<const WorldState>();

@@ -29,7 +29,7 @@ std::uint8_t Flag(bool is_set, std::uint8_t flag) {
 
 static_assert(kMemberCount<Event> == 6, "a new field of an event belongs into the next function, and into protocol.ts");
 
-void Write(ByteWriter& writer, const NumberedEvent& numbered) {
+void Write(PageWriter& writer, const NumberedEvent& numbered) {
   const Event& event = numbered.event;
   writer.Write(numbered.position);
   writer.Write(event.tick);
@@ -58,13 +58,13 @@ enum class ReadingKind : std::uint8_t {
 // Bytes of a radio message that the page receives; its length comes with them.
 constexpr std::size_t kMaxMessageBytes = 256;
 
-void Write(ByteWriter& writer, std::span<const double> values) {
+void Write(PageWriter& writer, std::span<const double> values) {
   writer.WriteCount(values.size());
   for (const double value : values) writer.Write(value);
 }
 
 struct ContentWriter {
-  ByteWriter& writer;
+  PageWriter& writer;
 
   void Write(ReadingKind kind) const { writer.Write(static_cast<std::uint8_t>(kind)); }
   void Write(const Interval& limits) const {
@@ -155,7 +155,7 @@ struct ContentWriter {
     }
     Write(reading.limits);
     writer.WriteCount(reading.colors.size());
-    writer.Append({reinterpret_cast<const char*>(reading.colors.data()), reading.colors.size()});
+    writer.WriteBytes(std::as_bytes(std::span(reading.colors)));
   }
   void operator()(const RadioReading& reading) const {
     Write(ReadingKind::kRadio);
@@ -164,13 +164,13 @@ struct ContentWriter {
     writer.WriteCount(reading.receptions.size());
     for (const RadioReception& reception : reading.receptions) {
       writer.WriteCount(reception.from.index());
-      writer.WriteByte(reception.to_all);
+      writer.WriteFlag(reception.to_all);
       writer.WriteCount(reception.bytes.size());
       writer.WriteText(
           CutUtf8({reinterpret_cast<const char*>(reception.bytes.data()), reception.bytes.size()}, kMaxMessageBytes));
       writer.Write(reception.rssi);
       writer.Write(reception.tick);
-      writer.WriteByte(reception.place.has_value());
+      writer.WriteFlag(reception.place.has_value());
       if (!reception.place) continue;
       writer.Write(reception.place->range);
       writer.Write(reception.place->bearing);
@@ -260,7 +260,8 @@ std::string PageViewer::MakeUpdate() {
   const ViewedState& state = *shown();
   const FeedContent& content = run_.content;
   const bool has_readings = in_past_ || !selected_.all || readings_.measures_all;
-  ByteWriter writer;
+  std::string bytes;
+  PageWriter writer(bytes);
   writer.Write(static_cast<std::uint8_t>(PageMessage::kUpdate));
   writer.Write(state.world->number);
   writer.Write(static_cast<std::uint8_t>(Flag(in_past_ || content.paused, kPausedFlag) |
@@ -279,17 +280,17 @@ std::string PageViewer::MakeUpdate() {
   if (has_readings) WriteReadings(writer);
   if (!in_past_) update_ = run_.update;
   past_is_new_ = selection_is_new_ = false;
-  return writer.ReleaseBytes();
+  return bytes;
 }
 
-void PageViewer::WriteRows(ByteWriter& writer) const {
+void PageViewer::WriteRows(PageWriter& writer) const {
   if (!in_past_) return run_.rows.Write(writer, update_);
   StateRows rows;  // all of them: the state before may be any
   rows.Assign(shown()->state, 1, true);
   rows.Write(writer, 0);
 }
 
-void PageViewer::WriteEvents(ByteWriter& writer) {
+void PageViewer::WriteEvents(PageWriter& writer) {
   if (event_list_ != run_.content.event_list) event_ = 0;
   event_list_ = run_.content.event_list;
   const std::size_t place = writer.ReserveCount();
@@ -318,7 +319,7 @@ std::vector<RobotId> PageViewer::SelectedRobots() const {
   return robots;
 }
 
-void PageViewer::WriteReadings(ByteWriter& writer) {
+void PageViewer::WriteReadings(PageWriter& writer) {
   const auto start = Clock::now();
   const WorldDescription& world = shown()->world->description();
   RobotReadings& readings = in_past_ ? readings_.past : readings_.live;
@@ -357,13 +358,14 @@ const std::string& RobotReadings::Encoded(Robot& robot, std::size_t sensor) {
   const WorldState& state = *state_->state;
   if (!bodies_fresh_) bodies_->Assign(state);
   bodies_fresh_ = true;
-  ByteWriter writer;
+  std::string bytes;
+  PageWriter writer(bytes);
   const Scene& scene = *state_->world->scene;
   std::visit(ContentWriter{writer}, robot.suite.Measure(sensor, {scene, *bodies_, &state}, state.tick).content);
-  return encoded = writer.ReleaseBytes();
+  return encoded = std::move(bytes);
 }
 
-bool RobotReadings::Write(ByteWriter& writer, RobotId id, Pictures pictures) {
+bool RobotReadings::Write(PageWriter& writer, RobotId id, Pictures pictures) {
   auto known = robots_.find(id);
   if (known == robots_.end()) {
     known = robots_.emplace(id, Robot{SensorSuite(*state_->world->scene, id), {}}).first;
@@ -381,7 +383,7 @@ bool RobotReadings::Write(ByteWriter& writer, RobotId id, Pictures pictures) {
       ContentWriter{writer}.Write(pictures == Pictures::kKept ? ReadingKind::kKept : ReadingKind::kNone);
       is_missing = true;
     } else {
-      writer.Append(Encoded(robot, i));
+      writer.WriteBytes(Encoded(robot, i));
     }
   }
   return is_missing;

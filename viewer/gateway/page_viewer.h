@@ -37,7 +37,7 @@ class RobotReadings {
 
   // Writes the readings of a robot in the state, measured now if need be. Returns true if the robot has a camera whose
   // image is not among them. REQUIRES: SetState was called; the robot exists.
-  bool Write(ByteWriter& writer, RobotId robot, Pictures pictures);
+  bool Write(PageWriter& writer, RobotId robot, Pictures pictures);
 
  private:
   struct Robot {
@@ -85,9 +85,9 @@ class PageViewer final : public Viewer {
   bool NeedsStatus() const;
   bool NeedsUpdate() const;
   std::string MakeUpdate();
-  void WriteRows(ByteWriter& writer) const;
-  void WriteEvents(ByteWriter& writer);
-  void WriteReadings(ByteWriter& writer);
+  void WriteRows(PageWriter& writer) const;
+  void WriteEvents(PageWriter& writer);
+  void WriteReadings(PageWriter& writer);
   std::vector<RobotId> SelectedRobots() const;
 
   const PastStates& history_;

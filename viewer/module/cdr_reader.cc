@@ -2,11 +2,13 @@
 // generates for a type. Of these, the types in idl/ use few: numbers, texts, sequences and structures.
 #include <dds/ddsc/dds_opcodes.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <string>
 
+#include "common/base/bytes.h"
 #include "transport/wire/cdr.h"
 
 namespace troupe::wire {
@@ -87,13 +89,13 @@ void Free(const std::uint32_t* ops, std::uint8_t* sample) {
 // Stops at the first problem.
 class Reader {
  public:
-  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  explicit Reader(std::span<const std::byte> bytes) : in_(bytes), size_(bytes.size()) {}
 
-  bool failed() const { return failed_; }
-  std::size_t left() const { return bytes_.size() - at_; }
+  bool failed() const { return is_nonsense_ || !in_.ok(); }
+  std::size_t left() const { return in_.remaining(); }
 
   void ReadStructure(const std::uint32_t* ops, std::uint8_t* sample) {
-    for (; !failed_ && !IsEnd(ops); ops = Member(ops).next) {
+    for (; !failed() && !IsEnd(ops); ops = Member(ops).next) {
       const Member member(ops);
       std::uint8_t* const at = sample + member.offset;
       if (const std::optional<std::size_t> size = SizeOfNumber(member.type)) {
@@ -105,57 +107,54 @@ class Reader {
       } else if (member.type == DDS_OP_VAL_SEQ) {
         ReadSequence(member, *reinterpret_cast<Sequence*>(at));
       } else {
-        failed_ = true;
+        is_nonsense_ = true;
       }
     }
   }
 
  private:
+  // Numbers are aligned to their size, counted from the first byte.
   void ReadNumbers(std::uint8_t* to, std::size_t size, std::size_t count, bool is_flag) {
-    at_ += (size - at_ % size) % size;
-    if (at_ > bytes_.size() || count > left() / size) {
-      failed_ = true;
-      return;
-    }
-    if (count > 0) std::memcpy(to, bytes_.data() + at_, size * count);
-    at_ += size * count;
-    for (std::size_t i = 0; is_flag && i < count; ++i) failed_ = failed_ || to[i] > 1;
+    const std::size_t at = size_ - in_.remaining();
+    in_.ReadBytes((size - at % size) % size);
+    const std::span<const std::byte> bytes = in_.ReadBytes(std::uint64_t{size} * count);
+    if (!bytes.empty()) std::memcpy(to, bytes.data(), bytes.size());
+    if (is_flag) is_nonsense_ = is_nonsense_ || std::any_of(bytes.begin(), bytes.end(), IsNoFlag);
   }
+
+  static bool IsNoFlag(std::byte byte) { return byte > std::byte{1}; }
 
   std::uint32_t ReadCount() {
     std::uint32_t count = 0;
     ReadNumbers(reinterpret_cast<std::uint8_t*>(&count), sizeof count, 1, false);
-    return failed_ ? 0 : count;
+    return count;
   }
 
   char* ReadText() {
-    const std::uint32_t size = ReadCount();  // with the zero at the end
-    if (failed_ || size == 0 || size > left() || bytes_[at_ + size - 1] != std::byte{0}) {
-      failed_ = true;
-      return nullptr;
-    }
-    auto* const text = static_cast<char*>(std::malloc(size));
-    std::memcpy(text, bytes_.data() + at_, size);
-    at_ += size;
+    const std::span<const std::byte> bytes = in_.ReadBytes(ReadCount());  // with the zero at the end
+    is_nonsense_ = is_nonsense_ || bytes.empty() || bytes.back() != std::byte{0};
+    if (failed()) return nullptr;
+    auto* const text = static_cast<char*>(std::malloc(bytes.size()));
+    std::memcpy(text, bytes.data(), bytes.size());
     return text;
   }
 
   void ReadSequence(const Member& member, Sequence& sequence) {
     const std::uint32_t count = ReadCount();
-    if (failed_ || count == 0) return;
+    if (failed() || count == 0) return;
     const std::optional<std::size_t> number = SizeOfNumber(member.subtype);
     const bool is_text = member.subtype == DDS_OP_VAL_STR;
     const std::size_t size = number ? *number : is_text ? sizeof(char*) : member.element_size;
     // Each element takes a byte at least.
     if (size == 0 || count > left()) {
-      failed_ = true;
+      is_nonsense_ = true;
       return;
     }
     sequence.buffer = static_cast<std::uint8_t*>(std::calloc(count, size));
     sequence.length = sequence.maximum = count;
     sequence.release = true;
     if (number) return ReadNumbers(sequence.buffer, size, count, member.subtype == DDS_OP_VAL_BLN);
-    for (std::uint32_t i = 0; i < count && !failed_; ++i) {
+    for (std::uint32_t i = 0; i < count && !failed(); ++i) {
       std::uint8_t* const element = sequence.buffer + i * size;
       if (is_text) {
         *reinterpret_cast<char**>(element) = ReadText();
@@ -165,9 +164,9 @@ class Reader {
     }
   }
 
-  std::span<const std::byte> bytes_;
-  std::size_t at_ = 0;
-  bool failed_ = false;
+  ByteReader in_;
+  std::size_t size_;  // of all bytes
+  bool is_nonsense_ = false;
 };
 
 }  // namespace

@@ -36,13 +36,12 @@ Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
   Result<Polygon> region = ReadRegion(tree, object.Member("region"));
   if (!region.ok()) return region.error();
   rule.region = std::move(region).value();
-  const auto number = [&](const char* key, double& value) {
-    if (const JsonNode* const found = object.Find(key)) value = found->number;
-  };
-  number("z", rule.z);
-  number("radius", rule.radius);
-  number("height", rule.height);
-  number("max_speed", rule.max_speed);
+  object.Read("z", rule.z);
+  object.Read("radius", rule.radius);
+  object.Read("height", rule.height);
+  object.Read("max_speed", rule.max_speed);
+  object.Read("group", rule.group);
+  object.Read("name_prefix", rule.name_prefix);
   for (const auto& [key, interval] : {std::pair{"speed", &rule.speed}, std::pair{"wait", &entry.wait}}) {
     const JsonNode* const found = object.Find(key);
     if (found == nullptr) continue;
@@ -56,18 +55,14 @@ Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
                     : found->text == "careless" ? PersonReaction::kCareless
                                                 : PersonReaction::kRegular;
   }
-  if (const JsonNode* const found = object.Find("group")) rule.group = found->ToInteger<std::uint32_t>();
-  if (const JsonNode* const found = object.Find("name_prefix")) rule.name_prefix = found->text;
   if (const JsonNode* const found = object.Find("order")) entry.in_turn = found->text == "in turn";
-  if (const JsonNode* const goals = object.Find("goals")) {
-    for (const JsonNode& goal : goals->items) {
-      if (goal.is_string()) {
-        entry.goals.push_back({goal.text, tree.Where(goal)});
-      } else {
-        const Vec2 point(goal.items[0].number, goal.items[1].number);
-        const double z = goal.items.size() > 2 ? goal.items[2].number : rule.z;
-        entry.goals.push_back({PeopleEntry::PlacedGoal{point, z}, tree.Where(goal)});
-      }
+  for (const JsonNode& goal : object.ItemsOf("goals")) {
+    if (goal.is_string()) {
+      entry.goals.push_back({goal.text, tree.Where(goal)});
+    } else {
+      const Vec2 point(goal.items[0].number, goal.items[1].number);
+      const double z = goal.items.size() > 2 ? goal.items[2].number : rule.z;
+      entry.goals.push_back({PeopleEntry::PlacedGoal{point, z}, tree.Where(goal)});
     }
   }
   return entry;
@@ -128,9 +123,7 @@ Result<Polygon> ReadRegion(const JsonTree& tree, const JsonNode& region) {
 
 Result<std::vector<PeopleEntry>> ReadPeopleEntries(const JsonTree& tree, const JsonNode& root) {
   std::vector<PeopleEntry> entries;
-  const JsonNode* const found = root.Find("people");
-  if (found == nullptr) return entries;
-  for (const JsonNode& object : found->items) {
+  for (const JsonNode& object : root.ItemsOf("people")) {
     Result<PeopleEntry> entry = ReadEntry(tree, object);
     if (!entry.ok()) return entry.error();
     entries.push_back(std::move(entry).value());

@@ -24,6 +24,12 @@ class Reader {
     if (!error_) error_ = tree_.ErrorAt(value, std::move(message));
   }
   PlacedText Text(const JsonNode& value) const { return {value.text, tree_.Where(value)}; }
+  std::vector<PlacedText> Texts(const JsonNode& object, std::string_view key) const;
+  // Nothing without such a member.
+  std::optional<PlacedText> FindText(const JsonNode& object, std::string_view key) const {
+    const JsonNode* const found = object.Find(key);
+    return found != nullptr ? std::optional(Text(*found)) : std::nullopt;
+  }
 
   RunSettings ReadSettings(const JsonNode& root);
   std::optional<ControllerEntry> ReadController(const JsonNode& object) const;
@@ -54,15 +60,22 @@ class Reader {
   std::optional<Error> error_;
 };
 
-std::string TextIn(const JsonNode& object, std::string_view key, const std::string& otherwise = "") {
-  const JsonNode* const found = object.Find(key);
-  return found != nullptr ? found->text : otherwise;
-}
-
 Value::Number NumberOf(const JsonNode& value) {
   if (value.is_boolean()) return value.is_true() ? Value::Number{1.0, "1"} : Value::Number{0.0, "0"};
   const bool has_exponent = value.text.find_first_of("eE") != std::string::npos;  // Stage's numbers have none
   return {value.number, has_exponent ? ToJson(value).dump() : value.text};
+}
+
+std::vector<PlacedText> Reader::Texts(const JsonNode& object, std::string_view key) const {
+  std::vector<PlacedText> texts;
+  for (const JsonNode& item : object.ItemsOf(key)) texts.push_back(Text(item));
+  return texts;
+}
+
+std::vector<std::string> StringsOf(const std::vector<JsonNode>& items) {
+  std::vector<std::string> strings;
+  for (const JsonNode& item : items) strings.push_back(item.text);
+  return strings;
 }
 
 std::optional<ControllerEntry> Reader::ReadController(const JsonNode& object) const {
@@ -85,9 +98,7 @@ std::optional<ControllerEntry> Reader::ReadController(const JsonNode& object) co
 
 std::vector<Property> Reader::ReadProperties(const JsonNode& object, const Refused& refused) {
   std::vector<Property> properties;
-  const JsonNode* const found = object.Find("properties");
-  if (found == nullptr) return properties;
-  for (const JsonNode& value : found->items) {
+  for (const JsonNode& value : object.ItemsOf("properties")) {
     const std::string& key = value.key;
     if (refused.contains(key)) Fail(value, "found the property '" + key + "', which " + refused.at(key));
     Property property{key, Value{std::string(), tree_.Where(value)}, tree_.WhereKey(value)};
@@ -120,15 +131,11 @@ std::optional<RosDomainEntry> Reader::ReadRosDomain(const JsonNode& object) cons
 
 std::vector<NamedPlace> Reader::ReadPlaces(const JsonNode& root) {
   std::vector<NamedPlace> places;
-  const JsonNode* const found = root.Find("places");
-  if (found == nullptr) return places;
-  for (const JsonNode& entry : found->items) {
+  for (const JsonNode& entry : root.ItemsOf("places")) {
     NamedPlace place;
     place.name = entry.Member("name").text;
-    place.description = TextIn(entry, "description");
-    if (const JsonNode* const tags = entry.Find("tags")) {
-      for (const JsonNode& tag : tags->items) place.tags.push_back(tag.text);
-    }
+    entry.Read("description", place.description);
+    place.tags = StringsOf(entry.ItemsOf("tags"));
     place.X_WN = ReadPose(entry.Member("pose")).pose;
     const auto same = [&](const NamedPlace& other) { return other.name == place.name; };
     if (std::any_of(places.begin(), places.end(), same)) {
@@ -140,12 +147,9 @@ std::vector<NamedPlace> Reader::ReadPlaces(const JsonNode& root) {
 }
 
 std::vector<std::string> Reader::ReadLockstepNames(const JsonNode& object) {
-  std::vector<std::string> names;
-  const JsonNode* found = object.Find("ros_lockstep");
-  if (found != nullptr && found->is_object()) found = found->Find("names");
-  if (found == nullptr) return names;
-  for (const JsonNode& name : found->items) names.push_back(name.text);
-  return names;
+  const JsonNode* const found = object.Find("ros_lockstep");
+  if (found != nullptr && found->is_object()) return StringsOf(found->ItemsOf("names"));
+  return StringsOf(object.ItemsOf("ros_lockstep"));
 }
 
 RosLockstep Reader::ReadLockstep(const JsonNode& root) {
@@ -153,17 +157,15 @@ RosLockstep Reader::ReadLockstep(const JsonNode& root) {
   for (std::string& name : ReadLockstepNames(root)) lockstep.names.push_back({std::move(name)});
   const JsonNode* const found = root.Find("ros_lockstep");
   if (found == nullptr || !found->is_object()) return lockstep;
-  if (const JsonNode* const period = found->Find("period")) lockstep.period = period->ToInteger<std::uint64_t>();
-  if (const JsonNode* const limit = found->Find("limit")) lockstep.limit_seconds = limit->number;
+  found->Read("period", lockstep.period);
+  found->Read("limit", lockstep.limit_seconds);
   if (const JsonNode* const at_limit = found->Find("at_limit")) lockstep.ends_at_limit = at_limit->text == "end";
   return lockstep;
 }
 
 std::vector<RegionOfScenario> Reader::ReadRegions(const JsonNode& root) {
   std::vector<RegionOfScenario> regions;
-  const JsonNode* const found = root.Find("regions");
-  if (found == nullptr) return regions;
-  for (const JsonNode& entry : found->items) {
+  for (const JsonNode& entry : root.ItemsOf("regions")) {
     RegionOfScenario region{entry.Member("name").text, ReadRegion(entry.Member("region"))};
     const auto same = [&](const RegionOfScenario& other) { return other.name == region.name; };
     if (std::any_of(regions.begin(), regions.end(), same)) {
@@ -188,8 +190,8 @@ PoseEntry Reader::ReadPose(const JsonNode& numbers) const {
 ModelEntry Reader::ReadModel(const JsonNode& object) {
   ModelEntry model;
   model.where = tree_.Where(object);
-  if (const JsonNode* const found = object.Find("name")) model.name = Text(*found);
-  if (const JsonNode* const found = object.Find("model")) model.model = Text(*found);
+  model.name = FindText(object, "name");
+  model.model = FindText(object, "model");
   if (const JsonNode* const found = object.Find("pose")) model.pose = ReadPose(*found);
   model.controller = ReadController(object);
   model.ros_domain = ReadRosDomain(object);
@@ -203,9 +205,7 @@ ModelEntry Reader::ReadModel(const JsonNode& object) {
 
 std::vector<ModelEntry> Reader::ReadModels(const JsonNode& object, const char* key) {
   std::vector<ModelEntry> models;
-  const JsonNode* const found = object.Find(key);
-  if (found == nullptr) return models;
-  for (const JsonNode& entry : found->items) models.push_back(ReadModel(entry));
+  for (const JsonNode& entry : object.ItemsOf(key)) models.push_back(ReadModel(entry));
   return models;
 }
 
@@ -222,10 +222,10 @@ SpawnEntry Reader::ReadSpawn(const JsonNode& object) {
   spawn.model = Text(object.Member("model"));
   spawn.count = object.Member("count").ToInteger<std::uint32_t>();
   spawn.region = ReadRegion(object.Member("region"));
-  if (const JsonNode* const found = object.Find("z")) spawn.z = found->number;
-  if (const JsonNode* const found = object.Find("spacing")) spawn.spacing = found->number;
-  if (const JsonNode* const found = object.Find("seed")) spawn.seed = found->ToInteger<std::uint64_t>();
-  if (const JsonNode* const found = object.Find("name_prefix")) spawn.name_prefix = Text(*found);
+  object.Read("z", spawn.z);
+  object.Read("spacing", spawn.spacing);
+  object.Read("seed", spawn.seed);
+  spawn.name_prefix = FindText(object, "name_prefix");
   if (const JsonNode* const heading = object.Find("heading")) {
     if (heading->is_number()) {
       spawn.heading = WrapAngle(DegreesToRadians(heading->number));
@@ -241,10 +241,8 @@ SpawnEntry Reader::ReadSpawn(const JsonNode& object) {
 
 std::vector<SpawnEntry> Reader::ReadSpawns(const JsonNode& root) {
   std::vector<SpawnEntry> spawns;
-  const JsonNode* const found = root.Find("spawn");
-  if (found == nullptr) return spawns;
   std::uint32_t total = 0;
-  for (const JsonNode& spawn : found->items) {
+  for (const JsonNode& spawn : root.ItemsOf("spawn")) {
     spawns.push_back(ReadSpawn(spawn));
     total += spawns.back().count;
     if (total <= max_spawned_) continue;
@@ -259,15 +257,15 @@ OverrideEntry Reader::ReadOverride(const JsonNode& object) {
   OverrideEntry entry;
   const JsonNode& match = object.Member("match");
   entry.where = tree_.Where(match);
-  if (const JsonNode* const found = match.Find("name")) entry.name = found->text;
-  if (const JsonNode* const found = match.Find("type")) entry.type = found->text;
+  match.Read("name", entry.name);
+  match.Read("type", entry.type);
   entry.properties = ReadProperties(object, {{"name", "no rule can change"}});
   return entry;
 }
 
 RunSettings Reader::ReadSettings(const JsonNode& root) {
   RunSettings settings;
-  if (const JsonNode* const found = root.Find("ticks")) settings.ticks = found->ToInteger<std::uint64_t>();
+  root.Read("ticks", settings.ticks);
   if (const JsonNode* const found = root.Find("mode")) settings.mode = ParseMode(found->text).value_or(settings.mode);
   if (const JsonNode* const speed = root.Find("speed")) {
     if (speed->is_number()) {
@@ -280,13 +278,10 @@ RunSettings Reader::ReadSettings(const JsonNode& root) {
   if (const JsonNode* const loss = root.Find("on_agent_loss")) {
     settings.on_agent_loss = ParseOnAgentLoss(loss->text).value_or(settings.on_agent_loss);
   }
-  if (const JsonNode* const found = root.Find("robots_per_process")) {
-    settings.robots_per_process = found->ToInteger<std::uint32_t>();
-  }
-  if (const JsonNode* const found = root.Find("restart_agents"))
-    settings.restart_agents = found->ToInteger<std::uint32_t>();
-  if (const JsonNode* const found = root.Find("agent_deadline")) settings.agent_deadline_seconds = found->number;
-  if (const JsonNode* const found = root.Find("ros")) settings.ros = found->is_true();
+  root.Read("robots_per_process", settings.robots_per_process);
+  root.Read("restart_agents", settings.restart_agents);
+  root.Read("agent_deadline", settings.agent_deadline_seconds);
+  root.Read("ros", settings.ros);
   if (const JsonNode* const found = root.Find("ros_no_hit")) settings.ros_infinite_ranges = found->text == "inf";
   return settings;
 }
@@ -298,21 +293,18 @@ HostSettings Reader::ReadHost(const JsonNode& entry) {
     host.name = host.address = entry.text;
     return host;
   }
-  host.address = TextIn(entry, "address");
-  host.name = TextIn(entry, "name", host.address);
-  host.start = TextIn(entry, "start");
-  host.programs = TextIn(entry, "programs");
-  host.network_interface = TextIn(entry, "interface");
-  const JsonNode* const service = entry.Find("service");
-  host.service = service != nullptr && service->is_true();
+  entry.Read("address", host.address);
+  if (!entry.Read("name", host.name)) host.name = host.address;
+  entry.Read("start", host.start);
+  entry.Read("programs", host.programs);
+  entry.Read("interface", host.network_interface);
+  entry.Read("service", host.service);
   if (!host.start.empty() && host.start.find("{command") == std::string::npos) {
     Fail(entry.Member("start"), "found no '{command}' in this text, expected one, or '{command_text}'");
   }
   const JsonNode* const robots = entry.Find("robots");
   if (robots == nullptr) return host;
-  if (robots->is_array()) {
-    for (const JsonNode& name : robots->items) host.robot_names.push_back(name.text);
-  }
+  if (robots->is_array()) host.robot_names = StringsOf(robots->items);
   if (!robots->is_array() || robots->items.empty())
     host.robot_count = robots->is_array() ? 0 : robots->ToInteger<std::uint32_t>();
   return host;
@@ -320,10 +312,8 @@ HostSettings Reader::ReadHost(const JsonNode& entry) {
 
 HostsOfScenario Reader::ReadHosts(const JsonNode& root) {
   HostsOfScenario result;
-  result.network = TextIn(root, "network");
-  const JsonNode* const hosts = root.Find("hosts");
-  if (hosts == nullptr) return result;
-  for (const JsonNode& entry : hosts->items) {
+  root.Read("network", result.network);
+  for (const JsonNode& entry : root.ItemsOf("hosts")) {
     HostSettings host = ReadHost(entry);
     for (const HostSettings& other : result.hosts) {
       if (other.name == host.name) Fail(entry, "found a second host '" + host.name + "', expected another name");
@@ -342,12 +332,10 @@ Result<ScenarioFile> Reader::Read() {
   if (const JsonNode* const found = root.Find("scenario")) {
     Fail(*found, "found a test of another scenario, expected a scenario: 'troupe test' runs tests");
   }
-  if (const JsonNode* const found = root.Find("world")) file.world = Text(*found);
-  if (const JsonNode* const includes = root.Find("include")) {
-    for (const JsonNode& include : includes->items) file.includes.push_back(Text(include));
-  }
-  if (const JsonNode* const found = root.Find("name")) file.name = found->text;
-  if (const JsonNode* const found = root.Find("seed")) file.seed = found->ToInteger<std::uint64_t>();
+  file.world = FindText(root, "world");
+  file.includes = Texts(root, "include");
+  root.Read("name", file.name);
+  root.Read("seed", file.seed);
   file.settings = ReadSettings(root);
   file.ros_lockstep = ReadLockstep(root);
   file.hosts = ReadHosts(root);
@@ -356,9 +344,7 @@ Result<ScenarioFile> Reader::Read() {
   file.models = ReadModels(root, "models");
   file.robots = ReadModels(root, "robots");
   file.spawns = ReadSpawns(root);
-  if (const JsonNode* const overrides = root.Find("override")) {
-    for (const JsonNode& entry : overrides->items) file.overrides.push_back(ReadOverride(entry));
-  }
+  for (const JsonNode& entry : root.ItemsOf("override")) file.overrides.push_back(ReadOverride(entry));
   file.places = ReadPlaces(root);
   file.regions = ReadRegions(root);
   Result<std::vector<PeopleEntry>> people = ReadPeopleEntries(tree_, root);
@@ -367,9 +353,7 @@ Result<ScenarioFile> Reader::Read() {
   } else if (!error_) {
     error_ = people.error();
   }
-  if (const JsonNode* const without = root.Find("without")) {
-    for (const JsonNode& name : without->items) file.without.push_back(Text(name));
-  }
+  file.without = Texts(root, "without");
   if (error_) return *error_;
   return file;
 }

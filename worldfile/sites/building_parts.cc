@@ -10,26 +10,26 @@
 namespace troupe {
 namespace {
 
-std::uint32_t ReadGraph(YamlReader& yaml, const YAML::Node& params) {
+std::uint32_t ReadGraph(YamlReader& yaml, const YamlNode& params) {
   return static_cast<std::uint32_t>(yaml.Number(yaml.Parameter(params, "graph_idx"), "'graph_idx'", 0.0, 0.0, 1e6));
 }
 
 }  // namespace
 
-Vec2 ReadPoint(YamlReader& yaml, const YAML::Node& list, const std::string& what) {
+Vec2 ReadPoint(YamlReader& yaml, const YamlNode& list, const std::string& what) {
   const double x = yaml.Number(list[0], "the x of " + what, 0.0);
   const double y = yaml.Number(list[1], "the y of " + what, 0.0);
   return {x, y};
 }
 
-SiteVertex ReadVertex(YamlReader& yaml, const YAML::Node& node) {
+SiteVertex ReadVertex(YamlReader& yaml, const YamlNode& node) {
   SiteVertex vertex;
   if (!yaml.HasItems(node, 2, "a vertex")) return vertex;
   vertex.where = yaml.At(node);
   vertex.position = ReadPoint(yaml, node, "a vertex");
   if (node.size() > 3) vertex.name = yaml.Text(node[3], "a vertex's name");
   if (node.size() < 5) return vertex;
-  const YAML::Node params = node[4];
+  const YamlNode& params = node[4];
   std::set<std::string> known;
   for (const auto& [key, member] : kVertexFlags) {
     vertex.*member = yaml.Flag(yaml.Parameter(params, key), Quoted(key), false);
@@ -43,7 +43,7 @@ SiteVertex ReadVertex(YamlReader& yaml, const YAML::Node& node) {
   return vertex;
 }
 
-std::optional<SiteWorkcell> ReadWorkcell(YamlReader& yaml, const YAML::Node& model) {
+std::optional<SiteWorkcell> ReadWorkcell(YamlReader& yaml, const YamlNode& model) {
   const std::string model_name = yaml.Text(yaml.Find(model, "model_name"), "a model's name");
   const std::string kind = model_name.substr(model_name.rfind('/') + 1);  // "OpenRobotics/TeleportDispenser", too
   if (kind != kDispenserModel && kind != kIngestorModel) return std::nullopt;
@@ -59,11 +59,11 @@ std::optional<SiteWorkcell> ReadWorkcell(YamlReader& yaml, const YAML::Node& mod
   return workcell;
 }
 
-SiteDoor ReadDoor(YamlReader& yaml, const SiteEdge& edge, const YAML::Node& params) {
+SiteDoor ReadDoor(YamlReader& yaml, const SiteEdge& edge, const YamlNode& params) {
   SiteDoor door;
   door.edge = edge;
   door.name = yaml.Text(yaml.Parameter(params, "name"), "a door's name");
-  const YAML::Node kind = yaml.Parameter(params, "type");
+  const YamlNode& kind = yaml.Parameter(params, "type");
   const std::string text = yaml.Text(kind, "the type of door " + Quoted(door.name), "hinged");
   const std::map<std::string, SiteDoorKind> kinds{
       {"hinged", SiteDoorKind::kHinged},     {"double_hinged", SiteDoorKind::kDoubleHinged},
@@ -84,20 +84,20 @@ SiteDoor ReadDoor(YamlReader& yaml, const SiteEdge& edge, const YAML::Node& para
   return door;
 }
 
-SiteLane ReadLane(YamlReader& yaml, const SiteEdge& edge, const YAML::Node& params) {
+SiteLane ReadLane(YamlReader& yaml, const SiteEdge& edge, const YamlNode& params) {
   SiteLane lane;
   lane.edge = edge;
   lane.graph = ReadGraph(yaml, params);
-  YAML::Node both_ways = yaml.Parameter(params, "bidirectional");
-  if (!both_ways) both_ways = yaml.Parameter(params, "is_bidirectional");
-  lane.is_bidirectional = yaml.Flag(both_ways, "'bidirectional'", false);
+  const YamlNode& both_ways = yaml.Parameter(params, "bidirectional");
+  const YamlNode& former_name = yaml.Parameter(params, "is_bidirectional");
+  lane.is_bidirectional = yaml.Flag(both_ways ? both_ways : former_name, "'bidirectional'", false);
   lane.orientation = yaml.Text(yaml.Parameter(params, "orientation"), "'orientation'");
   lane.speed_limit = std::max(0.0, yaml.Number(yaml.Parameter(params, "speed_limit"), "'speed_limit'", 0.0));
   lane.mutex = yaml.Text(yaml.Parameter(params, "mutex"), "'mutex'");
   return lane;
 }
 
-SiteHumanLane ReadHumanLane(YamlReader& yaml, const SiteEdge& edge, const YAML::Node& params) {
+SiteHumanLane ReadHumanLane(YamlReader& yaml, const SiteEdge& edge, const YamlNode& params) {
   const double width = yaml.Number(yaml.Parameter(params, "width"), "'width'", 0.0, 0.0);
   return {edge, ReadGraph(yaml, params), width};
 }

@@ -12,52 +12,64 @@
 #include "worldfile/sites/building_parts.h"
 #include "worldfile/sites/crowd_yaml.h"
 #include "worldfile/sites/site_frame.h"
-#include "worldfile/sites/yaml_reader.h"
+#include "worldfile/text/yaml_reader.h"
 
 namespace troupe {
 namespace {
 
-constexpr std::size_t kMaxBuildingBytes = 64'000'000;
 constexpr double kMinStorey = 2.6;  // m between levels: a wall and the floor above it
+
+// Each lift has a row for each level.
+constexpr std::size_t kMaxLevels = 1000;
+constexpr std::size_t kMaxLifts = 1000;
 
 class BuildingReader {
  public:
   explicit BuildingReader(const std::string& path) : yaml_(path, diagnostics_) { site_.file = path; }
 
   Result<Site> Read(const std::string& text) {
-    yaml_.Read(text, [this](const YAML::Node& root) { ReadRoot(root); });
+    const YamlNode& root = yaml_.Read(text, "levels");
+    if (!diagnostics_.failed()) ReadRoot(root);
     if (diagnostics_.failed()) return *diagnostics_.error();
     site_.warnings = std::move(diagnostics_.warnings());
     return std::move(site_);
   }
 
  private:
-  using Node = YAML::Node;
-
-  void ReadRoot(const Node& root) {
-    const Node former_name = yaml_.Find(root, "building_name");
+  void ReadRoot(const YamlNode& root) {
+    const YamlNode& former_name = yaml_.Find(root, "building_name");
     site_.name = yaml_.Text(former_name ? former_name : yaml_.Find(root, "name"), "the building's name", "building");
-    const Node levels = yaml_.Require(root, "levels", "the building");
-    yaml_.ForEachEntry(levels, "'levels'", [&](const std::string& name, const Node& level) { ReadLevel(name, level); });
+    const YamlNode& levels = yaml_.Require(root, "levels", "the building");
+    CheckCount(levels, kMaxLevels, "level");
+    yaml_.ForEachEntry(levels, "'levels'",
+                       [&](const std::string& name, const YamlNode& level) { ReadLevel(name, level); });
     if (!yaml_.failed() && site_.levels.empty()) yaml_.Fail(levels, "found no level, expected at least one");
     if (yaml_.failed()) return;
     PlaceLevels(root);
+    CheckCount(yaml_.Find(root, "lifts"), kMaxLifts, "lift");
     yaml_.ForEachEntry(yaml_.Find(root, "lifts"), "'lifts'",
-                       [&](const std::string& name, const Node& lift) { ReadLift(name, lift); });
+                       [&](const std::string& name, const YamlNode& lift) { ReadLift(name, lift); });
     site_.crowd = ReadCrowd(yaml_, yaml_.Find(root, "crowd_sim"));
     yaml_.WarnOfUnknownKeys(root, "a building",
                             {"building_name", "name", "coordinate_system", "reference_level_name", "parameters",
                              "levels", "lifts", "graphs", "crowd_sim", "map_version"});
     if (site_.furniture > 0) {
-      yaml_.Warn(first_model_, "found " + CountText(site_.furniture, "model") + " of " +
-                                   CountText(furniture_.size(), "kind") +
-                                   ", whose shapes are not in this file; they are left out");
+      yaml_.Warn(*first_model_, "found " + CountText(site_.furniture, "model") + " of " +
+                                    CountText(furniture_.size(), "kind") +
+                                    ", whose shapes are not in this file; they are left out");
+    }
+  }
+
+  void CheckCount(const YamlNode& map, std::size_t most, const char* what) {
+    const std::size_t count = map.is_map() ? map.items.size() / 2 : 0;
+    if (count > most) {
+      yaml_.Fail(map, "found " + CountText(count, what) + ", expected at most " + std::to_string(most));
     }
   }
 
   // Levels, in coordinates of the file.
 
-  void ReadLevel(const std::string& name, const Node& node) {
+  void ReadLevel(const std::string& name, const YamlNode& node) {
     SiteLevel level;
     level.name = name;
     level.where = yaml_.At(node);
@@ -65,43 +77,43 @@ class BuildingReader {
     level.elevation = yaml_.Number(yaml_.Find(node, "elevation"), "the elevation of " + of, 0.0);
     level.drawing = yaml_.Text(yaml_.Find(yaml_.Find(node, "drawing"), "filename"), "the drawing of " + of);
     yaml_.ForEachItem(yaml_.Find(node, "vertices"), "the vertices of " + of,
-                      [&](const Node& vertex) { level.vertices.push_back(ReadVertex(yaml_, vertex)); });
+                      [&](const YamlNode& vertex) { level.vertices.push_back(ReadVertex(yaml_, vertex)); });
     LevelPlan plan;
-    yaml_.ForEachItem(yaml_.Find(node, "fiducials"), "the fiducials of " + of, [&](const Node& fiducial) {
+    yaml_.ForEachItem(yaml_.Find(node, "fiducials"), "the fiducials of " + of, [&](const YamlNode& fiducial) {
       if (!yaml_.HasItems(fiducial, 3, "a fiducial")) return;
       plan.fiducials.push_back(
           {yaml_.Text(fiducial[2], "a fiducial's name"), ReadPoint(yaml_, fiducial, "a fiducial")});
     });
     ForEachEdge(node, "measurements", level,
-                [&](const SiteEdge& edge, const Node& params) { ReadMeasurement(level, edge, params, plan); });
+                [&](const SiteEdge& edge, const YamlNode& params) { ReadMeasurement(level, edge, params, plan); });
     level.measurements = plan.measurements.size();
     plans_.push_back(std::move(plan));
-    ForEachEdge(node, "walls", level, [&](const SiteEdge& edge, const Node&) { level.walls.push_back(edge); });
-    ForEachEdge(node, "doors", level, [&](const SiteEdge& edge, const Node& params) {
+    ForEachEdge(node, "walls", level, [&](const SiteEdge& edge, const YamlNode&) { level.walls.push_back(edge); });
+    ForEachEdge(node, "doors", level, [&](const SiteEdge& edge, const YamlNode& params) {
       level.doors.push_back(ReadDoor(yaml_, edge, params));
     });
-    ForEachEdge(node, "lanes", level, [&](const SiteEdge& edge, const Node& params) {
+    ForEachEdge(node, "lanes", level, [&](const SiteEdge& edge, const YamlNode& params) {
       level.lanes.push_back(ReadLane(yaml_, edge, params));
     });
-    ForEachEdge(node, "human_lanes", level, [&](const SiteEdge& edge, const Node& params) {
+    ForEachEdge(node, "human_lanes", level, [&](const SiteEdge& edge, const YamlNode& params) {
       level.human_lanes.push_back(ReadHumanLane(yaml_, edge, params));
     });
-    yaml_.ForEachItem(yaml_.Find(node, "floors"), "the floors of " + of, [&](const Node& floor) {
+    yaml_.ForEachItem(yaml_.Find(node, "floors"), "the floors of " + of, [&](const YamlNode& floor) {
       SiteFloor read{{}, yaml_.At(floor)};
       yaml_.ForEachItem(yaml_.Require(floor, "vertices", "a floor"), "the vertices of a floor",
-                        [&](const Node& vertex) {
+                        [&](const YamlNode& vertex) {
                           read.vertices.push_back(yaml_.Index(vertex, "a vertex of a floor", level.vertices.size()));
                         });
       level.floors.push_back(std::move(read));
     });
-    yaml_.ForEachItem(yaml_.Find(node, "models"), "the models of " + of, [&](const Node& model) {
+    yaml_.ForEachItem(yaml_.Find(node, "models"), "the models of " + of, [&](const YamlNode& model) {
       if (std::optional<SiteWorkcell> workcell = ReadWorkcell(yaml_, model)) {
         return level.workcells.push_back(std::move(*workcell));
       }
-      if (site_.furniture++ == 0) first_model_ = model;
+      if (site_.furniture++ == 0) first_model_ = &model;
       furniture_.insert(yaml_.Text(yaml_.Find(model, "model_name"), "a model's name"));
     });
-    if (const Node holes = yaml_.Find(node, "holes"); holes && holes.IsSequence() && holes.size() > 0) {
+    if (const YamlNode& holes = yaml_.Find(node, "holes"); holes.size() > 0) {
       yaml_.Warn(holes, "found holes in floors; the floors are whole");
     }
     yaml_.WarnOfUnknownKeys(node, "a level",
@@ -111,20 +123,20 @@ class BuildingReader {
     site_.levels.push_back(std::move(level));
   }
 
-  void ForEachEdge(const Node& level_node, const char* key, const SiteLevel& level,
-                   const std::function<void(const SiteEdge& edge, const Node& params)>& visit) {
+  void ForEachEdge(const YamlNode& level_node, const char* key, const SiteLevel& level,
+                   const std::function<void(const SiteEdge& edge, const YamlNode& params)>& visit) {
     const std::string one = "one of the " + std::string(key) + " of level " + Quoted(level.name);
-    yaml_.ForEachItem(yaml_.Find(level_node, key), "the " + std::string(key), [&](const Node& node) {
+    yaml_.ForEachItem(yaml_.Find(level_node, key), "the " + std::string(key), [&](const YamlNode& node) {
       if (!yaml_.HasItems(node, 2, one)) return;
       SiteEdge edge;
       edge.where = yaml_.At(node);
       edge.start = yaml_.Index(node[0], "the first vertex of " + one, level.vertices.size());
       edge.end = yaml_.Index(node[1], "the second vertex of " + one, level.vertices.size());
-      if (!yaml_.failed()) visit(edge, node.size() > 2 ? Node(node[2]) : Node(YAML::NodeType::Map));
+      if (!yaml_.failed()) visit(edge, node[2]);
     });
   }
 
-  void ReadMeasurement(const SiteLevel& level, const SiteEdge& edge, const Node& params, LevelPlan& plan) {
+  void ReadMeasurement(const SiteLevel& level, const SiteEdge& edge, const YamlNode& params, LevelPlan& plan) {
     const double meters = yaml_.Number(yaml_.Parameter(params, "distance"), "the distance of a measurement", 0.0);
     const double length = (level.vertices[edge.end].position - level.vertices[edge.start].position).norm();
     if (yaml_.failed()) return;
@@ -136,8 +148,8 @@ class BuildingReader {
 
   // From coordinates of the file to W.
 
-  SiteCoordinates ReadCoordinates(const Node& root) {
-    const Node node = yaml_.Find(root, "coordinate_system");
+  SiteCoordinates ReadCoordinates(const YamlNode& root) {
+    const YamlNode& node = yaml_.Find(root, "coordinate_system");
     const std::string text = yaml_.Text(node, "'coordinate_system'", "reference_image");
     if (text == "reference_image") return SiteCoordinates::kReferenceImage;
     if (text == "cartesian_meters") return SiteCoordinates::kCartesianMeters;
@@ -153,15 +165,15 @@ class BuildingReader {
     return coordinates == SiteCoordinates::kWebMercator ? FromWebMercator(p) : p;
   }
 
-  SiteFrame MakeFrame(const Node& root, SiteCoordinates coordinates) {
-    const Node params = yaml_.Find(root, "parameters");
+  SiteFrame MakeFrame(const YamlNode& root, SiteCoordinates coordinates) {
+    const YamlNode& params = yaml_.Find(root, "parameters");
     const auto number = [&](const char* key) {
       return yaml_.Number(yaml_.Parameter(params, key), Quoted(key), 0.0, -1e9, 1e9);
     };
     if (coordinates == SiteCoordinates::kReferenceImage) return {coordinates, {}, {0.0, 0.0}};
     if (coordinates == SiteCoordinates::kCartesianMeters)
       return {coordinates, {}, {number("offset_x"), number("offset_y")}};
-    const Node crs = yaml_.Parameter(params, "generate_crs");
+    const YamlNode& crs = yaml_.Parameter(params, "generate_crs");
     const std::string name = yaml_.Text(crs, "'generate_crs'");
     const std::optional<TransverseMercator> known = ProjectionOf(name);
     const SiteVertex* const origin = FindOrigin(params);
@@ -181,7 +193,7 @@ class BuildingReader {
   }
 
   // The vertex that the parameters name as the origin, or the first one; null if there is none.
-  const SiteVertex* FindOrigin(const Node& params) {
+  const SiteVertex* FindOrigin(const YamlNode& params) {
     const std::string name =
         yaml_.Text(yaml_.Parameter(params, "generate_origin_vertex"), "'generate_origin_vertex'", "origin");
     const SiteVertex* first = nullptr;
@@ -197,10 +209,10 @@ class BuildingReader {
   // False for NaN, too: a place near a pole may have no projection.
   static bool IsNear(const Vec2& p) { return std::fabs(p.x()) <= kMaxMagnitude && std::fabs(p.y()) <= kMaxMagnitude; }
 
-  void PlaceLevels(const Node& root) {
+  void PlaceLevels(const YamlNode& root) {
     const SiteCoordinates coordinates = ReadCoordinates(root);
     const SiteFrame frame = MakeFrame(root, coordinates);
-    const Node reference_node = yaml_.Find(root, "reference_level_name");
+    const YamlNode& reference_node = yaml_.Find(root, "reference_level_name");
     const std::string reference_name = yaml_.Text(reference_node, "'reference_level_name'", site_.levels[0].name);
     reference_ = FindLevel(reference_node, reference_name);
     if (yaml_.failed()) return;
@@ -265,7 +277,7 @@ class BuildingReader {
     }
   }
 
-  std::size_t FindLevel(const Node& node, const std::string& name) {
+  std::size_t FindLevel(const YamlNode& node, const std::string& name) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < site_.levels.size(); ++i) {
       if (site_.levels[i].name == name) return i;
@@ -275,16 +287,16 @@ class BuildingReader {
     return 0;
   }
 
-  void ReadLift(const std::string& name, const Node& node) {
+  void ReadLift(const std::string& name, const YamlNode& node) {
     SiteLift lift;
     lift.name = name;
     lift.where = yaml_.At(node);
     const std::string of = "lift " + Quoted(name);
-    const auto number = [&](const Node& map, const char* key, double least) {
+    const auto number = [&](const YamlNode& map, const char* key, double least) {
       return yaml_.Number(yaml_.Require(map, key, of), Quoted(key) + " of " + of, 0.0, least);
     };
     const auto level = [&](const char* key, std::size_t otherwise) {
-      const Node found = yaml_.Find(node, key);
+      const YamlNode& found = yaml_.Find(node, key);
       const std::string text = yaml_.Text(found, Quoted(key) + " of " + of);
       return text.empty() ? otherwise : FindLevel(found, text);
     };
@@ -295,19 +307,21 @@ class BuildingReader {
     const Vec2 raw(number(node, "x", -kMaxMagnitude), number(node, "y", -kMaxMagnitude));
     const double heading = WrapAngle(number(node, "yaw", -1e3));
     std::map<std::string, std::size_t> numbers;
-    yaml_.ForEachEntry(yaml_.Find(node, "doors"), "the doors of " + of, [&](const std::string& door, const Node& at) {
-      numbers.emplace(door, lift.doors.size());
-      const Vec2 position(number(at, "x", -kMaxMagnitude), number(at, "y", -kMaxMagnitude));
-      const double along = yaml_.Number(yaml_.Find(at, "motion_axis_orientation"), "'motion_axis_orientation'", 0.0);
-      lift.doors.push_back({door, position, along, number(at, "width", 0.0)});
-    });
+    yaml_.ForEachEntry(yaml_.Find(node, "doors"), "the doors of " + of,
+                       [&](const std::string& door, const YamlNode& at) {
+                         numbers.emplace(door, lift.doors.size());
+                         const Vec2 position(number(at, "x", -kMaxMagnitude), number(at, "y", -kMaxMagnitude));
+                         const double along =
+                             yaml_.Number(yaml_.Find(at, "motion_axis_orientation"), "'motion_axis_orientation'", 0.0);
+                         lift.doors.push_back({door, position, along, number(at, "width", 0.0)});
+                       });
     lift.doors_at.resize(site_.levels.size());
     std::optional<std::size_t> first;
     yaml_.ForEachEntry(yaml_.Find(node, "level_doors"), "the level_doors of " + of,
-                       [&](const std::string& level_name, const Node& names) {
+                       [&](const std::string& level_name, const YamlNode& names) {
                          const std::size_t stop = FindLevel(names, level_name);
                          if (!first) first = stop;
-                         yaml_.ForEachItem(names, "the level_doors of " + of, [&](const Node& door) {
+                         yaml_.ForEachItem(names, "the level_doors of " + of, [&](const YamlNode& door) {
                            const auto found = numbers.find(yaml_.Text(door, "a door of " + of));
                            if (found != numbers.end()) return lift.doors_at[stop].push_back(found->second);
                            yaml_.Fail(door, "found no door of this name in " + of + ", expected one of its doors");
@@ -329,18 +343,13 @@ class BuildingReader {
   std::vector<PlaneMap> maps_;    // by level
   std::size_t reference_ = 0;     // level
   std::function<Vec2(std::size_t level, const Vec2& p)> to_world_;
-  YAML::Node first_model_;
+  const YamlNode* first_model_ = nullptr;
   std::set<std::string> furniture_;  // kinds
 };
 
 }  // namespace
 
 Result<Site> ReadBuildingText(const std::string& text, const std::string& path) {
-  if (text.size() > kMaxBuildingBytes) {
-    return Error{
-        {path},
-        "found " + std::to_string(text.size()) + " bytes, expected at most " + std::to_string(kMaxBuildingBytes)};
-  }
   return BuildingReader(path).Read(text);
 }
 

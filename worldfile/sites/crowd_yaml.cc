@@ -1,6 +1,6 @@
 #include "worldfile/sites/crowd_yaml.h"
 
-#include <algorithm>
+#include <set>
 #include <utility>
 
 namespace troupe {
@@ -10,36 +10,36 @@ class CrowdReader {
  public:
   explicit CrowdReader(YamlReader& yaml) : yaml_(yaml) {}
 
-  SiteCrowd Read(const YAML::Node& node) {
+  SiteCrowd Read(const YamlNode& node) {
     SiteCrowd crowd;
-    if (!node || node.IsNull()) return crowd;
+    if (node.is_missing_or_null()) return crowd;
     crowd.is_enabled = yaml_.Flag(yaml_.Find(node, "enable"), "'enable'", false);
     crowd.interval = yaml_.Number(yaml_.Find(node, "update_time_step"), "'update_time_step'", 0.1, 1e-6, 1e3);
     const auto each = [&](const char* key, auto visit) {
       yaml_.ForEachItem(yaml_.Find(node, key), Quoted(key), visit);
     };
-    each("agent_profiles", [&](const YAML::Node& item) { crowd.profiles.push_back(ReadProfile(item)); });
-    each("states", [&](const YAML::Node& item) {
+    each("agent_profiles", [&](const YamlNode& item) { crowd.profiles.push_back(ReadProfile(item)); });
+    each("states", [&](const YamlNode& item) {
       crowd.states.push_back({Text(item, "name"), static_cast<std::int64_t>(Number(item, "goal_set", -1.0)),
                               yaml_.Flag(yaml_.Find(item, "final"), "'final'", false)});
     });
-    each("goal_sets", [&](const YAML::Node& item) { crowd.goal_sets.push_back(ReadGoalSet(item)); });
-    each("agent_groups", [&](const YAML::Node& item) { crowd.groups.push_back(ReadGroup(item)); });
-    each("transitions", [&](const YAML::Node& item) { crowd.transitions.push_back(ReadTransition(item)); });
+    each("goal_sets", [&](const YamlNode& item) { crowd.goal_sets.push_back(ReadGoalSet(item)); });
+    each("agent_groups", [&](const YamlNode& item) { crowd.groups.push_back(ReadGroup(item)); });
+    each("transitions", [&](const YamlNode& item) { crowd.transitions.push_back(ReadTransition(item)); });
     if (!yaml_.failed()) CheckNames(crowd, node);
     return crowd;
   }
 
  private:
-  double Number(const YAML::Node& map, const char* key, double otherwise) {
+  double Number(const YamlNode& map, const char* key, double otherwise) {
     return yaml_.Number(yaml_.Find(map, key), Quoted(key), otherwise);
   }
-  double Positive(const YAML::Node& map, const char* key) {
+  double Positive(const YamlNode& map, const char* key) {
     return yaml_.Number(yaml_.Find(map, key), Quoted(key), 0.0, 0.0);
   }
-  std::string Text(const YAML::Node& map, const char* key) { return yaml_.Text(yaml_.Find(map, key), Quoted(key)); }
+  std::string Text(const YamlNode& map, const char* key) { return yaml_.Text(yaml_.Find(map, key), Quoted(key)); }
 
-  CrowdProfile ReadProfile(const YAML::Node& item) {
+  CrowdProfile ReadProfile(const YamlNode& item) {
     CrowdProfile profile;
     profile.name = Text(item, "name");
     profile.radius = Positive(item, "r");
@@ -52,20 +52,20 @@ class CrowdReader {
     return profile;
   }
 
-  CrowdGoalSet ReadGoalSet(const YAML::Node& item) {
+  CrowdGoalSet ReadGoalSet(const YamlNode& item) {
     CrowdGoalSet set;
     set.id = static_cast<std::int64_t>(Number(item, "set_id", 0.0));
     set.capacity = static_cast<std::size_t>(Positive(item, "capacity"));
     yaml_.ForEachItem(yaml_.Find(item, "set_area"), "'set_area'",
-                      [&](const YAML::Node& area) { set.areas.push_back(yaml_.Text(area, "a name in 'set_area'")); });
+                      [&](const YamlNode& area) { set.areas.push_back(yaml_.Text(area, "a name in 'set_area'")); });
     return set;
   }
 
-  CrowdGroup ReadGroup(const YAML::Node& item) {
+  CrowdGroup ReadGroup(const YamlNode& item) {
     CrowdGroup group;
     group.count =
         static_cast<std::size_t>(yaml_.Number(yaml_.Find(item, "agents_number"), "'agents_number'", 0.0, 0.0));
-    yaml_.ForEachItem(yaml_.Find(item, "agents_name"), "'agents_name'", [&](const YAML::Node& name) {
+    yaml_.ForEachItem(yaml_.Find(item, "agents_name"), "'agents_name'", [&](const YamlNode& name) {
       group.robots.push_back(yaml_.Text(name, "a name in 'agents_name'"));
     });
     group.profile = Text(item, "profile_selector");
@@ -75,8 +75,8 @@ class CrowdReader {
   }
 
   // A condition, or two with "type: or" or "type: and".
-  void ReadConditions(const YAML::Node& node, CrowdTransition& transition) {
-    const auto read = [&](const YAML::Node& condition) {
+  void ReadConditions(const YamlNode& node, CrowdTransition& transition) {
+    const auto read = [&](const YamlNode& condition) {
       const std::string type = Text(condition, "type");
       if (type == "goal_reached") transition.distance = Positive(condition, "distance");
       if (type == "timer") transition.wait = Positive(condition, "value");
@@ -85,11 +85,11 @@ class CrowdReader {
     for (const char* part : {"condition1", "condition2"}) read(yaml_.Find(node, part));
   }
 
-  CrowdTransition ReadTransition(const YAML::Node& item) {
+  CrowdTransition ReadTransition(const YamlNode& item) {
     CrowdTransition transition;
     transition.from = Text(item, "from");
     if (const std::string to = Text(item, "to"); !to.empty()) transition.to.push_back({to, 1.0});
-    yaml_.ForEachItem(yaml_.Find(item, "Target"), "'Target'", [&](const YAML::Node& target) {
+    yaml_.ForEachItem(yaml_.Find(item, "Target"), "'Target'", [&](const YamlNode& target) {
       transition.to.push_back({Text(target, "name"), yaml_.Number(yaml_.Find(target, "weight"), "'weight'", 1.0, 0.0)});
     });
     ReadConditions(yaml_.Find(item, "Condition"), transition);
@@ -97,21 +97,26 @@ class CrowdReader {
   }
 
   // Every profile and state that is named exists.
-  void CheckNames(const SiteCrowd& crowd, const YAML::Node& node) {
-    const auto check = [&](const auto& known, const std::string& name, const char* what) {
-      if (std::any_of(known.begin(), known.end(), [&](const auto& each) { return each.name == name; })) return;
-      std::vector<std::string> names;
-      for (const auto& each : known) names.push_back(each.name);
+  void CheckNames(const SiteCrowd& crowd, const YamlNode& node) {
+    const auto check = [&](const std::set<std::string>& known, const std::string& name, const char* what) {
+      if (known.contains(name)) return;
       yaml_.Fail(node, "found no " + std::string(what) + " " + Quoted(name) + " in 'crowd_sim', expected one" +
-                           DidYouMean(name, names));
+                           DidYouMean(name, {known.begin(), known.end()}));
     };
+    const auto names_of = [](const auto& named) {
+      std::set<std::string> names;
+      for (const auto& each : named) names.insert(each.name);
+      return names;
+    };
+    const std::set<std::string> profiles = names_of(crowd.profiles);
+    const std::set<std::string> states = names_of(crowd.states);
     for (const CrowdGroup& group : crowd.groups) {
-      check(crowd.profiles, group.profile, "profile");
-      check(crowd.states, group.state, "state");
+      check(profiles, group.profile, "profile");
+      check(states, group.state, "state");
     }
     for (const CrowdTransition& transition : crowd.transitions) {
-      check(crowd.states, transition.from, "state");
-      for (const CrowdChoice& choice : transition.to) check(crowd.states, choice.state, "state");
+      check(states, transition.from, "state");
+      for (const CrowdChoice& choice : transition.to) check(states, choice.state, "state");
     }
   }
 
@@ -120,7 +125,7 @@ class CrowdReader {
 
 }  // namespace
 
-SiteCrowd ReadCrowd(YamlReader& yaml, const YAML::Node& node) {
+SiteCrowd ReadCrowd(YamlReader& yaml, const YamlNode& node) {
   return CrowdReader(yaml).Read(node);
 }
 

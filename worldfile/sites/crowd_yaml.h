@@ -2,11 +2,11 @@
 #pragma once
 
 #include "worldfile/sites/site.h"
-#include "worldfile/sites/yaml_reader.h"
+#include "worldfile/text/yaml_reader.h"
 
 namespace troupe {
 
 // An empty crowd for a missing value. Faults are reported to `yaml`.
-SiteCrowd ReadCrowd(YamlReader& yaml, const YAML::Node& node);
+SiteCrowd ReadCrowd(YamlReader& yaml, const YamlNode& node);
 
 }  // namespace troupe

@@ -321,6 +321,7 @@ class TreeMaker {
   }
 
   Status AddRobots(const SiteLevel& level) {
+    const std::vector<double> headings = LaneHeadings(level);
     for (std::size_t i = 0; i < level.vertices.size(); ++i) {
       const SiteVertex& vertex = level.vertices[i];
       if (vertex.robot_type.empty()) continue;
@@ -335,20 +336,21 @@ class TreeMaker {
       NodeMaker maker("position", vertex.where);
       maker.node = std::move(robot).value();
       maker.Text("name", vertex.robot_name.empty() ? vertex.robot_type : vertex.robot_name);
-      maker.At({vertex.position.x(), vertex.position.y(), level.elevation, HeadingAt(level, i)});
+      maker.At({vertex.position.x(), vertex.position.y(), level.elevation, headings[i]});
       AddToWorld(std::move(maker.node));
     }
     return Status();
   }
 
-  // A robot stands along the first lane of its vertex.
-  static double HeadingAt(const SiteLevel& level, std::size_t vertex) {
-    for (const SiteLane& lane : level.lanes) {
-      if (lane.edge.start != vertex && lane.edge.end != vertex) continue;
-      const Vec2 along = EndOf(level, lane.edge) - StartOf(level, lane.edge);
-      return WrapAngle(Atan2(along.y(), along.x()) + (lane.orientation == "backward" ? kPi : 0.0));
+  // By vertex, rad: along its first lane; 0 without one.
+  static std::vector<double> LaneHeadings(const SiteLevel& level) {
+    std::vector<double> headings(level.vertices.size(), 0.0);
+    for (auto lane = level.lanes.rbegin(); lane != level.lanes.rend(); ++lane) {
+      const Vec2 along = EndOf(level, lane->edge) - StartOf(level, lane->edge);
+      const double heading = WrapAngle(Atan2(along.y(), along.x()) + (lane->orientation == "backward" ? kPi : 0.0));
+      headings[lane->edge.start] = headings[lane->edge.end] = heading;
     }
-    return 0.0;
+    return headings;
   }
 
   const Site& site_;

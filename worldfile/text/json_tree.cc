@@ -330,6 +330,12 @@ const JsonNode& JsonNode::Member(std::string_view name) const {
   return *found;
 }
 
+const std::vector<JsonNode>& JsonNode::ItemsOf(std::string_view name) const {
+  static const std::vector<JsonNode> kNone;
+  const JsonNode* const found = Find(name);
+  return found != nullptr ? found->items : kNone;
+}
+
 Result<JsonTree> JsonTree::Parse(std::string_view text, const std::string& file) {
   if (text.size() > kMaxBytes) {
     return Error{{file, 0, 0},

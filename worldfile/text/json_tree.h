@@ -39,6 +39,14 @@ struct JsonNode {
   const JsonNode* Find(std::string_view name) const;
   // REQUIRES: there is one.
   const JsonNode& Member(std::string_view name) const;
+  // The items of the member of that name, which is an array or an object; none if there is no such member.
+  const std::vector<JsonNode>& ItemsOf(std::string_view name) const;
+
+  // Reads the member of that name into `value`, which keeps its value if there is no such member; whether there is one.
+  // REQUIRES: the member is of the kind of Value, which is bool, std::string, a floating-point number, an integer,
+  // whose range the member is within, or an optional of one: a schema has been checked.
+  template <typename Value>
+  bool Read(std::string_view name, Value& value) const;
 
   // REQUIRES: a number within the range of Integer. A fraction is dropped.
   template <std::integral Integer>
@@ -48,6 +56,24 @@ struct JsonNode {
     return read.ec == std::errc() && read.ptr == text.data() + text.size() ? integer : static_cast<Integer>(number);
   }
 };
+
+template <typename Value>
+bool JsonNode::Read(std::string_view name, Value& value) const {
+  const JsonNode* const found = Find(name);
+  if (found == nullptr) return false;
+  if constexpr (std::same_as<Value, bool>) {
+    value = found->is_true();
+  } else if constexpr (std::same_as<Value, std::string>) {
+    value = found->text;
+  } else if constexpr (std::floating_point<Value>) {
+    value = found->number;
+  } else if constexpr (std::integral<Value>) {
+    value = found->ToInteger<Value>();
+  } else {
+    return Read(name, value.emplace());
+  }
+  return true;
+}
 
 class JsonTree {
  public:

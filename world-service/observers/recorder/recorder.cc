@@ -1,6 +1,7 @@
 #include "world-service/observers/recorder/recorder.h"
 
-#include <cmath>
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -63,11 +64,8 @@ Result<std::unique_ptr<Recorder>> Recorder::Create(const WorldDescription& world
 
 void Recorder::QuoteNames() {
   csv_names_.clear();
-  json_names_.clear();
-  for (const ModelDescription& model : world_->models) {
-    if (poses_) csv_names_.push_back(QuoteForCsv(model.name));
-    if (record_ && manipulates()) json_names_.push_back(JsonText(nlohmann::json(model.name)));
-  }
+  if (!poses_) return;
+  for (const ModelDescription& model : world_->models) csv_names_.push_back(QuoteForCsv(model.name));
 }
 
 void Recorder::OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition edition) {
@@ -199,116 +197,94 @@ Status Recorder::WriteJointPoses(const WorldState& state) {
 }
 
 Status Recorder::WriteRecord(const FrameMessage& frame) {
-  record_->Append(R"({"tick":)");
-  record_->Append(frame.state.tick);
-  record_->Append(R"(,"hash":")");
-  record_->AppendHex(frame.state_hash);
-  record_->Append(R"(","robots":[)");
-  const char* separator = "[";
+  line_.clear();
+  JsonWriter json(line_);
+  json.BeginObject().Member("tick", frame.state.tick).Member("hash", fmt::format("{:016x}", frame.state_hash));
+  json.Key("robots").BeginList();
   for (const RobotState& robot : frame.state.robots) {
-    for (double number : {robot.X_WR.x, robot.X_WR.y, robot.X_WR.z, robot.X_WR.heading}) {
-      record_->Append(separator);
-      record_->Append(number);
-      separator = ",";
-    }
-    record_->Append(robot.stalled ? ",1]" : ",0]");
-    separator = ",[";
+    json.BeginList();
+    for (const double number : {robot.X_WR.x, robot.X_WR.y, robot.X_WR.z, robot.X_WR.heading}) json.Value(number);
+    json.Value(robot.stalled ? 1 : 0).EndList();
   }
-  record_->Append("]");
+  json.EndList();
   if (manipulates()) {
-    AppendJoints(frame.state);
-    AppendGrippers(frame.state);
-    AppendObjects(frame.state);
+    WriteJoints(frame.state, json);
+    WriteGrippers(frame.state, json);
+    WriteObjects(frame.state, json);
   }
-  AppendTables(frame.state);
+  WriteTables(frame.state, json);
   if (!frame.events.empty()) {
     nlohmann::json events = nlohmann::json::array();
     for (const Event& event : frame.events) events.push_back(RecordedEvent(*world_, event));
-    record_->Append(R"(,"events":)");
-    record_->Append(JsonText(events));
+    json.Key("events").Raw(JsonText(events));
   }
-  record_->Append("}");
+  json.EndObject();
+  record_->Append(line_);
   return record_->EndLine();
 }
 
-void Recorder::AppendJoints(const WorldState& state) {
-  record_->Append(R"(,"joints":[)");
-  const char* separator = "[";
+void Recorder::WriteJoints(const WorldState& state, JsonWriter& json) {
+  json.Key("joints").BeginList();
   for (const JointState& joint : state.joints) {
-    record_->Append(separator);
-    record_->Append(joint.position);
-    record_->Append(",");
-    record_->Append(joint.velocity);
-    record_->Append(joint.blocked ? ",1]" : ",0]");
-    separator = ",[";
+    json.BeginList().Value(joint.position).Value(joint.velocity).Value(joint.blocked ? 1 : 0).EndList();
   }
-  record_->Append("]");
+  json.EndList();
 }
 
-void Recorder::AppendGrippers(const WorldState& state) {
-  record_->Append(R"(,"grippers":[)");
-  const char* separator = "[";
+void Recorder::WriteName(const std::optional<ModelId>& model, JsonWriter& json) const {
+  model ? json.Value(world_->model(*model).name) : json.Null();
+}
+
+void Recorder::WriteGrippers(const WorldState& state, JsonWriter& json) const {
+  json.Key("grippers").BeginList();
   for (const GripperState& gripper : state.grippers) {
     std::optional<ModelId> clamped;
     if (gripper.clamped) clamped = world_->objects[gripper.clamped->index()];
+    json.BeginList();
     for (const std::optional<ModelId>& model : {gripper.left_contact, gripper.right_contact, clamped}) {
-      record_->Append(separator);
-      record_->Append(model ? json_names_[model->index()] : "null");
-      separator = ",";
+      WriteName(model, json);
     }
-    separator = "],[";
+    json.EndList();
   }
-  record_->Append(state.grippers.empty() ? "]" : "]]");
+  json.EndList();
 }
 
-void Recorder::AppendObjects(const WorldState& state) {
-  record_->Append(R"(,"objects":[)");
-  const char* separator = "[";
+void Recorder::WriteObjects(const WorldState& state, JsonWriter& json) const {
+  json.Key("objects").BeginList();
   for (const ObjectState& object : state.objects) {
-    for (double number : {object.X_WO.x, object.X_WO.y, object.X_WO.z, object.X_WO.heading}) {
-      record_->Append(separator);
-      record_->Append(number);
-      separator = ",";
-    }
-    record_->Append(",\"");
-    record_->Append(NameOf(object.mode));
-    record_->Append("\",");
+    json.BeginList();
+    for (const double number : {object.X_WO.x, object.X_WO.y, object.X_WO.z, object.X_WO.heading}) json.Value(number);
     const std::optional<ModelId> on = CarrierOf(*world_, object);
-    record_->Append(on ? json_names_[on->index()] : "null");
-    separator = "],[";
+    json.Value(NameOf(object.mode));
+    WriteName(on, json);
+    json.EndList();
   }
-  record_->Append(state.objects.empty() ? "]" : "]]");
+  json.EndList();
 }
 
-void Recorder::AppendTables(const WorldState& state) {
+void Recorder::WriteTables(const WorldState& state, JsonWriter& json) const {
   const SignalView view{*things_, *world_, state};
   for (const StateTable& table : StateTables()) {
     const std::size_t rows = table.rows(state);
     if (HasOwnFormat(table) || table.varies || rows == 0) continue;
-    record_->Append(",\"" + table.name + "\":");
+    json.Key(table.name).BeginList();
     for (std::size_t row = 0; row < rows; ++row) {
-      const char* separator = row == 0 ? "[[" : ",[";
-      for (const Signal& signal : table.signals) {
-        record_->Append(std::exchange(separator, ","));
-        AppendCell(signal, view, row);
-      }
-      record_->Append("]");
+      json.BeginList();
+      for (const Signal& signal : table.signals) WriteCell(signal, view, row, json);
+      json.EndList();
     }
-    record_->Append("]");
+    json.EndList();
   }
 }
 
-void Recorder::AppendCell(const Signal& signal, const SignalView& view, std::size_t row) {
-  const double number = signal.number(view, row);
+void Recorder::WriteCell(const Signal& signal, const SignalView& view, std::size_t row, JsonWriter& json) {
   if (signal.type == ValueType::kText) {
     const std::string text = signal.text(view, row);
-    record_->Append(text.empty() ? "null" : JsonText(nlohmann::json(text)));
+    text.empty() ? json.Null() : json.Value(text);
   } else if (signal.type == ValueType::kTruth) {
-    record_->Append(number != 0.0 ? "1" : "0");
-  } else if (std::isfinite(number)) {
-    record_->Append(number);
+    json.Value(signal.number(view, row) != 0.0 ? 1 : 0);
   } else {
-    record_->Append("null");
+    json.Value(signal.number(view, row));
   }
 }
 

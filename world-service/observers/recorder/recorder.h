@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/file.h"
+#include "common/base/json_writer.h"
 #include "common/base/output_file.h"
 #include "common/run/run_settings.h"
 #include "common/signals/state_tables.h"
@@ -63,21 +64,22 @@ class Recorder final : public RunObserver {
   // tick,name,x,y,z,heading,flag
   void AppendPose(Tick tick, ModelId model, const Pose& X_WM, bool flag);
   Status WriteRecord(const FrameMessage& frame);
-  void AppendJoints(const WorldState& state);
-  void AppendGrippers(const WorldState& state);
-  void AppendObjects(const WorldState& state);
+  static void WriteJoints(const WorldState& state, JsonWriter& json);
+  void WriteName(const std::optional<ModelId>& model, JsonWriter& json) const;
+  void WriteGrippers(const WorldState& state, JsonWriter& json) const;
+  void WriteObjects(const WorldState& state, JsonWriter& json) const;
   // The other tables of the state that have things: "doors":[[...],...].
-  void AppendTables(const WorldState& state);
-  void AppendCell(const Signal& signal, const SignalView& view, std::size_t row);
+  void WriteTables(const WorldState& state, JsonWriter& json) const;
+  static void WriteCell(const Signal& signal, const SignalView& view, std::size_t row, JsonWriter& json);
   // Whether the files contain joints and objects: the record if the world has any, the poses if the first world had.
   bool manipulates() const { return !world_->joints.empty() || !world_->objects.empty(); }
 
   const WorldDescription* world_;
-  std::shared_ptr<const Scene> scene_;   // of world_, after an edit
-  bool wide_poses_ = false;              // with the columns for joints and objects
-  std::vector<std::string> csv_names_;   // by model, quoted where CSV needs it
-  std::vector<std::string> json_names_;  // by model, quoted; empty without joints and objects
-  std::optional<Things> things_;         // of world_, for a record
+  std::shared_ptr<const Scene> scene_;  // of world_, after an edit
+  bool wide_poses_ = false;             // with the columns for joints and objects
+  std::vector<std::string> csv_names_;  // by model, quoted where CSV needs it
+  std::string line_;                    // of the record, while it is written
+  std::optional<Things> things_;        // of world_, for a record
   std::optional<OutputFile> hash_log_;
   std::optional<OutputFile> poses_;
   std::optional<OutputFile> record_;

@@ -238,32 +238,32 @@ TEST(Mcap, RefusesOtherFiles) {
 TEST(Mcap, ReadsUncompressedChunksThatDefineTheirChannels) {
   std::vector<std::byte> bytes;
   ByteWriter out(bytes);
-  const auto text = [&](std::string_view value) { out.Add(value); };
-  out.Add(std::span<const std::byte>(kMagic));
-  out.AddRecord(Opcode::kHeader, [&] { text(""), text(""); });
+  const auto text = [&](std::string_view value) { out.WriteText(value); };
+  out.WriteBytes(kMagic);
+  WriteRecord(out, Opcode::kHeader, [&] { text(""), text(""); });
   std::vector<std::byte> records;
   ByteWriter chunk(records);
-  chunk.AddRecord(Opcode::kChannel, [&] {
-    chunk.Add(std::uint16_t{7});
-    chunk.Add(std::uint16_t{0});
-    chunk.Add(std::string_view("/topic"));
-    chunk.Add(std::string_view("json"));
-    chunk.Add(std::uint32_t{0});
+  WriteRecord(chunk, Opcode::kChannel, [&] {
+    chunk.Write(std::uint16_t{7});
+    chunk.Write(std::uint16_t{0});
+    chunk.WriteText("/topic");
+    chunk.WriteText("json");
+    chunk.Write(std::uint32_t{0});
   });
-  chunk.AddRecord(Opcode::kMessage, [&] {
-    chunk.Add(std::uint16_t{7});
-    chunk.Add(std::uint32_t{0});
-    chunk.Add(std::uint64_t{5});
-    chunk.Add(std::uint64_t{6});
-    chunk.Add(BytesOf("{}"));
+  WriteRecord(chunk, Opcode::kMessage, [&] {
+    chunk.Write(std::uint16_t{7});
+    chunk.Write(std::uint32_t{0});
+    chunk.Write(std::uint64_t{5});
+    chunk.Write(std::uint64_t{6});
+    chunk.WriteBytes(BytesOf("{}"));
   });
-  out.AddRecord(Opcode::kChunk, [&] {
-    out.Add(std::uint64_t{5});
-    out.Add(std::uint64_t{5});
-    out.Add(std::uint64_t{records.size()});
-    out.Add(std::uint32_t{0});
+  WriteRecord(out, Opcode::kChunk, [&] {
+    out.Write(std::uint64_t{5});
+    out.Write(std::uint64_t{5});
+    out.Write(std::uint64_t{records.size()});
+    out.Write(std::uint32_t{0});
     text("");
-    out.AddWithLength<std::uint64_t>([&] { out.Add(std::span<const std::byte>(records)); });
+    out.WriteWithLength<std::uint64_t>([&] { out.WriteBytes(records); });
   });
   const Reader reader = test::ValueOf(Open(bytes));
   EXPECT_TRUE(reader.damage()) << "it has no end";

@@ -10,7 +10,7 @@
 
 #include "common/model/states.h"
 #include "tests/support/small_world.h"
-#include "tests/unit/viewer/gateway/byte_reader.h"
+#include "tests/unit/viewer/gateway/page_reader.h"
 #include "viewer/gateway/page_messages.h"
 #include "viewer/gateway/past_states.h"
 
@@ -316,7 +316,7 @@ struct Copy {
 
   // Returns the number of rows in the message.
   std::size_t Apply(const std::string& bytes) {
-    test::ByteReader reader(bytes);
+    test::PageReader reader(bytes);
     std::size_t count = 0;
     ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
       if constexpr (!std::is_same_v<Row, ImuState> && !std::is_same_v<Row, RadioTransmission>) {
@@ -344,9 +344,10 @@ WorldState SomeState() {
 }
 
 std::string Difference(const StateRows& rows, std::uint64_t since) {
-  ByteWriter writer;
+  std::string bytes;
+  PageWriter writer(bytes);
   rows.Write(writer, since);
-  return writer.ReleaseBytes();
+  return bytes;
 }
 
 TEST(StateRowsTest, AViewerThatSkipsAnyUpdatesHasTheWholeState) {

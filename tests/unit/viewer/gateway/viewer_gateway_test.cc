@@ -16,13 +16,13 @@
 #include "common/sensing/sensor_suite.h"
 #include "tests/support/small_world.h"
 #include "tests/support/values.h"
-#include "tests/unit/viewer/gateway/byte_reader.h"
+#include "tests/unit/viewer/gateway/page_reader.h"
 #include "tests/unit/viewer/gateway/web_client.h"
 
 namespace troupe {
 namespace {
 
-using test::ByteReader;
+using test::PageReader;
 using test::WebClient;
 
 // A run that the test makes up.
@@ -124,7 +124,7 @@ SessionMessage CameraWorld() {
 // With one ranger of one scan, perhaps a camera, and no joints, grippers, objects, events or status.
 struct ParsedUpdate {
   explicit ParsedUpdate(const std::string& bytes) {
-    ByteReader reader(bytes);
+    PageReader reader(bytes);
     EXPECT_EQ(reader.ReadByte(), 2);
     world = reader.ReadCount();
     flags = reader.ReadByte();
