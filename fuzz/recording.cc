@@ -22,7 +22,7 @@ std::vector<std::byte> FileOf(Bytes bytes) {
   std::vector<std::byte> file;
   mcap::Writer writer = mcap::Writer::Create(mcap::MakeMemorySink(file), kRecordingProfile, "fuzz").value();
   for (const ChannelType& channel : kChannelTypes) {
-    writer.AddChannel({writer.AddSchema({channel.type, "omgidl", ""}), channel.topic, "cdr"});
+    writer.AddChannel({writer.AddSchema(SchemaOf(channel)), channel.topic, "cdr"});
   }
   ByteReader in(bytes);
   std::uint64_t time = 0;
@@ -62,8 +62,8 @@ void Recording(Bytes bytes) {
   }
   static_cast<void>(recording.value().CheckData());
   Replay(recording.value(), std::nullopt);
-  const std::optional<std::uint64_t> last = recording.value().places().First(recording.value().places().greatest());
-  if (last) Replay(recording.value(), recording.value().places().greatest());
+  const TimeSpans& spans = recording.value().spans();
+  if (spans.First(spans.greatest())) Replay(recording.value(), spans.greatest());
 }
 
 }  // namespace troupe::fuzz

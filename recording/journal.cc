@@ -13,7 +13,6 @@
 
 #include "common/base/bytes.h"
 #include "recording/mcap/bytes.h"
-#include "recording/partial_recording.h"
 
 namespace troupe {
 namespace {
@@ -185,13 +184,13 @@ Result<std::optional<Journal>> Journal::OpenToContinue(const JournalFiles& files
   Result<JournalTailContent> read = ReadJournalTail(files, recording.value().run().run, next.value());
   if (!read.ok()) return read.error();
   JournalTailContent& tail = read.value();
-  return std::optional(Journal{std::move(recording).value(), std::move(tail.ticks),
-                               tail.progress.value_or(RunProgress()), std::move(written).value(),
-                               std::move(sink).value()});
+  recording.value().SetTail(std::move(tail.ticks));
+  return std::optional(Journal{std::move(recording).value(), tail.progress.value_or(RunProgress()),
+                               std::move(written).value(), std::move(sink).value()});
 }
 
 // The writer may empty a file of the tail between the two readings: then the recording has more ticks than it had.
-Result<PartialRecording> PartialRecording::Read(const JournalFiles& files) {
+Result<Recording> ReadJournal(const JournalFiles& files) {
   for (int attempt = 0;; ++attempt) {
     Result<Recording> recording = Recording::Open(files.recording, Recording::Ticks::kPerhapsNone);
     if (!recording.ok()) return recording.error();
@@ -202,25 +201,9 @@ Result<PartialRecording> PartialRecording::Read(const JournalFiles& files) {
     const auto& last = tail.value().last_numbers;
     const bool is_behind = tail.value().ticks.empty() && std::max(last[0], last[1]) >= next.value();
     if (is_behind && attempt < kReadAttempts) continue;
-    const bool is_whole = !recording.value().damage();
-    return PartialRecording{std::move(recording).value(), std::move(tail.value().ticks), is_whole};
+    recording.value().SetTail(std::move(tail.value().ticks));
+    return recording;
   }
-}
-
-Result<bool> JournalReader::Next(RecordedTick& tick) {
-  Result<bool> more = reader_.Next(tick);
-  if (!more.ok() || more.value()) return more;
-  if (next_in_tail_ == journal_.tail.size()) return false;
-  tick = journal_.tail[next_in_tail_++];
-  return true;
-}
-
-Result<bool> RunReader::Next(RecordedTick& tick) {
-  Result<bool> more = reader_.Next(tick);
-  if (!more.ok() || more.value()) return more;
-  if (next_in_tail_ == tail_.size()) return false;
-  tick = tail_[next_in_tail_++];
-  return true;
 }
 
 JournalFiles JournalFiles::Of(const std::string& recording) {

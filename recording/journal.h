@@ -92,8 +92,7 @@ Result<JournalTailContent> ReadJournalTail(const JournalFiles& files, RunId run,
 
 // A journal that this process continues. The files are locked for other processes.
 struct Journal {
-  Recording recording;                   // its whole chunks; it may have none
-  std::vector<RecordedTick> tail;        // the ticks after these
+  Recording recording;                   // its whole chunks, perhaps none, and the ticks after these as its tail
   RunProgress progress;                  // the newest
   mcap::WrittenPart written;             // of the recording
   std::unique_ptr<mcap::ByteSink> sink;  // appends to it
@@ -103,20 +102,8 @@ struct Journal {
   static Result<std::optional<Journal>> OpenToContinue(const JournalFiles& files);
 };
 
-// The ticks of a journal, one after another.
-class JournalReader {
- public:
-  // Begins at a chunk of the recording. The journal outlives the reader.
-  explicit JournalReader(const Journal& journal, std::size_t chunk = 0)
-      : journal_(journal), reader_(journal.recording, chunk) {}
-
-  // As TickReader::Next; ticks of the tail have the log time 0.
-  Result<bool> Next(RecordedTick& tick);
-
- private:
-  const Journal& journal_;
-  TickReader reader_;
-  std::size_t next_in_tail_ = 0;
-};
+// The run in a journal that another process may be writing, as far as it has come. It has its damage() until its file
+// is finished. The error is also one that has no run yet.
+Result<Recording> ReadJournal(const JournalFiles& files);
 
 }  // namespace troupe

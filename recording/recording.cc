@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
+#include <limits>
+#include <sstream>
 #include <utility>
 
+#include "common/base/identity.h"
 #include "common/base/text.h"
 #include "transport/wire/message_bytes.h"
 
@@ -27,76 +29,38 @@ ChannelIds FindChannels(const mcap::Reader& file) {
   return ids;
 }
 
-// REQUIRES: all channels were found.
-Result<std::array<std::optional<LayoutChange>, kRecordingChannels>> FindLayouts(const mcap::Reader& file,
-                                                                                const ChannelIds& ids) {
-  std::array<std::optional<LayoutChange>, kRecordingChannels> layouts;
-  for (std::size_t i = 0; i < kRecordingChannels; ++i) {
-    const mcap::Schema& schema = file.schemas().at(file.channels().at(*ids[i]).schema);
-    const mcap::Schema today = SchemaOf(kChannelTypes[i]);
-    if (LayoutChange::IsNone(schema.data, today.data)) continue;
-    Result<LayoutChange> change = LayoutChange::Between(schema.data, today.data, kChannelTypes[i].type);
-    if (!change.ok()) return change.error();
-    layouts[i] = std::move(change).value();
+std::uint64_t IntervalOf(const WorldDescription& world) {
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(1, world.interval_ns));
+}
+
+// The words of a schema: two that differ in their comments at most have the same.
+std::string WordsOf(const std::string& schema) {
+  std::string words;
+  std::istringstream lines(schema);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream in(line.substr(0, line.find("//")));
+    for (std::string word; in >> word;) words += word + ' ';
   }
-  return layouts;
+  return words;
 }
 
-// The bytes of a message in the layout of today: itself, or in `changed`.
-Result<std::span<const std::byte>> InLayoutOfToday(const std::optional<LayoutChange>& layout,
-                                                   std::span<const std::byte> data, std::vector<std::byte>& changed) {
-  if (!layout) return data;
-  Result<std::vector<std::byte>> applied = layout->Apply(data);
-  if (!applied.ok()) return applied.error();
-  changed = std::move(applied).value();
-  return std::span<const std::byte>(changed);
-}
-
-std::uint64_t EndTime(const mcap::Reader& file) {
-  std::uint64_t end = 0;
-  for (const mcap::ChunkInfo& chunk : file.chunks()) end = std::max(end, chunk.end_time);
-  return end;
+// REQUIRES: all channels were found.
+Status CheckLayouts(const mcap::Reader& file, const ChannelIds& ids) {
+  for (std::size_t i = 0; i < kRecordingChannels; ++i) {
+    const std::string& found = file.schemas().at(file.channels().at(*ids[i]).schema).data;
+    const std::string expected = SchemaOf(kChannelTypes[i]).data;
+    if (found == expected || WordsOf(found) == WordsOf(expected)) continue;
+    return Error{{file.name()},
+                 fmt::format("found a recording whose messages of {} have other fields, expected those of troupe {}",
+                             kChannelTypes[i].topic, VersionText())};
+  }
+  return {};
 }
 
 }  // namespace
 
 bool IsRecordingPath(const std::string& path) {
   return path.ends_with(".mcap");
-}
-
-Recording::Recording(mcap::Reader file, RecordedRun run, ChannelIds ids, Layouts layouts)
-    : file_(std::move(file)),
-      run_(std::move(run)),
-      ids_(ids),
-      layouts_(std::move(layouts)),
-      places_(run_.world.interval_ns, EndTime(file_)) {}
-
-Result<mcap::Chunk> Recording::ReadChunk(std::size_t chunk) const {
-  Result<mcap::Chunk> read = file_.ReadChunk(chunk + 1);
-  if (!read.ok() || std::all_of(layouts_.begin(), layouts_.end(), [](const auto& layout) { return !layout; })) {
-    return read;
-  }
-  std::vector<std::vector<std::byte>> changed(read.value().messages.size());
-  std::size_t size = 0;
-  for (std::size_t i = 0; i < changed.size(); ++i) {
-    mcap::Message& message = read.value().messages[i];
-    const std::optional<RecordingChannel> channel = ChannelOf(message);
-    if (!channel) continue;
-    const Result<std::span<const std::byte>> data =
-        InLayoutOfToday(layouts_[static_cast<std::size_t>(*channel)], message.data, changed[i]);
-    if (!data.ok()) return data.error();
-    message.data = data.value();
-  }
-  for (const mcap::Message& message : read.value().messages) size += message.data.size();
-  std::vector<std::byte> records;
-  records.reserve(size);
-  for (mcap::Message& message : read.value().messages) {
-    const std::size_t begin = records.size();
-    records.insert(records.end(), message.data.begin(), message.data.end());
-    message.data = std::span<const std::byte>(records).subspan(begin);
-  }
-  read.value().records = std::move(records);
-  return read;
 }
 
 Result<Recording> Recording::Open(const std::string& path, Ticks ticks) {
@@ -130,15 +94,10 @@ Result<Recording> Recording::Open(std::unique_ptr<const mcap::ByteSource> source
   if (messages.size() != 1 || messages.front().channel != ids[static_cast<std::size_t>(RecordingChannel::kRun)]) {
     return Error{{file.name()}, "found a recording that does not begin with its run"};
   }
-  Result<Layouts> layouts = FindLayouts(file, ids);
-  if (!layouts.ok()) return Error{{file.name()}, layouts.error().message};
-  std::vector<std::byte> changed;
-  const Result<std::span<const std::byte>> first = InLayoutOfToday(
-      layouts.value()[static_cast<std::size_t>(RecordingChannel::kRun)], messages.front().data, changed);
-  if (!first.ok()) return Error{{file.name()}, first.error().message};
-  Result<RecordedRun> run = RunFromBytes(first.value());
+  if (Status other = CheckLayouts(file, ids); !other.ok()) return other.error();
+  Result<RecordedRun> run = RunFromBytes(messages.front().data);
   if (!run.ok()) return Error{{file.name()}, run.error().message};
-  Recording recording(std::move(file), std::move(run).value(), ids, std::move(layouts).value());
+  Recording recording(std::move(file), std::move(run).value(), ids);
   recording.FindPlaces();
   return recording;
 }
@@ -157,58 +116,74 @@ bool Recording::Has(const mcap::ChunkInfo& chunk, RecordingChannel channel) cons
   return std::binary_search(chunk.channels.begin(), chunk.channels.end(), *ids_[static_cast<std::size_t>(channel)]);
 }
 
+std::uint64_t Recording::end_time() const {
+  std::uint64_t end = 0;
+  for (const mcap::ChunkInfo& chunk : file_.chunks()) end = std::max(end, chunk.end_time);
+  return end;
+}
+
 void Recording::FindPlaces() {
+  std::vector<TimeSpan> spans = {TimeSpan()};
+  clocks_ = {{0, IntervalOf(run_.world)}};
   for (std::size_t i = 0; i < chunks(); ++i) {
     const mcap::ChunkInfo& chunk = file_.chunks()[i + 1];
     if (Has(chunk, RecordingChannel::kKeyframes)) keyframe_chunks_.push_back(i);
     if (!Has(chunk, RecordingChannel::kEdits)) continue;
     // Damage of a chunk that is found here is found again when the ticks are read.
-    if (!FindEdits(i).ok()) return;
+    if (!FindEdits(i, spans).ok()) break;
     edit_chunks_.push_back(i);
   }
+  for (std::size_t i = 0; i + 1 < spans.size(); ++i) spans[i].last = spans[i + 1].first - 1;
+  TimeSpan& newest = spans.back();
+  const std::uint64_t end = std::max(end_time(), clocks_.back().begin);
+  const std::uint64_t states_behind = (end - clocks_.back().begin) / clocks_.back().interval_ns;
+  newest.last = newest.first + std::min(states_behind, std::numeric_limits<std::uint64_t>::max() - newest.first);
+  spans_ = TimeSpans(std::move(spans));
 }
 
-Status Recording::FindEdits(std::size_t chunk) {
+Status Recording::FindEdits(std::size_t chunk, std::vector<TimeSpan>& spans) {
   const Result<mcap::Chunk> content = ReadChunk(chunk);
   if (!content.ok()) return content.error();
-  std::optional<std::int64_t> interval_ns;  // of an edit whose tick follows
-  std::int64_t current_ns = places_.interval_ns();
+  std::optional<std::uint64_t> interval_ns;  // behind an edit whose tick follows
   for (const mcap::Message& message : content.value().messages) {
     const std::optional<RecordingChannel> channel = ChannelOf(message);
     if (channel == RecordingChannel::kEdits) {
       const Result<RecordedEdit> edit = EditFromBytes(message.data);
       if (!edit.ok()) return edit.error();
-      if (ReplacesWorld(edit.value().request.command) && edit.value().world) {
-        current_ns = edit.value().world->interval_ns;
-      }
-      interval_ns = current_ns;
+      const bool replaces = ReplacesWorld(edit.value().request.command) && edit.value().world;
+      interval_ns = replaces ? IntervalOf(*edit.value().world) : clocks_.back().interval_ns;
     } else if (channel == RecordingChannel::kTicks && interval_ns) {
       RecordedTick tick;
       if (Status broken = TickFromBytes(message.data, tick); !broken.ok()) return broken;
-      places_.AddEdit(message.log_time, tick.tick, *interval_ns);
+      if (tick.number <= spans.back().first) return ErrorIn(chunk, "found states that do not follow each other");
+      spans.push_back({tick.number, tick.number, tick.tick, tick.edition});
+      clocks_.push_back({message.log_time, *interval_ns});
       interval_ns.reset();
     }
   }
   return {};
 }
 
-std::optional<std::size_t> Recording::KeyframeBefore(std::uint64_t log_time) const {
-  std::optional<std::size_t> found;
-  for (const std::size_t chunk : keyframe_chunks_) {
-    if (file_.chunks()[chunk + 1].start_time > log_time) break;
-    found = chunk;
-  }
-  return found;
+std::uint64_t Recording::LogTimeOf(std::uint64_t position) const {
+  const std::vector<TimeSpan>& spans = spans_.all();
+  if (position > spans.back().last) return std::numeric_limits<std::uint64_t>::max();
+  const auto after =
+      std::partition_point(spans.begin(), spans.end(), [&](const TimeSpan& span) { return span.first <= position; });
+  const auto span = static_cast<std::size_t>(after - spans.begin()) - 1;
+  return clocks_[span].begin + (position - spans[span].first) * clocks_[span].interval_ns;
 }
 
-std::size_t Recording::KeyframeUpTo(Edition edition, Tick tick) const {
-  const auto is_up_to = [&](std::size_t chunk) {
+std::size_t Recording::KeyframeUpTo(std::uint64_t position) const {
+  const std::uint64_t log_time = LogTimeOf(position);
+  for (std::size_t i = keyframe_chunks_.size(); i-- > 0;) {
+    const std::size_t chunk = keyframe_chunks_[i];
+    if (file_.chunks()[chunk + 1].start_time > log_time) continue;
+    // Edits take no time: the keyframe may follow the position.
     RecordedTick first;
     const Result<bool> read = TickReader(*this, chunk).Next(first);
-    return read.ok() && read.value() && std::pair(first.edition, first.tick) <= std::pair(edition, tick);
-  };
-  const auto end = std::partition_point(keyframe_chunks_.begin(), keyframe_chunks_.end(), is_up_to);
-  return end == keyframe_chunks_.begin() ? 0 : *std::prev(end);
+    if (read.ok() && read.value() && first.keyframe && first.number <= position) return chunk;
+  }
+  return 0;
 }
 
 Status Recording::VisitEdits(std::size_t chunk, const EditVisitor& visit) const {
@@ -233,48 +208,6 @@ Status Recording::VisitEdits(std::size_t chunk, const EditVisitor& visit) const 
     }
   }
   return {};
-}
-
-TickPlaces::TickPlaces(std::int64_t interval_ns, std::uint64_t end) : end_(end) {
-  AddEdit(0, 0, interval_ns);
-}
-
-void TickPlaces::AddEdit(std::uint64_t log_time, Tick tick, std::int64_t interval_ns) {
-  parts_.push_back({log_time, tick, static_cast<std::uint64_t>(std::max<std::int64_t>(1, interval_ns))});
-}
-
-std::uint64_t TickPlaces::EndOf(std::size_t part) const {
-  const std::uint64_t end = part + 1 < parts_.size() ? parts_[part + 1].begin : end_;
-  return std::max(end, parts_[part].begin);
-}
-
-Tick TickPlaces::LastTickOf(std::size_t part) const {
-  return parts_[part].tick + (EndOf(part) - parts_[part].begin) / parts_[part].interval_ns;
-}
-
-std::optional<std::uint64_t> TickPlaces::Find(std::size_t part, Tick tick) const {
-  if (tick < parts_[part].tick || tick > LastTickOf(part)) return std::nullopt;
-  return parts_[part].begin + (tick - parts_[part].tick) * parts_[part].interval_ns;
-}
-
-std::optional<std::uint64_t> TickPlaces::First(Tick tick) const {
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    if (const auto found = Find(i, tick)) return found;
-  }
-  return std::nullopt;
-}
-
-std::optional<std::uint64_t> TickPlaces::Last(Tick tick) const {
-  for (std::size_t i = parts_.size(); i-- > 0;) {
-    if (const auto found = Find(i, tick)) return found;
-  }
-  return std::nullopt;
-}
-
-Tick TickPlaces::greatest() const {
-  Tick greatest = 0;
-  for (std::size_t i = 0; i < parts_.size(); ++i) greatest = std::max(greatest, LastTickOf(i));
-  return greatest;
 }
 
 std::vector<TickMessage> MessagesOf(const RecordedTick& tick, RunId run) {
@@ -376,14 +309,21 @@ Result<bool> TickReader::NextChunk() {
   return true;
 }
 
+bool TickReader::NextOfTail(RecordedTick& tick) {
+  if (next_in_tail_ == recording_->tail().size()) return false;
+  tick = recording_->tail()[next_in_tail_++];
+  return true;
+}
+
 Result<bool> TickReader::Next(RecordedTick& tick) {
   assembler_.Begin(tick);
   bool begun = false;
   for (;;) {
     if (!chunk_ || next_message_ == chunk_->messages.size()) {
       if (begun) return Broken("found a chunk that ends within a tick");
-      Result<bool> more = NextChunk();
-      if (!more.ok() || !more.value()) return more;
+      const Result<bool> more = NextChunk();
+      if (!more.ok()) return more;
+      if (!more.value()) return NextOfTail(tick);
       continue;
     }
     const mcap::Message& message = chunk_->messages[next_message_++];

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,48 +15,13 @@
 #include <vector>
 
 #include "recording/mcap/reader.h"
-#include "recording/older_layout.h"
 #include "recording/recorded_run.h"
+#include "recording/timeline/timeline.h"
 #include "transport/protocol/messages.h"
 #include "troupe/ids.h"
 #include "troupe/result.h"
 
 namespace troupe {
-
-// TickPlaces: the places in a recording of the states of a tick. Ticks count up from one edit to the next; an edit may
-// set them back, so that a tick has several states.
-class TickPlaces {
- public:
-  // The first state is that of tick 0 at log time 0. `end`: the log time of the last.
-  TickPlaces(std::int64_t interval_ns, std::uint64_t end);
-
-  // The next edit: from its log time on, ticks count from `tick`.
-  void AddEdit(std::uint64_t log_time, Tick tick, std::int64_t interval_ns);
-
-  // The log times of the first and of the last states of a tick; nothing if there are none.
-  std::optional<std::uint64_t> First(Tick tick) const;
-  std::optional<std::uint64_t> Last(Tick tick) const;
-
-  Tick greatest() const;
-  std::uint64_t end() const { return end_; }
-  // The interval of the ticks since the newest edit.
-  std::int64_t interval_ns() const { return static_cast<std::int64_t>(parts_.back().interval_ns); }
-  std::size_t edits() const { return parts_.size() - 1; }
-
- private:
-  // The states from an edit to the next.
-  struct Part {
-    std::uint64_t begin = 0;  // log time
-    Tick tick = 0;            // at its begin
-    std::uint64_t interval_ns = 1;
-  };
-  std::uint64_t EndOf(std::size_t part) const;
-  Tick LastTickOf(std::size_t part) const;
-  std::optional<std::uint64_t> Find(std::size_t part, Tick tick) const;
-
-  std::vector<Part> parts_;
-  std::uint64_t end_;
-};
 
 // True for the paths of recordings: those that end in ".mcap".
 bool IsRecordingPath(const std::string& path);
@@ -70,7 +36,15 @@ class Recording {
   const std::string& name() const { return file_.name(); }
   std::uint64_t size() const { return file_.size(); }  // bytes
   const RecordedRun& run() const { return run_; }
-  const TickPlaces& places() const { return places_; }
+  // The ticks that follow those of the chunks, without log times: of a journal (recording/journal.h), else none.
+  const std::vector<RecordedTick>& tail() const { return tail_; }
+  void SetTail(std::vector<RecordedTick> tail) { tail_ = std::move(tail); }
+  // The states in the chunks, as their index and their edits tell: those in a damaged chunk count. Not empty.
+  const TimeSpans& spans() const { return spans_; }
+  // The log time of the last state in the chunks, ns.
+  std::uint64_t end_time() const;
+  // The interval of the ticks since the newest edit in the chunks.
+  std::int64_t interval_ns() const { return static_cast<std::int64_t>(clocks_.back().interval_ns); }
   // Why the file is not read to its end; nothing if it is. A damage within a chunk is found when the chunk is read.
   const std::optional<mcap::Damage>& damage() const { return file_.damage(); }
   // Compares the whole file with its CRC.
@@ -79,10 +53,9 @@ class Recording {
   // The chunks with ticks; a keyframe is in the first tick of its chunk.
   std::size_t chunks() const { return file_.chunks().size() - 1; }
   std::size_t keyframes() const { return keyframe_chunks_.size(); }
-  // The last chunk that begins with a keyframe at a log time of at most `log_time`; nothing if there is none.
-  std::optional<std::size_t> KeyframeBefore(std::uint64_t log_time) const;
-  // The last chunk that begins with a keyframe of at most this edition and tick; chunk 0 if there is none.
-  std::size_t KeyframeUpTo(Edition edition, Tick tick) const;
+  static constexpr std::uint64_t kEnd = std::numeric_limits<std::uint64_t>::max();  // a position behind all states
+  // The last chunk that begins with a keyframe at a state of at most this position; chunk 0 if there is none.
+  std::size_t KeyframeUpTo(std::uint64_t position) const;
   // Calls `visit` with each edit in the chunks before `chunk`, in their order, and the number of the state to which it
   // led. The error is a damaged chunk, or that of `visit`.
   using EditVisitor = std::function<Status(std::uint64_t number, const RecordedEdit&)>;
@@ -91,24 +64,31 @@ class Recording {
  private:
   friend class TickReader;
 
-  using Layouts = std::array<std::optional<LayoutChange>, kRecordingChannels>;  // of those that have changed since
+  // The log times of a span.
+  struct SpanClock {
+    std::uint64_t begin = 0;        // ns
+    std::uint64_t interval_ns = 1;  // of its ticks
+  };
 
-  Recording(mcap::Reader file, RecordedRun run, std::array<std::optional<std::uint16_t>, kRecordingChannels> ids,
-            Layouts layouts);
+  Recording(mcap::Reader file, RecordedRun run, std::array<std::optional<std::uint16_t>, kRecordingChannels> ids)
+      : file_(std::move(file)), run_(std::move(run)), ids_(ids) {}
   // Chunk 0 of the file has the run.
-  Result<mcap::Chunk> ReadChunk(std::size_t chunk) const;
+  Result<mcap::Chunk> ReadChunk(std::size_t chunk) const { return file_.ReadChunk(chunk + 1); }
   std::optional<RecordingChannel> ChannelOf(const mcap::Message& message) const;
   bool Has(const mcap::ChunkInfo& chunk, RecordingChannel channel) const;
-  // Finds the keyframes and the edits.
+  // Finds the keyframes, the edits, and with them the spans.
   void FindPlaces();
-  Status FindEdits(std::size_t chunk);
+  Status FindEdits(std::size_t chunk, std::vector<TimeSpan>& spans);
+  // At least that of the state at a position.
+  std::uint64_t LogTimeOf(std::uint64_t position) const;
   Error ErrorIn(std::size_t chunk, const std::string& problem) const;
 
   mcap::Reader file_;
   RecordedRun run_;
   std::array<std::optional<std::uint16_t>, kRecordingChannels> ids_;
-  Layouts layouts_;
-  TickPlaces places_;
+  std::vector<RecordedTick> tail_;
+  TimeSpans spans_;
+  std::vector<SpanClock> clocks_;             // by span
   std::vector<std::size_t> keyframe_chunks_;  // ascending
   std::vector<std::size_t> edit_chunks_;      // that have edits, ascending
 };
@@ -154,12 +134,13 @@ class TickReader {
         next_chunk_(chunk),
         assembler_(chunk == 0 ? std::optional<std::uint64_t>(0) : std::nullopt) {}
 
-  // Reads the next tick; false at the end of the readable ticks. The error is damage: of a chunk, or a missing tick.
-  // `tick`: valid after true; its memory is reused.
+  // Reads the next tick, of a chunk or of the tail; false at the end. The error is damage: of a chunk, or a missing
+  // tick. `tick`: valid after true; its memory is reused.
   Result<bool> Next(RecordedTick& tick);
 
  private:
   Result<bool> NextChunk();
+  bool NextOfTail(RecordedTick& tick);
   Error Broken(const std::string& problem) const;
 
   const Recording* recording_;
@@ -167,7 +148,8 @@ class TickReader {
   std::optional<mcap::Chunk> chunk_;
   std::size_t next_message_ = 0;
   TickAssembler assembler_;
-  std::uint64_t log_time_ = 0;  // of the last tick
+  std::uint64_t log_time_ = 0;  // of the last tick of a chunk
+  std::size_t next_in_tail_ = 0;
 };
 
 }  // namespace troupe

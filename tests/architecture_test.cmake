@@ -61,9 +61,10 @@ set(may_include_transport/dds/binding common/base)
 set(may_include_transport/dds/convert common/base common/bitmap common/geometry common/model transport/protocol transport/dds/binding idl)
 set(may_include_transport/wire common/base transport/protocol transport/dds/binding transport/dds/convert idl)
 set(may_include_recording/mcap common/base)
+set(may_include_recording/timeline common/base common/model common/spatial transport/protocol)
 set(may_include_recording
-  common/base common/geometry common/model transport/protocol common/run transport/dds/binding transport/dds/convert transport/wire
-  recording/mcap idl)
+  common/base common/geometry common/model common/spatial transport/protocol common/run transport/dds/binding
+  transport/dds/convert transport/wire recording/mcap recording/timeline idl)
 set(may_include_transport/dds/transport
   common/base common/geometry common/model transport/protocol common/run transport/security transport/shared_memory transport/dds/binding
   transport/dds/convert idl)
@@ -85,7 +86,7 @@ set(may_include_world-service/observers/recorder
   common/base common/geometry common/model common/signals transport/protocol recording recording/mcap common/run common/spatial
   world-service/core world-service/service)
 set(may_include_world-service/replay
-  common/base common/geometry common/model transport/protocol recording common/run common/sensing common/spatial
+  common/base common/geometry common/model transport/protocol recording recording/timeline common/run common/sensing common/spatial
   worldfile world-service/core world-service/observers/recorder world-service/service)
 set(may_include_world-service/observers/status
   common/base common/model transport/protocol common/run world-service/service)
@@ -156,7 +157,7 @@ set(may_include_include/troupe/recorded_simulation.h common/base include/troupe/
 set(may_include_include/troupe/simulation_page.h common/base include/troupe/simulation.h)
 set(may_include_library/runs
   common/base common/model common/spatial include/troupe/recorded_simulation.h include/troupe/simulation.h
-  include/troupe/simulation_page.h recording transport/protocol transport/wire world-service/replay)
+  include/troupe/simulation_page.h recording recording/timeline transport/protocol transport/wire world-service/replay)
 
 # The package for Python, on the library and, for controllers, on what those may include.
 set(may_include_python/native common/base common/model include/troupe/controller.h include/troupe/sensor.h
@@ -168,16 +169,12 @@ set(may_include_viewer/foxglove
   common/base common/geometry common/model common/spatial include/troupe/sensor.h)
 set(may_include_viewer/gateway
   common/base common/geometry common/model common/picture transport/protocol common/sensing common/signals common/spatial
-  testing/expectations viewer/foxglove worldfile/edit worldfile/text)
-
-# Recordings for the gateway, in the program and in pages without a server.
-set(may_include_viewer/recorded
-  common/base common/model recording common/spatial transport/protocol viewer/gateway world-service/replay)
+  recording/timeline testing/expectations viewer/foxglove worldfile/edit worldfile/text)
 
 # The assembly of all that a page without a server needs.
 set(may_include_viewer/module
   common/base common/image common/sensing library recording recording/mcap robot-agent/agent robot-agent/controller include/troupe/simulation.h
-  testing/cases testing/expectations transport/protocol transport/wire viewer/gateway viewer/recorded world-service/replay
+  testing/cases testing/expectations transport/protocol transport/wire viewer/gateway world-service/replay
   world-service/service worldfile worldfile/map worldfile/sites worldfile/text)
 
 # The editor shows a file as if it were a paused run, and tests it by the library.
@@ -205,7 +202,7 @@ set(may_include_launcher/commands
   recording common/run transport/security
   ros/messages common/sensing common/spatial common/trace worldfile worldfile/models worldfile/scenario
   worldfile/sites worldfile/text common/bitmap include/troupe/simulation.h launcher/driving launcher/export launcher/hosts launcher/process launcher/supervise library library/runs
-  testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway viewer/recorded world-service/core world-service/observers/recorder world-service/replay world-service/service)
+  testing/cases testing/expectations testing/reports robot-agent/agent robot-agent/controller viewer/editor viewer/gateway world-service/core world-service/observers/recorder world-service/replay world-service/service)
 set(may_include_launcher common/base command_line launcher/commands)
 
 # Outside transport/dds these files alone may include something of it, and of that nothing that shows DDS itself.
@@ -227,7 +224,7 @@ set(failures)
 set(patterns)
 foreach(top command_line common include launcher library python recording robot-agent ros testing transport viewer/editor
     viewer/foxglove
-    viewer/gateway viewer/module viewer/recorded world-service worldfile)
+    viewer/gateway viewer/module world-service worldfile)
   list(APPEND patterns ${ROOT}/${top}/*.h ${ROOT}/${top}/*.cc)
 endforeach()
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${patterns})

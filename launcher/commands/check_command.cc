@@ -179,7 +179,7 @@ std::string DescribeContent(const LoadedWorld& loaded) {
 
 // Seconds of simulated time.
 double SecondsOf(const Recording& recording) {
-  return static_cast<double>(recording.places().end()) / 1e9;
+  return static_cast<double>(recording.end_time()) / 1e9;
 }
 
 int CheckRecording(const std::string& file) {
@@ -188,9 +188,9 @@ int CheckRecording(const std::string& file) {
   const Recording& recording = opened.value();
   const RecordedRun& run = recording.run();
   PrintPlain(stdout, "recording: of troupe {}, step version {}, {}\n", run.program_version, run.step_version, run.file);
-  fmt::print("recorded: ticks 0 to {}, {} s simulated, {}, {}, {} bytes\n", recording.places().greatest(),
-             SecondsOf(recording), Count(recording.places().edits(), "edit"), Count(recording.keyframes(), "keyframe"),
-             recording.size());
+  fmt::print("recorded: ticks 0 to {}, {} s simulated, {}, {}, {} bytes\n", recording.spans().greatest(),
+             SecondsOf(recording), Count(recording.spans().all().size() - 1, "edit"),
+             Count(recording.keyframes(), "keyframe"), recording.size());
   LoadedWorld begin;
   begin.world = run.world;
   begin.settings = run.settings;

@@ -17,7 +17,6 @@
 #include "launcher/export/run_export.h"
 #include "recording/recording.h"
 #include "world-service/replay/replayed_world.h"
-#include "world-service/replay/run_replay.h"
 
 namespace troupe {
 namespace {
@@ -48,22 +47,25 @@ Result<std::unique_ptr<RunExport>> MakeExport(const ExportArguments& arguments) 
 // file.
 Status AddStates(const Recording& recording, const ExportArguments& arguments, RunExport& target,
                  ExportReport& report) {
-  Result<ReplayCursor> cursor = ReplayCursor::At(recording, 0);
-  if (!cursor.ok()) return cursor.error();
+  Result<ReplayCursor> made = ReplayCursor::At(recording);
+  if (!made.ok()) return made.error();
+  ReplayCursor& cursor = made.value();
   const bool has_terminal = isatty(STDERR_FILENO) == 1;
   Clock::time_point shown_at = Clock::now();
-  while (cursor.value().next()) {
-    const std::uint64_t time = cursor.value().next()->log_time;
-    const Tick tick = cursor.value().next()->tick;
-    if (Status advanced = cursor.value().Advance(); !advanced.ok()) return advanced;
+  for (;;) {
+    const Result<const RecordedTick*> next = cursor.Next();
+    if (!next.ok()) return next.error();
+    if (next.value() == nullptr) break;
+    if (Status advanced = cursor.Advance(); !advanced.ok()) return advanced;
+    const Tick tick = cursor.tick().tick;
     if (has_terminal && Clock::now() - shown_at > std::chrono::milliseconds(500)) {
       shown_at = Clock::now();
       fmt::print(stderr, "\r\033[Ktick {}", tick);
       std::fflush(stderr);
     }
-    if (cursor.value().world().in_rewind() || (arguments.from && tick < *arguments.from)) continue;
+    if (cursor.world().in_rewind() || (arguments.from && tick < *arguments.from)) continue;
     if (arguments.to && tick > *arguments.to) break;
-    if (Status added = target.Add(cursor.value().world(), time); !added.ok()) return added;
+    if (Status added = target.Add(cursor.world(), cursor.tick().log_time); !added.ok()) return added;
     if (report.states++ == 0) report.first = tick;
     report.last = tick;
   }
@@ -75,9 +77,8 @@ int ExportCommand(const ExportArguments& arguments) {
   if (std::filesystem::equivalent(arguments.output, arguments.file, failure)) {
     return Fail({{arguments.output}, "found the recording itself, expected another file to write"});
   }
-  const Result<Recording> recording = Recording::Open(arguments.file);
+  const Result<Recording> recording = OpenToReplay(arguments.file);
   if (!recording.ok()) return Fail(recording.error());
-  if (const Status other = CheckStepVersion(recording.value()); !other.ok()) return Fail(other.error());
   Result<std::unique_ptr<RunExport>> target = MakeExport(arguments);
   if (!target.ok()) return Fail(target.error());
   ExportReport report;

@@ -24,7 +24,7 @@
 #include "recording/recording.h"
 #include "troupe/picture_options.h"
 #include "troupe/simulation.h"
-#include "world-service/replay/run_replay.h"
+#include "world-service/replay/replayed_world.h"
 #include "worldfile/load_world.h"
 #include "worldfile/sites/building_text.h"
 #include "worldfile/sites/lif_json.h"
@@ -149,18 +149,11 @@ int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& pict
   if (options.seed || options.controller) {
     return Fail({{options.file}, "found a recording, whose seed and controllers cannot be changed"});
   }
-  const Result<Recording> recording = Recording::Open(options.file);
+  const Result<Recording> recording = OpenToReplay(options.file);
   if (!recording.ok()) return Fail(recording.error());
-  if (const Status other = CheckStepVersion(recording.value()); !other.ok()) return Fail(other.error());
-  ReplayOptions range;
-  range.from = range.to = options.tick;
-  RunReplay replay(recording.value(), range);
-  const Result<ReplayReport> report = replay.Run();
-  if (!report.ok()) return Fail(report.error());
-  for (const std::optional<std::string>& problem : {report.value().difference, report.value().damage}) {
-    if (problem) return Fail({{options.file}, *problem, ErrorCode::kFailure});
-  }
-  const ReplayedWorld& world = replay.world();
+  const Result<ReplayCursor> cursor = ReplayCursor::AtTick(recording.value(), options.tick);
+  if (!cursor.ok()) return Fail(cursor.error());
+  const ReplayedWorld& world = cursor.value().world();
   if (!options.camera.empty()) {
     if (const Result<FoundCamera> found = FindCamera(world.world(), options.camera); !found.ok()) {
       return Fail(found.error());

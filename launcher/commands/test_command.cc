@@ -86,31 +86,32 @@ Status WriteReports(const CaseReport& report, const TestArguments& arguments) {
 
 // The expectations of a test on a recording.
 Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path) {
-  const Result<Recording> recording = Recording::Open(path);
+  const Result<Recording> recording = OpenToReplay(path);
   if (!recording.ok()) return recording.error();
-  if (const Status other = CheckStepVersion(recording.value()); !other.ok()) return other.error();
-  Result<ReplayedWorld> made = ReplayedWorld::At(recording.value(), 0);
+  Result<ReplayCursor> made = ReplayCursor::At(recording.value());
   if (!made.ok()) return made.error();
-  ReplayedWorld& world = made.value();
+  ReplayCursor& cursor = made.value();
+  const ReplayedWorld& world = cursor.world();
   const CaseWorlds worlds(test);
   const Result<LoadedWorld> loaded = worlds.Load(test.design().At(0));
   if (!loaded.ok()) return loaded.error();
   Result<CaseMonitors> monitors = CaseMonitors::Make(test, world.world(), loaded.value().regions);
   if (!monitors.ok()) return monitors.error();
-  TickReader reader(recording.value());
-  RecordedTick tick;
-  bool first = true;
   for (;;) {
-    const Result<bool> more = reader.Next(tick);
-    if (!more.ok()) return more.error();
-    if (!more.value()) break;
-    if (tick.edit) {
-      return Error{{path},
-                   fmt::format("found an edit of the world at tick {}, expected a run without edits", tick.tick)};
+    const Result<const RecordedTick*> next = cursor.Next();
+    if (!next.ok()) return next.error();
+    if (next.value() == nullptr) break;
+    if (next.value()->edit) {
+      return Error{
+          {path},
+          fmt::format("found an edit of the world at tick {}, expected a run without edits", next.value()->tick)};
     }
-    if (Status error = world.Follow(tick); !error.ok()) return error.error();
-    const TickView view{*world.scene(), world.bodies(), world.state(), first ? std::span<const Event>() : tick.events};
-    first = false;
+    if (Status error = cursor.Advance(); !error.ok()) {
+      return Error{{path}, error.error().message, error.error().code};
+    }
+    const bool is_first = cursor.position() == 0;
+    const TickView view{*world.scene(), world.bodies(), world.state(),
+                        is_first ? std::span<const Event>() : cursor.tick().events};
     if (Status error = monitors.value().Push(view); !error.ok()) return error.error();
   }
   CaseOutcome outcome;

@@ -26,15 +26,15 @@
 #include "launcher/commands/streamed_run.h"
 #include "launcher/process/process.h"
 #include "launcher/supervise/run_again.h"
-#include "recording/partial_recording.h"
+#include "recording/journal.h"
 #include "recording/recording.h"
 #include "transport/dds/tools/control_client.h"
 #include "transport/dds/tools/session_monitor.h"
 #include "transport/security/session_keys.h"
 #include "viewer/gateway/access.h"
-#include "viewer/gateway/past_states.h"
+#include "viewer/gateway/page_messages.h"
 #include "viewer/gateway/viewer_gateway.h"
-#include "viewer/recorded/recorded_states.h"
+#include "world-service/replay/stepped_timeline.h"
 
 namespace troupe {
 namespace {
@@ -77,12 +77,12 @@ class DdsRunLink : public RunLink {
 
   bool follows_always() const override { return !journal_; }
   // A run that has not begun has none.
-  std::shared_ptr<Recorded> ReadJournal(WorldCache& shelf) override {
+  std::shared_ptr<RecordedTimeline> ReadJournal(WorldCache& worlds) override {
     if (!journal_) return nullptr;
-    Result<PartialRecording> run = PartialRecording::Read(*journal_);
+    Result<Recording> run = troupe::ReadJournal(*journal_);
     if (!run.ok()) return nullptr;
-    Result<std::unique_ptr<RecordedStates>> states = RecordedStates::Create(std::move(run).value(), shelf);
-    return states.ok() ? std::move(states).value() : nullptr;
+    Result<std::unique_ptr<SteppedTimeline>> timeline = SteppedTimeline::Create(std::move(run).value(), worlds);
+    return timeline.ok() ? std::move(timeline).value() : nullptr;
   }
 
   Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override {
@@ -209,17 +209,17 @@ int ServeRecording(const ViewOptions& options, std::string token, ShownExpectati
   Result<Recording> recording = Recording::Open(options.file);
   if (!recording.ok()) return Fail(recording.error());
   if (options.expect.empty()) expectations = ExpectationsOf(recording.value());
-  WorldCache shelf;
-  const Result<std::unique_ptr<RecordedStates>> states =
-      RecordedStates::Create({std::move(recording).value(), {}, true}, shelf);
-  if (!states.ok()) return Fail(states.error());
-  const std::optional<std::string>& damage = states.value()->damage();
+  WorldCache worlds(EncodeWorld);
+  const Result<std::unique_ptr<SteppedTimeline>> timeline =
+      SteppedTimeline::Create(std::move(recording).value(), worlds);
+  if (!timeline.ok()) return Fail(timeline.error());
+  const std::optional<std::string>& damage = timeline.value()->damage();
   if (damage) PrintPlain(stderr, "{}: warning: {}; it is shown up to there\n", options.file, *damage);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
   gateway_options.expectations = std::move(expectations);
   gateway_options.session = std::filesystem::path(options.file).filename().string();
   gateway_options.token = token.empty() ? MakeToken() : std::move(token);
-  return ServeUntilStopped(ViewerGateway::Start(gateway_options, *states.value()), signals);
+  return ServeUntilStopped(ViewerGateway::Start(gateway_options, *timeline.value()), signals);
 }
 
 int ServeStates(const ViewOptions& options, SignalWatch& signals) {

@@ -33,13 +33,18 @@ class Table {
   // A row: texts (quoted where they need it), numbers, and nothing for an empty cell.
   template <typename... Cells>
   Status Add(const Cells&... cells) {
-    AppendAll(cells...);
-    return file_.EndLine();
+    Begin(cells...);
+    return End();
   }
-  // A row by its cells: Begin(cells ...), AppendCell, End.
+  // The same by its parts: Begin, AppendCell for each further cell, End.
   template <typename... Cells>
   void Begin(const Cells&... cells) {
-    AppendAll(cells...);
+    bool is_first = true;
+    const auto add = [&](const auto& cell) {
+      if (!std::exchange(is_first, false)) file_.Append(",");
+      Append(cell);
+    };
+    (add(cells), ...);
   }
   // The value of a signal; nothing if it has none.
   void AppendCell(const Signal& signal, const SignalView& view, std::size_t row) {
@@ -55,24 +60,11 @@ class Table {
  private:
   explicit Table(OutputFile file) : file_(std::move(file)) {}
 
-  template <typename... Cells>
-  void AppendAll(const Cells&... cells) {
-    bool is_first = true;
-    const auto add = [&](const auto& cell) {
-      if (!std::exchange(is_first, false)) file_.Append(",");
-      Append(cell);
-    };
-    (add(cells), ...);
-  }
   void Append(const std::string& text) { file_.Append(QuoteForCsv(text)); }
   void Append(const char* text) { file_.Append(text); }
   void Append(double number) { file_.Append(number); }
   void Append(std::uint64_t number) { file_.Append(number); }
   void Append(bool is_true) { file_.Append(is_true ? "1" : "0"); }
-  template <typename Value>
-  void Append(const std::optional<Value>& value) {
-    if (value) Append(*value);
-  }
 
   OutputFile file_;
 };

@@ -41,11 +41,11 @@ class Event(NamedTuple):
     """A change during a tick. Models are named by their full names."""
 
     tick: int
-    type: str  # "stall_began", "stall_ended", "gripped", "released", "blocked", "landed", "said", "reported", ...
+    type: str  # "stall_began", "gripped", "landed", "said", "door_opened", "person_boarded", ...: docs/testing.md
     robot: Optional[str]
     other: Optional[str]  # the obstacle or support; None for the ground
-    object: Optional[str]  # the object of a gripper, or the one that has landed
-    detail: str  # the joint or gripper, the reason, or the text
+    object: Optional[str]  # the object of a gripper, or the one that has landed; the door, lift or person
+    detail: str  # the joint or gripper, the floor, the reason, or the text
 
 
 class SensorInfo(NamedTuple):

@@ -239,14 +239,13 @@ TEST(ExpectationPropertyTest, LiveReplayedAndBranchedRunsHaveTheSameResults) {
   }
 
   const Recording recording = Recording::Open(folder.Path("run.mcap")).value();
-  ReplayedWorld replay = ReplayedWorld::At(recording, 0).value();
-  TickReader reader(recording);
-  RecordedTick tick;
+  ReplayCursor cursor = ReplayCursor::At(recording).value();
+  const ReplayedWorld& replay = cursor.world();
   std::size_t states = 0;
-  for (; reader.Next(tick).value(); ++states) {
-    ASSERT_TRUE(replay.Follow(tick).ok());
+  for (; cursor.Next().value() != nullptr; ++states) {
+    ASSERT_TRUE(cursor.Advance().ok());
     ASSERT_EQ(replay.state_hash(), hashes.at(states));
-    const std::span<const Event> of_step = states == 0 ? std::span<const Event>() : tick.events;
+    const std::span<const Event> of_step = states == 0 ? std::span<const Event>() : cursor.tick().events;
     const TickView view{*replay.scene(), replay.bodies(), replay.state(), of_step};
     for (Monitor& monitor : replayed) ASSERT_TRUE(monitor.Push(view).ok());
   }

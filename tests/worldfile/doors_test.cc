@@ -234,10 +234,10 @@ std::vector<std::string> EventsOf(Simulation& simulation, int ticks) {
 TEST(Doors, AreInTheEventsOfTheStep) {
   Simulation run = Simulate(kGate + "cart ( name \"r\" pose [-1 0 0 0] )");
   const std::string name = run.world().model(run.world().doors[0].model).name;
-  Do(run, "r", Order(1.0), 0);
+  Do(run, "r", Open(1.0), 0);
   EXPECT_THAT(EventsOf(run, 30), testing::ElementsAre("door_opened " + name));
   Do(run, "r", Motion(1.0), 10);  // into the doorway
-  Do(run, "r", Order(0.0), 0);
+  Do(run, "r", Open(0.0), 0);
   EXPECT_THAT(EventsOf(run, 30), testing::ElementsAre("door_blocked " + name));
   Do(run, "r", Motion(1.0), 0);
   EXPECT_THAT(EventsOf(run, 40), testing::ElementsAre("door_closed " + name));

@@ -58,18 +58,18 @@ ShownExpectations ShownExpectationsFromJson(const Json& json) {
   return expectations;
 }
 
-ExpectationRows::ExpectationRows(PastStates& past, ShownExpectations expectations)
+ExpectationRows::ExpectationRows(Timeline& past, ShownExpectations expectations)
     : past_(past), regions_(std::move(expectations.regions)) {
   for (ShownExpectation& shown : expectations.list) rows_.push_back({std::move(shown)});
 }
 
-bool ExpectationRows::Continues(const PastStates::Range& range) {
-  if (first_ == nullptr || range.first > next_ || range.last < last_->position) return false;
-  const Result<std::shared_ptr<const ViewedState>> last = past_.At(range.last);
+bool ExpectationRows::Continues(const TimeSpans& spans) {
+  if (first_ == nullptr || spans.first() > next_ || spans.last() < last_->position) return false;
+  const Result<SharedState> last = past_.At(spans.last());
   return last.ok() && last.value()->world->run == first_->world->run;
 }
 
-void ExpectationRows::Begin(const std::shared_ptr<const ViewedState>& state) {
+void ExpectationRows::Begin(const SharedState& state) {
   const WorldDescription& world = state->world->description();
   bodies_.emplace(*state->world->scene);
   stride_ = 1;
@@ -87,7 +87,7 @@ void ExpectationRows::Begin(const std::shared_ptr<const ViewedState>& state) {
 }
 
 // An edit makes another run of it, which only a return to the start makes comparable again.
-void ExpectationRows::Add(const std::shared_ptr<const ViewedState>& state) {
+void ExpectationRows::Add(const SharedState& state) {
   const bool follows = last_ != nullptr && state->edition == last_->edition && state->world == last_->world &&
                        state->state->tick == last_->state->tick + 1;
   if (last_ == nullptr || (!follows && state->state->tick == 0)) {
@@ -111,7 +111,7 @@ void ExpectationRows::Add(const std::shared_ptr<const ViewedState>& state) {
   last_ = state;
 }
 
-void ExpectationRows::Push(Row& row, const ViewedState& state) {
+void ExpectationRows::Push(Row& row, const TimelineState& state) {
   if (!row.monitor) return;
   // The events of the first state are of no step.
   const bool has_events = state.events != nullptr && state.position != first_->position;
@@ -128,16 +128,16 @@ void ExpectationRows::Push(Row& row, const ViewedState& state) {
 }
 
 PageReply ExpectationRows::Answer(const ExpectationsRequest& request) {
-  const std::optional<PastStates::Range> range = past_.range();
-  if (!range) return ReplyToEdit(request.id, Failure("there is no past state"));
-  if (!Continues(*range)) {
+  const std::shared_ptr<const TimeSpans> spans = past_.Spans();
+  if (spans->empty()) return ReplyToEdit(request.id, Failure("there is no past state"));
+  if (!Continues(*spans)) {
     first_ = last_ = nullptr;
-    next_ = range->first;
+    next_ = spans->first();
   }
   const auto start = Clock::now();
   bool is_missing = false;  // the next state was not received yet
-  for (; next_ <= range->last && Clock::now() - start < kMaxPastAnswer; ++next_) {
-    const Result<std::shared_ptr<const ViewedState>> found = past_.At(next_);
+  for (; next_ <= spans->last() && Clock::now() - start < kMaxPastAnswer; ++next_) {
+    const Result<SharedState> found = past_.At(next_);
     if (!found.ok()) return ReplyToEdit(request.id, found.error());
     is_missing = found.value()->position != next_;
     if (is_missing) break;
@@ -146,7 +146,7 @@ PageReply ExpectationRows::Answer(const ExpectationsRequest& request) {
   if (first_ == nullptr) return ReplyToEdit(request.id, Failure("there is no past state"));
   Json rows = Json::array();
   for (const Row& row : rows_) rows.push_back(Describe(row));
-  return ReplyToEdit(request.id, Json{{"complete", is_missing || next_ > range->last},
+  return ReplyToEdit(request.id, Json{{"complete", is_missing || next_ > spans->last()},
                                       {"from", first_->position},
                                       {"from_tick", first_->state->tick},
                                       {"to", last_->position},

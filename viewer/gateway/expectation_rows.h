@@ -2,7 +2,7 @@
 // They are computed from its states, a bounded part in each call: the page asks for the rest. So a live run, its
 // recording and a viewer that seeks see the same.
 //
-// Threads: one at a time, that of PastStates::At.
+// Threads: one at a time, that of Timeline::At.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "common/spatial/body_index.h"
+#include "recording/timeline/timeline.h"
 #include "troupe/expectation.h"
 #include "viewer/gateway/page_request.h"
-#include "viewer/gateway/past_states.h"
 
 namespace troupe {
 
@@ -35,7 +35,7 @@ ShownExpectations ShownExpectationsFromJson(const nlohmann::json& json);
 class ExpectationRows {
  public:
   // The past outlives the rows.
-  ExpectationRows(PastStates& past, ShownExpectations expectations);
+  ExpectationRows(Timeline& past, ShownExpectations expectations);
 
   // {"complete", "from": position and "from_tick": of the first state, "to": position of the last judged one,
   // "problem_at": why later states are not judged, or "", "rows": [{"name", "text", "problem": why it is not judged, or
@@ -56,18 +56,18 @@ class ExpectationRows {
   };
 
   // Whether what was judged is a part of the past as it is now.
-  bool Continues(const PastStates::Range& range);
-  void Begin(const std::shared_ptr<const ViewedState>& state);
-  void Add(const std::shared_ptr<const ViewedState>& state);
-  void Push(Row& row, const ViewedState& state);
+  bool Continues(const TimeSpans& spans);
+  void Begin(const SharedState& state);
+  void Add(const SharedState& state);
+  void Push(Row& row, const TimelineState& state);
   nlohmann::json Describe(const Row& row) const;
 
-  PastStates& past_;
+  Timeline& past_;
   std::vector<NamedRegion> regions_;
   std::vector<Row> rows_;
-  std::optional<BodyIndex> bodies_;           // of the world of last_
-  std::shared_ptr<const ViewedState> first_;  // that is judged; null: none
-  std::shared_ptr<const ViewedState> last_;
+  std::optional<BodyIndex> bodies_;  // of the world of last_
+  SharedState first_;                // that is judged; null: none
+  SharedState last_;
   std::uint64_t next_ = 0;    // position
   std::uint64_t stride_ = 1;  // states from one mark to the next
   std::string stopped_;       // why the states from next_ on are not judged; empty: they are

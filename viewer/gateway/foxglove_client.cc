@@ -41,7 +41,7 @@ void FoxgloveClient::Send(std::string content, bool is_text) {
 
 bool FoxgloveClient::NeedsMessage() const {
   if (!waiting_.empty()) return true;
-  if (shown() == nullptr) return !introduced_ && !range_;
+  if (shown() == nullptr) return !introduced_ && !spans_;
   return !introduced_ || shown()->world->number != world_ ||
          (ShownVersion() != version_ && Clock::now() - sent_at_ >= kStatePeriod);
 }
@@ -62,9 +62,9 @@ std::optional<WebMessage> FoxgloveClient::Next() {
 void FoxgloveClient::Introduce() {
   introduced_ = true;
   std::optional<foxglove::PlaybackRange> range;
-  if (range_) range = {0, static_cast<foxglove::Time>(static_cast<double>(range_->last) * Interval() * 1e9)};
+  if (spans_) range = {0, static_cast<foxglove::Time>(static_cast<double>(spans_->last()) * Interval() * 1e9)};
   Send(foxglove::ServerInfoText(name_, range), true);
-  if (!range_) Send(foxglove::AdvertiseServicesText(), true);
+  if (!spans_) Send(foxglove::AdvertiseServicesText(), true);
 }
 
 void FoxgloveClient::ChangeWorld() {
@@ -75,7 +75,7 @@ void FoxgloveClient::ChangeWorld() {
   subscriptions_.clear();
   sent_once_.clear();
   suites_.clear();
-  const ViewedWorld& world = *shown()->world;
+  const TimelineWorld& world = *shown()->world;
   bodies_.emplace(*world.scene);
   std::vector<foxglove::Channel> channels = foxglove::ChannelsOf(world.description());
   for (foxglove::Channel& channel : channels) {
@@ -135,9 +135,9 @@ void FoxgloveClient::Subscribe(const foxglove::Subscribe& subscribe) {
 }
 
 void FoxgloveClient::Control(const foxglove::PlaybackControl& playback) {
-  if (!range_ || shown() == nullptr) return;
+  if (!spans_ || shown() == nullptr) return;
   if (playback.seek) {
-    const double last = static_cast<double>(range_->last);
+    const double last = static_cast<double>(spans_->last());
     position_ = std::clamp(static_cast<double>(*playback.seek) / 1e9 / Interval(), 0.0, last);
     position_new_ = true;
   }
@@ -148,7 +148,7 @@ void FoxgloveClient::Control(const foxglove::PlaybackControl& playback) {
 }
 
 void FoxgloveClient::SendPlaybackState(bool did_seek, const std::string& request) {
-  const bool ended = range_ && position_ >= static_cast<double>(range_->last);
+  const bool ended = spans_ && position_ >= static_cast<double>(spans_->last());
   const auto status = playing_ ? (ended ? foxglove::PlaybackStatus::kEnded : foxglove::PlaybackStatus::kPlaying)
                                : foxglove::PlaybackStatus::kPaused;
   const auto time = static_cast<foxglove::Time>(std::llround(position_ * Interval() * 1e9));
@@ -156,15 +156,15 @@ void FoxgloveClient::SendPlaybackState(bool did_seek, const std::string& request
 }
 
 std::optional<std::uint64_t> FoxgloveClient::PositionToShow() {
-  if (!range_ || shown() == nullptr) return std::nullopt;
+  if (!spans_ || shown() == nullptr) return std::nullopt;
   if (playing_) {
     const Clock::time_point now = Clock::now();
     const std::chrono::duration<double> passed = now - advanced_at_;
     advanced_at_ = now;
     const auto before = static_cast<std::uint64_t>(position_);
     position_ += static_cast<double>(speed_) * passed.count() / Interval();
-    if (position_ >= static_cast<double>(range_->last)) {
-      position_ = static_cast<double>(range_->last);
+    if (position_ >= static_cast<double>(spans_->last())) {
+      position_ = static_cast<double>(spans_->last());
       SendPlaybackState(false, {});
       playing_ = false;
     }

@@ -19,9 +19,9 @@ class FoxgloveClient final : public Viewer {
  public:
   static constexpr std::size_t kMaxWaiting = 2000;  // messages; a client with more of them does not read
 
-  // `range`: of a recording.
-  FoxgloveClient(const ShownRun& run, const std::string& name, const std::optional<PastStates::Range>& range)
-      : Viewer(run), name_(name), range_(range) {}
+  // `spans`: of a recording; null: it is a run.
+  FoxgloveClient(const ShownRun& run, const std::string& name, std::shared_ptr<const TimeSpans> spans)
+      : Viewer(run), name_(name), spans_(std::move(spans)) {}
 
   Result<std::optional<PageRequest>> Receive(std::string_view message, bool is_text) override;
   void Answer(PageReply reply) override;
@@ -53,7 +53,7 @@ class FoxgloveClient final : public Viewer {
   void SendPlaybackState(bool did_seek, const std::string& request);
 
   const std::string name_;
-  const std::optional<PastStates::Range> range_;
+  const std::shared_ptr<const TimeSpans> spans_;
   bool introduced_ = false;  // has the server info
   std::uint32_t world_ = 0;  // number of the world whose channels it knows
   std::uint32_t next_channel_ = 1;

@@ -11,6 +11,7 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t kMaxAwaited = 50;  // names in a status
+constexpr std::size_t kMaxSpans = 500;   // of a timeline
 
 }  // namespace
 
@@ -40,7 +41,12 @@ std::shared_ptr<const std::string> StatusText(std::optional<StatusMessage> statu
 
 std::shared_ptr<const std::string> TimelineText(const std::vector<TimeSpan>& spans) {
   nlohmann::json rows = nlohmann::json::array();
-  for (const TimeSpan& span : spans) rows.push_back({span.first, span.last, span.tick});
+  // The oldest ones are told as one, if there are many.
+  const std::size_t joined = spans.size() > kMaxSpans ? spans.size() - kMaxSpans : 0;
+  if (joined > 0) rows.push_back({spans.front().first, spans[joined].last, spans.front().tick});
+  for (std::size_t i = joined > 0 ? joined + 1 : 0; i < spans.size(); ++i) {
+    rows.push_back({spans[i].first, spans[i].last, spans[i].tick});
+  }
   const nlohmann::json text = {{"type", "timeline"}, {"spans", std::move(rows)}};
   return std::make_shared<const std::string>(JsonText(text));
 }

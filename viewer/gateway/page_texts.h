@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "recording/timeline/timeline.h"
 #include "transport/protocol/messages.h"
-#include "viewer/gateway/past_states.h"
 #include "viewer/gateway/viewer_gateway.h"
 
 namespace troupe {

@@ -248,7 +248,7 @@ std::optional<WebMessage> PageViewer::Next() {
     return WebMessage{status_, true};
   }
   if (!NeedsUpdate()) return std::nullopt;
-  const ViewedWorld& world = *shown()->world;
+  const TimelineWorld& world = *shown()->world;
   if (world_ == world.number) return WebMessage{std::make_shared<const std::string>(MakeUpdate()), false};
   world_ = world.number;
   update_ = 0;
@@ -257,7 +257,7 @@ std::optional<WebMessage> PageViewer::Next() {
 }
 
 std::string PageViewer::MakeUpdate() {
-  const ViewedState& state = *shown();
+  const TimelineState& state = *shown();
   const FeedContent& content = run_.content;
   const bool has_readings = in_past_ || !selected_.all || readings_.measures_all;
   std::string bytes;
@@ -272,8 +272,10 @@ std::string PageViewer::MakeUpdate() {
   writer.Write(state.state_hash);
   writer.Write(state.edition);
   // Positions: of this state, of the oldest and of the newest that the viewer can go to.
-  const PastStates::Range range = history_.range().value_or(PastStates::Range());
-  for (const std::uint64_t position : {state.position, range.first, range.last}) writer.Write(position);
+  const std::shared_ptr<const TimeSpans> past = history_.Spans();
+  const std::uint64_t first = past->empty() ? 0 : past->first();
+  const std::uint64_t last = past->empty() ? 0 : past->last();
+  for (const std::uint64_t position : {state.position, first, last}) writer.Write(position);
   WriteRows(writer);
   WriteEvents(writer);
   readings_missing_ = !has_readings;
@@ -341,7 +343,7 @@ void PageViewer::WriteReadings(PageWriter& writer) {
   if (selected_.all) readings_.next_all = end + kMeasuringShare * (end - start);
 }
 
-void RobotReadings::SetState(const std::shared_ptr<const ViewedState>& state) {
+void RobotReadings::SetState(const SharedState& state) {
   if (state == state_) return;
   if (state_ == nullptr || state->world->scene != state_->world->scene) {
     robots_.clear();

@@ -13,8 +13,8 @@
 
 #include "common/sensing/sensor_suite.h"
 #include "common/spatial/body_index.h"
+#include "recording/timeline/timeline.h"
 #include "viewer/gateway/page_messages.h"
-#include "viewer/gateway/past_states.h"
 #include "viewer/gateway/viewer.h"
 
 namespace troupe {
@@ -33,7 +33,7 @@ enum class Pictures : std::uint8_t {
 class RobotReadings {
  public:
   // Until the next call the readings are of this state.
-  void SetState(const std::shared_ptr<const ViewedState>& state);
+  void SetState(const SharedState& state);
 
   // Writes the readings of a robot in the state, measured now if need be. Returns true if the robot has a camera whose
   // image is not among them. REQUIRES: SetState was called; the robot exists.
@@ -46,7 +46,7 @@ class RobotReadings {
   };
   const std::string& Encoded(Robot& robot, std::size_t sensor);
 
-  std::shared_ptr<const ViewedState> state_;
+  SharedState state_;
   std::optional<BodyIndex> bodies_;
   bool bodies_fresh_ = false;
   std::map<RobotId, Robot> robots_;  // made on first use
@@ -70,7 +70,7 @@ class PageViewer final : public Viewer {
   static constexpr std::size_t kMaxReplies = 64;
 
   // `longest`: bytes of a request. All of them outlive the viewer.
-  PageViewer(const ShownRun& run, const PastStates& past, PageReadings& readings, std::size_t longest)
+  PageViewer(const ShownRun& run, const Timeline& past, PageReadings& readings, std::size_t longest)
       : Viewer(run), history_(past), readings_(readings), longest_(longest) {}
 
   Result<std::optional<PageRequest>> Receive(std::string_view message, bool is_text) override;
@@ -90,7 +90,7 @@ class PageViewer final : public Viewer {
   void WriteReadings(PageWriter& writer);
   std::vector<RobotId> SelectedRobots() const;
 
-  const PastStates& history_;
+  const Timeline& history_;
   PageReadings& readings_;
   const std::size_t longest_;
   SelectRequest selected_;

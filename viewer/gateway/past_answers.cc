@@ -34,7 +34,7 @@ FoundState PastAnswers::Find(std::uint64_t position) {
 void PastAnswers::ReadJournal() {
   const auto start = std::chrono::steady_clock::now();
   if (start < journal_at_) return;
-  feed_.SetRecorded(link_->ReadJournal(feed_.shelf()));
+  feed_.SetRecorded(link_->ReadJournal(feed_.worlds()));
   const auto end = std::chrono::steady_clock::now();
   journal_at_ = end + std::max<std::chrono::steady_clock::duration>(kJournalPeriod, kJournalShare * (end - start));
 }

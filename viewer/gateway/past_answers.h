@@ -8,10 +8,10 @@
 #include <memory>
 #include <variant>
 
+#include "recording/timeline/timeline.h"
 #include "viewer/gateway/expectation_rows.h"
 #include "viewer/gateway/page_request.h"
 #include "viewer/gateway/past_reader.h"
-#include "viewer/gateway/past_states.h"
 #include "viewer/gateway/run_feed.h"
 #include "viewer/gateway/viewer_gateway.h"
 
@@ -20,13 +20,13 @@ namespace troupe {
 struct JournalRequest {};  // to read it
 // A number is a position to seek to.
 using PastQuestion = std::variant<std::uint64_t, SeriesRequest, TotalsRequest, ExpectationsRequest, JournalRequest>;
-using FoundState = Result<std::shared_ptr<const ViewedState>>;
+using FoundState = Result<SharedState>;
 using PastAnswer = std::variant<std::monostate, FoundState, PageReply>;
 
 class PastAnswers {
  public:
   // `link`: null: the past is that of a recording. All outlive this.
-  PastAnswers(PastStates& past, RunLink* link, RunFeed& feed, const ShownExpectations& expectations)
+  PastAnswers(Timeline& past, RunLink* link, RunFeed& feed, const ShownExpectations& expectations)
       : past_(past), link_(link), feed_(feed), reader_(past), rows_(past, expectations) {}
 
   // On one thread.
@@ -38,7 +38,7 @@ class PastAnswers {
   FoundState Find(std::uint64_t position);
   void ReadJournal();
 
-  PastStates& past_;
+  Timeline& past_;
   RunLink* const link_;
   RunFeed& feed_;
   PastReader reader_;

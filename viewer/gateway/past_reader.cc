@@ -30,10 +30,10 @@ Json NumberOrNull(double value) {
 }
 
 PageReply PastReader::Series(const SeriesRequest& request) {
-  const std::optional<PastStates::Range> range = past_.range();
-  if (!range) return Reply(request.id, Json::object(), "there is no past state");
+  const std::shared_ptr<const TimeSpans> spans = past_.Spans();
+  if (spans->empty()) return Reply(request.id, Json::object(), "there is no past state");
   if (request.signals.empty()) {
-    const Result<std::shared_ptr<const ViewedState>> found = past_.At(range->last);
+    const Result<SharedState> found = past_.At(spans->last());
     if (!found.ok()) return Reply(request.id, Json::object(), found.error().ToString());
     signals_.SetState(found.value());
     return Reply(request.id, {{"tables", signals_.Describe()}});
@@ -42,13 +42,13 @@ PageReply PastReader::Series(const SeriesRequest& request) {
   Json positions = Json::array();
   std::vector<Json> values(request.signals.size(), Json::array());
   std::uint64_t at = request.from;
-  if (at < range->first) at += (range->first - at + request.every - 1) / request.every * request.every;
-  const std::uint64_t to = std::min(request.to, range->last);
+  if (at < spans->first()) at += (spans->first() - at + request.every - 1) / request.every * request.every;
+  const std::uint64_t to = std::min(request.to, spans->last());
   const auto start = Clock::now();
   for (; at <= to && ticks.size() < kMaxSamples && Clock::now() - start < kMaxPastAnswer; at += request.every) {
-    Result<std::shared_ptr<const ViewedState>> found = past_.At(at);
+    Result<SharedState> found = past_.At(at);
     if (!found.ok()) return Reply(request.id, Json::object(), found.error().ToString());
-    const std::shared_ptr<const ViewedState>& state = found.value();
+    const SharedState& state = found.value();
     if (state->position != at) continue;
     signals_.SetState(state);
     positions.push_back(at);
@@ -61,24 +61,24 @@ PageReply PastReader::Series(const SeriesRequest& request) {
   return Reply(request.id, std::move(text));
 }
 
-bool PastReader::TotalsContinue(const PastStates::Range& range) {
+bool PastReader::TotalsContinue(const TimeSpans& spans) {
   if (first_ == nullptr) return false;
-  if (range.first < first_->position || range.last + 1 < next_) return false;
-  const Result<std::shared_ptr<const ViewedState>> last = past_.At(range.last);
+  if (spans.first() < first_->position || spans.last() + 1 < next_) return false;
+  const Result<SharedState> last = past_.At(spans.last());
   return last.ok() && last.value()->world->run == first_->world->run;
 }
 
 PageReply PastReader::Totals(const TotalsRequest& request) {
-  const std::optional<PastStates::Range> range = past_.range();
-  if (!range) return Reply(request.id, Json::object(), "there is no past state");
-  if (!TotalsContinue(*range)) {
+  const std::shared_ptr<const TimeSpans> spans = past_.Spans();
+  if (spans->empty()) return Reply(request.id, Json::object(), "there is no past state");
+  if (!TotalsContinue(*spans)) {
     totals_.clear();
     first_ = last_ = nullptr;
-    next_ = range->first;
+    next_ = spans->first();
   }
   const auto start = Clock::now();
-  for (; next_ <= range->last && Clock::now() - start < kMaxPastAnswer; ++next_) {
-    const Result<std::shared_ptr<const ViewedState>> found = past_.At(next_);
+  for (; next_ <= spans->last() && Clock::now() - start < kMaxPastAnswer; ++next_) {
+    const Result<SharedState> found = past_.At(next_);
     if (!found.ok()) return Reply(request.id, Json::object(), found.error().ToString());
     if (found.value()->position == next_) Add(found.value());
   }
@@ -89,17 +89,17 @@ PageReply PastReader::Totals(const TotalsRequest& request) {
     Json& row = robots.emplace_back(Json{{"name", name}, {"distance", robot.distance}});
     if (robot.has_store) row["energy"] = robot.energy;
   }
-  PageReply reply = Reply(request.id, {{"complete", next_ > range->last},
+  PageReply reply = Reply(request.id, {{"complete", next_ > spans->last()},
                                        {"first_tick", first_->state->tick},
                                        {"last_tick", last_->state->tick},
                                        {"seconds", static_cast<double>(last_->state->tick) * interval},
                                        {"robots", std::move(robots)}});
-  reply.has_totals = next_ > range->last;
+  reply.has_totals = next_ > spans->last();
   return reply;
 }
 
 // Between two states of which an edit made the second, nothing was driven or used.
-void PastReader::Add(const std::shared_ptr<const ViewedState>& state) {
+void PastReader::Add(const SharedState& state) {
   const WorldDescription& world = state->world->description();
   const bool is_same_world = last_ != nullptr && last_->world == state->world;
   if (!is_same_world) things_.emplace(world);

@@ -1,7 +1,7 @@
 // PastReader: the answers to questions of pages about the past of a run: series of signals, and totals of robots. They
 // are computed from its states, a bounded part in each call: the page asks for the rest.
 //
-// Threads: one at a time, that of PastStates::At.
+// Threads: one at a time, that of Timeline::At.
 #pragma once
 
 #include <chrono>
@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "recording/timeline/timeline.h"
 #include "viewer/gateway/page_request.h"
-#include "viewer/gateway/past_states.h"
 #include "viewer/gateway/signals.h"
 
 namespace troupe {
@@ -27,7 +27,7 @@ nlohmann::json NumberOrNull(double value);
 class PastReader {
  public:
   // The past outlives the reader.
-  explicit PastReader(PastStates& past) : past_(past) {}
+  explicit PastReader(Timeline& past) : past_(past) {}
 
   // The values of signals at the states from a position to another one, each `every`-th: {"ticks", "positions",
   // "values": [of each signal; null: none]}, and "next": the position with which to go on, null at the end. Positions
@@ -45,15 +45,15 @@ class PastReader {
     double energy = 0.0;    // J
     bool has_store = false;
   };
-  void Add(const std::shared_ptr<const ViewedState>& state);
+  void Add(const SharedState& state);
   // Whether the totals are those of the past as it is now.
-  bool TotalsContinue(const PastStates::Range& range);
+  bool TotalsContinue(const TimeSpans& spans);
 
-  PastStates& past_;
+  Timeline& past_;
   SignalReader signals_;
   std::map<std::string, RobotTotals> totals_;  // by robot
-  std::shared_ptr<const ViewedState> first_;   // that the totals have; null: none
-  std::shared_ptr<const ViewedState> last_;
+  SharedState first_;                          // that the totals have; null: none
+  SharedState last_;
   std::uint64_t next_ = 0;        // position
   std::optional<Things> things_;  // of the world of last_
 };

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/or_failure.h"
+#include "viewer/gateway/page_messages.h"
 
 namespace troupe {
 namespace {
@@ -18,6 +19,8 @@ constexpr auto kGraceTime = std::chrono::seconds(5);
 constexpr auto kPeriod = std::chrono::seconds(1);
 
 }  // namespace
+
+RunFeed::RunFeed(std::size_t max_kept_bytes) : worlds_(EncodeWorld), kept_(max_kept_bytes) {}
 
 std::deque<NumberedEvent>::const_iterator EventsAfter(const std::deque<NumberedEvent>& events, std::uint64_t number) {
   return std::partition_point(events.begin(), events.end(),
@@ -49,7 +52,7 @@ bool RunFeed::ConsumeServiceGone() {
 // The work for a new world is done here, on the thread of the observer: it may take a while, and loses frames only.
 void RunFeed::OnSession(const SessionMessage& session) {
   if (announced_ && announced_->run == session.run && announced_->edition == session.world_edition) return;
-  announced_ = shelf_.Of(session);
+  announced_ = worlds_.Of(session);
 }
 
 // A frame may be delivered twice: paused, and to be answered.
@@ -59,7 +62,7 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   if (!announced_->scene->CheckState(frame.state).ok()) return;
   const std::lock_guard lock(mutex_);
   if (content_.state && content_.state->world->run != frame.run) content_.state.reset();
-  const ViewedState* const before = content_.state.get();
+  const TimelineState* const before = content_.state.get();
   const std::pair at(frame.edition, frame.state.tick);
   if (before != nullptr && at < std::pair(before->edition, before->state->tick)) return;
   ++content_.version;
@@ -67,31 +70,12 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   content_.last = frame.last;
   if (before != nullptr && at == std::pair(before->edition, before->state->tick)) return;
   std::optional<std::uint64_t> listed_to;  // of states whose events are in the list, from the recording
-  if (before == nullptr) {
-    content_.events.clear();
-    ++content_.event_list;
-    content_.status.reset();
-    history_.kept().Clear();
-    losses_ = {};
-    without_agent_.clear();
-    if (const std::shared_ptr<Recorded> recorded = history_.recorded()) {
-      if (recorded->run() == frame.run) {
-        history_.kept().SetNext(recorded->PositionOf(StatePlace{frame.edition, frame.state.tick}));
-        listed_to = CompleteEvents(*recorded);
-      } else {
-        history_.SetRecorded(nullptr);
-      }
-    }
-  }
+  if (before == nullptr) listed_to = BeginRun(frame);
   const std::uint64_t expected = NextPosition();
-  content_.state = history_.kept().Add(
-      {0, announced_, {shared, &frame.state}, frame.state_hash, frame.edition, {shared, &frame.events}});
+  content_.state = Keep(shared);
   const bool is_behind_gap = content_.state->position > expected;
-  lacks_states_ = lacks_states_ || (is_behind_gap && history_.recorded() != nullptr);
-  for (const Event& event : frame.events) {
-    if (event.type == EventType::kLeft && event.robot && without_agent_.insert(*event.robot).second) ++losses_.lost;
-    if (event.type == EventType::kJoined && event.robot) losses_.rejoined += without_agent_.erase(*event.robot);
-  }
+  lacks_states_ = lacks_states_ || (is_behind_gap && recorded_ != nullptr);
+  CountLosses(frame);
   if (listed_to && content_.state->position <= *listed_to) return;
   for (const Event& event : frame.events) {
     const EventNames names = NamesIn(announced_->description(), event);
@@ -100,14 +84,77 @@ void RunFeed::OnFrame(const SharedFrame& shared) {
   while (content_.events.size() > kEventsKept) content_.events.pop_front();
 }
 
-// The position after the newest one that is known.
-std::uint64_t RunFeed::NextPosition() const {
-  const std::optional<PastStates::Range> range = history_.range();
-  return range ? range->last + 1 : 0;
+std::optional<std::uint64_t> RunFeed::BeginRun(const FrameMessage& frame) {
+  content_.events.clear();
+  ++content_.event_list;
+  content_.status.reset();
+  kept_.Clear();
+  kept_spans_.Clear();
+  all_spans_.reset();
+  losses_ = {};
+  without_agent_.clear();
+  if (recorded_ != nullptr && recorded_->run() != frame.run) recorded_.reset();
+  if (recorded_ == nullptr) return std::nullopt;
+  next_ = recorded_->Spans()->PositionOf({frame.edition, frame.state.tick});
+  return CompleteEvents(*recorded_);
 }
 
-std::uint64_t RunFeed::CompleteEvents(const Recorded& recorded) {
-  const std::uint64_t last = recorded.range()->last;
+SharedState RunFeed::Keep(const SharedFrame& shared) {
+  const FrameMessage& frame = *shared;
+  TimelineState state{
+      next_, announced_, {shared, &frame.state}, frame.state_hash, frame.edition, {shared, &frame.events}};
+  if (!kept_.empty()) {
+    // An edit makes one state; within an edition ticks count up, also those that were not received.
+    const TimelineState& before = *kept_.last();
+    const bool counts_up = before.edition == frame.edition && frame.state.tick > before.state->tick;
+    state.position = before.position + (counts_up ? frame.state.tick - before.state->tick : 1);
+  }
+  next_ = state.position + 1;
+  auto kept = std::make_shared<const TimelineState>(std::move(state));
+  kept_.Add(kept);
+  kept_spans_.Add(kept->position, frame.state.tick, frame.edition);
+  kept_spans_.DropBefore(kept_.first());
+  all_spans_.reset();
+  return kept;
+}
+
+void RunFeed::CountLosses(const FrameMessage& frame) {
+  for (const Event& event : frame.events) {
+    if (event.type == EventType::kLeft && event.robot && without_agent_.insert(*event.robot).second) ++losses_.lost;
+    if (event.type == EventType::kJoined && event.robot) losses_.rejoined += without_agent_.erase(*event.robot);
+  }
+}
+
+std::uint64_t RunFeed::NextPosition() const {
+  if (!kept_.empty()) return kept_.last()->position + 1;
+  return recorded_ == nullptr ? 0 : recorded_->Spans()->last() + 1;
+}
+
+std::shared_ptr<const TimeSpans> RunFeed::Spans() const {
+  const std::lock_guard lock(mutex_);
+  if (all_spans_ != nullptr) return all_spans_;
+  auto spans = recorded_ == nullptr ? std::make_shared<TimeSpans>() : std::make_shared<TimeSpans>(*recorded_->Spans());
+  for (const TimeSpan& span : kept_spans_.all()) spans->Append(span);
+  // The journal may have been read after the newest frame was received.
+  if (!kept_.empty()) spans->DropAfter(kept_.last()->position);
+  return all_spans_ = std::move(spans);
+}
+
+Result<SharedState> RunFeed::At(std::uint64_t position) {
+  std::shared_ptr<RecordedTimeline> recorded;
+  SharedState nearest;
+  {
+    const std::lock_guard lock(mutex_);
+    recorded = recorded_;
+    if (!kept_.empty()) nearest = kept_.Nearest(position);
+  }
+  if (nearest != nullptr && (nearest->position == position || recorded == nullptr)) return nearest;
+  if (recorded == nullptr) return Failure("there is no past state");
+  return nearest == nullptr || position <= recorded->Spans()->last() ? recorded->At(position) : nearest;
+}
+
+std::uint64_t RunFeed::CompleteEvents(const RecordedTimeline& recorded) {
+  const std::uint64_t last = recorded.Spans()->last();
   std::deque<NumberedEvent> events = recorded.Events();
   for (NumberedEvent& event : content_.events) {
     if (event.position > last) events.push_back(std::move(event));
@@ -121,24 +168,23 @@ std::uint64_t RunFeed::CompleteEvents(const Recorded& recorded) {
   return last;
 }
 
-void RunFeed::SetRecorded(const std::shared_ptr<Recorded>& recorded) {
-  if (recorded == nullptr) return history_.SetRecorded(nullptr);
+void RunFeed::SetRecorded(const std::shared_ptr<RecordedTimeline>& recorded) {
   // Before others can call it.
-  Result<std::shared_ptr<const ViewedState>> end = Failure("it continues");
-  if (recorded->is_whole()) end = recorded->At(recorded->range()->last);
+  Result<SharedState> end = Failure("it continues");
+  if (recorded != nullptr && recorded->is_whole()) end = recorded->At(recorded->Spans()->last());
   const std::lock_guard lock(mutex_);
-  if (content_.state && content_.state->world->run != recorded->run()) return;
-  history_.SetRecorded(recorded);
+  if (recorded != nullptr && content_.state && content_.state->world->run != recorded->run()) return;
+  recorded_ = recorded;
+  all_spans_.reset();
+  if (recorded == nullptr) return;
   lacks_states_ = false;
-  if (content_.state) {
-    CompleteEvents(*recorded);
-    return;
+  if (!content_.state) {
+    if (!end.ok()) return;
+    content_.events.clear();
+    content_.state = end.value();
+    content_.last = true;
+    content_.paused = false;
   }
-  if (!end.ok()) return;
-  content_.events.clear();
-  content_.state = end.value();
-  content_.last = true;
-  content_.paused = false;
   CompleteEvents(*recorded);
 }
 
@@ -226,7 +272,7 @@ void Follower::Run() {
     // observation has found it sends no frame, and its journal may have been read when it was not whole.
     if (open || (observation && !feed_.has_state() && now >= journal_at)) {
       try {
-        feed_.SetRecorded(link_.ReadJournal(feed_.shelf()));
+        feed_.SetRecorded(link_.ReadJournal(feed_.worlds()));
       } catch (const std::exception&) {  // as without memory: it is read again
       }
       const auto end = Clock::now();

@@ -1,5 +1,5 @@
-// RunFeed: the newest state of a run, between the thread that delivers frames and the thread that serves viewers.
-// Follower: observes the run as long as there are viewers.
+// RunFeed: the timeline of a live run, and its newest state, between the thread that delivers frames and the threads
+// that serve viewers. Follower: observes the run as long as there are viewers.
 #pragma once
 
 #include <chrono>
@@ -14,8 +14,8 @@
 #include <thread>
 #include <utility>
 
+#include "recording/timeline/timeline.h"
 #include "transport/protocol/transport.h"
-#include "viewer/gateway/past_states.h"
 #include "viewer/gateway/viewer_gateway.h"
 
 namespace troupe {
@@ -25,8 +25,8 @@ inline constexpr int kJournalShare = 10;
 
 // A copy of the newest content of a feed, but for the events.
 struct FeedHead {
-  std::uint64_t version = 0;                 // of the whole content; 0: nothing yet
-  std::shared_ptr<const ViewedState> state;  // null: no run was found yet, or it has ended
+  std::uint64_t version = 0;  // of the whole content; 0: nothing yet
+  SharedState state;          // null: no run was found yet, or it has ended
   bool paused = false;
   bool last = false;  // the run has ended in order
   std::optional<StatusMessage> status;
@@ -47,18 +47,22 @@ struct FeedContent : FeedHead {
 // The first event after the one with this number.
 std::deque<NumberedEvent>::const_iterator EventsAfter(const std::deque<NumberedEvent>& events, std::uint64_t number);
 
-// Threads: the handler calls come on one thread, Read on another.
-class RunFeed : public ObserverHandler {
+// Its states are those that were received since the run has been followed, the newest in a bounded memory, and before
+// them those of the run's journal. A position counts the ticks, too, that were not received.
+//
+// Threads: the handler calls come on one thread, At on another, the others on any.
+class RunFeed : public ObserverHandler, public Timeline {
  public:
-  explicit RunFeed(std::size_t history_bytes = std::size_t{128} << 20) : history_(history_bytes) {}
+  explicit RunFeed(std::size_t max_kept_bytes = std::size_t{128} << 20);
 
-  // The states of the run since it has been followed, and those of its journal.
-  RunPast& history() { return history_; }
-  WorldCache& shelf() { return shelf_; }
+  WorldCache& worlds() { return worlds_; }
+
+  std::shared_ptr<const TimeSpans> Spans() const override;
+  Result<SharedState> At(std::uint64_t position) override;
 
   // Completes the past and the events by the run's journal as it is now; null: there is none. A run that has ended
   // without having been followed is then shown at its end. On any thread.
-  void SetRecorded(const std::shared_ptr<Recorded>& recorded);
+  void SetRecorded(const std::shared_ptr<RecordedTimeline>& recorded);
   // A run is in view.
   bool has_state() const;
   // States were not received, so that the journal should be read again.
@@ -79,14 +83,24 @@ class RunFeed : public ObserverHandler {
   void OnServiceGone() override;
 
  private:
+  // All of these: REQUIRES: mutex_ is locked.
+  // The position after the newest one that is known.
   std::uint64_t NextPosition() const;
-  // The list of events begins with those of the recording; returns the position of its last state. REQUIRES: mutex_ is
-  // locked.
-  std::uint64_t CompleteEvents(const Recorded& recorded);
+  // Another run begins with this frame. Returns the last position whose events are listed, from the recording.
+  std::optional<std::uint64_t> BeginRun(const FrameMessage& frame);
+  // Appends a state. Returns it, with its position.
+  SharedState Keep(const SharedFrame& frame);
+  void CountLosses(const FrameMessage& frame);
+  // The list of events begins with those of the recording; returns the position of its last state.
+  std::uint64_t CompleteEvents(const RecordedTimeline& recorded);
 
-  WorldCache shelf_;
-  RunPast history_;
+  WorldCache worlds_;
   mutable std::mutex mutex_;  // guards the others but for announced_
+  KeptStates kept_;
+  TimeSpans kept_spans_;
+  std::uint64_t next_ = 0;                              // position of the next state, if no tick is missing
+  std::shared_ptr<RecordedTimeline> recorded_;          // null: none
+  mutable std::shared_ptr<const TimeSpans> all_spans_;  // null: they are to be joined again
   FeedContent content_;
   bool service_gone_ = false;
   bool lacks_states_ = false;
@@ -94,7 +108,7 @@ class RunFeed : public ObserverHandler {
   AgentLosses losses_;
   std::set<RobotId> without_agent_;
   // The world of the frames that follow, of the newest session.
-  std::shared_ptr<const ViewedWorld> announced_;
+  std::shared_ptr<const TimelineWorld> announced_;
 };
 
 // Without viewers, and while none is expected, the gateway has no DDS participant and receives nothing, so that it

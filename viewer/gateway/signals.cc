@@ -15,7 +15,7 @@ constexpr const char* kCount = "count";
 
 }  // namespace
 
-void SignalReader::SetState(const std::shared_ptr<const ViewedState>& state) {
+void SignalReader::SetState(const SharedState& state) {
   if (state == state_) return;
   if (state_ == nullptr || state->world != state_->world) {
     sources_.clear();

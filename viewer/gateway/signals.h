@@ -17,7 +17,7 @@
 #include "common/sensing/sensor_suite.h"
 #include "common/signals/state_tables.h"
 #include "common/spatial/body_index.h"
-#include "viewer/gateway/past_states.h"
+#include "recording/timeline/timeline.h"
 
 namespace troupe {
 
@@ -32,7 +32,7 @@ struct SignalName {
 class SignalReader {
  public:
   // Until the next call the values are of this state.
-  void SetState(const std::shared_ptr<const ViewedState>& state);
+  void SetState(const SharedState& state);
   // NaN: the state has no such thing or signal. REQUIRES: SetState was called, here and below
   double Value(const SignalName& name);
   // What can be plotted: [{"name", "singular", "things": [names, at most kMaxThings], "signals": [{"name", "unit",
@@ -59,7 +59,7 @@ class SignalReader {
   double Range(const Ray& source);
   SensorSuite& SuiteOf(RobotId robot);
 
-  std::shared_ptr<const ViewedState> state_;
+  SharedState state_;
   std::map<SignalName, Source> sources_;  // in the world of the state, as the next
   std::optional<Things> things_;
   std::map<RobotId, SensorSuite> suites_;

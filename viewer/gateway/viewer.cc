@@ -8,12 +8,12 @@
 namespace troupe {
 
 void ShownRun::Follow(const RunFeed& feed) {
-  const std::shared_ptr<const ViewedState> before = content.state;
+  const SharedState before = content.state;
   const std::optional<StatusMessage> status_before = content.status;
   const std::uint64_t version = content.version;
   feed.Read(content);
   if (content.version != version) ++update;
-  const std::shared_ptr<const ViewedState>& state = content.state;
+  const SharedState& state = content.state;
   if (state != before && state != nullptr) {
     rows.Assign(state->state, update, before == nullptr || before->world != state->world);
   }

@@ -61,7 +61,7 @@ class Viewer {
   // It shows, or waits for, a past state.
   bool in_past() const { return in_past_; }
   void AwaitPast() { in_past_ = true; }
-  void ShowPast(std::shared_ptr<const ViewedState> past) {
+  void ShowPast(SharedState past) {
     past_ = std::move(past);
     past_is_new_ = true;
   }
@@ -72,7 +72,7 @@ class Viewer {
 
  protected:
   // Null: none yet.
-  const std::shared_ptr<const ViewedState>& shown() const { return in_past_ ? past_ : run_.content.state; }
+  const SharedState& shown() const { return in_past_ ? past_ : run_.content.state; }
   std::optional<WebMessage> NextWaiting() {
     if (waiting_.empty()) return std::nullopt;
     WebMessage message = std::move(waiting_.front());
@@ -86,7 +86,7 @@ class Viewer {
   std::deque<WebMessage> waiting_;
 
  private:
-  std::shared_ptr<const ViewedState> past_;
+  SharedState past_;
 };
 
 }  // namespace troupe

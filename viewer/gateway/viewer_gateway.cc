@@ -36,16 +36,17 @@ constexpr ViewerId kNoViewer = 0;
 class Viewers final : public WebHandler {
  public:
   // One of the two is not null. `wake`: lets the server call OnWake, from any thread.
-  Viewers(const ViewerGatewayOptions& options, RunLink* link, Recorded* recording, const std::function<void()>& wake)
+  Viewers(const ViewerGatewayOptions& options, RunLink* link, RecordedTimeline* recording,
+          const std::function<void()>& wake)
       : options_(options),
         link_(link),
         is_recording_(recording != nullptr),
-        past_(recording != nullptr ? static_cast<PastStates&>(*recording) : feed_.history()),
+        past_(recording != nullptr ? static_cast<Timeline&>(*recording) : feed_),
         answers_(past_, link, feed_, options.expectations),
         questions_([this](const PastQuestion& question) { return answers_.Answer(question); }, wake) {
     if (recording != nullptr) {
       run_.content.events = recording->Events();
-      run_.timeline = TimelineText(recording->Spans());
+      run_.timeline = TimelineText(recording->Spans()->all());
     }
     if (link != nullptr) {
       follower_.emplace(*link, feed_);
@@ -92,7 +93,7 @@ class Viewers final : public WebHandler {
   RunLink* const link_;  // null: a recording is shown
   const bool is_recording_;
   RunFeed feed_;  // of a live run
-  PastStates& past_;
+  Timeline& past_;
   ShownRun run_;
   PageReadings readings_;
   std::map<ViewerId, std::unique_ptr<Viewer>> viewers_;
@@ -132,12 +133,12 @@ void Viewers::OnOpened(WebLoop& loop, ViewerId id, std::string_view protocol) {
   if (protocol == WebServer::kProtocols[0]) {
     viewer = std::make_unique<PageViewer>(run_, past_, readings_, LongestRequest());
   } else {
-    const std::optional<PastStates::Range> range = is_recording_ ? past_.range() : std::nullopt;
-    viewer = std::make_unique<FoxgloveClient>(run_, "Troupe " + options_.session, range);
+    viewer =
+        std::make_unique<FoxgloveClient>(run_, "Troupe " + options_.session, is_recording_ ? past_.Spans() : nullptr);
   }
   have_seen_end_ = false;
   if (follower_) follower_->SetWanted(true);
-  if (is_recording_) Seek(id, past_.range().value_or(PastStates::Range()).first);
+  if (is_recording_) Seek(id, past_.Spans()->first());
 }
 
 void Viewers::OnClosed(WebLoop& loop, ViewerId id) {
@@ -161,7 +162,7 @@ bool Viewers::OnMessage(WebLoop& loop, ViewerId id, std::string_view message, bo
 
 void Viewers::Execute(WebLoop& loop, ViewerId id, PageRequest request) {
   if (auto* const seek = std::get_if<SeekRequest>(&request)) {
-    const std::optional<std::uint64_t> position = seek->position ? seek->position : past_.PositionOf(*seek->tick);
+    const std::optional<std::uint64_t> position = seek->position ? seek->position : past_.Spans()->Last(*seek->tick);
     if (position) Seek(id, *position);
   } else if (std::holds_alternative<LiveRequest>(request)) {
     if (!is_recording_) viewers_.at(id)->ReturnToLive();
@@ -270,7 +271,7 @@ void Viewers::OnPeriod(WebLoop& loop) {
   run_.Follow(feed_);
   NameSession();
   if (!is_recording_) {
-    run_.Describe(past_.Spans());
+    run_.Describe(past_.Spans()->all());
     if (feed_.lacks_states() && answers_.WantsJournal()) questions_.Add(kNoViewer, JournalRequest());
   }
   readings_.BeginPeriod();
@@ -281,7 +282,7 @@ void Viewers::OnPeriod(WebLoop& loop) {
     loop.RequestMessage(id);
     all_know = false;
   }
-  const std::shared_ptr<const ViewedState>& state = run_.content.state;
+  const SharedState& state = run_.content.state;
   const bool is_over = state == nullptr || run_.content.last;  // a recording has no live state
   periods_at_end_ = all_know && is_over ? periods_at_end_ + 1 : 0;
   const bool know_all = std::all_of(viewers_.begin(), viewers_.end(),
@@ -303,7 +304,7 @@ class RunGateway final : public ViewerGateway {
  public:
   // One of the two is not null.
   static Result<std::unique_ptr<ViewerGateway>> Start(const ViewerGatewayOptions& options, RunLink* link,
-                                                      Recorded* recording) {
+                                                      RecordedTimeline* recording) {
     const bool is_loopback = IsLoopback(options.address);
     WebServer::Options web;
     web.address = options.address;
@@ -330,7 +331,7 @@ class RunGateway final : public ViewerGateway {
 
  private:
   RunGateway(const ViewerGatewayOptions& options, std::string token, std::unique_ptr<WebServer> server, RunLink* link,
-             Recorded* recording)
+             RecordedTimeline* recording)
       : options_(options),
         token_(std::move(token)),
         server_(std::move(server)),
@@ -350,7 +351,8 @@ Result<std::unique_ptr<ViewerGateway>> ViewerGateway::Start(const ViewerGatewayO
   return RunGateway::Start(options, &link, nullptr);
 }
 
-Result<std::unique_ptr<ViewerGateway>> ViewerGateway::Start(const ViewerGatewayOptions& options, Recorded& recording) {
+Result<std::unique_ptr<ViewerGateway>> ViewerGateway::Start(const ViewerGatewayOptions& options,
+                                                            RecordedTimeline& recording) {
   return RunGateway::Start(options, nullptr, &recording);
 }
 

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "recording/timeline/timeline.h"
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
 #include "viewer/gateway/edit_operation.h"
 #include "viewer/gateway/expectation_rows.h"
-#include "viewer/gateway/past_states.h"
 #include "viewer/gateway/web_server.h"
 
 namespace troupe {
@@ -38,10 +38,10 @@ class RunLink {
 
   // The run is followed without viewers, too, so that they have its past: it has no journal that could be read.
   virtual bool follows_always() const { return false; }
-  // The run so far, of its journal. Null: there is none. May take a while. On any thread; the shelf outlives the
+  // The run so far, of its journal. Null: there is none. May take a while. On any thread; the cache outlives the
   // result.
-  virtual std::shared_ptr<Recorded> ReadJournal(WorldCache& shelf) {
-    (void)shelf;
+  virtual std::shared_ptr<RecordedTimeline> ReadJournal(WorldCache& worlds) {
+    (void)worlds;
     return nullptr;
   }
 
@@ -84,7 +84,7 @@ class ViewerGateway {
  public:
   // Serves until the gateway is destroyed. The link or the recording must outlive it.
   static Result<std::unique_ptr<ViewerGateway>> Start(const ViewerGatewayOptions& options, RunLink& link);
-  static Result<std::unique_ptr<ViewerGateway>> Start(const ViewerGatewayOptions& options, Recorded& recording);
+  static Result<std::unique_ptr<ViewerGateway>> Start(const ViewerGatewayOptions& options, RecordedTimeline& recording);
   virtual ~ViewerGateway() = default;
 
   // The URL of the page, with the token.

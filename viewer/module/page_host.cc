@@ -20,8 +20,8 @@
 #include "viewer/gateway/past_answers.h"
 #include "viewer/module/page_run.h"
 #include "viewer/module/scenario_values.h"
-#include "viewer/recorded/recorded_states.h"
 #include "world-service/replay/replayed_world.h"
+#include "world-service/replay/stepped_timeline.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
@@ -32,8 +32,12 @@ using Json = nlohmann::json;
 // Steps a recording from its start, and compares the hash of each state with the recorded one.
 class Proof {
  public:
-  explicit Proof(Recording recording)
-      : recording_(std::make_unique<Recording>(std::move(recording))), world_(*recording_), reader_(*recording_) {}
+  static Result<Proof> Begin(Recording recording) {
+    auto shared = std::make_unique<const Recording>(std::move(recording));
+    Result<ReplayCursor> cursor = ReplayCursor::At(*shared);
+    if (!cursor.ok()) return cursor.error();
+    return Proof(std::move(shared), std::move(cursor).value());
+  }
 
   bool done() const { return done_; }
   // Continues for about as long, s.
@@ -47,16 +51,19 @@ class Proof {
   // `states`: that are recorded.
   std::string Text(std::uint64_t states) const {
     Json json = {{"type", "proof"}, {"done", done_}, {"equal", equal_}, {"states", states}, {"problem", problem_}};
-    if (!problem_.empty()) json["tick"] = tick_.tick;
+    if (!problem_.empty()) json["tick"] = tick_;
     return JsonText(json);
   }
 
  private:
+  Proof(std::unique_ptr<const Recording> recording, ReplayCursor cursor)
+      : recording_(std::move(recording)), cursor_(std::move(cursor)) {}
   void Advance() {
-    const Result<bool> more = reader_.Next(tick_);
-    if (!more.ok()) return End(more.error().message);
-    if (!more.value()) return End(recording_->damage() ? recording_->damage()->problem : std::string());
-    if (const Status problem = world_.Follow(tick_); !problem.ok()) return End(problem.error().message);
+    const Result<const RecordedTick*> next = cursor_.Next();
+    if (!next.ok()) return End(next.error().message);
+    if (next.value() == nullptr) return End(recording_->damage() ? recording_->damage()->problem : std::string());
+    tick_ = next.value()->tick;
+    if (const Status problem = cursor_.Advance(); !problem.ok()) return End(problem.error().message);
     ++equal_;
   }
   void End(const std::string& problem) {
@@ -64,10 +71,9 @@ class Proof {
     done_ = true;
   }
 
-  std::unique_ptr<Recording> recording_;
-  ReplayedWorld world_;
-  TickReader reader_;
-  RecordedTick tick_;
+  std::unique_ptr<const Recording> recording_;
+  ReplayCursor cursor_;
+  Tick tick_ = 0;  // that was reached last
   std::uint64_t equal_ = 0;
   bool done_ = false;
   std::string problem_;  // empty: no difference
@@ -91,7 +97,7 @@ class PageHost {
     Result<std::optional<PageRequest>> request = viewer_->Receive(text, true);
     if (!request.ok() || !request.value()) return;
     if (const auto* seek = std::get_if<SeekRequest>(&*request.value())) {
-      wanted_ = seek->position ? seek->position : past().PositionOf(*seek->tick);
+      wanted_ = seek->position ? seek->position : past().Spans()->Last(*seek->tick);
       if (wanted_) viewer_->AwaitPast();
     } else if (std::holds_alternative<LiveRequest>(*request.value())) {
       if (run_) viewer_->ReturnToLive();
@@ -117,12 +123,12 @@ class PageHost {
     if (run_) {
       next = std::min(next, run_->Work(seconds));
       shown_.Follow(feed_);
-      shown_.Describe(past().Spans());
+      shown_.Describe(past().Spans()->all());
       NameSession();
     } else if (!proof_->done()) {
       proof_->Work(seconds);
       next = 0.0;
-      messages_.push_back(proof_->Text(states_->range()->last + 1));
+      messages_.push_back(proof_->Text(recorded_->Spans()->last() + 1));
     }
     readings_.BeginPeriod();
     return next;
@@ -152,20 +158,22 @@ class PageHost {
 
   explicit PageHost(std::string file) : file_(std::move(file)) {}
 
-  PastStates& past() { return states_ ? static_cast<PastStates&>(*states_) : feed_.history(); }
+  Timeline& past() { return recorded_ ? static_cast<Timeline&>(*recorded_) : feed_; }
 
   Status OpenRecording() {
     Result<Recording> shown = Recording::Open(file_);
     if (!shown.ok()) return shown.error();
     Result<Recording> compared = Recording::Open(file_);
     if (!compared.ok()) return compared.error();
-    Result<std::unique_ptr<RecordedStates>> states =
-        RecordedStates::Create({std::move(shown).value(), {}, true}, feed_.shelf());
-    if (!states.ok()) return states.error();
-    states_ = std::move(states).value();
-    proof_.emplace(std::move(compared).value());
-    shown_.content.events = states_->Events();
-    shown_.timeline = TimelineText(states_->Spans());
+    Result<std::unique_ptr<SteppedTimeline>> recorded =
+        SteppedTimeline::Create(std::move(shown).value(), feed_.worlds());
+    if (!recorded.ok()) return recorded.error();
+    recorded_ = std::move(recorded).value();
+    Result<Proof> proof = Proof::Begin(std::move(compared).value());
+    if (!proof.ok()) return proof.error();
+    proof_.emplace(std::move(proof).value());
+    shown_.content.events = recorded_->Events();
+    shown_.timeline = TimelineText(recorded_->Spans()->all());
     MakeViewer();
     wanted_ = 0;
     viewer_->AwaitPast();
@@ -248,10 +256,10 @@ class PageHost {
 
   void NameSession() {
     std::string problem;
-    if (states_) problem = states_->damage().value_or("");
+    if (recorded_) problem = recorded_->damage().value_or("");
     if (run_ && !run_->failure().ok()) problem = run_->failure().error().ToString();
     std::string text = SessionText(options_, {.connected = true,
-                                              .recording = states_ != nullptr,
+                                              .recording = recorded_ != nullptr,
                                               .runs_again = run_ && shown_.content.last,
                                               .problem = std::move(problem)});
     if (!shown_.session || *shown_.session != text) shown_.session = std::make_shared<const std::string>(text);
@@ -259,12 +267,12 @@ class PageHost {
 
   const std::string file_;
   ViewerGatewayOptions options_;
-  RunFeed feed_;  // of a run; of a recording its shelf alone
+  RunFeed feed_;  // of a run; of a recording its worlds alone
   ShownRun shown_;
   PageReadings readings_;
 
   // Of a recording.
-  std::unique_ptr<RecordedStates> states_;
+  std::unique_ptr<SteppedTimeline> recorded_;
   std::optional<Proof> proof_;
   // Of a run.
   std::optional<ScenarioText> scenario_;  // as in the page's file; nothing: it is a world

@@ -148,8 +148,9 @@ Result<PreparedRun> Prepare(const RunSource& source) {
   if (source.resume) {
     Result<std::optional<Journal>> journal = Journal::OpenToContinue(*source.outputs.journal);
     if (!journal.ok()) return journal.error();
-    const bool has_begun = journal.value() && !(IsRecordingPath(source.file) && journal.value()->tail.empty() &&
-                                                journal.value()->progress == RunProgress());
+    const bool has_begun =
+        journal.value() && !(IsRecordingPath(source.file) && journal.value()->recording.tail().empty() &&
+                             journal.value()->progress == RunProgress());
     if (has_begun) return Resume(std::move(*journal.value()), source);
   }
   return IsRecordingPath(source.file) ? Branch(source) : LoadFile(source);

@@ -3,65 +3,16 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <limits>
 #include <span>
 #include <utility>
 
 #include "common/base/identity.h"
 #include "recording/recording.h"
 #include "world-service/replay/replayed_world.h"
-#include "world-service/replay/run_replay.h"
 #include "world-service/service/apply_edit.h"
 
 namespace troupe {
 namespace {
-
-// The state of a recording with which the new run begins.
-struct Start {
-  ReplayedWorld world;
-  RecordedTick tick;  // without its inputs
-  std::optional<ControllerCheckpoint> previous;
-};
-
-Result<Start> FindStart(const Recording& recording, const std::optional<Tick>& from) {
-  const TickPlaces& places = recording.places();
-  std::uint64_t time = places.end();
-  if (from) {
-    const std::optional<std::uint64_t> last = places.Last(*from);
-    if (!last) {
-      return Error{
-          {recording.name()},
-          fmt::format("found tick {}, expected at most {}, the last of the recording", *from, places.greatest())};
-    }
-    time = *last;
-  }
-  const std::size_t chunk = recording.KeyframeBefore(time).value_or(0);
-  Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
-  if (!world.ok()) return world.error();
-  // The last state of the tick at that time, before another tick begins there.
-  TickReader reader(recording, chunk);
-  std::optional<Start> start;
-  RecordedTick tick;
-  for (;;) {
-    const Result<bool> more = reader.Next(tick);
-    if (!more.ok()) return more.error();
-    if (!more.value() || tick.log_time > time) break;
-    if (start && start->tick.log_time == time && from && tick.tick != *from) break;
-    if (Status problem = world.value().Follow(tick); !problem.ok()) {
-      return Error{
-          {recording.name()}, fmt::format("tick {}: {}", tick.tick, problem.error().message), ErrorCode::kFailure};
-    }
-    if (from && (tick.log_time != time || tick.tick != *from)) continue;
-    start.reset();
-    start.emplace(Start{ReplayedWorld(world.value()), {}, PreviousOf(tick)});
-    start->tick.number = tick.number;
-    start->tick.tick = tick.tick;
-    start->tick.edition = tick.edition;
-    start->tick.log_time = tick.log_time;
-  }
-  if (!start) return Error{{recording.name()}, "the recording has no state to begin with", ErrorCode::kFailure};
-  return std::move(*start);
-}
 
 Result<WorldChanges> ChangesOf(const BranchOptions& options, const WorldDescription& world) {
   WorldChanges changes;
@@ -106,23 +57,20 @@ class Restoration {
   Result<ResumedRun> Run() {
     const Recording& recording = journal_.recording;
     if (Status version = CheckStepVersion(recording); !version.ok()) return version.error();
-    const std::size_t chunk = make_observers_ == nullptr
-                                  ? recording.KeyframeBefore(std::numeric_limits<std::uint64_t>::max()).value_or(0)
-                                  : 0;
-    Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
-    if (!world.ok()) return world.error();
-    world_.emplace(std::move(world).value());
+    const std::size_t chunk = make_observers_ == nullptr ? recording.KeyframeUpTo(Recording::kEnd) : 0;
+    Result<ReplayCursor> cursor = ReplayCursor::At(recording, chunk);
+    if (!cursor.ok()) return cursor.error();
+    cursor_.emplace(std::move(cursor).value());
     const Status visited = recording.VisitEdits(chunk, [this](std::uint64_t number, const RecordedEdit& edit) {
       Note(number, edit);
       return Status();
     });
     if (!visited.ok()) return visited.error();
-    JournalReader reader(journal_, chunk);
     for (;;) {
-      const Result<bool> more = reader.Next(tick_);
-      if (!more.ok()) return more.error();
-      if (!more.value()) break;
-      if (Status failure = Apply(); !failure.ok()) return failure.error();
+      const Result<const RecordedTick*> next = cursor_->Next();
+      if (!next.ok()) return next.error();
+      if (next.value() == nullptr) break;
+      if (Status failure = Advance(*next.value()); !failure.ok()) return failure.error();
     }
     return Resumed();
   }
@@ -135,29 +83,26 @@ class Restoration {
     WorldState before;
   };
 
-  Status Apply() {
+  Status Advance(const RecordedTick& next) {
+    const bool was_in_rewind = world().in_rewind();
     // The edits within a rewind are parts of it.
-    if (!world_->in_rewind()) {
+    if (!was_in_rewind) {
       edit_.reset();
-      if (tick_.edit && make_observers_ != nullptr) {
-        edit_ = ReportedEdit{tick_.edit->request, tick_.edit->world, world_->state()};
+      if (next.edit && make_observers_ != nullptr) {
+        edit_ = ReportedEdit{next.edit->request, next.edit->world, world().state()};
       }
     }
-    if (tick_.edit) Note(tick_.number, *tick_.edit);
-    const bool was_in_rewind = world_->in_rewind();
-    if (Status problem = world_->Follow(tick_); !problem.ok()) {
-      return Error{{journal_.recording.name()},
-                   fmt::format("tick {}: {}", tick_.tick, problem.error().message),
-                   ErrorCode::kFailure};
+    if (next.edit) Note(next.number, *next.edit);
+    if (Status problem = cursor_->Advance(); !problem.ok()) {
+      return Error{{journal_.recording.name()}, problem.error().message, ErrorCode::kFailure};
     }
-    frame_ = world_->Frame();
+    const RecordedTick& tick = cursor_->tick();
+    frame_ = world().Frame();
     frame_->run = journal_.recording.run().run;
-    next_number_ = tick_.number + 1;
-    previous_ = PreviousOf(tick_);
-    if (world_->in_rewind()) return {};
+    if (world().in_rewind()) return {};
     rewind_.reset();
-    if (!was_in_rewind) frame_->events = tick_.events;
-    return Tell(was_in_rewind ? std::span<const Proposal>() : tick_.proposals);
+    if (!was_in_rewind) frame_->events = tick.events;
+    return Tell(tick, was_in_rewind ? std::span<const Proposal>() : tick.proposals);
   }
 
   // Edits whose effect is more than the state, also those before the keyframe.
@@ -178,22 +123,22 @@ class Restoration {
     }
   }
 
-  Status Tell(std::span<const Proposal> proposals) {
-    if (make_observers_ == nullptr || tick_.number < journal_.progress.first_number) return {};
+  Status Tell(const RecordedTick& tick, std::span<const Proposal> proposals) {
+    if (make_observers_ == nullptr || tick.number < journal_.progress.first_number) return {};
     if (reported_scene_ == nullptr) {
-      Result<RunObservers> observers = make_observers_(world_->scene());
+      Result<RunObservers> observers = make_observers_(world().scene());
       if (!observers.ok()) return observers.error();
       observers_ = std::move(observers).value();
-      reported_scene_ = world_->scene();
+      reported_scene_ = world().scene();
       edit_.reset();  // it led to the state that the run began with
     }
     std::optional<AppliedEdit> edit;
     if (edit_) edit.emplace(AppliedEdit{edit_->request, edit_->world ? &*edit_->world : nullptr});
-    const CommittedTick tick{*frame_, proposals, edit ? &*edit : nullptr, edit ? &edit_->before : nullptr};
-    const bool changed = std::exchange(reported_scene_, world_->scene()) != world_->scene();
+    const CommittedTick committed{*frame_, proposals, edit ? &*edit : nullptr, edit ? &edit_->before : nullptr};
+    const bool changed = std::exchange(reported_scene_, world().scene()) != world().scene();
     for (RunObserver* observer : observers_) {
-      if (changed) observer->OnWorldChange(world_->scene(), tick_.edition);
-      if (Status failure = observer->OnTick(tick); !failure.ok()) return failure;
+      if (changed) observer->OnWorldChange(world().scene(), tick.edition);
+      if (Status failure = observer->OnTick(committed); !failure.ok()) return failure;
     }
     return {};
   }
@@ -202,10 +147,10 @@ class Restoration {
     ResumedRun run;
     run.run = journal_.recording.run().run;
     run.incarnation = journal_.progress.incarnation + 1;
-    run.original = world_->original();
-    run.scene = world_->scene();
-    run.next_number = next_number_;
-    run.previous = previous_;
+    run.original = world().original();
+    run.scene = world().scene();
+    run.next_number = cursor_->has_state() ? cursor_->position() + 1 : 0;
+    if (cursor_->has_state()) run.previous = PreviousOf(cursor_->tick());
     run.frame = std::move(frame_);
     run.progress = journal_.progress;
     run.rewind = std::move(rewind_);
@@ -214,14 +159,13 @@ class Restoration {
     return run;
   }
 
+  const ReplayedWorld& world() const { return cursor_->world(); }
+
   const Journal& journal_;
   const MakeRunObservers& make_observers_;
   RunObservers observers_;  // once the run has begun
-  std::optional<ReplayedWorld> world_;
+  std::optional<ReplayCursor> cursor_;
   std::shared_ptr<const Scene> reported_scene_;  // that the observers know; null: there are none yet
-  RecordedTick tick_;
-  std::uint64_t next_number_ = 0;
-  std::optional<ControllerCheckpoint> previous_;
   std::optional<ReportedEdit> edit_;
   std::optional<UnfinishedRewind> rewind_;
   std::uint64_t last_copy_ = 0;            // number of the last state of the newest rewind; 0: there was none
@@ -253,32 +197,32 @@ Result<ControllerChange> ParseControllerChange(const std::string& text) {
 }
 
 Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& options) {
-  Result<Recording> opened = Recording::Open(file);
+  Result<Recording> opened = OpenToReplay(file);
   if (!opened.ok()) return opened.error();
   const auto recording = std::make_shared<const Recording>(std::move(opened).value());
-  if (Status version = CheckStepVersion(*recording); !version.ok()) return version.error();
-  Result<Start> found = FindStart(*recording, options.from);
+  const Result<ReplayCursor> found = ReplayCursor::AtTick(*recording, options.from);
   if (!found.ok()) return found.error();
-  Start& start = found.value();
-  const Result<WorldChanges> changes = ChangesOf(options, start.world.world());
+  const ReplayCursor& start = found.value();
+  ReplayedWorld world = start.world();
+  const Result<WorldChanges> changes = ChangesOf(options, world.world());
   if (!changes.ok()) return changes.error();
 
-  FrameMessage frame = start.world.Frame();
+  FrameMessage frame = world.Frame();
   BranchedRun branch;
   auto begin = std::make_shared<RecordedStart>();
   begin->source = recording;
-  begin->last_number = start.tick.number;
-  branch.resumed.next_number = start.tick.number + 1;
-  branch.resumed.previous = start.previous;
+  begin->last_number = start.position();
+  branch.resumed.next_number = start.position() + 1;
+  branch.resumed.previous = PreviousOf(start.tick());
   if (changes.value().any()) {
     RecordedTick tick = RecordedChange(changes.value(), frame, branch.resumed.next_number++);
-    if (Status refused = start.world.Apply(tick); !refused.ok()) return refused.error();
+    if (Status refused = world.Apply(tick); !refused.ok()) return refused.error();
     frame.edition = frame.world_edition = tick.edition;
     branch.resumed.previous = PreviousOf(tick);
     begin->change = std::move(tick);
   }
   branch.begin = std::move(begin);
-  branch.scene = start.world.scene();
+  branch.scene = world.scene();
   RunSettings& settings = branch.settings;
   settings = recording->run().settings;
   const bool has_own_end = settings.ticks && *settings.ticks <= frame.state.tick;
@@ -292,7 +236,7 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   ResumedRun& resumed = branch.resumed;
   resumed.run = MakeRandomId();
   resumed.is_branch = true;
-  resumed.original = start.world.original();
+  resumed.original = world.original();
   resumed.scene = branch.scene;
   resumed.frame = std::move(frame);
   if (options.paused) resumed.progress.ticks_to_pause = 0;

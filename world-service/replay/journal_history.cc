@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
 #include <utility>
 
 #include "world-service/service/apply_edit.h"
@@ -14,6 +13,18 @@ namespace {
 constexpr std::size_t kMaxEntries = 500;
 constexpr std::size_t kMaxBytes = std::size_t{256} << 10;  // estimated
 
+Error BrokenRecording(const std::vector<RunRecorder*>& recordings, const std::string& problem) {
+  return {{recordings.back()->path()}, "the recording of this run cannot be read: " + problem, ErrorCode::kFailure};
+}
+
+// With all ticks of the run so far.
+Result<std::unique_ptr<const Recording>> OpenRecordingOf(const std::vector<RunRecorder*>& recordings) {
+  if (Status flushed = recordings.back()->Flush(); !flushed.ok()) return flushed.error();
+  Result<Recording> recording = Recording::Open(recordings.back()->path());
+  if (!recording.ok()) return BrokenRecording(recordings, recording.error().message);
+  return std::make_unique<const Recording>(std::move(recording).value());
+}
+
 }  // namespace
 
 std::unique_ptr<RunHistory> MakeRunHistory(const std::vector<RunRecorder*>& recordings) {
@@ -22,16 +33,15 @@ std::unique_ptr<RunHistory> MakeRunHistory(const std::vector<RunRecorder*>& reco
 }
 
 Error JournalHistory::Broken(const std::string& problem) const {
-  return {{recordings_.back()->path()}, "the recording of this run cannot be read: " + problem, ErrorCode::kFailure};
+  return BrokenRecording(recordings_, problem);
 }
 
 Status JournalHistory::Open() {
   cursor_.reset();
   recording_.reset();
-  if (Status flushed = recordings_.back()->Flush(); !flushed.ok()) return flushed;
-  Result<Recording> recording = Recording::Open(recordings_.back()->path());
-  if (!recording.ok()) return Broken(recording.error().message);
-  recording_ = std::make_unique<const Recording>(std::move(recording).value());
+  Result<std::unique_ptr<const Recording>> recording = OpenRecordingOf(recordings_);
+  if (!recording.ok()) return recording.error();
+  recording_ = std::move(recording).value();
   return FindChanges();
 }
 
@@ -56,6 +66,11 @@ WorldDescription JournalHistory::WorldToSend() const {
   return world;
 }
 
+Result<const RecordedTick*> JournalHistory::Next() {
+  Result<const RecordedTick*> next = cursor_->Next();
+  return next.ok() ? next : Broken(next.error().message);
+}
+
 Status JournalHistory::Advance() {
   const Status problem = cursor_->Advance();
   return problem.ok() ? problem : Broken(problem.error().message);
@@ -64,38 +79,33 @@ Status JournalHistory::Advance() {
 Status JournalHistory::Seek(const HistoryRequest& request) {
   sent_.reset();
   sent_scene_.reset();
-  const Edition edition = request.after ? request.after->edition : request.from;
-  std::size_t chunk = 0;
-  if (request.after) {
-    chunk = recording_->KeyframeUpTo(edition, request.after->tick);
-  } else if (edition > 0) {
-    chunk = recording_->KeyframeUpTo(edition - 1, std::numeric_limits<Tick>::max());
-  }
-  Result<ReplayCursor> cursor = ReplayCursor::At(*recording_, chunk);
+  const TimeSpans& spans = recording_->spans();
+  const std::uint64_t position =
+      request.after ? spans.PositionOf({request.after->edition, request.after->tick}) : spans.BeginOf(request.from);
+  Result<ReplayCursor> cursor = ReplayCursor::At(*recording_, recording_->KeyframeUpTo(position));
   if (!cursor.ok()) return Broken(cursor.error().message);
   cursor_.emplace(std::move(cursor).value());
-  if (!cursor_->next()) return Broken("it has no state");
-  const ReplayedWorld& world = cursor_->world();
-  const auto is_before = [&] {
-    if (!request.after) return world.edition() < edition;
-    return std::pair(world.edition(), world.state().tick) < std::pair(edition, request.after->tick);
-  };
-  do {
+  Result<const RecordedTick*> next = Next();
+  if (next.ok() && next.value() == nullptr) return Broken("it has no state");
+  while (next.ok() && next.value() != nullptr && (!cursor_->has_state() || cursor_->position() < position)) {
     if (Status broken = Advance(); !broken.ok()) return broken;
-  } while (cursor_->next() && is_before());
-  if (!request.after || !cursor_->next()) return {};
+    next = Next();
+  }
+  if (!next.ok()) return next.error();
+  if (!request.after || next.value() == nullptr) return {};
   // The memory may have this state already.
-  const bool knows = request.after->decided || !cursor_->next()->is_step();
-  sent_scene_ = world.scene();
+  const bool knows = request.after->decided || !next.value()->is_step();
+  sent_scene_ = cursor_->world().scene();
   return knows ? Advance() : Status();
 }
 
 Status JournalHistory::Add(std::vector<HistoryEntry>& entries) {
   HistoryEntry& entry = entries.emplace_back();
   const ReplayedWorld& world = cursor_->world();
+  const RecordedTick& next = *cursor_->Next().value();
   entry.frame = world.Frame();
-  entry.step_follows = cursor_->next()->is_step();
-  if (entry.step_follows) entry.frame.commands = cursor_->next()->commands;
+  entry.step_follows = next.is_step();
+  if (entry.step_follows) entry.frame.commands = next.commands;
   if (world.scene() != sent_scene_) entry.world = WorldToSend();
   sent_scene_ = world.scene();
   sent_ = {entry.frame.edition, entry.frame.state.tick, entry.step_follows};
@@ -108,7 +118,10 @@ Result<std::vector<HistoryEntry>> JournalHistory::ReadBatch(const HistoryRequest
     if (Status broken = Seek(request); !broken.ok()) return broken.error();
   }
   std::size_t bytes = 0;
-  while (cursor_->next() && entries.size() < kMaxEntries && bytes < kMaxBytes) {
+  while (entries.size() < kMaxEntries && bytes < kMaxBytes) {
+    const Result<const RecordedTick*> next = Next();
+    if (!next.ok()) return next.error();
+    if (next.value() == nullptr) break;
     bytes += MemoryOf(cursor_->world().state());
     if (Status broken = Add(entries); !broken.ok()) return broken.error();
   }
@@ -139,15 +152,14 @@ Result<std::unique_ptr<JournalRewind>> JournalRewind::Start(const std::vector<Ru
   std::unique_ptr<JournalRewind> rewind(new JournalRewind(recordings));
   if (Status failure = rewind->Open(); !failure.ok()) return failure.error();
   const Recording& recording = *rewind->recording_;
-  const std::optional<std::uint64_t> time = recording.places().Last(request.ticks);
-  if (!time) return Error{{}, fmt::format("the recording of the run has no tick {}", request.ticks)};
+  const std::optional<std::uint64_t> last = recording.spans().Last(request.ticks);
+  if (!last) return Error{{}, fmt::format("the recording of the run has no tick {}", request.ticks)};
   rewind->request_ = request;
   rewind->newest_ = newest;
   rewind->newest_.events.clear();
-  rewind->time_ = *time;
+  rewind->last_ = *last;
   rewind->shifted_ = newest.edition + 1;
-  const std::size_t chunk = recording.KeyframeBefore(*time).value_or(0);
-  if (Status failure = rewind->PlaceCursor(chunk); !failure.ok()) return failure.error();
+  if (Status failure = rewind->PlaceCursor(recording.KeyframeUpTo(*last)); !failure.ok()) return failure.error();
   return rewind;
 }
 
@@ -165,14 +177,13 @@ Result<std::unique_ptr<JournalRewind>> JournalRewind::Finish(const std::vector<R
 }
 
 Error JournalRewind::Broken(const std::string& problem) const {
-  return {{recordings_.back()->path()}, "the recording of this run cannot be read: " + problem, ErrorCode::kFailure};
+  return BrokenRecording(recordings_, problem);
 }
 
 Status JournalRewind::Open() {
-  if (Status flushed = recordings_.back()->Flush(); !flushed.ok()) return flushed;
-  Result<Recording> recording = Recording::Open(recordings_.back()->path());
-  if (!recording.ok()) return Broken(recording.error().message);
-  recording_ = std::make_unique<const Recording>(std::move(recording).value());
+  Result<std::unique_ptr<const Recording>> recording = OpenRecordingOf(recordings_);
+  if (!recording.ok()) return recording.error();
+  recording_ = std::move(recording).value();
   return {};
 }
 
@@ -181,6 +192,14 @@ Status JournalRewind::PlaceCursor(std::size_t chunk) {
   if (!cursor.ok()) return Broken(cursor.error().message);
   cursor_.emplace(std::move(cursor).value());
   return {};
+}
+
+Status JournalRewind::Advance() {
+  const Result<const RecordedTick*> next = cursor_->Next();
+  if (!next.ok()) return Broken(next.error().message);
+  if (next.value() == nullptr) return Broken("a state of the rewind is missing");
+  const Status problem = cursor_->Advance();
+  return problem.ok() ? problem : Broken(problem.error().message);
 }
 
 Result<bool> JournalRewind::MakeSome() {
@@ -203,31 +222,24 @@ Result<bool> JournalRewind::MakeSome() {
 }
 
 Status JournalRewind::Find() {
-  if (cursor_->next() && cursor_->next()->log_time <= time_) {
-    if (Status problem = cursor_->Advance(); !problem.ok()) return Broken(problem.error().message);
-    if (cursor_->world().state().tick == request_.ticks) {
-      last_ = cursor_->world().number();
-      first_edition_ = cursor_->world().fresh_edition();
-      is_found_ = true;
-    }
-    return {};
-  }
-  if (!is_found_) return Broken(fmt::format("tick {} is missing", request_.ticks));
-  return StartSeeking(first_edition_);
+  if (!cursor_->has_state() || cursor_->position() < last_) return Advance();
+  if (cursor_->tick().tick != request_.ticks) return Broken(fmt::format("tick {} is missing", request_.ticks));
+  return StartSeeking(cursor_->world().fresh_edition());
 }
 
 Status JournalRewind::StartSeeking(Edition edition) {
   stage_ = Stage::kSeeking;
   first_edition_ = edition;
-  if (edition > 0) first_chunk_ = recording_->KeyframeUpTo(edition - 1, std::numeric_limits<Tick>::max());
+  // The edit that made the robots is stepped, too.
+  const std::uint64_t first = recording_->spans().BeginOf(edition);
+  if (first > 0) first_chunk_ = recording_->KeyframeUpTo(first - 1);
   return PlaceCursor(first_chunk_);
 }
 
 Status JournalRewind::Seek() {
-  if (!cursor_->next()) return Broken("it has no state");
-  if (Status problem = cursor_->Advance(); !problem.ok()) return Broken(problem.error().message);
+  if (Status broken = Advance(); !broken.ok()) return broken;
   if (cursor_->world().edition() < first_edition_) return {};
-  first_ = cursor_->world().number();
+  first_ = cursor_->position();
   if (copies_) {
     last_ = first_ + *copies_;
   } else {
@@ -238,10 +250,11 @@ Status JournalRewind::Seek() {
 }
 
 Status JournalRewind::Make() {
-  if (!cursor_->next()) return Broken("a state of the rewind is missing");
-  previous_ = {Shift(cursor_->world().edition()), cursor_->world().state().tick, cursor_->next()->is_step()};
-  if (Status problem = cursor_->Advance(); !problem.ok()) return Broken(problem.error().message);
-  if (cursor_->world().number() == last_) stage_ = Stage::kMade;
+  const ControllerCheckpoint at{Shift(cursor_->world().edition()), cursor_->world().state().tick, false};
+  if (Status broken = Advance(); !broken.ok()) return broken;
+  previous_ = at;
+  previous_->decided = cursor_->tick().is_step();
+  if (cursor_->position() == last_) stage_ = Stage::kMade;
   return {};
 }
 

@@ -31,6 +31,8 @@ class JournalHistory final : public RunHistory {
   Status Open();
   // Goes to the state before the first entry of the answer, or to that entry.
   Status Seek(const HistoryRequest& request);
+  // The tick that follows the state; null: none is in the file yet.
+  Result<const RecordedTick*> Next();
   bool IsAt(const HistoryRequest& request) const { return cursor_ && request.after && request.after == sent_; }
   Status Advance();
   // Appends the state, with the tick that follows, and goes to the next.
@@ -77,6 +79,7 @@ class JournalRewind final : public RewindStates {
   Status Open();
   Error Broken(const std::string& problem) const;
   Status PlaceCursor(std::size_t chunk);
+  Status Advance();
   Status Find();
   Status StartSeeking(Edition edition);
   Status Seek();
@@ -95,10 +98,8 @@ class JournalRewind final : public RewindStates {
   std::optional<ReplayCursor> cursor_;  // at the state that was made last
   ControlRequest request_;
   FrameMessage newest_;      // of the run
-  std::uint64_t time_ = 0;   // the log time of the state of the tick
-  std::uint64_t first_ = 0;  // the numbers of the first state, and of that of the tick
+  std::uint64_t first_ = 0;  // the positions of the first state, and of that of the tick
   std::uint64_t last_ = 0;
-  bool is_found_ = false;                   // the latter
   Edition first_edition_ = 0;               // of the first state, when it was recorded
   Edition shifted_ = 0;                     // of its copy
   std::size_t first_chunk_ = 0;             // from which the first state was found

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "common/geometry/limits.h"
 #include "common/model/states.h"
@@ -172,19 +173,8 @@ std::string FieldName(std::string_view table, std::string_view leaf) {
 ReplayedWorld::ReplayedWorld(std::shared_ptr<const Scene> scene)
     : original_(scene), scene_(std::move(scene)), bodies_(*scene_) {}
 
-ReplayedWorld::ReplayedWorld(const Recording& recording)
-    : ReplayedWorld(std::make_shared<const Scene>(recording.run().world)) {
+void ReplayedWorld::Begin() {
   SetState(InitialState(*scene_));
-}
-
-Result<ReplayedWorld> ReplayedWorld::At(const Recording& recording, std::size_t chunk) {
-  if (chunk == 0) return ReplayedWorld(recording);
-  ReplayedWorld world(std::make_shared<const Scene>(recording.run().world));
-  const Status edited = recording.VisitEdits(
-      chunk, [&](std::uint64_t number, const RecordedEdit& edit) { return world.ApplyAlone(number, edit); });
-  if (!edited.ok()) return Error{{recording.name()}, edited.error().message, ErrorCode::kFailure};
-  world.has_state_ = false;  // that after the last edit
-  return world;
 }
 
 FrameMessage ReplayedWorld::Frame() const {
@@ -198,7 +188,6 @@ FrameMessage ReplayedWorld::Frame() const {
 }
 
 void ReplayedWorld::SetState(WorldState state) {
-  has_state_ = true;
   state_ = std::move(state);
   state_hash_ = StateHash(state_);
   bodies_.Assign(state_);
@@ -222,12 +211,6 @@ Status ReplayedWorld::Apply(const RecordedTick& tick) {
   number_ = tick.number;
   if (tick.edit) return Edit(*tick.edit, tick.edition, WorldState(state_));
   return tick.is_step() ? Step(tick) : Status();
-}
-
-Status ReplayedWorld::Follow(const RecordedTick& tick) {
-  if (Status refused = has_state_ ? Apply(tick) : Restore(tick); !refused.ok()) return refused;
-  if (state_.tick == tick.tick && state_hash_ == tick.state_hash) return {};
-  return Error{{}, fmt::format("found the state hash {:016x}, expected {:016x}", state_hash_, tick.state_hash)};
 }
 
 Status ReplayedWorld::Step(const RecordedTick& tick) {
@@ -283,27 +266,139 @@ Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const Worl
 }
 
 Result<ReplayCursor> ReplayCursor::At(const Recording& recording, std::size_t chunk) {
-  Result<ReplayedWorld> world = ReplayedWorld::At(recording, chunk);
-  if (!world.ok()) return world.error();
-  ReplayCursor cursor(std::move(world).value(), TickReader(recording, chunk));
-  if (Status damage = cursor.ReadNext(); !damage.ok()) return damage.error();
+  ReplayCursor cursor(recording);
+  if (Status damage = cursor.Restart(chunk); !damage.ok()) return damage.error();
   return cursor;
 }
 
-Status ReplayCursor::Advance() {
-  if (Status problem = world_.Follow(*next_); !problem.ok()) {
-    return Error{{}, fmt::format("tick {}: {}", next_->tick, problem.error().message), ErrorCode::kFailure};
+Result<ReplayCursor> ReplayCursor::AtTick(const Recording& recording, const std::optional<Tick>& tick) {
+  const auto fail = [&](const Error& error) { return Error{{recording.name()}, error.message, ErrorCode::kFailure}; };
+  std::optional<std::uint64_t> position;
+  if (tick && !(position = recording.spans().Last(*tick))) return NoSuchTick(recording, *tick);
+  Result<ReplayCursor> made = At(recording, recording.KeyframeUpTo(position.value_or(Recording::kEnd)));
+  if (!made.ok()) return made.error();
+  ReplayCursor& cursor = made.value();
+  if (position) {
+    if (Status failure = cursor.AdvanceTo(*position); !failure.ok()) return fail(failure.error());
+  } else {
+    for (;;) {
+      const Result<const RecordedTick*> next = cursor.Next();
+      if (!next.ok()) return fail(next.error());
+      if (next.value() == nullptr) break;
+      if (Status failure = cursor.Advance(); !failure.ok()) return fail(failure.error());
+    }
   }
-  return ReadNext();
+  const bool found = cursor.has_state() && (!tick || cursor.world().state().tick == *tick);
+  if (!found) return fail({{}, "the ticks are not those that their times say"});
+  return made;
 }
 
-Status ReplayCursor::ReadNext() {
-  RecordedTick tick;
-  const Result<bool> more = reader_.Next(tick);
-  if (!more.ok()) return more.error();
-  next_.reset();
-  if (more.value()) next_ = std::move(tick);
+Status ReplayCursor::Restart(std::size_t chunk) {
+  world_ = ReplayedWorld(first_);
+  reader_ = TickReader(*recording_, chunk);
+  begins_run_ = chunk == 0;
+  has_state_ = has_next_ = has_ended_ = false;
+  if (begins_run_) world_.Begin();
+  const Status edited = recording_->VisitEdits(
+      chunk, [this](std::uint64_t number, const RecordedEdit& edit) { return world_.ApplyAlone(number, edit); });
+  if (edited.ok()) return edited;
+  return Error{{recording_->name()}, edited.error().message, ErrorCode::kFailure};
+}
+
+Result<const RecordedTick*> ReplayCursor::Next() {
+  if (!has_next_ && !has_ended_) {
+    const Result<bool> more = reader_.Next(next_);
+    if (!more.ok()) return more.error();
+    has_next_ = more.value();
+    has_ended_ = !more.value();
+  }
+  return has_next_ ? &next_ : nullptr;
+}
+
+Status ReplayCursor::Fail(Fault fault, const std::string& problem) {
+  fault_ = fault;
+  return Error{{}, fmt::format("tick {}: {}", has_next_ ? next_.tick : tick_.tick, problem), ErrorCode::kFailure};
+}
+
+Status ReplayCursor::Apply() {
+  if (!has_state_ && !begins_run_) {
+    if (Status refused = world_.Restore(next_); !refused.ok()) return Fail(Fault::kDamage, refused.error().message);
+  } else if (Status refused = world_.Apply(next_); !refused.ok()) {
+    return Fail(Fault::kNamedDifference, refused.error().message);
+  }
+  std::swap(tick_, next_);
+  has_state_ = true;
+  has_next_ = false;
   return {};
+}
+
+Status ReplayCursor::Advance() {
+  if (next_.edit && has_state_) {
+    const std::string difference = DifferenceFrom(next_.edit->before);
+    if (!difference.empty()) return Fail(Fault::kNamedDifference, difference);
+  }
+  const Status applied = Apply();
+  return applied.ok() ? Compare() : applied;
+}
+
+Status ReplayCursor::AdvanceTo(std::uint64_t position) {
+  while (!has_state_ || this->position() < position) {
+    const Result<const RecordedTick*> next = Next();
+    if (!next.ok()) return next.error();
+    if (next.value() == nullptr) return Error{{}, "found the end of the recording, expected another tick"};
+    if (Status failure = Advance(); !failure.ok()) return failure;
+  }
+  return {};
+}
+
+Status ReplayCursor::Compare() {
+  if (world_.state().tick != tick_.tick || world_.state_hash() != tick_.state_hash) {
+    const std::string model = tick_.keyframe ? DifferenceFrom(*tick_.keyframe) : std::string();
+    return Fail(model.empty() ? Fault::kDifference : Fault::kNamedDifference,
+                fmt::format("found the state hash {:016x}, expected {:016x}{}{}", world_.state_hash(), tick_.state_hash,
+                            model.empty() ? "" : "; ", model));
+  }
+  if (!tick_.keyframe) return {};
+  const std::string difference = DifferenceFrom(*tick_.keyframe);
+  return difference.empty() ? Status() : Fail(Fault::kNamedDifference, difference);
+}
+
+std::string ReplayCursor::DifferenceFrom(const FrameMessage& recorded) const {
+  const std::optional<StateDifference> difference = FindDifference(world_.world(), world_.state(), recorded.state);
+  if (!difference) return {};
+  return fmt::format("the {} of {} is {}, expected {}", difference->field, difference->model, difference->found,
+                     difference->expected);
+}
+
+Status CheckStepVersion(const Recording& recording) {
+  const RecordedRun& run = recording.run();
+  if (run.step_version == kStepVersion) return {};
+  return Error{
+      {recording.name()},
+      fmt::format("found a recording of step version {} (troupe {}), expected {}: this program steps otherwise",
+                  run.step_version, run.program_version, kStepVersion)};
+}
+
+std::vector<Event> StepEventsOf(const std::vector<Event>& events) {
+  std::vector<Event> repeated = events;
+  std::erase_if(repeated, [](const Event& event) {
+    return event.type == EventType::kJoined || event.type == EventType::kLeft ||
+           event.type == EventType::kProposalRejected || event.type == EventType::kReported;
+  });
+  return repeated;
+}
+
+Result<Recording> OpenToReplay(const std::string& path) {
+  Result<Recording> recording = Recording::Open(path);
+  if (!recording.ok()) return recording;
+  if (Status other = CheckStepVersion(recording.value()); !other.ok()) return other.error();
+  return recording;
+}
+
+Error NoSuchTick(const Recording& recording, Tick tick) {
+  return {
+      {recording.name()},
+      fmt::format("found tick {}, expected at most {}, the last of the recording", tick, recording.spans().greatest())};
 }
 
 std::optional<StateDifference> FindDifference(const WorldDescription& world, const WorldState& found,

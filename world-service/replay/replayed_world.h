@@ -1,4 +1,6 @@
 // ReplayedWorld: the world of a recorded run, brought from one committed state to the next by the recorded inputs.
+// ReplayCursor: the loop that does so over a recording, and compares each state with the recorded one. Whoever steps a
+// recorded run uses it: replays, exports, tests, branches, rewinds, services that continue a run, and SteppedTimeline.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +21,8 @@ namespace troupe {
 
 class ReplayedWorld {
  public:
-  // At the first state of the run.
-  explicit ReplayedWorld(const Recording& recording);
-  // As it was at the start of a chunk. The state is not valid before Restore or Follow, but at chunk 0. The error is a
-  // damaged recording.
-  static Result<ReplayedWorld> At(const Recording& recording, std::size_t chunk);
-  ReplayedWorld(const ReplayedWorld&) = default;
-  ReplayedWorld(ReplayedWorld&&) = default;
-
+  // Of a run that begins in this world. It has no valid state before Begin or Restore.
+  explicit ReplayedWorld(std::shared_ptr<const Scene> scene);
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
   const WorldDescription& world() const { return scene_->world(); }
   const std::shared_ptr<const Scene>& original() const { return original_; }  // that a reset restores
@@ -44,6 +40,8 @@ class ReplayedWorld {
   // The events of the newest step or edit, in order.
   const std::vector<Event>& events() const { return events_; }
 
+  // Sets the state to the first one of the run.
+  void Begin();
   // Sets the state to that of a tick with a keyframe. The error is a tick without one, or a state from which no step
   // can start.
   Status Restore(const RecordedTick& tick);
@@ -53,19 +51,14 @@ class ReplayedWorld {
   // Applies a recorded edit to the state it was recorded with, so that the steps since the edit before need not be
   // repeated. `number`: of the tick. The error is as in Apply.
   Status ApplyAlone(std::uint64_t number, const RecordedEdit& edit);
-  // Goes to the recorded state: by Apply, or by its keyframe if there is no valid state yet. The error is also another
-  // state than recorded.
-  Status Follow(const RecordedTick& tick);
 
  private:
-  explicit ReplayedWorld(std::shared_ptr<const Scene> scene);
   Status Step(const RecordedTick& tick);
   Status Edit(const RecordedEdit& edit, Edition edition, const WorldState& before);
   void SetState(WorldState state);
 
   std::shared_ptr<const Scene> original_;  // that a reset restores
   std::shared_ptr<const Scene> scene_;
-  bool has_state_ = false;
   WorldState state_;
   std::uint64_t state_hash_ = 0;
   BodyIndex bodies_;
@@ -77,29 +70,78 @@ class ReplayedWorld {
   std::vector<Event> events_;
 };
 
-// ReplayCursor: a recorded state, and the tick that follows it.
+// A recorded state, and the tick that follows it.
 class ReplayCursor {
  public:
-  // Before the first state of a chunk. The recording outlives the cursor. The error is a damaged recording.
-  static Result<ReplayCursor> At(const Recording& recording, std::size_t chunk);
+  // Why Advance has failed.
+  enum class Fault : std::uint8_t {
+    kNone,
+    kDamage,           // the recorded state is one from which no step can start
+    kDifference,       // another state than recorded, or an input that the world refuses
+    kNamedDifference,  // a difference whose message names it
+  };
 
+  // Before the first state of a chunk. The recording outlives the cursor. The error is a damaged recording.
+  static Result<ReplayCursor> At(const Recording& recording, std::size_t chunk = 0);
+  // At the newest state of a tick; nothing: of the recording. The error is a tick that it does not have, damage, or
+  // another state than recorded.
+  static Result<ReplayCursor> AtTick(const Recording& recording, const std::optional<Tick>& tick);
+
+  // Goes back, or forward, to before the first state of a chunk.
+  Status Restart(std::size_t chunk);
+
+  bool has_state() const { return has_state_; }
+  // REQUIRES: has_state(), as for the next two; without a state, chunk 0 has the first one of the run, too.
   const ReplayedWorld& world() const { return world_; }
-  // Nothing: the recording ends with the state.
-  const std::optional<RecordedTick>& next() const { return next_; }
-  // Goes to the state of next(). The error is damage, or another state than recorded, with its tick. REQUIRES: next().
+  const RecordedTick& tick() const { return tick_; }  // that led to the state
+  std::uint64_t position() const { return tick_.number; }
+
+  // The tick that follows the state, with its inputs; null: the recording ends with the state. The error is damage.
+  // Valid until the next Advance.
+  Result<const RecordedTick*> Next();
+  // Goes to the state of that tick, and compares it: the hash, a keyframe, and the state before an edit. The error,
+  // with the tick, has a fault(). REQUIRES: Next() is a tick.
   Status Advance();
+  // As far as a position. The error is also damage, or a recording that ends before.
+  Status AdvanceTo(std::uint64_t position);
+  Fault fault() const { return fault_; }
+  // As Advance, without the comparison.
+  Status Apply();
+
+  // "the x of r0 is 1, expected 2": how the state differs from a recorded one; empty: it does not.
+  std::string DifferenceFrom(const FrameMessage& recorded) const;
 
  private:
-  ReplayCursor(ReplayedWorld world, TickReader reader) : world_(std::move(world)), reader_(std::move(reader)) {}
-  Status ReadNext();
+  explicit ReplayCursor(const Recording& recording)
+      : recording_(&recording),
+        first_(std::make_shared<const Scene>(recording.run().world)),
+        world_(first_),
+        reader_(recording) {}
+  Status Compare();
+  Status Fail(Fault fault, const std::string& problem);
 
+  const Recording* recording_;
+  std::shared_ptr<const Scene> first_;  // of the start of the run
   ReplayedWorld world_;
   TickReader reader_;
-  std::optional<RecordedTick> next_;
+  bool begins_run_ = true;  // the world begins the run; false: it needs the state of a keyframe
+  bool has_state_ = false;
+  bool has_next_ = false;  // that was read
+  bool has_ended_ = false;
+  RecordedTick tick_;
+  RecordedTick next_;
+  Fault fault_ = Fault::kNone;
 };
 
-// The first difference between two states of one world, for people.
+// Refuses a recording that was made with another version of the step.
+Status CheckStepVersion(const Recording& recording);
+// A recording that this version of the step can step again.
+Result<Recording> OpenToReplay(const std::string& path);
+Error NoSuchTick(const Recording& recording, Tick tick);
+// The events of a tick that a step or an edit repeats, without those of agents.
+std::vector<Event> StepEventsOf(const std::vector<Event>& events);
 
+// The first difference between two states of one world, for messages.
 struct StateDifference {
   std::string model;  // its name; "the world" for what belongs to none
   std::string field;  // "x", "heading", "joint position", ...

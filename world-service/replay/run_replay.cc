@@ -3,21 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "common/sensing/sensor_suite.h"
-#include "world-service/core/step.h"
 
 namespace troupe {
 namespace {
 
 constexpr std::uint64_t kTicksPerReport = 64;
-
-// Events of the run, which a replay does not repeat, as those of agents.
-bool IsOfStep(const Event& event) {
-  return event.type != EventType::kJoined && event.type != EventType::kLeft &&
-         event.type != EventType::kProposalRejected && event.type != EventType::kReported;
-}
 
 bool IsSame(const Event& a, const Event& b) {
   return a.type == b.type && a.robot == b.robot && a.other == b.other && a.object == b.object && a.detail == b.detail;
@@ -59,15 +53,6 @@ Status ScanWriter::Write(const ReplayedWorld& world) {
   return {};
 }
 
-Status CheckStepVersion(const Recording& recording) {
-  const RecordedRun& run = recording.run();
-  if (run.step_version == kStepVersion) return {};
-  return Error{
-      {recording.name()},
-      fmt::format("found a recording of step version {} (troupe {}), expected {}: this program steps otherwise",
-                  run.step_version, run.program_version, kStepVersion)};
-}
-
 Result<ReplayReport> RunReplay::Run() {
   if (Status problem = FindRange(); !problem.ok()) return problem.error();
   if (Status problem = CreateOutputs(); !problem.ok()) return problem.error();
@@ -80,28 +65,19 @@ Result<ReplayReport> RunReplay::Run() {
 }
 
 Status RunReplay::FindRange() {
-  const TickPlaces& places = recording_.places();
-  const auto missing = [&](Tick tick) {
-    return Error{{recording_.name()},
-                 fmt::format("found tick {}, expected at most {}, the last of the recording", tick, places.greatest())};
-  };
-  if (options_.from) {
-    const std::optional<std::uint64_t> time = places.First(*options_.from);
-    if (!time) return missing(*options_.from);
-    from_time_ = *time;
+  const TimeSpans& spans = recording_.spans();
+  to_ = Recording::kEnd;
+  for (const auto& [tick, position, place] :
+       {std::tuple(options_.from, &from_, &TimeSpans::First), std::tuple(options_.to, &to_, &TimeSpans::Last)}) {
+    if (!tick) continue;
+    const std::optional<std::uint64_t> found = (spans.*place)(*tick);
+    if (!found) return NoSuchTick(recording_, *tick);
+    *position = *found;
   }
-  if (options_.to) {
-    to_time_ = places.Last(*options_.to);
-    if (!to_time_) return missing(*options_.to);
-    if (*to_time_ < from_time_) {
-      return Error{{recording_.name()},
-                   fmt::format("found the range from tick {} to {}, expected one that does not end "
-                               "before it begins",
-                               *options_.from, *options_.to)};
-    }
-  }
-  first_chunk_ = options_.from && !options_.check ? recording_.KeyframeBefore(from_time_).value_or(0) : 0;
-  return {};
+  if (from_ <= to_) return {};
+  return Error{{recording_.name()},
+               fmt::format("found the range from tick {} to {}, expected one that does not end before it begins",
+                           options_.from.value_or(0), *options_.to)};
 }
 
 Status RunReplay::CreateOutputs() {
@@ -129,169 +105,120 @@ Status RunReplay::CloseOutputs() {
   return recorded.ok() ? scanned : recorded;
 }
 
-Status RunReplay::Start() {
-  Result<ReplayedWorld> world = ReplayedWorld::At(recording_, first_chunk_);
-  if (!world.ok()) return world.error();
-  world_.emplace(std::move(world).value());
-  if (first_chunk_ == 0) recorded_scene_ = world_->scene();
-  return {};
-}
-
-bool RunReplay::IsPastEnd(const RecordedTick& next) const {
-  if (!to_time_ || !in_range_) return false;
-  const auto is_last = [&](const RecordedTick& tick) {
-    return tick.log_time == *to_time_ && tick.tick == *options_.to;
-  };
-  return is_last(tick_) && !is_last(next);
-}
-
 Status RunReplay::RunTicks() {
-  if (Status damaged = Start(); !damaged.ok()) {
-    report_.damage = damaged.error().message;
-    return {};
-  }
-  TickReader reader(recording_, first_chunk_);
-  RecordedTick next;
+  constexpr const char* kMisplaced = "the ticks are not those that their times say";
+  const std::size_t chunk = options_.check ? 0 : recording_.KeyframeUpTo(from_);  // a check needs all states
+  Result<ReplayCursor> cursor = ReplayCursor::At(recording_, chunk);
+  if (!cursor.ok()) return Damaged(cursor.error().message);
+  cursor_.emplace(std::move(cursor).value());
+  if (chunk == 0) recorded_scene_ = cursor_->world().scene();
   for (;;) {
-    const Result<bool> more = reader.Next(next);
-    if (!more.ok()) report_.damage = more.error().message;
-    if (!more.ok() || !more.value()) break;
+    const Result<const RecordedTick*> read = cursor_->Next();
+    if (!read.ok()) return Damaged(read.error().message);
+    if (read.value() == nullptr) break;
+    const RecordedTick& next = *read.value();
     // The agents measured a state when they answered it, which a step follows.
-    if (in_range_ && next.is_step() && scans_ && !world_->in_rewind()) {
-      if (Status failure = scans_->Write(*world_); !failure.ok()) return failure;
+    const bool is_measured = scans_ && report_.states > 0 && next.is_step() && !cursor_->world().in_rewind();
+    if (is_measured) {
+      if (Status failure = scans_->Write(cursor_->world()); !failure.ok()) return failure;
     }
-    if (IsPastEnd(next)) return {};
-    const Result<bool> same = CheckNext(next);
+    if (next.number > to_) return {};
+    const Result<bool> same = Advance();
     if (!same.ok()) return same.error();
     if (!same.value()) return {};
-    if (!Apply(next)) {
-      FindModel(reader);
-      return {};
+    if (IsMisplaced()) return Damaged(kMisplaced);
+    if (IsInRange(cursor_->position())) {
+      if (Status failure = AddState(); !failure.ok()) return failure;
     }
-    const bool begins = !in_range_ && (!options_.from || (next.log_time == from_time_ && next.tick == *options_.from));
-    if (begins) {
-      in_range_ = true;
-      report_.first = next.tick;
-      if (scans_) scans_->Begin(world_->fresh_edition());
-    }
-    tick_.log_time = next.log_time;
-    tick_.tick = next.tick;
-    if (in_range_) {
-      ++report_.states;
-      report_.last = next.tick;
-      report_.state_hash = world_->state_hash();
-      if (Status failure = WriteOutputs(next); !failure.ok()) return failure;
-    }
-    ReportProgress(next);
+    ReportProgress(cursor_->tick());
   }
-  if (!report_.damage && recording_.damage()) report_.damage = recording_.damage()->problem;
-  const bool ends_early = to_time_ && (tick_.log_time != *to_time_ || tick_.tick != *options_.to);
-  if (!report_.damage && (report_.states == 0 || ends_early)) {
-    report_.damage = "the ticks are not those that their times say";
+  const bool ends_early = options_.to && (!cursor_->has_state() || cursor_->position() != to_);
+  if (recording_.damage()) return Damaged(recording_.damage()->problem);
+  return report_.states == 0 || ends_early ? Damaged(kMisplaced) : Status();
+}
+
+bool RunReplay::IsMisplaced() const {
+  const RecordedTick& tick = cursor_->tick();
+  return (options_.from && tick.number == from_ && tick.tick != *options_.from) ||
+         (options_.to && tick.number == to_ && tick.tick != *options_.to);
+}
+
+Result<bool> RunReplay::Advance() {
+  const RecordedTick& next = *cursor_->Next().value();
+  if (options_.check) {
+    const Result<std::optional<std::string>> difference = options_.check(cursor_->world(), next);
+    if (!difference.ok()) return difference.error();
+    report_.difference = difference.value();
+    if (report_.difference) return false;
   }
-  return {};
-}
-
-void RunReplay::Differ(const RecordedTick& tick, const std::string& problem) {
-  if (!report_.difference) report_.difference = fmt::format("tick {}: {}", tick.tick, problem);
-}
-
-Result<bool> RunReplay::CheckNext(const RecordedTick& next) {
-  if (!options_.check) return true;
-  const Result<std::optional<std::string>> difference = options_.check(*world_, next);
-  if (!difference.ok()) return difference.error();
-  if (difference.value() && !report_.difference) report_.difference = difference.value();
-  return !difference.value();
-}
-
-bool RunReplay::Apply(const RecordedTick& tick) {
-  if (!std::exchange(has_state_, true) && first_chunk_ > 0) {
-    if (const Status restored = world_->Restore(tick); !restored.ok()) {
-      report_.damage = fmt::format("tick {}: {}", tick.tick, restored.error().message);
-      return false;
-    }
-  } else {
-    if (tick.edit && !CompareState(tick, tick.edit->before)) return false;
-    if (Status refused = world_->Apply(tick); !refused.ok()) {
-      Differ(tick, refused.error().message);
-      names_model_ = true;
-      return false;
-    }
-  }
-  return Compare(tick);
-}
-
-bool RunReplay::Compare(const RecordedTick& tick) {
-  const bool same_hash = world_->state().tick == tick.tick && world_->state_hash() == tick.state_hash;
-  if (!same_hash) {
-    const std::string model = tick.keyframe ? DescribeDifference(*tick.keyframe) : std::string();
-    names_model_ = !model.empty();
-    Differ(tick, fmt::format("found the state hash {:016x}, expected {:016x}{}{}", world_->state_hash(),
-                             tick.state_hash, names_model_ ? "; " : "", model));
+  if (const Status failure = cursor_->Advance(); !failure.ok()) {
+    const bool is_damage = cursor_->fault() == ReplayCursor::Fault::kDamage;
+    (is_damage ? report_.damage : report_.difference) = failure.error().message;
+    FindModel();
     return false;
   }
-  if (tick.keyframe && !CompareState(tick, *tick.keyframe)) return false;
-  return !options_.compare_events || CompareEvents(tick);
+  if (options_.compare_events && !HasEqualEvents()) {
+    report_.difference = fmt::format("tick {}: found {} events, expected {}, or others", cursor_->tick().tick,
+                                     cursor_->world().events().size(), StepEventsOf(cursor_->tick().events).size());
+    return false;
+  }
+  return true;
 }
 
-std::string RunReplay::DescribeDifference(const FrameMessage& recorded) const {
-  const std::optional<StateDifference> difference = FindDifference(world_->world(), world_->state(), recorded.state);
-  if (!difference) return {};
-  return fmt::format("the {} of {} is {}, expected {}", difference->field, difference->model, difference->found,
-                     difference->expected);
+bool RunReplay::HasEqualEvents() const {
+  const std::vector<Event> recorded = StepEventsOf(cursor_->tick().events);
+  const std::vector<Event>& found = cursor_->world().events();
+  return std::equal(found.begin(), found.end(), recorded.begin(), recorded.end(), IsSame);
 }
 
-bool RunReplay::CompareState(const RecordedTick& tick, const FrameMessage& recorded) {
-  const std::string difference = DescribeDifference(recorded);
-  if (difference.empty()) return true;
-  Differ(tick, difference);
-  names_model_ = true;
-  return false;
-}
-
-bool RunReplay::CompareEvents(const RecordedTick& tick) {
-  std::vector<Event> recorded = tick.events;
-  std::erase_if(recorded, [](const Event& event) { return !IsOfStep(event); });
-  const std::vector<Event>& found = world_->events();
-  if (std::equal(found.begin(), found.end(), recorded.begin(), recorded.end(), IsSame)) return true;
-  Differ(tick, fmt::format("found {} events, expected {}, or others", found.size(), recorded.size()));
-  names_model_ = true;  // the states are equal
-  return false;
-}
-
-void RunReplay::FindModel(TickReader& reader) {
-  if (!report_.difference || names_model_) return;
+void RunReplay::FindModel() {
+  if (cursor_->fault() != ReplayCursor::Fault::kDifference) return;
   const auto add = [this](Tick tick, const std::string& found) {
     *report_.difference += fmt::format("; at the next recorded state, of tick {}, {}", tick,
                                        found.empty() ? "no model differs any more" : found);
   };
-  RecordedTick tick;
   for (;;) {
-    const Result<bool> more = reader.Next(tick);
-    if (!more.ok() || !more.value()) break;
-    if (tick.edit) return add(tick.edit->before.state.tick, DescribeDifference(tick.edit->before));
-    if (!world_->Apply(tick).ok()) break;
-    if (tick.keyframe) return add(tick.tick, DescribeDifference(*tick.keyframe));
+    const Result<const RecordedTick*> next = cursor_->Next();
+    if (!next.ok() || next.value() == nullptr) break;
+    if (const std::optional<RecordedEdit>& edit = next.value()->edit) {
+      return add(edit->before.state.tick, cursor_->DifferenceFrom(edit->before));
+    }
+    if (!cursor_->Apply().ok()) break;
+    const RecordedTick& tick = cursor_->tick();
+    if (tick.keyframe) return add(tick.tick, cursor_->DifferenceFrom(*tick.keyframe));
   }
   *report_.difference += "; no recorded state follows that could name the model";
 }
 
-Status RunReplay::WriteOutputs(const RecordedTick& tick) {
-  if (recorder_ == nullptr || world_->in_rewind()) return {};
-  if (world_->scene() != recorded_scene_) {
-    recorded_scene_ = world_->scene();
+Status RunReplay::AddState() {
+  const RecordedTick& tick = cursor_->tick();
+  if (report_.states++ == 0) {
+    report_.first = tick.tick;
+    if (scans_) scans_->Begin(cursor_->world().fresh_edition());
+  }
+  report_.last = tick.tick;
+  report_.state_hash = cursor_->world().state_hash();
+  return WriteOutputs();
+}
+
+Status RunReplay::WriteOutputs() {
+  const ReplayedWorld& world = cursor_->world();
+  if (recorder_ == nullptr || world.in_rewind()) return {};
+  const RecordedTick& tick = cursor_->tick();
+  if (world.scene() != recorded_scene_) {
+    recorded_scene_ = world.scene();
     recorder_->OnWorldChange(recorded_scene_, tick.edition);
   }
-  frame_.state = world_->state();
-  frame_.state_hash = world_->state_hash();
+  frame_.state = world.state();
+  frame_.state_hash = world.state_hash();
   frame_.edition = tick.edition;
   return recorder_->OnTick({frame_, tick.proposals});
 }
 
 void RunReplay::ReportProgress(const RecordedTick& tick) {
   if (!options_.on_progress || tick.number % kTicksPerReport != 0) return;
-  const double end = static_cast<double>(to_time_.value_or(recording_.places().end()));
-  options_.on_progress(tick.tick, end > 0.0 ? std::min(1.0, static_cast<double>(tick.log_time) / end) : 1.0);
+  const double end = static_cast<double>(std::min(to_, recording_.spans().last()));
+  options_.on_progress(tick.tick, end > 0.0 ? std::min(1.0, static_cast<double>(tick.number) / end) : 1.0);
 }
 
 }  // namespace troupe

@@ -62,9 +62,6 @@ struct ReplayReport {
   std::optional<std::string> damage;      // of the recording: the states after it were not compared
 };
 
-// Refuses a recording that was made with another version of the step.
-Status CheckStepVersion(const Recording& recording);
-
 class RunReplay {
  public:
   // The recording outlives the replay.
@@ -72,42 +69,35 @@ class RunReplay {
 
   // The error is a tick that the recording does not have, or an output file.
   Result<ReplayReport> Run();
-  // The world at the last state. REQUIRES: Run has succeeded, with at least one state.
-  const ReplayedWorld& world() const { return *world_; }
 
  private:
   Status FindRange();
   Status CreateOutputs();
   Status CreateRecorder(const OutputFiles& files);
   Status CloseOutputs();
-  Status Start();
   Status RunTicks();
-  bool IsPastEnd(const RecordedTick& next) const;
-  // Calls options_.check. False at a difference.
-  Result<bool> CheckNext(const RecordedTick& next);
-  // Applies a tick and compares the state. False at a difference.
-  bool Apply(const RecordedTick& tick);
-  bool Compare(const RecordedTick& tick);
-  bool CompareEvents(const RecordedTick& tick);
-  bool CompareState(const RecordedTick& tick, const FrameMessage& recorded);
-  // Empty if the state of the world is equal.
-  std::string DescribeDifference(const FrameMessage& recorded) const;
-  void Differ(const RecordedTick& tick, const std::string& problem);
-  // After a difference of hashes: steps on to the next recorded state, which names the model.
-  void FindModel(TickReader& reader);
-  Status WriteOutputs(const RecordedTick& tick);
+  bool IsInRange(std::uint64_t position) const { return position >= from_ && position <= to_; }
+  // Goes to the state of the next tick, after options_.check. False at a difference, or damage.
+  Result<bool> Advance();
+  // Notes and writes the state. The error is that of an output file.
+  Status AddState();
+  bool HasEqualEvents() const;
+  bool IsMisplaced() const;  // the state, in a file whose times are damaged
+  // Ends the replay.
+  Status Damaged(const std::string& problem) {
+    report_.damage = problem;
+    return {};
+  }
+  // After a difference that names no model: steps on to the next recorded state, which does.
+  void FindModel();
+  Status WriteOutputs();
   void ReportProgress(const RecordedTick& tick);
 
   const Recording& recording_;
   const ReplayOptions options_;
-  std::uint64_t from_time_ = 0;  // log times
-  std::optional<std::uint64_t> to_time_;
-  std::size_t first_chunk_ = 0;
-  std::optional<ReplayedWorld> world_;
-  bool has_state_ = false;
-  RecordedTick tick_;  // the newest that was applied; only its tick and log time
-  bool in_range_ = false;
-  bool names_model_ = false;                     // the difference
+  std::uint64_t from_ = 0;  // positions
+  std::uint64_t to_ = 0;
+  std::optional<ReplayCursor> cursor_;
   std::unique_ptr<Recorder> recorder_;           // null: no hash log and no poses
   std::shared_ptr<const Scene> recorded_scene_;  // known to recorder_
   std::optional<ScanWriter> scans_;

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "recording/partial_recording.h"
 #include "recording/recording_writer.h"
 #include "tests/support/small_world.h"
 
@@ -69,9 +68,9 @@ class JournalTest : public testing::Test {
     return std::move(journal.value().value());
   }
 
-  static std::vector<RecordedTick> Read(const Journal& journal) {
+  static std::vector<RecordedTick> Read(const Recording& recording) {
     std::vector<RecordedTick> ticks;
-    JournalReader reader(journal);
+    TickReader reader(recording);
     RecordedTick tick;
     for (;;) {
       const Result<bool> more = reader.Next(tick);
@@ -102,8 +101,8 @@ class JournalTest : public testing::Test {
 TEST_F(JournalTest, HasTheTicksOfTheRecordingAndThoseOfItsTail) {
   WriteAndDie(Ticks(30), 20);
   const Journal journal = Open();
-  EXPECT_EQ(journal.tail.size(), 11u);
-  ExpectSame(Read(journal), Ticks(30));
+  EXPECT_EQ(journal.recording.tail().size(), 11u);
+  ExpectSame(Read(journal.recording), Ticks(30));
   EXPECT_EQ(journal.progress, Progress(30));
 }
 
@@ -111,14 +110,14 @@ TEST_F(JournalTest, LosesAtMostTheTickThatWasBeingWritten) {
   WriteAndDie(Ticks(30), 20);
   CutOff(files_.tail[0], 1);
   const Journal journal = Open();
-  ExpectSame(Read(journal), Ticks(29));
+  ExpectSame(Read(journal.recording), Ticks(29));
   EXPECT_EQ(journal.progress, Progress(29));
 }
 
 TEST_F(JournalTest, TakesTheTicksOfAChunkThatIsCutOffFromItsTail) {
   WriteAndDie(Ticks(30), 20);
   CutOff(files_.recording, 5);
-  ExpectSame(Read(Open()), Ticks(30));
+  ExpectSame(Read(Open().recording), Ticks(30));
 }
 
 TEST_F(JournalTest, IsNothingWithoutTheDescriptionOfARun) {
@@ -143,7 +142,7 @@ TEST_F(JournalTest, IgnoresTheTailOfAnotherRun) {
   RecordingWriter writer = RecordingWriter::Create(mcap::CreateFileSink(files_.recording).value(), run_).value();
   for (const RecordedTick& tick : Ticks(3)) ASSERT_TRUE(writer.Add(tick).ok());
   ASSERT_TRUE(writer.Close().ok());
-  ExpectSame(Read(Open()), Ticks(3));
+  ExpectSame(Read(Open().recording), Ticks(3));
 }
 
 // However often it is continued, and wherever it was cut off, the recording is whole at the end.
@@ -153,13 +152,12 @@ TEST_F(JournalTest, IsContinuedToAWholeRecording) {
   for (const std::size_t end : {41u, 61u}) {
     CutOff(files_.recording, 3);
     Journal journal = Open();
-    std::vector<RecordedTick> rest = journal.tail;
-    const std::size_t next = Read(journal).size();
+    std::vector<RecordedTick> rest = journal.recording.tail();
+    const std::size_t next = Read(journal.recording).size();
     rest.insert(rest.end(), ticks.begin() + static_cast<std::ptrdiff_t>(next),
                 ticks.begin() + static_cast<std::ptrdiff_t>(end));
-    RecordingWriter writer =
-        RecordingWriter::Continue(std::move(journal.sink), std::move(journal.written), run_.run,
-                                  journal.recording.places().interval_ns(), journal.recording.places().end());
+    RecordingWriter writer = RecordingWriter::Continue(std::move(journal.sink), std::move(journal.written), run_.run,
+                                                       journal.recording.interval_ns(), journal.recording.end_time());
     const std::unique_ptr<JournalTail> tail = JournalTail::Continue(files_, run_.run, JournalSync::kYes).value();
     for (const RecordedTick& tick : rest) {
       ASSERT_TRUE(tick.number < next || tail->Append(&tick, Progress(tick.number)).ok());
@@ -171,8 +169,8 @@ TEST_F(JournalTest, IsContinuedToAWholeRecording) {
   const Recording recording = Recording::Open(files_.recording).value();
   EXPECT_FALSE(recording.damage());
   EXPECT_TRUE(recording.CheckData().ok());
-  EXPECT_EQ(recording.places().end(), 60u * static_cast<std::uint64_t>(run_.world.interval_ns));
-  ExpectSame(Read(Open()), ticks);
+  EXPECT_EQ(recording.end_time(), 60u * static_cast<std::uint64_t>(run_.world.interval_ns));
+  ExpectSame(Read(Open().recording), ticks);
 }
 
 // The files do not grow: each is used again once the recording has its ticks.
@@ -198,13 +196,9 @@ TEST_F(JournalTest, ARunThatGoesOnIsReadAsFarAsItHasCome) {
   RecordingWriter writer = RecordingWriter::Create(mcap::CreateFileSink(files_.recording).value(), run_).value();
   const std::unique_ptr<JournalTail> tail = JournalTail::Create(files_, run_.run, JournalSync::kNo).value();
   const auto read = [this] {
-    Result<PartialRecording> run = PartialRecording::Read(files_);
+    const Result<Recording> run = ReadJournal(files_);
     if (!run.ok()) throw std::runtime_error(run.error().ToString());
-    std::vector<RecordedTick> found;
-    RunReader reader(run.value());
-    RecordedTick tick;
-    while (reader.Next(tick).value()) found.push_back(tick);
-    return std::pair(found, run.value().is_whole);
+    return std::pair(Read(run.value()), !run.value().damage());
   };
   for (const RecordedTick& tick : ticks) {
     ASSERT_TRUE(tail->Append(&tick, Progress(0)).ok());

@@ -170,27 +170,32 @@ TEST(Recording, FindsTheStatesOfATickAndTheKeyframeBefore) {
   const std::vector<RecordedTick> ticks = MakeTicks(run.world);
   const std::vector<std::byte> bytes = Write(run, ticks);
   const Recording recording = std::move(Open(bytes)).value();
-  EXPECT_EQ(recording.places().greatest(), 12u);
-  EXPECT_EQ(recording.places().edits(), 2u);
-  const auto interval = static_cast<std::uint64_t>(run.world.interval_ns);
-  EXPECT_EQ(recording.places().First(3), 3 * interval);
-  EXPECT_EQ(recording.places().Last(3), 15 * interval) << "the reset is at log time 12";
-  EXPECT_EQ(recording.places().Last(12), 12 * interval);
-  EXPECT_EQ(recording.places().First(13), std::nullopt);
+  const TimeSpans& spans = recording.spans();
+  EXPECT_EQ(spans.greatest(), 12u);
+  EXPECT_EQ(spans.all().size(), 3u) << "two edits";
+  EXPECT_EQ(spans.last(), ticks.size() - 1);
+  for (const RecordedTick& tick : ticks) {
+    EXPECT_EQ(spans.TickAt(tick.number), tick.tick);
+    EXPECT_EQ(spans.PositionOf({tick.edition, tick.tick}), tick.number);
+    EXPECT_LE(spans.First(tick.tick), tick.number);
+    EXPECT_GE(spans.Last(tick.tick), tick.number);
+  }
+  EXPECT_EQ(spans.First(3), 3u);
+  EXPECT_EQ(ticks[spans.Last(3).value()].edition, 2u) << "behind the reset";
+  EXPECT_EQ(spans.First(13), std::nullopt);
   // From each keyframe on the ticks are those that were written.
-  for (std::uint64_t time = 0; time <= 18 * interval; time += interval) {
-    const std::optional<std::size_t> chunk = recording.KeyframeBefore(time);
-    ASSERT_TRUE(chunk);
-    TickReader reader(recording, *chunk);
+  for (std::uint64_t position = 0; position < ticks.size(); ++position) {
+    const std::size_t chunk = recording.KeyframeUpTo(position);
+    TickReader reader(recording, chunk);
     RecordedTick tick;
     ASSERT_TRUE(reader.Next(tick).value());
     EXPECT_TRUE(tick.keyframe);
-    EXPECT_LE(tick.log_time, time);
-    EXPECT_LE(time - tick.log_time, 6 * interval) << "a reset sets the ticks back";
+    EXPECT_LE(tick.number, position);
+    EXPECT_LE(position - tick.number, 7u) << "a reset sets the ticks back";
     ExpectSame(tick, ticks[tick.number]);
     std::size_t edits = 0;
     EXPECT_TRUE(
-        recording.VisitEdits(*chunk, [&](std::uint64_t, const RecordedEdit&) { return ++edits, Status(); }).ok());
+        recording.VisitEdits(chunk, [&](std::uint64_t, const RecordedEdit&) { return ++edits, Status(); }).ok());
     EXPECT_EQ(edits, tick.edition);
   }
 }

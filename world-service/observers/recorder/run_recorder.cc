@@ -78,9 +78,8 @@ Result<std::unique_ptr<RunRecorder>> RunRecorder::Continue(Journal journal, cons
     committed.next_number = resumed.next_number;
   }
   recorder->MakeThread(RecordingWriter::Continue(std::move(journal.sink), std::move(journal.written), resumed.run,
-                                                 journal.recording.places().interval_ns(),
-                                                 journal.recording.places().end()));
-  for (RecordedTick& tick : journal.tail) recorder->thread_->Push(std::move(tick));
+                                                 journal.recording.interval_ns(), journal.recording.end_time()));
+  for (const RecordedTick& tick : journal.recording.tail()) recorder->thread_->Push(tick);
   return recorder;
 }
 

@@ -71,9 +71,9 @@ TEST(SignalViews, EveryTableIsInThePlots) {
   world.AddRobot("anna", {1.0, 2.0, 0.0, 0.0});
   SignalReader reader;
   const WorldState state = PlacedState(world.world());
-  const auto viewed = MakeViewedWorld(SessionMessage{.world = world.world()}, 1);
-  reader.SetState(
-      std::make_shared<const ViewedState>(ViewedState{0, viewed, std::make_shared<const WorldState>(state), 0, 0}));
+  WorldCache worlds;
+  reader.SetState(std::make_shared<const TimelineState>(TimelineState{
+      .world = worlds.Of(SessionMessage{.world = world.world()}), .state = std::make_shared<const WorldState>(state)}));
   const nlohmann::json tables = reader.Describe();
   ForEachTableByName([&](const std::string& name, const std::vector<std::string>& fields) {
     const auto table =

@@ -59,8 +59,7 @@ ProposalMessage SomeProposal() {
                         {0.1, -0.0, infinity},
                         {1.0, 2.0},
                         {{1, std::nullopt, {7, 8}}},
-                        {{0, true}, {3, false}},
-                        {{4, 0.5, infinity}},
+                        {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, infinity}},
                         "hello"},
                        {RobotId(4000000000), {}, {}, {{0, RobotId(2), {}}, {0, {}, {255}}}}};
   message.reports = {"a report", ""};

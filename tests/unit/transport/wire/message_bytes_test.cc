@@ -250,8 +250,8 @@ std::uint64_t HashOf(const std::vector<std::byte>& bytes) {
   return hasher.value();
 }
 
-// The bytes of a message change only with the IDL. Recordings of before have its text in their schemas, by which they
-// are read (older_layout_test).
+// The bytes of a message change only with the IDL, whose text recordings have in their schemas: one with other fields
+// is refused.
 TEST(MessageBytesLayoutTest, IsThatOfEarlierRecordings) {
   EXPECT_EQ(HashOf(ToBytes(FrameWithEveryField())), 0x1dd8e73581d0d6cb);
   EXPECT_EQ(HashOf(ToBytes(ProposalWithEveryField())), 0x121e9c1f0a8b3bdc);

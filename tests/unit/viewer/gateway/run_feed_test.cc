@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "common/model/states.h"
+#include "recording/timeline/timeline.h"
 #include "tests/support/small_world.h"
 #include "tests/unit/viewer/gateway/page_reader.h"
 #include "viewer/gateway/page_messages.h"
-#include "viewer/gateway/past_states.h"
 
 namespace troupe {
 namespace {
@@ -68,7 +68,7 @@ TEST(RunFeedTest, TheStateOfAFrameIsNotCopied) {
   feed.OnFrame(frame);
   feed.Read(content);
   EXPECT_EQ(content.state->state.get(), &frame->state);
-  EXPECT_EQ(feed.history().At(content.state->position).value()->state.get(), &frame->state);
+  EXPECT_EQ(feed.At(content.state->position).value()->state.get(), &frame->state);
 }
 
 TEST(RunFeedTest, AStateThatTheWorldCannotHaveIsNotShown) {
@@ -159,90 +159,88 @@ TEST(RunFeedTest, TheEndOfARunStaysInViewButALostRunDoesNot) {
   EXPECT_EQ(content.state, nullptr);
 }
 
-ViewedState StateAt(Tick tick) {
-  ViewedState past;
-  WorldState state;
-  state.robots.resize(100);
-  state.tick = tick;
-  past.state = std::make_shared<const WorldState>(std::move(state));
-  past.state_hash = 1000 + tick;
-  return past;
+std::vector<std::uint64_t> PositionsOf(RunFeed& feed, const SessionMessage& session, const std::vector<Tick>& ticks) {
+  std::vector<std::uint64_t> positions;
+  FeedContent content;
+  for (const Tick tick : ticks) {
+    feed.OnFrame(Frame(session, tick));
+    feed.Read(content);
+    positions.push_back(content.state->position);
+  }
+  return positions;
 }
 
-TEST(KeptStatesTest, HasTheStatesInTheirOrder) {
-  KeptStates history(std::size_t{1} << 20);
-  EXPECT_FALSE(history.range());
-  EXPECT_FALSE(history.At(0).ok());
-  for (Tick tick = 5; tick < 10; ++tick) EXPECT_EQ(history.Add(StateAt(tick))->position, tick - 5);
-  EXPECT_EQ(history.range(), (PastStates::Range{0, 4}));
-  EXPECT_EQ(history.At(2).value()->state_hash, 1007u);
-  EXPECT_EQ(history.At(77).value()->position, 4u) << "the nearest one";
-  history.Add(StateAt(6));  // after a reset
-  EXPECT_EQ(history.PositionOf(6), 5u);
-  EXPECT_EQ(history.PositionOf(9), 4u);
-  EXPECT_EQ(history.PositionOf(4), std::nullopt);
+TEST(RunFeedTest, HasThePastInItsOrder) {
+  RunFeed feed;
+  EXPECT_TRUE(feed.Spans()->empty());
+  EXPECT_FALSE(feed.At(0).ok());
+  const SessionMessage session = Session();
+  feed.OnSession(session);
+  EXPECT_THAT(PositionsOf(feed, session, {5, 6, 7, 8, 9}), testing::ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_EQ(feed.At(2).value()->state_hash, 7u);
+  EXPECT_EQ(feed.At(77).value()->position, 4u) << "the nearest one";
+  const SessionMessage edited = Session(1, 1);
+  feed.OnSession(edited);
+  EXPECT_THAT(PositionsOf(feed, edited, {6}), testing::ElementsAre(5)) << "behind a reset";
+  EXPECT_EQ(feed.Spans()->Last(6), 5u);
+  EXPECT_EQ(feed.Spans()->Last(9), 4u);
+  EXPECT_EQ(feed.Spans()->Last(4), std::nullopt);
 }
 
-TEST(KeptStatesTest, ItsMemoryIsBounded) {
-  const std::size_t bytes = SizeOf(StateAt(0));
-  KeptStates history(10 * bytes);
-  for (Tick tick = 0; tick < 1000; ++tick) history.Add(StateAt(tick));
-  EXPECT_EQ(history.range(), (PastStates::Range{990, 999}));
-  EXPECT_EQ(history.At(0).value()->position, 990u);
-  EXPECT_EQ(history.PositionOf(989), std::nullopt);
-  history.Clear();
-  EXPECT_FALSE(history.range());
-  EXPECT_EQ(history.Add(StateAt(0))->position, 1000u) << "positions are never used twice";
+TEST(RunFeedTest, ItsMemoryIsBounded) {
+  const SessionMessage session = Session();
+  RunFeed feed(10 * SizeOf({.state = std::make_shared<const WorldState>(PlacedState(session.world))}));
+  feed.OnSession(session);
+  for (Tick tick = 0; tick < 1000; ++tick) feed.OnFrame(Frame(session, tick));
+  EXPECT_EQ(feed.Spans()->last(), 999u);
+  EXPECT_GE(feed.Spans()->first(), 985u);
+  EXPECT_EQ(feed.At(0).value()->position, feed.Spans()->first());
+  const SessionMessage next = Session(2);
+  feed.OnSession(next);
+  EXPECT_THAT(PositionsOf(feed, next, {0}), testing::ElementsAre(1000)) << "positions are never used twice";
 }
 
-TEST(KeptStatesTest, PositionsCountTheTicksThatWereNotReceived) {
-  KeptStates history(std::size_t{1} << 20);
-  for (const Tick tick : {5u, 6u, 9u, 10u}) history.Add(StateAt(tick));
-  EXPECT_EQ(history.range(), (PastStates::Range{0, 5}));
-  EXPECT_EQ(history.PositionOf(9), 4u);
-  EXPECT_EQ(history.At(3).value()->state->tick, 6u) << "the one before the gap";
-  history.Add(StateAt(0));  // after a reset
-  EXPECT_THAT(history.Spans(), testing::ElementsAre(TimeSpan{0, 1, 5}, TimeSpan{4, 5, 9}, TimeSpan{6, 6, 0}));
-}
-
-TEST(KeptStatesTest, SpansLoseTheStatesThatAreDropped) {
-  KeptStates history(3 * SizeOf(StateAt(0)));
-  for (const Tick tick : {1u, 2u, 7u, 8u, 9u}) history.Add(StateAt(tick));
-  EXPECT_THAT(history.Spans(), testing::ElementsAre(TimeSpan{6, 8, 7}));
-  history.Add(StateAt(10));
-  EXPECT_THAT(history.Spans(), testing::ElementsAre(TimeSpan{7, 9, 8}));
+TEST(RunFeedTest, PositionsCountTheTicksThatWereNotReceived) {
+  RunFeed feed;
+  const SessionMessage session = Session();
+  feed.OnSession(session);
+  EXPECT_THAT(PositionsOf(feed, session, {5, 6, 9, 10}), testing::ElementsAre(0, 1, 4, 5));
+  EXPECT_EQ(feed.At(3).value()->state->tick, 6u) << "the one before the gap";
+  const SessionMessage edited = Session(1, 1);
+  feed.OnSession(edited);
+  feed.OnFrame(Frame(edited, 0));
+  EXPECT_THAT(feed.Spans()->all(),
+              testing::ElementsAre(TimeSpan{0, 1, 5, 0}, TimeSpan{4, 5, 9, 0}, TimeSpan{6, 6, 0, 1}));
 }
 
 // The journal of a run that stalls once in each tick.
-class ScriptedJournal : public Recorded {
+class ScriptedJournal : public RecordedTimeline {
  public:
-  ScriptedJournal(const SessionMessage& session, WorldCache& shelf, Tick last, bool is_whole = false)
-      : world_(shelf.Of(session)), last_(last), is_whole_(is_whole) {}
-  std::optional<Range> range() const override { return Range{0, last_}; }
-  std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }
-  std::uint64_t PositionOf(StatePlace place) const override { return place.tick; }
-  std::vector<TimeSpan> Spans() const override { return {{0, last_, 0}}; }
+  ScriptedJournal(const SessionMessage& session, WorldCache& worlds, Tick last, bool is_whole = false)
+      : world_(worlds.Of(session)),
+        is_whole_(is_whole),
+        spans_(std::make_shared<const TimeSpans>(std::vector<TimeSpan>{{0, last, 0, 0}})) {
+    for (Tick tick = 1; tick <= last; ++tick) {
+      events_.push_back({tick, tick, {tick, EventType::kStallBegan, RobotId(0), {}, {}, {}}, {"r0", "", ""}});
+    }
+  }
+  std::shared_ptr<const TimeSpans> Spans() const override { return spans_; }
   RunId run() const override { return world_->run; }
   bool is_whole() const override { return is_whole_; }
-  Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override {
-    ViewedState state{position, world_, nullptr, 1000 + position, 0};
+  Result<SharedState> At(std::uint64_t position) override {
+    TimelineState state{position, world_, nullptr, 1000 + position, 0};
     WorldState placed = PlacedState(world_->description());
     placed.tick = position;
     state.state = std::make_shared<const WorldState>(std::move(placed));
-    return std::make_shared<const ViewedState>(std::move(state));
+    return std::make_shared<const TimelineState>(std::move(state));
   }
-  std::deque<NumberedEvent> Events() const override {
-    std::deque<NumberedEvent> events;
-    for (Tick tick = 1; tick <= last_; ++tick) {
-      events.push_back({tick, tick, {tick, EventType::kStallBegan, RobotId(0), {}, {}, {}}, {"r0", "", ""}});
-    }
-    return events;
-  }
+  const std::deque<NumberedEvent>& Events() const override { return events_; }
 
  private:
-  std::shared_ptr<const ViewedWorld> world_;
-  Tick last_;
-  bool is_whole_;
+  const std::shared_ptr<const TimelineWorld> world_;
+  const bool is_whole_;
+  const std::shared_ptr<const TimeSpans> spans_;
+  std::deque<NumberedEvent> events_;
 };
 
 std::vector<Tick> TicksOf(const std::deque<NumberedEvent>& events) {
@@ -254,7 +252,7 @@ std::vector<Tick> TicksOf(const std::deque<NumberedEvent>& events) {
 TEST(RunFeedTest, TheJournalHasWhatHappenedBeforeTheFirstFrame) {
   RunFeed feed;
   const SessionMessage session = Session();
-  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 5));
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.worlds(), 5));
   feed.OnSession(session);
   for (const Tick tick : {6u, 7u}) feed.OnFrame(Frame(session, tick, 1));
   FeedContent content;
@@ -263,17 +261,16 @@ TEST(RunFeedTest, TheJournalHasWhatHappenedBeforeTheFirstFrame) {
   EXPECT_EQ(content.events.back().number, 7u);
   EXPECT_EQ(content.state->position, 7u);
   EXPECT_FALSE(feed.lacks_states());
-  EXPECT_EQ(feed.history().range(), (PastStates::Range{0, 7}));
-  const auto past = feed.history().At(3).value();
+  const auto past = feed.At(3).value();
   EXPECT_EQ(past->state_hash, 1003u);
   EXPECT_EQ(past->world, content.state->world) << "a page need not build it again";
-  EXPECT_THAT(feed.history().Spans(), testing::ElementsAre(TimeSpan{0, 7, 0}));
+  EXPECT_THAT(feed.Spans()->all(), testing::ElementsAre(TimeSpan{0, 7, 0, 0}));
 }
 
 TEST(RunFeedTest, TheJournalHasTheEventsOfFramesThatWereLost) {
   RunFeed feed;
   const SessionMessage session = Session();
-  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 2));
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.worlds(), 2));
   feed.OnSession(session);
   feed.OnFrame(Frame(session, 3, 1));
   FeedContent content;
@@ -281,7 +278,7 @@ TEST(RunFeedTest, TheJournalHasTheEventsOfFramesThatWereLost) {
   const std::uint64_t list = content.event_list;
   feed.OnFrame(Frame(session, 7, 1));
   EXPECT_TRUE(feed.lacks_states());
-  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 6));
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.worlds(), 6));
   EXPECT_FALSE(feed.lacks_states());
   feed.Read(content);
   EXPECT_THAT(TicksOf(content.events), testing::ElementsAre(1, 2, 3, 4, 5, 6, 7));
@@ -292,10 +289,10 @@ TEST(RunFeedTest, ARunThatEndedUnseenIsShownAtItsEnd) {
   RunFeed feed;
   const SessionMessage session = Session();
   FeedContent content;
-  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 4));
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.worlds(), 4));
   feed.Read(content);
   EXPECT_EQ(content.state, nullptr) << "it may continue";
-  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.shelf(), 4, true));
+  feed.SetRecorded(std::make_shared<ScriptedJournal>(session, feed.worlds(), 4, true));
   feed.Read(content);
   ASSERT_NE(content.state, nullptr);
   EXPECT_EQ(content.state->state->tick, 4u);

@@ -14,10 +14,12 @@
 #include <vector>
 
 #include "common/sensing/sensor_suite.h"
+#include "recording/timeline/timeline.h"
 #include "tests/support/small_world.h"
 #include "tests/support/values.h"
 #include "tests/unit/viewer/gateway/page_reader.h"
 #include "tests/unit/viewer/gateway/web_client.h"
+#include "viewer/gateway/page_messages.h"
 
 namespace troupe {
 namespace {
@@ -49,7 +51,7 @@ class ScriptedLink : public RunLink {
   }
 
   bool follows_always() const override { return always; }
-  std::shared_ptr<Recorded> ReadJournal(WorldCache&) override { return journal ? journal() : nullptr; }
+  std::shared_ptr<RecordedTimeline> ReadJournal(WorldCache&) override { return journal ? journal() : nullptr; }
 
   ObserverHandler& AwaitObserver() {
     std::unique_lock lock(mutex);
@@ -71,7 +73,7 @@ class ScriptedLink : public RunLink {
   std::vector<EntityReport> entities;  // of each reply
   bool always = false;
   std::atomic<bool> outdated = false;
-  std::function<std::shared_ptr<Recorded>()> journal;
+  std::function<std::shared_ptr<RecordedTimeline>()> journal;
 
  private:
   struct End : RunObservation {
@@ -439,26 +441,26 @@ TEST_F(ViewerGatewayTest, AViewerGoesBackToAPastStateAndReturns) {
 }
 
 // A recording of ten states of one world.
-class ScriptedRecording : public Recorded {
+class ScriptedRecording : public RecordedTimeline {
  public:
-  std::optional<Range> range() const override { return Range{0, 9}; }
-  std::optional<std::uint64_t> PositionOf(Tick tick) const override { return tick; }
-  Result<std::shared_ptr<const ViewedState>> At(std::uint64_t position) override {
+  std::shared_ptr<const TimeSpans> Spans() const override { return spans; }
+  Result<SharedState> At(std::uint64_t position) override {
     if (position == damaged) return Failure("the chunk is damaged");
     const SharedFrame frame = FrameAt(session, position);
-    return std::make_shared<const ViewedState>(
-        ViewedState{position, world, {frame, &frame->state}, frame->state_hash, 0});
+    return std::make_shared<const TimelineState>(
+        TimelineState{position, world, {frame, &frame->state}, frame->state_hash, 0});
   }
-  std::vector<TimeSpan> Spans() const override { return {{0, 9, 0}}; }
-  std::deque<NumberedEvent> Events() const override { return {}; }
+  const std::deque<NumberedEvent>& Events() const override { return events; }
   RunId run() const override { return session.run; }
-  std::uint64_t PositionOf(StatePlace place) const override { return place.tick; }
   bool is_whole() const override { return whole; }
 
   bool whole = true;
   std::uint64_t damaged = 8;
   SessionMessage session = LaserWorld();
-  std::shared_ptr<const ViewedWorld> world = MakeViewedWorld(session, 1);
+  WorldCache worlds{EncodeWorld};
+  std::shared_ptr<const TimelineWorld> world = worlds.Of(session);
+  std::shared_ptr<const TimeSpans> spans = std::make_shared<const TimeSpans>(std::vector<TimeSpan>{{0, 9, 0, 0}});
+  std::deque<NumberedEvent> events;
 };
 
 TEST_F(ViewerGatewayTest, ShowsARecordingFromItsStartAndRefusesToChangeIt) {

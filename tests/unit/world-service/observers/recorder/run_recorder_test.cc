@@ -107,7 +107,7 @@ TEST_F(RunRecorderTest, LetsTheRunWaitForASlowDiskAndLosesNoTick) {
   EXPECT_GT(summary.value().record_waited_seconds, 0.0);
   const Result<Recording> recording = Open();
   ASSERT_TRUE(recording.ok());
-  EXPECT_EQ(recording.value().places().greatest(), 40u);
+  EXPECT_EQ(recording.value().spans().greatest(), 40u);
   EXPECT_EQ(recording.value().keyframes(), 41u);
 }
 

@@ -1,0 +1,108 @@
+#include "world-service/replay/stepped_timeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+// Stepping on is quicker than starting at a keyframe for at most this many states.
+constexpr std::uint64_t kStepOn = 100;
+
+}  // namespace
+
+Result<std::unique_ptr<SteppedTimeline>> SteppedTimeline::Create(Recording recording, WorldCache& worlds,
+                                                                 std::size_t max_kept_bytes) {
+  if (Status other = CheckStepVersion(recording); !other.ok()) return other.error();
+  std::unique_ptr<SteppedTimeline> timeline(new SteppedTimeline(std::move(recording), worlds, max_kept_bytes));
+  std::optional<std::string>& damage = timeline->damage_;
+  damage = timeline->ReadTicks();
+  if (!damage && timeline->recording_.damage()) damage = timeline->recording_.damage()->problem;
+  if (timeline->spans_->empty()) {
+    return Error{{timeline->recording_.name()},
+                 fmt::format("found no tick: {}", damage.value_or("the recording is empty"))};
+  }
+  return timeline;
+}
+
+std::optional<std::string> SteppedTimeline::ReadTicks() {
+  auto spans = std::make_shared<TimeSpans>();
+  spans_ = spans;
+  TickReader reader(recording_);
+  RecordedTick tick;
+  std::optional<ReplayedWorld> edited;  // nothing: the world is that of the start
+  std::uint64_t events = 0;
+  for (;;) {
+    const Result<bool> more = reader.Next(tick);
+    if (!more.ok()) return more.error().message;
+    if (!more.value()) return std::nullopt;
+    if (tick.edit) {
+      if (!edited) edited.emplace(std::make_shared<const Scene>(recording_.run().world));
+      if (Status problem = edited->ApplyAlone(tick.number, *tick.edit); !problem.ok()) return problem.error().message;
+    }
+    const WorldDescription& world = edited ? edited->world() : recording_.run().world;
+    for (const Event& event : tick.events) {
+      events_.push_back({++events, tick.number, event, NamesIn(world, event)});
+      if (events_.size() > kEventsKept) events_.pop_front();
+    }
+    spans->Add(tick.number, tick.tick, tick.edition);
+  }
+}
+
+Result<SharedState> SteppedTimeline::At(std::uint64_t position) {
+  position = std::min(position, spans_->last());
+  if (SharedState kept = kept_.Find(position)) return kept;
+  if (Status failure = Seek(position); !failure.ok()) {
+    is_lost_ = true;
+    return Error{{recording_.name()}, failure.error().message + " (troupe replay tells more)", ErrorCode::kFailure};
+  }
+  return kept_.Find(position);
+}
+
+Status SteppedTimeline::Seek(std::uint64_t position) {
+  if (!cursor_) {
+    Result<ReplayCursor> cursor = ReplayCursor::At(recording_, recording_.KeyframeUpTo(position));
+    if (!cursor.ok()) return cursor.error();
+    cursor_.emplace(std::move(cursor).value());
+  } else if (is_lost_ || cursor_->position() > position || position - cursor_->position() > kStepOn) {
+    if (Status failure = cursor_->Restart(recording_.KeyframeUpTo(position)); !failure.ok()) return failure;
+  }
+  is_lost_ = false;
+  if (cursor_->has_state()) Keep();  // a dropped one may be asked for again
+  while (!cursor_->has_state() || cursor_->position() < position) {
+    const std::uint64_t next = cursor_->has_state() ? cursor_->position() + 1 : 0;
+    if (Status failure = cursor_->AdvanceTo(next); !failure.ok()) return failure;
+    Keep();
+  }
+  return {};
+}
+
+void SteppedTimeline::Keep() {
+  const ReplayedWorld& world = cursor_->world();
+  const RecordedTick& tick = cursor_->tick();
+  if (kept_.Find(tick.number) != nullptr) return;
+  TimelineState state{tick.number,        WorldOf(world), std::make_shared<const WorldState>(world.state()),
+                      world.state_hash(), tick.edition,   {}};
+  if (!tick.events.empty()) state.events = std::make_shared<const std::vector<Event>>(tick.events);
+  kept_.Add(std::make_shared<const TimelineState>(std::move(state)));
+}
+
+std::shared_ptr<const TimelineWorld> SteppedTimeline::WorldOf(const ReplayedWorld& replayed) {
+  const std::shared_ptr<const Scene>& scene = replayed.scene();
+  if (newest_world_ != nullptr && newest_scene_.lock() == scene) return newest_world_;
+  SessionMessage session;
+  session.run = run();
+  session.world = troupe::WorldOf(scene);
+  session.scene = scene;
+  session.world_edition = replayed.world_edition();
+  newest_scene_ = scene;
+  newest_world_ = worlds_.Of(session);
+  if (std::find(were_shown_.begin(), were_shown_.end(), newest_world_) == were_shown_.end()) {
+    were_shown_.push_back(newest_world_);
+  }
+  return newest_world_;
+}
+
+}  // namespace troupe
