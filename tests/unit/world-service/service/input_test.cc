@@ -121,8 +121,11 @@ TEST(InputsOfARun, AreRecordedAndReplayed) {
   ASSERT_TRUE(cursor.ok()) << cursor.error().message;
   std::size_t inputs = 0;
   std::size_t states = 0;
-  for (; cursor.value().next(); ++states) {
-    inputs += cursor.value().next()->inputs.size();
+  for (;; ++states) {
+    const Result<const RecordedTick*> next = cursor.value().Next();
+    ASSERT_TRUE(next.ok()) << next.error().message;
+    if (next.value() == nullptr) break;
+    inputs += next.value()->inputs.size();
     const Status followed = cursor.value().Advance();
     ASSERT_TRUE(followed.ok()) << followed.error().message;
     EXPECT_EQ(cursor.value().world().state_hash(), hashes.at(states));
