@@ -3,7 +3,18 @@
 #include <cmath>
 #include <sstream>
 
+#include "troupe/pose.h"
+
 namespace troupe {
+
+namespace {
+
+// Angles are told in degrees, as in world files.
+bool IsAngle(const FieldInfo& field) {
+  return field.unit.starts_with("rad");
+}
+
+}  // namespace
 
 std::string FieldCheck::TextOf(double number) {
   std::ostringstream text;
@@ -11,22 +22,27 @@ std::string FieldCheck::TextOf(double number) {
   return text.str();
 }
 
+std::string FieldCheck::TextOf(double number, const FieldInfo& field) {
+  return TextOf(IsAngle(field) ? number * 180.0 / kPi : number);
+}
+
 bool FieldCheck::FailNumber(double number, const FieldInfo& field) {
   const bool is_near = std::abs(number) <= magnitude_;
-  if (is_near || field.limits.has_max()) return Fail(TextOf(number), Expected(field));
-  return Fail(TextOf(number),
+  if (is_near || field.limits.has_max()) return Fail(TextOf(number, field), Expected(field));
+  return Fail(TextOf(number, field),
               magnitude_ > kMaxMagnitude ? "a finite number" : "at most " + TextOf(magnitude_) + " in size");
 }
 
 std::string FieldCheck::Expected(const FieldInfo& field) {
   const auto& [min, max, is_min_excluded] = field.limits;
-  const std::string unit = field.unit.empty() ? "" : " " + std::string(field.unit);
+  std::string unit = field.unit.empty() ? "" : " " + std::string(field.unit);
+  if (IsAngle(field)) unit.replace(1, 3, "degrees");
   if (field.limits.has_min() && field.limits.has_max() && !is_min_excluded) {
-    return "from " + TextOf(min) + " to " + TextOf(max) + unit;
+    return "from " + TextOf(min, field) + " to " + TextOf(max, field) + unit;
   }
   std::string text;
-  if (field.limits.has_min()) text = (is_min_excluded ? "above " : "at least ") + TextOf(min);
-  if (field.limits.has_max()) text += (text.empty() ? "at most " : " and at most ") + TextOf(max);
+  if (field.limits.has_min()) text = (is_min_excluded ? "above " : "at least ") + TextOf(min, field);
+  if (field.limits.has_max()) text += (text.empty() ? "at most " : " and at most ") + TextOf(max, field);
   return text + unit;
 }
 

@@ -44,8 +44,9 @@ class FieldCheck {
     if constexpr (std::is_same_v<Value, Interval> || std::is_same_v<Value, ZRange>) {
       if (!CheckNumber(value.min, field)) return FailAt("min");
       if (!CheckNumber(value.max, field)) return FailAt("max");
-      return value.min <= value.max || Fail("an interval from " + TextOf(value.min) + " to " + TextOf(value.max),
-                                            "an end that is not below its beginning");
+      return value.min <= value.max ||
+             Fail("an interval from " + TextOf(value.min, field) + " to " + TextOf(value.max, field),
+                  "an end that is not below its beginning");
     } else if constexpr (HasFields<Value>) {
       const auto check = [&](const auto& part) { return CheckValue(part.Of(value), part) || FailAt(part.name); };
       return std::apply([&](const auto&... part) { return (... && check(part)); }, kFields<Value>);
@@ -93,6 +94,7 @@ class FieldCheck {
   std::size_t CountOf(PersonId) const { return world_->people.size(); }
 
   static std::string TextOf(double number);
+  static std::string TextOf(double number, const FieldInfo& field);
   static std::string Expected(const FieldInfo& field);
   bool FailNumber(double number, const FieldInfo& field);  // returns false, as the next
   bool Fail(const std::string& found, const std::string& expected);

@@ -3,7 +3,8 @@
 docs/architecture.md differs from the rules in tests/architecture_test.cmake, if those rules have a cycle, also one
 between folders of the top level, if a step of the walks there names a file or function that does not exist, if the table
 of members in docs/reliability.md is not complete, or if a folder of the top level has no README, one that is too long, or
-one that names a file that does not exist; or if CITATION.cff or the changelog lack the version.
+one that names a file that does not exist; or if CITATION.cff or the changelog lack the version, or if the table of the parameters of sensors in docs/sensors.md
+differs from their lists of fields.
 
 usage: check_docs.py ROOT [--write]     --write: corrects the column of dependencies in the table
 """
@@ -222,6 +223,32 @@ def check_members(root):
              for member in existing if member not in listed])
 
 
+def check_sensor_fields(root):
+    """The table of sensors' parameters has the fields of include/troupe/sensor_description.h, in their order."""
+    header = (root / "include/troupe/sensor_description.h").read_text()
+    fields = {}
+    for name, body in re.findall(r"^struct (\w+) \{\n(.*?)^\};", header, re.MULTILINE | re.DOTALL):
+        listed = re.findall(r'Field\{"(\w+)", &(\w+)::(\w+)', body)
+        fields[name] = [field for field, _, _ in listed]
+        for part, element in (("ray_sensors", "RaySensorDescription"), ("segments", "BumperSegment")):
+            if part in fields[name]:
+                at = fields[name].index(part) + 1
+                fields[name][at:at] = fields[element]
+    types = dict(re.findall(r'^struct (\w+) \{\n  static constexpr std::string_view kType = "(\w+)";', header, re.MULTILINE))
+    page = (root / "docs/sensors.md").read_text()
+    rows = dict(re.findall(r"^\| `(\w+)` \| (.*) \|$", page[page.index("## A kind of your own"):page.index("## Cost")],
+                           re.MULTILINE))
+    problems = []
+    for name, kind in types.items():
+        if kind == "break_beam":
+            continue
+        expected = fields[name]
+        found = re.findall(r"`(\w+)`", rows.get(kind, ""))
+        if found != expected:
+            problems.append(f"docs/sensors.md: fields of {kind}: found {found}, expected {expected}")
+    return problems
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
@@ -229,6 +256,7 @@ def main():
     problems = check_links(root) + check_room_readmes(root) + check_table(root, "--write" in sys.argv) + check_walks(root)
     problems += check_versions(root)
     problems += check_members(root)
+    problems += check_sensor_fields(root)
     for problem in problems:
         print(problem)
     sys.exit(1 if problems else 0)

@@ -61,13 +61,24 @@ class RandomRows {
       value.resize(Below(4));
       for (auto& element : value) Fill(element, field);
     } else if constexpr (std::is_same_v<Value, SensorParameters>) {
-      FillKind(value, Below(std::variant_size_v<SensorParameters>));
+      constexpr std::size_t kBreakBeam = 1;
+      const std::size_t kind = Below(std::variant_size_v<SensorParameters>);
+      FillKind(value, kind == kBreakBeam ? 0 : kind);
     } else if constexpr (kIsOptional<Value>) {
       FillOptional(value, field);
     } else if constexpr (requires { value.Change(); }) {
       Fill(value.Change(), field);
     } else {
       static_assert(kIsId<Value>);
+    }
+  }
+
+  // Parameters of the alternative of this number.
+  template <std::size_t kind = 0>
+  void FillKind(SensorParameters& parameters, std::size_t number) {
+    if constexpr (kind < std::variant_size_v<SensorParameters>) {
+      if (number != kind) return FillKind<kind + 1>(parameters, number);
+      Fill(parameters.emplace<kind>());
     }
   }
 
@@ -82,15 +93,6 @@ class RandomRows {
     if constexpr (!kIsId<Value> && !std::is_same_v<Value, PixelArea>) {
       value.reset();
       if (Coin()) Fill(value.emplace(), field);
-    }
-  }
-  template <std::size_t kind = 0>
-  void FillKind(SensorParameters& parameters, std::size_t number) {
-    if constexpr (kind < std::variant_size_v<SensorParameters>) {
-      using Kind = std::variant_alternative_t<kind, SensorParameters>;
-      if (number != kind) return FillKind<kind + 1>(parameters, number);
-      if constexpr (std::is_same_v<Kind, BreakBeamParameters>) return FillKind(parameters, 0);
-      Fill(parameters.emplace<Kind>());
     }
   }
 

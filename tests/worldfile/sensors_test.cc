@@ -168,7 +168,7 @@ TEST(Sensors, WrongValuesAreRefusedAtTheirPlaces) {
   EXPECT_EQ(ErrorOf("ranger( sensor( planes 2 vertical_fov 0 ) )"),
             "w.world:1:49: error: found no 'vertical_fov' above 0 for several planes");
   EXPECT_THAT(ErrorOf("ranger( sensor( elevations [5 5] ) )"), HasSubstr("w.world:1:38: error: found elevations"));
-  EXPECT_THAT(ErrorOf("imu( gyro_noise -5 )"), HasSubstr("the standard deviation of one of its errors is negative"));
+  EXPECT_THAT(ErrorOf("imu( gyro_noise -5 )"), HasSubstr("gyro_noise: found -5, expected at least 0 degrees/s"));
 }
 
 // Others are read as the nearest sensible ones (odd_values_test has more).

@@ -92,7 +92,7 @@ class Crowd {
 
   bool IsFree(const Vec2& at, const PeopleRule& rule) {
     const ZRange z{rule.z, rule.z + rule.height};
-    const double reach = rule.radius + kGap;
+    const double reach = rule.person.radius + kGap;
     const Rectangle box = Rectangle::Around(at, reach);
     const auto is_near = [&](const ConvexPiece& piece) {
       return piece.obstacle && piece.z.Overlaps(z) &&
@@ -123,9 +123,9 @@ class Crowd {
   Look LookOf(const PeopleRule& rule) {
     const double hips = 0.48 * rule.height;
     const double neck = 0.86 * rule.height;
-    const double head_radius = std::min(0.12, 0.7 * rule.radius);
-    const ShapeId body =
-        AddShape({{Prism(8, 0.8 * rule.radius, {0.0, hips}), Prism(12, rule.radius, {hips, neck})}, {}, {}});
+    const double head_radius = std::min(0.12, 0.7 * rule.person.radius);
+    const ShapeId body = AddShape(
+        {{Prism(8, 0.8 * rule.person.radius, {0.0, hips}), Prism(12, rule.person.radius, {hips, neck})}, {}, {}});
     const ShapeId head = AddShape({{Prism(8, head_radius, {0.0, rule.height - neck})}, {}, {}});
     return {neck, 2.0 * head_radius, body, head};
   }
@@ -141,16 +141,13 @@ class Crowd {
     model.type = "person";
     model.X_PM = start;
     model.shape = look.body;
-    model.size_x = model.size_y = 2.0 * rule.radius;
+    model.size_x = model.size_y = 2.0 * rule.person.radius;
     model.size_z = rule.height;
     model.color = kShirts[RandomBits({seed_, kStartStream, number, i, 0}) % kShirts.size()];
-    PersonDescription person;
+    PersonDescription person = rule.person;
     person.root = ModelId(world_.models.size());
-    person.radius = rule.radius;
     person.speed = rule.speed.min + Random(number, i, kMaxDraws, 0) * (rule.speed.max - rule.speed.min);
-    person.max_speed = rule.max_speed > 0.0 ? std::max(rule.max_speed, person.speed) : 1.4 * person.speed;
-    person.reaction = rule.reaction;
-    person.goals = rule.goals;
+    person.max_speed = person.max_speed > 0.0 ? std::max(person.max_speed, person.speed) : 1.4 * person.speed;
     person.leader = leader;
     world_.models.push_back(model);
     model.name += ".head";
@@ -163,7 +160,7 @@ class Crowd {
     model.color = kSkins[RandomBits({seed_, kStartStream, number, i, 1}) % kSkins.size()];
     world_.models.push_back(std::move(model));
     world_.people.push_back(person);
-    starts_.push_back({start.translation(), rule.radius, {rule.z, rule.z + rule.height}});
+    starts_.push_back({start.translation(), rule.person.radius, {rule.z, rule.z + rule.height}});
   }
 
   ShapeId AddShape(Shape shape) {
@@ -256,7 +253,7 @@ Result<LoadedWorld> AddCrowd(LoadedWorld loaded) {
     PeopleRule rule;
     rule.count = static_cast<std::uint32_t>(std::min<std::size_t>(group.count, kMaxPeople + 1));
     const std::uint32_t state = number_of(group.state);
-    rule.goals = first + state;
+    rule.person.goals = first + state;
     // All of a group start at one point: beside each other there.
     const double half = 1.0 + std::sqrt(static_cast<double>(group.count));
     const Vec2& at = group.start;
@@ -278,9 +275,9 @@ Result<LoadedWorld> AddCrowd(LoadedWorld loaded) {
     const auto profile = std::find_if(crowd.profiles.begin(), crowd.profiles.end(),
                                       [&](const CrowdProfile& each) { return each.name == group.profile; });
     if (profile != crowd.profiles.end()) {
-      if (profile->radius > 0.0) rule.radius = profile->radius;
+      if (profile->radius > 0.0) rule.person.radius = profile->radius;
       if (profile->speed > 0.0) rule.speed = {profile->speed, profile->speed};
-      rule.max_speed = profile->max_speed;
+      rule.person.max_speed = profile->max_speed;
     }
     rules.push_back(std::move(rule));
   }

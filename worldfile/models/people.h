@@ -19,12 +19,10 @@ struct PeopleRule {
   Polygon region;            // normalized, m, frame W; contains the starts
   double z = 0.0;            // m, of the floor on which they walk
   Interval speed{1.1, 1.5};  // m/s; each person's is drawn between these
-  double max_speed = 0.0;    // m/s; 0: 1.4 times the person's speed
-  double radius = 0.25;      // m
   double height = 1.75;      // m
-  PersonReaction reaction = PersonReaction::kRegular;
+  // What they have in common; max_speed 0: 1.4 times the person's speed.
+  PersonDescription person = {.root = {}, .max_speed = 0.0};
   std::uint32_t group = 1;  // people that walk together
-  std::uint32_t goals = 0;  // the first goal set, of the world
   std::string name_prefix = "person";
   SourceLocation where;
 };

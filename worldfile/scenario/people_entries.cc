@@ -37,9 +37,9 @@ Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
   if (!region.ok()) return region.error();
   rule.region = std::move(region).value();
   object.Read("z", rule.z);
-  object.Read("radius", rule.radius);
+  object.Read("radius", rule.person.radius);
   object.Read("height", rule.height);
-  object.Read("max_speed", rule.max_speed);
+  object.Read("max_speed", rule.person.max_speed);
   object.Read("group", rule.group);
   object.Read("name_prefix", rule.name_prefix);
   for (const auto& [key, interval] : {std::pair{"speed", &rule.speed}, std::pair{"wait", &entry.wait}}) {
@@ -50,10 +50,10 @@ Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
     *interval = read.value();
   }
   if (const JsonNode* const found = object.Find("reaction")) {
-    rule.reaction = found->text == "curious"    ? PersonReaction::kCurious
-                    : found->text == "scared"   ? PersonReaction::kScared
-                    : found->text == "careless" ? PersonReaction::kCareless
-                                                : PersonReaction::kRegular;
+    rule.person.reaction = found->text == "curious"    ? PersonReaction::kCurious
+                           : found->text == "scared"   ? PersonReaction::kScared
+                           : found->text == "careless" ? PersonReaction::kCareless
+                                                       : PersonReaction::kRegular;
   }
   if (const JsonNode* const found = object.Find("order")) entry.in_turn = found->text == "in turn";
   for (const JsonNode& goal : object.ItemsOf("goals")) {
@@ -137,7 +137,7 @@ Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleEntry>
     const Result<std::uint32_t> goals = AddGoals(loaded.world, entries[i], i);
     if (!goals.ok()) return goals.error();
     rules.push_back(entries[i].rule);
-    rules.back().goals = goals.value();
+    rules.back().person.goals = goals.value();
   }
   const std::uint64_t seed = loaded.world.seed;
   return AddPeople(std::move(loaded), rules, seed);

@@ -81,7 +81,8 @@ constexpr auto WithoutFirst(const std::tuple<All...>& all) {
 // Whether a cell of a column has the type for a field.
 template <typename Cell, typename Part>
 constexpr bool IsCellOf() {
-  if constexpr (kIsOptional<Part>) return std::is_same_v<Cell, std::int32_t>;  // -1: none
+  if constexpr (std::is_same_v<Part, std::optional<double>>) return std::is_same_v<Cell, double>;  // 0: none
+  if constexpr (kIsOptional<Part>) return std::is_same_v<Cell, std::int32_t>;                      // -1: none
   if constexpr (kIsId<Part>) return std::is_same_v<Cell, std::uint32_t>;
   if constexpr (std::is_same_v<Part, std::string>) return std::is_same_v<Cell, char*>;
   if constexpr (std::is_same_v<Part, bool>) return std::is_same_v<Cell, bool> || std::is_same_v<Cell, std::uint8_t>;
@@ -98,6 +99,8 @@ Cell ToCell(const Part& part, WireArena& arena) {
   static_assert(IsCellOf<Cell, Part>(), "a column has another type than its field");
   if constexpr (kIsOptionalId<Part>) {
     return part ? static_cast<Cell>(part->index()) : Cell{-1};
+  } else if constexpr (std::is_same_v<Part, std::optional<double>>) {
+    return part.value_or(0.0);
   } else if constexpr (kIsOptional<Part>) {
     return part ? static_cast<Cell>(*part) : Cell{-1};
   } else if constexpr (kIsId<Part>) {
@@ -114,7 +117,9 @@ Cell ToCell(const Part& part, WireArena& arena) {
 template <typename Cell, typename Part>
 bool FromCell(Cell cell, Part& part) {
   static_assert(IsCellOf<std::remove_const_t<Cell>, Part>(), "a column has another type than its field");
-  if constexpr (kIsOptional<Part>) {
+  if constexpr (std::is_same_v<Part, std::optional<double>>) {
+    part = cell > 0.0 ? std::optional(cell) : std::nullopt;
+  } else if constexpr (kIsOptional<Part>) {
     if (cell >= 0) {
       part.emplace(static_cast<std::uint32_t>(cell));
     } else {

@@ -271,7 +271,7 @@ const Fault kFaults[] = {
      },
      "robots.0.sensors.0.parameters.ray_sensors.0.range.min: found -1, expected at least 0 m"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].fov = -0.1; },
-     "robots.0.sensors.0.parameters.ray_sensors.0.fov: found -0.1, expected at least 0 rad"},
+     "robots.0.sensors.0.parameters.ray_sensors.0.fov: found -5.72958, expected at least 0 degrees"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 0; },
      "robots.0.sensors.0.parameters.ray_sensors.0.samples: found 0, expected from 1 to 100000"},
     {[](auto& w) { RaySensors(w.robots[0].sensors[0])[0].samples = 100'001; },

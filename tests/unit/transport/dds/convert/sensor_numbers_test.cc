@@ -8,23 +8,17 @@
 #include <variant>
 #include <vector>
 
+#include "tests/support/random_rows.h"
+
 namespace troupe::dds {
 namespace {
 
-// One of each kind, with values that are no defaults.
+// Of each kind, with values at random.
 std::vector<SensorParameters> AllKinds() {
-  RaySensorDescription ray{{1, 2, 3, 0.5}, {0.5, 9.0}, 2.0, 7, 0.1, 0.2, 0.3, {-0.5, 0.25}};
-  return {
-      RangerParameters{{ray, RaySensorDescription{}}},
-      BreakBeamParameters{{{{1, 2}, {3, 4}, 5}}},
-      FiducialParameters{{1, 2, 3, 0.5}, {0.5, 9.0}, 3.0, 2.0, -1'000'000'000, true},
-      BumperParameters{{{{1, 2, 3, 0.5}, 0.25}, {{}, 1.0}}, 0.1},
-      ContactParameters{},
-      BlobfinderParameters{{1, 2, 3, 0.5}, 10, 20, 3.0, 1.0, {{0.1, 0.2, 0.3, 0.4}, {}}},
-      CameraParameters{{1, 2, 3, 0.5}, 10, 20, {0.5, 9.0}, 1.0, {-0.2, 0.4}},
-      RadioParameters{{1, 2, 3, 0.5}, 4, 20.0, 5e3, 0.2, 0.1, 0.2, 15.0, 2.5, 9.0, 4.0, true, 0.1, 0.05},
-      ImuParameters{{1, 2, 3, 0.5}, 0.01, 0.02, 0.03, 0.04, 0.05},
-  };
+  test::RandomRows random(1);
+  std::vector<SensorParameters> kinds(std::variant_size_v<SensorParameters>);
+  for (std::size_t i = 0; i < kinds.size(); ++i) random.FillKind(kinds[i], i);
+  return kinds;
 }
 
 TEST(SensorNumbers, EveryKindSurvivesItsFields) {
