@@ -59,7 +59,8 @@ ProposalMessage SomeProposal() {
                         {0.1, -0.0, infinity},
                         {1.0, 2.0},
                         {{1, std::nullopt, {7, 8}}},
-                        {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, infinity}},
+                        {LightOrder{0, true}, LightOrder{3, false}, CameraOrder{4, 0.5, infinity}, DoorOrder{1, 0.25},
+                         LiftOrder{0, 2, true}, TwistOrder{{0.5, -0.0, 1e-300}}},
                         "hello"},
                        {RobotId(4000000000), {}, {}, {{0, RobotId(2), {}}, {0, {}, {255}}}}};
   message.reports = {"a report", ""};
