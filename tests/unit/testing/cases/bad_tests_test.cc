@@ -101,7 +101,7 @@ const BadTest kBadTests[] = {
      ":2:35: error: found the name 'sead', expected one of those in 'vary'; did you mean 'seed'?"},
     {"WhereEnds", With("'vary': {'seed': [1]}, 'where': ['seed >']"), ":2:41: error: found the end"},
     {"WhereIsANumber", With("'vary': {'seed': [1]}, 'where': ['3 + 4']"),
-     ":2:35: error: found a number, expected a condition"},
+     ":2:37: error: found a number, expected a condition"},
     {"WhereComparesKinds", With("'where': ['3 == \\'a\\'']"), ":2:"},
     {"WhereOpenParenthesis", With("'vary': {'seed': [1]}, 'where': ['(seed > 1']"),
      ":2:44: error: found the end, expected ')'"},
