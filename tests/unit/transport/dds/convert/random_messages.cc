@@ -270,6 +270,11 @@ RobotCommand RandomMessages::Command(RobotId robot) {
   RobotCommand command;
   Fill(command);
   command.robot = robot;
+  for (GripperOrder& order : command.grippers) {  // percent
+    for (std::optional<double>* part : {&order.opening, &order.lift}) {
+      if (*part) *part = Number(0.0, 100.0);
+    }
+  }
   return command;
 }
 
