@@ -80,8 +80,9 @@ std::uint64_t TimeSpans::PositionOf(StatePlace place) const {
   });
   if (after == spans_.begin()) return 0;
   const TimeSpan& before = *std::prev(after);
-  if (before.edition == place.edition) return before.first + (place.tick - before.tick);
-  return before.last + (place.edition - before.edition);
+  const std::uint64_t position = before.edition == place.edition ? before.first + (place.tick - before.tick)
+                                                                 : before.last + (place.edition - before.edition);
+  return after == spans_.end() ? position : std::min(position, after->first);
 }
 
 std::uint64_t TimeSpans::BeginOf(Edition edition) const {
