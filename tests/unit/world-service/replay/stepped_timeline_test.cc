@@ -10,6 +10,7 @@
 #include <set>
 
 #include "common/model/states.h"
+#include "recording/mcap/reader.h"
 #include "tests/support/controlled_run.h"
 #include "tests/support/files.h"
 #include "tests/support/small_world.h"
@@ -96,7 +97,8 @@ TEST_F(SteppedTimelineTest, ItsSpansAreThoseOfTheIndexOfTheFile) {
 }
 
 TEST_F(SteppedTimelineTest, AFileThatIsCutOffIsATimelineUpToThere) {
-  std::filesystem::resize_file(Path(), std::filesystem::file_size(Path()) * 3 / 4);
+  const mcap::Reader file = mcap::Reader::Open(mcap::OpenFileSource(Path()).value()).value();
+  std::filesystem::resize_file(Path(), file.chunks()[file.chunks().size() / 2].offset + 1);
   WorldCache worlds;
   const auto timeline = std::move(SteppedTimeline::Create(Open(), worlds)).value();
   EXPECT_TRUE(timeline->damage());
