@@ -17,8 +17,8 @@
 //   {"type": "live"}
 //   {"type": "series", "id": 11, "signals": [["r0", "x"], ...], "from": 0, "to": 500, "every": 1}: of signals
 //   (signals.h)
-//     between two positions; without signals the reply has those that there are; {"type": "totals", "id": 12}: of robots (past_reader.h); {"type": "expectations", "id":
-//     14}: their verdicts (expectation_rows.h)
+//     between two positions; without signals the reply has those that there are; {"type": "totals", "id": 12}: of
+//     robots (past_reader.h); {"type": "expectations", "id": 14}: their verdicts (expectation_rows.h)
 //   {"type": "run_again", "id": 13, "seed": 5}: starts a run that is over again; without a seed with its own. A page
 //     that runs its scenario itself starts it at any time, and with other values: "values": [["spawn[0].count", 20],
 //     ...]
