@@ -321,7 +321,7 @@ Result<bool> TickReader::Next(RecordedTick& tick) {
   for (;;) {
     if (!chunk_ || next_message_ == chunk_->messages.size()) {
       if (begun) return Broken("found a chunk that ends within a tick");
-      const Result<bool> more = NextChunk();
+      Result<bool> more = NextChunk();
       if (!more.ok()) return more;
       if (!more.value()) return NextOfTail(tick);
       continue;

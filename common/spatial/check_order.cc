@@ -121,7 +121,7 @@ Status CheckInput(const Scene& scene, const Input& input) {
   if (input.robot && !HasRobot(world, *input.robot)) {
     return Refusal("found an order for a robot that the world does not have");
   }
-  const Status problem = std::visit(OrderCheck(scene, input.robot), input.order);
+  Status problem = std::visit(OrderCheck(scene, input.robot), input.order);
   if (problem.ok() || !input.robot) return problem;
   return Refusal("robot " + world.robot(*input.robot).name + ": " + problem.error().message);
 }
