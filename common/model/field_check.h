@@ -62,9 +62,7 @@ class FieldCheck {
              Fail(std::to_string(value.index()), "one of " + std::to_string(CountOf(value)));
     } else if constexpr (kIsOptional<Value>) {
       return !value || CheckValue(*value, field);
-    } else if constexpr (std::is_same_v<Value, std::vector<std::uint8_t>>) {
-      return true;  // any
-    } else if constexpr (kIsList<Value>) {
+    } else if constexpr (kIsList<Value> && !std::is_same_v<Value, std::vector<std::uint8_t>>) {  // any bytes will do
       for (std::size_t i = 0; i < value.size(); ++i) {
         if (!CheckValue(value[i], field)) return FailAt(std::to_string(i));
       }

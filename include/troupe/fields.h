@@ -127,12 +127,16 @@ constexpr bool IsSameMember(const A& a, const B& b) {
 
 template <typename... Listed>
 constexpr bool AreDistinct(const std::tuple<Listed...>& fields) {
-  return std::apply(
-      [&](const auto&... a) {
-        const auto count = [&](const auto& b) { return (0 + ... + (IsSameMember(a, b) ? 1 : 0)); };
-        return (... && (count(a) == 1));
-      },
-      fields);
+  if constexpr (sizeof...(Listed) == 0) {
+    return true;
+  } else {
+    return std::apply(
+        [](const auto&... a) {
+          const auto count = [&](const auto& b) { return (0 + ... + (IsSameMember(a, b) ? 1 : 0)); };
+          return (... && (count(a) == 1));
+        },
+        fields);
+  }
 }
 
 constexpr bool IsUnit(std::string_view unit) {
@@ -147,7 +151,7 @@ struct NestedLeaf : FieldInfo {
   using Part = typename Leaf::Part;
 
   constexpr NestedLeaf(const Branch& its_branch, const Leaf& its_leaf)
-      : FieldInfo(its_leaf), branch(its_branch), leaf(its_leaf) {
+      : FieldInfo(static_cast<const FieldInfo&>(its_leaf)), branch(its_branch), leaf(its_leaf) {
     if (documentation.empty()) documentation = branch.documentation;
     if (unit.empty()) unit = branch.unit;
     if (limits == FieldLimits()) limits = branch.limits;

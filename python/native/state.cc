@@ -133,16 +133,16 @@ py::object ColumnOf(const Signal& signal, const SignalView& view, std::size_t ro
   if (signal.type == ValueType::kText) {
     py::tuple texts(rows);
     for (std::size_t row = 0; row < rows; ++row) texts[row] = py::str(signal.text(view, row));
-    return std::move(texts);
+    return texts;
   }
   if (signal.type == ValueType::kTruth) {
     py::array_t<bool> truths(static_cast<py::ssize_t>(rows));
     for (std::size_t row = 0; row < rows; ++row) truths.mutable_data()[row] = signal.number(view, row) != 0.0;
-    return std::move(truths);
+    return truths;
   }
   py::array_t<double> numbers(static_cast<py::ssize_t>(rows));
   for (std::size_t row = 0; row < rows; ++row) numbers.mutable_data()[row] = signal.number(view, row);
-  return std::move(numbers);
+  return numbers;
 }
 
 py::dict TableOf(const WorldPointer& world, const std::string& name) {

@@ -107,14 +107,14 @@ struct Worth {
   bool is_text = false;
 };
 
-Worth WorthOf(const std::string& json) {
-  if (json == "true") return {kInfinity};
-  if (json == "false") return {-kInfinity};
-  if (const std::optional<LeadingNumber> number = ReadLeadingNumber(json); number && number->is_all) {
+Worth WorthOf(const std::string& literal) {
+  if (literal == "true") return {kInfinity};
+  if (literal == "false") return {-kInfinity};
+  if (const std::optional<LeadingNumber> number = ReadLeadingNumber(literal); number && number->is_all) {
     return {number->value};
   }
-  const nlohmann::json value = nlohmann::json::parse(json, nullptr, false);
-  return {0.0, value.is_string() ? value.get<std::string>() : json, true};
+  const nlohmann::json value = nlohmann::json::parse(literal, nullptr, false);
+  return {0.0, value.is_string() ? value.get<std::string>() : literal, true};
 }
 
 double Combine(Op op, double x, double y) {

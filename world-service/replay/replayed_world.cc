@@ -299,7 +299,7 @@ Status ReplayCursor::Restart(std::size_t chunk) {
   begins_run_ = chunk == 0;
   has_state_ = has_next_ = has_ended_ = false;
   if (begins_run_) world_.Begin();
-  const Status edited = recording_->VisitEdits(
+  Status edited = recording_->VisitEdits(
       chunk, [this](std::uint64_t number, const RecordedEdit& edit) { return world_.ApplyAlone(number, edit); });
   if (edited.ok()) return edited;
   return Error{{recording_->name()}, edited.error().message, ErrorCode::kFailure};
