@@ -132,7 +132,8 @@ bool FromCell(Cell cell, Part& part) {
     part = Text(cell);
   } else {
     part = static_cast<Part>(cell);
-    if constexpr (std::is_same_v<Part, bool>) return cell <= 1;
+    if constexpr (std::is_same_v<Part, bool> && !std::is_same_v<std::remove_cvref_t<decltype(cell)>, bool>)
+      return cell <= 1;
     if constexpr (std::is_enum_v<Part>) return part <= LastOf(Part());
   }
   return true;

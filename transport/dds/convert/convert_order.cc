@@ -19,8 +19,8 @@ troupe_wire_InputColumns ToWire(const std::vector<Input>& inputs, WireArena& are
 
 Status FromWire(const troupe_wire_InputColumns& wire, std::vector<Input>& inputs) {
   inputs.clear();
-  const auto add = [&](RobotId robot, Order order) {
-    inputs.push_back({robot == RobotId() ? std::nullopt : std::optional(robot), std::move(order)});
+  const auto add = [&](RobotId robot, const Order& order) {
+    inputs.push_back({robot == RobotId() ? std::nullopt : std::optional(robot), order});
     return true;
   };
   Status problem = OrdersFromColumns<LightOrder>("inputs of lights", wire.lights, add);

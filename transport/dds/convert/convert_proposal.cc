@@ -78,9 +78,9 @@ void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& 
 }
 
 Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
-  const auto add = [&](RobotId robot, Order order) {
+  const auto add = [&](RobotId robot, const Order& order) {
     Proposal* const proposal = FindProposal(proposals, robot);
-    if (proposal != nullptr) proposal->orders.push_back(std::move(order));
+    if (proposal != nullptr) proposal->orders.push_back(order);
     return proposal != nullptr;
   };
   Status problem = OrdersFromColumns<LightOrder>("proposal of lights", wire.lights, add);
