@@ -215,6 +215,8 @@ TEST_F(RosInterfaces, SpawnsSeveralEntitiesFromNamesAndTexts) {
 
 TEST_F(RosInterfaces, SetsTheTwistThatADriveCanHave) {
   EXPECT_EQ(SetTwist("r0", 0.5, 0.0), kOk);
+  // It is an input of the next tick.
+  OutputOf(Troupe(Words("ctl step --session % --domain %", {TestSession("interfaces"), std::to_string(TestDomain())})));
   simulation_interfaces_srv_dds__GetEntityState_Request_ request{};
   request.entity = Text("r0");
   get_state_.Call(request, [](const auto& response) { EXPECT_EQ(response.state.twist.linear.x, 0.5); });
