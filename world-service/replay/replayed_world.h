@@ -1,6 +1,7 @@
 // ReplayedWorld: the world of a recorded run, brought from one committed state to the next by the recorded inputs.
-// ReplayCursor: the loop that does so over a recording, and compares each state with the recorded one. Whoever steps a
-// recorded run uses it: replays, exports, tests, branches, rewinds, services that continue a run, and SteppedTimeline.
+// ReplayCursor: the loop that does so over a recording, and compares each state with the recorded one. Each stepper of
+// a recorded run uses it: replays, exports, tests, branches, rewinds, services that continue a run, and
+// SteppedTimeline.
 #pragma once
 
 #include <cstdint>
