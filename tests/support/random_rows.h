@@ -54,9 +54,11 @@ class RandomRows {
     } else if constexpr (std::is_enum_v<Value>) {
       value = static_cast<Value>(Below(static_cast<std::uint64_t>(LastOf(Value())) + 1));
     } else if constexpr (std::is_integral_v<Value>) {
+      using Limits = std::numeric_limits<Value>;
       const bool is_any = !field.limits.has_min() && !field.limits.has_max();
-      const double least = std::is_signed_v<Value> ? -1000.0 : 0.0;
-      value = static_cast<Value>(is_any ? Number(least, 1000.0) : FillNumber(field.limits));
+      const double min = std::max(static_cast<double>(Limits::min()), -1000.0);
+      const double max = std::min(static_cast<double>(Limits::max()), 1000.0);
+      value = static_cast<Value>(is_any ? Number(min, max) : FillNumber(field.limits));
     } else if constexpr (kIsList<Value>) {
       value.resize(Below(4));
       for (auto& element : value) Fill(element, field);
