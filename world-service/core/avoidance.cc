@@ -19,6 +19,7 @@ constexpr double kWatchTime = 10.0;        // s
 constexpr double kScaredGap = 1.0;         // m that scared people leave to robots
 
 // The nearest robot at the person's height; null if none is within kForget.
+// Of several at the same distance it is the one with the lowest number.
 const Disc* NearestRobot(const PeopleView& view, std::size_t i) {
   const Disc* nearest = nullptr;
   double least = kForget;
@@ -27,6 +28,7 @@ const Disc* NearestRobot(const PeopleView& view, std::size_t i) {
     const Disc& disc = view.disc(k);
     if (!disc.is_robot) return;
     const double distance = (disc.center - view.disc(i).center).norm() - disc.radius;
+    // The order of visits is that of the cells of the grid: the number decides between equal distances.
     if (distance > least || (distance == least && k > number)) return;
     nearest = &disc;
     least = distance;
@@ -42,6 +44,7 @@ std::optional<Vec2> ReactToRobots(const PeopleView& view, PersonId id, PersonSta
   if (description.reaction != PersonReaction::kCurious && description.reaction != PersonReaction::kScared) return {};
   const Disc* const robot = NearestRobot(view, id.index());
   if (robot == nullptr) {
+    // It forgets the robots that it has watched.
     person.watch_ticks = 0;
     return {};
   }
@@ -49,9 +52,12 @@ std::optional<Vec2> ReactToRobots(const PeopleView& view, PersonId id, PersonSta
   const double distance = to.norm() - robot->radius;
   if (distance > kSight) return {};
   if (description.reaction == PersonReaction::kScared) {
+    // From nothing at kSight to the whole speed at a contact, added to the walk to its goal: it still gets there, on a
+    // detour.
     velocity -= description.speed * (1.0 - std::max(0.0, distance) / kSight) * Unit(to);
     return {};
   }
+  // It has seen enough until it has been away from robots.
   if (person.watch_ticks >= TicksOf(view.world(), kWatchTime)) return {};
   ++person.watch_ticks;
   velocity = distance > kWatchDistance ? Vec2(description.speed * Unit(to)) : Vec2(0.0, 0.0);
@@ -64,6 +70,8 @@ Vec2 Avoidance::Velocity(PersonId id, const Vec2& preferred) {
   const Disc& me = view_.disc(id.index());
   FindOthers(id);
   FindWalls(id);
+  // The gap is added to the radius of the walker, not kept as a constraint of its own: where there is no room for it,
+  // ORCA gives the velocity that violates it least, and the bodies still do not meet.
   const Walker walker{me.center, me.velocity, preferred, me.radius + kGap, view_.world().person(id).max_speed};
   return orca_.Velocity(walker, neighbors_, nearest_);
 }
@@ -80,6 +88,7 @@ void Avoidance::FindOthers(PersonId id) {
     const double square = (other.center - me.center).squaredNorm();
     return square < reach * reach ? std::optional(square) : std::nullopt;
   };
+  // A search by rings of cells ends as soon as no farther disc could be among the nearest.
   view_.walkers().ForEachNear(
       me.center, me.z, kAvoidReach,
       [&](std::uint32_t k) {
@@ -93,6 +102,7 @@ void Avoidance::FindOthers(PersonId id) {
   neighbors_.clear();
   for (const NearDisc& near : others_) {
     const Disc& other = view_.disc(near.number);
+    // People avoid each other by halves (reciprocal); a robot keeps its way, so that the person does all of it.
     const bool avoids = other.pieces == nullptr;
     const bool is_feared = other.is_robot && reaction == PersonReaction::kScared;
     neighbors_.push_back(
@@ -103,10 +113,12 @@ void Avoidance::FindOthers(PersonId id) {
 void Avoidance::FindWalls(PersonId id) {
   const Disc& me = view_.disc(id.index());
   walls_.clear();
+  // By distance, then by number: the order of the walls is an input of ORCA.
   std::sort(objects_.begin(), objects_.end());
   for (const NearDisc& near : objects_) {
     for (const ConvexPiece& piece : *view_.disc(near.number).pieces) AddWalls(piece, me);
   }
+  // A wall beyond it cannot be met within the horizon, even at full speed straight to it.
   const double reach = me.radius + kGap + kWallHorizon * view_.world().person(id).max_speed;
   view_.scene().static_index().Query(Rectangle::Around(me.center, reach), pieces_);
   for (const ConvexPiece* piece : pieces_) AddWalls(*piece, me);
@@ -115,6 +127,7 @@ void Avoidance::FindWalls(PersonId id) {
     const double s = std::clamp((me.center - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
     return (wall.a + s * along - me.center).squaredNorm();
   };
+  // The nearest first, as ORCA asks for (orca.h); equal distances keep the order of the list.
   order_.clear();
   for (std::size_t k = 0; k < walls_.size(); ++k) {
     const double square = distance_to(walls_[k]);
@@ -130,6 +143,8 @@ void Avoidance::AddWalls(const ConvexPiece& piece, const Disc& me) {
   for (std::size_t k = 0; k < piece.vertices.size(); ++k) {
     const Vec2& a = piece.vertices[k];
     const Vec2& b = piece.vertices[(k + 1) % piece.vertices.size()];
+    // Outlines are counter-clockwise: the person is outside of the sides that it is to the right of, and sees only
+    // those.
     if (Cross(b - a, me.center - a) < 0.0) walls_.push_back({a, b});
   }
 }

@@ -1,5 +1,17 @@
-// The velocities of people among others: their reactions to robots, and the avoidance of all (ORCA). Private to this
-// folder.
+// Avoidance: the second half of a person's decision, after WalkAlone (preferred_velocity.h) has found the velocity that
+// it would have alone. Private to this folder.
+//
+// First its reaction to robots changes that velocity (ReactToRobots). Then ORCA (common/crowd/orca.h) finds the nearest
+// velocity that leads to no collision within a horizon of time: with other people and robots, which are discs, and with
+// walls and objects, whose sides are segments. A person reckons with half of the avoidance by another person, who does
+// the same, and with all of it by a robot, which does not avoid.
+//
+// Everything is read from a PeopleView, which no thread changes while people decide. So each thread has an Avoidance of
+// its own, and the velocity of a person does not depend on the thread that finds it. Nearest things are ordered by
+// distance and then by number: the result does not depend on the order in which a grid lists them.
+//
+// A person looks at its 12 nearest people and robots only, so that the time for a decision is bounded in a dense crowd.
+// Distances in m, in frame W, in the plane; things at other heights than the person's are left out.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +27,16 @@ namespace troupe {
 
 // Changes `velocity`, that of a person alone, by its reaction to robots, and counts the ticks for which it watches one
 // in `person`. Returns the point that it looks at, if there is one.
+// Curious people walk up to the nearest robot and stand before it until they have watched it for 10 s; scared people
+// are pushed away from it, the more the nearer it is. Regular and careless people do not react here: the difference
+// between them is in Avoidance. The count of ticks begins again at 0 when no robot is within 6 m any more, so that the
+// next robot is watched, too.
 std::optional<Vec2> ReactToRobots(const PeopleView& view, PersonId id, PersonState& person, Vec2& velocity);
 
 // Finds the velocities of people, with the memory of one thread.
 class Avoidance {
  public:
+  // REQUIRES: `view` outlives this.
   explicit Avoidance(const PeopleView& view);
 
   // The velocity next to the preferred one that meets no other.
@@ -33,6 +50,7 @@ class Avoidance {
 
   const PeopleView& view_;
   Orca orca_;
+  // Lists of the last call of Velocity, kept for their memory: a tick calls it for each person.
   std::vector<NearDisc> others_;   // people and robots
   std::vector<NearDisc> objects_;  // whose sides are walls
   std::vector<WalkerNeighbor> neighbors_;

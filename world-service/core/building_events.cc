@@ -1,4 +1,9 @@
-// The events of doors, lifts and people: what has changed between two states.
+// The events of doors, lifts and people (troupe/event.h, kDoorOpened and later), found by comparing the states before
+// and after a step. They are no part of the step's own logic, because a recording or a rewind that steps again has to
+// give the same events: both states are all that they depend on.
+//
+// Openings and heights are compared for equality: a motion that reaches its end is set to exactly 0, 1 or the floor's
+// height (doors.cc, lifts.cc), so no tolerance is needed, and an event is told once.
 #include "common/spatial/walk_routes.h"
 #include "world-service/core/people_view.h"
 #include "world-service/core/step_workspace.h"
@@ -39,6 +44,8 @@ class BuildingEvents {
     const PersonState& now = now_.people[id.index()];
     const ModelId root = world_.person(id).root;
     if (world_.model(root).removed) return;
+    // The ride of a person that gets off ends in the same tick (PersonState::EndRide): then the lift is known from the
+    // state before.
     if (const std::uint32_t lift = now.lift != 0 ? now.lift : before.lift; lift != 0) {
       const bool was_inside = IsInside(before_, before, lift - 1);
       const bool is_inside = IsInside(now_, now, lift - 1);
@@ -71,8 +78,10 @@ class BuildingEvents {
            routes.LevelAt(X_WP.z) == routes.LevelOf(id, {person.goals, person.goal});
   }
 
-  // It has come within the reach of its goal, or waits in a queue there.
+  // The person has come within the reach of its goal, or waits in a queue there.
   bool HasArrived(PersonId id, const PersonState& before, const PersonState& now) const {
+    // A new choice of the same goal set and point is no arrival, and a follower that only takes over its leader's goal
+    // has not arrived, either.
     if (world_.goal_sets.empty() || now.goals != before.goals || now.goal != before.goal) return false;
     const double reach = world_.goal_sets[now.goals].reach;
     if (IsWithin(id, before.X_WP, now, reach)) return false;

@@ -1,3 +1,10 @@
+// The devices of a step (step_workspace.h): energy, lights, cameras, radio messages and inertial measurement units.
+// They act after all motion of the tick, so that they see the poses in which the tick ends.
+//
+// The exchange of energy has two parts. SupplyFinder finds each pair of a taking and a giving model that touch, by the
+// pieces of their bodies; Exchange moves energy between their stores in the order of the pairs. Pairs are sorted by
+// model ids, not by the order in which the indices of space list their pieces: when a giver cannot feed all takers, the
+// one with the lower id comes first on every machine and by any number of threads.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,6 +26,8 @@ bool IsEmpty(const Scene& scene, const WorldState& state, std::size_t store) {
   return !scene.world().model(scene.stores()[store].model).power.endless && state.stores[store].joules <= 0.0;
 }
 
+// A constant part for the models that the store feeds, and, for a robot, one in proportion to its mass and speed:
+// motion that a contact has cut short costs nothing, because the twist is zero then.
 double Consumption(const Store& store, const WorldState& state) {
   if (!store.robot) return store.watts;
   const Twist& twist = state.robots[store.robot->index()].twist;
@@ -26,6 +35,7 @@ double Consumption(const Store& store, const WorldState& state) {
   return store.watts + kWattsOfMotion * store.mass * motion;
 }
 
+// Heights are compared first: they are cheap, and most pairs fail there.
 bool AreNear(const ConvexPiece& a, const ConvexPiece& b) {
   return std::min(a.z.max, b.z.max) - std::max(a.z.min, b.z.min) >= -kReach &&
          FindNearestPoints(a.vertices, b.vertices).distance <= kReach;
@@ -48,6 +58,7 @@ class SupplyFinder {
     for (const BodyId body : BodiesThatExchange()) {
       for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) FindNear(piece, body);
     }
+    // Two models touch by several pieces, and a pair of moving bodies may be found from both sides.
     std::sort(supplies_.begin(), supplies_.end());
     supplies_.erase(std::unique(supplies_.begin(), supplies_.end()), supplies_.end());
     return std::move(supplies_);
@@ -69,6 +80,7 @@ class SupplyFinder {
   }
 
   // The body of the taker finds that of the giver.
+  // Static models that give or take are found by the moving bodies: two static models do not feed each other.
   void FindNear(const ConvexPiece& piece, BodyId body) {
     const bool takes = IsPartOf(piece.model, &PowerDescription::take_watts);
     const bool gives = IsPartOf(piece.model, &PowerDescription::give_watts);
@@ -80,6 +92,7 @@ class SupplyFinder {
       if (takes) Connect(piece, *other);
       if (gives) Connect(*other, piece);
     }
+    // A piece that only gives ends here: a taker on another moving body finds it from its own side.
     if (!takes) return;
     std::pmr::vector<BodyId> bodies;
     workspace_.bodies.Query(box, bodies);
@@ -102,6 +115,8 @@ class SupplyFinder {
         !IsPartOf(giver.model, &PowerDescription::give_watts) || !AreNear(taker, giver)) {
       return;
     }
+    // A model touches with all of its children: a charging contact may be a child of the model with the rate. So each
+    // ancestor with a rate is a taker, and each ancestor of the other with a rate is a giver.
     for (std::optional<ModelId> to = taker.model; to; to = world().model(*to).parent) {
       if (!(world().model(*to).power.take_watts > 0.0)) continue;
       for (std::optional<ModelId> from = giver.model; from; from = world().model(*from).parent) {
@@ -122,6 +137,7 @@ class Exchange {
   void Run() {
     const std::vector<Supply> supplies = SupplyFinder(workspace_).Find();
     if (supplies.empty()) return;
+    // A rate is that of the model, however many partners it has: what one pair has used up is not there for the next.
     std::vector<double> to_take;  // J, by model, like the next
     std::vector<double> to_give;
     for (const ModelDescription& model : workspace_.world().models) {
@@ -137,8 +153,10 @@ class Exchange {
   void Transfer(const Supply& supply, double& to_take, double& to_give) {
     const std::optional<std::size_t> store = workspace_.scene.store_of(supply.taker);
     const std::optional<std::size_t> source = workspace_.scene.store_of(supply.giver);
+    // A robot that gives and takes does not feed itself.
     if (!store || !source || source == store) return;
     const double amount = std::min({to_take, to_give, RoomIn(*store), StockOf(*source)});
+    // Also a full store, an empty source and a rate that is used up.
     if (!(amount > 0.0)) return;
     to_take -= amount;
     to_give -= amount;
@@ -171,13 +189,16 @@ void OperateDevices(const TickOrders& orders, StepWorkspace& workspace) {
   };
   const auto turn_camera = [&](const std::optional<RobotId>& robot, const CameraOrder& order) {
     const std::span<const SensorPlace> cameras = workspace.scene.cameras();
+    // Exists: orders are checked (check_order.h), and the cameras of the scene are ascending.
     const auto place = std::lower_bound(cameras.begin(), cameras.end(), SensorPlace{*robot, order.sensor});
     workspace.next.cameras[static_cast<std::size_t>(place - cameras.begin())] = {order.pan, order.tilt};
   };
+  // Robots after tools: in one tick a robot's own order wins.
   orders.ForEachInput<LightOrder>(switch_light);
   orders.ForEachInput<CameraOrder>(turn_camera);
   orders.ForEachOfRobots<LightOrder>(switch_light);
   orders.ForEachOfRobots<CameraOrder>(turn_camera);
+  // Texts of robots that are out of energy are left out, as all of their proposal is.
   for (const Proposal* const proposal : orders.proposals) {
     if (proposal == nullptr || proposal->say.empty()) continue;
     workspace.robot_events.push_back({.tick = workspace.next.tick,
@@ -192,6 +213,8 @@ void SetTwists(std::span<const Input> inputs, StepWorkspace& workspace) {
   for (const Input& input : inputs) {
     const auto* const order = std::get_if<TwistOrder>(&input.order);
     if (order == nullptr) continue;
+    // After the motion of the tick: the drive accelerates from this velocity in the next one. The velocities of units
+    // are set with it, so that they do not measure the jump as an acceleration.
     workspace.next.robots[input.robot->index()].twist = order->twist;
     KeepVelocities(workspace.scene, workspace.bodies, workspace.next, *input.robot);
   }
@@ -206,6 +229,8 @@ bool IsOutOfEnergy(const Scene& scene, const WorldState& state, RobotId robot) {
 void ExchangeEnergy(StepWorkspace& workspace) {
   const Scene& scene = workspace.scene;
   if (scene.stores().empty()) return;
+  // Consumption comes before the exchange: a robot that is on a charger when its store runs empty goes on. An event is
+  // told only for a store that still had energy before the tick.
   const std::vector<StoreState> before = workspace.next.stores;
   for (std::size_t i = 0; i < scene.stores().size(); ++i) {
     StoreState& store = workspace.next.stores[i];
@@ -223,12 +248,16 @@ void ExchangeEnergy(StepWorkspace& workspace) {
 }
 
 void Transmit(const WorldDescription& world, std::span<const Proposal* const> by_robot, WorldState& state) {
+  // A message that is due at this tick stays until the next one: the radios that receive it are sensors, which are
+  // measured in this state.
   std::erase_if(state.transmissions,
                 [&](const RadioTransmission& transmission) { return transmission.due < state.tick; });
+  // In the order of robots, and after all older messages: this keeps the order that WorldState::transmissions promises.
   for (const Proposal* const proposal : by_robot) {
     if (proposal == nullptr) continue;
     std::size_t number = 0;
     for (const RadioMessage& message : proposal->messages) {
+      // Not null: the proposal is valid.
       const RadioParameters* const radio = FindRadio(world.robot(proposal->robot), message.radio);
       state.transmissions.push_back({.from = proposal->robot,
                                      .sent = state.tick,
@@ -252,6 +281,7 @@ void KeepVelocities(const Scene& scene, const BodyIndex& bodies, WorldState& sta
 
 void KeepVelocities(const Scene& scene, RobotId robot, WorldState& state) {
   if (state.imus.empty()) return;
+  // A new index for one robot: edits are rare.
   BodyIndex bodies(scene);
   bodies.Assign(state);
   KeepVelocities(scene, bodies, state, robot);

@@ -1,3 +1,11 @@
+// Doors (step_workspace.h: MoveDoors), and the rule which entities of a building an edit may move.
+//
+// A door has one opening for all of its leaves: the first contact of any leaf stops them all. Only robots, objects and
+// people stop a leaf. Static models do not: a sliding leaf disappears in its wall, and the leaf of a turning door
+// begins at its frame. Leaves and cabins do not stop each other, either.
+//
+// A door moves after all robots of the tick and before people, so that a robot in the doorway always wins: the door
+// waits with `blocked` set and tries again in each tick, without a force on the robot.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -20,6 +28,7 @@ class DoorTurn {
         is_asked_for_(is_asked_for) {}
 
   void Act() {
+    // Else nothing opens the door but its target, and `held` stays as it is: false.
     if (door_.reach > 0.0 || is_asked_for_) {
       state_.held = is_asked_for_.value_or(false) || (door_.reach > 0.0 && HasRobotInReach());
     }
@@ -27,10 +36,14 @@ class DoorTurn {
     const double way = state_.commanded_opening() - state_.opening;
     if (way == 0.0) return;
     const double most = workspace_.seconds() / door_.seconds;
+    // At the end of its way the opening is exactly the commanded one, never a sum of steps: a lift departs when its
+    // doors are at 0, people enter at 1, and the events compare for equality.
     const double end = std::fabs(way) <= most ? state_.commanded_opening() : state_.opening + std::copysign(most, way);
     const double rate = std::copysign(1.0 / door_.seconds, way);
     const double duration = std::fabs(end - state_.opening) * door_.seconds;
+    // A time since the start of the tick, in s.
     const std::optional<double> contact = FirstContactOfLeaves(rate, duration);
+    // Clamped against rounding of the product.
     const double opening = contact ? std::clamp(state_.opening + rate * *contact, 0.0, 1.0) : end;
     state_.blocked = contact.has_value();
     if (opening != state_.opening) MoveTo(opening);
@@ -39,10 +52,12 @@ class DoorTurn {
  private:
   // A robot on the level of the door whose origin is within its reach.
   bool HasRobotInReach() const {
+    // The model of a door never moves, so that its pose on its link is that in W.
     const Vec2 middle = workspace_.scene.X_LM(door_.model).translation();
     const ZRange heights = Heights();
     bool found = false;
     workspace_.bodies.ForEachNear(Rectangle::Around(middle, door_.reach), [&](BodyId id) {
+      // Bodies of robots come first. Doors open for robots by themselves; people ask for them.
       if (found || id.index() >= workspace_.next.robots.size()) return;
       const Pose& X_WR = workspace_.bodies.X_WB(id);
       found = (X_WR.translation() - middle).norm() < door_.reach &&
@@ -52,6 +67,7 @@ class DoorTurn {
     return found;
   }
 
+  // Those of the first leaf: the leaves of a door have one height.
   ZRange Heights() const {
     const BodyId leaf = workspace_.scene.body_of(door_.leaves.front().object);
     return workspace_.scene.body(leaf).z + workspace_.bodies.X_WB(leaf).z;
@@ -65,12 +81,13 @@ class DoorTurn {
       const std::vector<ConvexPiece> obstacles = ObstaclesOf(body, motion);
       if (obstacles.empty()) continue;
       const std::optional<Contact> contact = FirstContactWith(obstacles, MoverOf(workspace_.scene, body), motion);
+      // All leaves open together, so that the earliest contact of any is that of the door.
       if (contact && (!first || contact->time < *first)) first = contact->time;
     }
     return first;
   }
 
-  // Those of the bodies near the motion; of walls a leaf is free, because it slides into or beside them.
+  // The pieces of the bodies near the motion. Walls are none of them: a leaf slides into or beside its wall.
   std::vector<ConvexPiece> ObstaclesOf(BodyId leaf, const Motion& motion) const {
     const double radius = workspace_.scene.body(leaf).radius;
     Rectangle box = Rectangle::Around(motion.X_WF.translation(), radius);
@@ -82,9 +99,9 @@ class DoorTurn {
     state_.opening = opening;
     for (const DoorLeaf& leaf : door_.leaves) {
       Pose X_WH = leaf.X_WH_at(opening);
-      X_WH.z = workspace_.next.objects[leaf.object.index()].X_WO.z;  // that of a cabin changes by its lift
+      X_WH.z = workspace_.next.objects[leaf.object.index()].X_WO.z;  // the lift of a cabin changes it
       workspace_.MoveObject(leaf.object, X_WH);
-      // What stands on the leaf does not come with it.
+      // A leaf does not carry objects: one on its top edge looks for another support.
       for (std::size_t i = 0; i < workspace_.next.objects.size(); ++i) {
         const std::optional<ModelId>& below = workspace_.next.objects[i].support;
         if (below && workspace_.scene.object_of(*below) == leaf.object) workspace_.needs_support[i] = 1;
@@ -98,7 +115,7 @@ class DoorTurn {
   const std::optional<bool> is_asked_for_;
 };
 
-// The doors for which people ask. One that nothing operates stays as it is for them, too.
+// The doors that people ask for (PersonState::door). A door that is not operated stays as it is for people, too.
 std::vector<std::optional<bool>> AskedFor(const StepWorkspace& workspace) {
   const WorldDescription& world = workspace.world();
   std::vector<std::optional<bool>> asked(world.doors.size());
@@ -119,6 +136,8 @@ std::vector<std::optional<bool>> AskedFor(const StepWorkspace& workspace) {
 void MoveDoors(const TickOrders& orders, StepWorkspace& workspace) {
   const std::vector<DoorDescription>& doors = workspace.world().doors;
   if (doors.empty()) return;
+  // Of the orders of robots the widest opening counts, whatever the order of robots: one that lets another pass is not
+  // shut in by a third. An order of a robot in this tick replaces that of a tool, which is only the target until then.
   std::vector<std::optional<double>> targets(doors.size());
   orders.ForEachOfRobots<DoorOrder>([&](RobotId, const DoorOrder& order) {
     std::optional<double>& target = targets[order.door];
@@ -134,6 +153,7 @@ void MoveDoors(const TickOrders& orders, StepWorkspace& workspace) {
   }
 }
 
+// A door or lift is known by its numbers to orders, lanes and the routes of people, which an edit would not follow.
 Status CheckIsMovable(const WorldDescription& world, ModelId root) {
   for (const DoorDescription& door : world.doors) {
     const std::string& name = world.model(door.model).name;

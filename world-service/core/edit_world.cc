@@ -36,6 +36,7 @@ void Fall(ObjectState& object) {
 }
 
 // Ends all holds of and on the tree of `root`; the objects that rest on it fall.
+// Every edit of an entity begins here: from then on nothing refers to the tree, so that it can be moved or removed.
 void Detach(StepWorkspace& workspace, ModelId root) {
   const WorldDescription& world = workspace.world();
   const std::optional<ObjectId> object = workspace.scene.object_of(root);
@@ -52,6 +53,7 @@ void Detach(StepWorkspace& workspace, ModelId root) {
     if (in_tree(gripper.left_contact)) gripper.left_contact = std::nullopt;
     if (in_tree(gripper.right_contact)) gripper.right_contact = std::nullopt;
   }
+  // Release would hand the object over to another gripper that has it between its pads; those have forgotten it above.
   for (const GripperId gripper : holding) Release(workspace, gripper);
   if (const std::optional<RobotId> robot = workspace.scene.robot_of(root)) {
     for (const GripperId gripper : workspace.scene.grippers_of(*robot)) {
@@ -70,6 +72,8 @@ void Detach(StepWorkspace& workspace, ModelId root) {
   for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
     ObjectState& other = workspace.next.objects[i];
     if (other.mode == ObjectMode::kMounted) continue;
+    // What rested on the tree, and what its grippers have let go of, falls in the next tick, or finds its support at
+    // once.
     if (in_tree(other.support) || (workspace.needs_support[i] != 0 && !other.holder)) Fall(other);
   }
 }
@@ -80,6 +84,8 @@ EditedWorld Finish(StepWorkspace& workspace, std::shared_ptr<const Scene> scene)
 
 // A world file may place a model below the ground, where nothing supports it; an edit may not.
 Status CheckAboveGround(const EditedWorld& edited, ModelId root, const Pose& X_WE) {
+  // An entity at or above the ground may have blocks below its origin; only a pose below the ground is an error of the
+  // user.
   if (X_WE.z >= 0.0) return {};
   const double lowest = LowestPoint(*edited.scene, edited.state, root);
   if (lowest >= -kNoticeableDepth) return {};
@@ -89,6 +95,7 @@ Status CheckAboveGround(const EditedWorld& edited, ModelId root, const Pose& X_W
   return Refuse(reason.str());
 }
 
+// Marks an error of a place that is taken.
 Status WithoutRoom(Status problem) {
   if (problem.ok()) return problem;
   Error error = problem.error();
@@ -106,6 +113,7 @@ Status CheckRoom(const EditedWorld& edited, ModelId root, const Pose& X_WE) {
 }
 
 // Removes the tree of `root` from the description.
+// The models stay, because ids are indices, but have no body: all of them share one empty shape.
 void Remove(WorldDescription& world, ModelId root) {
   auto empty = std::find(world.shapes.begin(), world.shapes.end(), Shape{});
   if (empty == world.shapes.end()) empty = world.shapes.insert(world.shapes.end(), Shape{});
@@ -124,7 +132,9 @@ void RemoveFromState(const Scene& scene, WorldState& state, ModelId root) {
       state.joints[joint.index()].velocity = 0.0;
       state.joints[joint.index()].blocked = false;
     }
+    // A removed robot stands still: its units keep no old velocity, which would be a part of the state's hash.
     KeepVelocities(scene, *robot, state);
+    // Radio messages from and to a removed robot are lost.
     std::erase_if(state.transmissions, [&](const RadioTransmission& transmission) {
       return transmission.from == *robot || transmission.message.to == *robot;
     });
@@ -141,6 +151,7 @@ bool IsNameFree(const WorldDescription& world, const std::string& name) {
                       [&](const ModelDescription& model) { return !model.removed && model.name == name; });
 }
 
+// Equal shapes are one, as loaders make them: a hundred spawned robots have one body in memory.
 ShapeId AddShape(WorldDescription& world, const Shape& shape) {
   const auto same = std::find(world.shapes.begin(), world.shapes.end(), shape);
   const ShapeId id(static_cast<std::size_t>(same - world.shapes.begin()));
@@ -157,6 +168,7 @@ void Append(WorldDescription& world, const WorldDescription& spawned, const std:
   for (ModelDescription model : spawned.models) {
     if (model.parent) {
       model.parent = model_id(*model.parent);
+      // The names of children begin with that of their parent.
       if (model.name.starts_with(old_name + ".")) model.name.replace(0, old_name.size(), name);
     } else {
       model.X_PM = X_WE;
@@ -190,6 +202,7 @@ void Append(WorldDescription& world, const WorldDescription& spawned, const std:
 }
 
 // Adds the initial states of the robots, joints, grippers and objects that `state` has not.
+// Objects begin as falling: where one is spawned on a support, the next tick finds it without a motion.
 void AppendState(const WorldDescription& world, WorldState& state) {
   const WorldState initial = PlacedState(world);
   const auto append = [](const auto& from, auto& to) {
@@ -236,6 +249,7 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
   std::shared_ptr<const Scene> after = scene;
   if (const std::optional<RobotId> robot = scene->robot_of(root.value())) {
     workspace.next.robots[robot->index()].X_WR = pose;
+    // A jump is no acceleration for the robot's units.
     KeepVelocities(*scene, *robot, workspace.next);
   } else if (const std::optional<ObjectId> object = scene->object_of(root.value())) {
     Fall(workspace.next.objects[object->index()]);
@@ -243,10 +257,13 @@ Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const Wor
   } else if (const std::optional<PersonId> person = scene->person_of(root.value())) {
     workspace.next.people[person->index()].X_WP = pose;
   } else {
+    // A static model is a part of the static index: the whole scene is made again, with a copy of the description.
     WorldDescription world = scene->world();
     world.models[root.value().index()].X_PM = pose;
     after = std::make_shared<const Scene>(std::move(world));
   }
+  // The check comes last, on the finished world: the room is that which the entity would have there, without what it
+  // has let go of. On an error the edited world is dropped.
   EditedWorld edited = Finish(workspace, std::move(after));
   if (const Status problem = CheckRoom(edited, root.value(), pose); !problem.ok()) return problem.error();
   return edited;
@@ -272,7 +289,9 @@ WorldDescription ExtractEntity(const WorldDescription& world, ModelId root) {
   entity.seed = world.seed;
   entity.interval_ns = world.interval_ns;
   entity.gravity = world.gravity;
+  // Ordered maps, as all in this folder: no iteration depends on addresses or hashes.
   std::map<ModelId, ModelId> models;  // from the world to the entity
+  // Children have greater ids than their parents, so that each parent has been copied before.
   for (std::size_t i = root.index(); i < world.models.size(); ++i) {
     if (!IsInTree(world, ModelId(i), root)) continue;
     models[ModelId(i)] = ModelId(entity.models.size());
@@ -325,10 +344,12 @@ Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const
   const ModelId root(world.models.size());
   Append(world, spawned, name, pose);
   for (std::size_t i = root.index(); i < world.models.size(); ++i) {
+    // Of the children, too: "cart.wheel" may exist although "cart" does not.
     if (!IsNameFree(scene->world(), world.models[i].name)) {
       return Refuse("the name '" + world.models[i].name + "' is in use");
     }
   }
+  // The spawned world comes from a user's file: for instance two robots may want one ROS domain.
   if (const Status problem = Validate(world); !problem.ok()) return problem.error();
   EditedWorld edited;
   edited.state = state;
@@ -341,6 +362,7 @@ Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const
 EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::shared_ptr<const Scene>& scene,
                        const WorldState& state, const ResetScopes& scopes) {
   if (scopes.time && scopes.state && scopes.spawned && scopes.deleted) {
+    // Exactly the start of the run, with the ids of the world as loaded.
     return {original, InitialState(*original), {}, true};
   }
   EditedWorld edited{scene, state, {}, scopes.time || scopes.state};
@@ -349,6 +371,7 @@ EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::
     for (std::size_t i = loaded.size(); i < scene->world().models.size(); ++i) {
       const ModelDescription& model = edited.scene->world().models[i];
       if (model.parent || model.removed) continue;
+      // Cannot fail: a spawned entity exists, and doors and lifts, which are not movable, are never spawned.
       Result<EditedWorld> without = DeleteEntity(edited.scene, edited.state, model.name);
       edited.scene = without.value().scene;
       edited.state = without.value().state;
@@ -357,6 +380,7 @@ EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::
   }
   if (scopes.state) {
     WorldDescription world = edited.scene->world();
+    // Static models that were moved go back; joints, objects and robots follow from InitialState.
     for (std::size_t i = 0; i < loaded.size(); ++i) world.models[i].X_PM = loaded[i].X_PM;
     if (!(world == edited.scene->world())) edited.scene = std::make_shared<const Scene>(std::move(world));
     edited.events.clear();
@@ -365,6 +389,7 @@ EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::
   }
   if (scopes.time) {
     edited.state.tick = 0;
+    // Their ticks would be in the future.
     edited.state.transmissions.clear();
   }
   return edited;

@@ -1,6 +1,16 @@
-// Edits: changes of a world from outside the simulation, between two steps. Pure functions from a world and its state
-// to another. Ids keep their meaning, except in an edit that is `fresh`: a spawned entity is appended, and a deleted
-// one keeps its place as a model without a body. Errors are for people.
+// Edits: changes of a world from outside the simulation, between two steps. Pure functions from a scene and a state to
+// others: nothing is changed in place, so that a failed edit leaves the run as it was, and a recording of the edit
+// gives the same result again.
+//
+// Ids keep their meaning: a spawned entity is appended behind all others, and a deleted one keeps its place as a model
+// without a body, whose name is free. So states, orders and recordings from before an edit stay valid after it. The
+// exception is an edit that is `fresh`: a reset may restore the world as loaded, with its shorter lists.
+//
+// Cost: SetPose of a robot, an object or a person makes only a new state. All else makes a new Scene with its indices,
+// which takes as long as loading the world without reading its files.
+//
+// The code of an error is kNoRoom where the place is taken by the ground or an obstacle, so that a caller can try
+// another pose, and kBadInput for all else. The texts of errors are shown to users.
 #pragma once
 
 #include <memory>
@@ -15,11 +25,13 @@
 
 namespace troupe {
 
+// The result of an edit: the scene and the state that belongs to it. The tick is that before the edit, except after a
+// reset of the time.
 struct EditedWorld {
-  std::shared_ptr<const Scene> scene;  // the one before, if the description is still the same
+  std::shared_ptr<const Scene> scene;  // the previous one, if the description is still the same
   WorldState state;
   std::vector<Event> events = {};  // of grippers that had to release
-  bool fresh = false;              // the robots are made anew, as at the start
+  bool fresh = false;              // the robots start again: controllers, odometry and readings
 };
 
 // The entity called `name`: a model without a parent that was not removed.
@@ -49,7 +61,7 @@ WorldDescription ExtractEntity(const WorldDescription& world, ModelId root);
 // The parts of a world that a reset concerns.
 struct ResetScopes {
   bool time = true;     // back to tick 0
-  bool state = true;    // initial poses, and the robots made anew
+  bool state = true;    // initial poses; the robots start again
   bool spawned = true;  // spawned entities are removed
   bool deleted = true;  // deleted entities are restored; only with all the others
 };

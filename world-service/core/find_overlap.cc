@@ -23,6 +23,7 @@ class OverlapFinder {
         if (piece.obstacle) Compare(piece);
       }
     } else {
+      // A static model has no body of its own: its pieces are those of the index that belong to its tree.
       scene_.static_index().ForEachPiece([this](const ConvexPiece& piece) {
         if (piece.obstacle && IsInTree(scene_.world(), piece.model, root_)) Compare(piece);
       });
@@ -35,6 +36,7 @@ class OverlapFinder {
     const Rectangle box = BoundingBox(piece.vertices);
     scene_.static_index().Query(box, static_pieces_);
     for (const ConvexPiece* other : static_pieces_) {
+      // The tree of a moving body is in no static index, so that the walk up the tree is spared.
       if (own_body_ || !IsInTree(scene_.world(), other->model, root_)) Consider(piece, *other);
     }
     near_.clear();

@@ -1,3 +1,17 @@
+// Gravity (step_workspace.h): objects fall straight down onto the highest top under their footprint, and rest there.
+// There is no tilting, sliding or bouncing: in two and a half dimensions an object keeps its heading and its place in
+// the plane.
+//
+// A tick looks only at objects that may have lost their support: released, touched, falling, on a support that moved
+// down, or resting with their centre above no support. All others rest without a search, so that the cost follows the
+// number of disturbed objects.
+//
+// Objects move from the lowest up: when an object looks for its support, all that could be below it has found its place
+// for this tick already. Equal heights keep the order of ids.
+//
+// An object that comes within kRestReach of a support is put onto it exactly. So stacks do not gather gaps, and resting
+// is stable: the same search gives a gap of 0 in the next tick. A support that moves down (a lift, an arm) takes its
+// load with it without a fall, by the distance in StepWorkspace::lowered.
 #include <algorithm>
 #include <limits>
 #include <memory_resource>
@@ -23,6 +37,7 @@ struct Support {
 
 class SupportFinder {
  public:
+  // An object without a body has its origin as its bottom.
   SupportFinder(const StepWorkspace& workspace, ObjectId object)
       : workspace_(workspace), body_(workspace.scene.body_of(object)) {
     const std::vector<ConvexPiece>& pieces = Pieces();
@@ -34,11 +49,14 @@ class SupportFinder {
   // Height of the object's lowest block, m. Only the ground supports an object that is no obstacle.
   double bottom() const { return bottom_; }
 
+  // Among tops of one height that under the centre counts as the support, with which the object moves; then the lowest
+  // id, whatever the order of the index.
   Support Find() const {
     Support best;
     if (bottom_ >= -kRestReach) best = {.height = 0.0, .is_under_center = true, .model = {}, .any = {}};
     const auto consider = [&](const ConvexPiece& piece) {
       if (!piece.obstacle || piece.z.max > bottom_ + kRestReach) return;
+      // The cheap comparisons of heights come before the footprints.
       if (piece.z.max < best.height - kRestReach) return;
       if (!IsUnder(piece)) return;
       const bool under_center = Contains(piece.vertices, center_);
@@ -72,10 +90,13 @@ class SupportFinder {
   const std::vector<ConvexPiece>& Pieces() const { return workspace_.bodies.pieces_in_world(body_); }
 
   // The centre of the object's volume, which has to be over the support.
+  // By a fan of triangles from the first vertex of each piece, weighted by its height: pieces are convex and of one
+  // density.
   Vec2 Center() const {
     Vec2 sum = Vec2::Zero();
     double area = 0.0;
     for (const ConvexPiece& piece : Pieces()) {
+      // Relative to a vertex, so that no digits are lost far from the origin of W.
       const Vec2& origin = piece.vertices.front();
       for (std::size_t i = 1; i + 1 < piece.vertices.size(); ++i) {
         const Vec2 a = piece.vertices[i] - origin;
@@ -90,6 +111,7 @@ class SupportFinder {
 
   bool IsUnder(const ConvexPiece& below) const {
     for (const ConvexPiece& piece : Pieces()) {
+      // Footprints that only touch are not above each other: a box beside a table does not rest on it.
       if (piece.obstacle && piece.z.min >= below.z.max - kRestReach &&
           PenetrationDepth(piece.vertices, below.vertices) > kTouchTolerance) {
         return true;
@@ -142,6 +164,7 @@ class ObjectFall {
     return workspace_.next.objects[id.index()].X_WO.z + body.z.min;
   }
 
+  // Empty if no object needs a support: most ticks end here.
   std::vector<ObjectId> LowestFirst() const {
     std::vector<ObjectId> order;
     bool any = false;
@@ -150,6 +173,7 @@ class ObjectFall {
       any = any || NeedsSupport(ObjectId(i));
     }
     if (!any) return {};
+    // Stable, so that objects of one height are in the order of ids.
     std::stable_sort(order.begin(), order.end(),
                      [&](ObjectId a, ObjectId b) { return UndersideOf(a) < UndersideOf(b); });
     return order;
@@ -160,6 +184,7 @@ class ObjectFall {
     const ObjectState& object = workspace_.next.objects[id.index()];
     const Support support = finder.Find();
     const double gap = finder.bottom() - support.height;
+    // The support is as near as before: it moved down by no more than `lowered`, and the object with it.
     if (gap <= kRestReach || gap <= workspace_.lowered[id.index()] + kRestReach) {
       Rest(id, support, gap, object.mode == ObjectMode::kFalling);
     } else if (workspace_.world().gravity == 0.0 || support.height == -std::numeric_limits<double>::infinity()) {
@@ -169,6 +194,7 @@ class ObjectFall {
     }
   }
 
+  // Without gravity, or below the ground where nothing supports it: the object stays where it was let go.
   void StayAloft(ObjectId id) {
     ObjectState& object = workspace_.next.objects[id.index()];
     object.mode = ObjectMode::kPlaced;
@@ -179,6 +205,7 @@ class ObjectFall {
     const double seconds = workspace_.seconds();
     ObjectState& object = workspace_.next.objects[id.index()];
     const double gravity = workspace_.world().gravity;
+    // Exact for a constant acceleration, so that the way of a fall does not depend on the length of ticks.
     const double distance = (object.fall_speed + 0.5 * gravity * seconds) * seconds;
     if (distance >= gap) {
       Rest(id, support, gap, true);
@@ -198,7 +225,7 @@ class ObjectFall {
     object.fall_speed = 0.0;
     object.support = support.model;
     if (gap != 0.0) Lower(id, gap);
-    if (was_resting && !fell && !lost_balance) return;  // it only followed its support
+    if (was_resting && !fell && !lost_balance) return;  // the object only followed its support
     workspace_.object_events.push_back({.tick = workspace_.next.tick,
                                         .type = support.is_under_center ? EventType::kLanded : EventType::kUnstable,
                                         .other = support.model ? support.model : support.any,
@@ -213,6 +240,7 @@ class ObjectFall {
     for (std::size_t i = 0; i < workspace_.next.objects.size(); ++i) {
       const std::optional<ModelId>& below = workspace_.next.objects[i].support;
       if (!below || workspace_.scene.object_of(*below) != id) continue;
+      // In this same tick: the objects above come later in the order, and find that their support is lower.
       workspace_.needs_support[i] = 1;
       workspace_.lowered[i] = std::max(workspace_.lowered[i], distance);
     }
@@ -224,6 +252,7 @@ class ObjectFall {
 }  // namespace
 
 void FindSupports(StepWorkspace& workspace) {
+  // Supports do not depend on each other here, because nothing moves: any order gives the same result.
   for (std::size_t i = 0; i < workspace.next.objects.size(); ++i) {
     ObjectState& object = workspace.next.objects[i];
     if (object.mode != ObjectMode::kPlaced || workspace.world().model(workspace.world().objects[i]).removed) continue;

@@ -14,6 +14,8 @@ constexpr double kMargin = 1e-4;   // m
 constexpr double kMinCell = 0.01;  // m
 
 // How far a robot's motions of this tick can move its parts, beyond what turns about its origin can.
+// Turning of the base needs no part of it: the disc around the origin stays the same. The chord of an arc is no longer
+// than the arc, so that speed times duration is a bound for the base.
 double TravelOf(const Scene& scene, RobotId robot, const Proposal* proposal, double radius) {
   if (proposal == nullptr) return 0.0;
   const double seconds = scene.world().interval_seconds();
@@ -32,6 +34,9 @@ double TravelOf(const Scene& scene, RobotId robot, const Proposal* proposal, dou
 template <typename Id>
 template <typename IdOf, typename IslandOf>
 void Islands::Lists<Id>::Fill(std::size_t islands, std::size_t count, IdOf id_of, IslandOf island_of) {
+  // A counting sort in two passes: first the sizes, one place further on, then the sums; the second pass moves each
+  // start to the start of the next list, so that at the end first_[island] is where it belongs. It keeps the order of
+  // ids within an island.
   first_.assign(islands + 2, 0);
   for (std::size_t i = 0; i < count; ++i) {
     if (const std::uint32_t island = island_of(id_of(i)); island != kNone) ++first_[island + 2];
@@ -44,6 +49,7 @@ void Islands::Lists<Id>::Fill(std::size_t islands, std::size_t count, IdOf id_of
 }
 
 std::uint32_t Islands::Root(std::uint32_t body) {
+  // Path halving: each step moves a body up to its grandparent.
   while (parent_[body] != body) body = parent_[body] = parent_[parent_[body]];
   return body;
 }
@@ -51,6 +57,8 @@ std::uint32_t Islands::Root(std::uint32_t body) {
 void Islands::Join(std::uint32_t a, std::uint32_t b) {
   a = Root(a);
   b = Root(b);
+  // The root is the lowest number of its group: robots come before objects, so that a group with a robot has a robot as
+  // its root, and islands are numbered in the order of robots whatever the order of joins.
   parent_[std::max(a, b)] = std::min(a, b);
 }
 
@@ -65,6 +73,7 @@ void Islands::JoinAttached(const Scene& scene, const WorldState& state) {
       Join(index_of(ObjectId(i)), static_cast<std::uint32_t>(below->index()));
     }
   }
+  // A gripper that waits for an object which another one holds gets it when that one opens, perhaps in this tick.
   for (std::size_t i = 0; i < state.grippers.size(); ++i) {
     const std::optional<ObjectId>& clamped = state.grippers[i].clamped;
     if (clamped) Join(index_of(*clamped), index_of(scene.world().grippers[i].robot));
@@ -72,6 +81,7 @@ void Islands::JoinAttached(const Scene& scene, const WorldState& state) {
 }
 
 void Islands::MeasureReaches(const Scene& scene, const WorldState& state, std::span<const Proposal* const> by_robot) {
+  // Bodies are numbered as in BodyId: robots, then objects.
   const std::size_t robots = state.robots.size();
   reaches_.resize(parent_.size());
   for (std::size_t i = 0; i < robots; ++i) {
@@ -86,7 +96,7 @@ void Islands::MeasureReaches(const Scene& scene, const WorldState& state, std::s
   std::sort(carriers.begin(), carriers.end());
   for (std::size_t object = robots; object < reaches_.size(); ++object) {
     const std::uint32_t root = Root(static_cast<std::uint32_t>(object));
-    if (root >= robots) continue;  // no robot is attached: robots have the lowest numbers
+    if (root >= robots) continue;  // no robot is in its group: robots have the lowest numbers
     auto carrier = std::lower_bound(carriers.begin(), carriers.end(), std::pair(root, std::uint32_t{0}));
     for (; carrier != carriers.end() && carrier->first == root; ++carrier) {
       Reach& reach = reaches_[carrier->second];
@@ -107,6 +117,8 @@ void Islands::JoinOverlapping() {
     sum += reach.radius;
   }
   const auto bodies = static_cast<double>(reaches_.size());
+  // Cells as wide as an average disc: then most discs are in few cells, and few discs in each cell. The third number
+  // bounds the count of cells for a sparse world.
   const Grid grid(bounds.Inflated(kMinCell), std::max(2.0 * sum / bodies, kMinCell), 2.0 * bodies + 16.0);
   const auto for_each_cell = [&](std::size_t body, const auto& visit) {
     const CellRange range = grid.CellsOf(Rectangle{reaches_[body].center.x(), reaches_[body].center.y(),
@@ -128,6 +140,8 @@ void Islands::JoinOverlapping() {
   for (std::size_t cell = 0; cell < grid.cell_count(); ++cell) {
     for (std::uint32_t i = cell_first_[cell]; i < cell_first_[cell + 1]; ++i) {
       const Reach& a = reaches_[cell_bodies_[i]];
+      // Two discs that overlap have a cell in common; a pair in several cells is compared in each, which changes
+      // nothing.
       for (std::uint32_t j = i + 1; j < cell_first_[cell + 1]; ++j) {
         const Reach& b = reaches_[cell_bodies_[j]];
         const double distance = a.radius + b.radius;
@@ -147,6 +161,7 @@ void Islands::Number(const Scene& scene, const WorldState& state) {
     if (island_[root] == kNone) island_[root] = islands++;
     island_[i] = island_[root];
   }
+  // The order of Step: it begins with another robot in each tick.
   const Tick next = state.tick + 1;
   robots_.Fill(
       islands, robots, [&](std::size_t k) { return RobotId((next + k) % robots); },
@@ -159,6 +174,8 @@ void Islands::Number(const Scene& scene, const WorldState& state) {
       [&](GripperId gripper) { return island_[scene.world().gripper(gripper).robot.index()]; });
   order_.resize(islands);
   for (std::uint32_t i = 0; i < islands; ++i) order_[i] = i;
+  // Large islands first: threads that claim islands one by one finish at about the same time. The order of work changes
+  // no result.
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return robots_.Of(a).size() > robots_.Of(b).size(); });
 }

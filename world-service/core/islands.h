@@ -1,6 +1,17 @@
 // Islands: groups of robots that cannot affect each other during a tick, because the areas that they and their payloads
 // can reach in it do not overlap, and they have no object in common. Robots of an island act one after another, as
-// always; robots of different islands may act at the same time, with the same result.
+// always; robots of different islands may act at the same time, with the same result bit for bit. This is how a step
+// uses several processors without giving up its order.
+//
+// The areas are discs around the origins of robots and objects: larger than necessary, never too small. A wrong split
+// would change results; a missed one only costs time. So all bounds are rounded up by a margin far above rounding.
+//
+// An object without a robot near it belongs to no island: nothing can move it before gravity, which acts after the
+// islands. People are in none, because they move after the robots.
+//
+// Find is called by one thread, before others read the islands. Its time grows about linearly with robots and objects:
+// discs are compared within the cells of a grid, as wide as an average disc, and groups are trees of a union-find
+// forest with path halving (Tarjan and van Leeuwen 1984).
 #pragma once
 
 #include <cstdint>
@@ -22,6 +33,7 @@ class Islands {
 
   // Large ones first.
   std::size_t count() const { return order_.size(); }
+  // In the order in which they act in a step without islands, of which this is a subsequence.
   std::span<const RobotId> robots(std::size_t island) const { return robots_.Of(order_[island]); }     // as they act
   std::span<const ObjectId> objects(std::size_t island) const { return objects_.Of(order_[island]); }  // by id
   std::span<const GripperId> grippers(std::size_t island) const { return grippers_.Of(order_[island]); }
@@ -44,6 +56,7 @@ class Islands {
   };
 
   // An area in the plane around a body that includes everything that it can touch.
+  // A disc, because a body that turns about its origin stays in it.
   struct Reach {
     Vec2 center;
     double radius = 0.0;

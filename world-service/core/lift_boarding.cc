@@ -16,6 +16,7 @@ constexpr double kAtPlace = 0.05;      // m
 constexpr double kSlowDown = 0.3;      // m, before a place
 
 // The velocity of a person straight to a point in the frame of a doorway.
+// Slower near the point, so that a step does not overshoot it: the person would swing about its place.
 Vec2 Towards(const LiftStop& stop, const Vec2& here, const Vec2& to_U, double speed) {
   const Vec2 way = stop.FromU(to_U) - here;
   return speed * std::min(1.0, way.norm() / kSlowDown) * Unit(way);
@@ -26,12 +27,15 @@ Vec2 TowardsPlace(const LiftPortal& portal, const LiftStop& stop, const Vec2& he
   const Vec2 place_U = stop.ToU(portal.places[place - 1]);
   const Vec2 here_U = stop.ToU(here);
   if ((here_U - place_U).norm() <= kAtPlace) return {0.0, 0.0};
+  // The last part of the way is straight to the place, as soon as the person has come along the aisle to its side.
   const bool is_beside = std::fabs(here_U.x() - place_U.x()) <= 0.15 || std::fabs(here_U.y() - place_U.y()) <= 0.1;
   if (is_beside) return Towards(stop, here, place_U, speed);
+  // First into the aisle, then along it: the ways of people to different places cross only there.
   const bool is_in_aisle = std::fabs(here_U.y()) <= kAisle;
   return Towards(stop, here, {is_in_aisle ? place_U.x() : here_U.x(), 0.0}, speed);
 }
 
+// Back the same way: to the aisle, and along it out of the cabin, to a point 1 m beyond the lane of people who wait.
 Vec2 TowardsDoor(const LiftStop& stop, const Vec2& here, double radius, double speed) {
   const Vec2 here_U = stop.ToU(here);
   const bool is_beside = here_U.x() < -radius && std::fabs(here_U.y()) > kAisle;
@@ -39,6 +43,8 @@ Vec2 TowardsDoor(const LiftStop& stop, const Vec2& here, double radius, double s
   return speed * Unit(way);
 }
 
+// Any stop of a lift will do for the frame of its cabin while the cabin is between floors; null for a lift that serves
+// no people.
 const LiftStop* AnyStop(const LiftPortal& portal) {
   for (const std::optional<LiftStop>& stop : portal.stops) {
     if (stop) return &*stop;
@@ -58,11 +64,13 @@ class Rider {
         here_(view.disc(id.index()).center),
         radius_(view.disc(id.index()).radius),
         speed_(view.world().person(id).speed) {
+    // The state may come from a world before an edit, or from another process: a place that does not exist is none.
     if (person_.place > portal_.places.size()) person_.place = 0;
   }
 
   RideWalk Walk() {
     if (portal_.IsInside(here_, person_.X_WP.z - lift_.z)) return {.velocity = InCabin(), .is_bound = true};
+    // By an edit, or because it was taken out of the cabin, a person may be at a height where the lift does not stop.
     const std::optional<std::uint32_t> floor = portal_.FloorAt(person_.X_WP.z);
     if (!floor) {
       person_.EndRide();
@@ -80,6 +88,7 @@ class Rider {
                                     : TowardsDoor(stop, here_, radius_, speed_);
       return {.velocity = velocity, .is_bound = true};
     }
+    // It has left the cabin at its destination: the trip is over, and its height is exactly that of the floor again.
     if (person_.floor == *floor) {
       person_.EndRide();
       person_.X_WP.z = stop.z;
@@ -93,7 +102,9 @@ class Rider {
     const WorldState& state = view_.state();
     const std::optional<LiftStop>& stop = portal_.stops[lift_.floor];
     const bool is_open = stop && IsOpen(view_.world(), state, number_);
+    // A robot that has the session of the lift has the cabin for itself: people leave it at the next floor.
     const bool wants_off = lift_.floor == person_.floor || lift_.session || person_.place == 0;
+    // After too long an attempt it steps back to its place, and tries again after a pause (lift_queue.cc).
     if (is_open && wants_off && person_.boarding_ticks < PassingTicks(view_.world())) {
       return TowardsDoor(*stop, here_, radius_, speed_);
     }
@@ -114,6 +125,8 @@ class Rider {
   }
 
   RideWalk GetOn(const LiftStop& stop, const Vec2& here_U, std::uint32_t floor) {
+    // A person that is too far to the side would be stopped by the frame of the door: it walks in front of it first,
+    // along a route.
     const bool is_before_door = here_U.x() > 0.0 && here_U.x() < stop.lane + kAisle &&
                                 std::fabs(here_U.y()) < std::max(kAisle, stop.half_width - radius_);
     if (!is_before_door) return {.is_bound = true, .walks_to = WalkRoutes::Stop{person_.lift - 1, floor}};
@@ -123,6 +136,8 @@ class Rider {
   RideWalk Wait(const LiftStop& stop, const Vec2& here_U, std::uint32_t floor) {
     const auto tick = static_cast<std::uint32_t>(view_.state().tick);  // the last bits, as of the call
     const double distance = (stop.Entrance() - here_).norm();
+    // It calls when it has come near, or stands behind others that have called: the queue may be longer than the
+    // distance.
     if (person_.call_tick == 0) {
       const bool is_there = distance <= kCallDistance || (distance <= kQueueReach && IsInQueue(stop.Entrance()));
       if (!is_there) return {.walks_to = WalkRoutes::Stop{person_.lift - 1, floor}};
@@ -132,6 +147,8 @@ class Rider {
       person_.EndRide();
       return {.gave_up = true};
     }
+    // The lane in front of the door is for people who get off: to the nearer side; from the exact middle by number, so
+    // that two do not choose the same side for ever.
     const bool is_in_lane =
         here_U.x() > 0.0 && here_U.x() < stop.lane + radius_ && std::fabs(here_U.y()) < stop.half_width + radius_;
     if (is_in_lane) {

@@ -5,6 +5,15 @@
 // it goes towards the person that called first, stops on the way for others, and gives places in its cabin to those who
 // wait at its floor, once all who get off are out. While a robot has the session, people leave the lift to it: they get
 // off where its doors open and wait. So robots never wait for people's calls.
+//
+// The way into the cabin is scripted, in the frame U of its doorway (docs/conventions.md), and not left to the
+// avoidance of others: through the doorway to the aisle in the middle of the cabin, along it, and then aside to the
+// assigned place. People who wait stand beside the lane in front of the door. Without these rules two crowds that meet
+// in a doorway block each other.
+//
+// Ticks of calls are the last 32 bits of the tick; only differences of them are used, so that their overflow does no
+// harm. ServePeople runs in one thread, before people decide; RideLift is called while people decide, by several
+// threads, and changes only the copy of its own person's state.
 #pragma once
 
 #include <algorithm>
@@ -27,6 +36,7 @@ bool IsOpen(const WorldDescription& world, const WorldState& state, std::size_t 
 bool Stands(const WorldDescription& world, const WorldState& state, std::size_t lift);
 
 // For so many ticks a person tries to get on or off; then it lets the lift serve others.
+// An obstacle in the doorway, for instance a robot, would else hold the lift at one floor for ever.
 inline std::uint32_t PassingTicks(const WorldDescription& world) {
   constexpr double kPassingTime = 15.0;  // s
   return std::max<std::uint32_t>(TicksOf(world, kPassingTime), 1);
@@ -35,7 +45,7 @@ inline std::uint32_t PassingTicks(const WorldDescription& world) {
 // The lift in whose cabin a person is, if it is in one.
 std::optional<std::uint32_t> CabinAround(const PeopleView& view, const Pose& X_WP);
 
-// The part of a walk of a person with a lift, alone.
+// The decision of a person on a lift trip, before it avoids others: a velocity, or a stop to walk to.
 struct RideWalk {
   Vec2 velocity{0.0, 0.0};                        // m/s
   bool is_bound = false;                          // in a cabin or on its way into one: it does not react to robots

@@ -1,4 +1,15 @@
-// How lifts serve people: ServePeople of lift_boarding.h.
+// The service of people by lifts: ServePeople of lift_boarding.h.
+//
+// Each lift serves the person whose turn is the earliest, the others on the way there: a fair order, in which no person
+// waits for ever while others keep calling. A turn is the tick of the call; an attempt to get on that fails (a
+// blocked doorway) puts the person behind all that have called since, so that one blocked person does not stop a
+// lift.
+//
+// A lift stays at a floor while people get off or on. Places in the cabin are assigned before people walk in, and only
+// as many as are free of robots and objects, so that no person has to come out again.
+//
+// All decisions follow from the states of persons and lifts, in the order of ids; nothing else is remembered between
+// ticks.
 #include <algorithm>
 #include <cmath>
 #include <memory_resource>
@@ -20,7 +31,7 @@ struct Passenger {
   std::optional<std::uint32_t> at = {};  // the floor at which it is outside
   // The floor at which the lift serves it next.
   std::optional<std::uint32_t> Wants() const { return is_inside ? std::optional(state->floor) : at; }
-  // The tick by which it has its turn: that of its call, or, while it waits, of its last vain try to get on.
+  // The tick that decides its turn: of its call, or, while it waits, of its last failed attempt to get on.
   std::uint32_t turn() const { return state->call_tick + (is_inside || state->place != 0 ? 0 : state->boarding_ticks); }
 };
 
@@ -43,18 +54,24 @@ class LiftService {
                           .is_inside = portal_.IsInside(here, state.X_WP.z - lift_.z)};
       if (state.place > portal_.places.size()) state.place = 0;
       if (!passenger.is_inside) passenger.at = portal_.FloorAt(state.X_WP.z);
+      // People who are still on their way to the lift have no turn.
       if (passenger.is_inside || state.call_tick != 0) passengers_.push_back(passenger);
     }
   }
 
   void Serve() {
     for (Passenger& passenger : passengers_) CountPassing(passenger);
+    // A robot alone commands the lift: people get off by themselves, and wait.
     if (lift_.session) return;
     for (Passenger& passenger : passengers_) {
       if (!passenger.is_inside || passenger.state->place != 0) continue;
+      // A person that was in the cabin at the start, or was moved into it, gets a place if there is one; else it gets
+      // out.
       passenger.state->place = FreePlace(passenger).value_or(0);
     }
+    // On its way the lift keeps its destination: a cabin that turned back for each new call would never arrive.
     if (!Stands(workspace_.world(), workspace_.next, number_)) return;
+    // Off before on: places become free, and the doorway has one direction at a time.
     if (AreGettingOff() || LetGetOn() || AreGettingOn()) return;
     if (const std::optional<std::uint32_t> floor = NextFloor()) lift_.floor = *floor;
   }
@@ -70,11 +87,12 @@ class LiftService {
 
   std::uint32_t limit() const { return PassingTicks(workspace_.world()); }
 
-  // The time for which a person has been getting on or off at this floor. One that takes too long, because its way is
-  // blocked, has its turn anew: the others are served first; likewise those who wait at a door that cannot open.
+  // The time for which a person has been getting on or off at this floor. A person that takes too long, because its way
+  // is blocked, goes to the end of the queue, as do people who wait at a door that cannot open.
   void CountPassing(Passenger& passenger) {
     PersonState& state = *passenger.state;
     if (passenger.is_inside) {
+      // A person in the cabin that has not called, because it began there, has called now.
       if (state.call_tick == 0) state.call_tick = now_;
       const bool gets_off =
           (is_open_ || is_stuck_) && (state.floor == lift_.floor || lift_.session || state.place == 0);
@@ -83,6 +101,7 @@ class LiftService {
       return;
     }
     if (state.place == 0) {
+      // A count that is longer than the time since the call is of an earlier way out of a cabin.
       if (state.boarding_ticks > now_ - state.call_tick) state.boarding_ticks = 0;  // of its way out of the cabin
       if (is_stuck_ && passenger.at == lift_.floor) state.boarding_ticks = now_ - state.call_tick;
       return;
@@ -111,11 +130,14 @@ class LiftService {
     return !each.is_inside && each.state->place == 0 && each.at == floor && each.state->floor != floor;
   }
 
-  // The one for which accept(passenger) whose turn comes first; of equal ones the first by id.
+  // The passenger with the earliest turn among those that accept(passenger) is true for; of equal turns the first by
+  // id.
   template <typename Accept>
   const Passenger* Oldest(Accept accept) const {
     const Passenger* oldest = nullptr;
     for (const Passenger& each : passengers_) {
+      // Differences to the present tick, modulo 2^32: they are right across the overflow of ticks, a comparison of the
+      // ticks themselves is not.
       const bool is_older = oldest == nullptr || now_ - each.turn() > now_ - oldest->turn();
       if (is_older && accept(each)) oldest = &each;
     }
@@ -159,6 +181,7 @@ class LiftService {
   }
   // For a person of that radius.
   bool IsClear(const Vec2& place, double radius) const {
+    // The margins leave out what only touches the floor or the ceiling, and the cabin itself is a mounted object.
     constexpr double kRoom = 0.05;  // m
     constexpr double kKnee = 0.1;
     const double reach = radius + kRoom;
@@ -175,13 +198,14 @@ class LiftService {
     });
   }
 
-  // That of the oldest call, or one on the way there at which others get off or on.
+  // The floor of the oldest call, or one on the way there at which others get off or on.
   std::optional<std::uint32_t> NextFloor() const {
     const Passenger* const oldest = Oldest([&](const Passenger& each) {
       return each.Wants() && *each.Wants() != lift_.floor && (each.is_inside || FreePlace(each));
     });
     if (oldest == nullptr) return std::nullopt;
     std::uint32_t next = *oldest->Wants();
+    // Heights, not numbers of floors: a file may list floors in any order.
     const double start = description_.floors[lift_.floor].z;
     const double end = description_.floors[next].z;
     for (const Passenger& each : passengers_) {
@@ -221,6 +245,7 @@ bool IsOpen(const WorldDescription& world, const WorldState& state, std::size_t 
 void ServePeople(StepWorkspace& workspace) {
   const WorldDescription& world = workspace.world();
   if (world.people.empty() || world.lifts.empty()) return;
+  // By lift, each in the order of ids.
   std::vector<std::vector<PersonId>> people(world.lifts.size());
   for (std::size_t i = 0; i < workspace.next.people.size(); ++i) {
     const PersonState& person = workspace.next.people[i];

@@ -1,3 +1,13 @@
+// Lifts (step_workspace.h: CallLifts, MoveLifts). A lift is its state: a height, a destination floor and the robot that
+// has its session. CallLifts runs before the doors move and MoveLifts after them, so that doors that close completely
+// in a tick let the cabin depart in the same one.
+//
+// Safety is by the doors alone: a cabin moves only while every door of every floor of the lift is exactly closed, and
+// doors are told to be open only at the floor where the cabin stands. So no order of robots, tools or people can move a
+// cabin with an open door.
+//
+// A cabin carries all bodies whose origin is in it, with their payloads, and stops at the first contact of any of these
+// with a body outside; it tries again in each tick, with `blocked` set.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -10,18 +20,20 @@
 namespace troupe {
 namespace {
 
-// What stands in a cabin may have sunk into its floor by that: far more than rounding.
+// A body in a cabin may have sunk into its floor by this depth: far more than rounding.
 constexpr double kFloorSlack = 1e-3;  // m
 
 // A call of a tool ends the session. A robot that has the session is the only one whose orders count, until it ends the
 // session or is removed.
 void ExecuteCalls(const WorldDescription& world, std::size_t lift, const TickOrders& orders, LiftState& state) {
   if (state.session && !RobotExists(world, *state.session)) state.session.reset();
+  // Tools before robots, as for all orders of a tick.
   orders.ForEachInput<LiftOrder>([&](const std::optional<RobotId>&, const LiftOrder& order) {
     if (order.lift != lift) return;
     state.session.reset();
     if (!order.ends) state.floor = static_cast<std::uint32_t>(order.floor);
   });
+  // In the order of robot ids: of two robots that call in the same tick the first one gets the session.
   orders.ForEachOfRobots<LiftOrder>([&](RobotId robot, const LiftOrder& order) {
     if (order.lift != lift || (state.session && *state.session != robot)) return;
     state.session = order.ends ? std::nullopt : std::optional(robot);
@@ -40,7 +52,9 @@ class CabinMotion {
     const double goal = lift_.floors[state_.floor].z;
     const double most = lift_.speed * workspace_.seconds();
     const double way = goal - state_.z;
+    // Exactly the height of the floor at the end of the way: IsOpen, people and events compare for equality.
     const double end = std::fabs(way) <= most ? goal : state_.z + std::copysign(most, way);
+    // Before the motion: the contents of the cabin are those at its old height.
     FindCarried();
     const Motion motion{
         workspace_.bodies.X_WB(Cabin()), {}, std::copysign(lift_.speed, way), std::fabs(end - state_.z) / lift_.speed};
@@ -79,6 +93,8 @@ class CabinMotion {
     for (std::size_t i = 0; i < workspace_.next.people.size(); ++i) {
       if (IsInside(workspace_.next.people[i].X_WP)) carried_.push_back(workspace_.scene.body_of(PersonId(i)));
     }
+    // Stacks, and objects in grippers of robots in the cabin, whose origins may be outside: one more level in each
+    // round, until nothing is added.
     for (bool grown = true; grown;) {
       grown = false;
       for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -95,6 +111,7 @@ class CabinMotion {
   }
 
   std::optional<double> FirstContactOf(const Motion& motion) const {
+    // The cabin and its contents move as one body, in the frame of the cabin: swept once, as a stack of them is.
     std::vector<ConvexPiece> moving = workspace_.bodies.pieces_in_world(Cabin());
     for (const BodyId body : carried_) {
       const std::vector<ConvexPiece>& pieces = workspace_.bodies.pieces_in_world(body);
@@ -121,6 +138,8 @@ class CabinMotion {
     const double dz = z - state_.z;
     if (dz == 0.0) return;
     state_.z = z;
+    // The heights of cabin and doors are computed from those at load, not added up: after any number of trips the cabin
+    // is at its floor to the last bit.
     const double offset = z - lift_.floors[lift_.floor].z;  // from the heights at load
     const auto raise = [&](ObjectId object, double height) {
       Pose X_WO = workspace_.next.objects[object.index()].X_WO;
@@ -165,6 +184,8 @@ void CallLifts(const TickOrders& orders, StepWorkspace& workspace) {
     LiftState& state = workspace.next.lifts[i];
     const bool stands = state.z == lifts[i].floors[state.floor].z;
     for (const LiftFloor& floor : lifts[i].floors) {
+      // All closed first, then those of the floor where the cabin stands open again: a door that serves two floors
+      // stays open.
       for (const std::size_t door : floor.doors) workspace.next.doors[door].target = 0.0;
     }
     if (!stands) continue;

@@ -1,3 +1,13 @@
+// The motion of robots (step_workspace.h): a base along the exact arc of its twist, joints one by one, each with its
+// payload; and grippers, which take and release objects.
+//
+// All motion is continuous: the body is swept along its path (common/spatial/sweep.h), and stops at the time of its
+// first contact. A robot cannot pass through a thin wall at any speed, and the result does not depend on a step width
+// of the collision search.
+//
+// A payload is found again in each motion, from the holders and supports in the state: nothing else is remembered. It
+// moves rigidly with the part that carries it, and collides with everything but the robot itself, or, when a joint
+// moves, with the rest of the robot, too.
 #include <algorithm>
 #include <functional>
 #include <utility>
@@ -17,6 +27,7 @@ struct Payload {
 };
 
 // The payload of the models for which `moves` is true.
+// Held objects first, then stacks on the part and on objects of the payload.
 Payload FindPayload(const StepWorkspace& workspace, const std::function<bool(ModelId)>& moves) {
   const std::vector<ObjectState>& objects = workspace.next.objects;
   Payload payload;
@@ -27,7 +38,7 @@ Payload FindPayload(const StepWorkspace& workspace, const std::function<bool(Mod
     carried[id.index()] = true;
     payload.held.push_back(id);
   }
-  // Stacks grow from the bottom; each round adds the objects that rest on those of the one before.
+  // Stacks grow from the bottom; each round adds the objects that rest on objects of the previous round.
   for (bool grown = true; grown;) {
     grown = false;
     for (const ObjectId id : workspace.objects) {
@@ -48,6 +59,8 @@ Payload FindPayload(const StepWorkspace& workspace, const std::function<bool(Mod
 void MoveObjects(StepWorkspace& workspace, const std::vector<ObjectId>& objects, const Pose& X_WF_before,
                  const Pose& X_WF_after, double dz) {
   const Pose X_FW = Inverse(X_WF_before);
+  // An object that only moves up or down keeps the bits of its place in the plane: through the frames it would drift by
+  // rounding, tick by tick.
   const bool shifted =
       X_WF_before.x != X_WF_after.x || X_WF_before.y != X_WF_after.y || X_WF_before.heading != X_WF_after.heading;
   for (ObjectId object : objects) {
@@ -77,6 +90,7 @@ class MoverBuilder {
       Exempt(body);
     }
   }
+  // The bodies that are parts of the mover: no obstacles for it.
   void Exempt(BodyId body) { bodies_.push_back(body); }
 
   // Valid until the next Add, while the builder lives.
@@ -92,6 +106,7 @@ class MoverBuilder {
   std::vector<BodyId> bodies_;
 };
 
+// Of two at the same time, the first argument.
 std::optional<Contact> Earlier(const std::optional<Contact>& a, const std::optional<Contact>& b) {
   if (!a || !b) return a ? a : b;
   return b->time < a->time ? b : a;
@@ -101,6 +116,7 @@ std::optional<Contact> Earlier(const std::optional<Contact>& a, const std::optio
 std::vector<bool> LinksFrom(const Body& body, std::uint32_t first) {
   std::vector<bool> moves(body.links.size(), false);
   moves[first] = true;
+  // Links come after their parents.
   for (std::size_t k = first + 1; k < body.links.size(); ++k) moves[k] = moves[body.links[k].parent];
   return moves;
 }
@@ -146,6 +162,8 @@ std::optional<Contact> SweepJoint(const StepWorkspace& workspace, const JointAss
   whole.AddObjects(workspace, payload, motion.X_WF);
   whole.Exempt(assembly.body);
   const std::optional<Contact> contact = FirstContact(workspace.scene, workspace.bodies, whole.Build(), motion);
+  // The robot's own links never collide with each other: their shapes overlap at the joints. Its payload must not be
+  // moved into it, though: a lift that lowers an object onto its own base stops.
   if (payload.empty()) return contact;
   MoverBuilder objects;
   objects.AddObjects(workspace, payload, motion.X_WF);
@@ -190,8 +208,10 @@ void Hold(StepWorkspace& workspace, GripperId gripper, ObjectId id) {
 }
 
 void UpdateContact(const FingerMotion& finger, ModelId pad, std::optional<ModelId>& contact) {
+  // Fingers that stand keep their contacts: a gripper holds without closing further.
   if (finger.velocity == 0.0) return;
   contact = std::nullopt;
+  // Only a closing finger that was stopped at its pad grips.
   if (finger.velocity > 0.0 && finger.contact && finger.contact->mine == pad) contact = finger.contact->other;
 }
 
@@ -204,6 +224,7 @@ std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId id, const Twis
   const Body& body = scene.body(own);
   const Motion motion{robot.X_WR, twist, 0.0, workspace.seconds()};
   std::vector<ObjectId> payload;
+  // A world without objects skips the search: most swarms have none.
   if (!workspace.next.objects.empty()) {
     Payload found = FindPayload(workspace, [&](ModelId model) { return scene.body_of(model) == own; });
     payload = std::move(found.held);
@@ -211,6 +232,7 @@ std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId id, const Twis
   }
 
   std::optional<Contact> contact;
+  // A rigid robot is swept with the pieces of the scene, without a copy.
   if (!body.has_joints() && payload.empty()) {
     contact = FirstContact(scene, workspace.bodies, MoverOf(scene, own), motion);
   } else {
@@ -222,6 +244,7 @@ std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId id, const Twis
     contact = FirstContact(scene, workspace.bodies, builder.Build(), motion);
   }
 
+  // At a contact the robot stops there, and its velocity is zero: contacts are not elastic.
   const double moved_for = contact ? contact->time : motion.duration;
   if (moved_for > 0.0) {
     const Pose before = robot.X_WR;
@@ -237,6 +260,7 @@ std::optional<Contact> MoveBase(StepWorkspace& workspace, RobotId id, const Twis
 std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId id, double velocity) {
   const JointDescription& joint = workspace.world().joint(id);
   JointState& state = workspace.next.joints[id.index()];
+  // A joint ends at its limit without an event: that is no contact.
   const double target = joint.position.Clamp(state.position + velocity * workspace.seconds());
   const double start = state.position;
   state.velocity = 0.0;
@@ -253,6 +277,8 @@ std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId id, double ve
     motion.climb = velocity * joint.axis_z;
   }
   Payload& payload = assembly.payload;
+  // What stands on a descending part is no obstacle to it and does not stop it: it follows by gravity, in this tick, or
+  // stays where it lands on something else.
   const bool descends = motion.climb < 0.0;
   std::vector<ObjectId> swept = payload.held;
   if (!descends) swept.insert(swept.end(), payload.stacked.begin(), payload.stacked.end());
@@ -260,6 +286,7 @@ std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId id, double ve
 
   const std::optional<Contact> contact = SweepJoint(workspace, assembly, swept, motion);
   state.position = contact ? start + velocity * contact->time : target;
+  // Against rounding of the product of velocity and time.
   state.position = joint.position.Clamp(state.position);
   state.velocity = contact ? 0.0 : (target - start) / workspace.seconds();
   state.blocked = contact.has_value();
@@ -272,6 +299,7 @@ std::optional<Contact> MoveJoint(StepWorkspace& workspace, JointId id, double ve
     MoveObjects(workspace, payload.stacked, assembly.X_WF, after, 0.0);
     for (ObjectId object : payload.stacked) {
       workspace.needs_support[object.index()] = 1;
+      // By this distance the object may come down without a fall; dz is negative.
       workspace.lowered[object.index()] -= dz;
     }
   }
@@ -284,11 +312,14 @@ void Release(StepWorkspace& workspace, GripperId id) {
   const ObjectId object_id = *gripper.clamped;
   ObjectState& object = workspace.next.objects[object_id.index()];
   gripper = {};
+  // Another gripper holds the object: this one only waited for it.
   if (object.holder != id) return;
   object.holder = std::nullopt;
   object.mode = ObjectMode::kPlaced;
   workspace.needs_support[object_id.index()] = 1;
   Report(workspace, EventType::kReleased, id, object_id);
+  // In the order of ids, the first gripper that still touches the object gets it. It is of this island: islands join
+  // all robots that clamp one object.
   for (const GripperId other : workspace.grippers) {
     if (workspace.next.grippers[other.index()].clamped != object_id) continue;
     if (!HasBetweenPads(workspace, workspace.world().gripper(other), object_id)) continue;
@@ -304,6 +335,7 @@ void Grip(StepWorkspace& workspace, GripperId id, const FingerMotion& left, cons
   UpdateContact(right, description.right_pad, gripper.right_contact);
   if (gripper.clamped || !gripper.left_contact || !gripper.right_contact) return;
   const std::optional<ObjectId> object = workspace.scene.object_of(*gripper.left_contact);
+  // Both pads on one object; on two objects, or on a wall, the gripper is closed and holds nothing.
   if (!object || object != workspace.scene.object_of(*gripper.right_contact)) return;
   if (workspace.IsMounted(*object)) return;
   gripper.clamped = object;
@@ -320,6 +352,7 @@ void Grip(StepWorkspace& workspace, GripperId id, const FingerMotion& left, cons
                                               workspace.world().robot(workspace.world().gripper(*holder).robot).name});
 }
 
+// After all robots have acted: the holder may have taken the object away from between other pads.
 void DropLostObjects(StepWorkspace& workspace) {
   for (std::size_t i = 0; i < workspace.next.grippers.size(); ++i) {
     GripperState& gripper = workspace.next.grippers[i];

@@ -1,4 +1,11 @@
-// NearDiscs: the discs near a point. Private to this folder.
+// NearDiscs: the discs near a point, for the decisions of people. Private to this folder.
+//
+// A grid of the centres in fixed cells of 2 m, filled once in a tick and then read by all threads. Each disc is in the
+// one cell of its centre, so that none is visited twice; the largest radius is added to the search instead. A search
+// goes outwards ring by ring, and can end early when the caller has enough near ones.
+//
+// The order of visits is that of cells and rings: it depends on the grid alone, but callers that keep the nearest sort
+// by (distance, number) (NearDisc), so that the order has no influence. Lengths in m, in frame W.
 #pragma once
 
 #include <algorithm>
@@ -25,14 +32,14 @@ struct Disc {
   bool is_object() const { return pieces != nullptr && !is_robot; }
 };
 
-// One of those near a point.
+// A disc near a point. Ordered by distance, then by number: a total order.
 struct NearDisc {
   double square = 0.0;  // m^2, of its distance
   std::uint32_t number = 0;
   bool operator<(const NearDisc& o) const { return square != o.square ? square < o.square : number < o.number; }
 };
 
-// Adds one to the `most` nearest ones, by distance and number. REQUIRES: those are sorted.
+// Adds a disc to the `most` nearest ones, by distance and number. REQUIRES: `nearest` is sorted.
 inline void AddNearest(const NearDisc& disc, std::size_t most, std::vector<NearDisc>& nearest) {
   if (nearest.size() == most) {
     if (!(disc < nearest.back())) return;
@@ -46,7 +53,7 @@ inline void AddNearest(const NearDisc& disc, std::size_t most, std::vector<NearD
 // number.
 class NearDiscs {
  public:
-  // Those for which accept(disc).
+  // Replaces the contents by the discs that accept(disc) is true for. Linear in the number of discs.
   template <typename Accept>
   void Fill(const std::vector<Disc>& discs, Accept accept) {
     Rectangle bounds = Rectangle::Nothing();
@@ -57,6 +64,7 @@ class NearDiscs {
     }
     constexpr double kCell = 2.0;  // m
     grid_ = Grid(bounds.Inflated(kCell), kCell, 4.0 * static_cast<double>(discs.size()) + 64.0);
+    // A counting sort by cell, which keeps the order of the discs within a cell.
     first_.assign(grid_.cell_count() + 2, 0);
     for (const Disc& disc : discs) first_[grid_.CellOf(disc.center) + 2] += accept(disc) ? 1 : 0;
     for (std::size_t i = 2; i < first_.size(); ++i) first_[i] += first_[i - 1];
@@ -80,6 +88,7 @@ class NearDiscs {
       from = std::max(from, all.min_column);
       to = std::min(to, all.max_column);
       if (from > to) return;
+      // Callers compare exactly; here a disc too many does no harm, and one too few would.
       constexpr double kRounding = 1e-6;  // m
       const std::uint32_t end = first_[grid_.CellAt(to, row) + 1];
       for (std::uint32_t i = first_[grid_.CellAt(from, row)]; i < end; ++i) {

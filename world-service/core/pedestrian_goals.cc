@@ -12,6 +12,7 @@ namespace {
 // Separates the choices of people from other uses of the same seed.
 constexpr std::uint64_t kChoiceStream = 0x7065'6f70'6c65;
 
+// Uniform in [0, 1). `number`: 0 for the next set, 1 for the point, 2 for the time of waiting.
 double Draw(const WorldDescription& world, PersonId id, std::uint32_t choices, std::uint64_t number) {
   return RandomUniform({world.seed, kChoiceStream, id.index(), choices, number});
 }
@@ -31,6 +32,7 @@ void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person)
     double total = 0.0;
     for (const NextGoals& choice : next) total += choice.weight;
     double left = Draw(world, id, person.goals_chosen, 0) * total;
+    // The last one also where rounding leaves `left` at 0 or above.
     person.goals = next.back().goals;
     for (const NextGoals& choice : next) {
       left -= choice.weight;
@@ -44,6 +46,7 @@ void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person)
   // Not the same point again.
   const std::size_t choices = std::max<std::size_t>(points, 1) - (is_another ? 1 : 0);
   auto goal = static_cast<std::uint32_t>(Draw(world, id, person.goals_chosen, 1) * static_cast<double>(choices));
+  // The draw is among the other points: those from the present one on move up by one.
   if (is_another && goal >= person.goal) ++goal;
   person.goal = goal;
   ++person.goals_chosen;
@@ -52,6 +55,7 @@ void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person)
 
 void ArriveAtGoal(const WorldDescription& world, PersonId id, PersonState& person) {
   const GoalSet& set = world.goal_sets[person.goals];
+  // The last goal: the person stays.
   if (set.next.empty()) return;
   person.dwell_ticks =
       TicksOf(world, set.wait.min + Draw(world, id, person.goals_chosen, 2) * (set.wait.max - set.wait.min));

@@ -21,6 +21,8 @@ PeopleMover::Room PeopleMover::RoomOn(PersonId id, const Vec2& from, const Vec2&
   const Vec2 way[2] = {from, to};
   const std::span<const Vec2> path(way, from == to ? 1 : 2);
   Room room = Room::kFree;
+  // The way of the centre as a segment: the cylinder sweeps a stadium, which meets an outline that is nearer to the
+  // segment than the radius.
   const auto consider = [&](std::span<const Vec2> outline, double distance) {
     if (FindNearestPoints(path, outline).distance >= distance - kAllowance) return;
     const bool is_inside = FindNearestPoints(path.first(1), outline).distance < distance - kAllowance;
@@ -36,6 +38,7 @@ PeopleMover::Room PeopleMover::RoomOn(PersonId id, const Vec2& from, const Vec2&
   const BodyId first_person = scene.body_of(PersonId(0));
   for (const BodyId body : bodies_) {
     if (body == scene.body_of(id)) continue;
+    // Robots and objects by their pieces, people by their cylinders, at their present poses.
     if (body < first_person) {
       for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) consider_piece(piece);
       continue;
@@ -60,6 +63,7 @@ void PeopleMover::Move(PersonId id, const PersonState& plan) {
   for (const double part : {1.0, 0.5, 0.25, 0.0}) {
     const Vec2 to = from + part * workspace_.seconds() * velocity;
     const Room room = RoomOn(id, from, to);
+    // A shorter part of the way may be free.
     if (room == Room::kTaken) continue;
     person.X_WP.x = to.x();
     person.X_WP.y = to.y();
@@ -72,6 +76,7 @@ void PeopleMover::Move(PersonId id, const PersonState& plan) {
     person.vy = part * plan.vy;
     break;
   }
+  // The index follows at once: the next person sees this one at its new place.
   workspace_.bodies.Move(body, person.X_WP);
 }
 
@@ -79,6 +84,7 @@ bool PeopleMover::IsFree(PersonId id, const Pose& X_WP, const Vec2& velocity) co
   const BodyId body = workspace_.scene.body_of(id);
   const Vec2 in_P = Transform2(X_WP).InverseRotate(velocity);
   const Motion motion{.X_WF = X_WP, .twist = {in_P.x(), in_P.y(), 0.0}, .duration = workspace_.seconds()};
+  // The body is where it was, and was free there.
   if (motion.IsRest()) return true;
   return !FirstContact(workspace_.scene, workspace_.bodies, MoverOf(workspace_.scene, body), motion);
 }

@@ -15,6 +15,7 @@
 namespace troupe {
 namespace {
 
+// Separates these random numbers from other uses of the same seed.
 constexpr std::uint64_t kSwayStream = 0x7377'6179;
 
 constexpr double kSway = 0.02;            // of the speed, to all sides: two that are as mirrors of each other pass
@@ -31,6 +32,8 @@ void Decide(const PeopleView& view, PersonId id, Avoidance& avoidance, PersonSta
   if (preferred.x() != 0.0 || preferred.y() != 0.0) {
     const Tick tick = view.state().tick;
     const double size = 2.0 * kSway * view.world().person(id).speed;
+    // Exactly symmetric encounters, as of a file with people on a grid, would otherwise stand for ever. Random by seed,
+    // person and tick: the same in every run.
     preferred += size * Vec2(RandomUniform({view.world().seed, kSwayStream, id.index(), tick, 0}) - 0.5,
                              RandomUniform({view.world().seed, kSwayStream, id.index(), tick, 1}) - 0.5);
   }
@@ -38,6 +41,7 @@ void Decide(const PeopleView& view, PersonId id, Avoidance& avoidance, PersonSta
   person.vx = velocity.x();
   person.vy = velocity.y();
   const Vec2 ahead = look_at ? Vec2(*look_at - view.disc(id.index()).center) : velocity;
+  // The direction of a very slow velocity is mostly avoidance, and would make the person spin.
   if (!look_at && ahead.squaredNorm() < kStroll * kStroll) return;
   const double most = kTurnRate * view.seconds();
   const double turn = WrapAngle(Atan2(ahead.y(), ahead.x()) - person.X_WP.heading);
@@ -55,6 +59,8 @@ std::vector<PersonState> DecideAll(const PeopleView& view, ThreadPool* pool) {
   const std::size_t count = view.count();
   std::vector<PersonState> plans(count);
   std::atomic<std::size_t> next = 0;  // the first person that no thread has claimed
+  // Each thread claims the next few people. Which thread decides for whom does not matter: a plan depends on the view
+  // alone, and each is written once.
   const auto decide = [&](std::size_t) {
     Avoidance avoidance(view);
     for (std::size_t first = next.fetch_add(kPeopleClaim); first < count; first = next.fetch_add(kPeopleClaim)) {
@@ -87,6 +93,7 @@ void MovePeople(StepWorkspace& workspace, ThreadPool* pool) {
   const std::vector<PersonState> plans = DecideAll(view, pool);
   PeopleMover mover(workspace, view);
   for (std::size_t k = 0; k < count; ++k) {
+    // No person is always first at a door or in a gap.
     const std::size_t i = (workspace.next.tick + k) % count;
     if (view.Exists(i)) mover.Move(PersonId(i), plans[i]);
   }

@@ -1,4 +1,4 @@
-// People: the walks of a tick. Private to this folder.
+// People: the walks of all persons in one tick. Private to this folder.
 //
 // All people first decide at the same time, each from the state before the tick and the robots after it: its goal, the
 // velocity with which it comes nearest to its way there without meeting others (ORCA), and its heading. Then they move
@@ -6,6 +6,12 @@
 // person is an upright cylinder of its radius for others. A move that would bring it into a wall or a body is shortened
 // to a half, to a quarter, and is then left out: no person is ever in another body. A person on whose head an object
 // rests stands still.
+//
+// A decision has three parts: the goal and the velocity that a person would have alone
+// (preferred_velocity.h), its reaction to robots and the avoidance of others (avoidance.h), and its heading. The parts
+// read one PeopleView and write one plan, so that any number of threads gives the same plans. Moves
+// (pedestrian_motion.h) are by one thread, because each depends on the previous ones; they take far less time than the
+// decisions.
 #pragma once
 
 #include "common/base/thread_pool.h"

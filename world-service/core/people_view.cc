@@ -16,6 +16,8 @@ PeopleView::PeopleView(const StepWorkspace& workspace)
   FindBlockedDoors();
 }
 
+// Removed people keep their disc, so that numbers match ids, but have an empty interval of heights, which overlaps
+// none.
 void PeopleView::AddPeople() {
   for (std::size_t i = 0; i < count(); ++i) {
     const PersonState& state = person(i);
@@ -27,6 +29,7 @@ void PeopleView::AddPeople() {
   }
 }
 
+// Objects have no velocity here: a held object moves with its robot, whose disc people avoid.
 void PeopleView::AddBodies() {
   const std::size_t robots = state().robots.size();
   for (std::size_t i = 0; i < robots + state().objects.size(); ++i) {
@@ -41,6 +44,7 @@ void PeopleView::AddBodies() {
               .pieces = &workspace_.bodies.pieces_in_world(id)};
     if (disc.is_robot) {
       const Twist& twist = state().robots[i].twist;
+      // From R to W, as ORCA needs it.
       disc.velocity = workspace_.bodies.transform(id).Rotate({twist.vx, twist.vy});
     }
     discs_.push_back(disc);
@@ -55,6 +59,7 @@ void PeopleView::FindBurdens() {
   }
 }
 
+// Followers on another level do not count: the leader would wait for people who are in a lift.
 void PeopleView::MeasureGroups() {
   behind_.assign(count(), 0.0);
   for (std::size_t i = 0; i < count(); ++i) {

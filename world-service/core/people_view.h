@@ -1,4 +1,12 @@
-// PeopleView: what people see when they decide: a disc for each person, robot and object. Private to this folder.
+// PeopleView: the world as people see it when they decide: a disc for each person, robot and object, with a velocity
+// and an interval of heights. Private to this folder.
+//
+// Made once in a tick, after robots, doors and lifts have moved, and then constant: all threads read it while people
+// decide, each person from the same state. It refers to the workspace and copies only what is cheaper to have side by
+// side: discs by number, people first, so that disc i is person i for i < count().
+//
+// Discs are sorted into two grids, walkers and objects, because people avoid the former as discs and the latter by
+// their sides. Removed people and bodies without pieces have no heights or no disc: no person sees them.
 #pragma once
 
 #include <cstddef>
@@ -31,10 +39,10 @@ class PeopleView {
   bool IsBurdened(std::size_t person) const { return is_burdened_[person]; }
   // m, how far the last of its group on its level is behind a leader.
   double behind(std::size_t person) const { return behind_[person]; }
-  // The doors that open for a person and are blocked: those in the way of a leaf make room.
+  // The doors that open for a person and are blocked: people in the way of a leaf make room.
   const std::vector<std::size_t>& blocked_doors() const { return blocked_doors_; }
 
-  // Those of people by id, then of robots and objects.
+  // The discs of people by id, then of robots and objects.
   const std::vector<Disc>& discs() const { return discs_; }
   const Disc& disc(std::size_t i) const { return discs_[i]; }
   const NearDiscs& walkers() const { return walkers_; }  // people and robots

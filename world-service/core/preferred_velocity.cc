@@ -30,6 +30,7 @@ class Walk {
         here_(view.disc(id.index()).center),
         person_(person) {
     const std::optional<PersonId>& leader = description_.leader;
+    // Followers of a removed leader go on alone.
     if (leader && view_.Exists(leader->index())) leader_ = leader->index();
   }
 
@@ -42,9 +43,11 @@ class Walk {
     }
     AloneWalk walk;
     asked_ = 0;
+    // While it waits at a goal the person stands, but still makes room for leaves and keeps to its group.
     if (person_.dwell_ticks == 0 && person_.goals_chosen > 0) walk = ToGoal();
     if (!walk.is_bound) KeepTogether(walk.velocity);
     if (!walk.is_bound) MakeRoom(walk.velocity);
+    // Asked for in this tick only: doors forget a person that does not ask again.
     person_.door = asked_;
     return walk;
   }
@@ -80,6 +83,7 @@ class Walk {
       Arrive();
       return {};
     }
+    // Not on a lift trip: it is at its goal, on the goal's level, or begins a trip.
     if (person_.lift == 0) {
       const std::size_t level = routes_.LevelAt(person_.X_WP.z);
       const bool is_there = level == routes_.LevelOf(id_, goal) && (set.points[goal.point] - here_).norm() <= set.reach;
@@ -121,12 +125,14 @@ class Walk {
       return {};
     }
     if (!ride.walks_to) return {ride.velocity, ride.is_bound};
+    // The next point in sight on the way to the stop, around walls.
     const std::optional<WalkRoutes::Ahead> ahead = routes_.AheadTo(id_, *ride.walks_to, here_);
     if (!ahead) {
       person_.EndRide();
       GiveUp();
       return {};
     }
+    // At full speed: the stop is not the end of the way.
     return {PassDoors(*ahead, description_.speed * Unit(ahead->point - here_)), ride.is_bound};
   }
 
@@ -159,6 +165,7 @@ class Walk {
 
   void KeepTogether(Vec2& velocity) const {
     if (!leader_) {
+      // A leader slows down, and does not stop: a follower that cannot come would else stop the group for ever.
       if (view_.behind(i_) > kTooFar) velocity *= 0.3;
       return;
     }
@@ -166,6 +173,7 @@ class Walk {
     const Vec2 to_leader = view_.disc(*leader_).center - here_;
     const double distance = to_leader.norm();
     if (person_.dwell_ticks > 0) velocity = Vec2(0.0, 0.0);
+    // Towards the leader in addition to the way to the goal, in proportion to the gap.
     if (distance > kTogether) velocity += std::min(description_.speed, distance - kTogether) * Unit(to_leader);
   }
 
@@ -189,6 +197,7 @@ class Walk {
     }
     const DoorState& door = view_.state().doors[*ahead.door];
     const bool is_passable = IsPassable(door);
+    // A door that is to stay open, by an order, needs no request.
     if (!is_passable || door.target < 1.0) asked_ = static_cast<std::uint32_t>(*ahead.door + 1);
     if (is_passable) return velocity;
     const DoorPortal::Clearance clearance = clearance_of(*ahead.door);

@@ -1,4 +1,14 @@
-// The walks of people: the velocity that each would have alone, on its way to its goal. Private to this folder.
+// WalkAlone: the velocity that a person would have alone in the world, on its way to its goal. The first half of a
+// decision; avoidance.h is the second. Private to this folder.
+//
+// It goes through the stages of a walk: choose a goal, walk along the routes of the level
+// (common/spatial/walk_routes.h), ask for the doors on the way and wait beside their leaves, ride lifts to other levels
+// (lift_boarding.h), wait at the goal. A follower does the same with the goals of its leader, and both keep together.
+//
+// The progress through the stages is in PersonState, and nothing else is remembered: a snapshot, a recording or another
+// process can continue in the middle of a ride. Called by several threads at the same time, for different persons. The
+// first person of its size that walks to a goal waits for the search for ways to it; others look the way up
+// (walk_routes.h).
 #pragma once
 
 #include "world-service/core/people_view.h"

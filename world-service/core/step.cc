@@ -22,6 +22,8 @@ namespace troupe {
 namespace {
 
 // The proposal of each robot, by id; null for a robot without one, and for one without energy.
+// Proposals come sorted by robot, each robot at most once: a caller that breaks this would change results silently, so
+// that it is checked in every build.
 std::vector<const Proposal*> ProposalByRobot(const Scene& scene, const WorldState& state,
                                              std::span<const Proposal> proposals) {
   const std::size_t robots = state.robots.size();
@@ -36,6 +38,8 @@ std::vector<const Proposal*> ProposalByRobot(const Scene& scene, const WorldStat
 }
 
 // One robot's turn.
+// The order within a turn: open fingers, base, joints, close fingers. An object that is let go stays behind when the
+// base moves, and one that is gripped is where the fingers have closed.
 class RobotTurn {
  public:
   // `proposal` may be null.
@@ -63,6 +67,7 @@ class RobotTurn {
   // The joint's place among the robot's.
   std::size_t NumberOf(JointId joint) const {
     const std::span<const JointId> joints = workspace_.scene.joints_of(robot_);
+    // Joints of a robot are ascending in the scene.
     return static_cast<std::size_t>(std::lower_bound(joints.begin(), joints.end(), joint) - joints.begin());
   }
   FingerMotion FingerOf(JointId joint) const { return {VelocityOf(joint), joint_contacts_[NumberOf(joint)]}; }
@@ -73,11 +78,13 @@ class RobotTurn {
     std::optional<Contact> contact;
     if (proposal_ == nullptr || proposal_->twist.IsZero()) {
       robot.twist = {};
-      if (proposal_ != nullptr) robot.stalled = false;  // a robot that is to stand is not stalled
+      if (proposal_ != nullptr) robot.stalled = false;  // a robot commanded to stop is not stalled
     } else {
       contact = MoveBase(workspace_, robot_, proposal_->twist);
+      // An object that stood in the air by its file begins to fall when it is touched.
       if (contact) workspace_.Touch(contact->other);
     }
+    // Events tell changes only: a robot that stays stalled tells it once.
     if (robot.stalled == was_stalled) return;
     workspace_.robot_events.push_back({.tick = workspace_.next.tick,
                                        .type = robot.stalled ? EventType::kStallBegan : EventType::kStallEnded,
@@ -123,6 +130,7 @@ class RobotTurn {
 constexpr std::size_t kClaim = 4;
 
 // Once all robots have acted.
+// In one thread but for people. The order is explained in step.h.
 StepResult Finish(StepWorkspace& workspace, const WorldState& before, const TickOrders& orders,
                   ThreadPool* people_pool) {
   const std::span<const Proposal* const> by_robot = orders.proposals;
@@ -137,6 +145,8 @@ StepResult Finish(StepWorkspace& workspace, const WorldState& before, const Tick
   OperateDevices(orders, workspace);
   SetTwists(orders.inputs, workspace);
   StepResult result{std::move(workspace.next), std::move(workspace.robot_events)};
+  // From the order in which robots acted, or threads finished, to that of ids; the events of one robot keep their
+  // order.
   std::stable_sort(result.events.begin(), result.events.end(),
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });
   std::move(workspace.object_events.begin(), workspace.object_events.end(), std::back_inserter(result.events));
@@ -146,8 +156,12 @@ StepResult Finish(StepWorkspace& workspace, const WorldState& before, const Tick
 
 StepMemory MemoryFor(const Scene& scene, const WorldState& state, BodyIndex& bodies) {
   TROUPE_CHECK(state.robots.size() == scene.world().robots.size());
+  // The index is moved in, brought to the state by the few bodies that differ, and moved out again at the end of the
+  // step.
   StepMemory memory(scene, state, std::move(bodies));
   memory.next.tick = state.tick + 1;
+  // Before any motion: the velocities of the tick that ends here are the "velocities before" of the next one, from
+  // which units find their acceleration.
   KeepVelocities(scene, memory.bodies, memory.next);
   return memory;
 }
@@ -168,6 +182,7 @@ Status CheckJointVelocities(const Scene& scene, const Proposal& proposal) {
   const std::span<const JointId> joints = scene.joints_of(proposal.robot);
   for (std::size_t i = 0; i < std::min(joints.size(), velocities.size()); ++i) {
     const JointDescription& joint = scene.world().joint(joints[i]);
+    // An agent computes the velocity from a position and an interval: rounding may exceed the limit by a bit.
     if (std::abs(velocities[i]) <= joint.max_speed * (1.0 + 1e-9)) continue;
     char text[96];
     std::snprintf(text, sizeof text, "%.6g, expected at most %.6g either way", velocities[i], joint.max_speed);
@@ -236,10 +251,15 @@ StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> prop
   const std::vector<const Proposal*> by_robot = ProposalByRobot(scene_, state, proposals);
   islands_.Find(scene_, state, by_robot);
   StepMemory memory = MemoryFor(scene_, state, indices_.front());
+  // Threads write different rows of one state, needs_support and lowered: an island has its own robots, objects and
+  // grippers. All else is of each thread.
   std::vector<std::vector<Event>> events(indices_.size());  // by thread
   std::atomic<std::size_t> next = 0;                        // the first island that no thread has claimed
   pool_->Run(indices_.size(), [&](std::size_t thread) {
+    // Woken too late: it spares the index its update.
     if (next >= islands_.count()) return;
+    // An index shows the bodies of other islands where they were before the step, or after it if this thread has moved
+    // them: neither is within reach of an island, so that it makes no difference.
     BodyIndex& bodies = thread == 0 ? memory.bodies : indices_[thread];
     if (thread != 0) bodies.Assign(state);
     for (std::size_t first = next.fetch_add(kClaim); first < islands_.count(); first = next.fetch_add(kClaim)) {
@@ -253,6 +273,7 @@ StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> prop
       }
     }
   });
+  // Index 0 has seen only the islands of its own thread.
   memory.bodies.Assign(memory.next);
   StepWorkspace workspace(scene_, memory);
   // The events of each robot are of one island, in their order.
@@ -267,6 +288,7 @@ StepResult Stepper::Step(const WorldState& state, std::span<const Proposal> prop
 WorldState InitialState(const Scene& scene) {
   WorldState placed = PlacedState(scene.world());
   if (placed.objects.empty()) return placed;
+  // Only the modes and supports of objects depend on more than the description.
   StepMemory memory(scene, placed);
   StepWorkspace workspace(scene, memory);
   FindSupports(workspace);
@@ -285,6 +307,7 @@ Status ValidateProposal(const Scene& scene, const WorldState& state, const Propo
   const DriveDescription& drive = world.robots[index].drive;
   const Twist& current = state.robots[index].twist;
   const double seconds = world.interval_seconds();
+  // An agent clamps by the same function (device_limits.h), so that only a faulty or hostile one is refused.
   if (!WithinLimits(drive, current, proposal.twist, seconds)) {
     return BadProposal("found the twist " + ToText(proposal.twist) + " after " + ToText(current) +
                        ", expected one within the drive's bounds: " +

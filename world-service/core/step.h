@@ -9,6 +9,19 @@
 // people walk (people.h), the robots' radio messages are on their way, and energy is consumed and exchanged. A robot
 // without energy has no proposal. A motion cut short by a contact ends at the contact; its stall or blocked flag is set
 // and its velocity is zero.
+//
+// The order within a tick is part of the definition of the simulation, as the golden hashes fix it. Robots before doors
+// and lifts: a door never hits a robot that leaves in the same tick. Gravity after all of these: it sees the final
+// places of supports. People after that: they see where everything is, and are the last to move. Radio, energy, devices
+// and the twists of tools change nothing that moves.
+//
+// Determinism: every loop is in the order of ids or of a function of the tick; sums of floating-point numbers have a
+// fixed order; random numbers are functions of (seed, id, tick); trigonometry is troupe/deterministic_math.h. So the
+// next state is the same to the last bit for any number of threads, on every processor, and after any snapshot.
+// docs/determinism.md has the rules.
+//
+// Cost: linear in the robots, objects and people that move, with searches in indices of space for what is near. A Step
+// copies the state once.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +42,7 @@ namespace troupe {
 
 struct StepResult {
   WorldState state;
-  std::vector<Event> events;  // of robots in robot-id order, then of objects
+  std::vector<Event> events;  // of robots in robot-id order, then of objects, then of doors, lifts and people
 };
 
 // `inputs`: orders of tools, of which those of a kind are executed in their sequence, before those of robots; a twist
@@ -46,6 +59,7 @@ StepResult Step(const Scene& scene, const WorldState& state, std::span<const Pro
 
 // The steps of one world, by several threads: islands of robots (islands.h) act at the same time, and people find their
 // velocities. The result is that of Step, bit for bit.
+// Not for several threads at a time: it keeps an index of bodies for each thread of its pool between ticks.
 class Stepper {
  public:
   // With fewer robots, a step takes less time than to wake a thread.
@@ -61,7 +75,7 @@ class Stepper {
  private:
   const Scene& scene_;
   const std::shared_ptr<ThreadPool> pool_;         // of islands; null: one thread
-  const std::shared_ptr<ThreadPool> people_pool_;  // likewise, of people
+  const std::shared_ptr<ThreadPool> people_pool_;  // of people; null: one thread
   std::vector<BodyIndex> indices_;                 // one for each thread
   Islands islands_;
 };
@@ -74,6 +88,7 @@ WorldState InitialState(const Scene& scene);
 // The version of the step: a recording can be stepped again only by programs with the same one.
 // Changes with every change of Step or of an edit that gives another result for the same input, as the golden hashes
 // do.
+// Recordings keep it.
 inline constexpr std::uint32_t kStepVersion = 5;
 
 // Validates proposals from the network before they enter a step.

@@ -1,4 +1,16 @@
-// StepWorkspace: a state between two ticks, shared by the parts of a step. Private to this folder.
+// StepWorkspace: a state between two ticks, shared by the parts of a step: motion, doors, lifts, gravity, people,
+// devices. Private to this folder.
+//
+// StepMemory owns the next state, which begins as a copy of the present one and becomes the result, and the index of
+// its bodies. A StepWorkspace is a view of it for one thread: of the whole world, or of one island of robots.
+// Invariant: a part that moves a body moves it in the state and in the index, by MoveObject or by BodyIndex::Move, so
+// that the index is always at `next` for the bodies of the workspace.
+//
+// Threads: islands write disjoint rows of the same vectors. That is why flags are bytes and no std::vector<bool>, whose
+// neighbouring elements share a word.
+//
+// Events gather in two lists, of robots and of objects: the robots' are sorted by id at the end, so that the order in
+// which robots acted does not show.
 #pragma once
 
 #include <algorithm>
