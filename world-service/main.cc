@@ -1,4 +1,8 @@
 // The program world-service: loads a world and runs it for the agents that join over DDS.
+//
+// The order of the steps matters. The lock of the session comes first: a second service must not touch the journal of
+// the first. Then the world is loaded, which may fail by the user's input, before keys are published and sockets
+// opened. Output files and the gateway to ROS come last, once nothing can fail but the run itself.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -129,6 +133,7 @@ int Main(int argc, const char* const* argv) {
   const std::variant<ServiceCommandLine, int> parsed = ParseServiceCommandLine(argc, argv);
   if (const int* exit_status = std::get_if<int>(&parsed)) return *exit_status;
   const ServiceCommandLine& line = std::get<ServiceCommandLine>(parsed);
+  // A launcher that died closes the pipe of reports; the service then ends by its own rules, not by the signal.
   std::signal(SIGPIPE, SIG_IGN);
   const std::unique_ptr<Reporter> reporter =
       line.report_fd ? MakeLauncherReporter(*line.report_fd) : MakeConsoleReporter();

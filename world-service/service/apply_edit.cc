@@ -17,6 +17,7 @@ namespace {
 Result<EditedWorld> Reset(std::uint8_t scopes, const std::shared_ptr<const Scene>& original,
                           const std::shared_ptr<const Scene>& scene, const WorldState& state) {
   constexpr std::uint8_t kKnown = kResetTime | kResetState | kResetSpawned;
+  // All scopes at once also restore deleted entities, for which the single scopes have no bit.
   if (scopes == kResetAll) return ResetWorld(original, scene, state, {});
   if (scopes == 0 || (scopes & ~kKnown) != 0) {
     return Error{{}, "found the scopes " + std::to_string(scopes) + ", expected 1 to 7, or 255"};
@@ -32,6 +33,7 @@ EditedWorld Load(const WorldDescription& world) {
   EditedWorld loaded;
   loaded.scene = std::make_shared<const Scene>(world);
   loaded.state = InitialState(*loaded.scene);
+  // Ids of the world before mean nothing in this one: agents, memories and events begin anew.
   loaded.fresh = true;
   return loaded;
 }
@@ -108,6 +110,7 @@ Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<con
     }
     case ControlCommand::kRewind: {
       if (edit.world == nullptr || edit.restored == nullptr) return Error{{}, "found no state to restore"};
+      // The state is not recalculated: the recording's bits are restored.
       return EditedWorld{std::make_shared<const Scene>(*edit.world), *edit.restored, {}, true};
     }
     default:
@@ -166,6 +169,7 @@ using Json = nlohmann::json;
 WorldDescription WorldChanges::AppliedTo(WorldDescription world) const {
   if (seed) world.seed = *seed;
   for (RobotDescription& robot : world.robots) {
+    // By name, because ids may differ between the recording and the world that it is branched to.
     const auto changed = controllers.find(robot.name);
     if (changed != controllers.end()) robot.controller = changed->second;
   }
@@ -182,6 +186,7 @@ std::string WorldChanges::ToText() const {
 }
 
 Result<WorldChanges> WorldChanges::FromText(const std::string& text) {
+  // The text may come from a damaged recording, so each level is checked before it is read.
   const Json json = Json::parse(text, nullptr, false);
   const Error malformed{{}, "found changes that are not a JSON object with a seed and controllers"};
   if (!json.is_object()) return malformed;
@@ -206,6 +211,7 @@ Result<WorldChanges> WorldChanges::FromText(const std::string& text) {
 }
 
 std::vector<EntityReport> ListEntities(const WorldDescription& world, const WorldState& state) {
+  // First a report for every model, so that robots and objects find theirs by the id of their root, then a selection.
   std::vector<EntityReport> entities(world.models.size());
   for (std::size_t i = 0; i < entities.size(); ++i) {
     const ModelDescription& model = world.models[i];
@@ -245,6 +251,7 @@ void SetAgents(const WorldDescription& world, const Membership& members, std::ve
 }
 
 std::string FreeName(const WorldDescription& world, const std::string& base) {
+  // Names of all models count, not only of roots: a request or an event may name a child, too.
   std::set<std::string> names;
   for (const ModelDescription& model : world.models) {
     if (!model.removed) names.insert(model.name);
@@ -268,6 +275,7 @@ void SetBoxes(const WorldDescription& world, const WorldState& state, std::vecto
     const ModelDescription& model = world.models[i];
     if (model.removed) continue;
     if (model.parent) {
+      // A parent has a lower id than its children, so its owner is known already.
       owners[i] = owners[model.parent->index()];
     } else if (const auto found = by_name.find(model.name); found != by_name.end()) {
       owners[i] = found->second;

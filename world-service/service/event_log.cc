@@ -28,6 +28,8 @@ bool EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reaso
   if (now - second_began_ >= 1.0) {
     second_began_ = now;
     rejected_this_second_ = 0;
+    // The sum belongs to the second before, and is told by the first rejection after it: no timer is needed, and a
+    // flood that has ended costs nothing further.
     if (const std::uint64_t count = std::exchange(silent_, 0); count > 0) {
       Add(EventType::kProposalRejected, tick, std::nullopt, std::to_string(count) + " more, not shown");
     }
@@ -41,6 +43,8 @@ bool EventLog::Reject(Tick tick, std::optional<RobotId> robot, std::string reaso
 }
 
 void EventLog::Report(Tick tick, std::optional<RobotId> robot, std::string_view text) {
+  // Frame and report are drained at different times, so each has a count of its own: a long pause fills the frame's
+  // list while the console goes on reporting.
   const bool enters_frame = reports_between_frames_ < kMaxReports;
   const bool is_told = unreported_reports_ < kMaxReports;
   if (!enters_frame && !is_told) return;
@@ -55,10 +59,12 @@ std::vector<Event> EventLog::CompleteFrame(Tick tick, std::vector<Event> of_step
   reports_between_frames_ = 0;
   for (const Event& event : of_step) stalls_ += event.type == EventType::kStallBegan;
   unreported_.insert(unreported_.end(), of_step.begin(), of_step.end());
+  // The usual tick: nothing to merge.
   if (between_frames_.empty()) return of_step;
   // They arrived in the order of the network; ordered by robot, records of two runs are easier to compare.
   std::stable_sort(between_frames_.begin(), between_frames_.end(),
                    [](const Event& a, const Event& b) { return a.robot < b.robot; });
+  // A frame's events all have its tick, also those that arrived while the tick before was the newest.
   for (Event& event : between_frames_) event.tick = tick;
   between_frames_.insert(between_frames_.end(), std::make_move_iterator(of_step.begin()),
                          std::make_move_iterator(of_step.end()));

@@ -1,4 +1,13 @@
 // The events of a run, and lines for people that are still to be reported.
+//
+// An event has two readers with different needs. The next frame carries it to agents, recorders and viewers, in an
+// order that depends on the run alone; the report to the console or the launcher follows soon, in the order of arrival.
+// So an event is kept twice until each reader has drained its copy. Neither influences the state or its hash.
+//
+// Peers may send any number of rejected proposals and reports, and each would cost memory, a line and bytes of every
+// frame: hence a limit on both, with the surplus counted and not lost without a trace.
+//
+// Not thread-safe: both classes belong to the coordinator, and are called under its lock.
 #pragma once
 
 #include <cstddef>

@@ -7,6 +7,7 @@
 namespace troupe {
 namespace {
 
+// More would make a line that nobody reads, and that a log repeats for each lost agent.
 constexpr std::size_t kNamesListed = 10;
 
 }  // namespace
@@ -23,6 +24,8 @@ void AnnounceSession(const LiveRun& run) {
   session.world = WorldOf(run.scene);
   session.scene = run.scene;
   session.world_edition = run.frame.world_edition;
+  // Before the session: an agent on this host that has read the session finds the map in shared memory, and does not
+  // build its own.
   run.endpoint.ShareMap(run.scene->static_index().ray_map().bytes());
   run.endpoint.SendSession(session);
 }

@@ -1,5 +1,12 @@
 // LiveRun: the part of a run's state that the parts of the coordinator share. A plain struct; each member names the one
 // class that writes it (all of them may read). Used by one thread at a time.
+//
+// Why a struct and not accessors: TickEngine, WorldEditor, RunControl and RunStatistics describe one run from different
+// sides, and most decisions need several members at once (phase, frame, members). Passing each by parameter hid who
+// writes what; here the writer of a member is one word beside it. What only one part needs is private to that part.
+//
+// `frame` is the truth about the newest committed state: a state is committed by assigning it (TickEngine::Publish),
+// after all observers have accepted it. All times are wall times in s of the coordinator's clock.
 #pragma once
 
 #include <functional>

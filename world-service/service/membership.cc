@@ -45,7 +45,9 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
   const std::vector<Waits> waits_before = WaitsOfRobots();
   ResetForWorld(world);
   world_edition_ = edition;
-  // The id of an earlier robot now.
+  // The present id of an earlier robot. After a fresh edit (a load, a reset, a rewind) ids are those of another world,
+  // and only names are comparable; after any other edit a robot keeps its id, even if its name was given to another
+  // one.
   const auto successor = [&](RobotId robot) -> std::optional<RobotId> {
     if (!fresh) return RobotExists(world, robot) ? std::optional(robot) : std::nullopt;
     const auto found = robot_by_name_.find(names[robot.index()]);
@@ -58,6 +60,7 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
     const std::optional<RobotId> after = successor(robot);
     if (!after) continue;
     was_there[after->index()] = true;
+    // The waits of a robot are of the whole run: they survive edits and changes of agents.
     waits_of_forgotten_[after->index()] = waits_before[robot.index()];
   }
   for (const auto& [name, robot] : robot_by_name_) {
@@ -72,6 +75,7 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
     for (const RobotId robot : member.robots) {
       if (const std::optional<RobotId> after = successor(robot)) robots.push_back(*after);
     }
+    // A lost member is dropped, because it has not seen the edit: its proposals would be of the world before.
     if (robots.empty() || !member.present) {
       if (member.present) change.gone.push_back(member.id);
       entry = members_.erase(entry);
@@ -97,6 +101,7 @@ JoinDecision Membership::Join(const JoinMessage& join, const StatePlace& next, d
   // A join for the world before the newest edit: the agent will join again for this one.
   if (join.world_edition < world_edition_) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
   if (join.world_hash != world_hash_) return Refuse("the agent has another world than the world service");
+  // Before the names are checked: a repeated join is answered as the first one was.
   if (Member* member = Find(join.agent); member != nullptr && member->present) {
     if (behind) return {JoinDecision::Outcome::kBehind, nullptr, {}};
     return {JoinDecision::Outcome::kRepeated, member, {}};
@@ -139,6 +144,7 @@ JoinDecision Membership::Join(const JoinMessage& join, const StatePlace& next, d
 JoinDecision Membership::Contend(RobotId robot, AgentId contender, const StatePlace& next, double now) {
   const Member& owner = members_.at(*owners_[robot.index()]);
   Contest& contest = contests_[robot.index()];
+  // A third agent that joins begins a contest of its own, which gives the owner its time again.
   if (contest.contender != contender) contest = {contender, next, now};
   const bool owner_lives = owner.last_answered > contest.next || now - contest.since > 2.0 * lease_seconds_;
   if (!owner_lives) return {JoinDecision::Outcome::kUndecided, nullptr, {}};

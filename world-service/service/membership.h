@@ -1,6 +1,16 @@
 // Membership: the agents of a run and their robots.
 //
 // A member that is lost keeps its robots until another agent joins for one of them, so that it can rejoin by itself.
+//
+// Invariants: a robot belongs to at most one member; a member has at least one robot; an agent belongs to the run by
+// its random id, not by host or process, so a restarted program is another agent. A join is answered without a clock's
+// decision wherever possible: what decides is whether the old agent answered a frame that was published after the new
+// agent's first join. Only if the old agent stays silent, time (two leases) decides.
+//
+// Join has no effect but the admission itself, and may be called again with the same message: joins are resent until
+// they are answered, and any answer may be lost.
+//
+// Costs: a join is linear in its robots, an edit in all robots and members; a tick with all agents needs Find alone.
 #pragma once
 
 #include <cstdint>

@@ -25,6 +25,8 @@ Error FlattenPlace(const Error& error) {
   std::string text = error.ToString();
   text.erase(text.find(kSeverity), kSeverity.size());
   const bool is_malformed = error.code == ErrorCode::kBadInput && error.where.line > 0;
+  // A reply of the protocol has one text and a code: the code tells gateways (ROS) whether the file or the request is
+  // wrong.
   return {{}, std::move(text), is_malformed ? ErrorCode::kMalformed : error.code};
 }
 
@@ -44,6 +46,8 @@ Result<RequestedFile> ListWorlds(const ServiceOptions& options, const ControlReq
   const AllowedPaths& allowed = options.overrides.allowed;
   std::vector<std::string> folders = {request.source};
   if (request.source.empty()) folders = allowed.paths();
+  // A set, because allowed folders may overlap and directories are read in any order: the list is sorted, each file
+  // once.
   std::set<std::string> paths;
   for (const std::string& folder : folders) {
     const std::optional<std::string> path = allowed.Resolve(folder);
@@ -97,6 +101,7 @@ Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& 
   if (request.command == ControlCommand::kWorlds) return ListWorlds(options, request);
   const bool loads = request.command == ControlCommand::kLoadWorld;
   if (loads && request.source.empty() && request.text.empty()) {
+    // A load without a file and without a text unloads the world: the empty world replaces it.
     return RequestedFile{std::make_shared<const WorldDescription>(), {}};
   }
   std::string source = request.source;
@@ -107,6 +112,7 @@ Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& 
     if (!written.ok()) return written.error();
     text = std::move(written).value();
     source = text->path();
+    // The text of the request is permitted itself; what it includes is checked as for any other file.
     overrides.allowed.Add(source);
   }
   Result<LoadedWorld> loaded =
@@ -116,6 +122,7 @@ Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& 
     if (const Status status = SetController(options, request, loaded.value().world); !status.ok())
       return status.error();
   }
+  // After SetController, so that a library named by the request is checked like one named by the file.
   if (const Status status = CheckLibraries(loaded.value().world, options.libraries); !status.ok())
     return status.error();
   RequestedFile file{{}, {}, std::move(text)};

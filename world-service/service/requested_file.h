@@ -1,4 +1,12 @@
 // The files of a request: a world to load, a model to spawn, or the list of such models.
+//
+// Reading a file is slow and may block on a network file system, so it happens on the thread of RunService without the
+// lock of the run; the coordinator gets the finished description. A request may come from any process that can reach
+// the session: what it may read is limited by OwnerPermissions, checked by the loader for every included file as well,
+// and symbolic links are resolved before the comparison (AllowedPaths).
+//
+// A controller that is a shared library is code: it is compared with a list of its own, which a permitted folder of
+// worlds does not extend.
 #pragma once
 
 #include <cstdint>

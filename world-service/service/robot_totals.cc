@@ -51,6 +51,7 @@ void RobotTotals::Count(const Event& event) {
   Counts& counts = robots_[event.robot->index()];
   if (event.type == EventType::kStallBegan) {
     ++counts.stalls;
+    // By the root: a user knows the table, not its leg.
     if (event.other) ++counts.contacts[RootOf(scene_->world(), *event.other)];
   } else if (event.type == EventType::kGripped) {
     ++counts.grips;
@@ -60,6 +61,7 @@ void RobotTotals::Count(const Event& event) {
 void RobotTotals::Count(const RobotCommand& command) {
   if (!command.goal || command.goal->waypoints.empty() || command.robot.index() >= robots_.size()) return;
   Counts& counts = robots_[command.robot.index()];
+  // A goal is sent with every frame while it is in force; its number tells a new one.
   if (std::exchange(counts.goal, command.goal->number) != command.goal->number || counts.goals == 0) {
     ++counts.goals;
     counts.is_reached = false;

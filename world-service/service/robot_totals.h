@@ -1,4 +1,8 @@
-// RobotTotals: for people, what each robot did in a run: an observer that adds up distances, contacts and goals.
+// RobotTotals: distance, contacts and goals of each robot in a run, for the summary: an observer that adds them up.
+//
+// Counts begin at the newest fresh start, and at the start of a service that continues a run: totals are not
+// journalled, because they matter to readers of the summary only and would grow every record. Edits move robots without
+// driving, so the distance of an edited frame is left out. Costs one pass over the robots per tick, without allocation.
 #pragma once
 
 #include <cstdint>

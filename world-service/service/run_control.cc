@@ -25,6 +25,7 @@ bool IsOver(const LiveRun& run) {
 
 void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, RequestedWorld world, double now) {
   OpenRequest open{request, std::move(reply), std::move(world)};
+  // Also when the run is over or too many requests are open: a tool can always ask.
   if (request.command == ControlCommand::kStatus) return Accept(open);
   if (IsOver(run_)) return Reply(open, Refusal("the run is over"));
   if (early_.size() + engine_.waiting_inputs() + queue_.size() + awaiting_pause_.size() >= kMaxOpen) {
@@ -33,12 +34,16 @@ void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, Re
   if (request.command == ControlCommand::kChange) {
     return Reply(open, Refusal("controllers are changed when a run continues from a recording"));
   }
+  // Checked twice: here, so that a wrong tick does not pause the run, and when the request is executed, because an edit
+  // before it in the queue may have changed the tick.
   if (request.command == ControlCommand::kRewind && run_.phase == RunPhase::kRunning) {
     if (const Status problem = CheckRewind(request); !problem.ok()) return Reply(open, problem.error());
   }
   if (request.command == ControlCommand::kRestore) {
     open.world = editor_.Deleted(request.source);
     if (open.world == nullptr) return Reply(open, Refusal("no entity '" + request.source + "' was deleted"));
+    // From here on a restored entity is a spawned one, with its description in place of a file. The recording has the
+    // spawn.
     open.request.command = ControlCommand::kSpawn;
     if (open.request.name.empty()) open.request.name = request.source;
   }
@@ -66,6 +71,7 @@ Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
   if (speed && !(*speed > 0.0 && std::isfinite(*speed))) return Refusal("found a speed that is not a positive number");
   if (!speed && run_.realtime()) return Refusal("mode realtime needs a speed");
   engine_.SetSpeed(speed, now);
+  // A service that continues the run keeps its speed.
   if (run_.phase == RunPhase::kRunning) engine_.ReportProgress(now);
   return {};
 }
@@ -80,6 +86,7 @@ Status RunControl::CommandRobot(const ControlRequest& request, double now) {
   }
   RobotCommand command = request.robot_command;
   command.robot = *robot;
+  // A goal without waypoints is a cancellation; the check below accepts none, so it is set aside for the check.
   const bool cancels_goal = command.goal && command.goal->waypoints.empty();
   if (cancels_goal) command.goal.reset();
   if (Status failure = CheckRobotCommand(run_.world(), command); !failure.ok()) return failure;
@@ -96,6 +103,7 @@ Status RunControl::CommandRobot(const ControlRequest& request, double now) {
 
 void RunControl::ExecuteInput(OpenRequest open, double now) {
   if (!has_begun()) return Reply(open, Refusal("the run has not begun; nothing can be changed before"));
+  // A run that is continued: its inputs wait until the agents have rejoined, rather than being refused by chance.
   if (run_.phase == RunPhase::kGathering) return early_.push_back(std::move(open));
   ReplyWith(open, AddInput(open.request, now));
 }
@@ -110,6 +118,7 @@ Status RunControl::AddInput(const ControlRequest& request, double now) {
 }
 
 void RunControl::Pause(OpenRequest pause, double now) {
+  // The pause was there for an edit only; from now on it is the user's, and the journal has to know it.
   const bool remains = run_.frame.paused && engine_.play_after_edits();
   engine_.SetPlayAfterEdits(false);
   if (remains) engine_.ReportProgress(now);
@@ -121,11 +130,13 @@ void RunControl::Pause(OpenRequest pause, double now) {
     return Advance(now);
   }
   if (quiescent() && queue_.empty()) return Accept(pause);
+  // The tick under way is completed: agents may have decided on it already.
   if (!run_.frame.paused) engine_.SetTicksToPause(has_begun() ? 1 : 0);
   awaiting_pause_.push_back(std::move(pause));
 }
 
 void RunControl::Play(const OpenRequest& play, double now) {
+  // Each request is answered once: those that waited for the pause would wait without end.
   const Error superseded = Refusal("the run was set to play");
   for (const OpenRequest& waiting : std::exchange(awaiting_pause_, {})) Reply(waiting, superseded);
   std::erase_if(queue_, [&](const OpenRequest& waiting) {
@@ -133,6 +144,7 @@ void RunControl::Play(const OpenRequest& play, double now) {
     Reply(waiting, superseded);
     return true;
   });
+  // Edits that were asked for before the play are executed first, in the order of the requests.
   engine_.SetPlayAfterEdits(edit_ || !queue_.empty());
   if (engine_.play_after_edits()) {
     if (!run_.frame.paused || engine_.holding()) engine_.RequestPause();
@@ -199,7 +211,10 @@ void RunControl::ReplyToEdit() {
 }
 
 void RunControl::StartQueued(double now) {
+  // Each applied edit asks the agents for an answer, so the loop ends after it unless the world has no agents.
   while (!queue_.empty() && quiescent() && engine_.observers_ready()) {
+    // A step leaves the tick, so observers that await something for it (ROS nodes in lockstep) come first. An edit
+    // stays.
     if (queue_.front().request.command == ControlCommand::kStep && !engine_.released()) return;
     OpenRequest next = std::move(queue_.front());
     queue_.pop_front();
@@ -214,6 +229,7 @@ void RunControl::StartQueued(double now) {
 }
 
 void RunControl::StartStep(OpenRequest step, double now) {
+  // At the run's speed: a step of many ticks is watched like a run that plays.
   engine_.SetTicksToPause(step.request.ticks, Pace::kRun);
   step_begun_ = run_.frame.state.tick;
   awaiting_pause_.push_back(std::move(step));
@@ -259,6 +275,8 @@ void RunControl::GiveUpNewRobots(const Error& error, double now) {
   const std::optional<OpenRequest> edit = std::exchange(edit_, std::nullopt);
   if (!edit) return;
   Reply(*edit, error);
+  // The tool is told that its spawn failed, so no robot without an agent stays behind. Robots of a loaded world stay:
+  // the world was asked for as a whole.
   if (edit->request.command == ControlCommand::kSpawn) editor_.RevokeSpawn(edit->request.name, now);
 }
 
@@ -267,6 +285,7 @@ Result<std::vector<EntityReport>> RunControl::Entities(const std::string& name, 
   if (!name.empty()) {
     const Result<ModelId> root = FindEntity(run_.world(), name);
     if (!root.ok()) {
+      // A named place is not an entity, but a tool may ask for its pose by the same request.
       const std::vector<NamedPlace>& places = run_.world().places;
       const auto place =
           std::find_if(places.begin(), places.end(), [&](const auto& each) { return each.name == name; });

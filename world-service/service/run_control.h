@@ -5,6 +5,17 @@
 //
 // A pause is quiescent when every member has answered the paused frame and no robot of an edit waits for its agent.
 // Edits and steps start in a quiescent pause only. Passive, as TickEngine.
+//
+// Why edits wait for a quiescent pause: an agent's controllers and odometry then have processed exactly the state that
+// is edited, so the memory of robots after the edit does not depend on the time at which the request arrived. For the
+// same reason requests never overtake each other: steps and edits form one queue, and an edit is answered only when all
+// agents have answered the edited frame. A tool that waits for its reply sees the world that it asked for.
+//
+// An edit of a playing run pauses it, is executed, and plays on (TickEngine::play_after_edits). To a tool the run then
+// appears as playing throughout.
+//
+// No request makes the run fail: a request that cannot be executed is answered with the reason. kMaxOpen bounds the
+// open ones, because the sender may be hostile.
 #pragma once
 
 #include <deque>
@@ -35,7 +46,8 @@ class RunControl {
   void Reply(const ControlRequest& request, const ControlReplyTo& reply,
              const Result<std::vector<EntityReport>>& outcome) const;
 
-  // While it runs, its owner is to call Rewind::Work and then AdvanceRewind, again and again.
+  // While it runs, its owner calls Rewind::Work and then AdvanceRewind, again and again: the work is slow, and happens
+  // without the lock of the run.
   Rewind& rewind() { return rewind_; }
   void AdvanceRewind(double now);
 

@@ -25,13 +25,16 @@ void RobotMemories::OnFreshStart(Edition edition) {
 }
 
 std::optional<HistoryRequest> RobotMemories::MissingFor(const JoinMessage& join, const FrameMessage& newest) const {
+  // An agent makes all its robots at once, so the oldest of them decides from where it needs the states.
   Edition made = newest.edition;
   for (const std::string& robot : join.robots) {
     const auto spawned = spawned_.find(robot);
     made = std::min(made, spawned == spawned_.end() ? fresh_edition_ : spawned->second);
   }
   if (!previous_ || IsFirstOf(made, newest)) return std::nullopt;
+  // A memory of before the fresh start is worthless: the robots are made again and see the whole history.
   if (!join.memory || join.memory->edition < made) return HistoryRequest{{}, made};
+  // The newest state itself comes with the frame after the admission.
   if (*join.memory >= *previous_) return std::nullopt;
   return HistoryRequest{join.memory, 0};
 }
@@ -56,6 +59,7 @@ Result<bool> Rewind::MakeSome(RunHistory& history) {
     if (!started.ok()) return started.error();
     states_ = std::move(started).value();
   }
+  // The clock bounds only how much is made in one call; the states do not depend on it.
   const Clock::time_point end = Clock::now() + kWorkTime;
   for (;;) {
     Result<bool> more = states_->MakeSome();
@@ -68,6 +72,7 @@ std::optional<Result<RewoundRun>> Rewind::Advance(bool run_ends) {
   if (!has_more_.ok()) outcome = has_more_.error();
   if (!outcome && run_ends) outcome = Failure("the run is over");
   if (outcome) {
+    // Whatever the outcome, the rewind is over and holds no states of the recording any more.
     *this = Rewind();
   } else if (!has_more_.value()) {
     stage_ = Stage::kWriting;

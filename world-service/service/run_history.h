@@ -1,5 +1,14 @@
 // The states of a run so far: for agents whose robots need the memory of them, for a rewind, and for a service that
 // continues a run.
+//
+// A state of the world is not all that the next proposals depend on: controllers, odometry and grippers of a robot have
+// a memory, which lives in its agent only and is not recorded. It can be made again by having a new agent process the
+// states since the robot's fresh start. So this file has three parts: RunHistory (reading the states from a recording
+// or a journal), RobotMemories (which states an agent that joins is missing) and Rewind (setting a run back, which is
+// the same for all robots at once).
+//
+// Positions in the past are ControllerCheckpoints: an edition, a tick, and whether the robots decided on the state or
+// it was only published in a pause. Ticks alone are ambiguous, because an edit makes another state of the same tick.
 #pragma once
 
 #include <cstdint>

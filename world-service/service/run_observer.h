@@ -3,6 +3,17 @@
 //
 // Threads: OnBegin, OnEnd and the progress reports are called on the thread of RunService, one at a time. OnTick and
 // OnWorldChange are called on any thread, one at a time, between OnBegin and OnEnd.
+//
+// An observer influences when the next tick is made (IsReady, IsPrepared, ShowsTick, Release), never what it contains:
+// its only way into a state is WorldControl, by requests that are recorded as any others. So a run has the same hashes
+// with any set of observers.
+//
+// Order in a tick: OnCommit of all, then the frame goes out to the agents, then OnTick of all while the agents work.
+// What must not be lost with the process (the journal) is written in OnCommit, at the cost of the tick's time; all
+// other work belongs to OnTick, which overlaps with the agents' decisions. Costs: a call of each per observer and tick,
+// on the thread that made the step, under the lock of the run.
+//
+// Errors: one error ends the run in order; it is told once, and OnEnd still follows.
 #pragma once
 
 #include <functional>

@@ -28,6 +28,7 @@ using Phase = TickCoordinator::Phase;
 // Wall times, s.
 constexpr double kStatusPeriod = 0.5;
 constexpr double kMaxWait = 0.05;  // so that `stop` and progress reports need not wait for longer
+// For the last frame and replies to leave the process; peers that do not acknowledge them delay the end by no more.
 constexpr double kFlushTime = 0.5;
 
 constexpr std::size_t kMaxFileRequests = 100;  // a hostile tool may send any number
@@ -42,6 +43,7 @@ Clock::time_point TimePoint(double seconds) {
 
 RunId MakeRunId() {
   std::random_device device;
+  // Random, not from the seed: two runs of one scenario in one session have to be told apart. It enters no hash.
   return (static_cast<RunId>(device()) << 32) | device();
 }
 
@@ -57,6 +59,8 @@ class Driver final : public WorldControl, private ServiceHandler {
         endpoint_(std::move(endpoint)) {}
 
   void Start() {
+    // Deliveries may begin before the session is announced, for instance joins of agents that know it from a service
+    // before.
     endpoint_->Start(*this);
     Deliver([&](double) { coordinator_.Announce(); });
   }
@@ -78,6 +82,7 @@ class Driver final : public WorldControl, private ServiceHandler {
       }
       const bool status_due = now >= next_status;
       if (status_due) next_status = now + kStatusPeriod;
+      // At once and not with the next status: the launcher starts further agents when earlier ones have joined.
       if (AgentsHaveJoined()) ReportJoins(lock);
       Report(status_due, lock);
       ReadFiles(lock);
@@ -89,6 +94,7 @@ class Driver final : public WorldControl, private ServiceHandler {
         lock.lock();
         continue;
       }
+      // Deliver compares with it, so that a delivery wakes this thread only if it has to act earlier than planned.
       wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kMaxWait);
       if (file_requests_.empty()) wake_.wait_until(lock, TimePoint(wake_at_));
     }
@@ -101,6 +107,8 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   void Request(const ControlRequest& request, ControlReplyTo reply) override {
+    // The mutex is not recursive, and the coordinator is in the middle of a call: the request follows when that
+    // returns.
     if (acting_ == std::this_thread::get_id()) {
       asked_meanwhile_.push_back({request, std::move(reply)});  // from inside a reply: this thread has the lock
       return;
@@ -216,6 +224,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     const bool loads = open.request.command == ControlCommand::kLoadWorld;
     if (loads && coordinator_.phase() == Phase::kRunning) {
       text_ = file.value().text;
+      // Models that later requests spawn are looked up in the world that is loaded now.
       service_.world_file = text_ ? text_->path() : open.request.source;
       if (text_) service_.overrides.allowed.Add(text_->path());
     }
@@ -254,6 +263,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     {
       const std::lock_guard lock(mutex_);
       Act([&] { call(Now()); });
+      // Under the lock: otherwise Run could compute wake_at_ from the state before this delivery, and sleep too long.
       wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty() || coordinator_.rewind().is_running() ||
              AgentsHaveJoined();
     }
@@ -291,6 +301,7 @@ class Driver final : public WorldControl, private ServiceHandler {
     const std::vector<Event> events = coordinator_.DrainEvents();
     const std::vector<std::string> new_robots = coordinator_.DrainNewRobots();
     const Edition edition = coordinator_.frame().edition;
+    // Everything is copied under the lock and reported without it: a slow console must not delay a tick.
     const std::shared_ptr<const Scene> scene = coordinator_.scene();  // that the events are of
     const std::optional<double> startup = started_ ? std::nullopt : coordinator_.startup_seconds();
     std::optional<StatusMessage> status;
@@ -375,6 +386,8 @@ Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const S
   for (RunObserver* observer : all) {
     failure = OrFailure([&] { return observer->OnBegin({coordinator.run, options.settings, scene, driver}); });
     if (!failure.ok()) break;
+    // OnEnd follows for exactly those whose OnBegin succeeded, so that files of the first are closed if the second
+    // fails.
     begun.push_back(observer);
   }
   const bool all_begun = failure.ok();

@@ -1,5 +1,14 @@
 // RunService: a whole run of the world service over a transport, from waiting for the agents to the summary. The
 // program world-service and `troupe run --in-process` are thin shells around it.
+//
+// Threads: the calling thread is the only one that RunService itself uses. It waits for time (pacing, resends,
+// deadlines), reads files of requests and the history, and reports progress. Deliveries of the transport arrive on the
+// transport's threads, and make the step there: the last proposal of a tick is not handed over to another thread, which
+// would cost a wake-up in every tick. One mutex serializes all of them at the coordinator; slow work happens without
+// it.
+//
+// The clock is read here alone: all parts below get the time as a parameter, so that tests drive them by a time of
+// their own, and no result can depend on it.
 #pragma once
 
 #include <atomic>

@@ -56,12 +56,14 @@ std::optional<double> TickCoordinator::startup_seconds() const {
 }
 
 void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
+  // Without an answer: the agent learns the run from the session, and joins again.
   if (join.run != run_.options.run || join.incarnation != run_.options.incarnation) return;
   if (run_.phase == Phase::kOver) return;
   // An agent that is started again at the end of a run leaves with the others.
   if (run_.phase == Phase::kEnding) return run_.endpoint.SendFrame(run_.frame);
   if (run_.phase == Phase::kGathering && join.memory &&
       *join.memory == ControllerCheckpoint{run_.frame.edition, run_.frame.state.tick, true}) {
+    // So the service before had released this frame: it is not shown to observers a second time (TickEngine::Continue).
     run_.is_decided = true;
   }
   std::optional<HistoryRequest> missing;
@@ -92,11 +94,13 @@ void TickCoordinator::NoteGoals(const JoinMessage& join) {
   const std::set<std::string_view> accepting(join.accept_goals.begin(), join.accept_goals.end());
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (!robots[i]) continue;
+    // By the name of the controller, not by robot: a robot that is spawned later has the answer before its agent joins.
     run_.accepts_goals[run_.world().robot(*robots[i]).controller.name] = accepting.contains(join.robots[i]);
   }
 }
 
 void TickCoordinator::DemandHistory(const JoinMessage& join, const HistoryRequest& request, double now) {
+  // An agent that is still reading its history is a sign of progress: the run waits longer for all to join.
   progress_at_ = now;
   engine_.AwaitAgent(now);
   const auto same = [&](const HistoryDemand& demand) {
@@ -145,6 +149,7 @@ void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
   if (run_.phase == Phase::kGathering && (rival.begun || rival.run < run_.options.run)) {
     return Fail(Failure("another world service runs in this session (" + process + "); use another session name"), now);
   }
+  // A rival repeats its session; people need one line.
   if (rival.run == known_rival_) return;
   known_rival_ = rival.run;
   run_.notices.Add("another world service has entered this session (" + process + "); this one continues");
@@ -152,6 +157,7 @@ void TickCoordinator::OnRivalService(const SessionMessage& rival, double now) {
 
 // If a run has two services, the later one continues it.
 void TickCoordinator::OnOtherService(const SessionMessage& other, double now) {
+  // The other is the older one, for instance a process that was stopped and continued: the session tells it to end.
   if (other.incarnation < run_.options.incarnation) return Announce();
   if (other.incarnation == run_.options.incarnation) return;
   Fail(Failure("another world service (" + PlainLine(other.host, kMaxHost) + ", pid " + std::to_string(other.pid) +
@@ -161,6 +167,7 @@ void TickCoordinator::OnOtherService(const SessionMessage& other, double now) {
 
 void TickCoordinator::Poll(double now) {
   if (run_.phase == Phase::kGathering) return PollGathering(now);
+  // Before the engine's own poll: a barrier without the lost member may be complete now.
   engine_.LoseSilentMembers(now);
   control_.Advance(now);
   if (run_.phase == Phase::kRunning) GiveUpNewRobots(now);
@@ -183,6 +190,7 @@ void TickCoordinator::PollGathering(double now) {
 bool TickCoordinator::all_have_joined() const {
   if (run_.members.all_robots_present()) return true;
   if (!run_.takes_over()) return false;
+  // Robots that had no agent before are not waited for: the run went on without them, too.
   const std::vector<RobotId>& absent_before = run_.options.resumed->progress.absent;
   const std::vector<RobotId> absent = run_.members.AbsentRobots();
   return run_.members.present_members() > 0 &&

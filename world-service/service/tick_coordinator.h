@@ -3,7 +3,14 @@
 // RunStatistics. docs/tick-protocol.md describes its states.
 //
 // Passive: it acts only inside the calls below, which must be made one at a time, and knows the time only from `now`:
-// wall time in s, of a clock that never decreases.
+// wall time in s, of a clock that never decreases. So tests play whole runs, with losses and delays of messages, in a
+// loop without threads and without waiting, and each failure can be repeated.
+//
+// After each call that may have changed the barrier, the members or the phase, RunControl::Advance follows: requests
+// that waited for exactly that are answered in the same call.
+//
+// Any message may be lost, late, duplicated or of another run. A message of another run or incarnation has no effect,
+// and none of the calls fails for what a peer has sent.
 #pragma once
 
 #include <cstddef>

@@ -33,7 +33,9 @@ std::string SpeedText(double speed) {
   return text;
 }
 
-// Spreads the numbers, so that those of two services are not the same.
+// The number of the last goal, for a service that continues a run. Robots tell a new goal from the present one by its
+// number, and this service does not know how many goals the one before gave out: the golden-ratio multiplier spreads
+// the start of the numbers over 32 bits, so that it is improbable that one repeats.
 std::uint32_t LastGoalBefore(const ResumedRun& resumed) {
   return static_cast<std::uint32_t>((resumed.next_number + 1) * 0x9E3779B1U + resumed.incarnation);
 }
@@ -71,6 +73,7 @@ TickEngine::TickEngine(LiveRun& run, double now)
     commands_.Restore(resumed.progress.commands);
     inputs_ = resumed.progress.inputs;
     DropInvalidInputs();
+    // A speed that a tool has set outlives the service; that of the command line is in the settings already.
     if (resumed.progress.speed_is_set) SetSpeed(resumed.progress.speed, now);
     run_.frame = *resumed.frame;
     run_.memories.Resume(resumed.previous, run_.frame.fresh_edition);
@@ -123,11 +126,13 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now, const S
   }
   if (proposal.paused != frame.paused) return;  // answers the frame as it was before
   if (!member->present) {
-    // A proposal may arrive after the news of its agent's end, but a join does not.
+    // A proposal may arrive after its agent was reported lost, but a join is sent later than that: only a join proves
+    // that the agent lives.
     if (member->gone) return AskToJoin(*member, now);
     run_.members.Restore(*member);
     AddMember(*member, now);
   }
+  // The first message for a tick counts; a repetition has the same content, or its sender is at fault.
   if (!barrier_.Arrive(proposal.agent)) return resend_timer_.AnsweredTwice();
   if (barrier_.complete()) first_answers_ = FirstAnswers::kComplete;
   if (proposal.paused) {
@@ -139,8 +144,10 @@ void TickEngine::OnProposal(const ProposalMessage& proposal, double now, const S
   Collect(*member, proposal, now, shared);
   const double answer = now - committed_at_;
   double& smoothed = member->answer_seconds;
+  // The first answer counts as a whole: an average from zero would show the agent as fast for its first ticks.
   smoothed = smoothed == 0.0 ? answer : smoothed + kLatencySmoothing * (answer - smoothed);
   if (barrier_.complete()) {
+    // This agent was awaited alone, from the answer before it on.
     ++member->times_last;
     member->waited_seconds += now - arrived_at_;
   }
@@ -164,6 +171,7 @@ void TickEngine::Report(const Member& member, std::string_view report) {
   std::string_view text = report;
   for (const RobotId id : member.robots) {
     const std::string prefix = "robot " + run_.world().robot(id).name + ": ";
+    // The longest matching name: the name of one robot may begin with that of another one and ": ".
     if (!report.starts_with(prefix) || report.size() - prefix.size() > text.size()) continue;
     robot = id;
     text = report.substr(prefix.size());
@@ -222,6 +230,7 @@ void TickEngine::Lose(Member& member, const std::string& reason, double now) {
 void TickEngine::LoseSilentMembers(double now) {
   const double deadline = run_.options.settings.agent_deadline_seconds;
   if (run_.phase != RunPhase::kRunning || barrier_.complete()) return;
+  // Before the first answers a silent agent says nothing about itself: the network may drop the frames to its host.
   if (first_answers_ != FirstAnswers::kComplete && !run_.realtime() && !run_.takes_over())
     return AwaitFirstAnswers(now);
   if (deadline <= 0.0) return;
@@ -283,6 +292,8 @@ bool TickEngine::observers_prepared() const {
 bool TickEngine::ReadyToCommit(double now) {
   const bool due = run_.phase == RunPhase::kRunning && !run_.frame.paused && (run_.realtime() || barrier_.complete()) &&
                    now >= NextDue() && !halted();
+  // Observers are asked last, and only for a tick that is due: the time they take to be ready is then time that ticks
+  // have waited for them.
   if (!due || !observers_prepared()) return false;
   if (observers_ready()) return true;
   if (!observers_wait_since_) observers_wait_since_ = now;
@@ -320,6 +331,7 @@ void TickEngine::AdvanceRelease(double now) {
   if (released() || !pause_answered() || halted()) return;
   Status outcome;
   if (std::exchange(stage_, FrameStage::kAwaitingRelease) == FrameStage::kPublishing) {
+    // Once for each frame, also if several polls ask for its release.
     outcome = CallObservers(run_.observers, [&](RunObserver& observer) { return observer.OnShown(run_.frame); });
   }
   awaited_.clear();
@@ -334,6 +346,7 @@ void TickEngine::AdvanceRelease(double now) {
   if (!outcome.ok()) return Fail(outcome.error(), now);
   if (!awaited_.empty()) return;
   stage_ = FrameStage::kPaused;
+  // A pause that a user wants remains, although nothing is awaited any more.
   if (ticks_to_pause_ != 0U) SendUnpaused(false, now);
 }
 
@@ -380,6 +393,7 @@ RunProgress TickEngine::Progress() const {
   if (!play_after_edits_) progress.ticks_to_pause = ticks_to_pause_;
   if (!run_.members.all_robots_present()) {
     progress.absent = run_.members.AbsentRobots();
+    // Robots of an edit that are still expected are not absent: the service that continues asks for their agents again.
     for (const RobotId robot : run_.newcomers) std::erase(progress.absent, robot);
   }
   progress.newcomers = run_.newcomers;
@@ -408,6 +422,7 @@ void TickEngine::ReportProgress(double now) {
 void TickEngine::OpenBarrier(double now) {
   committed_at_ = arrived_at_ = now;
   barrier_.Open(run_.next_tick());
+  // In one process no message is lost, and a resend would only mean that a robot computes for long.
   if (run_.endpoint.may_lose_messages()) {
     resend_timer_.Start(now);
   } else {
@@ -431,9 +446,11 @@ void TickEngine::Commit(double now) {
   if (observers_wait_since_) observers_waited_ += now - *std::exchange(observers_wait_since_, std::nullopt);
   first_answers_ = FirstAnswers::kComplete;  // of agents that are not lost
   EnterPhase(TickPhase::kStep, run_.next_tick());
+  // Before the step: the commands that the agents had for this tick have been in force for it.
   commands_.Elapse();
   ++steps_;
   const std::span<const Proposal> proposals = proposals_.ForStep(run_.frame.state);
+  // In the order in which a recording keeps them, so that a replay applies them in the same one.
   const std::vector<Input> inputs = ByKind(std::exchange(inputs_, {}));
   StepResult result = stepper_->Step(run_.frame.state, proposals, inputs);
   FrameMessage next = SuccessorOf(run_.frame);
@@ -444,6 +461,7 @@ void TickEngine::Commit(double now) {
   next.events = run_.events.CompleteFrame(next.state.tick, std::move(result.events));
   if (ticks_to_pause_) --*ticks_to_pause_;
   next.paused = ticks_to_pause_ == 0U || ShowsTick(next.state.tick);
+  // A paused frame is not decided on: its commands are sent, and begin to elapse, with the frame that resumes.
   if (!next.paused) next.commands = commands_.ForNextTick(run_.world());
   pacer_.Committed(next.state.tick, now);
   Publish(std::move(next), {.proposals = proposals, .inputs = inputs}, now);
@@ -490,11 +508,13 @@ void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
 }
 
 void TickEngine::PublishEdit(FrameMessage next, const AppliedEdit& edit, double now, bool is_recorded) {
+  // Proposals for the state before the edit may have been collected; none may enter a step from the new one.
   proposals_.ChangeWorld(*run_.scene);
   if (run_.members.present_members() == 0) halted_since_ = now;
   next.state_hash = StateHash(next.state);
   next.events = run_.events.CompleteFrame(next.state.tick, std::move(next.events));
   next.paused = true;
+  // Commands name robots by id, and goals refer to the world as it was: both end with it.
   if (is_recorded || next.fresh_edition == next.edition) {
     commands_.Clear();
     inputs_.clear();
@@ -507,6 +527,7 @@ void TickEngine::PublishEdit(FrameMessage next, const AppliedEdit& edit, double 
 void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
   const Tick tick = next.state.tick;
   next.last = IsLast(tick);
+  // Agents leave at the last frame, so no pause could end.
   if (next.last) next.paused = false;
   const FrameStage stage = StageOf(next, next.paused && ShowsTick(tick));
   next.holds = next.paused && ticks_to_pause_ != 0U;
@@ -529,6 +550,7 @@ void TickEngine::Publish(FrameMessage next, const Origin& origin, double now) {
   const bool changes_world = next.world_edition != run_.frame.world_edition;
   const FrameMessage before = std::exchange(run_.frame, std::move(next));
   stage_ = stage;
+  // Before the frame, which refers to the new world by its edition.
   if (changes_world) AnnounceSession(run_);
   run_.endpoint.SendFrame(run_.frame);  // before the observers' other work, so that the agents work meanwhile
   EnterPhase(TickPhase::kRecord, tick);

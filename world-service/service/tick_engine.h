@@ -3,6 +3,14 @@
 //
 // Passive: it acts only inside the calls below, and knows the time only from `now`: wall time in s, of a clock that
 // never decreases. So the call that delivers the last proposal of a tick also makes the step.
+//
+// Determinism: the step is a function of the state, of the proposals in robot-id order and of the inputs in the order
+// of their kinds. The arrival of messages decides when it happens, and nothing else. In realtime mode the time decides
+// which proposals enter, so such runs differ from each other; the code is the same but for the barrier.
+//
+// A tick is committed in Publish, in this order: observers write it (OnCommit), it becomes the frame of the run, the
+// agents are sent it, observers follow (OnTick). If an observer cannot write it, the agents never see it: so every
+// state that an agent or a tool has seen is in the journal, and a service that continues the run does not lose it.
 #pragma once
 
 #include <cstdint>
@@ -73,7 +81,8 @@ class TickEngine {
   void ReportProgress(double now);
   // Every member has answered the paused frame.
   bool pause_answered() const { return run_.phase == RunPhase::kRunning && run_.frame.paused && barrier_.complete(); }
-  // Tells observers whether the paused frame only holds, after ticks_to_pause has changed.
+  // Tells observers on the network whether the paused frame only awaits observers (frame.holds), after ticks_to_pause
+  // has changed: viewers show a run that waits for ROS nodes as playing.
   void ResendHold();
   // Resends the frame without `paused`, so that the agents propose; one that is awaited, as soon as it is released.
   // REQUIRES: the frame is paused, and no pause is due.

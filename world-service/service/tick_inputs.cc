@@ -22,10 +22,12 @@ void ProposalCollector::ChangeWorld(const Scene& scene) {
 std::span<const Rejection> ProposalCollector::Collect(const Member& member, const ProposalMessage& message,
                                                       const WorldState& state, const SharedProposal& shared) {
   rejections_.clear();
+  // The first message of a tick releases those of the tick before, to which no proposal of a step refers any more.
   if (std::exchange(tick_, message.tick) != message.tick) {
     kept_.clear();
     messages_ = 0;
   }
+  // In realtime mode a proposal may be used a tick later, when its message is gone: there it is copied.
   const bool keeps = shared != nullptr && mode_ == Mode::kLockstep;
   ++messages_;
   if (keeps) {
@@ -58,6 +60,7 @@ std::span<const Rejection> ProposalCollector::Collect(const Member& member, cons
     ++proposal;
   }
   while (proposal != end) reject_surplus();
+  // All robots in one message, all valid: the step reads the message itself, and nothing is gathered.
   only_ = keeps && messages_ == 1 && rejections_.empty() ? &message : nullptr;
   return rejections_;
 }
@@ -99,6 +102,7 @@ void RobotCommands::Add(const RobotCommand& command, std::uint64_t ticks) {
 }
 
 std::vector<RobotCommand> RobotCommands::ForNextTick(const WorldDescription& world) {
+  // An edit may have removed robots since the command was given.
   std::erase_if(robots_, [&](const auto& entry) {
     return entry.first.index() >= world.robots.size() || !RobotExists(world, entry.first);
   });
@@ -128,6 +132,7 @@ std::vector<CommandInForce> RobotCommands::InForce() const {
   std::vector<CommandInForce> commands;
   for (const auto& [robot, of_robot] : robots_) {
     const auto add = [&commands, robot = robot](const auto& timed) -> RobotCommand& {
+      // One entry for each part, because each has its own rest of ticks.
       return commands.emplace_back(CommandInForce{{.robot = robot}, timed.ticks, timed.sent}).command;
     };
     if (of_robot.twist) add(*of_robot.twist).twist = of_robot.twist->value;
@@ -150,6 +155,7 @@ void RobotCommands::Restore(const std::vector<CommandInForce>& commands) {
 }
 
 void RobotCommands::Elapse() {
+  // A command that was not sent yet, as in a pause, loses none of its ticks.
   const auto expires = [](auto& timed) { return timed.sent && --timed.ticks == 0; };
   for (auto& [robot, of_robot] : robots_) {
     if (of_robot.twist && expires(*of_robot.twist)) of_robot.twist.reset();

@@ -1,4 +1,16 @@
-// What a tick waits for: the messages of agents and tools, and its time.
+// The inputs of a tick and its time: proposals of agents, commands of tools, pacing and resends.
+// - ProposalCollector: which proposals enter the step. Everything that a peer sends is checked here, once, before the
+//   core
+//
+// sees it; a rejected proposal counts as an answer, so that a wrong controller stops its robot and not the run.
+// - RobotCommands: commands of tools to robots, each in force for a number of ticks, counted in simulated time, so that
+//   a
+//
+// slow run obeys them as a fast one does.
+// - Pacer, PaceWatch, ResendTimer: wall time. None of them enters a state or a hash.
+//
+// All are passive values without threads, owned by TickEngine. Proposals are kept by reference to their messages where
+// the transport allows it (`shared`): for 10,000 robots in one message a copy costs as much as the barrier itself.
 #pragma once
 
 #include <algorithm>
@@ -111,7 +123,8 @@ class RobotCommands {
 
 // When a tick may be committed, and when its frame is resent. Times in s, of any clock.
 
-// So that simulated time keeps a fixed speed.
+// Pacer: keeps simulated time at a fixed multiple of wall time. Due times are multiples of the period from a start, not
+// sums of waits: so rounding and short delays do not accumulate.
 class Pacer {
  public:
   // `speed`: multiple of real time; nothing: no pacing. `interval`: length of a tick in simulated s.
@@ -252,7 +265,8 @@ class ResendTimer {
     due_ = now + wait_;
     latest_ = now + kMaxPostponed * std::max(wait_, stretch_ * longest_wait_);
   }
-  // As TCP learns its round-trip time.
+  // Mean and mean deviation with the gains 1/8 and 1/4, as TCP estimates its round-trip time (V. Jacobson, Congestion
+  // Avoidance and Control, 1988).
   void Learn(double longest) {
     const double surprise = longest - mean_;
     mean_ += surprise / 8.0;

@@ -76,6 +76,7 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
     with_domain = std::move(chosen).value();
     world = &*with_domain;
   }
+  // The description of the deleted entity goes with the edit to the recording, from which a restore can be replayed.
   std::optional<DeletedEntity> deleted;
   if (request.command == ControlCommand::kDelete) {
     const Result<ModelId> root = FindEntity(run_.world(), request.name);
@@ -85,6 +86,7 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
   const AppliedEdit edit{request, deleted ? deleted->entity.get() : world};
   Result<EditedWorld> edited = ApplyIfRoom(edit);
   if (!edited.ok()) return edited.error();
+  // Only edits that bring entities can violate the owner's conditions.
   if (world != nullptr) {
     if (const Status allowed = CheckWorld(edited.value().scene->world()); !allowed.ok()) return allowed.error();
   }
@@ -93,6 +95,7 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
   }
   if (deleted) {
     deleted_.push_back(std::move(*deleted));
+    // A tool may spawn and delete without end: the oldest deletion can no longer be restored.
     if (deleted_.size() > kMaxDeleted) deleted_.pop_front();
   }
   ReportRequest(request);
@@ -125,6 +128,7 @@ Result<WorldDescription> WorldEditor::WithRosDomain(std::uint32_t first, const W
   WorldDescription with = spawned;
   for (std::uint32_t domain = first; domain <= kLastRosDomain; ++domain) {
     with.robots.front().ros.domain = domain;
+    // Free among the robots, and none that the run itself uses for its own traffic.
     if (!used.contains(domain) && CheckWorld(with).ok()) return with;
   }
   return Error{{},
@@ -200,12 +204,15 @@ void WorldEditor::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, co
     for (const Event& event : run_.events.DrainUnreported()) run_.notices.Add(EventText(run_.world(), event));
     run_.events.DiscardPending();
   }
+  // Until Publish, engine, members and observers may still refer to the scene before; an exception between must not
+  // leave them with a dangling one.
   previous_scene_ = std::exchange(run_.scene, std::move(scene));
   const WorldDescription& world = run_.world();
   Membership::WorldChange change = run_.members.ChangeWorld(world, next.world_edition, fresh);
   engine_.ChangeWorld(change.gone);
   std::vector<std::string> newcomers;
   for (const RobotId robot : change.newcomers) newcomers.push_back(world.robot(robot).name);
+  // In a fresh edition all robots begin at the same edition, so none of them is an exception.
   if (!fresh) run_.memories.OnNewRobots(newcomers, next.edition);
   new_robots_.insert(new_robots_.end(), newcomers.begin(), newcomers.end());
   run_.newcomers = std::move(change.newcomers);

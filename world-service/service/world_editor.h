@@ -1,7 +1,14 @@
 // WorldEditor: applies edits to the world of a run, one after another: the next edition, the members that an edit
 // concerns, and the agents that new robots need. docs/tick-protocol.md describes editions.
 //
-// Passive, as TickEngine.
+// An edit is all or nothing: everything that may fail (names, room, permissions, memory) is checked on the edited copy
+// before the run changes; Commit itself cannot be refused. Descriptions and states are values, so the copy costs memory
+// for a moment, and no edit has to be undone.
+//
+// Editions count up by one with each edit. `world_edition` is the newest edition that changed the description,
+// `fresh_edition` the newest after which robots begin without memory (load, reset, rewind).
+//
+// Passive, as TickEngine; called by RunControl in a quiescent pause.
 #pragma once
 
 #include <cstdint>
