@@ -41,6 +41,7 @@ void AddJournalFlags(CLI::App& app, ServiceCommandLine& line) {
 
 void AddOptions(CLI::App& app, ServiceCommandLine& line, std::string& faults) {
   AddWorldFile(app, line.file)->required(false);
+  // After parsing, because FILE is required or not depending on another option.
   app.final_callback([&line] {
     if (line.file.empty() && !line.resume) throw CLI::RequiredError("FILE");
     const Status branch = CheckBranchFlags(line.file, line.branch, line.overrides.controller);

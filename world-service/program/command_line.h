@@ -1,4 +1,8 @@
 // The command line of the program world-service.
+//
+// Options that `troupe run` has as well are added by the functions of command_line/run_flags.h, so that both programs
+// have the same names, checks and texts; only what a service alone needs (ports, the journal's files, the report
+// descriptor) is defined here. Options of the group "" are for the launcher, and no part of the user's interface.
 #pragma once
 
 #include <optional>

@@ -113,6 +113,7 @@ Result<PreparedRun> Resume(Journal journal, const RunSource& source) {
   Result<ResumedRun> resumed = RestoreRun(journal, WritesTexts(source.outputs) ? make_texts : MakeRunObservers());
   if (!resumed.ok()) return resumed.error();
   if (texts == nullptr && WritesTexts(source.outputs)) {  // the journal has no state
+    // The service died before it committed a state, so the restoring has not asked for the observers.
     if (const Result<RunObservers> made = make_texts(resumed.value().scene); !made.ok()) return made.error();
   }
   Result<std::unique_ptr<RunRecorder>> recorder =
@@ -148,6 +149,8 @@ Result<PreparedRun> Prepare(const RunSource& source) {
   if (source.resume) {
     Result<std::optional<Journal>> journal = Journal::OpenToContinue(*source.outputs.journal);
     if (!journal.ok()) return journal.error();
+    // A branch copies the states of its source to the journal before its own first tick. If such a journal has no tail
+    // and no progress, the run itself has not begun, and is branched once more.
     const bool has_begun =
         journal.value() && !(IsRecordingPath(source.file) && journal.value()->recording.tail().empty() &&
                              journal.value()->progress == RunProgress());
@@ -222,6 +225,7 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
   }
   const std::optional<ResumedRun>& resumed = run.options.resumed;
   if (!resumed || resumed->is_branch) {  // else they were made to continue the journal
+    // Robots of a branch and of a rebuilt agent need the states before, which only a recording has.
     const bool needs_memory = resumed || run.options.settings.on_agent_loss == OnAgentLoss::kRebuild;
     OutputFiles outputs = source.outputs;
     outputs.begin = run.begin;

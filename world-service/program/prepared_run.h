@@ -1,5 +1,11 @@
 // PreparedRun: the world, the options, the output files and the observers with which a world service begins a run, or
 // continues one. The program world-service and `troupe run --in-process` prepare theirs by the same calls.
+//
+// Three origins: a world or scenario file begins a run; a recording is branched at a tick; a journal is resumed at its
+// newest state. PrepareRun reads, and writes only to a journal that it continues, so that a wrong option leaves no file
+// behind; MakeObservers creates the output files and opens ROS, and is called when nothing else can fail.
+//
+// Members are destroyed in reverse order: the gateway and the history before the recorders that they read.
 #pragma once
 
 #include <cstdint>

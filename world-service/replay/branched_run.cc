@@ -28,6 +28,7 @@ Result<WorldChanges> ChangesOf(const BranchOptions& options, const WorldDescript
     for (std::size_t i = 0; i < world.robots.size(); ++i) {
       const RobotDescription& robot = world.robots[i];
       if (!RobotExists(world, RobotId(i))) continue;
+      // Without a name the change is for idle robots only: it must not replace a controller that was chosen on purpose.
       const bool is_meant = name.empty() ? robot.controller == ControllerDescription() : robot.name == name;
       if (is_meant) changes.controllers[robot.name] = change.value().controller;
     }
@@ -57,6 +58,7 @@ class Restoration {
   Result<ResumedRun> Run() {
     const Recording& recording = journal_.recording;
     if (Status version = CheckStepVersion(recording); !version.ok()) return version.error();
+    // Observers get every tick of the run; without them the newest keyframe is enough.
     const std::size_t chunk = make_observers_ == nullptr ? recording.KeyframeUpTo(Recording::kEnd) : 0;
     Result<ReplayCursor> cursor = ReplayCursor::At(recording, chunk);
     if (!cursor.ok()) return cursor.error();
@@ -98,6 +100,7 @@ class Restoration {
     }
     const RecordedTick& tick = cursor_->tick();
     frame_ = world().Frame();
+    // Recorded frames have no run id; agents ignore a frame without that of theirs.
     frame_->run = journal_.recording.run().run;
     if (world().in_rewind()) return {};
     rewind_.reset();
@@ -111,6 +114,7 @@ class Restoration {
       rewind_ = UnfinishedRewind{edit.request, number, edit.copied_from, edit.copies};
       last_copy_ = number + edit.copies;
     }
+    // A copy of an edit within a rewind: it had its effect when it was made first.
     if (number <= last_copy_) return;
     if (edit.request.command == ControlCommand::kLoadWorld) {
       // The journal lacks the text of a world that was no file: its models are spawned from the first file again.
@@ -177,6 +181,7 @@ class Restoration {
 }  // namespace
 
 Result<ControllerChange> ParseControllerChange(const std::string& text) {
+  // Parameters begin at the first ":{", because paths of libraries may contain a colon.
   const std::size_t parameters = text.find(":{");
   const std::string names = text.substr(0, parameters);
   const std::size_t equals = names.find('=');
@@ -225,6 +230,7 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   branch.scene = world.scene();
   RunSettings& settings = branch.settings;
   settings = recording->run().settings;
+  // A branch at or after the end of the recorded run continues without an end, unless the command line gives one.
   const bool has_own_end = settings.ticks && *settings.ticks <= frame.state.tick;
   if (has_own_end) settings.ticks.reset();
   options.run.ApplyTo(settings);
@@ -240,6 +246,7 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   resumed.scene = branch.scene;
   resumed.frame = std::move(frame);
   if (options.paused) resumed.progress.ticks_to_pause = 0;
+  // Text files of the branch begin with its first own state, not with those of the source.
   resumed.progress.first_number = resumed.next_number - 1;
   resumed.world_file = recording->run().file;
   return branch;

@@ -1,4 +1,11 @@
 // BranchedRun: a new run that begins with the state of a recorded one at some tick, as recorded or with changes.
+//
+// A branch has a run id, a recording and a summary of its own. Its recording contains the states of the source up to
+// the branch, so that it replays without the source, and the changes as an edit of their own (ControlCommand::kChange):
+// so a branch without changes has the hashes of its source, and one with changes replays without the command line that
+// made it.
+//
+// RestoreRun is the same for a run whose service has died: the run id remains, and the incarnation is one more.
 #pragma once
 
 #include <cstdint>

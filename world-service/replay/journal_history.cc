@@ -60,6 +60,8 @@ Status JournalHistory::FindChanges() {
 WorldDescription JournalHistory::WorldToSend() const {
   WorldDescription world = cursor_->world().world();
   for (RobotDescription& robot : world.robots) {
+    // A branch has changed the controller later: in the states before, the robot's controller was another one, whose
+    // memory is dropped at the change. So the agent need not have that controller's library at all.
     const auto changed = changed_.find(robot.name);
     if (changed != changed_.end() && cursor_->world().edition() < changed->second) robot.controller = {};
   }
@@ -229,6 +231,7 @@ Status JournalRewind::Find() {
 
 Status JournalRewind::StartSeeking(Edition edition) {
   stage_ = Stage::kSeeking;
+  // Robots of the tick begin at this edition; their memory needs all states from there on.
   first_edition_ = edition;
   // The edit that made the robots is stepped, too.
   const std::uint64_t first = recording_->spans().BeginOf(edition);
@@ -280,6 +283,7 @@ Status JournalRewind::WriteTo(RunRecorder& recording) const {
       if (!more.ok() || !more.value()) return Broken(more.ok() ? "a state is missing" : more.error().message);
     } while (tick.number <= newest);
     newest = tick.number;
+    // Editions of a run never decrease, so the copies get new ones.
     tick.edition = Shift(tick.edition);
     if (tick.edit) Shift(tick.edit->before);
     if (tick.keyframe) Shift(*tick.keyframe);
@@ -311,6 +315,7 @@ RecordedTick JournalRewind::FirstTick() const {
   edit.world = world.world();
   if (world.original() != world.scene()) edit.original = world.original()->world();
   edit.restored = frame;
+  // So that a service that continues the run knows how many copies belong to the rewind, if this one dies among them.
   edit.copies = last_ - first_;
   edit.copied_from = first_edition_;
   return tick;

@@ -1,4 +1,13 @@
 // JournalHistory: the states of a run, stepped again from its own recording while the run continues.
+//
+// The recording has inputs and a keyframe now and then, so a state of the past costs the steps from the keyframe before
+// it. Agents ask for consecutive batches; the cursor stays behind the last entry, so that the next batch costs its own
+// steps only. The file grows meanwhile: it is opened again when its known end is reached.
+//
+// Threads: called by the thread of RunService alone, without the lock of the run. The recorder's queue is flushed
+// first, so that the file has all committed ticks.
+//
+// A damaged recording is an error of the run, because its robots could not be rebuilt as they were.
 #pragma once
 
 #include <algorithm>

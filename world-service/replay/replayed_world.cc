@@ -41,7 +41,8 @@ std::vector<std::optional<std::size_t>> ObjectsOfModels(const WorldDescription& 
   return objects;
 }
 
-// An object that is on itself, whatever is between.
+// Whether supports form a cycle. A step moves an object with its support, along the chain; a cycle would never end.
+// Linear: objects whose chain was followed to its end are marked, and end the chains that reach them.
 bool HasCycle(const WorldDescription& world, const WorldState& state) {
   const std::vector<std::optional<std::size_t>> object_of = ObjectsOfModels(world);
   std::vector<bool> checked(state.objects.size(), false);
@@ -71,6 +72,7 @@ Status CheckStartState(const WorldDescription& world, const WorldState& state) {
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     const Interval& bounds = world.joints[i].position;
     const double position = state.joints[i].position;
+    // Joints are clamped in floating point by the step, which may leave them a rounding error beyond their bounds.
     const double slack = 1e-6 * (1.0 + std::abs(bounds.min) + std::abs(bounds.max));
     if (position < bounds.min - slack || position > bounds.max + slack) return BadState("a joint beyond its bounds");
   }
@@ -424,6 +426,7 @@ std::optional<StateDifference> FindDifference(const WorldDescription& world, con
     const std::string model = row < models.size() ? text(models[row]) : "the world";
     ForEachLeaf<Row>([&, &from = *a, &to = *b](const auto& leaf) {
       if (first || leaf.Of(from) == leaf.Of(to)) return;
+      // The first difference only: what differs later mostly follows from it.
       first = {model, FieldName<Row>(table.name, leaf.name), text(leaf.Of(from)), text(leaf.Of(to))};
     });
   });

@@ -2,6 +2,13 @@
 // ReplayCursor: the loop that does so over a recording, and compares each state with the recorded one. Each stepper of
 // a recorded run uses it: replays, exports, tests, branches, rewinds, services that continue a run, and
 // SteppedTimeline.
+//
+// A recording is input from outside, also if this program wrote it: every state from which a step is to start is
+// checked (CheckStartState), and every proposal and input as if a peer had sent it. So no file can crash a program or
+// make a step loop without end.
+//
+// Copyable by value: a copy continues on its own, and shares the scenes. Not thread-safe; steps run on one thread,
+// which gives the same bits as any number of threads.
 #pragma once
 
 #include <cstdint>

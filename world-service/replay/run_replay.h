@@ -1,5 +1,12 @@
 // RunReplay: steps a recorded run again, from its recorded inputs and without controllers, and compares every state
 // with the recorded hash.
+//
+// A difference means that this program steps otherwise than the one that recorded, on this machine: a fault of the
+// simulator, never of the user's controllers, which are not run. Damage of the file is reported apart from it, with the
+// states that were compared before.
+//
+// Outputs (hash log, poses, scans) are those that the run itself would have written, byte by byte, because sensors are
+// pure functions of state, seed and tick. Passive: the calling thread does all the work.
 #pragma once
 
 #include <cstdint>

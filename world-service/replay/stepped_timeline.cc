@@ -55,6 +55,7 @@ Result<SharedState> SteppedTimeline::At(std::uint64_t position) {
   position = std::min(position, spans_->last());
   if (SharedState kept = kept_.Find(position)) return kept;
   if (Status failure = Seek(position); !failure.ok()) {
+    // A cursor that has failed may be in the middle of a tick; the next call starts from a keyframe.
     is_lost_ = true;
     return Error{{recording_.name()}, failure.error().message + " (troupe replay tells more)", ErrorCode::kFailure};
   }
@@ -91,6 +92,7 @@ void SteppedTimeline::Keep() {
 
 std::shared_ptr<const TimelineWorld> SteppedTimeline::WorldOf(const ReplayedWorld& replayed) {
   const std::shared_ptr<const Scene>& scene = replayed.scene();
+  // States of one world share it by pointer: viewers compare the pointers to see whether to send the world again.
   if (newest_world_ != nullptr && newest_scene_.lock() == scene) return newest_world_;
   SessionMessage session;
   session.run = run();

@@ -2,7 +2,10 @@
 // compared with the recorded hashes. The states on the way to one are kept for some time, so that a recording plays
 // backwards as well.
 //
-// Threads: At on one, the others on any.
+// Why states are stepped and not stored: a recording of inputs is a hundredth of the size of its states, and a state
+// that was stepped is known to be right by its hash. The price is up to a keyframe interval of steps for a jump.
+//
+// Threads: At on one, the others on any. Memory: kMaxKeptBytes of states, and all worlds that were shown.
 #pragma once
 
 #include <cstddef>

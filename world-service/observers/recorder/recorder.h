@@ -1,5 +1,12 @@
-// Recorder: an observer that writes the text files of a run, one line or more for each frame. A frame after an edit
-// has the tick of the one before, or an earlier one.
+// Recorder: an observer that writes the text files of a run, one line or more for each frame. A frame after an edit has
+// the tick of the one before, or an earlier one.
+//
+// Text files are for scripts and for comparisons by `diff`: two runs of one simulation give equal bytes. So lines
+// contain nothing that depends on processes, hosts or time. Numbers are written with the digits that read back to the
+// same bits. Recordings in MCAP are written by RunRecorder, from which a run can be continued; this one cannot.
+//
+// Lines are written on the thread of the tick, into a buffer of the file; rows of removed entities are left out of the
+// poses and keep their place in the record, whose columns are positions in the header's lists.
 #pragma once
 
 #include <memory>

@@ -169,6 +169,7 @@ Status RunRecorder::Append(const TickSource& next) {
       const Result<bool> more = next(tick);
       if (!more.ok()) return more.error();
       if (!more.value()) return {};
+      // Without the mutex: progress of the run may be reported meanwhile.
       while (!thread_->has_room()) {
         if (Status failure = Flush(); !failure.ok()) return failure;
       }
@@ -220,6 +221,7 @@ RecordedTick RunRecorder::Convert(const CommittedTick& tick) {
   recorded.events = frame.events;
   if (tick.edit != nullptr) {
     RecordedEdit& edit = recorded.edit.emplace();
+    // The state before the edit makes a keyframe of it: a reader need not step from the last one.
     edit.before = committed_.newest;
     edit.before.state = *tick.before;
     edit.request = tick.edit->request;
@@ -261,6 +263,8 @@ bool RecordingThread::has_room() const {
 
 RecordedTick RecordingThread::Reuse() {
   const std::lock_guard lock(mutex_);
+  // Ticks of a large world have vectors of thousands of rows: their memory is used again instead of being allocated by
+  // one thread and freed by another in every tick.
   if (spare_.empty()) return {};
   RecordedTick tick = std::move(spare_.back());
   spare_.pop_back();
@@ -283,6 +287,7 @@ void RecordingThread::Push(RecordedTick tick) {
 Status RecordingThread::Flush() {
   std::unique_lock lock(mutex_);
   const std::uint64_t ticks = pushed_;
+  // A number and not a flag: a later call must not be satisfied by the chunk that ends for an earlier one.
   flush_asked_ = std::max(flush_asked_, ticks);
   changed_.notify_all();
   changed_.wait(lock, [&] { return flushed_ >= ticks || !status_.ok(); });

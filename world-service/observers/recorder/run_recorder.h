@@ -1,5 +1,15 @@
 // RunRecorder: an observer that writes a recording of the run (docs/recording.md). A run that is faster than the disk
 // waits, and loses no tick.
+//
+// Two files at different times: the recording itself is compressed in chunks on a thread of its own; if it is a
+// journal, its tail gets each tick uncompressed in OnCommit, before the agents see the frame. When a chunk is in the
+// file, the tail drops the ticks of it. So a killed service loses no tick that an agent has seen, and the tick pays for
+// one small write.
+//
+// Memory is bounded: the queue is full at queue_bytes (estimated), and IsReady then makes the run wait until half of it
+// is free, so that a slow disk stops the run seldom and for longer rather than at every tick.
+//
+// A failed write is remembered and returned by every later call; the run ends with it, unless the journal is optional.
 #pragma once
 
 #include <chrono>
