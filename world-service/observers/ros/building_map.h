@@ -1,5 +1,9 @@
 // The map of a building for Open-RMF, from the file of the building: a pure function but for the drawings, whose files
 // it reads. The strings and sequences live in the arena.
+//
+// The message is made from the file and not from the loaded world, because it has what the simulation does not need:
+// lanes and their properties, names of vertices, drawings of the floor. Coordinates are in the frame of the building
+// map, metres, as the loader has transformed them. Drawings travel in the message; the reader has no access to files.
 #pragma once
 
 #include <cstddef>

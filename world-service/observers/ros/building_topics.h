@@ -1,5 +1,8 @@
 // BuildingTopics: the map of a building for Open-RMF: a topic whose last message is kept for late readers, and the
 // service /get_building_map.
+//
+// The message is made once, in the constructor, which may take seconds for large drawings; an edit only chooses between
+// it and an empty map. Any thread may call ChangeWorld; the service answers on the connection's thread.
 #pragma once
 
 #include <functional>

@@ -118,6 +118,8 @@ void PoseCommands::Follow(const Scene& scene) {
   };
   for (const auto& robot : robots) {
     const std::string& name = world.robot(robot.first).name;
+    // A robot that has moved to another domain or namespace by an edit is another input: the one before has ended
+    // above.
     const bool is_known =
         std::any_of(inputs_.begin(), inputs_.end(), [&](const auto& input) { return input->IsOf(name, robot.second); });
     if (!is_known) inputs_.push_back(std::make_unique<Inputs>(of_run_, options_, name, robot.second, notify));

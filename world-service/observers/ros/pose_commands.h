@@ -1,6 +1,10 @@
 // PoseCommands: the topics of RViz's tools command robots. A pose on <robot>/goal_pose becomes the goal of the robot's
 // controller, and one on <robot>/initialpose the robot's pose in the world. A thread of its own follows the robots of
 // the world, because a reader must not end on the thread that receives its samples.
+//
+// Both become control requests, recorded with their tick: a replay needs no ROS. Refused poses (another frame, a tilted
+// pose, a controller without goals) are reported, because a topic has no answer; FloodLimiter bounds the lines of a
+// peer that keeps sending them.
 #pragma once
 
 #include <condition_variable>

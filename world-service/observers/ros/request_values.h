@@ -1,4 +1,8 @@
 // Values of ROS requests: poses, twists, paths with their formats, and filters of entities.
+//
+// Requests come from any peer of the ROS domain. Whatever a message can hold is either converted or refused with a
+// reason: numbers that are not finite, zero quaternions, expressions, polygons with any number of points. The
+// simulation is planar, so a pose that is tilted about x or y is refused rather than silently flattened.
 #pragma once
 
 #include <re2/re2.h>

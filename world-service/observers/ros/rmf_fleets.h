@@ -1,5 +1,9 @@
 // RmfFleets: /fleet_states, as the adapter of a fleet of slotcars has them: for each fleet the newest states of its
 // robots, which it collects from /robot_state. It reads these only while /fleet_states has a reader.
+//
+// The agents publish /robot_state, each for its own robots; none of them knows the others. The world's gateway is the
+// one place that sees all, so it does what the fleet adapter of rmf_simulation does. It measures nothing: a robot whose
+// agent is lost keeps its last state.
 #pragma once
 
 #include <atomic>

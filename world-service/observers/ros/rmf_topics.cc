@@ -22,7 +22,8 @@ namespace {
 constexpr std::int32_t kDepth = 100;  // as of the plugins of Open-RMF
 constexpr std::size_t kMaxRefusals = 1000;
 
-// What the thread has to do. Those who ask for it may hold any lock but this one, and so may none who has this one.
+// The pending work of the thread. Its lock is the innermost one: a caller of Add may hold any other lock, and no other
+// lock is requested while it is held.
 class Duties {
  public:
   struct Due {
@@ -52,7 +53,7 @@ class Duties {
 
 }  // namespace
 
-// What replies to requests use: they may come after the end of the object.
+// The state that replies to requests use: they may arrive after the end of the object, so they share its ownership.
 struct RmfTopics::Shared {
   Duties duties;
   std::mutex mutex;      // guards the members below
@@ -86,6 +87,7 @@ struct RmfTopics::Shared {
       moved.push_back({std::move(edit.name), is_done, {}});
       try {
         moved.back().problem = problem;
+        // A reply must not throw: the run would fail for a line of text.
       } catch (const std::bad_alloc&) {  // the report has no reason
       }
     }

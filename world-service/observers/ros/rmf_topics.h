@@ -1,10 +1,15 @@
 // RmfTopics: the doors and lifts of a world as Open-RMF sees them. Their states are on /door_states and /lift_states;
-// requests on /door_requests and /lift_requests become inputs of the next tick, as those of other tools
-// are. It does what the
-// plugins of rmf_simulation do: a door follows the newest request; a lift finishes a request before it takes another.
-// It also has the dispensers, ingestors and fleets of the world (RmfWorkcells, RmfFleets).
+// requests on /door_requests and /lift_requests become inputs of the next tick, as those of other tools are. It does
+// what the plugins of rmf_simulation do: a door follows the newest request; a lift finishes a request before it accepts
+// another. It also has the dispensers, ingestors and fleets of the world (RmfWorkcells, RmfFleets).
 //
 // A thread of its own makes and ends the topics, because a reader must not end on the thread that receives its samples.
+//
+// Order of locks: the observer's calls come with the lock of the run held, and lock the mutex of Shared; so no request
+// to the control, which locks the run, is made with that mutex held. Requests are collected under it and sent after it.
+//
+// Where ticks wait for nodes (--ros-lockstep), the requests of one tick are ordered by requester and name instead of by
+// arrival: the run then does not depend on the threads of the middleware.
 #pragma once
 
 #include <functional>

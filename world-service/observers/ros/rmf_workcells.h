@@ -4,6 +4,10 @@
 //
 // RmfTopics calls it, one call at a time; it makes and ends it on its own thread. What a request moves is planned
 // between two calls (NextQuestion, Plan), because that may take long.
+//
+// A request goes through: acknowledged, planned against the newest state, executed as a set-pose edit, answered.
+// Clients repeat requests until they see the result, so results are remembered (kMaxPast of them) by workcell and
+// request number.
 #pragma once
 
 #include <deque>

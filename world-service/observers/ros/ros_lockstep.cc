@@ -152,6 +152,7 @@ Result<TickRelease> RosLockstepWait::Release() {
     is_told = is_told && channel->is_told();
     for (Awaited& awaited : channel->awaited) {
       if (awaited.done || awaited.is_dropped) continue;
+      // A node that has never answered is still starting: it is awaited without limit, with one notice.
       if (limit_ > 0.0 && awaited.was_seen && waited > limit_) {
         if (Status end = DropAtLimit(awaited, waited); !end.ok()) return end.error();
         continue;
@@ -164,6 +165,7 @@ Result<TickRelease> RosLockstepWait::Release() {
   if (release.is_released) {
     awaits_answers_ = false;
     first_wait_is_over_ = true;
+    // Early, while there is time: the program of the host then mostly knows the next tick before it is committed.
     Arm(TextOf(edition_, (tick_ / period_ + 1) * period_));
   } else if (is_told && waited > kFirstAnswers && !std::exchange(first_wait_is_over_, true)) {
     reports_.Add(fmt::format("tick {} waits for {}; docs/ros2-lockstep.md", tick_, fmt::join(release.awaited, ", ")));
@@ -233,6 +235,7 @@ std::vector<std::unique_ptr<RosLockstepWait::Channel>> RosLockstepWait::Follow(c
     for (const auto& channel : channels_) {
       if (channel->domain == domain) return *channel;
     }
+    // A connection that is still used stays, with its nodes' matched readers: discovery takes seconds.
     const auto kept = std::find_if(before.begin(), before.end(),
                                    [domain](const auto& channel) { return channel && channel->domain == domain; });
     if (kept != before.end()) {

@@ -1,9 +1,17 @@
 // RosLockstepWait: ticks wait for nodes of ROS. docs/ros2-lockstep.md describes what a node sees.
 //
-// The agents publish a tick that waits while the run is paused for it. Then each ROS domain is told
-// with /world/tick, behind all messages of the tick, and the run continues when all named ones have answered: a topic
-// by a message, a node by /world/tick_done. The threads of the connections note the answers; a thread of its own makes
-// and ends connections when the world has changed, because no tick may wait for that.
+// The agents publish a tick that waits while the run is paused for it. Then each ROS domain is told with /world/tick,
+// behind all messages of the tick, and the run continues when all named ones have answered: a topic by a message, a
+// node by /world/tick_done. The threads of the connections note the answers; a thread of its own makes and ends
+// connections when the world has changed, because no tick may wait for that.
+//
+// Two races decide the design. A fast node may answer a message of the tick before this process knows that the tick is
+// published: so the host's program is armed with the name of the tick before the agents see the frame (OnCommit), and
+// notes arrivals from then on. And a message may be under way while the tick is announced: so the announcement travels
+// through the same program, behind the messages of all agents, and is `told` only when readers have it.
+//
+// The wait changes when a tick is made and never its result; a node's commands are journalled like any others. Limits
+// are in wall time and end or continue the run, as the options say.
 #pragma once
 
 #include <chrono>

@@ -133,6 +133,7 @@ void WorldPictures::Run() {
   std::unique_lock lock(mutex_);
   while (!stop_) {
     const std::shared_ptr<const Scene> scene = scene_;
+    // Marked as written before it is, so that an edit meanwhile clears the mark and has it sent again.
     const bool map_due = !std::exchange(map_written_, map_written_ || map_.wanted()) && map_written_;
     const bool blocks_due = !std::exchange(blocks_written_, blocks_written_ || blocks_.wanted()) && blocks_written_;
     const bool replaces = blocks_replaced_;
@@ -200,6 +201,7 @@ class RosWorldGateway final : public RunObserver {
   }
 
   Status OnBegin(const RunStart& start) override {
+    // Not before OnBegin: earlier there is no run that could answer.
     ExchangeServices(std::make_unique<SimulationServices>(node_, kNodeName, scene_, start.control));
     connection_.Announce();
     ReportNames();

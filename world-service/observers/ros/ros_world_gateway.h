@@ -1,4 +1,8 @@
 // The gateway of the world to ROS 2: clock, map, markers and events. docs/ros2.md lists the topics.
+//
+// It speaks for the world as a whole; each agent publishes its own robots' sensors and odometry. It reaches ROS through
+// the program ros-participant of the host (ros/link), so this process has no second DDS participant, and a fault of a
+// ROS peer ends that program and not the run.
 #pragma once
 
 #include <memory>

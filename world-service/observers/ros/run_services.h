@@ -1,5 +1,9 @@
 // StepAction: the action simulation_interfaces/SimulateSteps. A goal steps a paused run by a number of ticks and pauses
 // it again, with feedback after each tick.
+//
+// At most one goal is open: a second one would wait for the first without saying so, and is rejected. Cancelling pauses
+// the run at the next tick; the result says how many steps were made. A goal of a service that has died is reported as
+// aborted, although its steps go on: the new service does not know the goal.
 #pragma once
 
 #include <memory>

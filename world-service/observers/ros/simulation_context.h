@@ -1,5 +1,12 @@
 // SimulationContext: what the services of a run share: its control, its world, and the names of the world's entities in
 // ROS. ServiceSet: services of ROS that answer by requests to that control.
+//
+// All services are asynchronous: a handler sends a control request and returns, and the reply of the run answers the
+// call, on whatever thread the run replies. So no thread waits, and a call may stay open during a long step. Handlers
+// run on the thread of the ROS connection; replies with the lock of the run held, so that they only fill a message.
+//
+// Names: a robot is called by its namespace in ROS, because that is the name its topics have; any other entity by its
+// name in the world file.
 #pragma once
 
 #include <atomic>
@@ -36,7 +43,7 @@ inline constexpr std::uint8_t kNoWorldLoaded = 101;
 // The problem of a request that would wait for the end of steps that another request has asked for.
 inline constexpr const char* kIsStepping = "the run is making the steps of another request";
 
-// Likewise of a call that the world service before has not answered.
+// The problem of a call that the world service before has not answered.
 inline constexpr const char* kServiceHasDied = "the world service has died and returned; the call may have had effect";
 
 // `code`: of ResultCode, or one that a service adds, from 101 on.
@@ -96,7 +103,7 @@ class SimulationContext : public std::enable_shared_from_this<SimulationContext>
     request.command = command;
     Ask(request, std::move(answered));
   }
-  // Likewise, with a request to step.
+  // As Ask, with a request to step.
   template <typename Answered>
   void AskToStep(std::uint64_t ticks, Answered answered) {
     ControlRequest step;

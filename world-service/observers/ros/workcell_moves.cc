@@ -115,6 +115,7 @@ Result<ItemMove> MoveTo(const std::shared_ptr<const Scene>& scene, const WorldSt
                         Pose X_WO) {
   const ModelId root = scene->world().objects[item];
   ItemMove move{scene->world().model(root).name, X_WO};
+  // The origin of an item need not be at its bottom.
   move.X_WO.z -= LowestPoint(*scene, state, root) - state.objects[item].X_WO.z;
   const Result<EditedWorld> edited = SetPose(scene, state, move.item, move.X_WO);
   if (!edited.ok()) return edited.error();

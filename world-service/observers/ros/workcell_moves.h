@@ -1,6 +1,9 @@
-// What a dispenser or an ingestor of Open-RMF moves, and where to: pure functions of a world and its state. As with the
-// plugins TeleportDispenser and TeleportIngestor of rmf_simulation, an item is put onto the nearest robot at once, and
-// taken from it likewise. Then gravity decides: an item on a robot rests there, and moves with it.
+// The moves of Open-RMF's dispensers and ingestors: pure functions of a world and its state. As with the plugins
+// TeleportDispenser and TeleportIngestor of rmf_simulation, an item is put onto the nearest robot at once, and taken
+// from it in the same way. Then gravity decides: an item on a robot rests there, and moves with it.
+//
+// Distances are in the plane, in metres; heights decide whether robot and workcell are on the same storey. Candidates
+// are visited in id order, and a later one must be strictly nearer, so ties have one outcome.
 #pragma once
 
 #include <optional>

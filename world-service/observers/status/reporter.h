@@ -1,4 +1,9 @@
 // Reporter: an observer that reports the progress of a run to people or to a launcher.
+//
+// Two forms of the same reports: lines on standard error for a service that was started by hand, JSON lines on a pipe
+// for a launcher, which shows them, starts agents and prints the summary. Calls come on the thread of RunService,
+// without the lock of the run: a blocked terminal delays reports, not ticks. Texts may contain words of peers; they are
+// printed as plain text, without control characters.
 #pragma once
 
 #include <cstdint>
