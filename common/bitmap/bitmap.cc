@@ -29,6 +29,8 @@ PixelRange PixelsBetween(const PixelLines& lines, double min, double max, int co
 }
 
 void Stretch(PixelLines& lines, double center, double factor) {
+  // The first stretch that changes anything is kept apart from the second: a line's place is computed by the same
+  // operations as a listed edge's, because their product would have other bits.
   const bool is_first = lines.center == 0.0 && lines.factor == 1.0;
   TROUPE_CHECK(is_first || (lines.second_center == 0.0 && lines.second_factor == 1.0));
   (is_first ? lines.center : lines.second_center) = center;
@@ -70,6 +72,8 @@ int Bitmap::FirstFrom(int x, int y, bool value) const {
   const std::uint64_t flip = value ? 0 : ~std::uint64_t{0};
   std::size_t i = static_cast<std::size_t>(x) >> 6;
   if (i >= words.size()) return width_;
+  // Bits before x are cleared; a free pixel is found as an occupied one of the flipped row. The bits beyond the width,
+  // which are 0, may be found as free: hence the minimum with the width.
   std::uint64_t word = (words[i] ^ flip) >> (x & 63) << (x & 63);
   while (word == 0) {
     if (++i == words.size()) return width_;
@@ -94,6 +98,7 @@ int Bitmap::RunStart(int x, int y) const {
 void Bitmap::Pack(std::span<std::uint64_t> bits) const {
   for (int y = 0; y < height_; ++y) {
     std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+    // A row begins at any bit of the packed words: each word is split in two by a shift.
     for (const std::uint64_t word : row(y)) {
       bits[at >> 6] |= word << (at & 63);
       const std::uint64_t rest = (at & 63) == 0 ? 0 : word >> (64 - (at & 63));

@@ -27,6 +27,7 @@ Vec2 Unit(const Vec2& v) {
 }
 
 // How far a velocity is outside, m/s; negative inside.
+// Directions have length 1, so that a cross product is a distance.
 double Excess(const VelocityHalfPlane& plane, const Vec2& velocity) {
   return Cross(plane.direction, plane.point - velocity);
 }
@@ -43,6 +44,7 @@ bool BestOnLine(std::span<const VelocityHalfPlane> planes, std::size_t index, do
                 Vec2& velocity) {
   const VelocityHalfPlane& line = planes[index];
   const double middle = line.point.dot(line.direction);
+  // The line within the disc of the possible speeds: none if it passes outside.
   const double discriminant = Square(middle) + Square(speed) - line.point.squaredNorm();
   if (discriminant < 0.0) return false;
   double least = -middle - std::sqrt(discriminant);
@@ -79,6 +81,7 @@ std::size_t BestInside(std::span<const VelocityHalfPlane> planes, double speed, 
     velocity = is_within ? objective.optimum : Vec2(speed * Unit(objective.optimum));
   }
   for (std::size_t i = 0; i < planes.size(); ++i) {
+    // While the velocity is inside a plane, the plane changes nothing. Else the best one is on its border.
     if (Excess(planes[i], velocity) > 0.0 && !BestOnLine(planes, i, speed, objective, velocity)) return i;
   }
   return planes.size();
@@ -97,6 +100,7 @@ void LeastOutside(std::span<const VelocityHalfPlane> planes, std::size_t hard, s
       const double det = Cross(plane.direction, other.direction);
       VelocityHalfPlane between;
       if (std::fabs(det) <= kParallel) {
+        // Parallel and to the same side: the farther one decides alone.
         if (plane.direction.dot(other.direction) > 0.0) continue;
         between.point = 0.5 * (plane.point + other.point);
       } else {
@@ -105,6 +109,7 @@ void LeastOutside(std::span<const VelocityHalfPlane> planes, std::size_t hard, s
       between.direction = Unit(other.direction - plane.direction);
       projected.push_back(between);
     }
+    // By rounding the program may find nothing where there is a point: the velocity so far stays.
     const Vec2 before = velocity;
     if (BestInside(projected, speed, {LeftOf(plane.direction), true}, velocity) < projected.size()) velocity = before;
     distance = Excess(plane, velocity);
@@ -131,10 +136,12 @@ void Orca::AddNeighbor(const Walker& walker, const WalkerNeighbor& neighbor) {
   const double radius = walker.radius + neighbor.radius;
   VelocityHalfPlane plane;
   Vec2 change;  // of the relative velocity, to the border of those that collide
+  // Discs that overlap already are to be apart after one tick, not after the horizon.
   const bool overlaps = to.squaredNorm() <= Square(radius);
   const double horizon = overlaps ? horizons_.tick : horizons_.walkers;
   const Vec2 from_center = relative - to / horizon;  // of the disc at the end of the cone
   const double along = from_center.dot(to);
+  // The relative velocity is nearest to the disc at the end of the cone, else to one of its sides.
   if (overlaps || (along < 0.0 && Square(along) > Square(radius) * from_center.squaredNorm())) {
     const Vec2 outwards = Unit(from_center);
     plane.direction = RightOf(outwards);
@@ -157,6 +164,7 @@ void Orca::AddWall(const Walker& walker, const WallSegment& wall) {
   const auto covers = [&](const VelocityHalfPlane& plane) {
     return Excess(plane, rate * a) >= rate * radius - kCovered && Excess(plane, rate * b) >= rate * radius - kCovered;
   };
+  // Another wall, nearer, forbids all that this one would: the sides of a piece behind its front.
   if (std::any_of(planes_.begin(), planes_.end(), covers)) return;
   const Vec2 along = b - a;
   const double s = -a.dot(along) / along.squaredNorm();  // of the foot of the perpendicular

@@ -4,6 +4,14 @@
 //
 // A pure function of + - * / and sqrt, so that all machines compute the same bits. The order of neighbours and walls
 // can decide between velocities that are equally good: callers pass them by distance, then by id.
+//
+// Each neighbour within the horizon forbids the velocities on one side of a line in the plane of velocities, and so
+// does each wall; the result is the point nearest to the preferred velocity in what is left, found by the incremental
+// linear program of the paper. Where nothing is left, the constraints of walls stay, and those of neighbours are moved
+// back together by the least distance that leaves a velocity (a linear program in three dimensions, as in the paper).
+//
+// Cost: the square of the numbers of neighbours and walls in the worst case, so that callers pass the nearest ones
+// only. One Orca is for one thread: it keeps its lists.
 #pragma once
 
 #include <span>
@@ -26,7 +34,7 @@ struct WalkerNeighbor {
   Vec2 velocity{0.0, 0.0};
   double radius = 0.0;
   double share =
-      0.5;  // of the avoidance that is the walker's: 0.5 beside another walker, 1 beside one that avoids none
+      0.5;  // of the avoidance that the walker makes: 0.5 beside another walker, 1 beside a body that does not avoid
 };
 
 struct WallSegment {

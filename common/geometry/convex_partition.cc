@@ -93,6 +93,7 @@ class Merger {
   }
 
   std::vector<Loop> Merge() {
+    // A copy, in the order of vertices: merging changes the owners. Each diagonal is tried once, from its lower vertex.
     const std::map<Edge, std::size_t> edges = owner_;
     for (const auto& [edge, unused] : edges) {
       if (edge.first < edge.second) TryMerge(edge);
@@ -124,12 +125,14 @@ class Merger {
   void TryMerge(const Edge& edge) {
     const auto left = owner_.find(edge);
     const auto right = owner_.find({edge.second, edge.first});
+    // An edge of the outline has a piece on one side only.
     if (left == owner_.end() || right == owner_.end() || left->second == right->second) return;
     const std::size_t left_piece = left->second;
     const std::size_t right_piece = right->second;
     // Left runs from edge.second round to edge.first, right from edge.first round to edge.second.
     Loop a = RotatedBehind(pieces_[left_piece], edge);
     const Loop b = RotatedBehind(pieces_[right_piece], {edge.second, edge.first});
+    // Only the two ends of the diagonal could become concave.
     if (!IsConvexAt(a[a.size() - 2], edge.first, b[1])) return;
     if (!IsConvexAt(b[b.size() - 2], edge.second, a[1])) return;
     a.insert(a.end(), b.begin() + 1, b.end() - 1);

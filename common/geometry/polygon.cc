@@ -36,6 +36,7 @@ bool IsRedundant(const Vec2& before, const Vec2& middle, const Vec2& after) {
 
 void DropRedundantVertices(Polygon& polygon) {
   bool changed = true;
+  // Dropping a vertex may make its neighbours redundant.
   while (changed && polygon.size() >= 3) {
     changed = false;
     Polygon kept;
@@ -69,6 +70,8 @@ bool AnyEdgesCross(const Polygon& polygon) {
   const auto max_x = [&](std::size_t edge) { return std::max(polygon[edge].x(), polygon[(edge + 1) % n].x()); };
   std::vector<std::size_t> by_min_x(n);
   std::iota(by_min_x.begin(), by_min_x.end(), std::size_t{0});
+  // A sweep along x: only edges whose intervals overlap are compared. Equal starts may come in any order: the answer is
+  // the same.
   std::sort(by_min_x.begin(), by_min_x.end(), [&](std::size_t a, std::size_t b) { return min_x(a) < min_x(b); });
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t a = by_min_x[i];
@@ -85,6 +88,7 @@ bool AnyEdgesCross(const Polygon& polygon) {
 double SignedArea(const Polygon& polygon) {
   double twice = 0.0;
   for (std::size_t i = 2; i < polygon.size(); ++i) {
+    // Relative to the first vertex: far from the origin, products of coordinates would lose the area's digits.
     twice += Cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
   }
   return 0.5 * twice;
@@ -127,6 +131,7 @@ Result<Polygon> Normalized(Polygon polygon) {
     return fault("found " + std::to_string(polygon.size()) + " vertices, expected at most " +
                  std::to_string(kMaxVertices));
   }
+  // Before the other tests, which take the outline as counter-clockwise.
   if (SignedArea(polygon) < 0.0) std::reverse(polygon.begin(), polygon.end());
   DropRedundantVertices(polygon);
   if (polygon.size() < 3) return fault("the outline has no area");

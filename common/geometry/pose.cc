@@ -15,6 +15,7 @@ Pose Inverse(const Pose& X_AB) {
 }
 
 Transform2::Transform2(const Pose& X_AB) : p_(X_AB.x, X_AB.y) {
+  // Most models have no heading: they keep cos 1 and sin 0 exactly.
   if (X_AB.heading != 0.0) {
     const SinCosResult trig = SinCos(X_AB.heading);
     cos_ = trig.cos;

@@ -40,6 +40,7 @@ void BodyIndex::Assign(const WorldState& state) {
     cache_.assign(count, {});
     transforms_.assign(count, {});
     discs_.Clear();
+    // The radius of the ray shape is the body's with a tolerance for the rounding of a moved vertex.
     for (std::size_t i = 0; i < count; ++i) discs_.Add(X_WB_[i].translation(), scene_->ray_shape(BodyId(i)).radius);
     fresh_.assign(count, 0);
     owner_.assign(count, std::nullopt);
@@ -56,15 +57,18 @@ void BodyIndex::Assign(const WorldState& state) {
   }
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
     const std::optional<GripperId>& holder = state.objects[i].holder;
+    // Every time: a holder changes without a motion.
     owner_[world.robots.size() + i] = holder ? std::optional(world.gripper(*holder).robot) : std::nullopt;
   }
 }
 
 void BodyIndex::Move(BodyId body, const Pose& X_WB) {
   const auto index = static_cast<std::uint32_t>(body.index());
+  // By value: -0.0 and 0.0 count as equal, and give the same vertices but for a sign of zero.
   if (X_WB_[index] == X_WB) return;
   X_WB_[index] = X_WB;
   discs_.Move(index, X_WB.translation());
+  // Links are in the frame of the body, and stay valid; everything in W does not.
   fresh_[index] &= kLinksFresh;
   if (!has_grid() || grid_.CellOf(X_WB.translation()) == cell_of_[index]) return;
   Remove(index);
@@ -74,6 +78,7 @@ void BodyIndex::Move(BodyId body, const Pose& X_WB) {
 void BodyIndex::MoveJoint(JointId joint, double position) {
   if (positions_[joint.index()] == position) return;
   positions_[joint.index()] = position;
+  // The other way round: the body has not moved, but its links have.
   fresh_[scene_->body_of(scene_->world().joint(joint).robot).index()] &= kTransformFresh;
 }
 
@@ -115,11 +120,13 @@ const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {
   if ((fresh_[id.index()] & kPiecesFresh) != 0) return cache.pieces;
   const Body& body = scene_->body(id);
   const Pose& X_WB = X_WB_[id.index()];
+  // Once: from then on only heights and vertices are written, into memory that is there already.
   if (cache.pieces.size() != body.pieces.size()) cache.pieces = body.pieces;
   Pose X_WL = X_WB;
   Transform2 transform = this->transform(id);
   std::uint32_t link = 0;
   for (std::size_t i = 0; i < body.pieces.size(); ++i) {
+    // Pieces of one link are neighbours: a transform is made once for each.
     if (body.piece_links[i] != link) {
       link = body.piece_links[i];
       X_WL = link == 0 ? X_WB : X_WB * X_BL(id)[link];
@@ -137,10 +144,11 @@ const std::vector<ConvexPiece>& BodyIndex::pieces_in_world(BodyId id) const {
 void BodyIndex::Query(const Rectangle& box, std::pmr::vector<BodyId>& result) const {
   const auto first = static_cast<std::ptrdiff_t>(result.size());
   ForEachNear(box, [&](BodyId body) { result.push_back(body); });
+  // Without a grid the discs are in the order of ids already.
   if (has_grid()) std::sort(result.begin() + first, result.end());
 }
 
-// The grid fits as long as all bodies are in it and do not huddle in a small part of it. It is correct anyway, only
+// The grid fits as long as all bodies are in it and are not all in a small part of it. It is correct anyway, only
 // slower.
 bool BodyIndex::FitsGrid() const {
   const Rectangle bounds = BoundsOf(X_WB_);
@@ -156,6 +164,7 @@ void BodyIndex::Rebuild() {
   // Room to drive without having to rebuild.
   const Rectangle bounds = tight.Inflated(0.25 * std::max(tight.width(), tight.height()) + smallest_cell);
   const double bodies = static_cast<double>(count);
+  // About one body in a cell, but no cell smaller than the largest body, so that a query looks at few cells.
   const double cell = std::max(smallest_cell, std::sqrt(bounds.width() * bounds.height() / bodies));
   grid_ = Grid(bounds, cell, 2.0 * bodies + 16.0);
   cell_first_.assign(grid_.cell_count(), kNone);
@@ -189,6 +198,7 @@ PointVelocity VelocityOf(const Scene& scene, const BodyIndex& bodies, const Worl
   PointVelocity velocity;
   velocity.xy = Transform2(X_WB).Rotate({twist.vx, twist.vy}) + Across(twist.wz, point - X_WB.translation());
   velocity.turn = twist.wz;
+  // From the model's link up to the base: each joint on the way adds the velocity that it gives to the point.
   for (std::uint32_t i = scene.link_of(model); i != 0; i = body.links[i].parent) {
     const JointId id = *body.links[i].joint;
     const JointDescription& joint = scene.world().joint(id);

@@ -1,6 +1,21 @@
-// BodyIndex: the poses of a state's bodies, with an index of the bodies near a box. Updated as bodies move.
+// BodyIndex: the poses of a state's bodies, with an index of the bodies near a box. The one place at which a step, a
+// ray and a sensor find moving bodies; static models are in StaticIndex.
+//
+// It follows a state instead of being made from it: Assign and Move touch only what has changed, and derived data (the
+// transform, the poses of links, the pieces in W) is computed when it is first asked for after a motion. Most bodies of
+// a tick are never looked at closely.
+//
+// Invariants: the index has the bodies of its scene, numbered as there; a query returns every body that overlaps the
+// box, and may return others near it, because it tests discs in single precision with a margin. Results in id order
+// (Query) do not depend on the history of moves; the order of ForEachNear does, so that its users must not depend on
+// the order.
+//
+// Up to 256 bodies are tested one after another by vector instructions; more are in a grid, of which a cell is a linked
+// list, so that a move from cell to cell costs a few writes. The grid is made again when bodies have left it or crowd
+// in a small part of it.
 //
 // Not safe to share between threads, not even for reading: derived poses and pieces are computed on first use and kept.
+// A thread that needs its own copies it, or assigns the state to another one.
 #pragma once
 
 #include <cstddef>
@@ -81,7 +96,7 @@ class BodyIndex {
   static constexpr std::uint8_t kTransformFresh = 4;
   mutable std::vector<std::uint8_t> fresh_;
   mutable std::vector<Transform2> transforms_;
-  // For many bodies: those of a cell are a list, cell_first_, then next_ of each. kNone ends it.
+  // For many bodies: the bodies of a cell are a list: cell_first_, then next_ of each. kNone ends it.
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   Grid grid_;
   std::vector<std::uint32_t> cell_first_;

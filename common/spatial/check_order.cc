@@ -57,6 +57,7 @@ class OrderCheck {
     if (order.opening >= 0.0 && order.opening <= 1.0) return {};
     return Refusal("found the opening " + std::to_string(order.opening) + " of a door, expected 0 to 1");
   }
+  // The floor of an order that only ends a session does not count.
   Status operator()(const LiftOrder& order) const {
     if (order.lift < world_.lifts.size() && (order.ends || order.floor < world_.lifts[order.lift].floors.size())) {
       return {};
@@ -66,6 +67,7 @@ class OrderCheck {
   }
   Status operator()(const TwistOrder& order) const {
     if (!robot_) return NeedsRobot("a twist");
+    // A twist that a tool sets is a jump: only the bounds of the velocity count, not those of the acceleration.
     constexpr double kLongEnough = 1e9;  // s, for any acceleration
     const RobotDescription& robot = world_.robot(*robot_);
     if (IsFinite(order.twist) && troupe::WithinLimits(robot.drive, {}, order.twist, kLongEnough)) return {};

@@ -1,5 +1,9 @@
 // The check of orders (troupe/order.h), the same wherever one enters: from a controller, from an agent's message, from
 // a tool and from a recording. A step executes only orders that have passed it.
+//
+// The reason for one function: an order that one place accepted and another refused would make runs differ, or crash a
+// step, which indexes lights, cameras, doors and lifts by the numbers of an order without looking again. An agent
+// checks to blame its controller, the service to blame a peer, a recording's reader to find damage.
 #pragma once
 
 #include <vector>

@@ -50,11 +50,13 @@ std::optional<Stretch> StretchWithin(std::span<const Vec2> vertices, const Vec2&
 }
 
 ColumnCut CutOf(const Stretch& stretch, const ZRange& z, ModelId model) {
+  // The outside of a counter-clockwise edge is to its right.
   const double length = stretch.edge.norm();
   const Vec2 normal = length > 0.0 ? Vec2(stretch.edge.y() / length, -stretch.edge.x() / length) : Vec2(0.0, 0.0);
   return {stretch.enter, stretch.leave, z, model, normal};
 }
 
+// Touching counts, unlike for bodies (ZRange::Overlaps): a ray that grazes a top is to see it.
 bool OverlapsHeights(const ZRange& a, const ZRange& b) {
   return a.min <= b.max && b.min <= a.max;
 }
@@ -125,6 +127,7 @@ ColumnCaster::ColumnCaster(const Scene& scene, const BodyIndex& bodies, const Ve
   tested_.resize(scene.static_index().kept_pieces().size(), 0);
   bodies.ForEachNear(Rectangle::Around(origin, reach), [&](BodyId id) {
     if (viewer && bodies.owner(id) == viewer) return;
+    // A vertex that was moved to W may be farther than the radius by its rounding.
     const double radius = scene.body(id).radius * (1.0 + 1e-9) + 1e-9;
     near_.push_back({id, {bodies.X_WB(id).translation() - origin_, radius}, std::nullopt});
   });
@@ -165,6 +168,7 @@ std::optional<ColumnHit> FirstHit(const ClimbingRay& ray, std::span<const Column
   std::optional<CutHit> first;
   const ColumnCut* first_cut = nullptr;
   for (const ColumnCut& cut : cuts) {
+    // Cuts are in the order of `enter`: none of the others can be hit before.
     if (first && cut.enter > first->distance) break;
     const std::optional<CutHit> hit = HitOf(ray, cut);
     if (!hit) continue;

@@ -30,6 +30,7 @@ bool ForEachGap(std::span<const Vec2> a, std::span<const Vec2> b, Visit visit) {
     const Vec2& start = a[i];
     const Vec2 along = a[i + 1 < a.size() ? i + 1 : 0] - start;
     const double length = std::sqrt(along.squaredNorm());
+    // Two vertices may coincide after the rounding of a transform: such an edge has no normal.
     if (length == 0.0) continue;
     double gap = kUnbounded;
     for (const Vec2& vertex : b) gap = std::min(gap, -Cross(along, vertex - start));
@@ -54,6 +55,7 @@ struct Beyond {
 };
 
 // `gap`: times the length of `along`. Without a root or a division.
+// Both sides are compared as squares.
 bool IsMoreThan(double gap, double margin, const Vec2& along) {
   return gap > 0.0 && gap * gap > margin * margin * along.squaredNorm();
 }
@@ -83,6 +85,7 @@ bool EdgesCross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, Vec2
   const double a_side = troupe::Cross(d - c, a - c);
   const double b_side = troupe::Cross(d - c, b - c);
   if (!((c_side < 0.0) != (d_side < 0.0) && (a_side < 0.0) != (b_side < 0.0))) return false;
+  // Parallel: ends on the line are found as nearest points.
   if (c_side == d_side) return false;
   at = c + (d - c) * (c_side / (c_side - d_side));
   return true;
@@ -102,6 +105,7 @@ bool IsBox(std::span<const Vec2> vertices) {
   });
 }
 
+// In the order of blocks, then of rectangles: the numbers of pieces are the same in every process.
 std::vector<ConvexPiece> MakePieces(const WorldDescription& world, ModelId id, const Pose& X_FM) {
   const ModelDescription& model = world.model(id);
   const Shape& shape = world.shape(model.shape);
@@ -143,6 +147,7 @@ double PenetrationDepth(std::span<const Vec2> a, std::span<const Vec2> b) {
 
 bool OverlapBy(std::span<const Vec2> a, std::span<const Vec2> b, double depth) {
   const auto overlaps = [depth](double gap) { return -gap > depth; };
+  // Ends at the first normal that shows a gap: most pairs are apart.
   return ForEachGap(a, b, overlaps) && ForEachGap(b, a, overlaps);
 }
 
@@ -171,6 +176,7 @@ bool OverlapBy(const ConvexPiece& a, const ConvexPiece& b, double depth) {
 }
 
 NearestPoints FindNearestPoints(std::span<const Vec2> a, std::span<const Vec2> b) {
+  // One polygon inside the other: no edges cross.
   if (IsInside(b, a.front())) return {0.0, a.front(), a.front()};
   if (IsInside(a, b.front())) return {0.0, b.front(), b.front()};
   NearestPoints nearest{std::numeric_limits<double>::infinity(), a.front(), b.front()};

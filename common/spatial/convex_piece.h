@@ -1,4 +1,12 @@
 // ConvexPiece: the unit of all geometric tests, a convex prism with the properties of the model that it belongs to.
+//
+// Concave outlines and bitmaps are cut into convex pieces when a scene is made, because every exact test (overlap,
+// sweep, ray, nearest points) is short on convex polygons. Footprints and heights are independent of each other: two
+// prisms overlap if and only if both do.
+//
+// Invariants: at least three vertices, counter-clockwise, of a polygon with an area; a height above kTouchTolerance. A
+// model has as many pieces as its shape needs, and all of its properties that tests ask for are copied into each piece,
+// so that a test reads one piece and no description.
 #pragma once
 
 #include <span>
@@ -61,6 +69,7 @@ struct NearestPoints {
 
 // The nearest points of two convex polygons, counter-clockwise. Two vertices are a segment, one is a point. REQUIRES:
 // each has a vertex
+// Cost: the product of the numbers of vertices, which are mostly four.
 NearestPoints FindNearestPoints(std::span<const Vec2> a, std::span<const Vec2> b);
 
 }  // namespace troupe

@@ -1,5 +1,10 @@
 // DiscList: discs in single precision, tested several at a time by vector instructions, with a margin that makes up for
 // the rounding: for finding the few of many that are near a box.
+//
+// Invariant: a test may say "overlaps" for a disc that is just outside, never "apart" for one that overlaps: what it
+// finds is tested exactly afterwards. Groups of 16 discs are columns of x, y and radius, one line of a cache each.
+//
+// The order of discs is that of Add; a disc keeps its number when it moves.
 #pragma once
 
 #include <algorithm>
@@ -60,7 +65,7 @@ class DiscList {
   }
 
   std::size_t size() const { return size_; }
-  // That of disc i is i / kLanes. The last may have lanes without a disc, with any numbers.
+  // Disc i is in group i / kLanes. The last group may have lanes without a disc, with any numbers.
   const Group& group(std::size_t number) const { return groups_[number]; }
 
   // False only if the disc and the box have nothing in common; NaN overlaps. Never wrong by rounding.
@@ -69,6 +74,7 @@ class DiscList {
     const std::size_t lane = i % kLanes;
     const float x = std::abs(group.x[lane] - box.x);
     const float y = std::abs(group.y[lane] - box.y);
+    // Negated, so that NaN overlaps: a test of it is left to exact code.
     return !(x > group.radius[lane] + box.half_width || y > group.radius[lane] + box.half_height);
   }
 

@@ -16,6 +16,7 @@ Grid::Grid(const Rectangle& bounds, double cell_size, double max_cells) : bounds
   const auto too_many = [&](double columns, double rows) {
     return columns * rows > max_cells || std::max(columns, rows) > kMaxCellsAlong;
   };
+  // By steps of a quarter: a grid of any world is made, with larger cells, whatever its extent.
   while (too_many(cells_along(bounds.width()), cells_along(bounds.height()))) cell_size_ *= 1.25;
   cells_per_metre_ = 1.0 / cell_size_;
   const auto columns = static_cast<std::int32_t>(cells_along(bounds.width()));

@@ -1,5 +1,9 @@
 // Grid: a rectangle of the plane divided into square cells, numbered row by row. Points beyond the rectangle belong to
 // the nearest cell at its edge, so that every point has a cell.
+//
+// A grid knows no contents: the index that uses it has lists by the number of a cell. Conversions clamp, so that a
+// point far away, an infinite one and NaN have a cell, too, and no index of a list can be out of its range. Frame and
+// unit are those of the bounds; all users here are in W or in the frame of a bitmap, in m.
 #pragma once
 
 #include <algorithm>

@@ -4,6 +4,12 @@
 // it is followed column by column, and the row in which it leaves a column is one addition of whole numbers away from
 // that of the column before. No branch depends on the side by which it leaves a cell, which no processor can predict
 // (as in Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987).
+//
+// The walk is conservative: it may visit a cell that the ray just misses, and its users test the pieces of a cell
+// exactly. It misses none that the ray passes by more than kWalkTolerance of a cell, for which indices enter a piece
+// into the cells of its neighbourhood, too.
+//
+// The same arithmetic runs for one ray or for eight in a vector (walk_block.h), so that both give the same cells.
 #pragma once
 
 #include <algorithm>

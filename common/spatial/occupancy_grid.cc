@@ -12,6 +12,8 @@ constexpr double kSliver = 1e-6;  // of a cell's side: less than this of a cell 
 constexpr double kDefaultHeight = 0.1;
 
 // The extent along x of the part of a convex polygon between the lines y = low and y = high; empty without one.
+// By the vertices between the lines and the edges that cross them: the part is convex, so that its extent is between
+// these.
 Interval Extent(const std::vector<Vec2>& polygon, double low, double high) {
   Interval extent{1.0, 0.0};
   const auto extend = [&extent](double x) {
@@ -113,6 +115,7 @@ OccupancyGrid MakeOccupancyGrid(const Scene& scene, std::optional<double> resolu
   grid.resolution = resolution ? *resolution : extent.resolution.value_or(kDefaultGridResolution);
   Span x;
   Span y;
+  // Doubled, not fitted: cells of a map stay multiples of the pixels it was read from.
   for (;; grid.resolution *= 2.0) {
     x = SpanOf(bounds.min_x, bounds.max_x, extent.corner.x(), grid.resolution);
     y = SpanOf(bounds.min_y, bounds.max_y, extent.corner.y(), grid.resolution);

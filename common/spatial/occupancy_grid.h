@@ -1,4 +1,10 @@
 // OccupancyGrid: the static bodies of a world at one height, as cells: the static map of a robot's navigation.
+//
+// For users who need a map in the form of ROS (nav_msgs/OccupancyGrid): topics, map files, and controllers that plan by
+// the map of a program. The simulation itself does not use it: its own tests are exact.
+//
+// A pure function of the scene; made on demand, in time linear in the cells that pieces cover. Moving bodies and people
+// are not part of it.
 #pragma once
 
 #include <cstdint>

@@ -123,6 +123,7 @@ std::span<const Variant<RayBlock::Finder>> RayBlock::Finders() {
 }
 
 RayBlock::RayBlock(std::span<const Part> rays, double max_radius) {
+  // The middle ray of a fan: the box along it is the narrowest in most cases.
   const Vec2 forward = rays[rays.size() / 2].direction;
   Rectangle box = Rectangle::Nothing();  // in a frame F with the x axis `forward`
   double spread = 0.0;
@@ -165,6 +166,7 @@ void RayBlock::FindTouched(const DiscList& discs, std::vector<Touched>& touched,
   touched.resize((discs.size() + DiscList::kLanes - 1) / DiscList::kLanes * DiscList::kLanes);
   std::size_t count = finder(numbers_, discs, touched.data());
   // Lanes without a disc, with any numbers, are the last.
+  // Discs are found in order.
   while (count > 0 && touched[count - 1].disc >= discs.size()) --count;
   touched.resize(count);
 }

@@ -1,5 +1,12 @@
 // Rays against bodies in single precision, many at a time by vector instructions, with a margin that makes up for the
 // rounding: finds the few pairs of a ray and a body that have to be looked at.
+//
+// The first of two stages: this one throws away pairs that are surely apart, by discs; ray_cast.cc tests the others
+// exactly, in double precision. Invariant: no pair with a hit is thrown away, whatever the rounding, so that the result
+// of a cast does not depend on the instructions that a processor has.
+//
+// A block is up to 16 neighbouring rays of a fan. Their discs and origins are relative to a common place near them: a
+// float has 24 bits, of which a world of kilometres would leave too few.
 #pragma once
 
 #include <array>
@@ -58,7 +65,7 @@ class RayBlock {
 
   // Writes the discs to `touched`, which has room for all lanes of the list, and returns their number.
   using Finder = std::size_t(const Numbers& rays, const DiscList& discs, Touched* touched);
-  // Those that this processor can run, the quickest last. They differ only in what is too near to tell.
+  // The variants that this processor can run, the quickest last. They differ only in pairs that are too near to tell.
   static std::span<const Variant<Finder>> Finders();
   void FindTouched(const DiscList& discs, std::vector<Touched>& touched, Finder* finder) const;
 

@@ -25,6 +25,7 @@ void HitStaticPieces(const StaticIndex& index, const RayLine& ray, double z, con
       if (filled[cell] == 0) return;
       for (std::uint32_t i : map.PiecesInCell(cell)) {
         const RayPiece& piece = map.piece(i);
+        // Boxes are most of the pieces of maps, and have a test of their own without vertices.
         if (piece.is_box != 0) {
           if (piece.z.Contains(z)) KeepNearer(box_line.DistanceTo(piece.box), piece.model, nearest);
           continue;
@@ -33,6 +34,8 @@ void HitStaticPieces(const StaticIndex& index, const RayLine& ray, double z, con
         KeepNearer(DistanceTo(map.vertices(piece), ray), piece.model, nearest);
       }
     };
+    // Pieces of the second cell may be nearer than those of the first: both are read before the walk's distance is
+    // compared again.
     const auto [cell, next] = walk.cells();
     visit(cell);
     if (next != cell) visit(next);
@@ -107,6 +110,7 @@ struct NearBodies {
     ids.clear();
     max_radius = scene.max_body_radius();
     bodies.ForEachNear(seen, [&](BodyId id) {
+      // The robot itself and what it holds.
       if (caster && bodies.owner(id) == caster) return;
       discs.Add(bodies.X_WB(id).translation() - reference, scene.ray_shape(id).radius);
       ids.push_back(id);
@@ -134,6 +138,7 @@ class BodyHits {
   void Update(const Ray& ray, BodyId id, NearestHit& nearest) {
     const RayShape& shape = scene_.ray_shape(id);
     const Pose& X_WB = bodies_.X_WB(id);
+    // A body at another height: the cheapest test first.
     if (!(shape.z + X_WB.z).Contains(ray.z)) return;
     SliceAt(shape, X_WB.z, ray.z);
     Transform2 transform = bodies_.transform(id);
@@ -153,6 +158,7 @@ class BodyHits {
       if (!line_L.MayHit(piece.box, nearest.distance)) continue;
       const double distance = DistanceToPiece(shape, piece, transform, {ray.origin, ray.direction}, line_L);
       // The model is looked up only when it may count.
+      // An equal distance counts if the model has the lower id.
       if (distance < 0.0 || distance > nearest.distance) continue;
       KeepNearer(distance, scene_.body(id).pieces[piece.number].model, nearest);
     }
@@ -289,6 +295,7 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
               std::vector<std::optional<RayHit>>& hits) {
   hits.clear();
   if (rays.empty()) return;
+  // A reference to it, because each access by name would look for the thread's copy again.
   thread_local Workspace kept;
   Workspace& workspace = kept;
   workspace.nearest.resize(rays.size());
@@ -296,6 +303,7 @@ void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> 
   ForEachBlock(rays.size(), [&](std::size_t first, std::size_t count) {
     HitMap(scene.static_index(), rays.subspan(first, count), workspace.walks, nearest.subspan(first, count));
   });
+  // The map first: its hits shorten the rays, so that fewer bodies are near them.
   const Rectangle seen = BoxAround(rays, [&](std::size_t i) { return nearest[i].distance; });
   const Vec2 reference = rays.front().origin;
   workspace.near.Find(scene, bodies, reference, seen, caster);

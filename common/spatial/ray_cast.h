@@ -3,6 +3,12 @@
 // A ray at height z sees the pieces whose z range contains z and whose ranger_return is not negative, except those of
 // the robot that casts it and of the objects that it holds. A ray that starts inside such a piece hits it at distance
 // 0. Of pieces at the same distance the one with the lowest model id counts.
+//
+// Distances are exact up to the rounding of one division: no steps, no cells, so that two processes with one state
+// measure the same bits, and a scan through a wall's joint has no gap. Cost of a ray: the cells of the static index up
+// to its hit, and the bodies near it; the rays of a scanner share the search for bodies.
+//
+// Threads: any number, each with a BodyIndex of its own; a cast keeps its lists in memory of its thread.
 #pragma once
 
 #include <optional>

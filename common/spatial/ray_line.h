@@ -1,4 +1,11 @@
-// A ray's line and the exact distances along it at which it enters pieces.
+// A ray's line, the exact distances along it at which it enters pieces, and the rule which hit is the nearest.
+//
+// The functions here define what a range is: every path of a cast (by boxes, by polygons, in the frame of a link, one
+// by one or in blocks) ends in one of them, or in arithmetic that gives the same bits. They are inline because they are
+// the innermost loop of a simulation with scanners.
+//
+// Invariant: the side on which a vertex is depends on the vertex and the line alone, and never on the polygon. So
+// pieces that share an edge leave no gap, and no result depends on how a wall was cut into pieces.
 #pragma once
 
 #include <algorithm>
@@ -39,6 +46,7 @@ struct NearestHit {
   double distance;  // m; the ray's length without a hit
   std::optional<ModelId> model;
 
+  // A total order, by distance and then by model: the order in which pieces are tested does not matter.
   bool IsBeatenBy(double candidate, ModelId candidate_model) const {
     if (candidate != distance) return candidate < distance;
     return !model || candidate_model < *model;
@@ -49,6 +57,7 @@ struct NearestHit {
 };
 
 // Distance along the ray's line to the edge from `before` to `here`, whose ends are on different sides of the line.
+// Interpolated between the ends by their distances from the line, which have different signs: the denominator is not 0.
 inline double Crossing(const RayLine& ray, const Vec2& before, double side_before, const Vec2& here, double side) {
   const double at_before = ray.direction.dot(before);
   return at_before + (ray.direction.dot(here) - at_before) * (side_before / (side_before - side));

@@ -11,6 +11,7 @@
 namespace troupe {
 namespace {
 
+// All that rays read of a shape; models are not in it, because they are found by the number of the piece in its body.
 std::vector<double> KeyOf(const RayShape& shape) {
   std::vector<double> key = {shape.radius, shape.z.min, shape.z.max};
   for (const RayShape::Piece& piece : shape.pieces) {
@@ -122,6 +123,7 @@ RayMap::RayMap(const RayMapArrays& arrays)
   auto* const block = static_cast<std::byte*>(std::aligned_alloc(kAlignment, size_));
   if (block == nullptr) throw std::bad_alloc();
   block_ = std::shared_ptr<const std::byte>(block, std::free);
+  // Equal worlds have equal bytes.
   std::memset(block, 0, size_);  // between the arrays
   std::byte* next = block;
   ForEachArray([&next](const auto& array) {
@@ -143,6 +145,7 @@ void RayMap::Share(const FindEqualMemory& find) {
   if (block_ == nullptr || !find) return;
   std::shared_ptr<const std::byte> equal = find(bytes());
   if (equal == nullptr) return;
+  // Of equal size and content: only the places of the arrays change.
   block_ = std::move(equal);
   PlaceArrays();
 }

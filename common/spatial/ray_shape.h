@@ -1,5 +1,13 @@
 // RayShape: the pieces of a body that rays see, kept once for all bodies of the same shape and close together in
 // memory. A swarm has few shapes, and a process that reads them only now and then finds few of them in a cache.
+//
+// RayShapes has each shape once: bodies with equal pieces have the same number, which a map from all numbers of a shape
+// to it finds. RayMap is the same idea for static models: one block of bytes without pointers, equal in all processes
+// of a world, so that they can map one copy of it (shared memory).
+//
+// Invariants: pieces of models that rays do not see are left out; a polygon's first vertex is stored once more behind
+// the last, so that an edge is always two neighbours; the arrays of a RayMap are aligned to lines of a cache, and the
+// bytes between them are 0.
 #pragma once
 
 #include <cstddef>

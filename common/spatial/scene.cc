@@ -33,6 +33,7 @@ Scene::Scene(Shared<WorldDescription> description)
 }
 
 const WalkRoutes& Scene::walk_routes() const {
+  // People decide in several threads: the first one makes the routes, the others wait.
   std::call_once(walk_routes_->made, [this] { walk_routes_->routes = std::make_unique<const WalkRoutes>(*this); });
   return *walk_routes_->routes;
 }
@@ -49,6 +50,7 @@ void Scene::FindBodies() {
     if (model.fiducial_return != 0 && !model.removed) fiducials_.emplace_back(i);
   }
   bodies_.resize(world().robots.size() + world().objects.size() + world().people.size());
+  // Link 0, which is at the body's frame.
   for (Body& body : bodies_) body.links.push_back({});
   for (std::size_t i = 0; i < world().robots.size(); ++i) body_of_[world().robots[i].root.index()] = BodyId(i);
   for (std::size_t i = 0; i < world().objects.size(); ++i) {
@@ -98,6 +100,7 @@ void Scene::FindStoresOfModels() {
   // Parents first.
   for (std::size_t i = 0; i < world().models.size(); ++i) {
     const ModelDescription& model = world().models[i];
+    // A model without a store of its own is fed by that of its nearest ancestor, which is known already.
     if (!store_of_[i] && model.parent) store_of_[i] = store_of_[model.parent->index()];
     if (store_of_[i] && !model.removed) stores_[*store_of_[i]].watts += model.power.watts;
   }
@@ -115,6 +118,7 @@ void Scene::MeasureRadioReach() {
     for (const SensorDescription& sensor : robot.sensors) {
       const auto* const radio = std::get_if<RadioParameters>(&sensor.parameters);
       if (radio == nullptr) continue;
+      // The antenna may be anywhere on a circle about the robot's origin.
       const double offset = X_LM(sensor.model).translation().norm() + radio->X_MS.translation().norm();
       const double reach = (radio->range + offset) * (1.0 + 1e-9);
       // Joints may take an antenna farther.
@@ -142,6 +146,8 @@ void Scene::AddModel(ModelId id, std::vector<ConvexPiece>& static_pieces, std::v
     return;
   }
   Body& body = bodies_[body_of_[i]->index()];
+  // A model with a joint begins a link: its frame is the link's, and all models below it belong to the link until
+  // another joint begins one.
   if (joint_of_[i]) {
     body.links.push_back({.joint = joint_of_[i], .parent = link_of_[i], .X_PL = X_LM_[i]});
     link_of_[i] = static_cast<std::uint32_t>(body.links.size() - 1);
@@ -162,6 +168,7 @@ void Scene::MeasureBody(Body& body) const {
     const JointDescription& joint = world().joint(*link.joint);
     reach[k] = reach[link.parent] + link.X_PL.translation().norm();
     heights[k] = heights[link.parent] + link.X_PL.z;
+    // A turn leaves the origin of its link where it is; a shift moves it by up to the farther end of its way.
     if (joint.type == JointType::kRevolute) continue;
     const double travel = std::max(std::abs(joint.position.min), std::abs(joint.position.max));
     reach[k] += travel * joint.axis_xy.norm();

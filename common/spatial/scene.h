@@ -1,5 +1,15 @@
-// Scene: a world description prepared for fast queries. Immutable, so any thread may read it; made once by the service
-// and once by each agent in another process.
+// Scene: a world description prepared for fast queries: bodies with their links and pieces, indices by model, the
+// static index, the stores, lights and units in the order of their rows in a state. All that can be computed from a
+// description, and that a step, an agent or a sensor would else compute in each tick.
+//
+// Immutable after its construction, so that any thread may read it; made once by the service and once by each agent in
+// another process, and made again by an edit that changes the description. The description is shared, not copied.
+//
+// The tree of models becomes bodies: a robot, an object or a person with everything below its root is one body, whose
+// links are the parts between joints. All other models are static, and their pieces are in W.
+//
+// Cost: linear in models and pieces, with the partition of concave outlines; the routes of people are made by the first
+// call that asks for them, because most worlds have none.
 #pragma once
 
 #include <memory>

@@ -28,6 +28,7 @@ StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces, std::vector<PixelPiece
   arrays.pieces.reserve(pieces_.size());
   for (const ConvexPiece& piece : pieces_) {
     kept_bounds_.Extend(BoundingBox(piece.vertices));
+    // Transparent pieces keep their numbers, with an empty interval of heights.
     arrays.pieces.push_back({.box = BoundingBox(piece.vertices),
                              .z = piece.ranger_return >= 0.0 ? piece.z : ZRange{0.0, 0.0},
                              .model = piece.model,
@@ -41,7 +42,9 @@ StaticIndex::StaticIndex(std::vector<ConvexPiece> pieces, std::vector<PixelPiece
   const Rectangle area =
       kept_bounds_.Inflated(kMargin + kWalkTolerance * std::max(kept_bounds_.width(), kept_bounds_.height()));
   const double max_cells = kCellsPerPiece * static_cast<double>(pieces_.size()) + 64.0;
+  // About eight cells for each piece: walls are long and thin, and most cells of a building are empty.
   double cell_size = std::sqrt(area.width() * area.height() / max_cells);
+  // Larger cells until pieces reach over few of them: a world of large blocks would else be entered into every cell.
   for (;;) {
     grid_ = Grid(area, cell_size, 2.0 * max_cells);
     const std::size_t entries =
@@ -65,6 +68,7 @@ void StaticIndex::FillCells(RayMapArrays& arrays) const {
       }
     }
   };
+  // A counting sort by cell, which keeps the order of pieces: indices of a cell are ascending.
   arrays.cell_start.assign(grid_.cell_count() + 1, 0);
   for_each_entry([&](std::size_t cell, std::uint32_t) { ++arrays.cell_start[cell + 1]; });
   std::partial_sum(arrays.cell_start.begin(), arrays.cell_start.end(), arrays.cell_start.begin());
@@ -85,6 +89,7 @@ void StaticIndex::QueryKept(const Rectangle& box, std::pmr::vector<const ConvexP
     if (ray_map_.piece(piece).box.Overlaps(box)) result.push_back(&pieces_[piece]);
   };
   const CellRange range = grid_.CellsOf(box);
+  // For a large box the list of pieces is shorter than that of its cells.
   if (range.count() >= pieces_.size()) {
     for (std::size_t i = 0; i < pieces_.size(); ++i) append_if_near(static_cast<std::uint32_t>(i));
     return;
@@ -114,6 +119,7 @@ PixelPieces::PixelPieces(const WorldDescription& world, ModelId id, const Pose& 
   grid_ = Grid(area.Inflated(kReach + kWalkTolerance * std::max(area.width(), area.height())), side,
                std::min(pixels + 64.0, kMaxCells));
   FillCells();
+  // Along the axes the corners of the whole bitmap are enough; turned, its box would be wider than its pieces.
   if (!turned_ && X_WM.heading == 0.0) {
     bounds_ = BoundingBox(CornersOf(area_.cover().bounds()));
   } else {
@@ -134,6 +140,7 @@ void PixelPieces::FillCells() {
 }
 
 PixelPieces::Corners4 PixelPieces::CornersOf(const PixelRectangle& r) const {
+  // Step by step as a loader would move a listed rectangle: the same operations give the same bits.
   Corners4 corners = Corners(area_.InMetres(r));
   for (Vec2& corner : corners) {
     if (turned_) corner = X_MA_ * corner;

@@ -1,5 +1,16 @@
-// StaticIndex: the pieces of all models that never move. Most are kept, in a uniform grid; those of dense bitmaps are
-// made when a query asks for them.
+// StaticIndex: the pieces of all models that never move, in W. Most are kept, in a uniform grid; those of dense bitmaps
+// are made when a query asks for them (PixelPieces), because as a list they would take gigabytes.
+//
+// Invariants: pieces are numbered in the order of their models, and queries return them in that order without repeats,
+// so that results do not depend on cells; pieces of areas have the same bits as if they had been listed. The grid is
+// chosen so that a piece is in few cells and a cell has few pieces; a piece is also in the cells that it nearly
+// touches, because the walk of a ray along an edge may be in either cell.
+//
+// Immutable, read by any thread. Made in time linear in the entries of the grid. A box query costs the cells under the
+// box, or all pieces if these are fewer; a ray costs the cells up to its hit.
+//
+// A uniform grid and no tree: walls of a building are of similar size and spread evenly, a walk from cell to cell needs
+// no comparisons, and the index is arrays without pointers, which processes can share (RayMap).
 #pragma once
 
 #include <algorithm>

@@ -50,6 +50,7 @@ class PairSweep {
       : motion_(motion), transform_WF_(transform_WF), times_(&memory), a_in_W_(&memory), b_in_F_(&memory) {}
 
   // The first time at which the pair overlaps too deeply.
+  // Times are sorted; the pose at a time may be anywhere within an interval, so that its middle is as good as any.
   std::optional<double> Find(const Pair& pair) {
     FindTimes(pair);
     for (std::size_t i = 0; i + 1 < times_.size(); ++i) {
@@ -57,11 +58,13 @@ class PairSweep {
       const double middle = 0.5 * (times_[i] + times_[i + 1]);
       if (!IsFree(pair, middle)) return Refined(pair, times_[i], middle);
     }
+    // The end itself, which may be the last event.
     if (!IsFree(pair, motion_.duration)) return Refined(pair, times_[times_.size() - 2], motion_.duration);
     return std::nullopt;
   }
 
   bool IsFree(const Pair& pair, double seconds) {
+    // Apart in height: the footprints may overlap.
     if (motion_.climb != 0.0 && HeightsAfter(pair, seconds) <= pair.allowed_depth()) return true;
     Place(pair, seconds);
     return !OverlapBy(a_in_W_, pair.b_in_W, pair.allowed_depth());
@@ -99,6 +102,7 @@ class PairSweep {
     if (motion_.climb != 0.0) {
       end = motion_.duration;  // heights do not repeat themselves
       times_[1] = end;
+      // The times at which one prism begins to be beside the other, and ends.
       for (double dz : {pair.b_z.min - pair.a_z.max, pair.b_z.max - pair.a_z.min}) {
         const double time = dz / motion_.climb;
         if (time > 0.0 && time < end) times_.push_back(time);

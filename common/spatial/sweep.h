@@ -7,6 +7,17 @@
 // can begin or end to overlap only at the times at which a vertex of one touches an edge of the other; those times have
 // closed forms. Between two neighbouring times nothing changes, so one test in each interval finds the first overlap.
 // No speed is too fast and no wall too thin.
+//
+// Between two events the depth of an overlap may change, but not whether there is one; so the test in the middle of
+// each interval decides for the whole interval. A contact is then the event at which the interval begins. Where a pair
+// already overlaps, or heights and footprints decide together, the time is refined by bisection. The returned time is
+// free: rounding is resolved by stepping back, so that a body never comes to rest inside another.
+//
+// Cost: pairs are thrown out by boxes, by heights, by a separating line for the whole motion (Passage), and by their
+// gap at the start; the few that are left cost the product of their vertices. Memory is on the stack unless a motion
+// has very many obstacles.
+//
+// Pure functions, for any thread with its own BodyIndex. Seconds count from the start of the motion.
 #pragma once
 
 #include <optional>

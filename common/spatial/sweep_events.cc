@@ -21,6 +21,8 @@ class EventFinder {
  public:
   EventFinder(const Twist& twist, double duration, std::pmr::vector<double>& times)
       : velocity_(twist.vx, twist.vy), rate_(twist.wz), duration_(duration), times_(times) {
+    // Bounds r from above by its value at the end of the motion, so that later roots are thrown out before they cost an
+    // arctangent; with a margin, because the exact comparison comes last.
     const double half_turn = 0.5 * std::abs(rate_) * duration;
     if (half_turn < 1e-8) {
       largest_root_ = duration * (1.0 + 1e-9);
@@ -46,11 +48,13 @@ class EventFinder {
     const Vec2 along = end - start;
     const Vec2 normal(along.y(), -along.x());
     const double c = normal.dot(p - start);
+    // The vertex cannot come as far as the edge's line in this motion.
     if (c * c > reach * reach * normal.squaredNorm()) return;
     const double b = rate_ * normal.dot(QuarterTurn(p)) + normal.dot(velocity_);
     const double a = 0.5 * rate_ * normal.dot(QuarterTurn(velocity_)) - 0.25 * rate_ * rate_ * normal.dot(p + start);
     const double discriminant = b * b - 4.0 * a * c;
     if (!(discriminant >= 0.0)) return;
+    // The stable form of the quadratic's solution: b and the root have the same sign, so that no digits cancel.
     const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
     if (a != 0.0) AddRoot(q / a, p, start, along);
     if (q != 0.0) AddRoot(c / q, p, start, along);

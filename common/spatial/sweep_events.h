@@ -1,5 +1,8 @@
 // The times of a motion with a constant twist at which a vertex touches an edge: only then can two polygons begin or
 // end to overlap.
+//
+// Events are candidates, not contacts: sweep.cc tests between them. So an event too many does no harm, and the
+// tolerances here are on the side of finding one; an event that is missed would let a body through a wall.
 #pragma once
 
 #include <memory_resource>

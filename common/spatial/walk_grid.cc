@@ -54,6 +54,7 @@ WalkGrid::WalkGrid(const StaticIndex& walls, const WalkPortals& portals, const Z
       if (!leaf.obstacle || !leaf.z.Overlaps(z_)) continue;
       door_.resize(room_.size(), 0);
       ForEachNear(leaf, radius_, [&](std::size_t cell, double) {
+        // Of two doors at one cell the first.
         if (door_[cell] == 0) door_[cell] = static_cast<std::uint32_t>(i + 1);
       });
     }
@@ -67,6 +68,7 @@ void WalkGrid::ForEachNear(const ConvexPiece& piece, double reach, Visit visit) 
   for (int row = RowAt(box.min_y); row <= RowAt(box.max_y); ++row) {
     for (int column = ColumnAt(box.min_x); column <= ColumnAt(box.max_x); ++column) {
       const std::size_t cell = CellAt(column, row);
+      // A blocked cell stays so: the most is known of it.
       if (room_[cell] == Room::kBlocked) continue;
       const Vec2 center = CenterOf(cell);
       const double distance = FindNearestPoints(std::span(&center, 1), piece.vertices).distance;
@@ -78,12 +80,14 @@ void WalkGrid::ForEachNear(const ConvexPiece& piece, double reach, Visit visit) 
 void WalkGrid::Block(const ConvexPiece& piece) {
   if (!piece.obstacle || !piece.z.Overlaps(z_)) return;
   ForEachNear(piece, radius_ + kComfort, [&](std::size_t cell, double distance) {
+    // In any order of pieces the result is the same: blocked wins over near.
     room_[cell] = distance < radius_ ? Room::kBlocked : Room::kNearWall;
   });
 }
 
 bool WalkGrid::IsClear(const Vec2& from, const Vec2& to) const {
   const Vec2 way = to - from;
+  // Half a cell at a time: no cell is skipped by more than a corner.
   const int parts = static_cast<int>(2.0 * way.norm() / cell_) + 1;
   for (int i = 1; i <= parts; ++i) {
     const Room room = room_[CellOf(from + (static_cast<double>(i) / parts) * way)];
@@ -142,6 +146,7 @@ class WalkField::Costs {
 void WalkField::MeasureLengths(std::size_t target) {
   const Costs costs(grid_);
   std::vector<std::uint32_t> lengths(costs.size(), kUnreached);
+  // A circular queue of buckets (Dial 1969): no entry is farther ahead than the longest step.
   std::array<std::vector<std::uint32_t>, WalkGrid::kMaxCost * WalkGrid::kDiagonal + 1> lists;
   const std::size_t first = costs.PlaceOf(target);
   lengths[first] = 0;
@@ -187,6 +192,7 @@ std::size_t WalkField::NextCell(std::size_t cell) const {
       least = length_[to];
       step = static_cast<std::uint8_t>(number);
     });
+    // Two threads may both find it: they store the same number.
     steps_[cell].store(step, std::memory_order_relaxed);
   }
   return step == kNoStep ? cell : grid_.Beside(cell, step);

@@ -40,6 +40,7 @@ std::vector<ConvexPiece> LeafAt(const Scene& scene, const DoorLeaf& leaf, double
 
 // A sector around the hinge, as a fan whose chords are outside of the arc.
 std::vector<Vec2> HingedSweep(const Rectangle& leaf, const DoorLeaf& description) {
+  // A leaf may be as thick as it likes: its corners stay within the radius.
   const double thickness = std::max(std::fabs(leaf.min_y), std::fabs(leaf.max_y));
   const double radius = std::max({std::fabs(leaf.min_x), std::fabs(leaf.max_x), thickness}) + thickness;
   const double start = -leaf.min_x > leaf.max_x ? kPi : 0.0;  // the direction of the leaf in H
@@ -47,6 +48,7 @@ std::vector<Vec2> HingedSweep(const Rectangle& leaf, const DoorLeaf& description
   const double turn = is_round ? 2.0 * kPi : description.turn;
   const int parts = is_round ? 3 * kFanParts : kFanParts;
   const double part = turn / parts;
+  // The corners of the fan are outside of the arc so far that its chords touch it.
   const double reach = radius / Polar(1.0, 0.5 * part).x();
   const Transform2 X_WH(description.X_WH);
   std::vector<Vec2> fan;
@@ -54,6 +56,7 @@ std::vector<Vec2> HingedSweep(const Rectangle& leaf, const DoorLeaf& description
   if (!is_round) fan.push_back(X_WH * Polar(radius, start));
   for (int i = 0; i < parts; ++i) fan.push_back(X_WH * Polar(reach, start + (i + 0.5) * part));
   if (!is_round) fan.push_back(X_WH * Polar(radius, start + turn));
+  // Polygons are counter-clockwise.
   if (turn < 0.0) std::reverse(fan.begin(), fan.end());
   return fan;
 }
@@ -106,6 +109,7 @@ std::optional<LiftStop> MakeStop(const Scene& scene, const LiftDescription& lift
     return box;
   };
   stop.door = door.leaves.front().X_WH.translation();
+  // The file may give the leaf either direction: out is away from the cabin's middle.
   if (stop.ToU(cabin).x() > 0.0) stop.outward = -stop.outward;
   const Rectangle box = extent(door);
   if (box.empty()) return std::nullopt;  // leaves without blocks
@@ -216,6 +220,7 @@ LiftPortal MakeLift(const Scene& scene, const LiftDescription& lift, double radi
 
 // For the widest people that find room in the cabin. `radii`: of all people, descending.
 LiftPortal MakeLift(const Scene& scene, const LiftDescription& lift, std::span<const double> radii) {
+  // From the widest down: a lift that is too narrow for some people is still there for the others.
   for (const double radius : radii) {
     LiftPortal portal = MakeLift(scene, lift, radius);
     if (!portal.places.empty() || radius == radii.back()) return portal;
@@ -271,6 +276,8 @@ WalkPortals::WalkPortals(const Scene& scene) {
     lifts.push_back(MakeLift(scene, lift, radii));
     const LiftPortal& portal = lifts.back();
     if (portal.outline.empty()) continue;  // a cabin without blocks
+    // People walk around the whole shaft at all heights between its floors: on a level without the cabin there may be a
+    // hole behind the door.
     ConvexPiece shaft{.vertices = OutlineOf(portal.outline, portal.X_WC), .z = {1e9, -1e9}, .model = lift.model};
     for (const LiftFloor& floor : lift.floors) {
       shaft.z.min = std::min(shaft.z.min, floor.z);

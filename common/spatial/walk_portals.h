@@ -1,5 +1,12 @@
 // WalkPortals: the doors and lifts of a world as people use them: where a leaf sweeps, where people wait for a lift,
 // get on, stand and get off. A pure function of the world.
+//
+// All geometry of doors and lifts that people need is computed here once, so that a decision only compares a few
+// numbers. Leaves are taken from closed to open as one convex area: a person that is outside of it cannot be hit,
+// whatever the door does.
+//
+// REQUIRES of users: a DoorPortal exists only for doors that people may ask for, a LiftStop only where people of the
+// portal's radius find room in the cabin; both are optional.
 #pragma once
 
 #include <cstddef>
@@ -40,14 +47,14 @@ struct LiftStop {
   double z = 0.0;           // m, of the floor
   double half_width = 0.0;  // m, of the doorway
   double outside = 0.0;     // u, m: from there on a person touches no leaf
-  double lane = 0.0;        // u, m: to there the way of those who get off is to be kept free
+  double lane = 0.0;        // u, m: to there the way of people who get off is to be kept free
 
   Vec2 ToU(const Vec2& p) const {
     const Vec2 way = p - door;
     return {way.dot(outward), way.dot(Vec2(-outward.y(), outward.x()))};
   }
   Vec2 FromU(const Vec2& p_U) const { return door + p_U.x() * outward + p_U.y() * Vec2(-outward.y(), outward.x()); }
-  // Where those who wait come together.
+  // The point at which waiting people gather.
   Vec2 Entrance() const { return FromU({lane, 0.0}); }
 };
 
@@ -73,7 +80,7 @@ struct WalkPortals {
 
   std::vector<std::optional<DoorPortal>> doors;  // by door; nothing for one that is not operated
   std::vector<LiftPortal> lifts;                 // by lift
-  // What else people walk around: cabins, at all heights, and the leaves of doors that are never operated; in W.
+  // Further walls for people: cabins, at all heights, and the leaves of doors that are never operated; in W.
   std::vector<ConvexPiece> walls;
   // The leaves of open doors, in W: people walk around them if they can, whether the door is open or not.
   std::vector<ConvexPiece> open_leaves;

@@ -38,6 +38,8 @@ std::optional<WalkRoutes::Ahead> AheadIn(const WalkField& field, const Vec2& fro
   }
   const bool is_near = steps == 0 || field.IsTarget(way[static_cast<std::size_t>(steps) - 1]);
   if (is_near && grid.IsClear(from, *field.target())) return WalkRoutes::Ahead{*field.target(), door};
+  // The farthest cell of the way in sight, nearly: straight lines in place of the steps of the grid. A few tests,
+  // because each costs a line of cells.
   for (int ahead = steps; ahead > 1; ahead = ahead * 3 / 4) {
     const Vec2 center = grid.CenterOf(way[static_cast<std::size_t>(ahead) - 1]);
     if (grid.IsClear(from, center)) return WalkRoutes::Ahead{center, door};
@@ -53,6 +55,7 @@ std::optional<double> LengthIn(const WalkField& field, const Vec2& from) {
 // m: people of nearly one radius have one grid.
 double ClassOf(double radius) {
   constexpr double kClass = 0.05;  // m
+  // Rounded up: a person fits wherever its class does.
   return kClass * std::ceil(radius / kClass - 1e-6);
 }
 
@@ -84,6 +87,7 @@ WalkRoutes::WalkRoutes(const Scene& scene) : portals_(scene) {
   const Rectangle bounds = FindBounds(scene.static_index(), world, portals_);
   for (const Size& size : sizes_) {
     for (const double level : levels_) {
+      // By size and level; their order is that of FieldOf.
       grids_.push_back(
           std::make_unique<const WalkGrid>(scene.static_index(), portals_, size.z + level, size.radius, bounds));
     }
@@ -120,6 +124,7 @@ void WalkRoutes::FindLevels(const WorldDescription& world) {
   }
   std::sort(heights.begin(), heights.end());
   for (const double height : heights) {
+    // Floors within a step's height are one level.
     if (levels_.empty() || height - levels_.back() > kSameLevel) levels_.push_back(height);
   }
 }
@@ -234,6 +239,7 @@ std::vector<std::uint32_t> WalkRoutes::CountRides(PersonId person, const Goal& g
   };
   const std::size_t to = LevelOf(person, goal);
   for (const Stop& stop : stops) {
+    // From its entrance a person walks to the goal.
     if (LevelAt(StopOf(stop).z) == to && Length(person, goal, StopOf(stop).Entrance())) rides_from(stop) = 0;
   }
   bool has_found = true;
@@ -281,6 +287,7 @@ std::optional<WalkRoutes::Ride> WalkRoutes::FindRide(PersonId person, std::size_
         // The way after a further ride is not counted.
         const double after = more == 0 ? *Length(person, goal, StopOf(off).Entrance()) : 0.0;
         const std::pair length(more, *before + std::fabs(StopOf(off).z - StopOf(on).z) + after);
+        // Fewer rides before a shorter way; of equal ones the first lift and floor.
         if (length >= least) return;
         least = length;
         best = Ride{lift, off.floor};

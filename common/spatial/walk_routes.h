@@ -4,6 +4,13 @@
 // Levels are those of the world and the heights at which people start and lifts stop. A grid for each level, height and
 // radius of people, and on it a field for each goal and each stop of a lift: the length of the shortest way from every
 // cell. A field is made when a person first asks for it, by any thread; it is a pure function of the world.
+//
+// Memory is the reason for sizes: radii are rounded up to classes of 5 cm, so that a crowd of different people has a
+// few grids. MostBytes is an upper bound for the limits of loaders; it is asked before a scene is made.
+//
+// Safe for any number of threads: fields are made under std::call_once, so that the first person waits for the search
+// and others with the same goal wait with it. The time of making a field is the only difference that threads see, never
+// a result.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +52,8 @@ class WalkRoutes {
   };
 
   explicit WalkRoutes(const Scene& scene);
-  // The memory (bytes) that those of a world with people may take at most. `scene`: that world, or it without people.
+  // The memory (bytes) that the routes of a world with people may need at most. `scene`: that world, or the same
+  // without people.
   static double MostBytes(const Scene& scene, const WorldDescription& world);
   ~WalkRoutes();
 
@@ -103,9 +111,9 @@ class WalkRoutes {
   const WalkPortals portals_;
   std::vector<double> levels_;                             // m, ascending
   std::vector<std::vector<Vec2>> goals_;                   // points, by set
-  std::vector<std::vector<std::size_t>> levels_of_goals_;  // likewise; empty for a set without heights
+  std::vector<std::vector<std::size_t>> levels_of_goals_;  // of the points, by set; empty for a set without heights
   std::vector<std::size_t> first_point_;                   // by set: the number of its first point among the targets
-  std::vector<std::size_t> first_stop_;                    // by lift, likewise
+  std::vector<std::size_t> first_stop_;                    // by lift: the number of its first stop among the targets
   std::size_t targets_ = 0;
   std::vector<Size> sizes_;
   std::vector<double> radii_;  // m, by person, like the next
@@ -120,7 +128,7 @@ class WalkRoutes {
   mutable std::vector<std::vector<std::uint32_t>> rides_;
 };
 
-// Those of a scene, once they are asked for.
+// The routes of a scene, once they are asked for.
 struct LazyWalkRoutes {
   std::once_flag made;
   std::unique_ptr<const WalkRoutes> routes;
