@@ -1,5 +1,13 @@
 // CaseSession: runs the cases of tests in several processes, shrinks those that fail, and keeps their recordings and
 // pictures. `troupe test` and `troupe sweep` use it.
+//
+// This process plans and reports; workers (testing/cases/worker_pool.h) run cases, so that a case that crashes or does
+// not end costs one case and not the session. Outcomes arrive in any order; faults are printed in that of cases. A
+// case depends on its test and its draws only, never on the worker, the number of jobs or earlier cases: that is why a
+// failing case can be repeated by one command, and shards need no coordination.
+//
+// Order of work: cases that failed in earlier sessions, then the design or the search, then shrinking of the first
+// faults.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,7 @@
-// What a worker of `troupe test` does with one case: runs it, looks for a smaller one, records it.
+// The work of a worker of `troupe test` on one case: running it, shrinking it, recording it.
+//
+// Requests and answers are JSON, because they cross a process boundary and are few; a case takes milliseconds, a
+// message microseconds. An exception of a case is an error of that case, not the end of the session.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

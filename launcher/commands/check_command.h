@@ -1,4 +1,7 @@
 // `troupe check`: loads a world and prints a description of it, without running it.
+//
+// It uses the loader of a run and nothing else, so that a file that passes the check is one that a run loads. Warnings
+// go to standard error, the description to standard output.
 #pragma once
 
 #include <optional>

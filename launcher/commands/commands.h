@@ -1,4 +1,8 @@
-// The commands of `troupe`, each in a file of its own or beside its relatives, and what they have in common.
+// The commands of `troupe`, each in a file of its own or beside its relatives, and helpers that several of them use.
+//
+// A command declares its options with all checks that need only their text, so that errors have the form of a command
+// line's; its callback sets the exit status and prints errors to standard error. Standard output has results alone, for
+// pipes.
 #pragma once
 
 #include <cstdint>
@@ -47,7 +51,8 @@ int Fail(const Error& error);
 // For the discovery of a service by a tool.
 inline constexpr double kDiscoverySeconds = 5.0;
 
-// Which session is meant by a tool that is given none: sessions are discovered one after another.
+// The session of a tool that is given none: sessions are discovered one after another, so the only one found may not be
+// the only one there is. The choice is made after a time without news, longer the less is known.
 class SessionChoice {
  public:
   // s, without a further session, until the only one is chosen.

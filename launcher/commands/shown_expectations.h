@@ -1,4 +1,7 @@
 // The expectations of the scenario of a run, for the rows under the timeline of the viewer's page.
+//
+// They are read by the viewer and not sent by the run: an expectation observes, so a run with and without them is the
+// same. A file that is gone or has none means no rows; only an explicit request makes it an error.
 #pragma once
 
 #include <string>

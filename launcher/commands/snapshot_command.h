@@ -1,4 +1,8 @@
 // `troupe snapshot`: draws a world at one tick.
+//
+// The picture is drawn in this process by the library, without a display or a browser: the same pixels on every
+// machine. Ticks are stepped with the robots' controllers, as in `troupe run --in-process`; of a recording the recorded
+// state is drawn.
 #pragma once
 
 #include <cstdint>

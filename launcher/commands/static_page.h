@@ -1,5 +1,8 @@
 // Pages that need no server: one file with the page of `troupe view`, the simulation as a WebAssembly module, and a
 // recording, which the page shows and proves, or a world or a scenario, which it runs.
+//
+// Everything is embedded (module and data as text), because a page that is opened from a disk may not load other files.
+// The reader's browser steps the recording again and compares the hashes, so the page is evidence and not only a film.
 #pragma once
 
 #include <string>

@@ -1,7 +1,10 @@
 // StreamedRun: a simulation of another process, which has started this one and sends its states over the standard input
 // (library/runs/state_stream.h), for the gateway as if it were a run. The end of the input is the end of this program.
 //
-// Threads: any.
+// The sender (a Python notebook, a test) steps at its own pace and never waits for viewers. There is no service to be
+// asked: the page shows and plots, and every request to change the run is refused.
+//
+// Threads: any; a thread of its own reads the input.
 #pragma once
 
 #include <memory>

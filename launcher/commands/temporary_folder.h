@@ -1,4 +1,7 @@
 // TemporaryFolder: a folder for temporary files, which is removed at the end.
+//
+// Readable by this user only (mkdtemp). A process that is killed leaves it behind; files that must never be left have
+// no name (OutputParts).
 #pragma once
 
 #include <stdlib.h>

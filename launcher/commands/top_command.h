@@ -1,4 +1,7 @@
 // The texts of `troupe top`: a table of all sessions, and the robots of one.
+//
+// Texts only: no terminal, no clock but that of the rates, so that tests read what a user sees. `troupe top` is an
+// observer as any viewer is, and delays no tick.
 #pragma once
 
 #include <chrono>

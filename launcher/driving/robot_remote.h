@@ -1,4 +1,11 @@
 // Driving a robot from a tool: commands over DDS, and the keys of a terminal.
+//
+// A command is in force for a number of ticks and then expires by itself: a tool that dies or loses its network leaves
+// a robot that stops, without a watchdog in the service. The tool repeats its command more often than it expires.
+// Because ticks are simulated time and the keys are wall time, the remote measures how many ticks pass in a second
+// (TicksIn).
+//
+// Units as everywhere: m/s, rad/s, twists in the robot's frame R. One thread.
 #pragma once
 
 #include <termios.h>

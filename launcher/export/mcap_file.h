@@ -1,4 +1,7 @@
-// McapFile: an MCAP file of messages on topics, for programs of others.
+// McapFile: an MCAP file of messages on topics, for other programs.
+//
+// Schemas and channels are written when their first message is; the writer orders nothing, so messages must come with
+// times that do not decrease. The counts per topic are those that a ROS bag repeats in its metadata.yaml.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,8 @@
 // RunExport: the states of a recorded run in a format of other programs. docs/recording.md has the topics and columns.
+//
+// An export steps the recording again and is called with each state: what a format needs beyond the state (readings of
+// sensors, pictures) is measured from it, with the bits that the robots had. The formats have nothing in common but
+// this interface, because each is the contract of another program.
 #pragma once
 
 #include <cstdint>
@@ -35,6 +39,7 @@ Result<std::unique_ptr<RunExport>> MakeRos2Export(const std::string& path);
 Result<std::unique_ptr<RunExport>> MakeCsvExport(const std::string& path);
 
 // RunReadings: the readings of all sensors of a run that are due at a state.
+// Suites of sensors are made per robot when first needed, and all anew in another world.
 class RunReadings {
  public:
   // `world` is the newest state; the readings are of it.

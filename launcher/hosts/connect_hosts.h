@@ -1,4 +1,11 @@
 // Connections to all hosts of a scenario, and the address of this one.
+//
+// Hosts are connected at the same time, because each may need seconds for its login, and the slowest decides. Which
+// robot runs on which host has no influence on the result of a run; placing is only about load.
+//
+// Multicast is probed before the run, because its absence has no symptom of its own: frames of the profile `lan` are
+// lost in silence, and agents seem to be dead. The probe sends datagrams from the service's host to each host of
+// agents, on the ports that DDS would use.
 #pragma once
 
 #include <chrono>

@@ -77,6 +77,8 @@ void DeleteIfItsHostWasKilled(const fs::path& path) {
   const int folder = OpenFolder(path);
   if (folder < 0) return;
   std::error_code ignored;
+  // Only the own user's, only if no process holds the lock, and only if the path still leads to the locked folder:
+  // otherwise another host may have made a new folder of this name meanwhile.
   if (IsOwn(folder) && flock(folder, LOCK_EX | LOCK_NB) == 0 && IsAt(folder, path)) fs::remove_all(path, ignored);
   close(folder);
 }

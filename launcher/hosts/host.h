@@ -1,4 +1,12 @@
 // Host: starts processes of a run, on this host or on another one over a connection.
+//
+// The supervisor knows only this interface, so a run on one machine and one on ten have the same code. Differences that
+// remain: a remote host may be lost and connected again, has a folder of its own for output files, and needs keys to be
+// copied.
+//
+// Called by one thread, the supervisor's. Reading never waits; Fetch waits for the file and reports progress, and a
+// request to a remote host waits while its pipe is full. The order that callers rely on: the end of a process comes
+// after all of its lines.
 #pragma once
 
 #include <sys/types.h>

@@ -95,6 +95,7 @@ Status RemoteHost::Open() {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return Failure(std::string("cannot make a pipe: ") + strerror(errno));
   requests_ = ends[1];
+  // Writing must not block: both sides could wait for each other with full pipes (Send reads meanwhile).
   fcntl(requests_, F_SETFL, O_NONBLOCK);
   Result<Process> connection =
       Process::Start({"/bin/sh", "-c", command_}, {ends[0], messages_->writing_end(), errors_->writing_end()});

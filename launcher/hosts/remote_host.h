@@ -1,5 +1,13 @@
 // RemoteHost: starts processes on another host, over a connection to a `troupe host` there. The end of the connection,
 // by whatever cause, terminates them.
+//
+// The connection is a program of the user's choice, ssh by default, with JSON lines on its standard streams (messages:
+// host.h): so authentication and encryption are those that the user has set up, and no port has to be opened. `troupe
+// host` ends all its processes at the end of its input; that is why a launcher that is killed leaves nothing behind on
+// other machines either.
+//
+// A lost connection is not an error of the run: PollLoss says so once, and Reconnect begins anew with an empty host.
+// The processes there have ended, or are ended by the new `troupe host` (message "run").
 #pragma once
 
 #include <map>

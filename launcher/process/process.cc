@@ -25,12 +25,15 @@ void Connect(int from, int to) {
   if ((from == to ? fcntl(to, F_SETFD, 0) : dup2(from, to)) < 0) _exit(127);
 }
 
-// Between fork and exec: only calls that are safe there.
+// Between fork and exec: only calls that are async-signal-safe, because another thread of the parent may have held a
+// lock (of the heap, say) at the fork, which no thread of the child will ever release.
 [[noreturn]] void BecomeProgram(char* const* arguments, pid_t parent, const Process::Streams& streams, int kept,
                                 Addresses addresses) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // the parent died before the line above
   setpgid(0, 0);
+  // The launcher blocks the signals that it reads from a descriptor; a program inherits the mask, and would never see
+  // Ctrl-C.
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);

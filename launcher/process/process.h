@@ -1,4 +1,12 @@
 // Child processes, lines from their pipes, and signals.
+//
+// The promise behind this file: no process of a run is left behind, however the launcher ends. Three means work
+// together. The kernel kills a child when its parent's thread dies (PR_SET_PDEATHSIG); each child leads a process
+// group, so that grandchildren are killed with it; and a Process object kills and reaps its child in its destructor.
+//
+// Everything is read without waiting: one loop polls all pipes and the signal descriptor, and no thread per child is
+// needed. Errors: without descriptors, constructors throw std::system_error; starting a program returns its error. A
+// child that cannot execute its program ends with status 127, as in a shell.
 #pragma once
 
 #include <signal.h>

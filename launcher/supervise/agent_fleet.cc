@@ -28,6 +28,7 @@ std::vector<std::size_t> StartOrder(std::size_t count, const std::optional<std::
   std::vector<std::size_t> order(count);
   for (std::size_t i = 0; i < count; ++i) order[i] = i;
   for (std::size_t i = count; shuffle && i > 1; --i) {
+    // Counter-based, so that a failure of a shuffled start can be repeated by its number.
     std::swap(order[i - 1], order[RandomBits({*shuffle, 0, i}) % i]);
   }
   return order;
@@ -85,6 +86,7 @@ Status AgentFleet::Plan(const std::vector<std::string>& robots, const std::vecto
   const std::size_t packing = std::max(1u, ready_.robots_per_process);
   std::vector<Group> groups = MakeGroups(robots, site_of_robot, packing);
   const std::size_t first = group_sites_.size();
+  // Pointers into sites_, which does not change after Start.
   for (const Group& group : groups) group_sites_.push_back(&sites_[group.site]);
   if (Status status = scans_.AddParts(groups.size()); !status.ok()) return status;
   if (Status status = traces_.AddParts(groups.size()); !status.ok()) return status;

@@ -1,4 +1,13 @@
 // AgentFleet: the agent processes of a run.
+//
+// It decides how many processes there are, on which site each runs, in which order and when they start, and starts them
+// again. It knows nothing of ticks: the supervisor tells it how many agents have joined, and asks it for restarts.
+//
+// Numbers: an agent's number is its place in the order of starting, and stays when it is restarted; its group is its
+// place in the order of robots, which orders scans in the merged file. Neither reaches the simulation: the hash of a
+// run does not depend on the packing of robots or on the order of starts.
+//
+// Called by the supervisor's thread alone.
 #pragma once
 
 #include <deque>

@@ -1,4 +1,7 @@
 // The output files of a run over DDS, at its end: copied from remote hosts, and merged from the parts of its processes.
+//
+// The processes have ended, so that their files are complete. Copies may be large: progress is shown, and a stop
+// request ends them without losing what is on this host already.
 #pragma once
 
 #include "launcher/process/process.h"

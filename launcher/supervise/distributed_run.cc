@@ -147,6 +147,7 @@ void DistributedRun::WaitForEvents() {
 
 void DistributedRun::ProcessEvents() {
   WaitForEvents();
+  // The first Ctrl-C asks for an orderly end, with summary and files; the second one kills.
   const bool second_request = signals_.stop_requested();
   if (signals_.ReadStopRequest()) {
     progress_.OnStopRequest();
@@ -156,6 +157,8 @@ void DistributedRun::ProcessEvents() {
   // The ends of processes are polled before their last lines are read, so that none are missed.
   for (const auto& host : hosts_.all()) host->Receive();
   service_.process().Poll();
+  // Decided before the reports are read, acted on after them: the last reports of a service say whether its run had
+  // ended.
   const bool dies = !service_.process().running() && !service_restarts_.due();
   // Hundreds of agents are not polled for each report of the service. The ends of those on remote hosts are messages.
   std::vector<std::size_t> ended;
@@ -337,6 +340,8 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
       fmt::format("{} {}: the agent ({}process {}) {}", agent.robots.size() == 1 ? "robot" : "robots",
                   fmt::join(agent.robots, ", "), host.empty() ? "" : "on host " + host + ", ", agent.process->pid(),
                   end.ToString());
+  // Before the start a refusal is the user's error, which the agent has printed: the run ends with its exit status.
+  // Later the same status can only be a fault, and the agent's restarts decide.
   const bool refused = end.exit_code == kExitBadInput || end.exit_code == kExitFailed;
   if (started_ || !refused) {
     const auto [before, is_first] = ended_at_.try_emplace(agent.number, newest_);

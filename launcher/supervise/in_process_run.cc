@@ -37,7 +37,8 @@
 namespace troupe {
 namespace {
 
-// Agents for the robots that edits add to the world.
+// Agents for the robots that edits add to the world, each on a thread of its own: an agent waits for frames most of the
+// time.
 class NewAgents {
  public:
   // `stop_run` is set when the scans of an agent cannot be written.
@@ -154,6 +155,7 @@ void WaitForEnd(int done, SignalWatch& signals, std::atomic<bool>& stop) {
     poll(waited, std::size(waited), -1);
     if (!signals.ReadStopRequest()) continue;
     ClearLine();
+    // The second request: without destructors, which might wait for the very thread that hangs.
     if (stop) std::_Exit(kExitInterrupted);
     stop = true;
   }

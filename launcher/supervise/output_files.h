@@ -1,5 +1,10 @@
 // The output files of a run: their check before it begins, the parts that its processes write, and the errors that
 // these report.
+//
+// Outputs are checked before any process starts: a run of an hour must not end with the message that its file cannot be
+// written, and must never overwrite its own world file. Each agent writes a part of its own, because processes that
+// append to one file would mix their lines; the parts are merged by tick in the order of robots, so the file is equal
+// to that of a run in one process.
 #pragma once
 
 #include <cstddef>

@@ -44,6 +44,7 @@ double AgentRestarts::FreeTime(double from) const {
   for (const auto& [agent, due] : due_) taken.push_back(due);
   std::sort(taken.begin(), taken.end());
   for (const double due : taken) {
+    // Ascending, so one pass finds a free time: each shift is towards times that are still to be compared.
     if (std::abs(due - from) < kSpacing) from = due + kSpacing;
   }
   return from;

@@ -1,5 +1,11 @@
-// Whether and when a process of a run that ended is started again. Without a clock and processes of their own: times
-// are in s, of any clock that does not decrease.
+// Restarts: whether and when a process of a run that ended is started again. Without a clock and processes of their
+// own: times are in s, of any clock that does not decrease.
+//
+// Delays double from restart to restart up to a maximum: a process that dies of a passing cause (memory, network) is
+// back soon, and one that dies at once each time does not load the machine. A process whose end would repeat itself
+// (bad input, an output file that cannot be written) is not restarted at all.
+//
+// The service has no limit in number, but one of deaths without progress: a tick that kills it would kill it again.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,10 @@
-// A run that is started again from its page: the viewer writes a line to the launcher, which replaces itself by a new
-// launcher with the same command line. The new viewer has the address of the one before, so that open pages connect to
-// it by themselves.
+// Running again: a run that is started once more from its page: the viewer writes a line to the launcher, which
+// replaces itself by a new launcher with the same command line. The new viewer has the address of the one before, so
+// that open pages connect to it by themselves.
+//
+// By exec, and not by a second run in this process: so all state of the run before is gone, and the terminal, the
+// process id and the shell's job remain the same. Port and token of the page travel in an environment variable, which
+// other users cannot read, unlike a command line.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,10 @@
-// RunKeys: the keys of a run's processes (docs/security.md), made by the launcher for this run alone or taken from a
+// RunKeys: the keys of a run's processes (docs/security.md), made by the launcher for this run alone or read from a
 // folder of the user's.
+//
+// On the loopback interface a random token is enough, which all processes of the run know. With DDS Security each agent
+// gets an identity of its own, never the authority that signs identities: an agent on a host that was broken into
+// cannot make keys for another robot. Identities of agents are made when they start, so an agent that is added by an
+// edit has one, too.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,8 @@
-// The two ways of `troupe run`: a process for each agent, or all in this process.
+// The two ways of `troupe run`: a process for each agent, or all in this process. Their hashes are the same.
+//
+// Both end in a RunEnd, from which ReportEnd prints the summary and the exit status follows; so what a user sees of a
+// run does not depend on the way. ReportEnd comes before a viewer that stays open is stopped: the result is there at
+// once.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,8 @@
-// ServiceProcess: the world service of a run, as a process on its host.
+// ServiceProcess: the world service of a run, as a process on its host. RunHosts: the hosts of the run.
+//
+// A service that dies is started again with --resume and continues from the journal, at the same ports, so that agents
+// find it by the addresses that they have. If the user has named no journal, it is in files without names, which need
+// no cleaning up whatever happens; such a journal is optional: a full disk costs the ability to continue, not the run.
 #pragma once
 
 #include <cstddef>

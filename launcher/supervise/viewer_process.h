@@ -1,4 +1,7 @@
-// The viewer of a run over DDS: `troupe view` as a process of its own, on the launcher's host.
+// ViewerProcess: the viewer of a run over DDS: `troupe view` as a process of its own, on the launcher's host.
+//
+// A process and not a thread of the launcher, so that a browser's requests and pictures cannot delay the supervision,
+// and a fault of the viewer cannot end the run. A run without its viewer is the same run.
 #pragma once
 
 #include <memory>
