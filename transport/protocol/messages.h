@@ -61,6 +61,13 @@ struct ControllerCheckpoint {
   Tick tick = 0;
   bool decided = false;  // on this state; false: it was paused
   auto operator<=>(const ControllerCheckpoint&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"edition", &ControllerCheckpoint::edition},
+        Field{"tick", &ControllerCheckpoint::tick},
+        Field{"decided", &ControllerCheckpoint::decided},
+    };
+  }
 };
 
 // Agent to service: requests the control of robots, by name. Resent until answered.
@@ -77,7 +84,24 @@ struct JoinMessage {
   // The names of those robots whose controllers accept goals.
   std::vector<std::string> accept_goals = {};
   std::optional<ControllerCheckpoint> memory = {};  // nothing: the robots are new
+  bool leaving = false;  // the last one of an agent, from its transport to that of the service: only its id counts
   bool operator==(const JoinMessage&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"agent", &JoinMessage::agent},
+        Field{"run", &JoinMessage::run},
+        Field{"protocol_version", &JoinMessage::protocol_version},
+        Field{"world_hash", &JoinMessage::world_hash},
+        Field{"host", &JoinMessage::host},
+        Field{"pid", &JoinMessage::pid},
+        Field{"robots", &JoinMessage::robots},
+        Field{"accept_goals", &JoinMessage::accept_goals},
+        Field{"world_edition", &JoinMessage::world_edition},
+        Field{"incarnation", &JoinMessage::incarnation},
+        Field{"memory", &JoinMessage::memory},
+        Field{"leaving", &JoinMessage::leaving},
+    };
+  }
 };
 
 // Service to one agent: the answer to its JoinMessage.
@@ -90,6 +114,15 @@ struct AdmissionMessage {
   std::string reason = {};
   Incarnation incarnation = 0;
   bool operator==(const AdmissionMessage&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"agent", &AdmissionMessage::agent},
+        Field{"run", &AdmissionMessage::run},
+        Field{"admitted", &AdmissionMessage::admitted},
+        Field{"reason", &AdmissionMessage::reason},
+        Field{"incarnation", &AdmissionMessage::incarnation},
+    };
+  }
 };
 
 // Service to agents and observers: tick n is committed. Contains the whole state, so that any single frame brings any
@@ -155,12 +188,26 @@ struct HistoryMessage {
   std::vector<HistoryEntry> entries;
   Incarnation incarnation = 0;
   bool operator==(const HistoryMessage&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"run", &HistoryMessage::run},
+        Field{"agents", &HistoryMessage::agents},
+        Field{"after", &HistoryMessage::after},
+        Field{"entries", &HistoryMessage::entries},
+        Field{"incarnation", &HistoryMessage::incarnation},
+    };
+  }
 };
 
 // Observer to service: resend the newest frame, whole.
 struct FrameRequest {
   std::uint64_t observer = 0;  // random; tells observers apart
   bool operator==(const FrameRequest&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"observer", &FrameRequest::observer},
+    };
+  }
 };
 
 // Agent to service: exactly one for each frame, for all robots of the agent.

@@ -6,6 +6,7 @@
 #include "common/model/states.h"
 #include "transport/dds/convert/columns.h"
 #include "transport/dds/convert/convert.h"
+#include "transport/dds/convert/structs.h"
 
 namespace troupe::dds {
 namespace {
@@ -224,41 +225,25 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message) {
   return problem;
 }
 
-troupe_wire_History ToWire(const HistoryMessage& message, WireArena& arena) {
-  troupe_wire_History wire{};
-  wire.run = message.run;
-  wire.incarnation = message.incarnation;
-  std::copy(message.agents.begin(), message.agents.end(), arena.Fill(wire.agents, message.agents.size()));
-  wire.follows = message.after.has_value();
-  if (message.after) {
-    wire.after_edition = message.after->edition;
-    wire.after_tick = message.after->tick;
-    wire.after_decided = message.after->decided;
-  }
-  troupe_wire_HistoryEntry* out = arena.Fill(wire.entries, message.entries.size());
+void ToWire(const std::vector<HistoryEntry>& entries, dds_sequence_troupe_wire_HistoryEntry& wire, WireArena& arena) {
+  troupe_wire_HistoryEntry* out = arena.Fill(wire, entries.size());
   const HistoryEntry* before = nullptr;
-  for (const HistoryEntry& entry : message.entries) {
+  for (const HistoryEntry& entry : entries) {
     out->frame = ToWire(entry.frame, BaseOf(entry, before), arena);
     out->step_follows = entry.step_follows;
     if (entry.world) *arena.Fill(out->world, 1) = ToWire(*entry.world, arena);
     before = &entry;
     ++out;
   }
-  return wire;
 }
 
-Result<HistoryMessage> FromWire(const troupe_wire_History& wire) {
-  HistoryMessage message;
-  message.run = wire.run;
-  message.incarnation = wire.incarnation;
-  const auto agents = Elements(wire.agents);
-  message.agents.assign(agents.begin(), agents.end());
-  if (wire.follows) message.after = {wire.after_edition, wire.after_tick, wire.after_decided};
+Result<std::vector<HistoryEntry>> FromWire(const dds_sequence_troupe_wire_HistoryEntry& wire) {
+  std::vector<HistoryEntry> entries;
   FrameMessage frame;
-  for (const troupe_wire_HistoryEntry& from : Elements(wire.entries)) {
+  for (const troupe_wire_HistoryEntry& from : Elements(wire)) {
     if (!CanRead(from.frame, frame)) return Error{{}, "history with a frame of changes that does not follow"};
     if (Status malformed = FromWire(from.frame, frame); !malformed.ok()) return malformed.error();
-    HistoryEntry& entry = message.entries.emplace_back();
+    HistoryEntry& entry = entries.emplace_back();
     entry.frame = frame;
     entry.step_follows = from.step_follows;
     const auto worlds = Elements(from.world);
@@ -268,18 +253,16 @@ Result<HistoryMessage> FromWire(const troupe_wire_History& wire) {
     if (!world.ok()) return world.error();
     entry.world = std::move(world).value();
   }
-  if (message.entries.empty()) return Error{{}, "history without a state"};
-  return message;
+  if (entries.empty()) return Error{{}, "history without a state"};
+  return entries;
 }
 
-troupe_wire_FrameRequest ToWire(const FrameRequest& message, WireArena&) {
-  return {message.observer};
+troupe_wire_History ToWire(const HistoryMessage& message, WireArena& arena) {
+  return WriteStruct<troupe_wire_History>(message, arena);
 }
 
-Result<FrameRequest> FromWire(const troupe_wire_FrameRequest& wire) {
-  FrameRequest message;
-  message.observer = wire.observer;
-  return message;
+Result<HistoryMessage> FromWire(const troupe_wire_History& wire) {
+  return ReadStruct<HistoryMessage>(wire);
 }
 
 }  // namespace troupe::dds

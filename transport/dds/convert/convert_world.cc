@@ -86,16 +86,14 @@ Result<PixelArea> FromWire(const troupe_wire_PixelArea& wire) {
 }
 
 troupe_wire_World ToWire(const WorldDescription& world, WireArena& arena) {
-  troupe_wire_World wire{};
-  StructWriter(arena).Write(world, wire);
-  return wire;
+  return WriteStruct<troupe_wire_World>(world, arena);
 }
 
 Result<WorldDescription> FromWire(const troupe_wire_World& wire) {
-  WorldDescription world;
-  if (Status status = StructReader().Read(wire, world); !status.ok()) return status.error();
-  ShareRaySensors(world.robots);
-  if (Status status = Validate(world); !status.ok()) return status.error();
+  Result<WorldDescription> world = ReadStruct<WorldDescription>(wire);
+  if (!world.ok()) return world;
+  ShareRaySensors(world.value().robots);
+  if (Status status = Validate(world.value()); !status.ok()) return status.error();
   return world;
 }
 

@@ -1,7 +1,8 @@
 // Rows (troupe/fields.h) between their lists and structs of idl/, which have the fields in the same order: a field that
-// is a row is a struct or its members, one after another; a point is x and y; a list is a sequence, of points and
-// rectangles one of their numbers; the parameters of a sensor are its type and its fields by name. A member that is
-// missing, that is none of the fields or that has another type does not compile.
+// is a row is a struct or its members, one after another, which follow a flag where the row is optional; a point is x
+// and y; a list is a sequence, of points and rectangles one of their numbers; the parameters of a sensor are its type
+// and its fields by name. A member that is missing, that is none of the fields or that has another type does not
+// compile.
 #pragma once
 
 #include <cstddef>
@@ -23,12 +24,14 @@
 
 namespace troupe::dds {
 
-// Of types without a list (convert_world.cc).
+// Of types without a list, in convert_world.cc and convert_frame.cc.
 troupe_wire_PixelArea ToWire(const PixelArea& area, WireArena& arena);
 Result<PixelArea> FromWire(const troupe_wire_PixelArea& wire);
 void ToWire(const SensorParameters& parameters, char*& type, dds_sequence_troupe_wire_SensorField& fields,
             WireArena& arena);
 Result<SensorParameters> FromWire(const char* type, const dds_sequence_troupe_wire_SensorField& fields);
+void ToWire(const std::vector<HistoryEntry>& entries, dds_sequence_troupe_wire_HistoryEntry& wire, WireArena& arena);
+Result<std::vector<HistoryEntry>> FromWire(const dds_sequence_troupe_wire_HistoryEntry& wire);
 
 namespace structs_internal {
 
@@ -49,6 +52,12 @@ using PartType = typename std::tuple_element_t<field, std::remove_const_t<declty
 // Whether a row is spread over the members of the struct around it.
 template <typename Part, typename Member>
 inline constexpr bool kIsSpread = HasFields<Part> && !std::is_class_v<Member>;
+
+// Whether a row is optional, and spread behind a flag that says whether it is there.
+template <typename Part, typename Member>
+inline constexpr bool kIsFlagged = false;
+template <typename Row>
+inline constexpr bool kIsFlagged<std::optional<Row>, bool> = HasFields<Row>;
 
 // The place of the member behind a part whose first member is at `at`.
 template <typename Part, std::size_t at, typename Members>
@@ -71,6 +80,8 @@ constexpr std::size_t PlaceBehind() {
     return at + 2;
   } else if constexpr (kIsSpread<Part, MemberType<at, Members>>) {
     return PlaceOf<Part, kMemberCount<Part>, at, Members>();
+  } else if constexpr (kIsFlagged<Part, MemberType<at, Members>>) {
+    return PlaceBehind<typename Part::value_type, at + 1, Members>();
   } else {
     return at + 1;
   }
@@ -120,6 +131,9 @@ class StructWriter {
       ToWire(part, member, std::get<at + 1>(members), arena_);
     } else if constexpr (structs_internal::kIsSpread<Part, std::remove_cvref_t<decltype(member)>>) {
       WriteMembers<at>(part, members);
+    } else if constexpr (structs_internal::kIsFlagged<Part, std::remove_cvref_t<decltype(member)>>) {
+      member = part.has_value();
+      if (part) WritePart<at + 1>(*part, members);
     } else {
       WriteValue(part, member);
     }
@@ -129,6 +143,8 @@ class StructWriter {
   void WriteValue(const Value& value, Wire& wire) {
     if constexpr (HasFields<Value>) {
       Write(value, wire);
+    } else if constexpr (std::is_same_v<Value, std::vector<HistoryEntry>>) {
+      ToWire(value, wire, arena_);
     } else if constexpr (!structs_internal::kIsSequence<Wire>) {
       wire = ToCell<Wire>(value, arena_);
     } else if constexpr (kIsOptional<Value>) {
@@ -187,6 +203,9 @@ class StructReader {
       return Fits(FromWire(member, std::get<at + 1>(members)), part);
     } else if constexpr (structs_internal::kIsSpread<Part, std::remove_cvref_t<decltype(member)>>) {
       return ReadMembers<at>(members, part);
+    } else if constexpr (structs_internal::kIsFlagged<Part, std::remove_cvref_t<decltype(member)>>) {
+      part.reset();
+      return !member || ReadPart<at + 1>(members, part.emplace());
     } else {
       return ReadValue(member, part);
     }
@@ -196,6 +215,8 @@ class StructReader {
   bool ReadValue(const Wire& wire, Value& value) {
     if constexpr (HasFields<Value>) {
       return ReadRow(wire, value);
+    } else if constexpr (std::is_same_v<Value, std::vector<HistoryEntry>>) {
+      return Fits(FromWire(wire), value);
     } else if constexpr (!structs_internal::kIsSequence<Wire>) {
       return FromCell(wire, value);
     } else if constexpr (kIsOptional<Value>) {
@@ -241,5 +262,18 @@ class StructReader {
   std::string path_;
   std::string problem_;
 };
+
+template <typename Wire, typename Row>
+Wire WriteStruct(const Row& row, WireArena& arena) {
+  Wire wire{};
+  StructWriter(arena).Write(row, wire);
+  return wire;
+}
+template <typename Row, typename Wire>
+Result<Row> ReadStruct(const Wire& wire) {
+  Row row;
+  if (Status status = StructReader().Read(wire, row); !status.ok()) return status.error();
+  return row;
+}
 
 }  // namespace troupe::dds

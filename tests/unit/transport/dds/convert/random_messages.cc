@@ -199,27 +199,14 @@ SessionMessage RandomMessages::Session() {
 }
 
 JoinMessage RandomMessages::Join() {
-  return {Bits(),
-          Bits(),
-          static_cast<std::uint32_t>(Bits()),
-          Bits(),
-          Text(),
-          static_cast<std::uint32_t>(Bits()),
-          Texts(),
-          static_cast<Edition>(Bits()),
-          static_cast<Incarnation>(Bits()),
-          Texts(),
-          RandomPlace()};
-}
-
-std::optional<ControllerCheckpoint> RandomMessages::RandomPlace() {
-  if (Coin()) return std::nullopt;
-  return ControllerCheckpoint{static_cast<Edition>(Bits()), Bits(), Coin()};
+  JoinMessage join;
+  Fill(join);
+  return join;
 }
 
 std::vector<AdmissionMessage> RandomMessages::Admissions() {
-  std::vector<AdmissionMessage> answers(Below(4));
-  for (AdmissionMessage& answer : answers) answer = {Bits(), Bits(), Coin(), Text()};
+  std::vector<AdmissionMessage> answers;
+  Fill(answers);
   return answers;
 }
 
@@ -279,9 +266,10 @@ RobotCommand RandomMessages::Command(RobotId robot) {
 }
 
 HistoryMessage RandomMessages::History() {
-  HistoryMessage history{Bits(), {}, RandomPlace(), {}, static_cast<Incarnation>(Bits())};
-  history.agents.resize(Below(4));
-  for (AgentId& agent : history.agents) agent = Bits();
+  HistoryMessage history{.run = Bits()};
+  Fill(history.agents);
+  Fill(history.after);
+  history.incarnation = static_cast<Incarnation>(Bits());
   FrameMessage frame = Frame();
   frame.events.clear();
   for (std::size_t count = 1 + Below(4); count > 0; --count) {

@@ -41,7 +41,6 @@ class RandomMessages : private RandomRows {
     if (count == 0 || Coin()) return std::nullopt;
     return Id(Below(count));
   }
-  std::optional<ControllerCheckpoint> RandomPlace();
 };
 
 }  // namespace troupe::test
