@@ -33,6 +33,7 @@ DeliveryThread::Target DeliveryThread::AddTarget() {
 void DeliveryThread::RemoveTarget(Target target) {
   std::unique_lock lock(mutex_);
   targets_.erase(target);
+  // The target removes itself from inside one of its calls: waiting for the end of that call would never end.
   if (std::this_thread::get_id() == thread_.get_id()) return;
   done_.wait(lock, [&] { return running_ != target; });
 }
@@ -58,6 +59,7 @@ void DeliveryThread::WaitUntilIdle(double seconds) {
 
 void DeliveryThread::QueueDue() {
   if (later_.empty()) return;
+  // In the order of their times; of equal times in that of Post.
   const auto end = later_.upper_bound(Clock::now());
   for (auto due = later_.begin(); due != end; ++due) now_.push_back(std::move(due->second));
   later_.erase(later_.begin(), end);
@@ -78,6 +80,7 @@ void DeliveryThread::Run() {
     }
     Call next = std::move(now_.front());
     now_.pop_front();
+    // The target was removed while the call waited.
     if (!targets_.contains(next.target)) continue;
     running_ = next.target;
     lock.unlock();
@@ -124,6 +127,7 @@ void ObserverQueue::Post(Message message, std::size_t limit) {
     const auto is_of_kind = [kind = message.index()](const Message& other) { return other.index() == kind; };
     if (messages_.size() >= limit &&
         std::count_if(messages_.begin(), messages_.end(), is_of_kind) >= static_cast<std::ptrdiff_t>(limit)) {
+      // The oldest of its kind: the newest is of more use, and the order of the others stays.
       messages_.erase(std::find_if(messages_.begin(), messages_.end(), is_of_kind));
     }
     messages_.push_back(std::move(message));

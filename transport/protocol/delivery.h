@@ -1,4 +1,8 @@
 // The threads that deliver messages: one for all targets of a transport, and one for a slow observer.
+//
+// DeliveryThread serves MemoryTransport and FaultyTransport; ObserverQueue serves the observers of all transports.
+// Calls are made without a lock held, so that they may post, add and remove. A message to an observer for which there
+// is no memory is lost.
 #pragma once
 
 #include <chrono>

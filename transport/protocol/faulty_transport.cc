@@ -33,6 +33,7 @@ class FaultyLine {
     if (Happens(faults_.loss)) return;
     if (Happens(faults_.duplicate)) delivery_.Post(target_, deliver, Delay());
     std::function<void()>& held = postponed_[kind];
+    // At most one message of a kind waits; if no further one comes, it is lost.
     if (!held && Happens(faults_.reorder)) {
       held = std::move(deliver);
       return;

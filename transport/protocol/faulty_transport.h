@@ -1,4 +1,13 @@
-// FaultyTransport: wraps another transport, for tests, and loses, delays, duplicates and reorders its messages.
+// FaultyTransport: wraps another transport, for tests and demonstrations, and loses, delays, duplicates and reorders
+// its messages on the way to the handlers. A run must give the same states with it as without: that is the property
+// that the tests of the tick protocol check.
+//
+// Faults are drawn from the seed, the endpoint and a counter of its messages: an endpoint that receives the same
+// messages has the same faults. Delays are of the wall clock, so that a run with them is not repeatable in time, only
+// in its results.
+//
+// Threads: one thread delivers for all endpoints; observers have their queues. The news that an agent or a service has
+// gone passes without faults, as the lease of DDS does, and so do the requests of tools.
 #pragma once
 
 #include <cstdint>

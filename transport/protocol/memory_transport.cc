@@ -1,3 +1,11 @@
+// MemoryTransport (transport.h): messages between endpoints of one process, for runs in one process and for tests.
+//
+// Every message is delivered, in order, by the one thread of a DeliveryThread; observers have queues of their own.
+// Messages that several receivers get are shared and never change. Nothing is converted: a frame is copied once,
+// whatever the number of agents.
+//
+// Locks: `mutex_` guards the lists of endpoints and the newest messages, and is not held during a delivery. An endpoint
+// removes its target before it ends, which waits for a delivery that runs.
 #include <map>
 #include <mutex>
 #include <new>
@@ -94,6 +102,7 @@ void Exchange::RemoveService(Target service) {
     const std::lock_guard lock(mutex_);
     services_.erase(service);
     sessions_.erase(service);
+    // An observer that comes later must not get the frame of a run that is over.
     if (sessions_.empty()) newest_frame_.reset();
     TellUnlessOutOfMemory([this] {
       for (const auto& [target, handler] : agents_) {

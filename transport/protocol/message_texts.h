@@ -1,4 +1,7 @@
 // Names and words that several programs print: of agents, of the states of a run, and of robots that it waits for.
+//
+// Pure functions. Agents are named by their robots, so that a restarted agent of the same robots has the same name,
+// keys and partition.
 #pragma once
 
 #include <string>

@@ -1,5 +1,13 @@
 // The messages between the world service, its agents and tools: plain values, independent of the transport. The files
 // in idl/ define their layout on the wire; transport/dds/convert converts.
+//
+// What messages have in common: `run` and `incarnation` say from which run and which of its services a message is, or
+// which service its sender knows; receivers drop messages of another run or an older service. `edition` orders the
+// edits of a run, and a tick has a meaning only together with it. No message is sent only once that matters: each may
+// be lost, late, repeated or out of order (docs/tick-protocol.md).
+//
+// Types with Fields() are laid out in shared memory from their lists (troupe/fields.h): the order of a list is the
+// layout.
 #pragma once
 
 #include <compare>
@@ -35,8 +43,8 @@ using AgentId = std::uint64_t;
 // Frames are ordered by edition, then tick.
 using Edition = std::uint32_t;
 
-// Counts the services of a run, one after the other: each that continues the run after the death of the one before is
-// the next. A message of an older one has no effect.
+// Counts the services of a run, one after the other: each that continues the run after the death of the previous one is
+// the next. A message of an older service has no effect.
 using Incarnation = std::uint32_t;
 
 // Service to agents and tools, kept for latecomers: the run of a session, its service and its world.
@@ -142,11 +150,11 @@ struct FrameMessage {
   std::vector<AgentId> awaited;
   Edition edition = 0;
   Edition world_edition = 0;  // the session of this edition has the world that the state belongs to
-  Edition fresh_edition = 0;  // the newest at which all robots were made anew, as at the start
+  Edition fresh_edition = 0;  // the newest at which all robots started again
   Incarnation incarnation = 0;
   std::vector<RobotCommand> commands = {};  // in force for the next tick, in robot-id order; not in a paused frame
-  // Robots that were made anew at fresh_edition need the memory of the states since. An agent that has none of them
-  // joins again, for their history.
+  // Robots that started again at fresh_edition need the memory of the states since. An agent without these states joins
+  // again, for their history.
   bool remembered = false;
   bool operator==(const FrameMessage&) const = default;
   static constexpr auto Fields() {
@@ -173,7 +181,7 @@ struct FrameMessage {
 struct HistoryEntry {
   FrameMessage frame;         // without events
   bool step_follows = false;  // false: an edit
-  // The world of the frame, where it differs from that of the entry before, and of the first entry where the agents may
+  // The world of the frame, where it differs from the previous entry's, and in the first entry where the agents may
   // lack it.
   std::optional<WorldDescription> world = {};
   bool operator==(const HistoryEntry&) const = default;
@@ -288,7 +296,7 @@ struct ControlRequest {
   std::uint8_t scopes = kResetAll;
   bool rename = false;               // kSpawn: choose another name if this one is in use
   std::optional<double> speed = {};  // kSpeed: multiple of real time; none: as fast as possible
-  // kCommandRobot. Each of its parts replaces the one of before; a goal without waypoints cancels the goal. Its robot
+  // kCommandRobot. Each of its parts replaces the previous one; a goal without waypoints cancels the goal. Its robot
   // and the number of its goal do not count.
   RobotCommand robot_command = {};
   Twist twist = {};                              // kSetTwist, in R
@@ -438,7 +446,7 @@ struct RunProgress {
   std::optional<double> speed = {};  // a multiple of real time; nothing: no pacing
   std::vector<CommandInForce> commands = {};
   std::vector<Input> inputs = {};  // that enter the next step, in the sequence of their arrival
-  // Of the state that the run began with: its journal has those before it too, if it continues another run.
+  // Of the state that the run began with: its journal has the earlier states, too, if it continues another run.
   std::uint64_t first_number = 0;
   bool operator==(const RunProgress&) const = default;
 };

@@ -1,4 +1,8 @@
-// TickBarrier: collects one proposal message from each member for the next tick, and knows the missing members.
+// TickBarrier: collects one proposal message from each member for the next tick, and knows the missing members. The
+// heart of lockstep: the service steps when it is complete.
+//
+// It knows names only: the proposals themselves are kept by the tick engine. An answer costs the logarithm of the
+// number of members; opening a tick costs nothing for each member. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +16,11 @@ namespace troupe {
 
 class TickBarrier {
  public:
-  // Adding a member, or removing an agent that is none, changes nothing. The open tick waits for a new member too.
+  // Adding a member, or removing an agent that is none, changes nothing. The open tick waits for a new member, too.
   void AddMember(AgentId agent);
   void RemoveMember(AgentId agent);
 
-  // Drops all answers and waits for those of `tick`.
+  // Drops all answers and waits for the answers to `tick`.
   void Open(Tick tick);
   Tick tick() const { return tick_; }
 

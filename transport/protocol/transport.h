@@ -5,6 +5,13 @@
 // Messages may be lost, late, duplicated or out of order in any of them; the tick protocol (docs/tick-protocol.md)
 // tolerates that. The handler of an endpoint is called on one thread at a time, which the transport chooses; sending
 // from inside a handler call is allowed. A handler must not destroy its endpoint.
+//
+// The seam between the tick protocol and its carrier: the run (world-service/service) and the agents
+// (robot-agent/agent) know these interfaces alone, so that the same code runs in one process, over a network, or under
+// faults. Three roles, each with a handler (the messages that it receives) and an endpoint (the messages that it
+// sends).
+//
+// A handler is on the way of every tick: it must not wait for another process.
 #pragma once
 
 #include <cstddef>
@@ -131,8 +138,8 @@ class Transport {
 };
 
 // MemoryTransport: messages between endpoints of one process. One thread of its own delivers all messages, in the order
-// in which it was sent, so that a whole run needs no hand-over between threads.
-// Makes the transport and starts its thread, which ends with it. A session message is kept for agents that start later.
+// of sending, so that a whole run needs no hand-over between threads. Makes the transport and starts its thread, which
+// ends with it. A session message is kept for agents that start later.
 std::unique_ptr<Transport> MakeMemoryTransport();
 
 }  // namespace troupe

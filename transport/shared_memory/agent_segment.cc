@@ -23,6 +23,7 @@ Result<std::unique_ptr<AgentSegment>> AgentSegment::Open(const SharingAddress& a
   auto mapped = frames.value().Map(0, kFramesBytes);
   if (!mapped.ok()) return mapped.error();
   const FramesHeader& header = mapped.value().At<FramesHeader>(0);
+  // The number of a descriptor may have been used again since the announcement.
   if (header.key != address.key || header.layout != kSharedLayout) {
     return Failure("the memory of process " + std::to_string(address.process) + " is of another run or version");
   }
@@ -68,7 +69,8 @@ bool AgentSegment::Wait() {
 void AgentSegment::Close() {
   closing_ = true;
   while (waiting_) {
-    FutexWake(frames().published, group_);  // some other agents wake up in vain
+    // Again and again until the waiter has left: it may be about to wait.
+    FutexWake(frames().published, group_);  // also spurious wake-ups of other agents
     std::this_thread::yield();
   }
 }
@@ -93,6 +95,7 @@ AgentSegment::Outcome AgentSegment::Read(FrameMessage& frame) {
 AgentSegment::Sent AgentSegment::FindSlot(AgentId agent) {
   const auto& agents = frames().agents;
   if (slot_ && agents[*slot_].load(std::memory_order_acquire) == agent) return Sent::kYes;
+  // The service has given the slot to no other agent while it was claimed.
   if (slot_) answers_.Release(SlotOffset(*slot_), kSlotBytes);
   slot_.reset();
   bool full = true;
@@ -136,6 +139,7 @@ AgentSegment::Sent AgentSegment::Send(const ProposalMessage& proposal) {
   SlotHeader& header = slot_memory_.At<SlotHeader>(0);
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   SeqlockWriter writer(header.message, slot_memory_.Array<Word>(sizeof(SlotHeader), kSlotWords));
+  // For the order of answers, which the service sees only slot by slot.
   header.sent_at.store(static_cast<std::uint64_t>(std::chrono::nanoseconds(now).count()), std::memory_order_release);
   AddProposal(proposal, writer.words());
   writer.Finish();
@@ -152,6 +156,7 @@ void AgentSegment::Arrive() {
     if (count == 0) break;
     if (!answers().missing.compare_exchange_weak(missing, missing - 1, std::memory_order_acq_rel)) continue;
     answered_ = frame;
+    // Only the last answer wakes the service: one wake in each tick instead of one for each agent.
     if (count > 1) return;
   }
   answered_ = frame;

@@ -2,6 +2,13 @@
 // proposals. It can change neither frames nor the proposals of other agents.
 //
 // Threads: Wait and Read are for one thread at a time; all other functions for any.
+//
+// Two mappings: frames, read-only and sealed by the kernel, and the agent's own slot of the answers. Whatever is read
+// is checked like a message from the network: the service may be stopped in the middle of a message. What it writes is
+// a message in its own name; the service checks that.
+//
+// A frame is read straight into the caller's message, whose memory is used again: a tick allocates nothing in the long
+// run.
 #pragma once
 
 #include <atomic>

@@ -53,6 +53,7 @@ void ServiceSegment::Bind(AgentId agent) {
   if (agent == 0 || slot_of_.contains(agent)) return;
   std::size_t index = 0;
   while (index < kSlots && !IsFree(index)) ++index;
+  // More agents than slots: the others use the network.
   if (index == kSlots) return;
   if (index >= slots_.size()) slots_.resize(index + 1);
   // A message of the slot's last agent is not one of this agent; the seqlock continues.
@@ -79,7 +80,7 @@ void ServiceSegment::Unbind(AgentId agent) {
   slot_of_.erase(known);
 }
 
-// The agents that have answered the frame before will answer this one: so one that is silent costs its time once.
+// Agents that answered the previous frame are expected to answer this one: a silent agent costs its time once.
 std::uint32_t ServiceSegment::CountExpected(const FrameMessage& frame) const {
   std::uint32_t count = 0;
   if (frame.awaited.empty()) {
@@ -113,6 +114,7 @@ void ServiceSegment::ShareMap(std::span<const std::byte> bytes) {
 Status ServiceSegment::Publish(const FrameMessage& frame) {
   const std::lock_guard lock(mutex_);
   if (ended_) return {};
+  // Readers of the newest frame are left alone: the other buffer is written.
   const std::uint32_t next = published_ + 1;
   const std::size_t bytes = sizeof(SeqlockHeader) + CountFrameWords(frame) * sizeof(Word);
   std::size_t& reserved = reserved_[next % kBuffers];
@@ -136,6 +138,7 @@ Status ServiceSegment::Publish(const FrameMessage& frame) {
   if (frame.awaited.empty()) ++round_;
   published_ = next;
   published_at_ = Clock::now();
+  // Before the frame is visible: its first answer may come at once.
   answers().missing.store(Missing(next, missing_), std::memory_order_release);
   frames().published.store(next, std::memory_order_release);
   FutexWake(frames().published);
@@ -157,8 +160,11 @@ void ServiceSegment::End() {
 
 double ServiceSegment::LongestWait() const {
   const std::lock_guard lock(mutex_);
+  // Nothing is expected through this memory.
   if (missing_ == 0) return slot_of_.empty() ? kIdleWait : kMaxWait;
   const double elapsed = std::chrono::duration<double>(Clock::now() - published_at_).count();
+  // Patient at first, then at intervals that grow with the time waited: the wake by the last agent is the rule, and
+  // this is for counts that are wrong.
   const double first = 2.0 * usual_seconds_ - elapsed;
   return std::clamp(first > 0.0 ? first : elapsed / 2.0, kMinWait, kMaxWait);
 }

@@ -52,8 +52,8 @@ class ServiceSegment {
   // An error if there is no memory for the frame. Then sharing has ended: the agents use the network from now on.
   Status Publish(const FrameMessage& frame);
 
-  // Offers the agents a copy of these bytes, in place of the one before. If there is no memory for it, they keep their
-  // own.
+  // Offers the agents a copy of these bytes, in place of the previous one. If there is no memory for it, they keep
+  // their own.
   void ShareMap(std::span<const std::byte> bytes);
 
   // Until there may be new answers. False: closed.

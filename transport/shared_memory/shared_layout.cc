@@ -19,7 +19,7 @@ bool IsAscending(const std::vector<Row>& rows) {
   return std::adjacent_find(rows.begin(), rows.end(), is_out_of_order) == rows.end();
 }
 
-// Those of models, which only the receiver knows, are not checked here.
+// Ids of models, which only the receiver knows, are not checked here.
 bool HasRobotsOfState(const FrameMessage& frame) {
   const auto is_known = [&](const Event& event) {
     return !event.robot || event.robot->index() < frame.state.robots.size();

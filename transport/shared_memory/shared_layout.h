@@ -2,6 +2,12 @@
 // (frames), and one in which each agent has a slot (answers); and one for each map of the run's worlds. All processes
 // have the same version of Troupe: a service and an agent of different layouts find it by the number in the header, and
 // use the network.
+//
+// Every value that another process may write while it is read is an atomic word (words.h), so that a race is a wrong
+// value, which checks find, and no undefined behaviour. Frames have two buffers: a reader of the newest is disturbed
+// only when the service is already writing the frame after the next.
+//
+// Sizes are addresses, not memory: a buffer or slot gets real memory only as far as messages need it.
 #pragma once
 
 #include <array>
@@ -32,7 +38,7 @@ void FutexWake(const FutexWord& word, std::uint32_t groups = kAllWaiters);
 // Seqlock: a message in shared memory that one process writes and any number read. A reader never waits for the writer,
 // which may have been stopped or killed in the middle: it obtains a complete message or none.
 
-// In front of the words of the message.
+// Precedes the words of the message.
 struct SeqlockHeader {
   Word sequence;  // 0: no message yet; odd: it is being written
   Word count;     // of the words

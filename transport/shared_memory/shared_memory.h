@@ -1,6 +1,10 @@
 // SharedMemory: memory that processes of one user on one machine share. It has no name in the file system: another
 // process opens it through the descriptors of its owner in /proc, and it ends with the last process that maps it,
 // however that process ends. Nothing is left to clean.
+//
+// Sealed: the size can never change, so that no access faults because a peer has shrunk the file, and memory that peers
+// may only read can never be mapped for writing again. Opening checks the seals, the size and the owner: any other
+// descriptor is refused.
 #pragma once
 
 #include <sys/types.h>
@@ -92,7 +96,7 @@ struct SharingAddress {
   std::int32_t process = 0;
   std::int32_t frames = 0;  // descriptors of that process
   std::int32_t answers = 0;
-  std::uint64_t key = 0;  // random; in the memory too, so that another one is not mistaken for it
+  std::uint64_t key = 0;  // random; in the memory, too, so that no other memory is mistaken for it
   bool operator==(const SharingAddress&) const = default;
 };
 

@@ -2,11 +2,12 @@
 // process writes it has its old value or its new one, so that a reader needs no lock, only a check afterwards that
 // nothing has changed (shared_layout.h).
 //
-// A number, an id or a flag is one word; a list or a text its length and its elements, eight bytes of a text in a word;
-// a type with fields (troupe/fields.h) those, one after another; a variant the number of its alternative, then that.
+// A number, an id or a flag is one word; a list or a text is its length and its elements, eight bytes of a text in a
+// word; a type with fields (troupe/fields.h) is its fields, one after another; a variant is the number of its
+// alternative, then the alternative.
 //
 // Writers store with release order and readers load with acquire order, which costs nothing on x86: a word is not seen
-// before those that were written earlier.
+// before earlier ones.
 #pragma once
 
 #include <atomic>
@@ -180,6 +181,7 @@ bool WordReader::Read(Value& value) {
   } else if constexpr (words_internal::kIsBytes<Value>) {
     return ReadBytes(value);
   } else if constexpr (kIsList<Value>) {
+    // A false length is found before memory is allocated for it.
     if (!ReadWord(word) || word > remaining() / LeastWords<typename Value::value_type>()) return false;
     value.resize(static_cast<std::size_t>(word));
     for (auto& element : value) {

@@ -60,6 +60,7 @@ class ControlClient::Connection {
     // Reading the statuses clears them: the wait set wakes for a new one only.
     requests_.publication_matched_status();
     replies_.subscription_matched_status();
+    // Both directions have to be matched, of one participant: a request must find a reader, and its reply a way back.
     const std::set<dds::GuidPrefix> receivers = dds::MatchedReaders(requests_.handle());
     services_.clear();
     foreign_ = false;
@@ -105,6 +106,8 @@ class ControlClient::Connection {
     requests_.write(dds::ToWire(request, arena));
     const Deadline deadline = Clock::now() + std::chrono::duration<double>(seconds);
     for (;;) {
+      // The order matters: statuses are read, then the match, then the replies, and only then does the client wait. A
+      // change between any two of these wakes the wait.
       connected();  // so that the wait below wakes for the next change
       // Looked for before the replies are taken: a service may reply and end at once.
       const bool is_answering = IsAnyMatched(services);

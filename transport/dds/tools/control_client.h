@@ -1,4 +1,14 @@
-// ControlClient: asks the world service of a session to pause, play or step, or to change its world.
+// ControlClient: asks the world service of a session to pause, play or step, or to change its world. For tools:
+// troupectl, the viewer, the launcher.
+//
+// A client is one random number; its requests have ascending numbers, and a reply counts if both match, so that any
+// number of tools can ask one service at a time. Each request is sent once: the topic is reliable, and the client has
+// matched a service before it sends. A reply of a service that appeared after the request is not waited for.
+//
+// The keys of a secured run are looked for in each wait for the service, since a run may publish them after the tool
+// has started.
+//
+// Threads: one at a time. Calls wait on it; Cyclone's own threads receive.
 #pragma once
 
 #include <cstdint>

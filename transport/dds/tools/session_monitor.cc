@@ -74,6 +74,7 @@ class MonitoringParticipant {
           if (proof.Check(publication->participant, publication->user_data) != dds::ProofCheck::kAccepted) continue;
         }
         KnownRun& known = runs_[session.run];
+        // Another participant cannot take a known run over in this list.
         if (known.session_writer != 0 && known.service != publication->participant) continue;
         if (session.ended) {
           runs_.erase(session.run);
@@ -108,6 +109,7 @@ class MonitoringParticipant {
   }
 
   void ForgetEnded() {
+    // A service that died sends no last session: its writer is no longer matched when its lease has expired.
     sessions_.subscription_matched_status();  // reading it arms the wait set again
     const std::vector<dds_instance_handle_t> matched = dds::MatchedPublications(sessions_.handle());
     std::erase_if(runs_, [&](const auto& known) {

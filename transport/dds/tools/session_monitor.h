@@ -1,4 +1,13 @@
 // SessionMonitor: the sessions that run in a domain, for tools that only watch.
+//
+// A participant has one set of keys, so that the monitor has one for runs without security and one for each set of keys
+// that it finds. A session is identified by its run, not its name: two services may use one name by mistake, and both
+// are listed. A service is listed from its session message to its end, or to the end of its lease.
+//
+// Messages are accepted from the participant that sent a run's session message first; where this user has the token of
+// the session, only with its proof (senders.h).
+//
+// Threads: one at a time.
 #pragma once
 
 #include <cstdint>

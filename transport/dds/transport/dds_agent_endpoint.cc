@@ -36,13 +36,16 @@ void DdsAgentEndpoint::Network::Listen() {
     const std::lock_guard lock(mutex_);
     frames = &endpoints_->frames;
   }
+  // Without the lock: a listener may run at once, and on_frames_ may send.
   frames->Listen([this, frames] { on_frames_(*frames); });
+  // Frames that arrived before the listener was set.
   on_frames_(*frames);
 }
 
 void DdsAgentEndpoint::Network::Open() {
   const std::lock_guard lock(mutex_);
   if (endpoints_ || maker_.joinable() || closed_) return;
+  // Cyclone forbids making entities on the threads of its listeners.
   maker_ = std::thread([this] {
     for (;;) {
       try {
@@ -96,6 +99,7 @@ DdsAgentEndpoint::~DdsAgentEndpoint() {
       if (segment) segment->Close();
     }
   }
+  // After the segments were closed: their threads end.
   for (Reader& reader : readers_) reader.thread.join();
   // Without it the service may learn the end only when the lease expires: if this process ends before DDS has sent all.
   troupe_wire_Join last{};
@@ -141,6 +145,7 @@ void DdsAgentEndpoint::SelectTransports() {
     if (!services_.MayBeService(service->participant)) continue;
     const std::lock_guard lock(segments_mutex_);
     const auto [way, is_new] = segments_.try_emplace(service->writer);
+    // A way is chosen once for each service.
     if (!is_new) continue;
     way->second = OpenSegment(*service);
     try {
@@ -191,6 +196,7 @@ void DdsAgentEndpoint::ReadFrames(const Segment& segment, const GuidPrefix& serv
       is_shared = DrainSegment(*segment, service);
     });
   }
+  // The service has ended sharing: its later frames come over the network.
   if (is_shared) return;
   network_.Open();
   const std::lock_guard lock(segments_mutex_);
@@ -248,7 +254,7 @@ void DdsAgentEndpoint::EndRuns(const Sender& service, bool in_order) {
     segment->Close();
   }
   for (const RunId run : services_.Forget(service.participant)) {
-    // The late end of an earlier run of the session does not concern this agent.
+    // The late end of an earlier run of the session is of no concern to this agent.
     const RunId joined = joined_run_;
     if (run != joined && (joined != 0 || !services_.empty())) continue;
     if (in_order) {
@@ -299,6 +305,8 @@ void DdsAgentEndpoint::SendProposal(const ProposalMessage& proposal) {
   {
     const std::lock_guard lock(segments_mutex_);
     for (const auto& [writer, segment] : segments_) {
+      // An agent that has not got a slot yet (kNotJoined) does not need the network: the service does not expect its
+      // proposal.
       if (segment && segment->Send(proposal) != AgentSegment::Sent::kImpossible) continue;
       needs_network = true;
     }

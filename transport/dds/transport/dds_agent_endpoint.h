@@ -2,6 +2,17 @@
 //
 // Frames and proposals travel through the memory that a service of the same machine shares (transport/shared_memory).
 // Their reader and their writer on the network exist only if a service was discovered that shares none.
+//
+// Ways to a service: it announces shared memory in the user data of its session writer. If this process can map it,
+// frames are read by a thread that waits on a futex, and proposals are written into the agent's slot; else, or when
+// sharing ends, the endpoints on the network are made. Which way is used changes times, no result.
+//
+// Only one participant is the service of a run for this agent (ServiceRegistry in senders.h); messages of others are
+// ignored, and reported once.
+//
+// Locks: `mutex_` is held during every call of the handler, so that handlers run one at a time, whichever thread
+// received; `segments_mutex_` is locked after it and guards the ways alone, so that a proposal can be sent from inside
+// a handler.
 #pragma once
 
 #include <atomic>
@@ -104,7 +115,7 @@ class DdsAgentEndpoint : public AgentEndpoint {
   Inbox<troupe_wire_History, HistoryMessage> histories_;
   Network network_;
 
-  // The run that the agent last asked to join; 0: none yet.
+  // The run of the agent's last join; 0: none yet.
   std::atomic<RunId> joined_run_{0};
   std::mutex joined_mutex_;  // guards the next member
   std::set<AgentId> joined_agents_;

@@ -1,4 +1,15 @@
-// Common to the endpoints of a DdsTransport: the participant, and sending and receiving of messages.
+// Common to the endpoints of a DdsTransport: the participant with its publisher and subscriber, and typed ends of
+// topics: Outbox to send messages, Inbox to receive them.
+//
+// What all topics have in common is here: a sample is accepted only from a sender of the run (RunProof), converted by
+// the functions of transport/dds/convert, which check it, and reported if it is malformed, through a limiter, so that a
+// hostile peer can fill no log. No exception of DDS leaves an Outbox: a message that cannot be written is lost, as the
+// tick protocol allows.
+//
+// Threads: Drain is called by Cyclone's receiving thread (Listen) or by the starting one, under the endpoint's own
+// lock: an Inbox is not safe by itself. `on_problem` and `on_foreign_run` are called on any thread.
+//
+// Endpoints refer to their connection, which outlives them.
 #pragma once
 
 #include <atomic>
@@ -110,6 +121,7 @@ class WireInbox {
   // Empties the reader: on_sample gets each sample and its sender, then on_end each sender that has ended.
   template <typename OnSample, typename OnEnd>
   void Drain(OnSample on_sample, OnEnd on_end) {
+    // The buffer is filled again and again: taking samples allocates nothing in the long run.
     do {
       reader_.take(buffer_);
       for (std::size_t i = 0; i < buffer_.length(); ++i) {

@@ -177,6 +177,7 @@ const FrameMessage* ObserverProtocol::Next() {
   const FrameMessage& frame = follower_.frame();
   const auto world = world_editions_.find(frame.run);
   if (world == world_editions_.end() || world->second != frame.world_edition) return nullptr;
+  // The content of a resent frame that an observer can see: without these, each resend would be shown as a new frame.
   const FrameKey key(frame.run, frame.edition, frame.state.tick, frame.paused && !frame.holds, frame.last);
   if (returned_ == key) return nullptr;
   returned_ = key;
@@ -193,6 +194,7 @@ bool ObserverProtocol::IsBehind() const {
 
 bool ObserverProtocol::MayRequest(double now) {
   if (world_editions_.empty()) return false;
+  // The service answers several requests by one frame: more requests would only be traffic.
   if (requested_at_ && now < *requested_at_ + kRequestPeriod) return false;
   requested_at_ = now;
   return true;
@@ -202,6 +204,7 @@ Status FrameFollower::Read(const troupe_wire_Frame& wire) {
   if (known_ && wire.run == frame_.run) {
     const auto known = std::tie(frame_.edition, frame_.state.tick);
     const auto next = std::tie(wire.edition, wire.tick);
+    // A whole frame of the same tick counts: it may have `paused` or `last` set, or answer a request.
     if (next < known || (next == known && !wire.whole)) return {};
   }
   if (!CanRead(wire, frame_) || (!wire.whole && !known_)) {

@@ -1,5 +1,17 @@
-// An observer's end of a DdsTransport. It rebuilds the states on the thread that receives the frames, however slow the
-// handler: a slow handler loses frames, but that makes no gap, and so costs the service no whole frame.
+// An observer's end of a DdsTransport: a viewer, a monitor. It rebuilds the states on the thread that receives the
+// frames, however slow the handler: a slow handler loses frames, but that makes no gap, and so costs the service no
+// whole frame.
+//
+// Three parts. FrameFollower turns frames with changes into whole states. ObserverProtocol decides what to pass on and
+// when to ask for a whole frame; it has no threads and no clock, so that tests drive it directly. DdsObserverEndpoint
+// connects both to DDS and to the queue of the handler (ObserverQueue), whose thread is the only one that calls the
+// handler.
+//
+// Frames are best effort for observers: a lost one is not resent by DDS, so that no observer can delay the service's
+// writer. The gap is found by the tick, and one whole frame repairs it for all observers.
+//
+// Locks: `mutex_` guards the protocol; `gather_mutex_` only the waiting of the receiving thread, so that the destructor
+// can end it.
 #pragma once
 
 #include <atomic>
@@ -22,7 +34,7 @@
 namespace troupe::dds {
 
 // FrameFollower: rebuilds the states of a run from its frames on the wire, most of which have only the changes since
-// the frame before. Not thread-safe.
+// the previous frame. Not thread-safe.
 class FrameFollower {
  public:
   // Brings frame() up to this one. A frame that is older, or has the changes since a missing frame, has no effect. The

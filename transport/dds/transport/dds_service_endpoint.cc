@@ -72,12 +72,15 @@ DdsServiceEndpoint::~DdsServiceEndpoint() {
     segment_->Close();
     collector_.join();
   }
+  // The last session tells agents at once that the service has ended in order; without it they would wait for its
+  // lease.
   troupe_wire_Session last{};
   last.run = run_;
   last.ended = true;
   for (const auto& group : groups_) {
     if (run_ != 0) group->sessions.SendWire(last);
   }
+  // One deadline for all groups.
   const auto end = Clock::now() + std::chrono::duration<double>(kMaxEndWait);
   for (const auto& group : groups_) {
     group->connection.publisher.AwaitAcknowledgments(std::chrono::duration<double>(end - Clock::now()).count());
@@ -98,6 +101,7 @@ void DdsServiceEndpoint::Start(ServiceHandler& handler) {
   controls_.Listen([this] { Deliver([this] { DrainControls(); }); });
   frame_requests_.Listen([this] { Deliver([this] { DrainFrameRequests(); }); });
   rivals_.Listen([this] { Deliver([this] { DrainSessions(); }); });
+  // Samples that arrived before the listeners were set.
   DrainSessions();
   for (const auto& group : groups_) {
     DrainJoins(*group);
@@ -147,7 +151,7 @@ void DdsServiceEndpoint::DrainJoins(AgentGroup& group) {
           return false;
         }
         if (Bind(join.agent, sender)) return true;
-        group.joins.Refuse(sender, "it joins as the agent of another participant, or as too many");
+        group.joins.Refuse(sender, "it joins as the agent of another participant, or as more than 64 agents");
         return false;
       },
       [this](const JoinMessage& join, const Sender&) { handler_->OnJoin(join); },
@@ -169,6 +173,8 @@ bool DdsServiceEndpoint::MayJoinFor(const std::vector<std::string>& robots, cons
   if (!secured_) return true;
   // The permissions of its keys have the name, and so has the partition, which DDS Security has compared with them.
   const std::string name = qos_profiles::AgentOfPartition(sender.partition);
+  // The name is a hash of the robots' names (message_texts.h): the first complete list defines the robots that the
+  // agent may join for.
   if (AgentName(robots) == name) robots_of_agents_[name] = {robots.begin(), robots.end()};
   // After an edit it may join for those that are left.
   const auto known = robots_of_agents_.find(name);
@@ -187,6 +193,7 @@ void DdsServiceEndpoint::Leave(AgentId agent, const Sender& sender) {
 }
 
 void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
+  // The lease of the writer has expired: all agents of the process are gone, unless they join again.
   const auto lost = agents_of_writer_.extract(ended.writer);
   if (lost.empty()) return;
   for (const AgentId agent : lost.mapped()) {
@@ -203,6 +210,7 @@ bool DdsServiceEndpoint::IsFromAgent(AgentGroup& group, AgentId agent, const Sen
     group.proposals.Refuse(sender, "another participant is this agent");
     return false;
   }
+  // A proposal of an agent that was lost for a moment reaches the run, which asks the agent to join again.
   return lost_agents_.Contains(agent, sender.participant);
 }
 
@@ -294,7 +302,7 @@ void AgentGroup::SendFrame(const FrameMessage& frame, const WorldState* base) {
 }
 
 const WorldState* FrameStream::BaseOf(const FrameMessage& frame) const {
-  // Every agent that answered the frame of the tick before has its state. To the others this frame is resent, whole.
+  // Every agent that answered the frame of the previous tick has its state. To the others this frame is resent, whole.
   const bool follows = sent_ && frame.run == sent_->run && frame.edition == sent_->edition &&
                        frame.state.tick == sent_->state.tick + 1 && HaveSameRows(frame.state, sent_->state);
   const bool whole = !follows || frame.paused || frame.last || frame.state.tick % kKeyframePeriod == 0;

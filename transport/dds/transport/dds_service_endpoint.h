@@ -1,4 +1,16 @@
-// The world service's end of a DdsTransport.
+// The world service's end of a DdsTransport: frames to the network and to shared memory, joins and proposals from both,
+// requests of tools, and the identity of every sender.
+//
+// AgentGroup has the endpoints for some of the agents, FrameStream decides which frames travel whole, LostAgents
+// remembers agents whose lease has expired, and DdsServiceEndpoint connects them with the handler.
+//
+// Identity: an agent is bound to the writer of its first join, and its proposals are accepted from that writer's
+// participant alone; with security, its name also has to be that in its keys. A message under another's name is
+// refused, its sender reported once, and all that it sends on that topic ignored from then on. This is what keeps a
+// faulty or hostile process from speaking for another robot.
+//
+// Locks: `mutex_` is held during every call of the handler, so that handlers run one at a time; `frame_mutex_` guards
+// the stream of frames, and is locked after it, so that SendFrame may be called from a handler, or without one.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +38,7 @@ namespace troupe::dds {
 
 // AgentGroup: the world service's endpoints for a group of its agents, on a participant of their own.
 //
-// Cyclone computes the addresses of a writer anew for each reader that matches, in time that grows with the square of
+// Cyclone computes the addresses of a writer again for each reader that matches, in time that grows with the square of
 // the number of readers, and repeats discovery data and heartbeats to all of them while one is new. So the cost of a
 // joining agent grows with its group, and a run on one machine divides hundreds of agents into groups.
 struct AgentGroup {
@@ -57,7 +69,7 @@ struct AgentGroup {
   std::uint32_t frame_readers_ = 0;  // on the network, when the newest frame was sent
 };
 
-// FrameStream: the frames of a service as they travel: most as the changes since the frame before, some whole, and
+// FrameStream: the frames of a service as they travel: most as the changes since the previous frame, some whole, and
 // whole ones again for observers that have requested one. Without a clock: times are in s, of any clock that does not
 // decrease. Not thread-safe.
 class FrameStream {

@@ -196,6 +196,7 @@ DdsServiceTransport MakeDdsServiceTransport(const DdsOptions& options) {
   for (std::size_t group = 0; group < std::max(std::size_t{1}, options.agent_groups); ++group) {
     const std::uint16_t port = group < options.discovery_ports.size() ? options.discovery_ports[group] : 0;
     CreateWithFreeIndex(config, group == 0 ? 0 : dds::kPeerPortsTried, port, create);
+    // The first participant is enough for discovery; agents of other groups are told their address.
     config.discovery_multicast = false;  // tools and other services are to discover the first one alone
   }
   made.transport = std::move(transport);

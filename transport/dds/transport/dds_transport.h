@@ -1,5 +1,12 @@
 // DdsTransport: the tick protocol over Cyclone DDS, between any number of processes and hosts. docs/qos.md describes
 // discovery and QoS.
+//
+// One transport is for one role: service, agent or observer. Roles differ in how they are discovered. A service
+// announces itself, by multicast where the network has it; agents and observers know only services (their peers), and
+// never each other, so that the number of discovered pairs grows with the number of robots, not with its square.
+//
+// All names of topics, their QoS and their types are fixed (transport/protocol/messages.h, qos_profiles.h, idl/).
+// Sessions of one domain are kept apart by DDS partitions, runs within a session by their ids.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,10 @@
 // The QoS of every topic, by role. One profile serves writers and readers, so that they always match; docs/qos.md has
 // the reasons. Lease durations are in seconds and of the writer: a reader asks for none, so that it accepts any.
+//
+// The choice follows from what a topic is. State that latecomers need (sessions, joins, status) is transient-local with
+// depth 1; a stream of which only the newest counts (frames, proposals) is volatile with depth 1 at the writer;
+// requests and replies are kept until they are read. Readers of many writers have deep histories, because a topic
+// without keys has one queue for all writers.
 #pragma once
 
 #include <string>

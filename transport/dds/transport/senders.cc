@@ -58,6 +58,7 @@ std::vector<Sender> Senders::ForgetEnded(dds_entity_t reader) {
 }
 
 bool Senders::Accepts(dds_instance_handle_t writer) const {
+  // The usual case costs no lock: this is called for every sample.
   if (!any_refused_.load(std::memory_order_relaxed)) return true;
   const std::lock_guard lock(mutex_);
   return !refused_.contains(writer);

@@ -1,6 +1,13 @@
 // Senders: the writers that a reader has received samples from, each with the participant that it belongs to. DDS hands
 // a participant the samples of every writer of a topic; this tells which of them is which, and keeps out those that
 // were found not to be entitled to the topic.
+//
+// Three questions about a sample, in this order. Is its sender of the run? RunProof compares a proof in the
+// announcement, made of the run's token and the sender's GUID, before any sample is read. Is its sender entitled to
+// this topic? Senders refuses a writer once and for all, and Cyclone's filter drops its samples from then on. Is its
+// sender the service? ServiceRegistry, for topics that only the service writes.
+//
+// The identity of a participant comes from DDS, never from the content of a message.
 #pragma once
 
 #include <atomic>
