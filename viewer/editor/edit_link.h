@@ -1,9 +1,12 @@
 // EditLink: a file in editing, for the gateway as if it were a run: the edited world is a paused run, whose edits
 // change the file. A test is a simulation in this process, of that world or of one model.
 //
+// So the page needs no second protocol: it shows, picks and moves things in an edited file by the same messages as in a
+// run, and only edits of the text have operations of their own. Each edit that changes the world is another edition.
+//
 // In the edited world static models are shown as objects, so that the page can pick and move them.
 //
-// Threads: any.
+// Threads: any; a thread of its own steps a test.
 #pragma once
 
 #include <condition_variable>

@@ -1,6 +1,11 @@
 // EditedFile: the text of a file that is edited and the images that belong to it, their history, and their saving. The
 // files on disk are only ever replaced as a whole, by files that are written completely.
 //
+// The history has whole texts, not differences: texts are small, and undoing is then assigning. Images share tiles
+// between versions (grey_picture.h). Both are bounded, in number and bytes; the oldest states are dropped first.
+//
+// Another program may change a file meanwhile: saving compares with what was read, and overwrites only on request.
+//
 // Threads: one.
 #pragma once
 

@@ -1,6 +1,12 @@
 // Editor: the edits of a file that the page asks for. An edit that the file does not load with is refused, with the
 // place in the file; only the text pane may leave an error in the text.
 //
+// An edit changes the text of one statement and leaves every other byte as the user wrote it, comments and layout
+// included. Entities that other files define are not edited here; the error says where they are.
+//
+// The page is less trusted than the user: it may name files only in allowed folders (Open), and never
+// choose a library of code to run.
+//
 // Threads: one at a time.
 #pragma once
 

@@ -1,5 +1,8 @@
 // GreyPicture: the pixels of an image that is edited. It consists of tiles, and a copy shares them with the original
 // until they are changed, so that each step of a history needs memory only for the pixels that it changes.
+//
+// A value type: copying costs a pointer per tile, changing a copy of the tiles that a stroke touches. Rows count from
+// the top, as in image files; the world's y axis points up, which the importer of bitmaps considers.
 #pragma once
 
 #include <array>

@@ -1,5 +1,9 @@
 // ModelLibrary: the models of include files that a file may use without having them: those of the installation, and of
 // the folders in STAGEPATH.
+//
+// They are offered in the palette with a picture; a library is included by the file only when one of its models is put
+// down, so a file names what it uses. Only files in metres and degrees can include them: a file's units hold for what
+// it includes.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,11 @@
 // The parts of a define of the edited file: the entries of its body but for blocks, each with the model that the loader
 // makes of it. Frames: D the define's, N a part's, P its parent's. Private to this folder.
+//
+// A define is built alone, in a world of its own, so that a part can be shown and measured although the file has no
+// model of it. A part is found by its path of indices and not by name, because parts need no names.
+//
+// Numbers are written back in the file's units, and one that has not changed keeps its digits: an edit of x must not
+// turn a hand-written 0.1 into 0.1000.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,9 @@
 // The messages of the channels for Foxglove, as JSON text. Frames: `map` is W; NAME is a robot's or an object's root
 // model, NAME/JOINT the link that a joint moves.
+//
+// JSON with schemas, because Foxglove reads it without a plug-in, and it is used for a few clients at a few updates a
+// second. Pure functions of scene and state, so the exporter of recordings (launcher/export) and the live gateway have
+// the same bytes. Bodies are sent once per world, each in its own frame; updates have transforms alone.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +32,7 @@ std::string EventText(const std::string& text, bool warning, Time time);
 // `frame`: of the robot.
 std::string ScanText(const RangeScan& scan, const std::string& frame, Time time);
 
-// JSON as Foxglove writes it.
+// JSON in the form of Foxglove's schemas.
 
 using Json = nlohmann::json;
 

@@ -1,5 +1,9 @@
 // Foxglove's WebSocket protocol, version 1: the messages of server and client, without a connection. Numbers in binary
 // messages are little-endian. docs/viewer.md names the parts that are served.
+//
+// Encoding and decoding only, so that tests and the fuzzer need no socket. A client is any program that can reach the
+// port: each length and count is checked against the bytes that are there, and unknown operations are ignored, as the
+// protocol asks.
 #pragma once
 
 #include <cstdint>

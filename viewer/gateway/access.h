@@ -1,5 +1,11 @@
-// Access: which requests of browsers the gateway serves. A page of another site that the user has open can send
-// requests to this machine, too; the headers tell them apart.
+// Access: the rules by which the gateway serves requests of browsers. A page of another site that the user has open can
+// send requests to this machine, too; the headers tell them apart.
+//
+// Two attacks decide the rules. A foreign page opens a WebSocket to a loopback port: its Origin header names its own
+// site. And a site points its own name at 127.0.0.1 (DNS rebinding): the Host header has that name. Where other
+// machines can connect, neither helps, and a random token in the page's address is needed.
+//
+// Pure functions of the headers, without state; they are called on the web server's thread, once per request.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,11 @@
 // EditOperation: a request of the editor's page (viewer/editor) as a value: checked in its form, but not against the
 // edited file. docs/editor.md lists the operations.
+//
+// A type for each operation, because each has members of its own: a value of the variant cannot lack one, and a handler
+// that forgets an operation does not compile. Numbers are finite and within the limits of a world after decoding; names
+// fit between quotes of both languages, so no edit can insert syntax into a file.
+//
+// Units are metres and radians, whatever the file has; the editor converts.
 #pragma once
 
 #include <cstddef>

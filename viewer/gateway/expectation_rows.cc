@@ -21,6 +21,7 @@ constexpr std::size_t kMaxMarks = 256;
 
 enum RowMark : std::uint8_t { kOpen = 0, kHolds = 1, kViolated = 2 };
 
+// By value: the monitor itself goes on.
 bool HoldsAtEnd(Monitor monitor) {
   monitor.Finish();
   return monitor.verdict() == Verdict::kTrue;
@@ -98,6 +99,7 @@ void ExpectationRows::Add(const SharedState& state) {
   if (stopped_.empty()) {
     const std::uint64_t count = state->position - first_->position;
     if (count / stride_ >= kMaxMarks) {
+      // Positions of marks are multiples of the stride from the first state, so the even ones remain.
       stride_ *= 2;
       for (Row& row : rows_) {
         std::size_t kept = 0;

@@ -2,6 +2,10 @@
 // They are computed from its states, a bounded part in each call: the page asks for the rest. So a live run, its
 // recording and a viewer that seeks see the same.
 //
+// States are judged in order and once each, by the monitors of `troupe test` (testing/expectations). A row keeps at
+// most 256 marks: when they are full every second one is dropped and the stride doubles, so memory and messages do not
+// grow with the length of the run. After an edit later states are not judged: they are those of another run.
+//
 // Threads: one at a time, that of Timeline::At.
 #pragma once
 

@@ -1,5 +1,11 @@
 // FoxgloveClient: a viewer that speaks Foxglove's protocol (viewer/foxglove): its subscriptions, and the place at which
 // it plays a recording.
+//
+// Unlike the page, such a client knows topics and not worlds: an edit that changes the world withdraws its channels and
+// advertises new ones, with ids that are never used again, because a late subscription could otherwise get another
+// topic. A client that does not read gets no further messages (kMaxWaiting), and delays no other.
+//
+// Playing a recording is done here and not by the client: its position advances with wall time times the chosen speed.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,8 @@
 // The figures of a run for a scraper, in the text format of Prometheus (version 0.0.4): one line for each figure, with
 // its meaning.
+//
+// A scrape must not wait for the run: figures are those of the newest status, and the slowest robot that of an answer
+// to an earlier scrape. Names and units are a contract (docs/viewer.md): base units, counters end in _total.
 #pragma once
 
 #include <optional>

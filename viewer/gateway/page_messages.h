@@ -1,4 +1,11 @@
 // The messages to the page: their bytes, the fields of rows, the rows of a state that changed, and the world.
+//
+// Binary and little-endian, because a world of ten thousand robots at 60 updates a second is too much for JSON. The
+// fields of rows and their readers in TypeScript come from the field lists of the row types, so both sides cannot
+// disagree; the layout has a version (kPageProtocol), and a page of another version is asked to reload.
+//
+// Numbers of poses are doubles as in the state, twists are floats: the page shows them and calculates nothing with
+// them.
 #pragma once
 
 #include <array>
@@ -99,7 +106,8 @@ struct PageValue<Twist> {
 };
 
 // StateRows: the newest state of a world, row by row, with the number of the update that changed each row last. So the
-// difference from any earlier update is known without keeping that state, for viewers that skip updates.
+// difference from any earlier update is known without keeping that state, for viewers that skip updates. Costs one
+// comparison of each row per update, whatever the number of viewers.
 class StateRows {
  public:
   // `number` grows with each call. `fresh`: another world; all rows have changed.

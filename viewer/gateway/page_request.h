@@ -1,29 +1,28 @@
 // PageRequest: a request of the page, as JSON text.
-//   {"type": "select", "robots": ["r0", "r1"]}, or "robots": "all": whose readings the page shows; with "pictures":
-//   "r0"
-//     the images of that robot's cameras are among them
-//   {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
-//   {"type": "control", "id": 8, "command": "spawn", "source": "scout", "controller": "wander", "pose": [x, y, z,
-//   heading]}:
-//     without a controller the robot has that of the model
-//   {"type": "control", "id": 8, "command": "speed", "speed": 2.5}, or "speed": "max"
-//   {"type": "control", "id": 9, "command": "rewind", "tick": 120}
-//   {"type": "control", "id": 9, "command": "entities", "name": "r0"}: without a name all of them
-//   {"type": "control", "id": 9, "command": "command_robot", "name": "r0", "ticks": 5, "twist": [vx, vy, wz],
-//    "grippers": [{"gripper": 0, "opening": percent, "lift": percent}],
-//    "goal": {"waypoints": [[x, y], ...], "heading": h}}: each part may be missing, as may opening, lift and heading; a
-//    goal without waypoints cancels the goal
-//   {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until
-//   {"type": "live"}
-//   {"type": "series", "id": 11, "signals": [["r0", "x"], ...], "from": 0, "to": 500, "every": 1}: of signals
-//   (signals.h)
-//     between two positions; without signals the reply has those that there are; {"type": "totals", "id": 12}: of
-//     robots (past_reader.h); {"type": "expectations", "id": 14}: their verdicts (expectation_rows.h)
-//   {"type": "run_again", "id": 13, "seed": 5}: starts a run that is over again; without a seed with its own. A page
-//     that runs its scenario itself starts it at any time, and with other values: "values": [["spawn[0].count", 20],
-//     ...]
-//   {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (edit_operation.h)
-// The commands are those of `troupe ctl`, but for those that name files.
+// - {"type": "select", "robots": ["r0", "r1"]}, or "robots": "all": whose readings the page shows; with "pictures":
+//   "r0" the images of that robot's cameras are among them
+// - {"type": "control", "id": 7, "command": "set_pose", "name": "r0", "pose": [x, y, z, heading]}
+// - {"type": "control", "id": 8, "command": "spawn", "source": "scout", "controller": "wander", "pose": [x, y, z,
+//   heading]}: without a controller the robot has that of the model
+// - {"type": "control", "id": 8, "command": "speed", "speed": 2.5}, or "speed": "max"
+// - {"type": "control", "id": 9, "command": "rewind", "tick": 120}
+// - {"type": "control", "id": 9, "command": "entities", "name": "r0"}: without a name all of them
+// - {"type": "control", "id": 9, "command": "command_robot", "name": "r0", "ticks": 5, "twist": [vx, vy, wz],
+//   "grippers": [{"gripper": 0, "opening": percent, "lift": percent}], "goal": {"waypoints": [[x, y], ...], "heading":
+//   h}}: each part may be missing, as may opening, lift and heading; a goal without waypoints cancels the goal
+// - {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until {"type": "live"}
+// - {"type": "series", "id": 11, "signals": [["r0", "x"], ...], "from": 0, "to": 500, "every": 1}: of signals
+//   (signals.h) between two positions; without signals the reply names all that exist
+// - {"type": "totals", "id": 12}: of robots (past_reader.h); {"type": "expectations", "id": 14}: their verdicts
+//   (expectation_rows.h)
+// - {"type": "run_again", "id": 13, "seed": 5}: starts a run that is over again; without a seed with its own. A page
+//   that runs its scenario itself starts it at any time, and with other values: "values": [["spawn[0].count", 20], ...]
+// - {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (edit_operation.h)
+//
+// The commands are those of `troupe ctl`, but for those that name files. A text that is no request closes the
+// connection: the page sends none, so its sender is another program. A request of the right form with a wrong value is
+// answered with the error. Numbers must be finite, lists are bounded; ids are chosen by the page, and repeated in the
+// reply.
 #pragma once
 
 #include <cstdint>

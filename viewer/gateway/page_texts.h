@@ -1,4 +1,6 @@
 // The messages to the page that are JSON: the session, the status and the timeline. Replies are in page_request.h.
+//
+// They are made once for all viewers and compared by pointer: a viewer has the newest if it has the same pointer.
 #pragma once
 
 #include <memory>
@@ -12,7 +14,7 @@
 
 namespace troupe {
 
-// What the page is told about its session beside the options of the gateway.
+// The facts about a session that the page gets beside the options of the gateway.
 struct SessionFacts {
   bool connected = false;
   bool recording = false;

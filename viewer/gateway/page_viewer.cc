@@ -206,6 +206,7 @@ Result<std::optional<PageRequest>> PageViewer::Receive(std::string_view message,
 }
 
 void PageViewer::Answer(PageReply reply) {
+  // A viewer that asks and does not read must not grow the memory; its requests were executed all the same.
   if (waiting_.size() >= kMaxReplies) return;
   waiting_.push_back({std::make_shared<const std::string>(std::move(reply.text)), true});
 }
@@ -250,6 +251,7 @@ std::optional<WebMessage> PageViewer::Next() {
   if (!NeedsUpdate()) return std::nullopt;
   const TimelineWorld& world = *shown()->world;
   if (world_ == world.number) return WebMessage{std::make_shared<const std::string>(MakeUpdate()), false};
+  // Rows of an update have ids of a world, so the world comes first, and then all rows.
   world_ = world.number;
   update_ = 0;
   status_.reset();

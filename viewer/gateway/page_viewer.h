@@ -1,5 +1,10 @@
 // PageViewer: a viewer that speaks the protocol of the page: session, status and replies as JSON, each world once, then
 // updates, each the difference from the one before that this viewer has received.
+//
+// A message is made when the socket can send it, and not before: so a slow viewer gets the newest state and skips those
+// between, and no queue grows. For the same reason an update is made per viewer, from what this one has.
+//
+// A viewer in the past gets all rows of each state that it seeks, because the state before may be any.
 #pragma once
 
 #include <chrono>
@@ -27,9 +32,8 @@ enum class Pictures : std::uint8_t {
 };
 
 // RobotReadings: the readings of robots that viewers have selected, measured in the gateway: the same bits as in the
-// robots' agents, because a reading is a pure function of the state.
-//
-// Threads: one at a time.
+// robots' agents, because a reading is a pure function of the state. So no reading travels from the agents, and a run
+// does not know which robots are watched. Encoded once for all viewers.
 class RobotReadings {
  public:
   // Until the next call the readings are of this state.
@@ -52,7 +56,8 @@ class RobotReadings {
   std::map<RobotId, Robot> robots_;  // made on first use
 };
 
-// What the pages share to measure readings, and the time that it may take.
+// The measurement of readings that the pages share, and its share of the time: for all robots of a large world
+// measuring takes longer than a period, so it is repeated only after four times its duration.
 struct PageReadings {
   using Clock = std::chrono::steady_clock;
 

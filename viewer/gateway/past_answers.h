@@ -1,5 +1,8 @@
 // PastAnswers: the answers to questions of viewers about the past of a run or a recording: states to show, data for
 // plots, totals and verdicts. The journal of a run is read when the past lacks states.
+//
+// All questions are answered on one thread, because a timeline steps one state at a time; no answer takes longer than
+// kMaxPastAnswer beyond the state it needs, so that seeks remain quick while a long series is computed.
 #pragma once
 
 #include <atomic>

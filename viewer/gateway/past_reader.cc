@@ -42,6 +42,7 @@ PageReply PastReader::Series(const SeriesRequest& request) {
   Json positions = Json::array();
   std::vector<Json> values(request.signals.size(), Json::array());
   std::uint64_t at = request.from;
+  // On the grid of the request, so that a plot whose oldest states were dropped meanwhile keeps its sample times.
   if (at < spans->first()) at += (spans->first() - at + request.every - 1) / request.every * request.every;
   const std::uint64_t to = std::min(request.to, spans->last());
   const auto start = Clock::now();

@@ -1,6 +1,10 @@
 // PastReader: the answers to questions of pages about the past of a run: series of signals, and totals of robots. They
 // are computed from its states, a bounded part in each call: the page asks for the rest.
 //
+// Totals continue from call to call as long as the past is the same run; after a rewind or another run they begin
+// again. Their distances are sums over the states that are known: gaps in the past count as straight lines within an
+// edition.
+//
 // Threads: one at a time, that of Timeline::At.
 #pragma once
 

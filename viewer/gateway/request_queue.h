@@ -1,5 +1,10 @@
 // RequestQueue: performs the requests of viewers one after another, on a thread of its own: each may take long.
 // Threads: any.
+//
+// A template, because the gateway has two: changes of the run, which wait for the service, and questions about the
+// past. The web server's thread never waits for either; it adds a request and is woken for the answer. Bounded
+// (kMaxWaiting), and a seek replaces the seek of the same viewer that still waits: while a slider is dragged only its
+// newest position matters.
 #pragma once
 
 #include <algorithm>

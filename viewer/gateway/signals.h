@@ -1,8 +1,11 @@
 // Signals over time, for plots: numbers of a state, so that they are known of every state that the past has.
-//   a signal of a thing of the state's tables (common/signals), as ["front door", "opening"]
-//   ["transmissions", "count"]: the number of rows of a table
-//   ["r0", "range/SENSOR"], ["r0", "range/SENSOR/I"]: the nearest range of a ranger, and that of ray I of its first
+// - a signal of a thing of the state's tables (common/signals), as ["front door", "opening"]
+// - ["transmissions", "count"]: the number of rows of a table
+// - ["r0", "range/SENSOR"], ["r0", "range/SENSOR/I"]: the nearest range of a ranger, and that of ray I of its first
 //   scan; m
+//
+// Names are looked up once per world and then are positions of rows, because a plot asks for thousands of states.
+// Ranges are measured from the state when a plot asks for them: they cost as much as in the agent.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,8 @@
-// Viewer: a client of the gateway, in the protocol of the page (page_viewer.h) or of Foxglove (foxglove_client.h): what
-// it is shown, and the messages that wait for it.
+// Viewer: a client of the gateway, in the protocol of the page (page_viewer.h) or of Foxglove (foxglove_client.h): the
+// state that it shows, and the messages that wait for it.
+//
+// A viewer is asked for its next message when its socket can send one, so that it can choose the newest state then.
+// What it shows is either the live run, shared by all viewers (ShownRun), or a past state of its own.
 //
 // Threads: that of the web server, with all that viewers share.
 #pragma once
@@ -21,7 +24,8 @@
 
 namespace troupe {
 
-// The run, as all viewers see it that are not in the past.
+// The live run, as all viewers see it that are not in the past. Followed once per period, whatever the number of
+// viewers.
 struct ShownRun {
   // Messages of the page, as JSON.
   std::shared_ptr<const std::string> session;

@@ -1,6 +1,12 @@
 // ViewerGateway: shows a run, or a recording of one, to browsers. It follows the run as an observer (run_feed.h),
 // serves the page, and sends each viewer the world, then updates: at most kUpdatesPerSecond, each the difference from
 // the viewer's last one. A viewer that is slow skips updates, and delays nothing.
+//
+// Threads: one of the web server, on which all viewers are served and nothing waits; one for changes of the run, one
+// for questions about the past, one that observes the run. Requests that change something go through RunLink::Ask to
+// the service, as those of `troupe ctl`: the gateway has no power that a tool lacks.
+//
+// Without viewers it observes nothing and costs a run nothing.
 #pragma once
 
 #include <cstdint>

@@ -1,12 +1,16 @@
 // WebServer: HTTP for the files of the page, and WebSockets for viewers, on libwebsockets. It knows nothing of the
 // simulation.
 //
-// Bounds: kMaxConnections connections, of which kMaxViewers are viewers (a further one replaces the oldest that has
-// not shown the token of the page); headers of kMaxHeaders; messages from a viewer as long as Options says; one
-// message on its way to each viewer, in pieces of kPiece bytes. A connection that sends no request for kRequestSeconds,
-// or does not answer a ping, is closed.
+// Bounds: kMaxConnections connections, of which kMaxViewers are viewers (a further one replaces the oldest that has not
+// shown the token of the page); headers of kMaxHeaders; messages from a viewer as long as Options says; one message on
+// its way to each viewer, in pieces of kPiece bytes. A connection that sends no request for kRequestSeconds, or does
+// not answer a ping, is closed.
 //
-// Threads: the handler is called on the server's own thread. Wake may be called on any thread.
+// Pieces, so that a world of many megabytes needs one buffer for all viewers and other connections are served between
+// two of them. Messages are shared bytes, never changed after they are made.
+//
+// Threads: the handler is called on the server's own thread. Wake may be called on any thread. An exception of the
+// handler ends the connection that caused it, and no other.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,7 @@
-// The functions of viewer/module/standard/charconv.
+// The functions of viewer/module/standard/charconv: from_chars and to_chars of doubles, which libc++ 13 lacks.
+//
+// The texts must be equal to those of libstdc++, because logs of the module are compared with those of the host line by
+// line: shortest digits that read back to the same bits, and the same choice between plain and scientific form.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,9 @@
-// PageHost: in a page without a gateway, the place of the gateway: a recording, whose states it compares beside, or a
-// run, and its one viewer. The functions at the end are those that the page's worker (page_worker.js) calls.
+// PageHost: the gateway's place in a page without a gateway: a recording, whose states it steps and compares, or a run,
+// and its one viewer. The functions at the end are those that the page's worker (page_worker.js) calls.
+//
+// One thread, the worker's: it calls troupe_work for some milliseconds at a time, then passes messages on to the page.
+// So the page remains responsive while a recording of an hour is proved. The protocol to the page is the gateway's,
+// byte by byte; the page does not know which of the two it talks to.
 #include <emscripten.h>
 
 #include <algorithm>

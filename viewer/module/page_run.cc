@@ -120,6 +120,7 @@ PageRun::PageRun(LoadedWorld loaded, const std::string& file, const LoadOverride
     : observer_(observer), endpoint_(std::make_unique<Service>(*this)) {
   service_.settings = loaded.settings;
   service_.settings.is_watched = true;
+  // A page has no network: what the scenario asks for is left out rather than refused.
   service_.settings.ros = false;
   service_.settings.agent_deadline_seconds = kNever;
   service_.world_file = file;
@@ -192,6 +193,7 @@ double PageRun::Work(double seconds) {
     if (messages_.empty()) {
       coordinator_->AdvanceRewind(now);
       coordinator_->Poll(now);
+      // Only when no message waits: an agent then answers the newest frame, as it would after a delay of the network.
       if (messages_.empty()) WorkOfAgents(now);
       Report(now);
     } else {

@@ -2,6 +2,9 @@
 // between processes, so that it has the hashes of `troupe run` and executes the same requests. Their messages wait in a
 // queue.
 //
+// A queue and not calls: the coordinator and the agents' protocol may not be entered from inside each other. Wall time
+// serves for pacing only; leases and deadlines are infinite, because a browser may suspend a page for hours.
+//
 // It acts only inside Work and Request.
 #pragma once
 

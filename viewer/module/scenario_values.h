@@ -1,4 +1,7 @@
 // The values of a scenario that the reader of a page can change: numbers and flags that it states.
+//
+// Only values that are in the text: a default has no place in it, and would need the schema. Values are changed in the
+// text (ScenarioText), so a changed scenario is loaded and checked as if the reader had written it.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

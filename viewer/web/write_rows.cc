@@ -1,6 +1,9 @@
 // Writes the TypeScript of the rows of a state, as viewer/gateway/page_messages.cc sends them, from the fields of their
 // types, and the names of the built-in controllers:
-//   write_rows OUTPUT.ts
+// - write_rows OUTPUT.ts
+//
+// Run by the build, so that a field added to a row type reaches the page without a line of TypeScript, and a mismatch
+// of types on the two sides is a compiler's error.
 #include <cstdlib>
 #include <fstream>
 #include <iostream>

@@ -1,5 +1,8 @@
 // BitmapDrawing: walls that are drawn into the image of a floor plan, pixel by pixel, on the ground of the scene. A
 // stroke is one edit, at its end.
+//
+// The page draws a preview only. The gateway changes the pixels, because it has the image, its history and the rule by
+// which a pixel is a wall. Pixels count from the upper left corner of the image, whose pose in the world may be turned.
 import {BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments} from 'three';
 import {byId, make, toast} from './dom';
 import type {FileClient} from './file_client';

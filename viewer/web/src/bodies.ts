@@ -1,6 +1,9 @@
 // Bodies: the robots and the objects in the scene. A body is a tree of links, as in common/spatial/scene.h: link 0 is
 // its root with everything that no joint moves, but for lights, which are links of their own. Links of equal geometry
 // are instances of one mesh, so that a thousand robots are drawn by a few calls.
+//
+// Geometry is made once per world; an update writes one matrix per link. Colours of instances are written only when
+// they change, because each write sends the whole buffer to the graphics.
 import {
   Box3, BufferGeometry, Color, DynamicDrawUsage, Group, InstancedMesh, Matrix4, Mesh, Raycaster, Sphere, Vector3, type
   Camera
@@ -257,6 +260,7 @@ export class Bodies {
     const models = this.world.models;
     const isRoot = link === body.links[0];
     const withNose = isRoot && entity.kind === 'robot';
+    // Equal shapes, colours and places make equal geometry; names of models have no influence.
     const key = JSON.stringify([
       withNose, link.parts.map(({model, pose}) => [models[model].shape, models[model].color, pose]),
     ]);

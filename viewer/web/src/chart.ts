@@ -1,4 +1,8 @@
-// chart: curves over the positions of the timeline, with axes, a legend, the shown moment, and the values at the pointer.
+// chart: curves over the positions of the timeline, with axes, a legend, the shown moment, and the values at the
+// pointer.
+//
+// The horizontal axis is the position and not the time, as that of the timeline: so a rewind, after which ticks begin
+// again, does not fold a curve back, and a click always means one state. Labels show simulated time.
 import {color} from './colors';
 import {fixed, make, setText} from './dom';
 import type {TimeSpan} from './protocol';

@@ -1,4 +1,7 @@
-// Colours: those of meanings are variables of viewer.css, and each robot has a hue of its own for its trail and its plots.
+// Colours: those of meanings are variables of viewer.css, and each robot has a hue of its own for its trail and its
+// plots.
+//
+// One place for both, so that a theme changes the page, its canvases and the scene together.
 import {Color} from 'three';
 
 // Kept, because the browser computes the styles of the page for each question.

@@ -1,4 +1,8 @@
 // Connection: the requests of the page, and the messages to it.
+//
+// A request with a reply gets a number, and its promise is always resolved: by the reply, or by a problem when the
+// connection is lost. Nothing is rejected, so callers need no error handling beyond `done`. Requests are not repeated
+// after a loss: whether the run has executed one is unknown, and the user sees its state.
 import {decode, type ExpectationsReply, type Message, type RunStatus, type SeriesReply, type TimeSpan, type TotalsReply} from './protocol';
 import {makeTransport, type Transport} from './transport';
 

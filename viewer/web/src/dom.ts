@@ -1,4 +1,5 @@
-// Small helpers for elements of the page.
+// Helpers for elements of the page. Texts are set as text and never as HTML, because names come from world files and
+// peers.
 
 export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
   const element = document.getElementById(id);

@@ -1,4 +1,4 @@
-// DragLabel: what is dragged in the picture as numbers, beside the pointer.
+// DragLabel: the numbers of what is dragged in the picture, beside the pointer.
 import {fixed, make, setText} from './dom';
 
 export class DragLabel {

@@ -1,4 +1,7 @@
 // Drawing on the ground of the scene: walls, rooms and spawn regions, by dragging from one point to another.
+//
+// Points snap to the grid in world coordinates, metres. A drawn thing becomes text of the file by one request at the
+// end of the drag; until then it is a preview that the gateway does not know.
 import {BufferAttribute, BufferGeometry, Line, LineBasicMaterial, LineSegments, Vector3} from 'three';
 import {byId, fixed, make} from './dom';
 import {DragLabel, metres} from './drag_label';

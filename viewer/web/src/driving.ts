@@ -1,7 +1,10 @@
-// Driving: moves the selected robot by keys, a gamepad or the pad on the page, and commands its grippers. While it is on,
-// the robot stands still unless it is driven; each command is valid for a short time only, so that a robot stops when
-// the page is gone, and its controller continues. A robot whose controller accepts no goals is driven to a point in a
-// straight line, and stands there until it is released.
+// Driving: moves the selected robot by keys, a gamepad or the pad on the page, and commands its grippers. While it is
+// on, the robot stands still unless it is driven; each command is valid for a short time only, so that a robot stops
+// when the page is gone, and its controller continues. A robot whose controller accepts no goals is driven to a point
+// in a straight line, and stands there until it is released.
+//
+// Each command waits for its reply before the next is sent: a slow run gets fewer commands, not a queue of old ones.
+// Commands are counted in ticks, so their time is converted by the measured speed of the run.
 import type {Connection} from './connection';
 import {allow, byId, labelOf, make, setOn, setText, toast} from './dom';
 import {nameOf, type Run} from './run';

@@ -1,5 +1,9 @@
-// Editing by mouse, touch or keys: moves entities to other poses, adds models of the world file, deletes and renames the
-// selected entity, and sends robots to points. The run decides; it refuses a pose in a wall, and says why.
+// Editing by mouse, touch or keys: moves entities to other poses, adds models of the world file, deletes and renames
+// the selected entity, and sends robots to points. The run decides; it refuses a pose in a wall, and says why.
+//
+// What is dragged is shown as a ghost until the run has answered, and the entity itself stays where it is: the picture
+// always shows states of the run. Undo and redo are further requests with the opposite effect, kept by name, because
+// ids change with editions; a file in editing has a history of its own (setFile).
 import {BUILT_IN_CONTROLLERS} from '../generated/rows';
 import type {Connection} from './connection';
 import {byId, make, setOn, toast} from './dom';
@@ -222,7 +226,8 @@ export class Editing {
     });
   }
 
-  // A robot's controller starts anew under the new name.
+  // A robot's controller starts again under the new name: renaming is a deletion and a restoration, because names are
+  // keys of the protocol.
   async renameSelected(): Promise<void> {
     const run = this.host.run();
     const entity = this.host.selected();

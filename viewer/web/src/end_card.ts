@@ -1,5 +1,5 @@
-// EndCard: what a run came to, when it or its recording is over: what each robot has done, and ways to go on. The past
-// stays reachable behind it.
+// EndCard: the result of a run when it or its recording is over: distance, contacts and energy of each robot, and ways
+// to go on. The past stays reachable behind it.
 import {EventType} from '../generated/rows';
 import {robotColor} from './colors';
 import type {Connection, SessionInfo} from './connection';

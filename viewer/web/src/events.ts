@@ -1,5 +1,8 @@
-// Events: their texts, colours and kinds, and the list of them, the newest first: an event that repeats is one row, kinds
-// are hidden and shown, and a click goes to the state of the event.
+// Events: their texts, colours and kinds, and the list of them, the newest first: an event that repeats is one row,
+// kinds are hidden and shown, and a click goes to the state of the event.
+//
+// Rows are gathered as events arrive and only while the list is seen; the list renders at most a hundred rows at first,
+// because a long run has thousands.
 import {EventType} from '../generated/rows';
 import {color} from './colors';
 import {byId, make, setText} from './dom';

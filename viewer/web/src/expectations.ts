@@ -1,5 +1,8 @@
-// The expectations of the run's scenario: one row each under the timeline, with the verdict over time on the axis of the
-// timeline. The gateway judges the past, a part at a time (viewer/gateway/expectation_rows.h).
+// The expectations of the run's scenario: one row each under the timeline, with the verdict over time on the axis of
+// the timeline. The gateway judges the past, a part at a time (viewer/gateway/expectation_rows.h).
+//
+// The page asks until a reply is complete and then again when the run has advanced, at most twice a second: judging
+// competes with seeking for the gateway's thread.
 import type {Connection, SessionInfo} from './connection';
 import {byId, fixed, make, setText} from './dom';
 import type {ExpectationRow, ExpectationsReply} from './protocol';

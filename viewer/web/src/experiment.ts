@@ -1,5 +1,6 @@
-// Experiment: the values of a run that the page computes itself: its seed, and numbers and flags of its scenario. The run
-// starts again with others. The badge tells the hash of each tick.
+// Experiment: the values of a run that the page computes itself: its seed, and numbers and flags of its scenario. The
+// run starts again with others. The badge tells the hash of each tick, so that a reader can compare runs of two
+// machines.
 import type {Connection, Scenario, ScenarioValue} from './connection';
 import {byId, make, setText, toast} from './dom';
 import type {Run} from './run';

@@ -1,4 +1,8 @@
 // The requests of the editor's page and their replies: viewer/editor answers them.
+//
+// The interfaces mirror the JSON of viewer/editor/editor_reports.cc and model_parts.cc; there is no generator for them,
+// so a change there needs one here. Lengths are metres and angles radians wherever a member is a number; members that
+// are text are in the file's units.
 import type {Connection, EditReply} from './connection';
 import {toast} from './dom';
 

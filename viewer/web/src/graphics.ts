@@ -1,5 +1,8 @@
-// The context in which the page draws. Without a graphics card each sample of a pixel costs processor time, and making a
-// context takes seconds, so that edges are smooth with a card only.
+// The graphics context in which the page draws. Without a graphics card each sample of a pixel costs processor time,
+// and making a context takes seconds, so that edges are smooth with a card only.
+//
+// Quality is lowered step by step when frames take long, and never raised again: a page that changes between two
+// qualities is worse than a plain one.
 import {WebGLRenderer} from 'three';
 import {byId, toast} from './dom';
 

@@ -1,10 +1,14 @@
 // The levels of a building, and where each is drawn: at its height, alone, or on the ground beside the others.
+//
+// Levels are intervals of height of one world, not worlds of their own: a lift's cabin and the people in it pass from
+// one to the next. Nothing is moved in the scene; the camera is shifted per level and clipped to its heights
+// (scene.ts), so that picking and marks work in true coordinates.
 import {Box3, Plane, Vector3} from 'three';
 import type {Level} from './protocol';
 
 export type LevelView = 'stacked' | 'beside' | 'one';
 
-// What is between two heights, and by how much it is drawn elsewhere.
+// The bodies between two heights, and the shift by which they are drawn elsewhere.
 export interface LevelPart {
   level: number;
   from: number;  // m

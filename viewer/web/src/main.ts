@@ -1,4 +1,8 @@
-// The page of `troupe view`.
+// The page of `troupe view`: it connects the parts, and decides which of them gets a message.
+//
+// Parts know the connection and what they show, not each other. An update of the gateway is applied to the Run at once,
+// and the scene is drawn at the next frame; panels are refreshed at most ten times a second, because text costs more
+// than a picture.
 import {Connection, type AgentInfo, type Proof, type SessionInfo} from './connection';
 import {Dock, isTab, type Tab} from './dock';
 import {allow, byId, setOn, setText, tellRefusals, throttled, toast} from './dom';

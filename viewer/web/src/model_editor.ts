@@ -1,4 +1,8 @@
 // ModelEditor: draws a model of the file: its blocks, colour, parts and properties.
+//
+// Blocks are edited here and sent as a whole when they are applied; parts are changed by requests of their own, at
+// once. Metres and radians in the frame of the model; the gateway converts to the file's units and fits blocks to the
+// model's size.
 import {byId, make, setText, toast} from './dom';
 import {stageController} from './controller_form';
 import type {EditorHelp, FileClient, ModelPart, ModelReport} from './file_client';

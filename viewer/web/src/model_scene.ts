@@ -1,4 +1,5 @@
-// ModelScene: the model in editing as a body, to be turned by the mouse. Drawn only when it changes.
+// ModelScene: the model in editing as a body, which the mouse turns. Drawn only when it changes, with a renderer of its
+// own: the scene of the world may be large.
 import {
   AmbientLight, BufferGeometry, Color, DirectionalLight, EdgesGeometry, ExtrudeGeometry, GridHelper, Group, LineBasicMaterial,
   LineSegments, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene, Shape, WebGLRenderer,

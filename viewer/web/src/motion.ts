@@ -1,5 +1,8 @@
 // Motion: the poses at which bodies are drawn between two updates, so that a run of ten ticks a second does not jerk. A
 // body moves from where it is drawn to its newest pose, in the time that passed between the last two updates.
+//
+// So the picture is up to one update late, and never ahead: extrapolated bodies would be seen inside walls. Numbers in
+// panels are those of the newest state. Edits, jumps and the past are not smoothed.
 import type {JointRow, ObjectRow, PersonRow, RobotRow} from '../generated/rows';
 import {BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, LineBasicMaterial, LineSegments} from 'three';
 import {robotColorOf} from './colors';

@@ -1,5 +1,9 @@
-// Where the parts of a model are, and the handles by which the mouse changes them. Metres and radians, in the frame of
-// the model.
+// The geometry of the parts of a model, and the handles by which the mouse changes them. Metres and radians, in the
+// frame of the model.
+//
+// Pure functions: a handle's drag maps a point of the view to a PartShape, the members of a request. The page shows the
+// part as `reshaped` would leave it, and the gateway decides. Values snap to a centimetre and to five degrees, with
+// which files remain readable.
 import type {ModelPart} from './file_client';
 import type {Point2} from './sheet';
 

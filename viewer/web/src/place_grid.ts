@@ -1,4 +1,4 @@
-// PlaceGrid: the grid that pointers keep to in the picture of a file, and the place of the dragged entity in numbers.
+// PlaceGrid: the grid to which pointers snap in the picture of a file, and the place of the dragged entity in numbers.
 import type {Vector3} from 'three';
 import {byId} from './dom';
 import {DragLabel, metres} from './drag_label';

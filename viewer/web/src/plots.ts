@@ -2,6 +2,9 @@
 // chart. The gateway says which signals there are, and computes the values from the states of the past
 // (viewer/gateway/signals.h), so that they are there at once, also after a seek and in recordings; only the times in
 // which agents answer are those that the page has seen. A click goes to a moment; all values are saved as CSV.
+//
+// Samples lie on a grid of positions whose step is a power of two: when the shown time changes, most samples stay
+// valid, and a curve does not flicker by sampling other states. The exported file has every tick.
 import {robotColor} from './colors';
 import {chart, type Curve} from './chart';
 import type {Connection} from './connection';

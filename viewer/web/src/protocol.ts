@@ -1,6 +1,10 @@
 // The messages of the gateway: viewer/gateway/page_messages.cc and page_viewer.cc write them. Numbers are
 // little-endian; metres and radians, in the world frame unless the name says otherwise. The build makes the rows of the
 // state and their readers (generated/rows.ts, by write_rows.cc).
+//
+// A message is trusted, because it comes from the server of the page: a truncated one throws a RangeError and ends its
+// handling. The order of reads is the layout: each function reads what the function of the same content writes. A
+// change of the layout needs another PROTOCOL on both sides.
 import {readStateRows, type EventType, type StateRows} from '../generated/rows';
 
 export const PROTOCOL = 7;

@@ -1,4 +1,8 @@
 // Run: the newest state of the run, as the updates of the gateway add up.
+//
+// One object per world, changed in place by updates; rows keep their indices for the life of the world. A new world (an
+// edit, another run) makes a new Run, which inherits events and timeline only if the run is the same. The page computes
+// no motion: every pose shown comes from the gateway, or lies between two of them (motion.ts).
 import {EventType, StateTables} from '../generated/rows';
 import type {Matrix4} from 'three';
 import type {Joint, Light, Pose, Reading, RobotReadings, RunEvent, RunStatus, TimeSpan, Update, World} from './protocol';
@@ -69,7 +73,7 @@ export class Run extends StateTables {
     return this.isSwitchedOn(light) && time % light.period < light.on;
   }
 
-  // Those that the gateway has not sent again are the ones of before.
+  // Readings that the gateway has not sent again (camera images, which are large) are those of the previous update.
   private withKept(received: RobotReadings): RobotReadings {
     const before = this.readings.get(received.robot)?.readings ?? [];
     const readings = received.readings.map((reading, i): Reading => {

@@ -1,4 +1,9 @@
-// WorldScene: the picture of a run. It is drawn anew only when something has changed.
+// WorldScene: the picture of a run. It is drawn only when something has changed: a page in a corner of the screen costs
+// nothing while the run is paused.
+//
+// The world's axes are those of three.js with z up. Static parts are meshes per world; bodies are placed per update or,
+// between two updates, per frame (motion.ts). Levels of a building are drawn by shifting the camera and clipping, not
+// by moving bodies.
 import {
   Box3, Color, Mesh, MeshBasicMaterial, Object3D, OrthographicCamera, PCFSoftShadowMap, PerspectiveCamera, Plane,
   Raycaster, RingGeometry, Scene, Vector2, Vector3, type WebGLRenderer

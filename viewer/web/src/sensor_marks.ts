@@ -8,7 +8,7 @@ import type {Bodies} from './bodies';
 import type {BumperSegment, CameraContent, Content, ContentOf, Pose, Scan} from './protocol';
 import {compose, type Run} from './run';
 
-// Points, lines or triangles of the scene that are filled anew for each picture.
+// Stream: points, lines or triangles of the scene that are filled for each picture.
 
 // Its buffer grows when it has to. Without points it is neither sent nor drawn.
 export class Stream {

@@ -1,5 +1,8 @@
-// The static map: everything that never moves, merged into one mesh, with lines along its upper edges. Lights are meshes
-// of their own, because they may be dark.
+// The static map: everything that never moves, merged into one mesh, with lines along its upper edges. Lights are
+// meshes of their own, because they may be dark.
+//
+// One mesh per opacity, whatever the number of models: a floor plan of ten thousand rectangles is one call. Dense
+// bitmaps are a texture in the plane of their upper side, because their outlines would be millions of triangles.
 import {
   BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh,
   MeshBasicMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, type Box3

@@ -1,4 +1,5 @@
-// window.troupe: what the page shows, for tests.
+// window.troupe: the content of the page, for tests. Tests read what is shown, not what was received, and act by the
+// same methods as users' events; there are no shortcuts into the run.
 import {Vector3} from 'three';
 import type {Connection, EditReply, Reply} from './connection';
 import type {FileDocument} from './file_client';

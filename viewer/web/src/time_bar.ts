@@ -1,4 +1,8 @@
 // The time bar: the state of the run, and the buttons that control its time.
+//
+// The buttons mean the live run or the past, whichever is shown; in the past they move the timeline and send nothing to
+// the run. The page never assumes that a request was executed: a button changes its look with the state that comes
+// back.
 import type {Connection} from './connection';
 import {byId, fixed, setText, toast} from './dom';
 import type {Run} from './run';
@@ -79,7 +83,7 @@ export class TimeBar {
     }
   }
 
-  // Other values than those of the list are those of the command line.
+  // A speed that the list lacks was set by the command line or another tool.
   private showSpeed(speed: number): void {
     const value = speed === 0 ? 'max' : String(speed);
     if (this.speed.value === value) return;

@@ -1,5 +1,9 @@
-// The timeline: its axis, and past states of a live run and the states of a recording: by dragging, and playing forwards
-// and backwards at any speed. A state is asked for by its position; the gateway answers with an update of the past.
+// The timeline: its axis, and past states of a live run and the states of a recording: by dragging, and playing
+// forwards and backwards at any speed. A state is asked for by its position; the gateway answers with an update of the
+// past.
+//
+// One request at a time is under way, and the newest wish replaces the one before it: dragging over thousands of
+// positions costs as many states as the gateway can compute, and the thumb never lags behind a queue.
 import {color} from './colors';
 import type {Connection} from './connection';
 import {byId, toast} from './dom';

@@ -1,4 +1,7 @@
 // Times: the one format of simulated time, and the times of the positions on the timeline.
+//
+// Positions count states; within a span without a gap a tick is one position, so the tick of a position follows from
+// its span. A rewind or an edit begins another span.
 import {fixed} from './dom';
 import type {TimeSpan} from './protocol';
 import type {Run} from './run';

@@ -1,5 +1,8 @@
 // Transport: the way of messages between the page and what shows it a run: a gateway, by a WebSocket, or in a file of
 // `troupe view --static` the same program as a WebAssembly module, in a worker.
+//
+// Messages are the same in both; what differs is how they begin and end. A socket connects again by itself, after waits
+// that double up to three seconds, and the gateway then sends the world anew. A module cannot be lost.
 
 export interface TransportHandler {
   onOpen(): void;
