@@ -69,6 +69,7 @@ class AgentHost final : public AgentHandler {
   // Until the agent has ended, or a stop request.
   Result<AgentEnd> Run() {
     endpoint_.Start(*this);
+    // Under the lock: the waiting thread has either not tested the request yet, or is waiting.
     const std::stop_callback wake(stop_, [this] {
       const std::lock_guard lock(mutex_);
       changed_.notify_all();
@@ -113,6 +114,7 @@ class AgentHost final : public AgentHandler {
       } catch (const std::bad_alloc& no_memory) {
         protocol_.Fail(FailureOf(no_memory));
       }
+      // Most frames leave nothing to do for the other thread, which is then not woken.
       wake = protocol_.has_task() || protocol_.over() || protocol_.NextPoll() < wake_at_;
     }
     if (wake) changed_.notify_all();
@@ -173,6 +175,7 @@ Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOp
   if (!end.ok()) return end;
   if (Status status = files.Close(); !status.ok()) {
     Error error = status.error();
+    // The file could be opened: that it cannot be written to its end is no mistake of the caller.
     if (error.code == ErrorCode::kBadInput) error.code = ErrorCode::kFailure;
     return error;
   }

@@ -1,5 +1,14 @@
 // AgentHost: one or more robots in one agent process, around one replica of the world: the threads and the clock of an
 // AgentProtocol.
+//
+// Two threads. The transport's delivery thread brings frames, decides and answers inside the delivery, without handing
+// a frame over: the way of a tick from frame to answer has no switch of threads. The thread of RunAgent does all that
+// may take long: it sends joins, makes and changes replicas, prints notices. One lock guards the protocol; it is
+// released for tasks, for sends of joins and for notices, because each of them may wait for a delivery.
+//
+// An agent survives its service: when the lease expires it waits, and joins again the service that returns or continues
+// the run. It ends by the end of the run, a stop request or a failure; the caller decides on the exit status by the
+// error's code.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +41,7 @@ struct AgentOptions {
   std::shared_ptr<ThreadPool> pool = {};
   double session_timeout_seconds = 60;  // to wait for a session, at first or again; 0: without limit
   MakeGateway make_gateway = {};        // empty: none
-  // Receives lines for people, on the thread of RunAgent; may be empty.
+  // Receives lines for the terminal, on the thread of RunAgent; may be empty.
   std::function<void(const std::string&)> on_notice = {};
 };
 

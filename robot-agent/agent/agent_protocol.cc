@@ -44,6 +44,7 @@ AgentProtocol::AgentProtocol(AgentEndpoint& endpoint, const AgentOptions& option
 void AgentProtocol::WaitForSession(double now) {
   const double timeout = options_.session_timeout_seconds;
   state_ = Waiting{timeout > 0.0 ? now + timeout : kNever};
+  // It belongs to a run that is over for this agent.
   run_.kept_frame.reset();
 }
 
@@ -53,6 +54,7 @@ void AgentProtocol::Choose(const SessionMessage& session) {
   run.incarnation = session.incarnation;
   run.newest_world = session.world_edition;
   run.has_begun = session.begun;
+  // A newer world of the same run: a frame that has come before it may be answered then.
   if (run_.id == run.id) run.kept_frame = std::move(run_.kept_frame);
   run_ = std::move(run);
   state_ =
@@ -84,6 +86,7 @@ double AgentProtocol::GiveUpAt() const {
 
 double AgentProtocol::NextJoin() const {
   const auto* const joining = std::get_if<Joining>(&state_);
+  // Only a joining agent sends joins; the first one is due at once.
   if (joining == nullptr) return kNever;
   if (!joining->sent_at) return -kNever;
   return *joining->sent_at + (run_.has_begun ? kFirstJoinPeriod : joining->period);
@@ -115,6 +118,7 @@ std::optional<JoinMessage> AgentProtocol::Poll(double now) {
   // Frequent joins of hundreds of agents before the run begins would delay the service.
   if (joining.sent_at) joining.period = std::min(2.0 * joining.period, kMaxJoinPeriod);
   joining.sent_at = now;
+  // Made at each time: an edit may have come since the last one.
   JoinMessage join = MakeJoin();
   if (!join.robots.empty()) return join;
   state_ = Ended{};
@@ -272,6 +276,8 @@ void AgentProtocol::Process(const FrameMessage& frame) {
   const FramePlace place = PlaceOf(frame);
   if (frame.world_edition < robots_.world_edition || (run_.answered && place < *run_.answered)) return;
   // Robots that have not answered a frame yet are as new, but the ids may have changed since their world.
+  // The session message with the new world may come before this frame or after it: the frame is kept until the world is
+  // there.
   const bool is_new_world = frame.world_edition != robots_.world_edition;
   const bool fresh = robots_.fresh_edition ? frame.fresh_edition > *robots_.fresh_edition
                                            : is_new_world && frame.fresh_edition > robots_.world_edition;
@@ -325,6 +331,7 @@ void AgentProtocol::AnswerNew(const FrameMessage& frame) {
 }
 
 void AgentProtocol::SendAnswer(Tick next) {
+  // The answer may be shared with the service in this process, and must not change: a copy is sent.
   if (run_.answer->incarnation != run_.incarnation) {  // the service has seen another message
     auto renewed = std::make_shared<ProposalMessage>(*run_.answer);
     renewed->incarnation = run_.incarnation;
@@ -365,6 +372,7 @@ bool AgentProtocol::ComputeAnswer(const FrameMessage& frame) {
     return false;
   }
   const bool was_edited = robots_.memory && robots_.memory->edition != frame.edition;
+  // Before the decision: odometry must not count the jump of an edit as a motion.
   if (was_edited) replica.Relocate(frame.state);
   auto answer = std::make_shared<ProposalMessage>(
       frame.paused ? replica.Pause(frame.state) : replica.Decide(frame.state, frame.commands, TakeUnusedProposals()));
@@ -374,6 +382,7 @@ bool AgentProtocol::ComputeAnswer(const FrameMessage& frame) {
   answer->incarnation = run_.incarnation;
   run_.answer = std::move(answer);
   run_.answered = PlaceOf(frame);
+  // From now on the robots have processed this state.
   robots_.memory = {frame.edition, frame.state.tick, !frame.paused};
   ScanLog* const log = resources_.scan_log;
   if (!std::exchange(robots_.log_is_marked, true) && frame.fresh_edition > 0 && log != nullptr) {

@@ -29,6 +29,12 @@
 //              a lost service has not returned in time           Ended, failed
 //   any        the last frame of the run                         Ended
 //              a task or an answer fails                         Ended, failed
+//
+// Determinism: an answer is computed from a frame, the robots' memory and nothing else, so that a resent frame gets the
+// same answer (AnswerAgain), and robots that are made again from a history (Retracing) decide as the lost ones would
+// have. Wall time decides only when joins are sent and when the agent gives up.
+//
+// Frames that cannot be answered yet are kept, the newest one only: any frame has the whole state.
 #pragma once
 
 #include <cstdint>
@@ -81,7 +87,7 @@ class AgentProtocol {
   bool is_running() const { return Is<Running>(); }
   // The names of its robots. REQUIRES: is_running()
   std::vector<std::string> RobotNames() const { return robots_.replica->RobotNames(); }
-  // Lines for people, each returned once.
+  // Lines for the terminal, each returned once.
   std::vector<std::string> DrainNotices() { return std::exchange(notices_, {}); }
 
  private:
@@ -110,6 +116,7 @@ class AgentProtocol {
   struct Ended {
     Status failure = {};  // ok: the service ended the run, or all robots were removed
   };
+  // The states are a variant, so that data of one state cannot be read in another.
   template <typename State>
   bool Is() const {
     return std::holds_alternative<State>(state_);
@@ -119,7 +126,7 @@ class AgentProtocol {
   using FramePlace = std::tuple<Edition, Tick, bool>;
   static FramePlace PlaceOf(const FrameMessage& frame) { return {frame.edition, frame.state.tick, !frame.paused}; }
 
-  // What the agent knows of the run that it has chosen.
+  // The agent's knowledge of the run that it has chosen.
   struct Run {
     RunId id = 0;
     Incarnation incarnation = 0;             // the highest
@@ -164,7 +171,7 @@ class AgentProtocol {
   void AnswerNew(const FrameMessage& frame);
   void AnswerAgain(const FrameMessage& frame);
   void SendAnswer(Tick next);
-  // The memory of an answer that is not in use any more.
+  // The memory of an answer that is no longer in use.
   std::vector<Proposal> TakeUnusedProposals();
   void WriteTrace(Tick next);
   // Computes the answer to a new frame; false if the frame cannot be answered.

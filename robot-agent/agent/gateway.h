@@ -1,5 +1,10 @@
 // Gateway: connects the robots of an agent to another system, for instance ROS 2 (robot-agent/ros): it publishes states
-// and readings, and receives commands. It changes a result only by a command.
+// and readings, and receives commands.
+//
+// A command of a gateway is an input of its tick, like one of a tool; apart from commands a gateway changes no result:
+// it may publish, drop or delay as it likes. All functions are called on one thread at a time, those of a tick in the
+// order CommandFor for each robot, then Publish. CommandFor is on the way of the tick, and Publish comes after the
+// answer was sent: an agent that publishes slowly delays its next answer, not this one.
 #pragma once
 
 #include <functional>
@@ -38,17 +43,18 @@ class Gateway {
   // Publishes a tick; called after the agent's answer to it was sent. The call must not wait for readers.
   virtual void Publish(Tick tick, std::span<const RobotView* const> robots) = 0;
 
-  // Waits until what Publish has written is on its way, in order: others are told next that it is.
+  // Waits until all messages of Publish are on their way, in order: the service is told next that the tick is
+  // published.
   virtual void AwaitPublished() {}
 
-  // Called a few times a second in a pause: publishes the tick again for readers that have come since, if any.
+  // Called a few times a second in a pause: publishes the tick again for new readers, if any.
   virtual void Repeat(Tick, std::span<const RobotView* const>) {}
 
   // An edit has changed other parts of the world than these robots. REQUIRES: the scene outlives the gateway, or the
   // next call.
   virtual void ChangeWorld(const Scene&) {}
 
-  // The robots start anew, perhaps at an earlier tick: pending commands are discarded.
+  // The robots start again, perhaps at an earlier tick: pending commands are discarded.
   virtual void Restart() {}
 
   // Drains the messages for the log of the run.

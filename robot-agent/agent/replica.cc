@@ -102,6 +102,7 @@ Result<std::unique_ptr<Replica>> Replica::Create(std::shared_ptr<const Scene> sc
   if (!ids.ok()) return ids.error();
   std::unique_ptr<Replica> replica(new Replica(std::move(scene), options, make_gateway));
   if (Status status = replica->MakeRobots(ids.value()); !status.ok()) return status.error();
+  // Lines of a scan log are in the order of robots: one thread.
   const std::size_t most = pool != nullptr && options.scan_log == nullptr ? pool->size() : 1;
   const std::size_t threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, most);
   replica->ResetIndices(threads);
@@ -116,6 +117,7 @@ Result<std::unique_ptr<Replica>> Replica::Create(std::shared_ptr<const Scene> sc
 Status Replica::MakeRobots(const std::vector<RobotId>& ids) {
   robots_.clear();
   robots_scenes_ = {scene_};
+  // By id, so that all lists of the replica are in the order of a proposal message.
   for (const RobotId id : ids) {
     Result<std::unique_ptr<Robot>> robot = Robot::Create(*scene_, id, options_);
     if (!robot.ok()) return robot.error();
@@ -287,6 +289,7 @@ ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCo
   const ExternalCommand none;
   ReportsOfRobots reports;
   DecideAll(state, [&](Robot& robot, std::size_t i, const BodyIndex& bodies, TraceLane* lane) {
+    // A failure is reported in the tick in which it happens, and not again.
     const bool worked = robot.failure().empty();
     answer.proposals[i] = robot.Decide(state, bodies, external.empty() ? none : external[i], lane);
     if (worked && !robot.failure().empty()) reports.Add(i, robot.failure());

@@ -1,4 +1,13 @@
-// Replica: an agent's copy of the world, with the robots that the agent simulates.
+// Replica: an agent's copy of the world, with the robots that the agent simulates. It has no state of its own: each
+// frame brings the whole state, and the replica keeps the scene (constant), indices of bodies (caches) and the robots
+// with their memory.
+//
+// Measuring, deciding and the drive are here; the step is not: only the service moves robots. A robot reads the whole
+// state, and writes its proposal alone, so that threads divide robots freely, with the same answer whatever the
+// division. Reports are sorted by robot afterwards.
+//
+// Robots and gateways hold pointers into the scene that they were made for, so that the replica keeps earlier scenes as
+// long as one of them may be in use.
 //
 // Threads: one at a time; Decide divides the robots among threads of its own.
 #pragma once
@@ -34,21 +43,21 @@ class Replica {
                                                  std::shared_ptr<ThreadPool> pool = {},
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
-  // Applies an edit of the world. If `fresh`, the robots that the new world has by name start anew; otherwise its ids
+  // Applies an edit of the world. If `fresh`, the robots that the new world has by name start again; otherwise its ids
   // are those of the old world, and all robots continue but removed ones, and those with another controller. `edition`:
   // of the newest fresh start, for the scan log. The error is a controller or a gateway that cannot be made.
   Status ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edition edition);
-  // Starts the robots anew in the present world. The error is as above.
+  // Starts the robots again in the present world. The error is as above.
   Status Renew(Edition edition);
 
-  // Makes those of the robots that the world has, and the replica lacks. The error is as above.
+  // Makes the named robots that the world has and the replica lacks. The error is as above.
   Status AddRobots(const std::vector<std::string>& names);
 
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
   bool has_robots() const { return !robots_.empty(); }
   // Names of the agent's own robots, in the order of their ids.
   std::vector<std::string> RobotNames() const;
-  // The names of those robots whose controllers accept goals.
+  // The names of the robots whose controllers accept goals.
   std::vector<std::string> NamesThatAcceptGoals() const;
 
   // The error is that of troupe::CheckState: the state does not belong to the world.
@@ -77,7 +86,7 @@ class Replica {
 
   // Publishes the state of the last Decide or Pause through the gateway. REQUIRES: `state` is that state.
   void Publish(const WorldState& state);
-  // Until what the gateway has published is on its way.
+  // Waits until all messages of the gateway are on their way.
   void AwaitPublished();
   // Lets the gateway publish it again for new readers. REQUIRES: as above.
   void Repeat(const WorldState& state);
@@ -86,12 +95,12 @@ class Replica {
  private:
   Replica(std::shared_ptr<const Scene> scene, const RobotOptions& options, const MakeGateway& make_gateway)
       : scene_(std::move(scene)), options_(options), make_gateway_(make_gateway) {}
-  // Takes the robots to the scene; those that have another controller there are made anew.
+  // Moves the robots to the scene; robots that have another controller there are made again.
   Status FollowWorld(const Scene& before);
   Status MakeRobots(const std::vector<RobotId>& ids);
   std::vector<RobotId> Ids() const;
   Status MakeNewGateway();
-  // True if the gateway fits the present world, with robots that start anew if `fresh`.
+  // True if the gateway fits the present world, with robots that start again if `fresh`.
   bool GatewayFits(bool fresh) const;
   void ResetIndices(std::size_t threads);
   void NameRobotsInTrace();

@@ -35,7 +35,7 @@ void ReplicaTask::Perform(const AgentOptions& options, const AgentResources& res
     } else if (auto* const change = std::get_if<Changing>(&work)) {
       outcome = Change(*change, resources);
     } else {
-      // The lines of the past are in the log, or in that of the agent before.
+      // The lines of the past are in the log already, or in the log of the previous agent.
       if (resources.scan_log != nullptr) resources.scan_log->Mute(true);
       outcome = Retrace(std::get<Retracing>(work), resources);
       if (resources.scan_log != nullptr) resources.scan_log->Mute(false);
@@ -83,6 +83,7 @@ Status ReplicaTask::Change(const Changing& change, const AgentResources& resourc
     status = robots.replica->Renew(change.fresh_edition);
   }
   // A history may have ended in a world without some of the robots: one that was spawned in the newest state.
+  // Robots are known by name here: ids may be others in another world.
   if (status.ok() && change.session) status = robots.replica->AddRobots(robots.names);
   if (!status.ok()) {
     return Failure("the world was edited, and this agent cannot continue: " + status.error().message);

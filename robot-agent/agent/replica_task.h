@@ -1,6 +1,9 @@
 // ReplicaTask: makes or changes the replica of an agent, or lets its robots process states of the past. It may last
 // long, and a gateway may have a DDS participant, whose end waits for all threads of DDS: so a task must not run, nor
 // end, on a thread that delivers messages or while such a thread waits for the caller.
+//
+// A task owns the robots while it runs: the protocol has none meanwhile, and gets them back, or a replica of no use
+// stays in the task. So no lock is held during a task, however long it takes.
 #pragma once
 
 #include <cstdint>
@@ -22,23 +25,24 @@ namespace troupe {
 // The resources of an agent, for its replica.
 struct AgentResources {
   ScanLog* scan_log = nullptr;  // null: none
-  TickTrace* trace = nullptr;   // likewise
+  TickTrace* trace = nullptr;   // null: none
   FindEqualMemory find_map;     // memory for the map of the world; may be empty
 };
 
 // The robots of an agent, in their replica of the world.
 struct AgentRobots {
-  std::unique_ptr<Replica> replica;      // null: not made yet, or all robots of the agent are deleted
-  std::vector<std::string> names;        // the world of a history may lack some of them
-  std::uint64_t world_hash = 0;          // of the replica's world
-  Edition world_edition = 0;             // likewise
-  std::optional<Edition> fresh_edition;  // at which they were made anew; nothing: they have processed no frame yet
+  std::unique_ptr<Replica> replica;            // null: not made yet, or all robots of the agent are deleted
+  std::vector<std::string> names;              // the world of a history may lack some of them
+  std::uint64_t world_hash = 0;                // of the replica's world
+  Edition world_edition = 0;                   // of the replica's world
+  std::optional<Edition> fresh_edition;        // at which they started again; nothing: they have processed no frame yet
   std::optional<ControllerCheckpoint> memory;  // nothing: they are new
   bool log_is_marked = false;                  // the scan log has fresh_edition
 };
 
 struct ReplicaTask {
-  // Makes the replica for the world of a session. The one before ends first: the names of its gateway may be the same.
+  // Makes the replica for the world of a session. The previous one ends first: the names of its gateway may be the
+  // same.
   struct Making {
     std::unique_ptr<SessionMessage> session;
   };
@@ -51,7 +55,7 @@ struct ReplicaTask {
   // The robots process the states that follow their memory.
   struct Retracing {
     std::unique_ptr<HistoryMessage> history;
-    std::unique_ptr<SessionMessage> later_world = {};  // result: that of the replica, if the history has an older one
+    std::unique_ptr<SessionMessage> later_world = {};  // result: the replica's world, if the history has an older one
   };
   using Work = std::variant<Making, Changing, Retracing>;
 

@@ -1,4 +1,12 @@
 // The built-in controllers; docs/controllers.md describes their behaviour and parameters.
+//
+// Each controller is one source (pairs that share code are one), and a function that returns its entry of the table;
+// create_controller.cc lists the functions. `check` reads parameters without a robot, for loaders and forms; `create`
+// reads the same with the robot, and finds the sensors that it needs. Both errors begin with the controller's name.
+//
+// All of them follow the rules of troupe/controller.h: no clock, no random numbers but Observation::Random, and the
+// mathematics of troupe/deterministic_math.h. They are values (Clone is a copy), so that snapshots and branches
+// continue them.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,5 +1,8 @@
 // The built-in controllers and their parameters as a table, for help and for forms: docs/controllers.md describes them.
 // A test compares it with what the controllers read.
+//
+// Users read these texts in help and forms: one sentence each. Defaults are texts,
+// in JSON, because some are lists.
 #pragma once
 
 #include <span>

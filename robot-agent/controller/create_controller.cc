@@ -163,6 +163,7 @@ class DynamicController final : public Controller {
     traveled_ += std::abs(observation.twist.vx) * observation.interval;
     const bool is_stalled = observation.stalled && observation.time >= wait_until_;
     const bool is_stuck = is_stalled && traveled_ == 0.0 && last_traveled_ == 0.0;  // in both directions
+    // A body between two obstacles: neither way is free.
     const double patience = is_stuck ? Recovery::kPatience : Recovery::kNever;
     if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) {
       last_traveled_ = parameters_.distance;
@@ -194,7 +195,7 @@ class DynamicController final : public Controller {
   Recovery recovery_;
   double direction_ = 1.0;                                          // 1: ahead
   double traveled_ = 0.0;                                           // m, on this way
-  double last_traveled_ = std::numeric_limits<double>::infinity();  // m, on the way before
+  double last_traveled_ = std::numeric_limits<double>::infinity();  // m, on the previous way
   double wait_until_ = 0.0;                                         // s, simulated
 };
 

@@ -1,6 +1,10 @@
 // Controllers by name: a built-in one ("wander"), the path of a shared library (it contains a slash or ends in ".so"),
 // or a class in Python ("patrol.py:Patrol"), which runs in the package troupe for Python
 // (python/native/controller_host.cc): that library, and the interpreter, are opened only for such a controller.
+//
+// A library runs in the process of its agent with all of the agent's rights, so that only libraries that the owner of
+// the run has allowed are opened (AllowedPaths), whatever a world file or a peer asks for. A library stays open until
+// the program ends, because objects of its types may live as long.
 #pragma once
 
 #include <memory>

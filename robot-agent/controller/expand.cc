@@ -48,6 +48,7 @@ class ExpandController final : public Controller {
     // It rests in front of a narrow obstacle with the free space behind it, and where all its attempts are blocked.
     if (const std::optional<Command> recovery = recovery_.Update(observation, kEscapePatience, Recovery::kNever))
       return *recovery;
+    // The sum of all rays as vectors: it points to the side with the most room.
     Vec2 free_space = Vec2::Zero();
     bool clear = true;
     for (const auto& [ray, origin, direction] : *rays_) {

@@ -1,4 +1,11 @@
 // fetch: picks objects up at some places and puts them down at others, step by step.
+//
+// The parameters are a list of steps that users think in ("take" from a place, "put" at another). They are translated
+// once into small actions, each with an end that can be observed: a pose reached, fingers open or closed, a lift at
+// rest, a time. The controller executes one action after another; several that end at once take no time.
+//
+// Motions are planned by braking distances, with half of the drive's deceleration as a reserve, so that a robot arrives
+// exactly, to a micrometre, for any length of ticks: the next step begins from there, and grippers need it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -245,6 +252,7 @@ constexpr double kSteeringGain = 2.0;      // 1/s
 constexpr double kBlockedTime = 10.0;      // s blocked on its way, before a recovery
 
 // The fastest speed (m/s or rad/s) that allows a stop after `way` at `deceleration`; the last one ends there exactly.
+// The last tick covers the rest of the way exactly, whatever it is.
 double Approach(double way, double speed, double deceleration, double interval) {
   const double size = std::abs(way);
   const double allowed = std::min({speed, std::sqrt(2.0 * deceleration * size), size / interval});
@@ -263,6 +271,8 @@ class FetchController final : public Controller {
     const DriveDescription& drive = info.robot->drive;
     plan_.speed = std::min({plan_.speed, drive.velocity.x.max, -drive.velocity.x.min});
     plan_.turn_rate = std::min({plan_.turn_rate, drive.velocity.heading.max, -drive.velocity.heading.min});
+    // The bounds of the drive are used once more here than in the drive: a speed that the drive would cut would end the
+    // motion too late.
     deceleration_ = Deceleration(drive.acceleration.x);
     turn_deceleration_ = Deceleration(drive.acceleration.heading);
   }
@@ -277,6 +287,7 @@ class FetchController final : public Controller {
     Command command;
     // In the next tick: a round may take no time.
     if (plan_.repeats && next_ == plan_.steps.size()) next_ = 0;
+    // Several steps may end in one tick; the first that does not commands the motion.
     while (next_ < plan_.steps.size() && IsDone(plan_.steps[next_], observation, command)) {
       ++next_;
       began_ = false;

@@ -1,4 +1,8 @@
 // flock: moves with the robots that it hears by radio.
+//
+// Both controllers here follow the rule of Reynolds (1987): keep away from near neighbours, move with the others, stay
+// together (FlockDirection in steering.h). They differ in how a robot knows its neighbours: by radio messages with
+// their poses, or by a fiducial finder. Neither has a leader, and no robot knows how many there are.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -98,6 +102,7 @@ class FlockController final : public Controller {
           pose->x = point.x();
           pose->y = point.y();
         }
+        // An ordered map: the sum over neighbours has a fixed order, and with it the same bits.
         heard_[reception.from] = {*pose, observation.time};
       }
     }

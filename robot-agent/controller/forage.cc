@@ -1,6 +1,10 @@
 // fasr, fasr2 and fasr_plan: carry units from sources to sinks. Three ways to the same task: one pair of places with
 // what the sensors see at present; several pairs, in turn; one pair with planned paths on a map of its own. With a
 // charger, the task waits while the robot charges its store of energy.
+//
+// Places are points, or marks that a fiducial finder recognizes and the robot remembers where it saw them last. Loading
+// and unloading are times of standing at a place: no object is moved. Stations (station.cc) are the other side: they
+// show their mark while they have a unit to give.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -18,6 +18,7 @@ std::optional<WayAround> GivingWay::OnBlocked(const LanePlace& place, RobotId ot
   const double time = place.now.time;
   if (!blocked_since_) {
     blocked_since_ = time;
+    // Drawn once for each block: a time that changed in each tick would be the shortest of all draws.
     give_way_seconds_ = kGiveWaySeconds * ((other < own_ ? 1.0 : 2.0) + 0.5 * place.now.Random(0));
   }
   if (time - *blocked_since_ < give_way_seconds_) return std::nullopt;
@@ -38,6 +39,7 @@ std::optional<WayAround> GivingWay::OnBlocked(const LanePlace& place, RobotId ot
 
 std::optional<WayAround> GivingWay::FindDetour(const LanePlace& place, const Leg& leg) const {
   if (!place.target) return std::nullopt;
+  // Against the way that it would take: a detour is worth its extra time only up to a limit.
   const std::optional<LaneRoute> route = FastestRoute(*graph_, place.vertex, *place.target, speed_);
   std::optional<LaneRoute> around = FastestRoute(*graph_, place.vertex, *place.target, speed_, {*leg.lane});
   if (!route || !around || around->seconds > route->seconds + kDetourSeconds) return std::nullopt;

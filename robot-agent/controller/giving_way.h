@@ -1,5 +1,10 @@
 // GivingWay: what a robot on lanes does when another one is in its way, or waits for it: it takes another route, or
 // goes to a free vertex beside the way for a while.
+//
+// Robots do not talk to each other: each sees the others in the frame, and decides by rules that break symmetry. The
+// robot with the larger id gives way after a shorter time; random parts of the times come from Observation::Random, so
+// that a run repeats. Two robots face to face are resolved because after different times one of them takes a detour or
+// steps aside.
 #pragma once
 
 #include <cstddef>
@@ -44,7 +49,7 @@ class GivingWay {
   static bool IsAskedForRoom(const LanePlace& place, const Vec2& towards);
   static constexpr double kPoliteSeconds = 8.0;  // until a robot that waits makes room
 
-  // To a random free neighbour of its vertex, but for `not_to`. Nothing if there is none.
+  // To a random free neighbour of its vertex, except `not_to`. Nothing if there is none.
   std::optional<WayAround> StepAside(const LanePlace& place, std::optional<std::size_t> not_to = {}) const;
 
  private:

@@ -1,4 +1,8 @@
 // go_to and patrol: drive to places, once or round after round. Both accept goals of users.
+//
+// A goal of a user comes from the page, troupectl, ROS or a tool, as an input of the tick. It replaces the route of the
+// parameters until it is cancelled or expires; then the route begins again. A waypoint is reached within the tolerance,
+// without stopping, except for the last one.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,4 +1,6 @@
 // The parameters of the controller `lanes`.
+//
+// Read once, before the first tick. Defaults are those of docs/controllers.md; 0 for a speed means that of the drive.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +33,7 @@ struct LaneSettings {
 // The error names the controller.
 Result<LaneSettings> ParseLaneSettings(const std::string& text);
 
-// The graph of the world, which has all places of the settings. Likewise.
+// The graph of the world, which has all places of the settings. The error names the controller, too.
 Result<const LaneGraph*> FindLanes(const LaneSettings& settings, const RobotInfo& info);
 
 }  // namespace troupe

@@ -65,11 +65,13 @@ void LaneTasks::ReadEnergy(const Observation& observation, std::size_t at) {
   std::optional<double> least;
   for (std::size_t i = 0; i < graph_->vertices.size(); ++i) {
     if (!graph_->vertices[i].is_charger) continue;
+    // The charger that is reached soonest, not the nearest one in the plane.
     const std::optional<LaneRoute> route = FastestRoute(*graph_, at, i, speed_);
     if (!route || (least && route->seconds >= *least)) continue;
     least = route->seconds;
     charger_ = i;
   }
+  // Without a charger in reach: a search in each tick would cost more than all else.
   if (!charger_) charge_after_ = observation.time + kNextCharge;
 }
 

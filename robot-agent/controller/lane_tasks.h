@@ -1,4 +1,10 @@
-// Where a robot on lanes goes next: aside, to a charger, to a user's goal, or to its own places, in this order.
+// LaneTasks: where a robot on lanes goes next: aside, to a charger, to a user's goal, or to its own places, in this
+// order.
+//
+// Each kind of destination keeps its own progress: a robot that has been charged, or has made room, continues the goal
+// or the round that it had. Places are vertices of its graph; a goal of a user is moved to the nearest vertex. It knows
+// nothing of motion, doors or other robots: LanesController (lanes.cc) asks it for a target, and tells when the target
+// is reached or cannot be.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,12 @@
 // lanes: drives along the lanes of a site to places, through doors and with lifts, and gives way to other robots.
+//
+// A route is a list of legs from vertex to vertex (lane_route.h). The robot drives along the front leg, and enters it
+// only when all that it needs is there: lifts, then doors, then mutex groups, in this order, for the reasons at
+// MayEnter. Deadlocks that remain are resolved by giving way (giving_way.h).
+//
+// The parts are separate: LaneTasks says where to go, FastestRoute how, SiteControls operates doors and lifts,
+// MutexGroup and MutexTurn decide which robot enters a group, GivingWay finds the way out of a block. All of them read
+// the frame of the tick alone; no robot sends a message to another.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -116,6 +124,7 @@ class LanesController final : public Controller, public RobotWatcher {
         at_ = i;
       }
     }
+    // A leg without a lane: straight to the vertex.
     legs_ = {{at_, at_, {}}};
     is_on_leg_ = true;
   }
@@ -147,6 +156,7 @@ class LanesController final : public Controller, public RobotWatcher {
     const double rested = now_->time - *rest_since_;
     const bool was_aside = tasks_.is_aside();
     if (target_ && *target_ != at_) {
+      // The route may be closed for a moment only.
       if (rested < kNoWaySeconds) return;
       tasks_.LeaveOut(*now_);
       rest_since_.reset();
@@ -198,7 +208,7 @@ class LanesController final : public Controller, public RobotWatcher {
     if (controls_.StandsOpenAt(leg.to)) Finish(leg);
   }
 
-  // Those whose lifts the robot keeps: of the next two legs, and the one that it is in.
+  // The vertices whose lifts the robot keeps: of the next two legs, and the vertex that it is at.
   std::vector<std::size_t> NeededVertices() const {
     std::vector<std::size_t> needed;
     for (std::size_t i = 0; i < std::min<std::size_t>(legs_.size(), 2); ++i) {
@@ -256,6 +266,7 @@ class LanesController final : public Controller, public RobotWatcher {
     if (rest <= tolerance || length == 0.0) return Finish(leg);
     const Vec2 along = way / length;
     const double at = leg.lane ? std::clamp((position() - vertex(leg.from).position).dot(along), 0.0, length) : 0.0;
+    // It has passed the end beside it: turning back for centimetres would look and be worse.
     if (leg.lane && at >= length && rest < 3.0 * tolerance && !is_docking) return Finish(leg);
     const Vec2 aim = leg.lane ? Vec2(vertex(leg.from).position + std::min(at + kLookAhead, length) * along) : end;
 

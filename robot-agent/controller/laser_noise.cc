@@ -49,7 +49,7 @@ class LaserNoiseController final : public Controller {
   std::unique_ptr<Controller> Clone() const override { return std::make_unique<LaserNoiseController>(*this); }
 
  private:
-  // Welford's sums of the ranges of one ray.
+  // The sums of the ranges of one ray (Welford 1962): stable where the variance is tiny beside the mean.
   struct Sums {
     double count = 0.0;
     double mean = 0.0;     // m

@@ -1,5 +1,10 @@
 // PathFollower: drives along a path of Open-RMF as the plugin `slotcar` of rmf_simulation does: it turns in place
 // towards the next point, drives there, and at the last one turns to its heading. It knows nothing of ROS.
+//
+// Deterministic and without a clock: the state is the path, the next point and the pause. The controller `slotcar` uses
+// it for goals of users, and the ROS port for paths of Open-RMF.
+//
+// Times: a point with a time is not left before it; a pause holds at once, or at a checkpoint, while the path stays.
 #pragma once
 
 #include <cstddef>

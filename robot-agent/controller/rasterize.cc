@@ -1,4 +1,7 @@
 // rasterize: makes a map of cells of all places that it can reach.
+//
+// It drives to the nearest unknown place again and again (frontier exploration; Yamauchi 1997), and says so when none
+// is left in reach.
 #include <fmt/format.h>
 
 #include <optional>

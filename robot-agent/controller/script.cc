@@ -1,4 +1,12 @@
 // script: a timed list of commands.
+//
+// Two kinds of parts of a command. A motion is a state: the last one that is due counts, in each tick. Commands to
+// grippers, joints, devices and messages are events: each is given once, in the tick in which it is due, also when
+// several are due at once. Both follow from the time of the observation, so that a robot that joins late continues at
+// the right place.
+//
+// Names of grippers, joints, lights, doors and lifts are resolved when the controller is made: a wrong name is an error
+// before the run.
 #include <fmt/format.h>
 
 #include <algorithm>

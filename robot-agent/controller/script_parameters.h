@@ -1,4 +1,7 @@
 // The parameters of the controller `script`, as read from JSON; docs/controllers.md has their format.
+//
+// This is the form of the file: names are not resolved, because a scenario is checked without a robot. The first error
+// ends the reading; it names the command by its number, from 1.
 #pragma once
 
 #include <optional>
@@ -40,7 +43,7 @@ struct ScriptCommand {
   std::vector<std::pair<std::string, double>> doors;       // by name: opening, from 0 to 1
   std::vector<std::pair<std::string, std::string>> lifts;  // by name: a floor; empty: ends the session
   std::vector<ScriptCamera> cameras;
-  std::optional<std::string> say;   // a text for people
+  std::optional<std::string> say;   // a text for the log of events
   std::optional<std::string> send;  // a text, by the robot's first radio to all in range
 };
 

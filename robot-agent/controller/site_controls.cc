@@ -60,6 +60,7 @@ bool SiteControls::AwaitLift(std::size_t vertex) {
                           });
   std::optional<double>& since = blocked_since_[*lift];
   since = is_blocked ? std::optional(since.value_or(now_->time)) : std::nullopt;
+  // A landing door that is blocked for a moment is no reason to give the lift away.
   if (!since || now_->time - *since < kPatience) return CallLift(vertex);
   if (now_->lifts[*lift].session == id_) command_->orders.push_back(LiftOrder{*lift, 0, true});
   return false;
@@ -188,7 +189,7 @@ void SiteControls::CloseBehind(const std::vector<Leg>& legs, const Vec2& positio
     const bool is_used = std::any_of(others.begin(), others.end(), [&](const SeenRobot& other) {
       return std::fabs(other.z - door.z) < kLevelGap && IsNearLeaves(door, other.position, other.radius);
     });
-    if (is_used) continue;  // it stays open until that is gone, too
+    if (is_used) continue;  // it stays open until the other robot is gone, too
     // A request of this tick was for a way that the robot has just left.
     if (!is_on_way) {
       std::erase_if(command_->orders, [&](const Order& order) {

@@ -1,4 +1,11 @@
-// The doors and lifts of a site, as a robot on lanes operates them.
+// SiteControls: the doors and lifts of a site, as a robot on lanes operates them: it requests, waits outside of all
+// that moves, passes, and closes or releases behind itself.
+//
+// Requests are orders of the tick (troupe/order.h), and their effect is read from the next frames: nothing is assumed.
+// A lift is used in a session, which the robot keeps from its call until no vertex of its way needs the lift; a door
+// that it has asked for is closed once neither it nor another robot is near the leaves.
+//
+// All distances are along the legs, in m; a robot waits so far before a doorway that no leaf can touch it.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +25,7 @@ class SiteControls {
   // The graph is one of the info, and outlives this.
   SiteControls(const RobotInfo& info, const LaneGraph& graph);
 
-  // What follows is of this tick, and adds to its command. Both live until the next call.
+  // Begins a tick: all further calls read this observation and add to this command. Both live until the next call.
   void Begin(const Observation& observation, Command& command);
 
   // Calls the lift of a vertex to its floor. True while the session is the robot's own, or there is no lift.
@@ -34,7 +41,7 @@ class SiteControls {
   // A door on the way of the robot, so near that it calls it.
   struct DoorAhead {
     const LaneDoor* door = nullptr;
-    double way_before = 0.0;  // m, to where it waits: before all that the leaves sweep; 0: it is not before that
+    double way_before = 0.0;  // m, to where it waits: before all that the leaves sweep; 0: it is already within
   };
   // Along `legs`, of which the robot is `at` m on the first; `radius`: m, its own.
   std::vector<DoorAhead> DoorsAhead(const std::vector<Leg>& legs, const Vec2& position, double at, double radius) const;

@@ -1,5 +1,4 @@
-// slotcar: drives along paths: those of Open-RMF, which come by ROS (robot-agent/ros/slotcar_port.h), or goals of
-// users.
+// slotcar: drives along paths: of Open-RMF, which come by ROS (robot-agent/ros/slotcar_port.h), or goals of users.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -41,6 +40,7 @@ Result<SlotcarParameters> ReadSlotcarParameters(const std::string& text) {
 
 double SpeedFor(double way, double most, double braking, double seconds) {
   const double a = std::clamp(braking, 1e-3, kMaxBraking);
+  // For whole ticks: v such that after this tick at v, braking by a in each further tick ends within the way.
   const double half = 0.5 * a * seconds;
   return std::max(std::min({most, way / seconds, std::sqrt(half * half + 2.0 * a * way) - half}), 0.0);
 }

@@ -1,5 +1,9 @@
 // source and sink: stations for robots that carry units (fasr). A station counts the visitors that its sensors see, and
 // shows by a flag, a joint that it raises, whether it has a unit to give, or room for one.
+//
+// A visit is one unbroken time within reach; a visitor gets or brings one unit in it, after load_time. Visitors are
+// told apart by the models that a fiducial finder sees. Units are counted, not objects: nothing is moved in the world
+// but the flag.
 #include <fmt/format.h>
 
 #include <algorithm>

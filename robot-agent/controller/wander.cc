@@ -1,4 +1,7 @@
 // wander: drives ahead, turns away from obstacles, backs off after a stall.
+//
+// Needs no map and no goal, and works with any ranger, or none: the usual load of a swarm, so that its Update is short.
+// Choices that would be symmetric are random by Observation::Random.
 #include <algorithm>
 #include <cmath>
 

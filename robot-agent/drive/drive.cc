@@ -8,6 +8,7 @@
 namespace troupe {
 namespace {
 
+// A controller of a user may divide by zero: the robot stops in that component, and the run goes on.
 double FiniteOrZero(double value) {
   return std::isfinite(value) ? value : 0.0;
 }

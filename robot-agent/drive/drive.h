@@ -1,4 +1,10 @@
 // Drives: the twist of a robot from a command, the command from a twist, and the pose estimate of a robot.
+//
+// A drive turns a wish into a twist that is within its limits, from the present twist in one tick: the result is what
+// the agent proposes, and the service checks it by the same function (common/model/device_limits.h). Pure functions,
+// but for Odometry, which is a sum over ticks.
+//
+// A car: speed is that of the steered wheel, so that vx = speed cos(steering), wz = speed sin(steering) / wheelbase.
 #pragma once
 
 #include "troupe/controller.h"

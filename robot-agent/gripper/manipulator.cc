@@ -213,6 +213,7 @@ std::vector<double> Manipulator::Propose(const WorldState& state) {
     velocities[grippers_[i].left] = fingers.left;
     velocities[grippers_[i].right] = fingers.right;
   }
+  // An empty list means the same, and is what most robots send.
   if (std::all_of(velocities.begin(), velocities.end(), [](double v) { return v == 0.0; })) velocities.clear();
   return velocities;
 }
@@ -290,6 +291,7 @@ FingerState GripperMachine::Report(const Fingers& f) const {
 
 GripperMachine::Velocities GripperMachine::Propose(const Fingers& f, double tick_seconds) const {
   if (opening_) return ProposeOpening(f, *opening_, tick_seconds);
+  // With an object between the pads the fingers stay: closing further would be a contact in each tick.
   const bool clamped = command_ == FingerCommand::kClose && f.gripper.clamped;
   if (!command_ || command_ == FingerCommand::kStay || clamped) {
     f.left.MoveAt(0.0);

@@ -1,4 +1,13 @@
-// Manipulator: all joints and grippers of one robot, between its controller and its proposals.
+// Manipulator: all joints and grippers of one robot, between its controller and its proposals. It turns commands
+// ("open", "lift to 40 percent") into joint velocities for one tick, and the state into readings.
+//
+// The progress of a motion is in the world's state, never here: what is kept are the last commands. So a robot that
+// joins again, or is continued from a snapshot, drops no object and moves on. JointMotor reaches its target exactly;
+// GripperMachine decides what the two fingers do; Manipulator has one of each for every joint and gripper, by the
+// numbers of RobotInfo.
+//
+// A command that is not valid for the robot is an error of its controller, and none of its parts from there on is
+// applied.
 #pragma once
 
 #include <optional>
@@ -106,8 +115,9 @@ class Manipulator {
   const std::vector<JointReading>& joint_readings() const { return joint_readings_; }
   const std::vector<GripperReading>& gripper_readings() const { return gripper_readings_; }
 
-  // Applies the commands to grippers and joints, in order, up to the first one that is not valid for the robot: the
-  // error describes it as in "commands gripper 3, but the robot has 1".
+  // Applies the commands to grippers and joints, in order, up to the first one that is not valid for the robot. The
+  // error
+  // describes it: "commands gripper 3, but the robot has 1".
   Status Apply(const Command& command);
 
   // The joint velocities to propose after `state`, as in Proposal. REQUIRES: `state` is that of the last Update.

@@ -67,6 +67,7 @@ std::optional<LaneRoute> FastestRoute(const LaneGraph& graph, std::size_t from, 
     for (const Exit& next : exits[vertex]) {
       const double seconds = reached[vertex].seconds + next.seconds;
       Reached& there = reached[next.vertex];
+      // Equal times are decided by vertex numbers, so that the route is unique.
       const bool is_better = seconds < there.seconds || (seconds == there.seconds && vertex < there.by.from);
       if (is_final[next.vertex] || !is_better) continue;
       there = {seconds, {vertex, next.vertex, next.lane}};

@@ -1,4 +1,8 @@
 // LaneRoute: the fastest way along the lanes of a site, from vertex to vertex.
+//
+// A plan at one time, by lengths, limits and constant costs of doors and rides: other robots are not in it. All robots
+// of a site plan with the same numbers, so that their routes agree. Cost: Dijkstra's search (1959) over vertices; made
+// when a target changes, not in each tick.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,11 @@
 // The traffic of robots on lanes, as each of them sees it in the frame of a tick: where the others are decides which of
 // them goes first. All robots see the same frame, so all come to the same result, wherever their agents run.
+//
+// There are no messages and no manager: the group of a mutex belongs to the robot that is in it, and a turn follows
+// from the order of waiting and of ids. A robot that is parked at an entry cannot hold the others up for ever, because
+// its turn passes after some seconds.
+//
+// Heights: bodies 1.3 m apart do not meet; levels of a building are farther apart.
 #pragma once
 
 #include <cstddef>
@@ -61,10 +67,10 @@ class MutexGroup {
   std::vector<std::size_t> entries_;   // ends of lanes into the group
 };
 
-// The turn of a robot that waits for a group at one of its entries. Those that stand at an entry when it begins to wait
-// come first: it enters once it has seen the group free for kTurnSeconds for each of them. They may be parked there,
-// and take no more than that time. Of robots that begin in one tick each sees the others: kTieSeconds more for each
-// smaller id decide.
+// The turn of a robot that waits for a group at one of its entries. Robots that stand at an entry when it begins to
+// wait come first: it enters once it has seen the group free for kTurnSeconds for each of them. They may be parked
+// there, and take no more than that time. Of robots that begin in one tick each sees the others: kTieSeconds more for
+// each smaller id decide.
 class MutexTurn {
  public:
   static constexpr double kTurnSeconds = 3.0;

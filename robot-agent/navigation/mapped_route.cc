@@ -198,6 +198,7 @@ Vec2 EvidenceGrid::CenterOf(std::size_t index) const {
 
 void EvidenceGrid::Add(std::size_t index, int evidence) {
   int sum = std::clamp(evidence_[index] + evidence, -kMaxEvidence, kMaxEvidence);
+  // A cell that was seen never becomes unknown again: the robot would drive there once more.
   if (sum == 0) sum = evidence > 0 ? 1 : -1;  // 0: never seen
   evidence_[index] = static_cast<std::int8_t>(sum);
 }
@@ -205,6 +206,7 @@ void EvidenceGrid::Add(std::size_t index, int evidence) {
 void EvidenceGrid::Observe(const Vec2& origin, const Vec2& direction, double range, bool hit) {
   const std::optional<std::size_t> end = hit ? IndexOf(origin + range * direction) : std::nullopt;
   std::optional<std::size_t> last;
+  // Half cells: a ray skips no cell by more than a corner.
   const double step = 0.5 * cell_;
   const auto count = static_cast<std::size_t>(range / step);
   for (std::size_t i = 0; i <= count; ++i) {

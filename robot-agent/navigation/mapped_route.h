@@ -1,4 +1,11 @@
 // MappedRoute: a map that a robot makes with its ranger, and the way on it: to a point, or to what it has not seen yet.
+//
+// The map is of the robot alone, in the frame of its estimate: with odometry it drifts, as a real one would. Cells hold
+// small whole numbers of evidence, a hit counting more than a pass, so that a wall appears at once and a person that
+// has left disappears after some scans.
+//
+// Planning is a Dijkstra search over cells with whole-number costs: ways are repeatable, and prefer known and wide
+// places. It is done again every 2 s, or when the goal changes: a search in each tick would be most of an agent's time.
 #pragma once
 
 #include <cstddef>
@@ -77,7 +84,7 @@ class MappedRoute {
   double KnownArea() const;
 
  private:
-  // The next point of the way that is not near yet, or its last one; drops those before.
+  // The next point of the way that is not near yet, or its last one; drops the points before it.
   std::optional<Vec2> FollowPath(const Observation& observation);
   bool IsPlanDue(const Observation& observation) const;
 

@@ -1,5 +1,9 @@
 // The sensors with which controllers navigate, and the rays of a ranger in the frame of the robot, for any number and
 // poses of its ray sensors.
+//
+// Which ranger is the best: controllers ask for one, by its shape and not by its name, so that they work on any robot.
+// Rays are listed once, when a controller is made, and equal lists are shared by the robots of a swarm
+// (common/base/intern.h): the list is read in each tick.
 #pragma once
 
 #include <cstddef>

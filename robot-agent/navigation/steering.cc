@@ -190,6 +190,8 @@ std::optional<double> ClearSteering::ClearBearing(double wanted, double distance
   for (int i = -1; i < kBearings; ++i) {
     // The wanted bearing itself is the first candidate.
     const double bearing = i < 0 ? wanted : 2.0 * kPi * i / kBearings - kPi;
+    // The deviation from the point and the change of course: without the latter two bearings of nearly equal cost would
+    // alternate from tick to tick.
     double cost = std::abs(WrapAngle(bearing - wanted));
     if (last_course_) cost += kCourseWeight * std::abs(WrapAngle(heading + bearing - *last_course_));
     if (best && cost >= least) continue;

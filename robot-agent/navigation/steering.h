@@ -1,4 +1,10 @@
 // Motion of robots: to a point, around obstacles, out of a contact, and in a flock.
+//
+// The parts build on each other: SteerToPoint is the motion without obstacles; ClearSteering chooses a clear bearing
+// first; Recovery takes over where both are stuck. All random choices come from Observation::Random, with a number for
+// each use, so that adding one does not change the others.
+//
+// Points in R are in m, x ahead; times are simulated seconds. Nothing here knows a map.
 #pragma once
 
 #include <limits>

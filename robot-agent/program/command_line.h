@@ -1,4 +1,7 @@
 // The command line of the program robot-agent.
+//
+// The launcher writes this line for each agent; users write it for robots on other hosts. Options that several programs
+// have are in command_line/ and ros/flags. docs/running.md and the man page list them.
 #pragma once
 
 #include <optional>

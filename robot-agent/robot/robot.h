@@ -1,5 +1,15 @@
 // Robot: one simulated robot inside its agent: sensors, odometry, controller, drive and gripper around a shared
 // replica.
+//
+// A tick is: odometry and the due sensors follow the state (Sense), the controller decides, its commands are checked
+// and turned into a proposal within the limits of the drive, the joints and the radios (Propose). The controller is the
+// only part of a user: its exceptions and invalid commands are caught, reported once, and leave the robot standing with
+// its objects held, while the run continues.
+//
+// Memory: odometry, the last readings of sensors with a period, the commands to grippers and joints, and the controller
+// itself. All else is in the world's state. Relocate and ChangeWorld bring this memory through edits.
+//
+// Threads: one at a time for one robot; different robots at the same time, each call with a BodyIndex of its thread.
 #pragma once
 
 #include <cstdio>
@@ -61,7 +71,7 @@ class Robot {
 
   RobotId id() const { return id_; }
 
-  // What its controller knows about it before the first tick.
+  // The knowledge of its controller about it before the first tick.
   RobotInfo Info() const;
 
   // Measures state n, calls the controller, and returns the proposal for tick n + 1. Called once for each
