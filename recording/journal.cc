@@ -59,6 +59,7 @@ void AddCommands(ByteWriter<>& out, const std::vector<CommandInForce>& commands,
   RecordedTick tick;
   tick.inputs = inputs;
   for (const CommandInForce& in_force : commands) tick.commands.push_back(in_force.command);
+  // In the form of a tick of a recording, whose converters check it.
   out.WriteWithLength<std::uint32_t>([&] { out.WriteBytes(TickToBytes(tick)); });
   for (const CommandInForce& in_force : commands) {
     out.Write(in_force.ticks);
@@ -125,6 +126,7 @@ struct TailRecord {
 // Nothing for a damaged record, or one of another run.
 std::optional<TailRecord> ParseRecord(std::span<const std::byte> content, RunId run, std::uint64_t& serial) {
   ByteReader in(content);
+  // A record of an earlier run that used the same files.
   if (in.Read<RunId>() != run) return std::nullopt;
   serial = in.Read<std::uint64_t>();
   TailRecord record;
@@ -184,6 +186,7 @@ Result<std::optional<Journal>> Journal::OpenToContinue(const JournalFiles& files
   Result<JournalTailContent> read = ReadJournalTail(files, recording.value().run().run, next.value());
   if (!read.ok()) return read.error();
   JournalTailContent& tail = read.value();
+  // Ticks that the chunks have, too, are left out (ReadJournalTail).
   recording.value().SetTail(std::move(tail.ticks));
   return std::optional(Journal{std::move(recording).value(), tail.progress.value_or(RunProgress()),
                                std::move(written).value(), std::move(sink).value()});
@@ -233,6 +236,7 @@ Result<JournalTailContent> ReadJournalTail(const JournalFiles& files, RunId run,
         content.next_serial = serial + 1;
         content.newest_segment = i;
       }
+      // By serial: the files are read one after the other, and their records may interleave.
       records[serial] = std::move(*parsed);
     }
   }
@@ -294,11 +298,13 @@ Status JournalTail::Append(const RecordedTick* tick, const RunProgress& progress
       out.WriteWithLength<std::uint32_t>([&] { out.WriteBytes(message.data); });
     }
   }
+  // The CRC is of the content: a torn write of any part is found.
   const auto content = std::span<const std::byte>(record_).subspan(kRecordHead);
   const std::array<std::uint32_t, 2> head = {static_cast<std::uint32_t>(content.size()), mcap::Crc32(content)};
   std::memcpy(record_.data(), head.data(), kRecordHead);
 
   Segment& other = segments_[1 - current_];
+  // Both conditions: a file that is still needed is written on, beyond its usual size, when the recording lags.
   if (segments_[current_].size > kSegmentSize &&
       (!other.last_number || *other.last_number < released_.load(std::memory_order_relaxed))) {
     current_ = 1 - current_;

@@ -1,4 +1,15 @@
 // Journal: a recording that a service writes such that another one can continue the run: the recording, and its tail.
+//
+// A recording is compressed in chunks, which are written seconds apart; a run that is to survive the death of its
+// service needs every tick at once. So the tail has each tick uncompressed, in a record of its own with a length and a
+// CRC, until the recording has it in a whole chunk. After a crash, the whole chunks and the tail's records behind them
+// are the run, without a gap.
+//
+// Two files take turns, so that none of them grows: a file is emptied only when the recording has all of its ticks. A
+// record that was being written at the crash is damaged, and ends the reading of its file.
+//
+// One writer: the recording's file is locked (mcap/byte_stream.h). Readers need no lock: they read again when a file
+// was emptied under them. Append is on the way of every tick; with JournalSync::kYes it waits for the disk.
 #pragma once
 
 #include <array>
@@ -35,12 +46,12 @@ enum class JournalSync : bool {
 // JournalTail: the newest ticks of a run, which its recording does not have yet, in two files beside the recording.
 // Each tick is written by one call before the run continues, so that it survives the process.
 //
-// The files are written in turn: one of them is emptied and used again once the recording has all of its ticks.
+// The files take turns: one of them is emptied and used again once the recording has all of its ticks.
 class JournalTail {
  public:
   // The files, emptied. Errors name the file; those of Append have the code kOutputFailed.
   static Result<std::unique_ptr<JournalTail>> Create(const JournalFiles& files, RunId run, JournalSync sync);
-  // The files as they are: what is appended follows their newest record.
+  // The files as they are: new records follow their newest one.
   static Result<std::unique_ptr<JournalTail>> Continue(const JournalFiles& files, RunId run, JournalSync sync);
   JournalTail(const JournalTail&) = delete;
   JournalTail& operator=(const JournalTail&) = delete;
@@ -78,7 +89,7 @@ class JournalTail {
 
 // The content of the files.
 struct JournalTailContent {
-  std::vector<RecordedTick> ticks;      // each follows the one before; without log times
+  std::vector<RecordedTick> ticks;      // each follows the previous one; without log times
   std::optional<RunProgress> progress;  // the newest
   std::uint64_t next_serial = 0;
   std::size_t newest_segment = 0;

@@ -26,6 +26,7 @@ Error Broken(std::string problem) {
 constexpr auto kEventLeaves = dds::WithoutFirst(kLeaves<Event>);  // the tick is that of the recorded tick
 
 Result<RunSettings> SettingsFromWire(const troupe_wire_RecordedRun& wire) {
+  // The bytes are of unknown origin: an enumerator indexes a table of words later.
   if (wire.mode >= kModeWords.size() || wire.on_agent_loss >= kOnAgentLossWords.size()) {
     return Broken("recorded run with an unknown mode or on_agent_loss");
   }
@@ -110,6 +111,7 @@ Result<RecordedEdit> EditFromBytes(std::span<const std::byte> bytes) {
   Result<ControlRequest> request = dds::FromWire(wire.request);
   if (!request.ok()) return request.error();
   edit.request = std::move(request).value();
+  // The second is the world as loaded.
   const std::uint32_t most = edit.request.command == ControlCommand::kRewind ? 2 : 1;
   if (wire.world._length > most) return Broken("recorded edit with too many worlds");
   for (const troupe_wire_World& world : dds::Elements(wire.world)) {

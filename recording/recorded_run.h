@@ -1,4 +1,12 @@
 // A recorded run: its values, the channels and schemas of a recording, and the records in CDR.
+//
+// What determines a run is recorded, and not its states: proposals, orders and commands of each tick, edits, and whole
+// states only now and then (keyframes) as places from which to step again. The hash of each state is recorded, so that
+// a program that steps it again finds a difference at once. So a recording is small, and exact.
+//
+// kStepVersion guards it: a program whose step gives other results refuses the recording.
+//
+// All parts are types in idl/, whose texts are in the file as schemas: other tools read it without Troupe.
 #pragma once
 
 #include <array>
@@ -34,16 +42,16 @@ struct RecordedRun {
 struct RecordedEdit {
   FrameMessage before;     // of the state to which it was applied
   ControlRequest request;  // with the name that a spawned entity was given
-  // kLoadWorld: the world. kSpawn: one with only the entity to add. kDelete: with the one that a later request may
-  // restore. kRewind: that of `restored`. Else none.
+  // kLoadWorld: the world. kSpawn: a world with only the entity to add. kDelete: with the entity that a later request
+  // may restore. kRewind: the world of `restored`. Else none.
   std::optional<WorldDescription> world = {};
-  std::optional<WorldDescription> original = {};  // kRewind: that a reset restores, if it is not `world`
-  std::optional<FrameMessage> restored = {};      // kRewind: the state with which the robots begin anew
+  std::optional<WorldDescription> original = {};  // kRewind: the world that a reset restores, if it is not `world`
+  std::optional<FrameMessage> restored = {};      // kRewind: the state with which the robots start again
   std::uint64_t copies = 0;  // kRewind: number of the states that follow on the way to its tick, copies of earlier ones
   Edition copied_from = 0;   // kRewind: of `restored`, when the robots began with it the first time
 };
 
-// The edit has a world in place of the one before.
+// The edit has a world in place of the previous one.
 inline bool ReplacesWorld(ControlCommand command) {
   return command == ControlCommand::kLoadWorld || command == ControlCommand::kRewind;
 }

@@ -34,6 +34,8 @@ std::uint64_t IntervalOf(const WorldDescription& world) {
 }
 
 // The words of a schema: two that differ in their comments at most have the same.
+// The schema in the file is the text of the IDL file of its writer. Comments of another version do not matter, fields
+// do: messages are read by position, without names.
 std::string WordsOf(const std::string& schema) {
   std::string words;
   std::istringstream lines(schema);
@@ -137,6 +139,7 @@ void Recording::FindPlaces() {
   TimeSpan& newest = spans.back();
   const std::uint64_t end = std::max(end_time(), clocks_.back().begin);
   const std::uint64_t states_behind = (end - clocks_.back().begin) / clocks_.back().interval_ns;
+  // From the log time: the chunks behind the last edit have not been read.
   newest.last = newest.first + std::min(states_behind, std::numeric_limits<std::uint64_t>::max() - newest.first);
   spans_ = TimeSpans(std::move(spans));
 }
@@ -180,6 +183,7 @@ std::size_t Recording::KeyframeUpTo(std::uint64_t position) const {
     if (file_.chunks()[chunk + 1].start_time > log_time) continue;
     // Edits take no time: the keyframe may follow the position.
     RecordedTick first;
+    // The number of the keyframe's state is in its tick.
     const Result<bool> read = TickReader(*this, chunk).Next(first);
     if (read.ok() && read.value() && first.keyframe && first.number <= position) return chunk;
   }
@@ -191,6 +195,7 @@ Status Recording::VisitEdits(std::size_t chunk, const EditVisitor& visit) const 
     if (with_edits >= chunk) break;
     const Result<mcap::Chunk> content = ReadChunk(with_edits);
     if (!content.ok()) return content.error();
+    // Messages of a tick are in the order of MessagesOf: an edit comes before its tick.
     std::optional<RecordedEdit> edit;  // whose tick follows
     for (const mcap::Message& message : content.value().messages) {
       const std::optional<RecordingChannel> channel = ChannelOf(message);

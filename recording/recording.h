@@ -1,6 +1,12 @@
 // Recording: a recorded run in a file. Its ticks are read from its begin, or from any keyframe.
 //
-// A file that is cut off or damaged is read up to its last whole chunk. Any bytes are safe.
+// Opening reads the index and the chunks with edits, from which follow the spans of ticks: a position (the number of a
+// state) is found without reading the ticks before it. Ticks are named by positions, because edits repeat ticks or set
+// them back.
+//
+// A file that is cut off or damaged is read up to its last whole chunk. Any bytes are safe: each message is checked by
+// its converter, and TickAssembler checks that the messages make ticks and that none is missing. A Recording is
+// constant but for SetTail; a TickReader is for one thread, and any number of them may read one recording.
 #pragma once
 
 #include <array>
@@ -36,10 +42,10 @@ class Recording {
   const std::string& name() const { return file_.name(); }
   std::uint64_t size() const { return file_.size(); }  // bytes
   const RecordedRun& run() const { return run_; }
-  // The ticks that follow those of the chunks, without log times: of a journal (recording/journal.h), else none.
+  // The ticks that follow the ticks of the chunks, without log times: of a journal (recording/journal.h), else none.
   const std::vector<RecordedTick>& tail() const { return tail_; }
   void SetTail(std::vector<RecordedTick> tail) { tail_ = std::move(tail); }
-  // The states in the chunks, as their index and their edits tell: those in a damaged chunk count. Not empty.
+  // The states in the chunks, as their index and their edits tell: states in a damaged chunk count. Not empty.
   const TimeSpans& spans() const { return spans_; }
   // The log time of the last state in the chunks, ns.
   std::uint64_t end_time() const;
@@ -79,7 +85,7 @@ class Recording {
   // Finds the keyframes, the edits, and with them the spans.
   void FindPlaces();
   Status FindEdits(std::size_t chunk, std::vector<TimeSpan>& spans);
-  // At least that of the state at a position.
+  // At least the log time of the state at a position.
   std::uint64_t LogTimeOf(std::uint64_t position) const;
   Error ErrorIn(std::size_t chunk, const std::string& problem) const;
 

@@ -57,6 +57,7 @@ void RecordingWriter::Add(RecordingChannel channel, std::span<const std::byte> d
 }
 
 Status RecordingWriter::Add(const RecordedTick& tick) {
+  // A reader that starts at a keyframe reads one chunk from its begin.
   if (tick.keyframe) {
     if (Status failure = EndChunk(); !failure.ok()) return failure;
   }

@@ -1,5 +1,8 @@
 // RecordingWriter: writes a recorded run, tick by tick. Ticks are in chunks, each of which is readable once it is
 // written; a keyframe begins a chunk.
+//
+// The log time of a tick is simulated time since the first state, and never decreases, unlike ticks, so that other
+// tools can show a recording with edits and rewinds. Errors of the sink stay; Add after one does nothing.
 #pragma once
 
 #include <array>

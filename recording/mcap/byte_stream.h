@@ -1,4 +1,9 @@
-// ByteSink: the place to which an MCAP file is written.
+// ByteSink and ByteSource: where an MCAP file is written to and read from: files, and memory for tests and branches. A
+// sink is a stream to append to; a source is read at any offset, by any number of readers.
+//
+// A file is locked while a sink has it (flock), so that two services never write one recording; the lock ends with the
+// process, however it ends. Errors of the system are told apart from damage: a source throws them, and the reader turns
+// them into failures of its functions.
 #pragma once
 
 #include <cstddef>
@@ -39,8 +44,8 @@ class ByteSource {
   virtual const std::string& name() const = 0;
   // As it was when the source was made.
   virtual std::uint64_t size() const = 0;
-  // Fills `bytes` with those at `offset`. Throws std::system_error if the system cannot read them: that is no damage of
-  // the file. REQUIRES: the range is within size().
+  // Fills `bytes` with the bytes at `offset`. Throws std::system_error if the system cannot read them: that is no
+  // damage of the file. REQUIRES: the range is within size().
   virtual void Read(std::uint64_t offset, std::span<std::byte> bytes) const = 0;
 };
 

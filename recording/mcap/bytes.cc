@@ -59,6 +59,7 @@ Result<std::vector<std::byte>> Decompress(std::span<const std::byte> from, std::
   std::size_t done = 0;
   std::size_t wanted = 1;  // 0: the end of a frame
   for (;;) {
+    // The stated size is of unknown origin: memory doubles as bytes really arrive.
     if (done == bytes.size() && done < size) {
       bytes.resize(std::min<std::uint64_t>(size, std::max(kFirstSize, 2 * bytes.size())));
     }

@@ -1,4 +1,6 @@
 // Bytes of MCAP files: records, checksums, compression.
+//
+// Numbers and texts are those of common/base/bytes.h, which MCAP shares: little-endian, texts with a length of 32 bits.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +22,8 @@ void WriteRecord(ByteWriter<>& writer, Opcode opcode, const Content& content) {
   writer.WriteWithLength<std::uint64_t>(content);
 }
 
-// The CRC-32 of MCAP files: that of zlib and PNG.
-// `crc`: of the bytes before.
+// The CRC-32 of MCAP files, as zlib and PNG have it.
+// `crc`: of all earlier bytes.
 std::uint32_t Crc32(std::span<const std::byte> bytes, std::uint32_t crc = 0);
 
 // Compression of the records of a chunk.

@@ -76,6 +76,7 @@ Result<Reader> Reader::Open(std::unique_ptr<const ByteSource> source) {
   Reader reader(std::move(source));
   try {
     if (Status failure = reader.ReadHeader(); !failure.ok()) return failure.error();
+    // Whatever is wrong with the summary, the data may be whole: it is forgotten, and the file scanned.
     if (reader.ReadSummary().ok()) return reader;
     reader.schemas_.clear();
     reader.channels_.clear();
@@ -266,6 +267,8 @@ Result<bool> Reader::ScanRecord(const Record& record) {
   std::uint64_t records = 0;
   Result<ChunkInfo> info = ReadChunkInfo(record, crc, records);
   if (!info.ok()) return info.error();
+  // A scan decompresses each chunk: the schemas and channels that it uses may be in it, and a chunk counts only if it
+  // is whole.
   const Result<Chunk> chunk = ReadChunk(info.value(), this);
   if (!chunk.ok()) return chunk.error();
   std::vector<std::uint16_t>& ids = info.value().channels;
@@ -314,6 +317,7 @@ Result<Chunk> Reader::ReadChunk(const ChunkInfo& info, Reader* definitions) cons
   Result<ChunkInfo> found = ReadChunkInfo(record.value(), crc, records);
   if (!found.ok()) return found.error();
   found.value().channels = info.channels;
+  // The index and the chunk are both of unknown origin: sizes that are used below have to agree.
   if (found.value() != info) return ErrorAt(info.offset, "found a chunk that differs from its index");
   if (info.uncompressed_size > kMaxChunk) return ErrorAt(info.offset, "found a chunk of more than 1 GiB");
 
@@ -328,6 +332,7 @@ Result<Chunk> Reader::ReadChunk(const ChunkInfo& info, Reader* definitions) cons
   } else if (bytes.value().size() != info.uncompressed_size) {
     return ErrorAt(info.offset, "found a chunk whose sizes do not match");
   }
+  // By the specification a CRC of 0 means that there is none.
   if (const std::uint32_t own = Crc32(bytes.value()); crc != 0 && own != crc) {
     return ErrorAt(info.offset, fmt::format("the chunk is damaged: found the CRC {:08x}, expected {:08x}", own, crc));
   }

@@ -6,6 +6,11 @@
 //
 // Limits: messages outside chunks, attachments and metadata are skipped; chunks have to be compressed with zstd, or
 // not.
+//
+// Open reads the header and the summary alone, so that a long recording opens at once; a chunk is read and decompressed
+// when it is asked for. Without a usable summary the whole file is scanned, and every chunk checked.
+//
+// A reader is constant after Open: several threads may read chunks.
 #pragma once
 
 #include <cstdint>

@@ -102,6 +102,7 @@ Status Writer::EndChunk() {
   const char* const compression = compressor_.compresses() ? kZstd : kUncompressed;
   IndexedChunk chunk;
   ChunkInfo& info = chunk.info;
+  // The length is known when the record is written.
   info = {written_.size, 0, start_time_, end_time_, compression, compressed_.size(), records_.size(), {}};
   ByteWriter out(buffer_);
   WriteRecord(out, Opcode::kChunk, [&] {

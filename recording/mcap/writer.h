@@ -1,6 +1,12 @@
 // Writer: writes an MCAP file: messages in compressed chunks, each with its index; at the end a summary.
 //
 // A file that is not closed, because its process has ended, is readable up to its last chunk.
+//
+// A chunk is the unit of compression, of reading and of loss: a message is in the file once its chunk is. All that the
+// summary needs is kept in memory (WrittenPart), and written once at the end; a reader of a file without it scans
+// instead. Errors of the sink stay: after one nothing more is written, and each later call returns it.
+//
+// One thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +59,7 @@ class Writer {
   explicit Writer(std::unique_ptr<ByteSink> sink) : sink_(std::move(sink)) {}
   // Writes bytes of the data section.
   void Write(std::span<const std::byte> bytes);
-  // Writes `buffer_` likewise, and clears it.
+  // Writes `buffer_` as bytes of the data section, and clears it.
   void WriteBuffer();
   void WriteSummary();
 
@@ -63,8 +69,8 @@ class Writer {
 
   Compressor compressor_;
   std::vector<std::byte> records_;                            // of the open chunk
-  std::map<std::uint16_t, std::vector<IndexEntry>> indices_;  // likewise, by channel
-  std::uint64_t start_time_ = 0;                              // likewise
+  std::map<std::uint16_t, std::vector<IndexEntry>> indices_;  // of the open chunk, by channel
+  std::uint64_t start_time_ = 0;                              // of the open chunk, ns
   std::uint64_t end_time_ = 0;
   std::vector<std::byte> compressed_;
   std::vector<std::byte> buffer_;

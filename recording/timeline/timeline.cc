@@ -80,6 +80,7 @@ std::uint64_t TimeSpans::PositionOf(StatePlace place) const {
   });
   if (after == spans_.begin()) return 0;
   const TimeSpan& before = *std::prev(after);
+  // A state of a later edition without a span of its own is as many edits behind: each edit makes one state.
   const std::uint64_t position = before.edition == place.edition ? before.first + (place.tick - before.tick)
                                                                  : before.last + (place.edition - before.edition);
   return after == spans_.end() ? position : std::min(position, after->first);
@@ -96,6 +97,7 @@ void TimeSpans::Append(TimeSpan span) {
   if (!empty()) {
     TimeSpan& newest = spans_.back();
     if (span.last <= newest.last) return;
+    // An overlap, as of states that are received twice: the part that is known already is left out.
     if (span.first <= newest.last) {
       span.tick += newest.last + 1 - span.first;
       span.first = newest.last + 1;
@@ -127,6 +129,7 @@ void KeptStates::Add(SharedState state) {
     bytes_ -= SizeOf(*std::exchange(place->second, std::move(state)));
   }
   while (bytes_ > max_bytes_ && states_.size() > 1) {
+    // Only one of the ends can be the farthest: the states between are nearer.
     const bool is_first_farther = position - first() > states_.rbegin()->first - position;
     const auto dropped = is_first_farther ? states_.begin() : std::prev(states_.end());
     bytes_ -= SizeOf(*dropped->second);

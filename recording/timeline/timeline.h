@@ -5,6 +5,10 @@
 // interface. It has two implementations: RunFeed (viewer/gateway) has the states that were received of a live run,
 // before those of its journal; SteppedTimeline (world-service/replay) steps the states of a recording again, from its
 // keyframes and inputs.
+//
+// Invariants: positions ascend without repeats; within a TimeSpan, ticks count up with positions; spans neither overlap
+// nor touch unless ticks jump. A state never changes once it has been returned, and is shared, so that any number of
+// threads may keep it; a world is one object for all of its states (WorldCache).
 #pragma once
 
 #include <cstddef>
@@ -36,7 +40,7 @@ struct TimelineWorld {
 };
 
 // The worlds in use, each once: a live state and a past one of the same world have the same object, so that nothing is
-// built anew for the other.
+// built again for the other.
 //
 // Threads: any.
 class WorldCache {
@@ -68,7 +72,7 @@ using SharedState = std::shared_ptr<const TimelineState>;
 // About as many bytes as it takes, without its world.
 std::size_t SizeOf(const TimelineState& state);
 
-// The names of what an event is about. Empty: nothing.
+// The names of the robot and models of an event. Empty: it has none.
 struct EventNames {
   std::string robot;
   std::string other;
@@ -117,7 +121,7 @@ class TimeSpans {
   // The first state of an edition, or of a later one; behind the last: there is none.
   std::uint64_t BeginOf(Edition edition) const;
 
-  // Adds a state, or what a span has behind the last position.
+  // Adds a state, or the part of a span behind the last position.
   void Add(std::uint64_t position, Tick tick, Edition edition) { Append({position, position, tick, edition}); }
   void Append(TimeSpan span);
   void DropBefore(std::uint64_t position);
@@ -128,7 +132,7 @@ class TimeSpans {
   std::vector<TimeSpan> spans_;
 };
 
-// States in a bounded memory: those that are farthest from the newest addition are dropped.
+// States in a bounded memory: the states farthest from the newest addition are dropped.
 class KeptStates {
  public:
   explicit KeptStates(std::size_t max_bytes) : max_bytes_(max_bytes) {}

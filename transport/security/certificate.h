@@ -1,5 +1,8 @@
 // Key pairs with certificates, and signed documents: the part of OpenSSL that DDS Security needs. Errors have the code
 // kFailure, except where a text that was read is not understood.
+//
+// Keys are of the curve P-256 with SHA-256, as DDS Security 1.1 has them. Private keys are in memory and in files of
+// mode 0600 only. Times are generous (a day before now), because the clocks of hosts differ.
 #pragma once
 
 #include <openssl/types.h>
@@ -34,7 +37,7 @@ struct CertifiedKey {
 // Signed by itself, for signing certificates and documents. Valid from a day ago, because hosts' clocks differ.
 Result<CertifiedKey> MakeAuthorityKey(const std::string& common_name, std::chrono::seconds lifetime);
 
-// Signed by the authority, and valid for as long as that one is.
+// Signed by the authority, and valid for as long as the authority is.
 Result<CertifiedKey> MakeIdentityKey(const std::string& common_name, const CertifiedKey& authority);
 
 // Reads both from PEM. Fails if the key is not that of the certificate.

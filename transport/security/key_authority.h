@@ -1,5 +1,8 @@
 // KeyAuthority: the root of trust of runs. Participants that it has given keys accept each other and no others, and
 // each may only do what its role needs.
+//
+// One authority for identities and permissions, for one run (in memory, thrown away with it) or for a site (saved, with
+// its own protection). Its private key can make participants of any role.
 #pragma once
 
 #include <chrono>

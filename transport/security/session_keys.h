@@ -1,6 +1,10 @@
 // SessionKeys: where the programs of a user find the keys of the runs on this host. A world service publishes the
 // folder of its keys (KeyFolder has the layout) under the name of its session, in a folder that only its user
 // can read, so that the tools of that user alone find the keys of a run by its session.
+//
+// Only the user's own programs can look here: the folder is refused if another user owns it or could read it, because
+// another user who can write it could give a tool false keys. A killed service leaves names; they are removed by the
+// next one.
 #pragma once
 
 #include <cstdint>
@@ -86,7 +90,7 @@ Result<ParticipantKeys> FindKeys(const std::string& security, std::uint32_t doma
 // RunKeysFolder: the folder for the keys of one run, which this process makes and deletes.
 class RunKeysFolder {
  public:
-  // In SessionsFolder(), of mode 0700. Deletes those that killed processes have left.
+  // In SessionsFolder(), of mode 0700. Deletes the folders of killed processes.
   static Result<RunKeysFolder> Make();
 
   // The same with a token in it.

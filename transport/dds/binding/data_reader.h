@@ -1,4 +1,7 @@
 // DataReader<T>: receives the values of one topic. Safe to use from several threads.
+//
+// The binding is a thin layer over Cyclone's C functions: types own handles, errors are exceptions (entity.h), names
+// are those of the C++ PSM of DDS. It knows nothing of Troupe; transport/dds/transport decides on QoS and topics.
 #pragma once
 
 #include <algorithm>
@@ -50,7 +53,7 @@ class DataReader {
     return status;
   }
 
-  // Data that arrived before is not announced again: call take() once after setting a listener.
+  // Data that has arrived already is not announced again: call take() once after setting a listener.
   void set_listener(DataReaderListener listener) {
     auto next = std::make_unique<DataReaderListener>(std::move(listener));
     SetListener(entity_.handle(), *next);

@@ -1,4 +1,7 @@
 // DataWriter<T>: publishes values of one topic. Safe to use from several threads.
+//
+// A sample is copied into Cyclone's caches by write: its memory may be used again at once. A writer that ends waits as
+// DomainConfig::linger_seconds says.
 #pragma once
 
 #include <memory>

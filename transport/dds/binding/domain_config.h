@@ -1,5 +1,9 @@
 // DomainConfig: how a participant discovers others and moves data; becomes Cyclone's XML. The files in configs/cyclone,
 // one for each profile, give the reasons.
+//
+// Each participant has a configuration of its own, so that an agent, a viewer and ROS 2 can be in one process or one
+// domain with different discovery. The files are templates: ToXml fills in words between at signs, escaped, because
+// names of interfaces and addresses come from a command line.
 #pragma once
 
 #include <cstdint>
@@ -61,10 +65,9 @@ extern const char* const kOneHostProfile;
 extern const char* const kLanProfile;
 extern const char* const kUnicastProfile;
 
-// Whether a participant could have an index on this machine: Cyclone takes its ports, and does not tell which are
-// taken.
-// The discovery port of a participant with this index, and the one after it, for data, are free now. True as well if no
-// socket can be made: DDS reports the cause.
+// Whether a participant could have an index on this machine: Cyclone binds its ports, and does not tell which ones are
+// in use. The discovery port of a participant with this index, and the one after it, for data, are free now. True as
+// well if no socket can be made: DDS reports the cause.
 bool PortsAreFree(std::uint32_t domain, std::uint32_t participant_index);
 
 }  // namespace troupe::dds

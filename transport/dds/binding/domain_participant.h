@@ -1,4 +1,5 @@
-// DomainParticipant: a process' presence in a DDS domain, with a configuration of its own.
+// DomainParticipant: a participant in a DDS domain, with a configuration of its own; and the publishers, subscribers
+// and topics of it.
 #pragma once
 
 #include <cstdint>

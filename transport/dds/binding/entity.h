@@ -1,5 +1,8 @@
 // Entity: a handle of Cyclone DDS that its owner deletes; with the errors of DDS, durations, statuses and the prefixes
 // of GUIDs.
+//
+// Closing an entity waits for its listener calls, and deletes the entities made from it. So an owner of readers and
+// writers closes them before the objects that their listeners use; members are declared in that order.
 #pragma once
 
 #include <dds/dds.h>

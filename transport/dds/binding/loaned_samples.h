@@ -1,4 +1,7 @@
 // LoanedSamples<T>: samples that a reader lends; its destructor returns them. Move-only; must not outlive its reader.
+//
+// Two ways to receive. A loan gives samples in memory of Cyclone without a copy into memory of the program, for rare
+// topics; a SampleBuffer reuses its own memory from take to take, for the topics of each tick.
 #pragma once
 
 #include <dds/dds.h>

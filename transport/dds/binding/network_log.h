@@ -1,5 +1,8 @@
 // NetworkLog: the messages of Cyclone DDS about the network, for instance about samples whose layout is not that of
 // their type, limited as by FloodLimiter.
+//
+// Cyclone has one sink for a process. Its messages may be caused by strangers on the network, so that they are limited
+// and made plain lines.
 #pragma once
 
 #include <string>

@@ -1,6 +1,9 @@
 // Qos: a set of policies as a value. Policies that were not set have the default of DDS.
 //   Qos() << Reliability::Reliable(1.0) << History::KeepLast(1)
 // Durations are in seconds.
+//
+// Later policies replace earlier ones of the same kind, so that a profile can be refined: Frame() <<
+// History::KeepLast(8).
 #pragma once
 
 #include <dds/dds.h>

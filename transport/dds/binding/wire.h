@@ -1,4 +1,8 @@
 // Helpers of the converters (convert_*.h) between messages (transport/protocol/messages.h) and the types of idlc.
+//
+// A wire message is a C struct of idlc with pointers to its strings and sequences. To send one, its memory comes from a
+// WireArena, freed as a whole; received ones are Cyclone's, and are only read. Texts and sequences of a received
+// message may be null when they are empty.
 #pragma once
 
 #include <array>

@@ -1,4 +1,8 @@
 // The parts of rows (troupe/fields.h) as values of idl/: their types, and the members of the structs that have them.
+//
+// The mapping of types is fixed here once: ids as 32 bits, "none" as -1, flags and enumerators as octets, indices as 32
+// bits. A field and a member that do not agree fail to compile, so that a change of a list of fields cannot silently
+// change the wire.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,9 @@
 // Rows (troupe/fields.h) between their lists and columns of idl/: structs of sequences, one for each leaf of the row
 // type, in its order. A column that is missing, that is none of the leaves or that has another type does not compile.
+//
+// Columns and not structs, because a sequence of numbers is copied in one piece: a frame of a thousand robots is some
+// dozen copies. The checks of a received list: all columns have one length, and each value is one of its type. Whether
+// ids exist is checked later, with the world.
 #pragma once
 
 #include <algorithm>
@@ -45,7 +49,7 @@ void VisitColumns(const Leaves& leaves, const Columns& columns, Visit& visit) {
 }  // namespace columns_internal
 
 // Calls visit(leaf, column) for each leaf of a row type; visit(leaf, lengths, bytes) for bytes, which have two columns:
-// the numbers of them in each row, and those of all rows.
+// their number in each row, and the bytes of all rows.
 template <typename Leaves, typename Columns, typename Visit>
 void ForEachColumn(const Leaves& leaves, const Columns& columns, Visit&& visit) {
   columns_internal::VisitColumns<0, 0>(leaves, columns, visit);
@@ -75,7 +79,7 @@ void ListToColumns(std::size_t count, const ForEachRow& for_each_row, const Leav
   });
 }
 
-// The inverse. The error is that of columns that are not those of one list, or have a value that is not of its type.
+// The inverse. The error: columns that are not of one list, or a value that is not of its type.
 template <typename Row, typename Leaves, typename Columns>
 Status ListFromColumns(std::string_view what, const Leaves& leaves, const Columns& columns, std::vector<Row>& rows) {
   rows.resize(Elements(std::get<0>(columns)).size());

@@ -1,5 +1,9 @@
 // All converters between messages (transport/protocol/messages.h) and the types on the wire (idl/). A value on the wire
 // is valid while its message and its arena live; reading one fails if it breaks the contract of its file in idl/.
+//
+// Converting checks form, never meaning: enumerators are known, lengths agree, numbers that would break arithmetic are
+// finite where a message's file says so. Meaning needs a world, and is checked by its receiver (CheckState,
+// ValidateProposal, CheckInput, CheckRobotCommand).
 #pragma once
 
 #include <vector>
@@ -46,8 +50,8 @@ troupe_wire_ControlReply ToWire(const ControlReply& message, WireArena& arena);
 Result<ControlRequest> FromWire(const troupe_wire_Control& wire);
 Result<ControlReply> FromWire(const troupe_wire_ControlReply& wire);
 
-// With `before`, the state of the tick before, the frame has only the
-// changes since. REQUIRES: `before` is null or has as many robots, joints, grippers and objects.
+// With `before`, the state of the previous tick, the frame has only the changes since. REQUIRES: `before` is null or
+// has as many robots, joints, grippers and objects.
 troupe_wire_Frame ToWire(const FrameMessage& message, const WorldState* before, WireArena& arena);
 troupe_wire_Frame ToWire(const FrameMessage& message, WireArena& arena);  // a whole one
 
@@ -60,7 +64,7 @@ Status FromWire(const troupe_wire_Frame& wire, FrameMessage& message);
 troupe_wire_FrameRequest ToWire(const FrameRequest& message, WireArena& arena);
 Result<FrameRequest> FromWire(const troupe_wire_FrameRequest& wire);
 
-// A frame is written as the changes since the entry before where it can be.
+// A frame is written as the changes since the previous entry where it can be.
 troupe_wire_History ToWire(const HistoryMessage& message, WireArena& arena);
 Result<HistoryMessage> FromWire(const troupe_wire_History& wire);
 

@@ -20,7 +20,7 @@ PixelLines FromWire(const troupe_wire_PixelLines& wire) {
   return {wire.center, wire.factor, wire.second_center, wire.second_factor, wire.shift};
 }
 
-// Equal robots mostly follow one another: each shares its list of rays with the one before.
+// Equal robots mostly follow one another: each shares its list of rays with its predecessor.
 void ShareRaySensors(std::vector<RobotDescription>& robots) {
   const auto rays_of = [](RobotDescription& robot, std::size_t sensor) {
     auto* const ranger =

@@ -1,4 +1,7 @@
 // Orders (troupe/order.h) between their list and the columns of their kinds in idl/order.idl.
+//
+// One struct of columns for each kind of order: rows of all robots of a message in one list, in the sequence of ByKind
+// (common/spatial/check_order.h), so that a list and its columns are each other's inverse.
 #pragma once
 
 #include <string_view>

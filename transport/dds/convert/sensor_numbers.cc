@@ -49,7 +49,7 @@ class NumberWriter {
   Take take_;
 };
 
-// Reads what NumberWriter wrote. After the first number that is missing or does not fit, ok() is false.
+// Reads the numbers of NumberWriter. After the first number that is missing or does not fit, ok() is false.
 class NumberReader {
  public:
   explicit NumberReader(std::span<const double> numbers) : numbers_(numbers) {}

@@ -1,5 +1,8 @@
 // The parameters of sensors as named lists of numbers: the form in which idl/world.idl has them. A pose is x, y, z and
 // heading, an interval its minimum and its maximum, a list its length and its elements.
+//
+// Numbers by name, and no struct for each kind, so that a new kind or field of a sensor needs no change of idl/.
+// Reading is strict: every field of the kind, in its order, with exactly its numbers.
 #pragma once
 
 #include <string>

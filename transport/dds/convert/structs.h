@@ -3,6 +3,9 @@
 // and y; a list is a sequence, of points and rectangles one of their numbers; the parameters of a sensor are its type
 // and its fields by name. A member that is missing, that is none of the fields or that has another type does not
 // compile.
+//
+// For descriptions, which are sent once for each world: clarity before speed. The order of members in idl/ is the order
+// of the list of fields; there are no names at run time.
 #pragma once
 
 #include <cstddef>
