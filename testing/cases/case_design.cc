@@ -26,9 +26,11 @@ Result<CaseDesign> CaseDesign::Make(std::vector<Variation> variations, std::vect
   design.settings_ = settings;
   const bool fixed = std::all_of(design.variations_.begin(), design.variations_.end(),
                                  [](const Variation& variation) { return variation.size() == 1; });
+  // All values are fixed by --case: one case, whatever the design would draw.
   if (fixed) design.settings_.kind = DesignKind::kProduct;
   if (design.settings_.kind == DesignKind::kRandom) {
     design.size_ = settings.cases;
+    // At(0) has tried kMaxDraws draws already. A design of random cases does not visit them all to be checked.
     if (!design.MeetsConstraints(design.At(0))) {
       return Error{{}, "found constraints that none of 1000 random cases meets, expected weaker ones"};
     }
@@ -149,6 +151,7 @@ void CaseDesign::MakePairs() {
   }
   std::uint64_t counter = 0;
   while (!missing.empty()) {
+    // The set is ordered: the greedy choice, and so the list of cases, is the same everywhere.
     const auto [a, x, b, y] = *missing.begin();
     std::vector<std::uint64_t> best;
     std::size_t most = 0;
@@ -174,6 +177,7 @@ void CaseDesign::MakePairs() {
         best = std::move(indices);
       }
     }
+    // No draw with this pair meets the constraints: the pair is given up, and the report says how many were.
     if (best.empty()) {
       ++impossible_pairs_;
       missing.erase(missing.begin());

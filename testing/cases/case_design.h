@@ -1,5 +1,13 @@
-// CaseDesign: which cases of a test are run: all combinations of values, enough of them to have each pair of values, or
-// random ones.
+// CaseDesign: which cases of a test are run: all combinations of values (product), few cases in which each pair of
+// values of two variations occurs (pairwise), or random draws.
+//
+// Case number n is a function of the design and n alone, computed when it is asked for: shards, workers and a later
+// repetition of one case agree without sharing a list. All randomness is counter-based (troupe/random.h) from the seed
+// of the design, never a generator with a state. Pairwise exists because faults most often need the interaction of two
+// parameters at most, and its size grows with the product of the two longest lists instead of all.
+//
+// Immutable after Make; any thread may read it. The cost of Make: product with constraints visits all combinations (at
+// most kMaxCases), pairwise keeps all pairs (at most 4 million); the other designs keep nothing.
 #pragma once
 
 #include <cstdint>

@@ -28,6 +28,7 @@ std::optional<Tick> TickFromJson(const json& value) {
 
 // The least of each part of a run, so that no near miss is lost.
 std::vector<Monitor::Moment> Thinned(std::span<const Monitor::Moment> history) {
+  // Equal parts of the run, each with its worst moment: averages would hide the one tick that failed.
   const std::size_t part = (history.size() + kMaxMoments - 1) / kMaxMoments;
   std::vector<Monitor::Moment> thinned;
   for (std::size_t begin = 0; begin < history.size(); begin += part) {
@@ -156,6 +157,7 @@ CaseWorlds::CaseWorlds(const TestFile& test)
     if (read.ok()) trees->emplace(path, read.value());
     return read;
   };
+  // Bitmaps are read once; what is known before the workers are forked, they share.
   tools_.build.known_bitmaps = std::make_shared<KnownBitmaps>();
 }
 
@@ -164,6 +166,7 @@ Result<LoadedWorld> CaseWorlds::Load(const TestCase& draws, const LoadOverrides&
   if (!text.ok()) return text.error();
   Result<LoadedWorld> loaded = LoadScenarioText(text.value(), test_.scenario_path(), overrides, tools_);
   if (!loaded.ok()) {
+    // Without draws the scenario itself is wrong, and its place says all.
     if (draws.empty()) return loaded.error();
     return Error{loaded.error().where, fmt::format("{} (in the case {})", loaded.error().message, CaseText(draws)),
                  loaded.error().code};
@@ -239,6 +242,7 @@ void CaseMonitors::Finish(CaseOutcome& outcome) {
 CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseRunOptions& options) {
   Result<LoadedWorld> loaded = worlds.Load(draws);
   if (!loaded.ok()) return ErrorOutcome(loaded.error().ToString());
+  // A test without an end would run for ever; Check reports it before any case, this is for cases of later draws.
   const std::optional<std::uint64_t> ticks = loaded.value().settings.ticks;
   if (!ticks) return ErrorOutcome("found no 'ticks', expected the number of ticks of each case");
   const std::vector<RegionOfScenario> regions = std::move(loaded.value().regions);
@@ -249,6 +253,7 @@ CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseR
   if (!made.ok()) return ErrorOutcome(made.error().ToString());
   CaseMonitors& monitors = made.value();
   for (;;) {
+    // Tick 0 is judged, too: a world can violate an expectation before anything moves.
     if (const Status error = monitors.Push(simulation); !error.ok()) return ErrorOutcome(error.error().ToString());
     const bool ended = options.on_tick && !options.on_tick(simulation);
     if (ended || simulation.tick() >= *ticks || (options.only && monitors.decided())) break;

@@ -1,4 +1,11 @@
 // Running one case of a test in this process: the world of its draws, monitors of the test's clauses, and the outcome.
+//
+// RunCase is a function of the test file, the draws and the files that the scenario names: it reads no clock, so that a
+// case fails again in the same way on any machine, alone or among thousands. An outcome is small (no states) and has a
+// JSON form, since it is sent between processes and kept in cases.jsonl.
+//
+// A world that cannot be loaded or a controller that fails is the verdict kError, not an error of the caller: one bad
+// case must not end a session of thousands. Cost: loading the world, then the simulation with its monitors.
 #pragma once
 
 #include <functional>

@@ -147,6 +147,7 @@ class Evaluator {
     const Worth left = Evaluate(syntax.children[0]);
     if (syntax.children.size() == 1) return {-left.number};  // minus or not
     const Worth right = Evaluate(syntax.children[1]);
+    // A number never equals a text: "5" and 5 are different values of a scenario.
     if (left.is_text || right.is_text) {
       const bool is_equal = left.is_text == right.is_text && left.text == right.text;
       const bool holds = (sign == "==" && is_equal) || (sign == "!=" && !is_equal);

@@ -1,5 +1,10 @@
-// Constraint: a condition that the draws of a case must meet, as `where` of a test has them: "spawn[0].count * 2 <= n".
-// It is a formula of the language of expectations, about draws instead of signals, without time and quantifiers.
+// Constraint: a condition that the draws of a case must meet, as `where` of a test has it: "spawn[0].count * 2 <= n".
+// It is a formula of the language of expectations, about draws instead of signals, without time and quantifiers; the
+// same parser and operators serve both.
+//
+// It is interpreted from its tree: a constraint is small and is asked some thousand times, so that a compilation would
+// not pay. A draw's type is known only when it is drawn ("values" may mix numbers and texts), therefore draws fit every
+// type at parsing, and a text in arithmetic counts as 0. Immutable; any thread may ask.
 #pragma once
 
 #include <string>

@@ -1,5 +1,10 @@
-// KeptCases: the cases of a test that failed in earlier sessions, in a file beside the test: one on each line, as
-// --case has it.
+// KeptCases: the cases of a test that failed in earlier sessions, in a file beside the test (its path with .failing in
+// place of .json): one on each line, as --case has it. They run first in each later session, so that a repaired fault
+// stays repaired.
+//
+// The file is meant for version control: a text without dates, in a stable order, at most a hundred lines. A line that
+// the test cannot make any more (a variation has changed) is a warning and not an error; it stays out of the run. Read
+// at the beginning of a session and written at its end, by the command's own thread.
 #pragma once
 
 #include <cstdint>

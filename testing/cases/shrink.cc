@@ -100,6 +100,8 @@ class Shrinker {
     CaseRunOptions options;
     options.only = expectation_;
     const CaseOutcome outcome = RunCase(worlds_, CaseOf(draws, removed), options);
+    // A case whose verdict was known early must not become one that fails only because its run ends: that would be
+    // another fault.
     if (outcome.verdict != CaseVerdict::kFailed || (known_early_ && !outcome.decided)) return false;
     known_early_ = outcome.decided;
     draws_ = draws;
@@ -135,6 +137,7 @@ class Shrinker {
     std::size_t part = (entities_.size() + 1) / 2;
     while (part > 0 && HasTime()) {
       bool removed = false;
+      // After a success the list is shorter, and the same index is the next part.
       for (std::size_t begin = 0; begin < entities_.size() && HasTime();) {
         Names kept = entities_;
         const auto first = kept.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -158,6 +161,7 @@ class Shrinker {
         if (!HasTime()) return changed;
         TestCase simpler = draws_;
         simpler[i].value = value;
+        // A smaller case that breaks a constraint would be no case of the test, and mislead the reader.
         if (!worlds_.test().CanMake(simpler)) continue;
         if (!Try(simpler, removed_)) continue;
         changed = true;
@@ -204,6 +208,7 @@ TestCase CaseSearch::Propose() {
   // The nearest one most often.
   const double chosen = RandomUniform({kSearchStream, key, 1});
   TestCase draws = (*list)[static_cast<std::size_t>(chosen * chosen * static_cast<double>(list->size()))].draws;
+  // From half of all values to half a percent, on a logarithmic scale: wide steps find regions, small ones refine.
   const double amount = 0.5 * std::pow(0.01, RandomUniform({kSearchStream, key, 2}));
   const std::vector<Variation>& variations = design_.variations();
   const std::uint64_t always = RandomBits({kSearchStream, key, 3}) % std::max<std::size_t>(variations.size(), 1);
@@ -229,6 +234,7 @@ void CaseSearch::Add(const TestCase& draws, const CaseOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.expectations.size(); ++i) {
     const double robustness = outcome.expectations[i].robustness;
     if (!std::isfinite(robustness)) continue;
+    // Each expectation has its own list: a robustness in metres and one in seconds have no common order.
     std::vector<Near>& list = nearest_[i];
     const auto place =
         std::find_if(list.begin(), list.end(), [&](const Near& near) { return robustness < near.robustness; });

@@ -1,4 +1,13 @@
-// From cases to better ones: the smallest case that fails as another one does, and cases that come nearer to failing.
+// From cases to better ones: the smallest case that fails as another one does, and a search for cases that come nearer
+// to failing.
+//
+// Shrinking tries candidates one after another in this process; each is a run of the simulation, so the budget is in
+// runs and seconds. It is greedy: the result is small, not proven smallest. Time decides only how far it comes, and
+// every case that it returns was run and fails by itself.
+//
+// The search uses robustness as a distance from failing, a number that plain true or false could not give. It is a
+// plain local search with random restarts: robustness over draws is neither smooth nor monotonic, so that a method with
+// gradients has nothing to follow.
 #pragma once
 
 #include <cstdint>

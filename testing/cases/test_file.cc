@@ -82,6 +82,7 @@ Result<TestFile> TestFile::Read(const std::string& path, const TestCase& fixed) 
     Result<ScenarioText> named = ScenarioText::Parse(std::move(scenario_text), file);
     if (!named.ok()) return named.error();
     test.scenario_ = std::move(named).value();
+    // A test may set these two for a scenario of another file, since each test wants its own length.
     for (const char* key : {"seed", "ticks"}) {
       if (const JsonNode* const found = root.Find(key)) test.common_.push_back({key, found->text});
     }
@@ -248,6 +249,7 @@ Result<std::vector<std::string>> FindTests(const std::vector<std::string>& paths
     }
     if (failure) return Error{{path}, "cannot read the folder: " + failure.message()};
     if (found.empty()) return Error{{path}, "found no test in this folder, expected files that end in .test.json"};
+    // A folder's iteration order is the file system's; reports and shards need one that is the same everywhere.
     std::sort(found.begin(), found.end());
     tests.insert(tests.end(), found.begin(), found.end());
   }

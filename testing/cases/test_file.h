@@ -1,5 +1,12 @@
 // TestFile: a test of a scenario, read and checked. A test is a scenario with more keys, or a *.test.json that names
-// one; docs/testing.md describes them, configs/scenario.schema.json is the schema.
+// one; docs/testing.md describes both, configs/scenario.schema.json is the schema.
+//
+// Cases replace values in the text of the scenario (ScenarioText) rather than in a parsed world: what a case runs is a
+// scenario that a user could have written, a failing case can be written as a scenario of its own, and errors have
+// lines and columns of the file. Two variations must not overlap, or the order of replacement would count.
+//
+// Immutable after Read. Errors of Read are at a place of the test's file; an error in a clause is moved from its column
+// in the formula to the column in the file (At).
 #pragma once
 
 #include <optional>

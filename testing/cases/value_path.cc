@@ -29,6 +29,7 @@ class TextEdits {
   void Replace(const TextSpan& span, std::string text) { edits_.emplace_back(span, std::move(text)); }
 
   std::string Apply(const std::string& text) {
+    // Edits are spans of the original text: applied in one pass from front to back, no offset has to be moved.
     std::stable_sort(edits_.begin(), edits_.end(),
                      [](const auto& a, const auto& b) { return a.first.begin < b.first.begin; });
     std::string edited;
@@ -160,6 +161,7 @@ Result<std::string> ScenarioText::With(const std::vector<DrawnValue>& draws) con
   }
   for (auto& [object, members] : added) {
     const std::size_t inside = object->span.begin + 1;
+    // JSON has no comma behind the last member.
     if (object->items.empty()) members.resize(members.size() - 2);
     edits.Replace({inside, inside}, members);
   }
@@ -174,6 +176,7 @@ std::string ScenarioText::WithAbsolutePaths(const std::string& directory) const 
     edits.Replace(name.span, nlohmann::json((base / name.text).lexically_normal().string()).dump());
   };
   const auto controller = [&](const JsonNode& name) {
+    // Other names of controllers are registered ones, no files.
     if (name.text.find('/') != std::string::npos || name.text.ends_with(".so")) replace(name);
   };
   const std::function<void(const JsonNode&)> visit = [&](const JsonNode& node) {

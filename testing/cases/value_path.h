@@ -1,5 +1,9 @@
 // ValuePath: the place of a value in a scenario, as `vary` and `--case` name it: "spawn[0].count",
-// "robots[anna].controller.parameters.speed". And texts of scenarios with other values at such places.
+// "robots[anna].controller.parameters.speed". And ScenarioText: a scenario's text in which such values are replaced.
+//
+// Text is edited at the spans of its values, never printed again from a tree: comments, order and line numbers of all
+// other values stay, so that a message about a case is at the line that the user knows. Both classes are immutable
+// values.
 #pragma once
 
 #include <cstddef>

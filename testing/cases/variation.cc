@@ -158,6 +158,7 @@ Variation Variation::Of(ValuePath path, std::string value) {
 std::uint64_t Variation::size() const {
   if (kind_ == Kind::kValues) return values_.size();
   if (kind_ != Kind::kRange) return 0;
+  // The end is in the range although steps such as 0.1 are not exact.
   return static_cast<std::uint64_t>(std::floor((to_ - from_) / step_ + 1e-9)) + 1;
 }
 
@@ -182,6 +183,7 @@ std::string Variation::Draw(std::uint64_t key, std::uint64_t counter) const {
     const double number = mean_ + deviation_ * RandomNormal({kDrawStream, key, counter, i});
     if (from_ <= number && number <= to_) return NumberText(number);
   }
+  // The bounds leave almost no probability: a fixed value within them rather than an endless loop.
   return NumberText(std::clamp(mean_, from_, to_));
 }
 
@@ -220,6 +222,7 @@ std::vector<std::string> Variation::SimplerThan(const std::string& value) const 
   } else if (kind_ == Kind::kRange) {
     const auto index = static_cast<std::uint64_t>(std::llround((number - from_) / step_));
     add(At(0));
+    // Bisection towards the lower end: a few runs instead of one for each value.
     for (std::uint64_t part = index / 2; part > 0; part /= 2) add(At(index - part));
     if (index > 0) add(At(index - 1));
   } else {

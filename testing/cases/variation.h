@@ -1,4 +1,11 @@
-// Variation: the values that one `vary` entry of a test can draw, and cases: lists of draws.
+// Variation: the values that one `vary` entry of a test can draw; and cases: lists of draws.
+//
+// A value is JSON text from the beginning to the end: what is drawn, printed in --case, written into the scenario and
+// compared are the same bytes, so that a case that is pasted from a report is the case that ran. Random numbers are
+// therefore cut to six digits when they are drawn, not when they are shown. A draw is a function of its key and counter
+// (troupe/random.h).
+//
+// Immutable after Read; errors are at the place in the test's file.
 #pragma once
 
 #include <cstdint>

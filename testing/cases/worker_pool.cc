@@ -79,9 +79,11 @@ Status WorkerPool::Start(Worker& worker) {
   }
   if (pid == 0) {
     ResetSignals();
+    // The parent may have died between fork and prctl: then the kernel sends nothing any more.
     if (getppid() != parent) _exit(0);
     close(ends[0]);
     for (const Worker& other : workers_) {
+      // Sockets of older copies came along with fork: an open end here would hide from them that the parent has died.
       if (other.descriptor >= 0) close(other.descriptor);
     }
     while (const std::optional<std::string> request = ReceiveMessage(ends[1])) {
@@ -109,6 +111,7 @@ std::optional<Result<std::string>> WorkerPool::Receive(Worker& worker) {
   const ssize_t got = read(worker.descriptor, bytes.data(), bytes.size());
   if (got < 0 && errno == EINTR) return std::nullopt;
   if (got > 0) {
+    // Only whole replies are returned; a busy copy has one request, so that nothing follows its reply.
     worker.received.append(bytes.data(), static_cast<std::size_t>(got));
     std::uint32_t size = 0;
     if (worker.received.size() < sizeof size) return std::nullopt;
@@ -158,6 +161,7 @@ Result<bool> WorkerPool::Run(const Next& next, const Done& done, int stop_descri
       busy.push_back(&worker);
     }
     if (busy.empty()) return true;
+    // A descriptor of -1 is ignored by poll, so no stop descriptor needs no case of its own.
     if (poll(waited.data(), waited.size(), -1) < 0 && errno != EINTR)
       return Failure(std::string("poll: ") + std::strerror(errno));
     if (waited[0].revents != 0 && stop && stop()) {
@@ -170,6 +174,7 @@ Result<bool> WorkerPool::Run(const Next& next, const Done& done, int stop_descri
       if (!reply) continue;
       const std::string request = *busy[i]->request;
       busy[i]->request.reset();
+      // The worker is free before the call: after `done` there may be requests again.
       done(request, *reply);
     }
   }

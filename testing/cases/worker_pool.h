@@ -1,4 +1,13 @@
-// WorkerPool: requests answered by copies of this process, several at once. A copy that dies spoils its request only.
+// WorkerPool: requests answered by copies (fork) of this process, several at once. A copy that dies spoils its request
+// only.
+//
+// Processes and not threads, because a case runs native controllers of users: a crash or exit in one of them must be
+// the outcome of that case. Forked, not executed anew: copies share the pages of worlds and bitmaps that were loaded
+// before. fork() is safe only without other threads, hence the requirement. Copies are killed by the kernel when this
+// process dies (PR_SET_PDEATHSIG), so that no case outlives a killed session.
+//
+// Order of replies is not defined: callers must not let results depend on it. A copy answers one request after another
+// and is not renewed between them: work must leave nothing behind.
 #pragma once
 
 #include <sys/types.h>

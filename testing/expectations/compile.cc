@@ -23,6 +23,7 @@ Result<MonitorProgram> Compiler::Expectation() {
   const Syntax checked = WithClosestPairs(expanded.value());
   RequireTruth(checked, Expression(checked));
   if (error_) return *error_;
+  // The second pass begins empty: only its nodes are run.
   program_.nodes.clear();
   program_.variables.clear();
   Root(Normalized(std::move(expanded).value()));
@@ -53,6 +54,7 @@ Result<MonitorProgram> Compiler::Metric() {
     return TextError(0, "found more than 4 variables without a quantifier, expected fewer");
   }
   bound.name = "min";
+  // "min of distance(a, b)": the same as the least pair of each tick, without a lane for each pair.
   if (metric.kind == MetricKind::kMin && bound.variables.size() == 2) {
     bound.children.push_back(metric.of);
     if (IsClosestPair(bound)) {
@@ -77,6 +79,7 @@ Result<MonitorProgram> Compiler::Metric() {
   if (error_) return *error_;
   program_.value = value.node;
   if (variables.size() > 1) program_.counted = CountedLanes(Now(value.node).variables, Now(value.node).lanes);
+  // Too few things for different ones: no lane counts, and the metric does not exist.
   if (domain.size() < variables.size()) program_.counted = {SignalUse::kNone};
   program_.dimension = is_time ? Dimension{0, 1, 0, 0} : value.dimension;
   return Finished();
@@ -110,6 +113,7 @@ void Compiler::FindFreeVariables(const Syntax& syntax, std::vector<std::string>&
     free.variables.push_back(child.name);
     const std::vector<std::size_t> kinds = KindsWith(syntax.name);
     const bool is_of_robots = kinds.empty() || kinds.front() == RobotKind() || FindRunSignal(syntax.name) != nullptr;
+    // "max of opening(d)" is about doors: the first variable's signal says of which table.
     if (!is_of_robots && free.variables.size() == 1) free.domain = StateTables()[kinds.front()].name;
   }
   bound.resize(count);

@@ -45,6 +45,7 @@ TypedValue Compiler::Quantifier(const Syntax& syntax) {
                                         {"mean", Op::kMean, std::numeric_limits<double>::quiet_NaN()},
                                         {"count", Op::kCount, 0.0}}};
   const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return syntax.name == k.name; });
+  // Pairs grow with the square of the fleet: the signal searches the index instead of computing each lane.
   if (IsClosestPair(syntax) && IsBodyKind(syntax.domain)) return ClosestPair(syntax);
   const bool of_truth = kind.op == Op::kForall || kind.op == Op::kExists || kind.op == Op::kCount;
   return WithVariables<TypedValue>(
@@ -57,6 +58,7 @@ TypedValue Compiler::Quantifier(const Syntax& syntax) {
         } else if (value.type != ValueType::kNumber) {
           return Fail(syntax.children[0], "found " + NameOf(value) + ", expected a number for '" + syntax.name + "'");
         }
+        // A count is a number without unit, although its input is a condition.
         if (kind.op == Op::kCount) value = {value.node, ValueType::kNumber};
         if (error_) return value;
         Node node;
@@ -107,6 +109,7 @@ Tick Compiler::Ticks(const IntervalSyntax& at, const NumberSyntax& time, const N
     }
     ticks = time.value * known->factor / Seconds();
     const double nearest = std::round(ticks);
+    // 0.3 s of 0.1 s ticks is 2.9999999999999996 in doubles: what is near a whole number is meant as one.
     ticks = std::abs(ticks - nearest) <= 1e-6 ? nearest : is_end ? std::floor(ticks) : std::ceil(ticks);
   }
   if (!(ticks <= static_cast<double>(kMaxInterval))) {
@@ -148,10 +151,12 @@ std::size_t Compiler::AlwaysOrEventually(const Syntax& syntax, bool is_always) {
 
 std::size_t Compiler::Windowed(bool is_always, const TickWindow& window, std::size_t inner) {
   if (error_) return 0;
+  // Without an end the value at any tick depends on the last one: it is computed backwards from there.
   if (!window.has_end()) return AfterTheRun(is_always ? Op::kSuffixMin : Op::kSuffixMax, {inner}, window.from);
   Node node;
   node.window = window;
   const std::size_t made = Make(is_always ? Op::kWindowMin : Op::kWindowMax, {inner}, std::move(node));
+  // The last tick of the window must have come before the first result.
   if (!error_) Now(made).delay += window.to;
   return made;
 }
@@ -194,6 +199,7 @@ TypedValue Compiler::Past(const Syntax& syntax) {
   if (window.from > 0) {
     Node shift;
     shift.ticks = window.from;
+    // Before the run there is nothing that could violate "historically" or satisfy "once".
     shift.number = is_min ? kInfinity : -kInfinity;
     inner = Make(Op::kPastShift, {inner}, std::move(shift));
   }
@@ -227,6 +233,7 @@ TypedValue Compiler::TextComparison(const Syntax& syntax, const TypedValue& left
   }
   const TypedValue& read = is_left ? left : right;
   const std::string& text = is_left ? right.text : left.text;
+  // A hash with a typing error would be a formula that never holds: found here instead.
   const bool is_digits = text.size() == 16 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
   if (read.read->signal.kind == SignalKind::kHash && !is_digits) {
     return Fail(syntax, "found the hash '" + PlainLine(text, 40) + "', expected 16 digits of 0 to 9 and a to f");

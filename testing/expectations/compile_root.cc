@@ -25,6 +25,7 @@ std::size_t Compiler::Root(const Syntax& syntax) {
   at_offset_ = syntax.offset;
   const bool is_not = syntax.Is(SyntaxKind::kOperator, "not");
   const bool is_and = syntax.Is(SyntaxKind::kOperator, "and");
+  // Its value at the first tick is known at the first tick: no bounds are needed.
   if (!LooksAhead(syntax)) return RootOf(RootOp::kValue, {Truth(syntax)}, {});
   if (is_not || is_and || syntax.Is(SyntaxKind::kOperator, "or")) {
     std::vector<std::size_t> inputs;

@@ -1,6 +1,14 @@
-// Compiler: from the syntax of one expectation or metric to its program. Private to this folder: compile.h is the way
-// to it. Its parts: compile.cc what is compiled, compile_formula.cc operators and quantifiers, compile_signal.cc
-// signals and their arguments, compile_root.cc what is judged at the first tick alone.
+// Compiler: from the syntax of one expectation or metric to its program. Private to this folder: compile.h is its
+// entrance. The sources: compile.cc the two entrances, compile_formula.cc operators, quantifiers and windows,
+// compile_signal.cc signals and their arguments, compile_root.cc the outermost operators, which are judged at the first
+// tick alone.
+//
+// An object compiles one text and is spent. Errors do not unwind: the first is kept (ProgramBuilder::Fail), later steps
+// return harmless values, and the entrance returns that error. So a visitor function needs no check after each child,
+// only before it uses a value to index something.
+//
+// An expectation is compiled twice: first as it is written, for errors at the user's own words, then in its normal
+// form, whose nodes are the program. The nodes of the first pass are thrown away.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,10 @@
-// The words of the language of expectations: from a text to tokens.
+// Lexer: the first step of reading an expectation or constraint, from bytes to tokens. It knows numbers with their
+// units, texts in quotes, words and signs; whether a word is an operator, a function or a name is the parser's
+// decision, except for the reserved words.
+//
+// Each token keeps the byte offset of its beginning, since every later error is told at a place of the text as the user
+// wrote it. Pure functions without state: any thread may call them. Cost: one pass over at most kMaxExpectationLength
+// bytes.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +20,9 @@
 
 namespace troupe {
 
-// Words that are no names.
+// Words that no robot, place or signal may be called without quotes, so that a formula reads in one way whatever the
+// world contains. Functions and aggregates (min, count, ...) are not reserved: they are told from names by the bracket
+// or variable that follows.
 inline constexpr std::array<std::string_view, 13> kReservedWords{
     "and",          "or",    "not",   "always", "eventually", "finally", "once",
     "historically", "until", "since", "forall", "exists",     "in"};

@@ -17,10 +17,12 @@ namespace {
 Status CheckTick(const MonitorProgram& program, const TickView& tick, std::optional<Tick> first, Tick ticks,
                  bool finished) {
   if (finished) return Error{{}, "found a tick after the end of the run, expected none"};
+  // Windows count ticks: a gap would shift them without a sign.
   if (first && tick.state.tick != *first + ticks) {
     return Error{{},
                  "found tick " + std::to_string(tick.state.tick) + ", expected tick " + std::to_string(*first + ticks)};
   }
+  // Ids in the program are rows of this world's tables. Tables that vary (messages, contacts) have no ids in programs.
   bool fits = tick.scene.world().interval_ns == program.interval_ns;
   for (std::size_t kind = 0; kind < StateTables().size(); ++kind) {
     const StateTable& table = StateTables()[kind];
@@ -101,6 +103,7 @@ struct Monitor::State {
   void Decide(Tick tick) {
     if (verdict != Verdict::kUndecided) return;
     const Interval bounds = roots.bounds();
+    // Sound bounds: once both have one sign, no later tick can change it.
     if (!std::signbit(bounds.min)) verdict = Verdict::kTrue;
     if (std::signbit(bounds.max)) verdict = Verdict::kFalse;
     if (verdict != Verdict::kUndecided) decided_at = tick;
@@ -147,7 +150,9 @@ void Monitor::Finish() {
   state.finished = true;
   state.network.Finish([&](std::size_t level, Tick now) { state.OnTick(level, now); });
   state.roots.Finish(state.network);
+  // What is decided by the end of the run is decided at its last tick.
   state.Decide(*state.first + state.network.ticks() - 1);
+  // A formula without time has one moment: its value at the first tick.
   if (!state.network.program().history) state.history.push_back({*state.first, state.roots.bounds().min});
 }
 
@@ -200,6 +205,8 @@ struct MetricMonitor::State {
       switch (program.metric) {
         case MetricKind::kFirst:
         case MetricKind::kLast:
+          // A time is the tick at which the condition begins to hold, of any lane; later ticks of the same spell do not
+          // count.
           if (holds && !held[lane] && (program.metric == MetricKind::kLast || count == 0.0)) {
             result = static_cast<double>(tick) * static_cast<double>(program.interval_ns) / 1e9;
             count += 1.0;

@@ -1,4 +1,10 @@
-// The names of a world that expectations use, with the errors for those that do not exist.
+// WorldNames: the names of one world as expectations see them (robots, objects, people, places, regions, joints,
+// sensors and the rows of the state's tables), and the error messages for a name that does not exist. A message lists
+// what exists and proposes the nearest spelling, since a wrong name is the most frequent mistake in a test.
+//
+// Owned by the compiler of one expectation, and used by its thread alone: `placed` builds the initial state at the
+// first question and keeps it. It borrows the world of its scope, which outlives it. Names are compared whole and with
+// case; patterns use * and ?.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +40,8 @@ class WorldNames {
   std::optional<ModelId> FindStaticModel(const std::string& name) const;
   const NamedPlace* FindPlace(const std::string& name) const;
   const NamedRegion* FindRegion(const std::string& name) const;
-  // Whether it is the name of anything.
+  // True for any name of the world. The compiler uses it to tell a free variable of a metric ("r") from a robot that is
+  // called so.
   bool IsName(const std::string& name) const;
 
   // "found 'dok', expected a place (dock, home); did you mean 'dock'?" `names`: those that exist.

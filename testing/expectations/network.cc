@@ -85,9 +85,11 @@ std::span<double> SlidingFold::Slot(Tick number, Tick width, std::size_t stride)
 
 void SlidingFold::Push(FoldKind kind, Tick width, std::span<const double> values) {
   const std::size_t stride = values.size();
+  // The ring grows as values come: a window may be as long as 10^9 ticks, while runs are short.
   if (slots_.size() < (end_ % width + 1) * stride) slots_.resize((end_ % width + 1) * stride);
   std::copy(values.begin(), values.end(), Slot(end_, width, stride).begin());
   if (middle_ == end_) {
+    // No newer value yet: the running value begins with this one.
     newer_.assign(values.begin(), values.end());
   } else if (kind == FoldKind::kUntil) {
     std::vector<double> latest(values.begin(), values.end());
@@ -101,6 +103,8 @@ void SlidingFold::Push(FoldKind kind, Tick width, std::span<const double> values
 
 void SlidingFold::Pop(FoldKind kind, Tick width, std::size_t stride) {
   if (begin_ == middle_) {
+    // The folded part is used up: fold what has gathered, from the end to the beginning, so that each slot is the
+    // combination from its value to the end. It happens once for as many pops as it costs combinations.
     for (Tick i = end_ - 1; i-- > middle_;) {
       std::span<double> later = Slot(i + 1, width, stride);
       std::span<double> slot = Slot(i, width, stride);
@@ -108,6 +112,7 @@ void SlidingFold::Pop(FoldKind kind, Tick width, std::size_t stride) {
         Combine(kind, later, slot);
         continue;
       }
+      // "until" composes in the order of time, and its halves depend on each other: not in place.
       std::vector<double> combined(later.begin(), later.end());
       Combine(kind, slot, combined);
       std::copy(combined.begin(), combined.end(), slot.begin());
@@ -170,6 +175,7 @@ void Network::Finish(const OnTick& on_tick) {
     std::sort(delays.begin(), delays.end());
     // Only the ticks at which some node has a value: delays may be far beyond a short run.
     Tick now = level == 0 ? ticks_ : 0;
+    // Level by level: a source of level n plays back series that level n - 1 has completed.
     for (const Tick delay : delays) {
       now = std::max(now, delay);
       for (; now < delay + ticks_; ++now) {
@@ -214,6 +220,7 @@ void Network::Advance(std::size_t level, Tick now, const TickView* tick) {
       default:
         if (IsValid(i, now)) Compute(node, state, tick);
     }
+    // Once for each tick, in their order: the series has no gap, and its index is the tick.
     if (node.recorded && IsValid(i, now)) {
       state.series.insert(state.series.end(), state.values.begin(), state.values.end());
     }
@@ -227,6 +234,7 @@ void Network::Compute(const Node& node, State& state, const TickView* tick) {
     return;
   }
   const std::span<const double> a = values(node.inputs[0].node);
+  // The operator is chosen once, and the loop over lanes is compiled for it.
   const bool is_computed = VisitOperator(node.op, [&]<Op op>() {
     if (IsUnary(op)) {
       for (std::size_t i = 0; i < out.size(); ++i) out[i] = Apply<op>(a[i], 0.0);
@@ -278,6 +286,7 @@ void Network::Reduce(const Node& node, State& state) const {
         const bool is_least = node.op == Op::kForall;
         const auto combine = [&](double x, double y) { return is_least ? Least(x, y) : Greatest(x, y); };
         const double start = is_least ? kInfinity : -kInfinity;
+        // Minimum and maximum may be folded in any order, sums may not: their bits would depend on it.
         out = node.counted.empty() ? FoldInStrands(block, start, combine) : fold(start, combine);
         break;
       }
@@ -288,6 +297,7 @@ void Network::Reduce(const Node& node, State& state) const {
         out = fold(-kInfinity, [](double x, double y) { return y > x ? y : x; });
         break;
       case Op::kCount:
+        // The sign bit is the truth: -0.0 does not count.
         out = fold(0.0, [](double x, double y) { return x + (std::signbit(y) ? 0.0 : 1.0); });
         break;
       default:
@@ -308,6 +318,7 @@ void Network::Shift(const Node& node, State& state, Tick now) {
     std::copy(in.begin(), in.end(), state.ring.begin() + static_cast<std::ptrdiff_t>(slot * lanes));
   }
   if (now < node.delay || (ended_ && now - node.delay >= ticks_)) return;
+  // Before the first tick there was nothing: the neutral element of the minimum or maximum.
   if (node.op == Op::kPastShift && now - delay < node.ticks) {
     std::fill(state.values.begin(), state.values.end(), node.number);
     return;
@@ -324,6 +335,7 @@ void Network::Slide(const Node& node, State& state, Tick now) {
   const bool has_value = now >= node.delay;
   if (has_value) {
     const Tick first = now - node.delay;  // its value is for this tick; value number 0 is that of tick window.from
+    // Values that the window of this tick has left behind. Before the first result nothing may leave.
     while (!state.fold.empty() && state.fold.begin() < first) state.fold.Pop(kind, width, stride);
   }
   const Tick delay = InputDelay(node);
@@ -339,6 +351,7 @@ void Network::Slide(const Node& node, State& state, Tick now) {
   }
   if (!has_value || (ended_ && now - node.delay >= ticks_)) return;
   if (state.fold.empty()) {
+    // The window lies wholly beyond the end of the run: "always" holds of nothing, "eventually" does not.
     std::fill(state.values.begin(), state.values.end(), kind == FoldKind::kLeast ? kInfinity : -kInfinity);
   } else if (is_until) {
     state.scratch.resize(stride);
@@ -357,6 +370,7 @@ void Network::Look(const Node& node, State& state, Tick now) {
   const bool is_first = now == node.delay;
   if (node.op == Op::kSince) {
     ForEachLane(node, a, values(node.inputs[1].node), [&](std::size_t i, double left, double right) {
+      // The recursion of "since" needs its own value of the tick before only, no window.
       out[i] = is_first ? right : Greatest(right, Least(left, out[i]));
     });
     return;
@@ -371,6 +385,7 @@ void Network::Look(const Node& node, State& state, Tick now) {
     return;
   }
   const Tick width = node.ticks + 1;
+  // The window is full: the oldest value leaves before the new one comes, which needs its slot.
   if (state.fold.end() - state.fold.begin() == width) state.fold.Pop(kind, width, node.lanes);
   state.fold.Push(kind, width, a);
   state.fold.Read(kind, width, out);
@@ -385,6 +400,7 @@ void Network::LoadSeries(const Node& node, State& state) {
   const auto load = [&](const NodeInput& input, std::vector<double>& series) {
     const State& source = states_[input.node];
     const std::size_t its_lanes = program_->nodes[input.node].lanes;
+    // A constant's one value counts at all ticks.
     const bool is_constant = program_->nodes[input.node].op == Op::kConstant;
     series.resize(ticks_ * lanes);
     for (Tick t = 0; t < ticks_; ++t) {
@@ -399,6 +415,7 @@ void Network::LoadSeries(const Node& node, State& state) {
   if (node.op == Op::kSuffixUntil) {
     std::vector<double> right;
     load(node.inputs[1], right);
+    // From the end to the beginning, as the recursion until(t) = max(right(t), min(left(t), until(t + 1))) needs it.
     for (Tick t = ticks_; t-- > 0;) {
       for (std::size_t i = 0; i < lanes; ++i) {
         const double enough = right[t * lanes + i];
@@ -439,6 +456,7 @@ void AppendThings(const MonitorProgram& program, const std::vector<std::size_t>&
 
 void Network::FindCause(std::size_t number, std::size_t lane, std::vector<ThingId>& things) const {
   const Node& node = program_->nodes[number];
+  // Most nodes below a formula select nothing: the walk ends early.
   if (!node.names_cause) return;
   const auto lane_of = [&](const NodeInput& input) {
     if (!input.lane_of.empty()) return static_cast<std::size_t>(input.lane_of[lane]);
@@ -460,6 +478,7 @@ void Network::FindCause(std::size_t number, std::size_t lane, std::vector<ThingI
       const std::size_t count = node.counted.empty() ? node.reduced : node.counted.size();
       for (std::size_t k = 0; k < count; ++k) {
         const std::size_t i = node.counted.empty() ? k : node.counted[k];
+        // The first of equal lanes, so that a report names the same robot every time.
         if (!best || (is_least ? block[i] < block[*best] : block[i] > block[*best])) best = i;
       }
       if (!best) return;

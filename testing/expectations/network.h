@@ -1,8 +1,18 @@
-// Network: the values of all nodes of a program, tick by tick. A value: a copy continues by itself.
+// Network: the values of all nodes of a program, tick by tick. It is the state of a monitor: a plain value whose copy
+// continues by itself, so that a monitor can be copied at a tick and follow two runs. One thread uses an object at a
+// time.
+//
+// Order of evaluation is the order of the nodes in the program, and each fold has one fixed order, so that equal ticks
+// give equal bits on every machine, live or from a recording.
 //
 // Sliding minima and maxima, and the sliding composition of "until", are kept by a fold with two parts: suffixes of the
-// older values that are computed at once when they begin to leave, and one running value of the newer ones. On average
-// each value is combined at most three times, whatever the length of the window, and all lanes in one loop.
+// older values, computed at once when they begin to leave, and one running value of the newer ones. Each value is
+// combined at most three times on average, whatever the length of the window, and all lanes in one loop. The usual
+// alternative, a monotonic deque for each lane, costs the same number of comparisons but branches in each lane and
+// cannot express "until".
+//
+// Memory: a window of n ticks keeps n values of each lane; a window without end keeps the series of the whole run,
+// since its result depends on the last tick.
 #pragma once
 
 #include <bit>
@@ -19,7 +29,9 @@
 
 namespace troupe {
 
-// The lesser of two robustnesses: -0.0, which is false, is less than 0.0.
+// The lesser of two robustnesses: -0.0, which is false, is less than 0.0. Without a branch: of equal numbers (which
+// only zeros of two signs can differ in) the signs are joined by "or" here and by "and" below, so that compilers
+// vectorize the loops over lanes.
 inline double Least(double a, double b) {
   const std::uint64_t equal = a == b ? std::bit_cast<std::uint64_t>(a) : 0;
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(a < b ? a : b) | equal);
@@ -32,8 +44,10 @@ inline double Greatest(double a, double b) {
 
 enum class FoldKind : std::uint8_t { kLeast, kGreatest, kUntil };
 
-// The combination of the last values of all lanes. A value of kUntil has two halves: what is enough, and what must hold
-// on the way to a later one.
+// The combination of the last values of all lanes: a queue with an aggregate, made of two stacks. Values before middle_
+// are already folded up to the middle; when the last of these leaves, the rest is folded anew and middle_ moves to the
+// end. A value of kUntil has two halves: what is enough, and what must hold on the way to a later one. That combination
+// is associative but not commutative, so the order of arguments counts.
 class SlidingFold {
  public:
   // At most `width` values at a time.

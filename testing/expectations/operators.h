@@ -1,5 +1,10 @@
-// The operators of numbers and of truth, as the evaluators of expectations (network.h) and of constraints compute them.
-// Truth is a robustness (expectation.h).
+// The operators of numbers and of truth, shared by the evaluators of expectations (network.h) and of constraints
+// (testing/cases/constraint.h), so that "a < b" means the same in `expect` and in `where`.
+//
+// Truth is a robustness (troupe/expectation.h): a number whose sign bit is clear if the condition holds, and whose size
+// says by how much, in the unit of the comparison. Zero has both cases: 0.0 holds and -0.0 does not, which tells ">="
+// from ">" at equality; "not" is the change of the sign, without any other case. An operator is a template argument, so
+// that the choice is made once for a node and not for each lane.
 #pragma once
 
 #include <cmath>
@@ -12,7 +17,8 @@
 
 namespace troupe {
 
-// `of_equal`: of two equal numbers. A comparison with NaN is false.
+// `of_equal`: of two equal numbers. Equality is asked first, since the difference of two equal infinities is NaN. A
+// comparison with NaN is false, and infinitely so: no other number can outweigh a missing value.
 inline double Difference(double a, double b, double of_equal) {
   const double difference = a - b;
   return a == b ? of_equal : (difference == difference ? difference : -kInfinity);

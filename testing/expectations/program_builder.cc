@@ -51,6 +51,7 @@ std::size_t ProgramBuilder::Add(Node node) {
   if (program_.nodes.size() >= kMaxNodes && !error_) {
     error_ = TextError(at_offset_, "found too many operators, expected a shorter expectation");
   }
+  // Node 0 exists from here on, so that results after an error are valid indices.
   if (error_ && !program_.nodes.empty()) return 0;
   program_.nodes.push_back(std::move(node));
   return program_.nodes.size() - 1;
@@ -71,6 +72,7 @@ std::size_t ProgramBuilder::Make(Op op, std::vector<std::size_t> inputs, Node no
   for (const std::size_t input : inputs) {
     const Node& source = program_.nodes[input];
     node.names_cause = node.names_cause || source.names_cause;
+    // Constants have a value at any time: they delay nothing and belong to every level.
     if (source.op == Op::kConstant) continue;
     node.delay = source.delay;
     node.level = source.level;

@@ -1,4 +1,10 @@
-// ProgramBuilder: the nodes of a program, with lanes, levels and delays that fit together (program.h).
+// ProgramBuilder: adds nodes to a program such that its invariants hold (program.h): inputs stand before their users,
+// all inputs of a node have one level and delay, and lanes are mapped where variables differ. The compiler says what to
+// compute; here is when and for which lanes.
+//
+// After the first error nothing is added, and results are node 0: a valid index with a meaningless value. Bounds:
+// kMaxLanes combinations of things and kMaxNodes operators, so that neither a text of 8 kB nor a world of thousands of
+// robots can exhaust memory.
 #pragma once
 
 #include <algorithm>

@@ -94,6 +94,7 @@ Syntax Moved(Syntax syntax, bool negate) {
   };
   if (IsTruthOperator(syntax)) {
     const bool implies = syntax.name == "->";
+    // p -> q is (not p) or q. De Morgan: a negation exchanges "and" and "or" and moves to the parts.
     if (implies) syntax.name = "or";
     swap("and", "or");
     for (std::size_t i = 0; i < syntax.children.size(); ++i) {
@@ -110,6 +111,7 @@ Syntax Moved(Syntax syntax, bool negate) {
     syntax.children[0] = Moved(std::move(syntax.children[0]), negate);
     return syntax;
   }
+  // "until" and "since" have no dual in the language, and numbers no negation: the "not" stays in front.
   for (Syntax& child : syntax.children) child = Moved(std::move(child), false);
   if (!negate) return syntax;
   Syntax negation;
@@ -186,6 +188,7 @@ Syntax WithClosestPairs(Syntax syntax) {
   if (syntax.kind != SyntaxKind::kBound || (syntax.name != "forall" && syntax.name != "exists")) return syntax;
   const bool is_forall = syntax.name == "forall";
   Syntax* at = syntax.children.data();
+  // min over pairs commutes with min over ticks, so "always" may stand between.
   while (at->Is(SyntaxKind::kTemporal, is_forall ? "always" : "eventually")) at = at->children.data();
   bool negated = false;
   if (at->Is(SyntaxKind::kOperator, "not")) {
@@ -200,6 +203,8 @@ Syntax WithClosestPairs(Syntax syntax) {
   const Syntax& other = at->children[1 - side];
   if (!IsPairDistance(distance, syntax.variables)) return syntax;
   if (Mentions(other, syntax.variables[0]) || Mentions(other, syntax.variables[1])) return syntax;
+  // "forall ... distance > C" and "exists ... distance < C" are both decided by the least distance. The other two would
+  // need the greatest, which no index finds.
   const bool wants_more = (greater == (side == 0)) != negated;
   if (wants_more != is_forall) return syntax;
   Syntax least = syntax;

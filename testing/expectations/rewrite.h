@@ -1,5 +1,10 @@
-// Changes of a formula before it is compiled: shorthands become the formulas that they stand for, and the formula gets
+// Changes of a formula before it is compiled: shorthands become the formulas that they abbreviate, and the formula gets
 // a form of the same robustness that is decided as early as possible.
+//
+// All rewriting is from syntax to syntax, before names are known: so it cannot depend on the world, and the text that
+// `formula` shows is an ordinary formula that can be written in a test. Each rule keeps the robustness itself, not only
+// the truth: minimum and maximum commute with "always" and "eventually", and "not" exchanges them exactly, since it
+// only changes signs.
 #pragma once
 
 #include <span>

@@ -37,6 +37,7 @@ Roots::Roots(const MonitorProgram& program) : states_(program.roots.size()) {
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const RootNode& root = program.roots[i];
     State& state = states_[i];
+    // Nothing is known yet: the bounds are all that a robustness can be.
     state.low.assign(root.lanes, -kInfinity);
     state.high.assign(root.lanes, kInfinity);
     if (IsCombination(root.op)) continue;
@@ -46,6 +47,7 @@ Roots::Roots(const MonitorProgram& program) : states_(program.roots.size()) {
       state.way.assign(root.lanes, kInfinity);
       state.way_when.assign(root.lanes, 0);
     }
+    // Things are kept only for roots under which something selects: most expectations then cost no allocation.
     const bool names = std::any_of(root.inputs.begin(), root.inputs.end(),
                                    [&](const NodeInput& input) { return program.nodes[input.node].names_cause; });
     if (names) state.things.resize(root.lanes);

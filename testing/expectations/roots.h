@@ -1,5 +1,13 @@
 // Roots: the value at the first tick of the outermost operators of an expectation, as bounds that come closer tick by
 // tick, so that a verdict is known as early as possible; and what decides it.
+//
+// Why apart from the network: an expectation is judged at the first tick only. "always p" as a node would compute a
+// value for each tick and wait until the end of the run for the first of them; as a root it is one running minimum, an
+// upper bound at each tick, and false as soon as that bound is. The bounds are sound: low <= robustness <= high
+// whatever follows, and they only come closer.
+//
+// Costs: one comparison for each lane and tick. The owner (Monitor) calls it on its own thread, after each tick of the
+// network.
 #pragma once
 
 #include <cstdint>

@@ -85,6 +85,7 @@ double Norm(double x, double y) {
 double DistanceOf(std::span<const ConvexPiece> a, std::span<const ConvexPiece> b) {
   double least = kInfinity;
   for (const ConvexPiece& one : a) {
+    // Pieces without obstacle, which bodies pass through, have no distance.
     if (!one.obstacle) continue;
     for (const ConvexPiece& other : b) {
       if (!other.obstacle || !one.z.Overlaps(other.z)) continue;
@@ -149,6 +150,7 @@ void ForEachPersonNear(const TickView& tick, std::uint32_t robot, const double& 
   const double radius = tick.scene.body(BodyId(robot)).radius;
   for (std::size_t i = 0; i < state.people.size(); ++i) {
     const BodyId person = tick.scene.body_of(PersonId(i));
+    // Circles around both bodies first: the distance of polygons is needed for few people.
     const double least = (state.people[i].X_WP.translation() - here).norm() - radius - tick.scene.body(person).radius;
     if (least > reach) continue;
     const double distance = DistanceOf(mine, tick.bodies.pieces_in_world(person));
@@ -176,6 +178,7 @@ void ReadIntrusions(const SignalUse& signal, const TickView& tick, SignalMemory&
     memory.numbers.assign(values.size(), 0.0);
     memory.before.assign(values.size(), false);
   }
+  // A time is the sum of steps with people near at their ends. Tick 0 ends no step.
   const double seconds = tick.state.tick > 0 ? tick.scene.world().interval_seconds() : 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const bool is_near = CountPeopleNear(signal, tick, signal.subjects[i]) > 0.0;
@@ -202,9 +205,12 @@ double ReadClosestPair(const SignalUse& signal, const TickView& tick, SignalMemo
         least + tick.scene.body(BodyId(a)).radius + tick.scene.body(BodyId(b)).radius;  // of the origins
     const double dx = X_WA.x - X_WB.x;
     const double dy = X_WA.y - X_WB.y;
+    // Too far to be nearer, by circles. The margin is above the rounding of squares, so that no nearest pair is lost
+    // and the result does not depend on the order of visits.
     if (dx * dx + dy * dy > reach * reach * (1.0 + 1e-9) + 1e-9) return;
     const double distance = DistanceOf(tick.bodies.pieces_in_world(BodyId(a)), tick.bodies.pieces_in_world(BodyId(b)));
     const std::pair pair{a, b};
+    // Ties go to the least numbers: the pair in the report is a function of the state, not of the pair before.
     if (distance < least || (distance == least && distance < kInfinity && pair < memory.pair)) {
       least = distance;
       memory.pair = pair;
@@ -213,6 +219,8 @@ double ReadClosestPair(const SignalUse& signal, const TickView& tick, SignalMemo
   // The pair of the tick before is most often still near: then few others are.
   consider(memory.pair.first, memory.pair.second);
   if (least == kInfinity) {
+    // No bound from the tick before: neighbours in the list stand near each other in most worlds, and any bound is good
+    // enough to make the search with the index pay.
     for (std::size_t i = 0; i < subjects.size(); ++i) consider(subjects[i], others[(i + 1) % others.size()]);
   }
   for (const std::uint32_t a : subjects) {
@@ -222,6 +230,7 @@ double ReadClosestPair(const SignalUse& signal, const TickView& tick, SignalMemo
       continue;
     }
     const double reach = least + tick.scene.body(BodyId(a)).radius;
+    // The index finds bodies by their own boxes, so the reach needs the radius of a alone.
     const Rectangle box{X_WA.x - reach, X_WA.y - reach, X_WA.x + reach, X_WA.y + reach};
     tick.bodies.ForEachNear(box, [&](BodyId near) {
       const auto b = static_cast<std::uint32_t>(near.index());
@@ -247,6 +256,7 @@ void ReadEvents(const SignalUse& signal, const Things& things, const TickView& t
   if (counts && memory.numbers.empty()) memory.numbers.assign(values.size(), 0.0);
   if (!counts) std::fill(values.begin(), values.end(), -kInfinity);
   for (const Event& event : tick.events) {
+    // Before the loop over lanes: most ticks have no event of the type, and a world has thousands of robots.
     if (event.type != signal.event) continue;
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (!Matches(event, signal, i, things)) continue;
@@ -306,6 +316,7 @@ double ValueOf(const SensorReading& reading, SignalKind kind) {
 
 void ReadSensors(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
   if (!memory.sensors) {
+    // The robot's own sensors, on the same state: a range in a test is the number that the controller saw.
     auto sensors = std::make_shared<std::vector<std::unique_ptr<const Sensor>>>();
     for (std::size_t i = 0; i < values.size(); ++i) {
       std::vector<std::unique_ptr<const Sensor>> all = MakeSensors(tick.scene, RobotId(signal.subjects[i]));
@@ -341,6 +352,7 @@ void ReadTable(const SignalUse& signal, const Things& things, const TickView& ti
 
 double ReadHash(const SignalUse& signal, const TickView& tick) {
   std::array<char, 17> digits{};
+  // As troupe prints hashes. Computed only for formulas that name it: it reads the whole state.
   std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(StateHash(tick.state)));
   return Truth((signal.text == digits.data()) != signal.negated);
 }
@@ -370,6 +382,7 @@ std::vector<std::size_t> KindsWith(std::string_view signal) {
   std::vector<std::size_t> kinds;
   const std::span<const StateTable> tables = StateTables();
   for (std::size_t kind = 0; kind < tables.size(); ++kind) {
+    // Rows of tables that vary have no names that a formula could say.
     if (!tables[kind].varies && tables[kind].Find(signal) != nullptr) kinds.push_back(kind);
   }
   const auto is_body = [](std::size_t kind) {

@@ -1,6 +1,11 @@
-// Signals: what expectations see of a run: the signals of the state's tables (common/signals), and those of the table
-// here, which says how each is written, what it returns and what it means; the documentation has the same. A signal is
-// read from a tick for all its lanes at once.
+// Signals: what expectations see of a run: the signals of the state's tables (common/signals), and the table here with
+// those that no row has: of pairs, of readings, of events and of the whole run. Each entry says how it is written, what
+// it returns and what it means; the documentation is printed from the same table (language.cc), so that it cannot
+// differ.
+//
+// A signal is a function of the tick's state and events, and of what the monitor remembers (SignalMemory); never of how
+// the run was made. So a live simulation, a replay and a branch have the same values, bit by bit. A signal is read for
+// all its lanes at once, with one dispatch. Units are SI: m, s, rad, J; positions are in W.
 #pragma once
 
 #include <cstddef>
@@ -102,7 +107,8 @@ struct SignalUse {
   EventType event = EventType::kStallBegan;
 };
 
-// What a monitor remembers of a signal.
+// What a monitor remembers of a signal between ticks: counts, and data that is costly to make and constant (pieces of
+// static models, sensors). It is copied with the monitor; the sensors are immutable and shared.
 struct SignalMemory {
   std::vector<double> numbers = {};      // counts of events; 1.0 of robots that have left; seconds; intrusions
   std::vector<bool> before = {};         // by lane: people were near at the last tick

@@ -1,16 +1,23 @@
 // The syntax of expectations, and of the constraints of tests: a text as a tree, and a tree as text. What names mean is
-// not known here (compile.h).
+// not known here (compile.h), so that the same grammar serves worlds and draws of cases.
 //
 //   formula    = or ["->" formula]
 //   or         = and {"or" and}
 //   and        = until {"and" until}
 //   until      = unary [("until" [interval] | "since") until]
-//   unary      = ("not" | ("always" | "eventually" | "historically" | "once") [interval] | "finally") unary |
-//   comparison comparison = sum [("<" | "<=" | ">" | ">=" | "==" | "!=") sum] sum        = product {("+" | "-")
-//   product} product    = factor {("*" | "/") factor} factor     = "-" factor | number [unit] | text | name ["("
-//   [formula {"," formula}] ")"] | "(" formula ")" | bound bound      = ("forall" | "exists" | "min" | "max" | "sum" |
-//   "mean" | "count") name {"," name} [domain] ":" formula domain     = "in" (text | name [text]) interval   = "["
-//   number [unit] "," (number [unit] | "end") "]"
+//   unary      = ("not" | ("always" | "eventually" | "historically" | "once") [interval] | "finally") unary
+//              | comparison
+//   comparison = sum [("<" | "<=" | ">" | ">=" | "==" | "!=") sum]
+//   sum        = product {("+" | "-") product}
+//   product    = factor {("*" | "/") factor}
+//   factor     = "-" factor | number [unit] | text | name ["(" [formula {"," formula}] ")"] | "(" formula ")" | bound
+//   bound      = ("forall" | "exists" | "min" | "max" | "sum" | "mean" | "count") name {"," name} [domain] ":" formula
+//   domain     = "in" (text | name [text])
+//   interval   = "[" number [unit] "," (number [unit] | "end") "]"
+//
+// The grammar has one comparison without chains ("a < b < c" is an error), since a chain of robustnesses has no meaning
+// that users agree on. Texts are bounded in bytes and depth: the parser is recursive, and a text may come from anyone.
+// ToString and ParseFormula are inverse to each other; tests and the fuzz target `expectation` check it.
 #pragma once
 
 #include <cstddef>

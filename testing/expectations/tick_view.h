@@ -13,6 +13,7 @@ namespace troupe {
 
 // Borrowed for the time of a call of Monitor::Push. All signals follow from it: readings are measured from the state,
 // which gives the bits that the robots read, and the state hash is computed only for formulas that name it.
+// Events are the one part that a state does not contain: a recording stores them beside its states for this purpose.
 struct TickView {
   const Scene& scene;
   const BodyIndex& bodies;        // at `state`, an index of `scene`

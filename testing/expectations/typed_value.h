@@ -1,4 +1,9 @@
-// TypedValue: what an expression is worth, with its type and unit, as the compiler checks them.
+// TypedValue: an expression's result while it is compiled: its node, type and unit. Units are exponents of metre,
+// second, radian and joule, so that products and quotients of any signals have one, and a comparison of a speed with a
+// length is an error at its place instead of a wrong verdict.
+//
+// Numbers without unit ("0.5", "2 * 3") fit every unit: users write "speed(r) < 0.5". As soon as one part has a unit
+// the whole has it. Nothing of this exists at run time: a program has bare doubles in SI units.
 #pragma once
 
 #include <cstddef>

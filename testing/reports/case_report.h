@@ -1,6 +1,12 @@
 // CaseReport: the outcomes of many cases as files: JSON lines, CSV, JUnit, plots and one page without a server.
 //
-// The cases of a shard are in cases.jsonl, from which the reports of several shards are merged.
+// cases.jsonl has all that the other files show. The reports of several shards (processes,
+// machines) are merged by reading their lines, and equal cases give equal bytes in whatever order they ended: rows are
+// kept by case number. Wall times are the only part that differs between repetitions.
+//
+// Sessions have up to 10 million cases: a case that passed is kept as a small row, or as a count (CaseDetail); only
+// faults keep their histories. Owned by the command, one thread. All texts in pages come from users' files and are
+// escaped.
 #pragma once
 
 #include <array>

@@ -7,6 +7,8 @@ namespace troupe {
 
 // Mean, extremes and spread of numbers that are added one by one (Welford 1962). The same numbers in the same order
 // give the same bits.
+// One pass without the numbers, and without the cancellation that a sum of squares would have for a large mean and
+// small spread.
 class Statistics {
  public:
   void Add(double number);

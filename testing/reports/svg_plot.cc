@@ -43,6 +43,7 @@ struct Axis {
 };
 
 std::string Number(double number) {
+  // Multiples of a step miss zero by rounding: "0", not "-2.8e-17".
   return fmt::format("{:.6g}", std::abs(number) < 1e-12 ? 0.0 : number);
 }
 
@@ -96,6 +97,7 @@ std::string MakePlot(const std::vector<PlotPoint>& all, const PlotSettings& sett
   const Axis y(low, high);
   const bool words = !settings.x_words.empty();
   if (words) {
+    // Words stand in the middle of their columns.
     x.min = -0.5;
     x.max = static_cast<double>(settings.x_words.size()) - 0.5;
     x.step = 1.0;

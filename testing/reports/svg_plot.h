@@ -1,4 +1,6 @@
-// SvgPlot: a plot of a few series as SVG text, for reports.
+// SvgPlot: a plot of a few series as SVG text, for reports. Plain text without scripts, fonts or a server, so that a
+// page in an artifact store shows it, and tests can compare it. Numbers have one decimal of a pixel: equal data give
+// equal bytes.
 #pragma once
 
 #include <optional>
