@@ -30,6 +30,7 @@ std::string Inserted(const std::string& text, const StageBody& body, const State
   const std::size_t at = after != nullptr ? after->span.end : body.span.begin;
   std::size_t rest = at;
   while (rest < text.size() && IsBlank(text[rest])) ++rest;
+  // A comment behind the statement belongs to it: the new line goes below both.
   const bool ends_line = rest == text.size() || text[rest] == '\n' || text[rest] == '\r' || text[rest] == '#';
   if (several_lines && ends_line) {
     std::string indent = IndentOf(text, after != nullptr ? after->span.begin : body.span.begin);
@@ -91,6 +92,8 @@ std::string WithProperty(const std::string& text, const StageBody& body, const s
       if (statement.kind == StatementKind::kProperty) last = &statement;
     }
     const std::string written = name + " " + ToStage(value);
+    // A file without properties may begin with defines and entries: the property goes to the very top, where it holds
+    // for them all.
     if (!body.is_file || last != nullptr) return Inserted(text, body, last, written);
     return ApplyChanges(text, {{{0, 0}, written + EndOfLineIn(text)}});
   }
@@ -143,6 +146,7 @@ std::string WithBeforeEntries(const std::string& text, const StageTree& tree, co
   for (const Statement& statement : tree.statements) {
     if (statement.kind != StatementKind::kEntry || statement.name == "window") continue;
     // Before the comments that belong to the entry.
+    // A define in between would cut the comment from its entry.
     std::size_t at = LineStart(text, statement.span.begin);
     while (at > 0) {
       const std::size_t before = LineStart(text, at - 1 - (at > 1 && text[at - 1] == '\n' && text[at - 2] == '\r'));
@@ -203,6 +207,7 @@ Status StageBodyEdit::SetBlocks(const std::vector<WrittenModel>& blocks) {
     if (!holder.ok()) return holder.error();
     const std::vector<const Statement*> old = BlocksOf(*holder.value());
     if (old.size() <= blocks.size()) return {};
+    // From the last one, so that the blocks in front keep their place; each removal makes the tree out of date.
     Replace(WithoutStatement(text_, *old.back()));
   }
 }
@@ -231,6 +236,7 @@ Status StageBodyEdit::SetBlock(std::size_t index, const WrittenModel& block) {
 }
 
 std::string ApplyChanges(std::string_view text, std::vector<TextChange> changes) {
+  // Stable: two insertions at one place keep their order.
   std::stable_sort(changes.begin(), changes.end(),
                    [](const TextChange& a, const TextChange& b) { return a.span.begin < b.span.begin; });
   std::string result;
@@ -275,6 +281,7 @@ TextSpan WithSurroundings(std::string_view text, TextSpan span) {
   const bool ends_line = end == text.size() || EndsLine(text[end]);
   if (!starts_line) return {begin, ends_line ? end : span.end};
   if (!ends_line) return {span.begin, end};
+  // The line's own end goes too, with both bytes of a CRLF.
   if (end < text.size()) {
     const char first = text[end++];
     if (end < text.size() && EndsLine(text[end]) && text[end] != first) ++end;
@@ -288,6 +295,7 @@ std::string PlainNumber(double value, int decimals) {
     while (text.back() == '0') text.pop_back();
     if (text.back() == '.') text.pop_back();
   }
+  // Rounding of a small negative number.
   return text == "-0" ? "0" : text;
 }
 
@@ -298,6 +306,7 @@ std::string WithMember(const std::string& text, const JsonNode& object, const st
   const Result<JsonTree> read = JsonTree::Parse(value, "");
   if (!read.ok()) return ApplyChanges(text, {{member->span, value}});
   const JsonNode& after = read.value().root();
+  // By value, not by text: a form that rewrites an unchanged pose keeps the user's spelling.
   if (ToJson(*member) == ToJson(after)) return text;
   const bool alike = member->is_array() && after.is_array() && member->items.size() == after.items.size();
   if (!alike) return ApplyChanges(text, {{member->span, value}});
@@ -317,6 +326,7 @@ std::string WithoutItem(const std::string& text, const JsonNode& holder, std::si
   const std::vector<JsonNode>& items = holder.items;
   TextSpan gone = items[index].member;
   if (index + 1 < items.size()) {
+    // With the comma behind the item, and without it for the last: a trailing comma is not JSON.
     gone.end = items[index + 1].member.begin;
   } else if (index > 0) {
     gone.begin = items[index - 1].member.end;

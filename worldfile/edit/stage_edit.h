@@ -1,4 +1,12 @@
 // Edits of the texts of users' files, Stage worlds and JSON, that leave every other byte as it is.
+//
+// Functions of texts, not of trees: a writer that printed the tree again would lose comments, blanks, units and the
+// order of a file that somebody keeps under version control; a one-value edit must be a one-line difference. So an edit
+// takes the text with its parsed tree, and returns a text; after an edit the tree is out of date, and the next edit
+// parses again (StageBodyEdit does that). Cost: the length of the text per edit.
+//
+// An added line takes the indentation and the line ending of its neighbours (LF or CRLF). Values that are equal as
+// numbers are not rewritten: "1.50" stays "1.50".
 #pragma once
 
 #include <cstddef>
@@ -18,7 +26,7 @@ namespace troupe {
 
 // Edits of a Stage file's text. Each returns the changed text; all bytes that the edit does not concern stay.
 //
-// REQUIRES, of all functions: `text` is that of the tree.
+// REQUIRES, of all functions: `text` is the text of the tree.
 
 // Changes the property that counts, or adds it after the others. Of a tuple of as many elements only those change that
 // have another value.
@@ -40,14 +48,14 @@ std::string WithDefine(const std::string& text, const StageTree& tree, const std
 // column.
 class StageBodyEdit {
  public:
-  // `path` names the text in messages; `line` and `column` are those of the statement's name.
+  // `path` names the text in messages; `line` and `column`: of the statement's name.
   StageBodyEdit(std::string text, std::string path, int line, int column)
       : text_(std::move(text)), path_(std::move(path)), line_(line), column_(column) {}
 
   // The edits above. The error tells that the text has no such statement.
   Status Set(const std::string& property, const Value& value);
   Status Remove(const std::string& property);
-  // These blocks in place of those of the body: as many as there are change one by one.
+  // Replaces the blocks of the body: the first ones change in place, the rest is added or removed.
   Status SetBlocks(const std::vector<WrittenModel>& blocks);
 
   const std::string& text() const { return text_; }
@@ -92,7 +100,7 @@ TextSpan WithSurroundings(std::string_view text, TextSpan span);
 std::string PlainNumber(double value, int decimals = 4);
 
 // Edits of JSON text. Each returns the changed text, in which all bytes that the edit does not concern stay. REQUIRES,
-// of all: the nodes are those of the text.
+// of all: the nodes are the nodes of the text.
 
 // Changes or adds a member. Of an array of as many plain values only those change that have another value.
 std::string WithMember(const std::string& text, const JsonNode& object, const std::string& key,

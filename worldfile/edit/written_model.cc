@@ -22,6 +22,7 @@ std::string ScalarToJson(const Value::Scalar& scalar) {
   if (text.starts_with('.')) text.insert(0, "0");
   if (text.starts_with("-.")) text.insert(1, "0");
   if (text.ends_with('.')) text.pop_back();
+  // The spelling of the file where JSON allows it; else its value (Stage accepts "007" and "1.2.3").
   return nlohmann::json::accept(text) ? text : PlainNumber(number->value, 6);
 }
 
@@ -238,6 +239,7 @@ std::string ToStage(const WrittenModel& model, const std::string& indent, const 
   for (const auto& [name, value] : model.properties) line += " " + name + " " + ToStage(value);
   line += " )";
   const bool is_short = model.children.empty() && indent.size() + line.size() <= kLongLine;
+  // Blocks are one line each, however long: the corners are one value of many parts.
   if (is_short || model.type == "block") return line;
   return model.type + end_of_line + BodyLines(model, indent, end_of_line);
 }

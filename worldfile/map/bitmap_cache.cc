@@ -80,6 +80,7 @@ Result<std::shared_ptr<const BitmapRectangles>> BitmapCache::Read(const std::str
                                                                   const SourceLocation& where) const {
   const std::optional<std::string> resolved = allowed_.Resolve(path);
   if (!resolved) return Error{where, "bitmap: " + NotAllowed(path, allowed_)};
+  // Before the known ones: a given image may differ from the file of its path, and from the one given earlier.
   if (std::optional<Bitmap> given = source_ ? source_(*resolved, rule) : std::nullopt) {
     return std::make_shared<const BitmapRectangles>(CoverOf(std::move(*given)));
   }
@@ -87,6 +88,7 @@ Result<std::shared_ptr<const BitmapRectangles>> BitmapCache::Read(const std::str
   Result<Bitmap> bitmap = ReadBitmap(*resolved, rule);
   if (!bitmap.ok()) return Error{where, "bitmap " + QuotedPath(path) + ": " + bitmap.error().message};
   auto read = std::make_shared<const BitmapRectangles>(CoverOf(std::move(bitmap).value()));
+  // Given images do not go in: KnownBitmaps are the contents of files.
   if (known_ != nullptr) known_->emplace(*resolved, KnownBitmap{rule, read});
   return read;
 }

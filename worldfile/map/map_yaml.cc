@@ -52,6 +52,7 @@ class MapYamlReader {
   const YamlNode& Require(const char* key) { return yaml_.Require(*root_, key, kThis); }
 
   double Number(const YamlNode& node, const char* key, double min, double max) {
+    // A missing key has already failed in Require: the value does not matter then.
     return yaml_.Number(node, Quoted(key), min, min, max);
   }
 
@@ -132,10 +133,12 @@ class MapYamlReader {
       yaml_.Fail(mode_node, "found mode " + Quoted(mode) + ", expected trinary, scale or raw");
     }
     PixelRule rule;
+    // As in map_server; Stage takes the red channel alone.
     rule.mean_of_channels = true;
     rule.transparent_is_free = mode == "scale";
     for (int value = 0; value < 256; ++value) {
       double probability = (negate ? value : 255 - value) / 255.0;
+      // map_server reads raw values as its own occupancy numbers: 0 to 100, 255 for unknown.
       if (mode == "raw") probability = value <= 100 ? value / 100.0 : 0.0;
       rule.occupied[static_cast<std::size_t>(value)] = probability >= occupied_threshold;
     }

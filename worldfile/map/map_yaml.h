@@ -1,4 +1,14 @@
-// ROS maps: the YAML files of map_server, which name an image and the rule to read it by.
+// ROS maps: YAML files of map_server with the name of an image and the rule for its pixels; and the covers of all
+// bitmaps of a world.
+//
+// Pixels become an occupied area here, once: a map is walls, not probabilities, for every sensor and collision. The
+// rule is that of map_server, mode by mode, with its quirks (unknown pixels are free, the mean of the channels
+// decides), because users compare the two pictures. Frame M of a map has its origin at the lower left corner of the
+// image, x to the right, y up, 1 pixel = `resolution` metres.
+//
+// An area is covered by few large rectangles, which the indices of the world treat as boxes; a noisy bitmap (a scan, a
+// photograph) has so many that the pixels themselves are the cheaper form (DenseCover). CoverOf decides by the counts
+// below.
 #pragma once
 
 #include <map>
@@ -48,12 +58,13 @@ struct BitmapRectangles {
   PixelRectangle bounds() const;
 };
 
-// A rectangle in a list costs some hundred bytes in all indices of a process together, so that more than these would
-// need more memory than the pixels are worth.
+// A rectangle of a list costs some hundred bytes in all indices of a process together: above these counts a list would
+// need more memory than its pixels.
 inline constexpr std::size_t kFewRectangles = 5000;
 inline constexpr std::size_t kPixelsPerRectangle = 128;
 
-// A dense bitmap of more rectangles can only be a part of a model that stays in its place.
+// A dense bitmap of more rectangles can only be a part of a model that never moves: a moving body is tested piece by
+// piece at every tick.
 inline constexpr std::size_t kMaxMovingRectangles = 16'384;
 
 // Lists the rectangles if they are at most kFewRectangles, or one for kPixelsPerRectangle pixels.
@@ -67,6 +78,8 @@ struct KnownBitmap {
 };
 using KnownBitmaps = std::multimap<std::string, KnownBitmap>;  // by path
 
+// The covers of one build of a world, by path and rule: a hundred models of one bitmap share one cover. Errors are not
+// kept. One thread.
 class BitmapCache {
  public:
   // Images are read from these files only. `source`: of images that are not read from their files. `known`: of images

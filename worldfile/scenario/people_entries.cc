@@ -91,6 +91,8 @@ Result<std::uint32_t> AddGoals(WorldDescription& world, const PeopleEntry& entry
     points.push_back(place.value().point);
     heights.push_back(place.value().z);
   }
+  // Goals in a fixed order are a ring of sets of one point; goals in any order are one set, from which each person
+  // draws.
   const std::size_t sets = entry.in_turn && !points.empty() ? points.size() : 1;
   for (std::size_t i = 0; i < sets; ++i) {
     GoalSet set;

@@ -1,4 +1,8 @@
-// The key "people" of a scenario.
+// The key "people" of a scenario: crowds of persons with a region, goals and ways.
+//
+// Two steps, because a goal may be the name of a place of the world: entries are read with the scenario, and become
+// rules (worldfile/models/people.h) when the world is built. Persons are no models: they are drawn from the world's
+// seed after all spawned models have their place, so that a change of the people does not move a robot.
 #pragma once
 
 #include <optional>

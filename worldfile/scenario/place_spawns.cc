@@ -156,6 +156,7 @@ class Placer {
       bool found = false;
       for (std::uint64_t draw = 0; draw < max_draws_ && !found; ++draw) {
         const auto random = [&](std::uint64_t component) {
+          // Without the number of the rule: with its own seed a rule gives the same places wherever it is in the list.
           if (rule.seed) return RandomUniform({*rule.seed, kSpawnStream, i, draw, component});
           return RandomUniform({seed_, kSpawnStream, rule_number, i, draw, component});
         };
@@ -163,6 +164,7 @@ class Placer {
         X_WR.x = region.min_x + random(0) * region.width();
         X_WR.y = region.min_y + random(1) * region.height();
         if (rule.z) X_WR.z = *rule.z;
+        // Each component has a key of its own: a fixed heading does not shift the other draws.
         X_WR.heading = rule.heading ? *rule.heading : WrapAngle((2.0 * random(2) - 1.0) * kPi);
         found = Contains(rule.region, X_WR.translation()) &&
                 HasSpacing(X_WR.translation(), rule.spacing, origins, origin_cells) &&
@@ -196,9 +198,11 @@ class Placer {
     }
     for (const ModelId follower : followers_[root]) {
       Pose& X_WF = world_.models[follower.index()].X_PM;
+      // A model that is placed alone in the world keeps its pose relative to the robot that carries it in the file.
       X_WF = X_WR * (Inverse(X_PM) * X_WF);
     }
     X_PM = X_WR;
+    // A model without pieces is nowhere in the way, and an empty box has no cells.
     if (!body.box.empty()) placed_cells_.Insert(body.box, static_cast<std::uint32_t>(placed_.size()));
     placed_.push_back(std::move(body));
     return true;

@@ -36,6 +36,7 @@ Result<WorldTree> ReadTree(const ScenarioFile& file, const std::string& path, co
   Result<WorldTree> tree =
       file.world ? ReadNamed(*file.world, beside(file.world->text), allowed, tools) : ParseStageText("", path);
   if (!tree.ok()) return tree;
+  // The scenario first: its name and folder stand for the whole in summaries.
   if (file.world) tree.value().files.insert(tree.value().files.begin(), path);
   for (const PlacedText& include : file.includes) {
     Result<WorldTree> included = ReadNamed(include, FindFile(include.text, directory, path), allowed, tools);
@@ -97,6 +98,8 @@ class Overrider {
       if (!name.empty()) names_.push_back(name);
       types_.insert(child.type);
       types_.insert(child.macros.begin(), child.macros.end());
+      // Copies are made on the way back from a match only, so that a rule for one robot of 10,000 does not copy the
+      // others' subtrees.
       std::optional<WorldNode> changed = Visit(child, name);
       if (Matches(child, name)) {
         ++matches_;
@@ -144,13 +147,14 @@ class Overrider {
 
 // Sets what the scenario says of the world and its run beside the tree.
 void Complete(LoadedWorld& loaded, const ScenarioFile& file, const ScenarioPlan& plan) {
+  // The world's settings hold where the scenario says nothing.
   const RunSettings of_world = loaded.settings;  // its quit_time and its speedup
   loaded.settings = file.settings;
   if (!loaded.settings.ticks) loaded.settings.ticks = of_world.ticks;
   const bool has_speed = loaded.settings.speed || !loaded.settings.watched_speed;
   if (!has_speed) loaded.settings.watched_speed = of_world.watched_speed;
   if (file.name) loaded.world.name = *file.name;
-  // A place of the scenario is in the stead of the building's place of that name.
+  // A place of the scenario replaces the building's place of its name.
   std::erase_if(loaded.world.places, [&](const NamedPlace& place) {
     return std::any_of(file.places.begin(), file.places.end(), [&](const auto& own) { return own.name == place.name; });
   });
@@ -186,7 +190,7 @@ Status RemoveEntities(WorldTree& tree, const std::vector<PlacedText>& names) {
   return Status();
 }
 
-// The models of `to` are at the places that those of the same names have in `from`.
+// Moves the models of `to` to the places of the models of their names in `from`.
 void CopyPlaces(const WorldDescription& from, WorldDescription& to) {
   std::map<std::string, const ModelDescription*> models;
   for (const ModelDescription& model : from.models) models.emplace(model.name, &model);
@@ -284,6 +288,8 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   Result<LoadedWorld> built = BuildWorld(plan.value().tree, build, tools.build);
   if (!built.ok()) return built;
   Complete(built.value(), file, plan.value());
+  // Spawned models get their places before the `without` models are removed: leaving out one robot does not move the
+  // others, and a comparison of runs with and without it is fair.
   const std::uint64_t seed = built.value().world.seed;
   built = PlaceSpawns(std::move(built).value(), plan.value().spawns, seed, tools.max_spawn_draws);
   if (!built.ok()) return built;
@@ -296,6 +302,8 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   };
   if (file.without.empty()) return completed(std::move(built).value());
   if (Status error = RemoveEntities(plan.value().tree, file.without); !error.ok()) return error.error();
+  // Built again instead of erased from the built world: ids of models, robots and shapes are dense, and references
+  // between them are many.
   Result<LoadedWorld> reduced = BuildWorld(plan.value().tree, build, tools.build);
   if (!reduced.ok()) return reduced;
   Complete(reduced.value(), file, plan.value());

@@ -1,5 +1,13 @@
 // JSON scenarios: a world, additions and changes to it, and the settings of its run. docs/scenarios.md describes the
 // format; configs/scenario.schema.json is its schema.
+//
+// The steps of a load, each with its own errors: the text (json_tree.h), its form by the schema (scenario_schema.h),
+// its entries (scenario_file.h), the tree of its world with its includes, the entries merged into the tree
+// (scenario_tree.h), the built world (worldfile/models/build_world.h), and what needs built geometry: places of spawned
+// models, crowds, people, controllers. The first error ends the load.
+//
+// Everything is deterministic: equal files and an equal seed give equal worlds, on every machine. Errors of controllers
+// are reported at their entry. Any thread may call the functions.
 #pragma once
 
 #include <cstdint>

@@ -62,6 +62,7 @@ class Reader {
 
 Value::Number NumberOf(const JsonNode& value) {
   if (value.is_boolean()) return value.is_true() ? Value::Number{1.0, "1"} : Value::Number{0.0, "0"};
+  // The text is written back by edits and shown in messages of the Stage language.
   const bool has_exponent = value.text.find_first_of("eE") != std::string::npos;  // Stage's numbers have none
   return {value.number, has_exponent ? ToJson(value).dump() : value.text};
 }
@@ -330,6 +331,7 @@ Result<ScenarioFile> Reader::Read() {
   const JsonNode& root = tree_.root();
   ScenarioFile file;
   if (const JsonNode* const found = root.Find("scenario")) {
+    // The schema is shared with files of `troupe test`: a clear message, not one about a missing world.
     Fail(*found, "found a test of another scenario, expected a scenario: 'troupe test' runs tests");
   }
   file.world = FindText(root, "world");

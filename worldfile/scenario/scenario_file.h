@@ -1,4 +1,11 @@
 // The content of a scenario, read and checked by itself, before its world is loaded.
+//
+// Plain values with places: each entry keeps the place of its text, because most faults (a name that the world lacks, a
+// region without room) are found much later. Angles are in degrees in the text and in radians here; lengths are metres
+// whatever the units of the world file. Missing keys are nothing (optional), so that the defaults of the world or of
+// the run stay in one place.
+//
+// REQUIRES of the reader that the schema has been checked: it reads members of known kinds without tests.
 #pragma once
 
 #include <cstdint>

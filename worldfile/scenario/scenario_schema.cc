@@ -129,6 +129,7 @@ Status CheckSchema(const JsonTree& tree) {
   valijson::Validator validator;
   const json values = ToJson(tree.root());
   const valijson::adapters::NlohmannJsonAdapter root(values);
+  // Most scenarios are valid: results are collected for a breach only.
   if (validator.validate(compiled.schema, root, nullptr)) return Status();
   valijson::ValidationResults results;
   validator.validate(compiled.schema, root, &results);
@@ -147,6 +148,7 @@ Status CheckSchema(const JsonTree& tree) {
     }
   }
   TROUPE_CHECK(first != nullptr);
+  // The library's own texts name schema keywords; the schema's descriptions say what a user should write.
   return Explain(tree, compiled.text, SchemaAt(compiled.text, *first, tree.root()), NodeAt(tree.root(), *first));
 }
 

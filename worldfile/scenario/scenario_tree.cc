@@ -24,6 +24,7 @@ Property PoseProperty(const PoseEntry& entry, const WorldNode& node, const FileU
   const auto* const old_z = old != nullptr && old->size() > 2 ? std::get_if<Value::Number>(&(*old)[2]) : nullptr;
   Value::Number z = NumberOf(entry.pose.z / units.metres);
   if (!entry.has_z) z = old_z != nullptr ? *old_z : NumberOf(0.0);
+  // The tree is in the world's units: the builder converts every pose, and must not convert this one wrongly.
   const double heading = units.radians == 1.0 ? entry.pose.heading : RadiansToDegrees(entry.pose.heading);
   Value::Tuple tuple{NumberOf(entry.pose.x / units.metres), NumberOf(entry.pose.y / units.metres), std::move(z),
                      NumberOf(heading)};
@@ -234,6 +235,7 @@ class Adder {
   Status AddSpawn(const SpawnEntry& rule) {
     Result<WorldNode> made = MakePlain(rule.model);
     if (!made.ok()) return made.error();
+    // Made once and copied: the copies share the children, so that 20,000 robots cost 20,000 small nodes.
     const WorldNode prototype = rule.controller ? WithoutController(made.value()) : made.value();
     if (!IsModelType(prototype.type)) {
       return Error{rule.model.where, "found " + Quoted(prototype.type) + ", expected a model"};
@@ -317,8 +319,11 @@ WorldTree Merged(WorldTree tree, WorldTree include, const SourceLocation& where)
       tree.warnings.push_back({where, "the define " + Quoted(name) + " is there already: the first one counts"});
     }
   }
+  // One building for a world: the first.
   if (tree.site == nullptr) tree.site = std::move(include.site);
   for (std::size_t i = 0; i < include.world.children.size(); ++i) {
+    // A relative bitmap of an include starts at the include's folder; the merged tree knows only the folder of the top
+    // file.
     tree.world.children.Add(WithAnchoredBitmaps(directory, std::move(include.world.children.Change(i))));
   }
   for (Property& property : include.world.properties) {

@@ -1,4 +1,12 @@
 // Merges a scenario's entries into the tree of its world.
+//
+// The order is fixed and documented: properties of the world, models, robots, spawned models, overrides, the default
+// controller. Overrides come after all models, so that they match spawned ones too; the default controller comes last,
+// so that it only fills gaps. Names are unique among top-level models; a spawn rule without a prefix takes free numbers
+// behind the name of its model.
+//
+// What a tree cannot express (controllers with JSON parameters, ROS domains, the names of the lockstep, planned places)
+// is beside it in the plan, by the name of the robot.
 #pragma once
 
 #include <map>

@@ -145,6 +145,7 @@ class Lexer {
     if (const std::size_t nul = comment.find('\0'); nul != std::string_view::npos) {
       return Fail(begin + nul, "found a NUL byte, expected text");
     }
+    // One warning for a file: a comment in Latin-1 is seldom alone.
     if (has_odd_comment_) return true;
     if (const std::size_t odd = FindInvalidUtf8(comment); odd != std::string_view::npos) {
       warnings_.push_back({WhereOnLine(begin + odd), "a comment is not UTF-8"});  // Stage reads it
@@ -155,6 +156,7 @@ class Lexer {
 
   bool EndOfLine(Token& token) {
     const char first = text_[at_++];
+    // CRLF and LFCR are one line end, LFLF are two: line numbers agree with those of editors.
     if (IsEndOfLine(Peek()) && Peek() != first) ++at_;
     Make(TokenKind::kEndOfLine, token);
     ++line_;
@@ -175,6 +177,7 @@ class Lexer {
       return Fail(begin_, "found " + Quoted(Text()) + ", expected a plain decimal number (without exponent or unit)");
     }
     Make(TokenKind::kNumber, token);
+    // Longer ones overflow a double or are a fault of the file's generator.
     constexpr std::size_t kMaxDigits = 300;
     if (token.text.size() > kMaxDigits) {
       return Fail(begin_, "found " + Quoted(token.text) + ", expected a number of fewer digits");
@@ -314,6 +317,7 @@ class Parser {
     if (token_.kind != Kind::kString) return Unexpected("a file name in quotes after 'include'");
     SetName(statement);
     statement.span.end = token_.span.end;
+    // Before Advance, which would read the rest of the line as a statement.
     if (lexer_.SkipLine()) {
       tree_.warnings.push_back({tree_.Where(statement), "the text after an include on its line is ignored"});
     }
@@ -370,6 +374,7 @@ class Parser {
 bool Find(const std::vector<Statement>& statements, int line, int column, std::vector<const Statement*>& found) {
   for (const Statement& statement : statements) {
     found.push_back(&statement);
+    // A place, not a pointer, identifies a statement across edits: an editor holds lines and columns.
     if (statement.line == line && statement.column == column) return true;
     if (Find(statement.statements, line, column, found)) return true;
     found.pop_back();

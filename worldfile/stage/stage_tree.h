@@ -1,6 +1,13 @@
-// StageTree: the statements of one Stage file (.world, .inc), each with the bytes that it has in the text. Worlds are
-// made from it (stage_world.h), messages name its places, and edits (worldfile/edit/stage_edit.h) change the bytes of
-// single parts: comments, order and blanks stay. Includes are not followed and defines not applied.
+// StageTree: the statements of one Stage file (.world, .inc), each with its bytes in the text. Worlds are made from it
+// (stage_world.h), messages name its places, and edits (worldfile/edit/stage_edit.h) change the bytes of single parts:
+// comments, order and blanks stay. Includes are not followed and defines not applied.
+//
+// The grammar is that of Stage's worldfile parser, with its quirks where world files in circulation depend on them:
+// only an opening round bracket may be on a later line than its name, numbers are as long as they begin like one
+// ("1.2.3" is 1.2, with a warning), the first define and the last property of a name count.
+//
+// The names are views of the text that the tree shares: copies of a tree are valid, and so are statements as long as
+// any copy lives. Recursion is bounded by kMaxNesting, memory by StageItemCount, which all files of a world share.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +22,8 @@
 
 namespace troupe {
 
-// Entries inside each other, and macros made from each other.
+// Limit of entries inside each other, and of macros made from each other: parser, expander and builder recurse that
+// deep.
 inline constexpr int kMaxNesting = 200;
 
 enum class StatementKind : std::uint8_t {

@@ -67,6 +67,7 @@ class MacroExpander {
 
   // The macro `name`, of a node at `where`, or of the macro that is made from it: `length` of them so far.
   Result<const Applied*> Apply(const std::string& name, const SourceLocation& where, int depth, std::size_t length) {
+    // Defines are only added, never changed: the count tells whether an applied macro is still up to date.
     if (known_ != defines_.size()) applied_.clear();  // a base may be a macro by now
     known_ = defines_.size();
     if (std::find(active_.begin(), active_.end(), name) != active_.end()) {
@@ -74,6 +75,8 @@ class MacroExpander {
     }
     if (const auto found = applied_.find(name); found != applied_.end()) {
       const Applied& applied = found->second;
+      // The limits of an applied macro are checked again: it may now be deeper in the tree than where it was first
+      // applied.
       if (length + applied.node.macros.size() > kMaxNesting + 1) return TooLong(where);
       if (depth + applied.levels > kMaxNesting) return TooDeep(where);
       deepest_ = std::max(deepest_, depth + applied.levels);
@@ -84,6 +87,7 @@ class MacroExpander {
     }
     if (length > kMaxNesting) return TooLong(where);
     const std::size_t nodes_before = nodes_;
+    // The depth below this macro alone is wanted, so that it can be added to the depth of each later use.
     const int deepest_before = std::exchange(deepest_, depth);
     active_.push_back(name);
     const Define& define = defines_.at(name);
@@ -159,7 +163,7 @@ Value::Scalar ScalarOf(const StageTree& file, const TextSpan& span, double numbe
   return Value::Number{number, std::string(text)};
 }
 
-// The statements between the brackets of an entry or a define, or of a whole file, with those of includes.
+// The statements between the brackets of an entry or a define, or of a whole file, with the statements of its includes.
 struct Body {
   std::vector<Property> properties;
   ChildNodes children;
@@ -286,6 +290,7 @@ class WorldReader {
     }
     const std::string path =
         options_.memory_files != nullptr ? wanted : FindFile(wanted, DirectoryOf(tree_.files.front()), file.path);
+    // Only files that are open count: one include file may be read twice side by side, as in Stage.
     if (std::find(open_.begin(), open_.end(), IdentityOf(path)) != open_.end()) {
       return Error{where, "found an include of " + QuotedPath(wanted) + " inside itself, expected no include loop"};
     }
@@ -325,7 +330,7 @@ class WorldReader {
   StageItemCount count_;
   std::vector<std::string> open_;  // identities of the files being read, the innermost last
   std::size_t total_bytes_ = 0;
-  std::vector<Warning> of_syntax_;  // follow those of the content
+  std::vector<Warning> of_syntax_;  // follow the warnings of the content
 };
 
 }  // namespace

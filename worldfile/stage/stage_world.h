@@ -1,4 +1,12 @@
 // The Stage worldfile language: `.world` and `.inc` files to a WorldTree. docs/world-files.md describes it.
+//
+// Includes are followed and defines applied here, in the order of the text, as Stage does it: an entry sees the defines
+// in front of it only. A macro is applied once and its children are shared by all nodes made from it (ChildNodes), so
+// that time and memory go with the file, not with the expansion; the counts in ParseOptions bound the expansion all the
+// same, because later steps visit every node.
+//
+// Functions of the files' contents (and of STAGEPATH), callable by any thread. An error is placed in the file of its
+// cause, which may be an include.
 #pragma once
 
 #include <cstddef>

@@ -42,6 +42,7 @@ std::vector<Property> LastOfEachName(std::vector<Property> properties) {
   if (properties.size() < 2) return properties;
   std::vector<std::size_t> order(properties.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  // Sorted indices instead of a search for each: a bitmap-like block has thousands of points.
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return properties[a].name < properties[b].name; });
   std::vector<bool> dropped(properties.size());

@@ -1,6 +1,14 @@
-// WorldTree: the content of a world file after includes and defines, before anything is given a meaning. Stage files
-// and scenarios both become trees, so that a scenario can override any property before the world is built
-// (build_world.h).
+// WorldTree: the content of a world file after includes and defines, before anything is given a meaning. Stage files,
+// ROS maps, buildings and scenarios all become trees, so that a scenario can override any property before the world is
+// built (build_world.h).
+//
+// Everything is text and numbers in the file's units (UnitsOf); no property is known here, an unknown one is found by
+// the builder. Every value keeps its place in its file: an override of line 3 of a scenario is reported there, not in
+// the world file.
+//
+// The order of children is the order of the file and becomes the order of models, and with it of ids, names such as
+// "position:2" and random draws: it must not depend on containers or addresses. Names of one property are unique in a
+// node.
 #pragma once
 
 #include <cstddef>
@@ -78,6 +86,7 @@ class ChildNodes {
   const WorldNode& front() const { return *nodes_.front(); }
   const WorldNode& back() const { return *nodes_.back(); }
 
+  // The child for changes: a copy of its own if it is shared.
   WorldNode& Change(std::size_t i);
   void Add(WorldNode node);
   void Add(const ChildNodes& shared) { nodes_.insert(nodes_.end(), shared.nodes_.begin(), shared.nodes_.end()); }

@@ -111,6 +111,7 @@ class Parser {
   std::string TokenHere() const {
     if (at_ == text_.size()) return "unexpected end of input";
     const char c = Peek();
+    // The kinds and the words of messages are those of nlohmann::json's parser, so that users find them in a search.
     if (c == '"') return "unexpected string literal";
     if (c == '-' || IsDigit(c)) return "unexpected number literal";
     if (std::string_view("{}[],:").find(c) != std::string_view::npos) return std::string("unexpected '") + c + "'";
@@ -166,12 +167,14 @@ class Parser {
     }
     ++at_;
     SkipBlanks();
+    // A set, not Find: an object of 100,000 members would cost their square.
     std::set<std::string> keys;
     while (Peek() != close || !node.items.empty()) {
       if (!ParseItem(node, keys)) return false;
       SkipBlanks();
       if (Peek() == close) break;
       if (Peek() != ',') return Unexpected(node.is_object() ? "object" : "array", std::string("'") + close + "'");
+      // Counted at the comma, before the next item is made: memory stays within the limit.
       if (!Count()) return false;
       ++at_;
       SkipBlanks();
@@ -217,6 +220,7 @@ class Parser {
       if (Peek() != '\\') return BadString(at_, "a control character must be escaped");
       if (!ParseEscape(characters)) return false;
     }
+    // Checked once for the whole string, in its raw form: escapes are ASCII, and yield valid UTF-8 by themselves.
     const std::size_t odd = FindInvalidUtf8(text_.substr(begin, at_ - begin));
     if (odd != std::string_view::npos) return BadString(begin + odd, "ill-formed UTF-8 byte");
     ++at_;
@@ -257,6 +261,7 @@ class Parser {
       at_ += 2;
       const std::optional<unsigned> low = FourHexDigits();
       if (!low || !is_low(*low)) return BadString(begin, "a surrogate must be followed by its second half");
+      // Two halves of UTF-16 for one character above U+FFFF (RFC 8259, section 7).
       code = 0x10000 + ((*code - 0xd800) << 10) + (*low - 0xdc00);
     }
     if (is_high(*code) || is_low(*code)) return BadString(begin, "a surrogate without its other half");
@@ -288,6 +293,7 @@ class Parser {
     // Not the C library's functions: those depend on the locale.
     const auto read = std::from_chars(node.text.data(), node.text.data() + node.text.size(), node.number);
     if (read.ec == std::errc()) return true;
+    // from_chars reports underflow and overflow alike, so that the text decides: 1e-400 is 0, 1e400 is a fault.
     node.number = 0.0;
     return IsTiny(node.text) || Fail(begin, "found a number that is too large, expected at most 1.8e308");
   }
@@ -309,6 +315,7 @@ TextLines::TextLines(std::string_view text) : size_(text.size()) {
 }
 
 SourceLocation TextLines::Where(const std::string& file, std::size_t offset) const {
+  // starts_ begins with 0: next - 1 exists for every offset.
   const auto next = std::upper_bound(starts_.begin(), starts_.end(), offset);
   return {file, static_cast<int>(next - starts_.begin()), static_cast<int>(offset - *(next - 1)) + 1};
 }
@@ -371,6 +378,7 @@ json ToJson(const JsonNode& node) {
       return node.text;
     case Kind::kNumber: {
       const char* const end = node.text.data() + node.text.size();
+      // Integers stay integers: a double would round a seed above 2^53.
       std::uint64_t positive = 0;
       if (const auto read = std::from_chars(node.text.data(), end, positive); read.ec == std::errc() && read.ptr == end)
         return positive;

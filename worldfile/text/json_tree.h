@@ -1,5 +1,16 @@
-// JsonTree: the values of a JSON text, each with the bytes that it has there. Scenarios are read from it, messages name
-// its places, and edits (worldfile/edit/stage_edit.h) change the bytes of single values.
+// JsonTree: the values of a JSON text, each with its bytes in the text. Scenarios are read from it, messages name its
+// places, and edits (worldfile/edit/stage_edit.h) change the bytes of single values.
+//
+// Not nlohmann::json: that keeps no offsets, so a fault could not be placed and an edit could not spare the comments,
+// blanks and order of a hand-written file. A number keeps its text for the same reason, and because a 64-bit integer
+// such as a seed does not fit a double.
+//
+// The parser accepts strict JSON in UTF-8 without comments. Texts come from users and from programs of the network, so
+// that size, count of values and depth are limited before memory is spent; the limit of the depth also bounds the
+// recursion of the readers. A repeated key is an error, because one of the two values would have no effect.
+//
+// A tree is immutable after Parse and does not refer to its text. Looking for a member is linear in the members of the
+// object: objects are small.
 #pragma once
 
 #include <charconv>
@@ -21,8 +32,9 @@ struct JsonNode {
   enum class Kind : std::uint8_t { kNull, kFalse, kTrue, kNumber, kString, kArray, kObject };
 
   Kind kind = Kind::kNull;
-  double number = 0.0;          // of a number
-  TextSpan span;                // of the value
+  double number = 0.0;  // of a number
+  TextSpan span;        // of the value
+  // For removing and for cursors in an editor: `span` alone would leave the key.
   TextSpan member;              // of an object's member: from its key to the end of the value; else as `span`
   std::string key;              // of an object's member
   std::string text;             // the characters of a string; a number as it is written

@@ -31,6 +31,7 @@ Result<std::string> ReadTextFile(const std::string& named, const SourceLocation&
   const std::optional<std::string> resolved = allowed.Resolve(named);
   if (!resolved) return Error{where, NotAllowed(named, allowed)};
   const std::string& path = *resolved;
+  // One open, then only the descriptor: between a check of the name and a later open the file could be replaced.
   const Result<FileDescriptor> file = OpenToRead(path);
   if (!file.ok()) {
     const bool is_other_kind = file.error().code == ErrorCode::kBadInput;
@@ -41,6 +42,7 @@ Result<std::string> ReadTextFile(const std::string& named, const SourceLocation&
   if (text.ok()) return text;
   const bool is_too_long = text.error().code == ErrorCode::kBadInput;
   if (!is_too_long) return Error{where, NotReadable(path, text.error().message)};
+  // The size is for the message only, so that its failure does not matter.
   std::error_code ignored;
   return Error{where, fmt::format("found {} bytes in {}, expected at most {}",
                                   std::filesystem::file_size(path, ignored), QuotedPath(path), kMaxTextFileBytes)};
@@ -56,6 +58,7 @@ std::string FindFile(const std::string& name, const std::string& top_directory, 
   const fs::path path(name);
   if (path.is_absolute()) return name;
   std::vector<fs::path> candidates = {fs::path(top_directory) / path, fs::path(DirectoryOf(naming_file)) / path};
+  // Read at each call: tests and embedding programs set it at run time.
   if (const char* folders = std::getenv("STAGEPATH")) {
     std::istringstream stream(folders);
     for (std::string folder; std::getline(stream, folder, ':');) {
@@ -79,6 +82,7 @@ std::string Quoted(std::string_view text, std::size_t longest) {
   std::string quoted = "'";
   std::size_t i = 0;
   while (i < text.size() && i < longest) {
+    // Whole characters, so that a cut never leaves half of one in a message.
     const std::size_t length = Utf8Length(text, i);
     const unsigned char byte = static_cast<unsigned char>(text[i]);
     if (length == 0 || byte < 0x20 || byte == 0x7f) {
@@ -106,6 +110,7 @@ std::optional<LeadingNumber> ReadLeadingNumber(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(kBlanks);
   if (begin == std::string_view::npos) return std::nullopt;
   text.remove_prefix(begin);
+  // from_chars takes no plus sign. "+-1" stays no number.
   if (text.front() == '+' && text.substr(1, 1) != "-") text.remove_prefix(1);
   LeadingNumber number;
   const char* const end = text.data() + text.size();

@@ -1,4 +1,8 @@
 // The texts of users' files: reading them, places in them, their parts in messages, and warnings.
+//
+// Nothing in here knows a format. Errors have the place in the file (line and column from 1, column in bytes), so that
+// editors can jump there; texts of users are escaped in messages, because a terminal would obey control characters in
+// them.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +22,7 @@ namespace troupe {
 
 // The files of users: reading one as a whole, and the paths of those that it names.
 
-// World files and scenarios are written by hand: anything larger is a mistake.
+// World files and scenarios are written by hand: anything larger is a mistake, and refused before it fills the memory.
 inline constexpr std::size_t kMaxTextFileBytes = 64'000'000;
 
 // The content of a regular file that `allowed` allows. Errors are placed at `where`, which is the file itself or the
@@ -26,7 +30,8 @@ inline constexpr std::size_t kMaxTextFileBytes = 64'000'000;
 Result<std::string> ReadTextFile(const std::string& path, const SourceLocation& where,
                                  const AllowedPaths& allowed = AllowedPaths::All());
 
-// The message for a path that is not allowed. It does not tell whether the file exists.
+// The message for a path that is not allowed. It does not tell whether the file exists: a stranger's scenario must not
+// explore the disk.
 std::string NotAllowed(const std::string& path, const AllowedPaths& allowed);
 
 // The folder part of a path, "." if it has none.
@@ -127,8 +132,9 @@ struct LeadingNumber {
   bool is_all = false;  // nothing but blanks follows
 };
 
-// The number that the text begins with, after blanks and perhaps a plus sign: of "1.2.3" it is 1.2, of "5 m" 5.
-// Nothing: it begins with none, or with one that is not finite.
+// The number at the beginning of the text, after blanks and perhaps a plus sign: 1.2 of "1.2.3", 5 of "5 m". Nothing
+// for a text without one, or with one that is not finite. Decimal points only, whatever the locale of the process:
+// strtod under a German locale would read 1 of "1.5".
 std::optional<LeadingNumber> ReadLeadingNumber(std::string_view text);
 
 }  // namespace troupe

@@ -57,7 +57,10 @@ class TreeBuilder final : public YAML::EventHandler {
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = anchors_.find(anchor);
+    // An anchor is known when its value is closed: an alias inside its own value finds none.
     if (found == anchors_.end()) throw RefusedYaml(mark, "found a value that contains itself, expected an end of it");
+    // The alias costs no memory, but every visit of a reader costs time: the "billion laughs" text of nine lines must
+    // fail here.
     Count(found->second.size, mark);
     Attach(*found->second.node);
   }
@@ -143,6 +146,7 @@ class TreeBuilder final : public YAML::EventHandler {
     std::size_t kept = 0;
     for (std::size_t i = 0; i + 1 < map.items.size(); i += 2) {
       const YamlNode& key = *map.items[i];
+      // YAML allows lists and maps as keys; no format of this folder has them.
       if (!key.is_scalar()) {
         throw RefusedYaml(MarkOf(key), "found " + Found(key) + " as a key, expected a word");
       }
@@ -179,6 +183,7 @@ std::optional<bool> FlagOf(const std::string& text) {
     c = static_cast<char>(c - 'A' + 'a');
     ++capitals;
   }
+  // "YES", "Yes" and "yes", but not "yEs": the forms of YAML 1.1.
   if (capitals != 0 && capitals != text.size() && (capitals != 1 || text[0] == lower[0])) return std::nullopt;
   for (const char* word : {"y", "yes", "true", "on", "1"}) {
     if (lower == word) return true;
@@ -208,6 +213,7 @@ const YamlNode& YamlReader::Read(std::string_view text, const char* key) {
     return fail({path_},
                 "found " + std::to_string(text.size()) + " bytes, expected at most " + std::to_string(kMaxBytes));
   }
+  // yaml-cpp would end the text at a NUL silently, and the rest of the file would be ignored.
   if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos) {
     return fail(TextLines(text).Where(path_, nul), "found a byte that is not text, expected YAML");
   }
@@ -215,6 +221,7 @@ const YamlNode& YamlReader::Read(std::string_view text, const char* key) {
   try {
     std::istringstream stream{std::string(text)};
     YAML::Parser(stream).HandleNextDocument(builder);
+    // The parser of the library is recursive and limits its depth by this exception.
   } catch (const YAML::DeepRecursion& exception) {
     return fail(at(exception.mark), "found text nested too deeply, " + keys);
   } catch (const RefusedYaml& exception) {

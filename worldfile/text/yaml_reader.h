@@ -20,6 +20,8 @@
 
 namespace troupe {
 
+// A value of the text. Nodes are shared by aliases, so that the tree is a graph without cycles; they are owned by the
+// reader and never change after Read. A missing value is a node too (kMissing), so that chains of Find need no checks.
 struct YamlNode {
   enum class Kind : std::uint8_t { kMissing, kNull, kScalar, kList, kMap };
 
@@ -42,7 +44,8 @@ struct YamlNode {
   const YamlNode& operator[](std::size_t index) const;
 };
 
-// A text with its first error; after it values are defaults, so that callers need not check each one.
+// A text with its first error; after it values are defaults, so that callers need not check each one. One text, one
+// thread.
 class YamlReader {
  public:
   static constexpr std::size_t kMaxBytes = 16u << 20;
