@@ -31,6 +31,7 @@ template <typename T>
 void CommandInput::Readers<T>::OpenMissing() {
   if (!reliable_ || best_effort_ || !reliable_->missed_writer()) return;
   best_effort_ = std::make_unique<ros::RosReader<T>>(node_, kTopic, ros::Commands(false), ros::Part::kBestEffortReader);
+  // Tools list the new reader with its node only after this.
   node_.connection->Announce();
 }
 

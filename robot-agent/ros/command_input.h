@@ -1,4 +1,13 @@
-// What ROS asks of one robot: commands of motion, messages to send by radio, and the reasons of refusals.
+// What ROS asks of one robot: commands of motion (cmd_vel), messages to send by radio, and reports of what was refused.
+//
+// Commands are applied at a tick and not when they arrive: between two ticks the newest counts. A command lasts for a
+// time of the simulation (command_timeout), so that a run at ten times real time stops its robots after the same
+// distance as one at real time. Numbers that are not finite are refused and counted.
+//
+// A reader of DDS is reliable or best-effort, and a best-effort writer does not match a reliable reader: a second
+// reader is opened as soon as such a writer is discovered, and not before, since every tool discovers every endpoint.
+//
+// All functions are called by the agent's thread.
 #pragma once
 
 #include <cstdint>

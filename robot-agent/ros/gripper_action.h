@@ -1,6 +1,9 @@
 // GripperAction: a server of the action control_msgs/GripperCommand for one gripper, as rcl lays out actions on topics
 // and services. A goal is accepted or refused on arrival and starts at the next tick; feedback and results are sent
 // once per tick.
+// Requests arrive on threads of the connection and only note the goal under a mutex; the agent's thread starts, watches
+// and ends goals between ticks. So requests between the same two ticks have the same effect, at whatever moment they
+// arrived.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,9 @@
-// ManipulatorPort: the commands and states of the grippers and joints of one robot in ROS.
+// ManipulatorPort: the commands and states of the grippers and joints of one robot in ROS. A gripper has an action
+// (GripperAction), a topic for its opening, one for its height, and a topic of texts with its state; each other joint
+// has a topic for its position. Positions are clamped to the range of the joint (m or rad). The commands are joined
+// with the motion in one Command of the tick, whatever the source of the motion.
+//
+// Called by the agent's thread; only the action's requests come from other threads.
 #pragma once
 
 #include <memory>

@@ -88,6 +88,7 @@ void RobotOutput::AddMotion(const RobotView& robot) {
 
 bool RobotOutput::IsNew(std::optional<Motion>& last, Tick tick, const RobotView& robot) const {
   const Motion motion{tick, robot.pose_estimate(), robot.state().twist};
+  // The same pose of the same tick is not written twice, such as by a repetition in a pause.
   return std::exchange(last, motion) != motion || connection_.addresses_newcomers();
 }
 

@@ -1,4 +1,7 @@
 // RobotOutput: the topics that one robot publishes. A message is made only if its topic has a reader.
+// With thousands of robots most topics have no reader, and the making of scans and images is the cost. Stamps are
+// simulated time, of the tick whose state is shown; frames are those of REP 105. In a pause only new readers are
+// addressed (addresses_newcomers), which would otherwise wait for the next tick. Called by the agent's thread.
 #pragma once
 
 #include <memory>

@@ -164,6 +164,7 @@ bool SlotcarPort::IsBlocked(const Member& member, const WorldState& state) const
   const SlotcarParameters& p = member.parameters;
   if (p.stop_radius <= 0.0) return false;
   const Pose& X_WR = state.robots[member.id.index()].X_WR;
+  // A ball in front of the robot: what stands beside or behind does not stop it, nor does a robot on another floor.
   const Vec2 ahead = Transform2(X_WR) * Vec2(p.stop_distance, 0.0);
   const auto is_near = [&](const Pose& other) {
     const double dz = other.z - X_WR.z;
@@ -196,6 +197,7 @@ ros::RmfRobot SlotcarPort::StateOf(Member& member, const WorldState& state) cons
   ros::RmfRobot robot = member.robot;
   robot.seq = ++member.robot.seq;
   robot.mode = ModeOf(member, state);
+  // Ids of requests grow: the greater one is the newest.
   robot.mode_request = std::max(member.pause_request, member.mode_request);
   if (const std::optional<std::size_t> store = scene_->store_of(world.robot(member.id).root)) {
     const PowerDescription& power = world.model(scene_->stores()[*store].model).power;
@@ -236,6 +238,7 @@ void SlotcarPort::Restart() {
     if (jazzy_) jazzy_->modes->Drain(drop);
     if (kilted_) kilted_->modes->Drain(drop);
   }
+  // As at the start of the run: a task from before would make its repetition be ignored.
   for (Member& member : members_) member = MakeMember(member.id);
 }
 

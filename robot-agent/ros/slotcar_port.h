@@ -1,6 +1,11 @@
 // SlotcarPort: the robots of one agent in one ROS domain as Open-RMF sees them: their states are on /robot_state, and
 // those with the controller `slotcar` drive along the paths of /robot_path_requests. Requests are for the robot of that
 // name in the world; the name of the fleet does not count.
+// Open-RMF repeats requests until the state shows them, so each is idempotent: a task id that is known already is
+// ignored, and the state names the last request of a mode. A path that begins elsewhere is an error that the state
+// shows (adapter error); the robot stands until the next path.
+//
+// All functions are called by the agent's thread.
 #pragma once
 
 #include <cstdint>

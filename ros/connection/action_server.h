@@ -1,8 +1,10 @@
-// ActionServer<Types>: the topics and services of an action, as rcl lays them out. Its owner keeps the goals
-// (ros/messages/action_goals.h), and its types are those of TROUPE_ACTION_TYPES.
+// ActionServer<Types>: the topics and services of an action, as rcl lays them out (send_goal, cancel_goal, get_result,
+// feedback, status). Its owner keeps the goals (ros/messages/action_goals.h), and its types are those of
+// TROUPE_ACTION_TYPES. There is no action in DDS itself: clients find one by these five names alone.
 //
-// Requests arrive on threads of the connection, through the functions of Handlers. REQUIRES: all other calls are made
-// one at a time.
+// Requests arrive on threads of the connection, through the functions of Handlers, which must only note them: the state
+// of the world is read and changed between ticks by the agent's thread. REQUIRES: all other calls are made one at a
+// time.
 #pragma once
 
 #include <algorithm>

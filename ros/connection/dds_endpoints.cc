@@ -76,6 +76,7 @@ DdsTopicWriter::DdsTopicWriter(RosParticipant& owner, const TopicSpec& spec, OnM
   dds::SetListener(writer_.handle(), listener_);
   dds::PublicationMatchedStatus before;
   dds::Check(dds_get_publication_matched_status(writer_.handle(), &before), "reading publication_matched");
+  // DDS calls a listener for changes only.
   if (before.current_count > 0) ReactToMatch(true, true);  // matched before the listener was set
 }
 

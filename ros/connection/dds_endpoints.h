@@ -1,4 +1,10 @@
-// The endpoints of a node in ROS on DDS: topics and services, with the user data by which ROS 2 knows their types.
+// The endpoints of a node in ROS on DDS: topics and services, with the user data by which ROS 2 knows their types. Only
+// ros-participant has them; the other processes have endpoints of the link (ros/link/host_connection.h) behind the same
+// interfaces.
+//
+// Listeners run on threads of Cyclone DDS, at any time between construction and close. Each destructor therefore closes
+// its entity, which waits for a running listener, before the members that the listener uses are destroyed. Constructors
+// throw dds::Exception; Write never throws.
 #pragma once
 
 #include <dds/dds.h>

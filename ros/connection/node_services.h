@@ -1,5 +1,8 @@
 // ParameterServices: the six parameter services of a node, for `ros2 param`. Parameters are read-only: they state how
-// the run was started.
+// the run was started, and a run whose settings changed from outside could not be repeated.
+//
+// All six exist or none: the tools wait until all six of a node have been discovered. Answers are made on a thread of
+// the connection from values that never change, without a lock.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,8 @@
 // RosConnection: the way of a process into a ROS 2 domain. A HostConnection (ros/link) leads to the program
 // ros-participant of the host; the RosParticipant is that program's own, a participant of DDS. Nodes have writers,
 // readers and services on it: ros_endpoints.h.
+// It is an interface because tests and ros-participant itself work without a link. Handlers of services run on threads
+// of the connection; DrainMismatches, Receive and Flush are for the owner's thread, once for each tick.
 #pragma once
 
 #include <dds/dds.h>

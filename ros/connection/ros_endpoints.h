@@ -1,5 +1,9 @@
-// RosWriter<T> and RosReader<T>: the endpoints of a node on a topic. Their constructors throw dds::Exception; no other
-// call throws: a sample that cannot be written is counted (RosConnection::lost) and dropped.
+// RosWriter<T> and RosReader<T>: the endpoints of a node on a topic, with the message's type. Their constructors throw
+// dds::Exception; no other call throws: a sample that cannot be written is counted (RosConnection::lost) and dropped,
+// because a slow tool must not stop a run.
+//
+// `is_addressed` is the first question of each publisher: most topics of most robots have no reader, and a message is
+// made only for one. A sample that is read lives until the function of Drain returns.
 #pragma once
 
 #include <cstddef>

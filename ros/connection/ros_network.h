@@ -1,4 +1,8 @@
-// How participants in ROS use the network: its configuration, and the QoS of topics and services.
+// How participants in ROS use the network: the configuration of Cyclone DDS, and the QoS of topics and services. All in
+// one place, because a reader and a writer with QoS that do not fit never meet, and neither is told.
+//
+// The QoS of topics are those of ROS 2's own nodes (streams keep the last samples, latched topics keep the last one for
+// late readers), so that tools and Nav2 match without settings of their own.
 #pragma once
 
 #include <cstdint>

@@ -190,6 +190,7 @@ RosParticipant::RosParticipant(const RosNetwork& network, const Enclave& enclave
   } else {
     announcer_ = std::make_unique<InfoWriter<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_, Announcer>>(*this);
   }
+  // Tools join nodes with endpoints by this GUID.
   announcer_->participant = GuidOf(participant_.handle());
 }
 
@@ -384,6 +385,7 @@ std::optional<std::string> WriterWatch::Judge(const dds_builtintopic_endpoint_t&
     problem = "it is not reliable, expected a reliable one";
   }
   if (problem.empty() || reported_.size() >= kMaxReports) return std::nullopt;
+  // Once for each topic and problem: a program that restarts would fill the log.
   const bool is_new = reported_.emplace(found->first, problem).second;
   if (!is_new) return std::nullopt;
   return fmt::format("{}: cannot read another program's publisher: {}", ShownTopic(found->first), problem);

@@ -1,5 +1,10 @@
-// RosParticipant: a DDS participant in a ROS 2 domain, and its nodes. Readers and writers
-// (ros_endpoints.h) belong to a node; Announce publishes the nodes and their endpoints, as the ROS graph needs.
+// RosParticipant: a DDS participant in a ROS 2 domain, and its nodes. Readers and writers (ros_endpoints.h) belong to a
+// node; Announce publishes the nodes and their endpoints, as the ROS graph needs: DDS itself knows no nodes, so each
+// participant writes their list as one latched sample on ros_discovery_info.
+//
+// Each Announce writes the whole list again; its owner therefore joins changes and announces some milliseconds later.
+// Calls are safe from any thread: one mutex guards the list and the watch of foreign writers. Layouts differ between
+// Humble and later distributions (GUIDs of 24 bytes against 16, type hashes), hence one distribution for a participant.
 #pragma once
 
 #include <cstdint>

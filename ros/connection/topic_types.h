@@ -1,4 +1,6 @@
-// The ROS types of topics, services and actions for the DDS binding, and a type by its name.
+// The ROS types of topics, services and actions for the DDS binding, and a type by its name: the one list of all types
+// that this program can read and write. ros-participant finds types here by the names in an agent's messages, so that
+// an agent cannot ask it for anything else.
 #pragma once
 
 #include <dds/dds.h>

@@ -1,4 +1,6 @@
 // The descriptions of the ROS types of Troupe's topics and services (REP 2011): their fields, and the types in them.
+// From Iron on, tools ask a node for them to read topics of unknown types. They are printed from the descriptors that
+// idlc has made, and not kept a second time by hand.
 #pragma once
 
 #include <cstdint>

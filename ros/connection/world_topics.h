@@ -1,6 +1,8 @@
 // ClockOutput: the topic /clock. A thread of its own writes the time of each tick, repeats it while no tick follows, as
 // in a pause, and, with a rate, writes the times between two ticks. It takes the speed of the run from the instants at
 // which ticks arrive, because an agent does not know it.
+// Between two ticks its times only grow, and none is beyond the tick that follows; only a reset turns it back: nodes
+// with use_sim_time run their timers by it.
 #pragma once
 
 #include <atomic>

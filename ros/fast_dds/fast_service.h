@@ -1,5 +1,7 @@
 // FastService: a service of the host for clients on Fast DDS, as rmw_fastrtps calls it. It passes each request on with
 // the header of rmw_cyclonedds in front, and returns the response of that number to its caller.
+// Why it exists at all: clients on Fast DDS know a call by the writer and sequence number of its request, and expect
+// both in an inline parameter of the response, which a program on Cyclone DDS cannot write.
 #pragma once
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>

@@ -1,5 +1,7 @@
 // Datagrams of RTPS, as far as a participant is to be kept apart from those of Cyclone DDS, and from datagrams that
 // Fast DDS 2.9 cannot read without harm. Pure functions.
+// Every datagram of the network passes through here before Fast DDS sees it, so all input is hostile: lengths are
+// checked before each read.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,7 @@
 // The side of ros-participant that serves clients on Fast DDS: a process of its own, because a datagram of a stranger
 // can end a process on Fast DDS 2.9 by one of its assertions.
+// It has one thread, which reads the link and lets Fast DDS call listeners on its own threads. The other side starts it
+// again after an end and repeats its services (FastDdsSide).
 #pragma once
 
 #include "common/base/wake_event.h"

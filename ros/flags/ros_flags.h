@@ -1,4 +1,6 @@
 // The options about ROS 2. Each program has those of the settings that it uses; `troupe run` has all.
+// One definition of each option for all programs: the launcher passes them on by name, and its man page must not differ
+// from theirs.
 #pragma once
 
 #include <optional>

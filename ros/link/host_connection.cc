@@ -49,10 +49,12 @@ class HostConnection::Writer final : public TopicWriter {
       if (bytes.size() > Link::kMaxContent) return false;
       const std::lock_guard lock(owner_.mutex_);
       const bool is_full = owner_.link_ && owner_.link_->pending() > kMaxPending;
+      // A latched sample is never dropped: no later one may follow.
       if (is_full && !is_latched_) {
         const bool is_first = owner_.held_.insert_or_assign(id_, std::move(bytes)).second;
         return is_first;  // else the sample that was held is lost
       }
+      // An older held sample must not be sent behind this one.
       owner_.held_.erase(id_);
       owner_.Send(LinkKind::kWrite, id_, bytes);
       if (is_latched_) owner_.latched_[id_] = std::move(bytes);
@@ -135,6 +137,7 @@ class HostConnection::Service final : public ServiceServer {
             nullptr, nullptr, this)) {}
   ~Service() override {
     owner_.Remove(id_);
+    // A handler that has begun ends before its service does; none begins after Remove.
     const std::lock_guard until_handled(owner_.handling_);
   }
 
@@ -350,10 +353,12 @@ bool HostConnection::Open() {
   link_ = std::move(link);
   broken_ = false;
   Send(LinkKind::kHello, 0, BytesOf(ToText(HelloText{VersionText(), domain_})));
+  // In their order: nodes before their endpoints, endpoints before their start.
   for (const Setup& setup : setups_) Send(setup.kind, setup.id, setup.content);
   for (const auto& [id, bytes] : latched_) Send(LinkKind::kWrite, id, bytes);
   if (announced_) Send(LinkKind::kAnnounce, 0);
   if (!arm_.empty()) Send(LinkKind::kArm, 0, BytesOf(arm_));
+  // Answers to those before are lost with the program; the newest stands for them.
   tells_ = std::min(tells_, 1);
   if (tells_ > 0) {
     Send(LinkKind::kCollect, 0);
@@ -365,6 +370,7 @@ bool HostConnection::Open() {
 
 void HostConnection::Close() {
   link_.reset();
+  // Without readers, until the next program says otherwise.
   for (const auto& [id, writer] : writers_) writer->React({});
 }
 
@@ -375,6 +381,7 @@ void HostConnection::HandleRequests() {
     if (requests_.empty()) return;
     const Request request = std::move(requests_.front());
     requests_.pop_front();
+    // Its service may have ended while the request waited.
     const auto found = services_.find(request.service);
     if (found == services_.end()) continue;
     const Service& service = *found->second;
@@ -483,6 +490,7 @@ void HostConnection::ProcessWatched(const LinkMessage& message) {
 
 void HostConnection::ReceiveNow() {
   if (!link_ || broken_) return;
+  // Either thread may find the end; the connection's own thread closes, since it polls the descriptor.
   if (link_->Receive([this](const LinkMessage& message) { Process(message); })) return;
   broken_ = true;
   wake_.Signal();

@@ -1,11 +1,16 @@
 // HostConnection: the connection of a process to ROS, through the participant of its host in a domain, which the
-// program ros-participant has. Tools discover one participant for each host in place of one for each process.
+// program ros-participant has. Tools discover one participant for each host in place of one for each process: discovery
+// in DDS costs the product of participants and endpoints, and a thousand agents with a participant each would keep any
+// tool busy.
 //
 // The endpoints exist here at once, and there as soon as that program accepts the connection. When it ends, they are
-// made anew in the next one, with the last samples of latched topics. Writers never wait for it: beyond a limit of
-// unsent bytes a stream keeps its newest sample only.
+// made again in the next one from the list of setups, with the last samples of latched topics: the owner notices
+// nothing but a gap. Writers never wait for it: beyond a limit of unsent bytes a stream keeps its newest sample only,
+// since an old pose is of no use.
 //
-// A thread of the connection calls the handlers of services; samples arrive on it, and by Receive.
+// A thread of the connection calls the handlers of services; samples arrive on it, and by Receive. Locks, outer first:
+// handling_ (a handler runs) or changing_ (`changed` runs), then mutex_ (all state). Handlers and `changed` are called
+// without mutex_, so that they may call this object; `on_arrival` of a reader is called with it, and must not.
 #pragma once
 
 #include <atomic>

@@ -52,11 +52,13 @@ Result<pid_t> StartProgram(const std::string& path, const std::vector<std::strin
   posix_spawn_file_actions_init(&actions);
   posix_spawnattr_init(&attributes);
   if (descriptor >= 0) posix_spawn_file_actions_adddup2(&actions, descriptor, 3);
+  // No descriptor of this process, such as sockets of agents, may stay open in a program that outlives it.
   posix_spawn_file_actions_addclosefrom_np(&actions, descriptor >= 0 ? 4 : 3);
   sigset_t none;
   sigset_t all;
   sigemptyset(&none);
   sigfillset(&all);
+  // A blocked or ignored signal would be inherited: the program could not be ended by it.
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &all);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);

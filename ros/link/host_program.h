@@ -1,6 +1,8 @@
 // HostProgram: the program ros-participant of this host, for a process with nodes in ROS or the launcher of such
 // processes. It connects to the program, and starts it where none listens: as soon as its last connection has ended,
 // the program ends too. A program that dies is started again.
+// Several processes start at once: each tries to connect, and one whose program finds the socket bound by another
+// simply connects again, so that no lock file is needed. Reports come from a thread of its own, until the destructor.
 #pragma once
 
 #include <sys/types.h>

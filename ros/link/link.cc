@@ -97,6 +97,7 @@ bool Link::ReadArrived() {
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return errno == EAGAIN || errno == EWOULDBLOCK;
     received_.insert(received_.end(), chunk_.begin(), chunk_.begin() + count);
+    // Less than asked for: the socket is empty, and another call would only say so.
     if (static_cast<std::size_t>(count) < chunk_.size()) return true;
   }
   return true;

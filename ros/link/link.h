@@ -1,7 +1,13 @@
-// Link: the messages between a process with nodes in ROS, here called an agent, and the program
-// ros-participant of its host, over a connected Unix socket; both are of one build, which the first message states. And
-// those between that program and its side on Fast DDS, which uses kHello (with the GUID of the client in its calls),
-// kMakeService (a ServiceText), kRemove, kRequest, kRespond and kServed.
+// Link: the messages between a process with nodes in ROS, here called an agent, and the program ros-participant of its
+// host, over a connected Unix socket. The two are of one build, which the first message states: so samples need no
+// version of their own, and another build is refused at once. It has also the messages between that program and its
+// side on Fast DDS, which uses kHello (with the GUID of the client in its calls), kMakeService (a ServiceText),
+// kRemove, kRequest, kRespond and kServed.
+//
+// A message is 12 bytes (length, kind, id) in the byte order of the host, and its content: a sample as CDR, or a short
+// JSON text for what is rare. Add and Flush may be called from any thread and never wait: what the socket does not
+// accept stays in memory, and `pending` lets the owner drop streams. Receive is for one thread. Only peers of the same
+// user are accepted (SO_PEERCRED).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,7 @@
 // Pure functions from values of the simulation to ROS messages. The strings and sequences of a message live in the
 // arena. A heading becomes a rotation about z.
+// Units are SI in both worlds, and frames are those of REP 103 (x forward, y left, z up) and REP 105 (map, odom,
+// base_link), so that no number is scaled or turned: only put at its place.
 #pragma once
 
 #include <string>

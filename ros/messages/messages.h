@@ -1,5 +1,6 @@
 // The ROS 2 messages that Troupe sends and receives: the C structs that idlc makes from idl/ros. A message does not own
 // its strings and sequences: they belong to a dds::WireArena in a message to send, to Cyclone in a received one.
+// So a message is cheap to make and to drop: one arena for all its parts, freed at once.
 #pragma once
 
 #include "idl/ros/geometry.h"

@@ -1,5 +1,6 @@
 // Open-RMF's messages from values of the simulation, and what it calls the parts of a world: pure functions. Frames and
 // units of its messages are those of the world; the strings and sequences live in the arena.
+// Layouts of Kilted differ in types of fields only; one value (RmfRobot) is written in either.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,6 @@
 // The frames on a robot, on tf below its base and in its URDF. P: a parent frame, F: a frame on it.
+// All poses are constant: what moves is a joint's position. They come from the scene, as the physics has them, so that
+// a scan, a transform and the picture of RViz agree to the bit.
 #pragma once
 
 #include <string>

@@ -1,4 +1,5 @@
 // RosOptions: the settings of the connection to ROS 2. docs/ros2.md explains each.
+// Plain values without DDS, so that one program can pass them on to another as arguments.
 #pragma once
 
 #include <cstdint>

@@ -203,6 +203,7 @@ void AgentEndpoints::Watch(std::uint32_t id, const std::string& topic) {
 
 // What an agent has sent before it said so by another way can be read here.
 void AgentEndpoints::Collect() {
+  // A copy: processing messages may add agents to the domain or move them.
   const std::set<AgentEndpoints*> agents = domain_->agents;
   for (AgentEndpoints* const agent : agents) {
     if (agent == this) continue;
@@ -305,6 +306,7 @@ void AgentEndpoints::Write(const LinkMessage& message) {
   const Status decoded = wire::SampleFromCdr(message.content, writer.type(), sample.data());
   if (!decoded.ok()) return Refuse(decoded.error().message);
   if (!writer.writer().Write(sample.data())) domain_->participant.CountLost();
+  // Counted even if DDS refused the sample: a node that waits for it then reports what is missing.
   if (domain_->armed) ++domain_->written[writer.topic()];
 }
 
@@ -334,6 +336,7 @@ const dds_topic_descriptor_t* AgentEndpoints::TypeOf(const std::string& name) {
 
 void AgentEndpoints::Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
   const bool may_be_dropped = kind == LinkKind::kSample || kind == LinkKind::kRequest || kind == LinkKind::kRepeated;
+  // An agent that hangs must not fill this process's memory; what it misses, DDS would have dropped as well.
   if (may_be_dropped && link_.pending() > kMaxPending) return;
   link_.Add(kind, id, content);
   // At once, so that an acknowledged command is with the agent.

@@ -1,5 +1,10 @@
 // HostDomain: the participant of the host in one ROS domain. AgentEndpoints: the nodes and endpoints of one agent on
 // it, as its messages ask for them.
+// Both are used on the thread of the ParticipantServer alone, except for the functions that endpoints call on threads
+// of DDS: these only add to the link, which is safe, and wake the server.
+//
+// A message that makes no sense ends the connection with a problem (Refuse): agents are of the same build, so it is a
+// bug or an attack, and no state of it would be right.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,6 @@
 // CyclonePrograms: finds out whether a ROS domain has programs on Cyclone DDS beside the participants of runs.
+// Services are on Cyclone DDS only where a program could call them: each would be discovered twice by every tool. Once
+// found, they stay: a program that has left may come back.
 #pragma once
 
 #include <functional>

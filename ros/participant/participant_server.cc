@@ -167,6 +167,7 @@ void ParticipantServer::Process(int connection) {
     changed = changed || agent.has_nodes();
     agents_.erase(found);
     writing_.erase(connection);
+    // Kept for a while: an agent that is restarted finds its endpoints, which tools then need not discover again.
     if (domain != nullptr && domain->agents.empty()) domain->unused_until = Clock::now() + kUnusedTime;
   }
   if (!changed || domain == nullptr) return;
@@ -219,6 +220,7 @@ void ParticipantServer::CheckIfDue() {
   check_at_ = Clock::now() + kCheckInterval;
   if (lacks_descriptors_) Watch(EPOLL_CTL_MOD, listening_, EPOLLIN);
   for (auto& [number, domain] : domains_) {
+    // Writers of other programs may have been discovered before the reader that they do not fit.
     if (std::exchange(domain.has_new_readers, false)) domain.participant.WatchKnownWriters();
     PassMismatches(domain);
     domain.pools.EndThoseUntil(Clock::now());
@@ -246,6 +248,7 @@ int ParticipantServer::WaitMilliseconds() const {
   if (fast_dds_ && fast_dds_->due()) next = std::min(next, *fast_dds_->due());
   for (const auto& [number, domain] : domains_) next = std::min(next, domain.announce_at);
   const auto left = next - Clock::now();
+  // Rounded up: a wait that ends a part of a millisecond early would turn in a loop.
   return std::max(0, static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(left).count()) + 1);
 }
 

@@ -1,5 +1,13 @@
 // ParticipantServer: the participants of a host in ROS domains, one in each, and the agents that use them, each over a
 // connection.
+//
+// One thread (Run) waits for all sockets by epoll and performs all messages, so that the state of agents needs no lock;
+// threads of DDS only put messages into links and wake it. It waits for no agent: a link that does not empty drops
+// samples.
+//
+// The list of all nodes is one sample of DDS, so changes of the nodes are joined and announced together after some
+// milliseconds, more with more agents: a thousand agents that start make a few lists, not a thousand lists of up to a
+// thousand nodes.
 #pragma once
 
 #include <chrono>

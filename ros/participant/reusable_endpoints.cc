@@ -63,6 +63,7 @@ void ReusableWriter::Detach() {
   }
   if (is_volatile_) return;
   const wire::UntypedSample none(type_);
+  // Late readers must not get the latched sample of an agent that has ended.
   dds_dispose(writer_.handle(), none.data());
 }
 
@@ -81,6 +82,7 @@ void ReusableReader::Attach(std::size_t node, Sink sink) {
   participant_.AddReader(node, reader_.handle(), part_ == Part::kReliableReader);
   {
     const std::lock_guard lock(mutex_);
+    // Samples for the agent before, such as a command from before a reset, are not for this one.
     if (std::exchange(used_, true)) reader_.Drain([](const void*) {});
     sink_ = std::move(sink);
     if (reader_.missed_writer()) sink_->on_missed_writer();
@@ -228,6 +230,7 @@ FastDdsSide::~FastDdsSide() {
   link_.reset();
   const Clock::time_point end = Clock::now() + kStopTime;
   while (child_ > 0 && waitpid(child_, nullptr, WNOHANG) == 0) {
+    // It ends at the end of its link; one that hangs must not hold up the run's end.
     if (Clock::now() > end) kill(child_, SIGKILL);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
@@ -254,6 +257,7 @@ void FastDdsSide::Start() {
     return;
   }
   child_ = child.value();
+  // Responses to calls of the process before must not reach callers of this one: numbers begin again.
   guid_ = MakeRandomId();
   Send(LinkKind::kHello, 0, std::as_bytes(std::span(&guid_, 1)));
   for (const auto& [id, service] : services_) {

@@ -4,6 +4,8 @@
 // Where an agent of this host reads the topic, a message counts when it was passed to the agent: what the tick waits
 // for is then with the agent before the tick continues. Other topics have a reader that knows no more of a message than
 // its first byte, as soon as a writer shows the type.
+// A text is the round of a wait: a message that came between two texts counts for the text that was armed when it came,
+// and arming the text before again has its messages again.
 #pragma once
 
 #include <dds/dds.h>
