@@ -63,6 +63,7 @@ constexpr double kMaxJoules = 1e12;  // or W, or kg
 // The amount in J of the property, or of the one in kJ.
 std::optional<double> ReadJoules(PropertyReader& reader, std::string_view name) {
   std::optional<double> joules;
+  // Both spellings are in Stage's worlds.
   const std::string thousands = "k" + std::string(name);
   if (reader.node().Find(name) != nullptr) joules = reader.Number(name, 0.0, -kMaxJoules, kMaxJoules);
   if (reader.node().Find(thousands) != nullptr) {
@@ -117,6 +118,7 @@ Size ReadSize(PropertyReader& reader, const Size& otherwise) {
 void SettleFlatBody(PropertyReader& reader, ModelDraft& draft) {
   ModelDescription& model = draft.model;
   const bool is_wall = reader.node().Find("bitmap") != nullptr || draft.type.has_drive || model.gripper_return;
+  // Bitmaps, robots and objects of height 0 keep their outlines: their authors mean a body.
   model.obstacle_return = model.obstacle_return && is_wall;
   reader.diagnostics().Warn(reader.Where("size"),
                             Quoted(model.name) + " has no height: it is drawn flat, " +
@@ -140,6 +142,7 @@ void WarnIfControlled(PropertyReader& reader) {
 }
 
 void ModelBuilder::BuildTree() {
+  // The first error ends the build, so that Complete never sees a half-made model.
   BuildChildren(context_.tree.world, nullptr);
   for (const std::unique_ptr<ModelReader>& reader : readers_) {
     if (context_.diagnostics.failed()) return;
@@ -178,6 +181,7 @@ void ModelBuilder::BuildModel(const WorldNode& node, const std::string& wanted_n
   if (!draft) return;
   std::unique_ptr<ModelReader> type_reader = type->make_reader();
   const bool moves = Moves(*draft, parent);
+  // The body first: the readers of grippers and lifts read with it the properties that decide on its form.
   Shape shape = type_reader->ReadShape(reader, *draft, context_);
   if (!shape.empty() && draft->size.z == 0.0) SettleFlatBody(reader, *draft);
   if (moves) shape = ListedForMotion(reader, std::move(shape));
@@ -187,6 +191,7 @@ void ModelBuilder::BuildModel(const WorldNode& node, const std::string& wanted_n
   type_reader->ReadProperties(reader, *draft, context_);
   const bool stack_children = reader.Flag("stack_children", true);
   WarnOfUnusedInModel(reader, type->name);
+  // The draft is complete: parts refer to the model by its id.
   context_.world.models.push_back(draft->model);
   type_reader->AddParts(*draft, context_);
   readers_.push_back(std::move(type_reader));
@@ -197,6 +202,7 @@ void ModelBuilder::BuildModel(const WorldNode& node, const std::string& wanted_n
 
 void ModelBuilder::FailForUnknownType(const WorldNode& node) {
   std::string message = UnknownTypeMessage(node.type, context_.tree.defines);
+  // The node itself was not expanded, so that the define must come after it in the file.
   const auto later = context_.tree.defines.find(node.type);
   if (later != context_.tree.defines.end()) {
     message = "found " + Quoted(node.type) + " before its define at line " + std::to_string(later->second.where.line) +
@@ -257,6 +263,7 @@ void ModelBuilder::PlaceInTree(PropertyReader& reader, const Parent* parent, con
                               "property 'gripper_return' has no effect on a robot: none of its parts can be gripped");
   }
   const bool is_placed_alone = parent != nullptr && !in_robot && (has_drive || is_object);
+  // For a model alone the pose is in W: its world pose at load.
   model.X_PM = is_placed_alone ? draft.X_WM : X_PM;
   if (is_placed_alone) placed_alone_.emplace(draft.id, parent->id);
   if (parent != nullptr && !is_placed_alone) model.parent = parent->id;
@@ -309,6 +316,7 @@ Speed ReadWatchedSpeed(PropertyReader& reader) {
 std::optional<std::uint64_t> ReadTicks(PropertyReader& reader, std::int64_t interval_ns) {
   const double quit_seconds = reader.Number("quit_time", 0.0, 0.0, 1e9);
   if (!(quit_seconds > 0.0)) return std::nullopt;
+  // Rounded up: the run covers at least the time that the file asks for.
   const std::int64_t quit_ns = std::llround(quit_seconds * 1e9);
   return static_cast<std::uint64_t>((quit_ns + interval_ns - 1) / interval_ns);
 }
@@ -333,6 +341,7 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
   if (context.diagnostics.failed()) return *context.diagnostics.error();
 
   loaded.world = std::move(context.world);
+  // Complete adds them in the order of the `gripper` models; their mounts may be in another order.
   std::sort(loaded.world.grippers.begin(), loaded.world.grippers.end(),
             [](const GripperDescription& a, const GripperDescription& b) { return a.model < b.model; });
   loaded.placed_alone = builder.placed_alone();

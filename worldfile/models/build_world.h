@@ -1,4 +1,19 @@
 // From a WorldTree to a world: gives every property its meaning, in SI units, with Stage's defaults.
+//
+// A node becomes a model by a fixed sequence: common properties, the body, the properties of its type, the warnings for
+// the rest, its own parts; then its children. Models are numbered in the order of the file, parents before children, so
+// that ids, random colours and drawn odometry errors are functions of the file and the seed. Descriptions with
+// references to models further down (grippers, lifts, places of a controller) are added after the last model.
+//
+// Rule for faults: a file that Stage reads is read here, with a warning that quotes the odd value; an error is kept for
+// what has no sensible reading. Every property is honoured or named in a warning, because a silent fault is hard to
+// find.
+//
+// Robots and movable objects have no parent in the world: a parent is a rigid mount. Where the file puts them inside
+// another model they are placed alone, and `placed_alone` keeps the parent of the file for those who move the whole
+// (place_spawns.h, edits).
+//
+// One thread per call; the images come from the disk or from ImageSource, within `allowed`.
 #pragma once
 
 #include <cstdint>

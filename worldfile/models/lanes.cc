@@ -28,6 +28,7 @@ std::vector<LevelDescription> Ascending(std::vector<LevelDescription> levels) {
 std::optional<double> CrossingAt(const Vec2& from, const Vec2& to, const Vec2& a, const Vec2& b) {
   const Vec2 way = to - from;
   const double turn = Cross(way, b - a);
+  // Parallel: such a lane runs along the door, or through both its jambs, where no robot follows it.
   if (turn == 0.0) return std::nullopt;
   const double on_way = Cross(a - from, b - a) / turn;
   const double on_door = Cross(a - from, way) / turn;
@@ -56,6 +57,7 @@ class GraphMaker {
  private:
   void AddLevel(std::size_t number, LaneGraph& graph) const {
     const SiteLevel& level = site_.levels[number];
+    // A vertex without a lane of this graph would be an unreachable goal.
     std::vector<bool> is_used(level.vertices.size(), false);
     for (const SiteLane& lane : level.lanes) {
       if (lane.graph == graph.number) is_used[lane.edge.start] = is_used[lane.edge.end] = true;
@@ -110,6 +112,7 @@ class GraphMaker {
       const std::optional<double> at =
           CrossingAt(from, to, level.vertices[door.edge.start].position, level.vertices[door.edge.end].position);
       if (!at) continue;
+      // A robot would wait in front of it for ever.
       if (!door.is_operated) return std::nullopt;
       const auto found = doors_.find(DoorName(level, door));
       if (found != doors_.end()) made.doors.push_back({static_cast<std::uint32_t>(found->second), *at});

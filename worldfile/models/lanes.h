@@ -1,4 +1,8 @@
-// The levels and the lanes of a building for the robots of its world.
+// The levels and the lanes of a building for the robots of its world: what a planner of routes needs, without walls.
+//
+// Graphs are independent: vehicles of different fleets have graphs of different numbers. A lane refers to vertices,
+// doors and lifts by index into the same description, in a stable order (levels, then vertices of the file). Positions
+// in m, frame W; `at` of a door is metres along the lane from its start.
 #pragma once
 
 #include <vector>
@@ -8,9 +12,9 @@
 
 namespace troupe {
 
-// Those of the site, ascending; those of one height are one.
+// The levels of the site by ascending height; levels less than half a metre apart are one.
 std::vector<LevelDescription> LevelsOf(const Site& site);
-// The floors of the lifts of a world without a site, likewise.
+// The floors of the lifts of a world without a site, by the same rules.
 std::vector<LevelDescription> LevelsOf(const std::vector<LiftDescription>& lifts);
 
 // The graphs of the site, by number. A lane through a door that nothing operates is left out, and no ride is in a lift

@@ -37,6 +37,7 @@ std::optional<double> HalfWidthOfNarrowestRobot(const WorldDescription& world) {
   }
   double narrowest = std::numeric_limits<double>::infinity();
   for (const Rectangle& box : boxes) {
+    // The smallest side of the box in the robot's frame: a robot passes a gap at best along its longer axis.
     const double width = box.empty() ? 0.0 : std::min(box.width(), box.height());
     narrowest = std::min(narrowest, 0.5 * width);
   }
@@ -89,6 +90,7 @@ class NarrowLanes {
     for (const OpenLeaf& leaf : leaves_) {
       const std::optional<double> gap = GapTo(leaf, line, height);
       if (!gap || *gap >= half_width_.value_or(kNoticeableDepth)) continue;
+      // Counted on, for the last message.
       if (++count_ > kMaxLaneMessages) continue;
       const std::string lane_name = fmt::format("lane from {} to {}", NameOf(start), NameOf(end));
       const std::string leaf_name = fmt::format("the open leaf {}", Quoted(world_.model(leaf.model).name));

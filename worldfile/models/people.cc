@@ -38,6 +38,7 @@ class Crowd {
  public:
   Crowd(LoadedWorld loaded, std::uint64_t seed)
       : loaded_(std::move(loaded)), world_(loaded_.world), seed_(seed), scene_(world_), bodies_(scene_) {
+    // Robots, objects and doors at their places at load; people are checked against `starts_`.
     bodies_.Assign(PlacedState(world_));
     for (const ModelDescription& model : world_.models) names_.insert(model.name);
   }
@@ -78,6 +79,7 @@ class Crowd {
   std::optional<Pose> FindStart(const PeopleRule& rule, std::uint64_t number, std::uint64_t person,
                                 const std::optional<PersonId>& leader) {
     Rectangle box = BoundingBox(rule.region);
+    // A group starts together: around its leader, still within the region.
     if (leader) {
       box = Rectangle::Around(world_.model(world_.person(*leader).root).X_PM.translation(), kTogether);
     }
@@ -132,6 +134,7 @@ class Crowd {
 
   void AddPerson(const PeopleRule& rule, const Look& look, std::uint64_t number, std::uint64_t i, const Pose& start,
                  const std::optional<PersonId>& leader) {
+    // A person needs two free names, for the trunk and for the head.
     std::string name;
     do {
       name = rule.name_prefix + std::to_string(++numbers_);
@@ -147,6 +150,7 @@ class Crowd {
     PersonDescription person = rule.person;
     person.root = ModelId(world_.models.size());
     person.speed = rule.speed.min + Random(number, i, kMaxDraws, 0) * (rule.speed.max - rule.speed.min);
+    // Never below the own speed: a rule's limit holds for evasion, not for walking.
     person.max_speed = person.max_speed > 0.0 ? std::max(person.max_speed, person.speed) : 1.4 * person.speed;
     person.leader = leader;
     world_.models.push_back(model);
@@ -164,6 +168,7 @@ class Crowd {
   }
 
   ShapeId AddShape(Shape shape) {
+    // One shape for all people of a rule, and for rules of equal sizes.
     const auto same = std::find(world_.shapes.begin(), world_.shapes.end(), shape);
     const ShapeId id(static_cast<std::size_t>(same - world_.shapes.begin()));
     if (same == world_.shapes.end()) world_.shapes.push_back(std::move(shape));
@@ -207,6 +212,7 @@ Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>&
   std::uint64_t count = loaded.world.people.size();
   for (const PeopleRule& rule : rules) {
     count += rule.count;
+    // Before any index is built.
     if (count <= kMaxPeople) continue;
     return Error{rule.where,
                  "found " + std::to_string(count) + " people in all, expected at most " + std::to_string(kMaxPeople)};
@@ -217,6 +223,7 @@ Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>&
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (Status full = crowd.Add(rules[i], first + i); !full.ok()) return full.error();
   }
+  // After the people: their sizes and goals decide on the number of grids.
   if (Status large = crowd.CheckWays(rules.front().where); !large.ok()) return large.error();
   return crowd.Release();
 }
@@ -251,6 +258,7 @@ Result<LoadedWorld> AddCrowd(LoadedWorld loaded) {
   for (const CrowdGroup& group : crowd.groups) {
     if (!group.robots.empty() || group.count == 0) continue;
     PeopleRule rule;
+    // One more than the limit, so that the check of the limit reports the excess.
     rule.count = static_cast<std::uint32_t>(std::min<std::size_t>(group.count, kMaxPeople + 1));
     const std::uint32_t state = number_of(group.state);
     rule.person.goals = first + state;

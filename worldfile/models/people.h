@@ -1,4 +1,11 @@
 // People of scenarios and buildings: from rules to the bodies, goals and starts of a description.
+//
+// A person is a body of two prisms (trunk and head), walked by the world service, not by a process of its own:
+// thousands of them must fit. All choices (start, speed, colours) are draws with keys of seed, rule and person, so that
+// a rule keeps its people when another rule is added behind it, unless they compete for the same floor.
+//
+// People are added last, when all models have their places; they avoid models and each other at the start. Lengths in
+// m, speeds in m/s, frame W.
 #pragma once
 
 #include <cstdint>

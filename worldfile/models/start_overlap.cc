@@ -53,6 +53,7 @@ class Pieces {
     for (const ConvexPiece& piece : index_.kept_pieces()) {  // all of bodies are among them
       const std::optional<ModelId>& body = BodyOf(piece.model);
       if (!body || mounted_.contains(*body)) continue;  // a leaf may slide into a wall
+      // The lowest id wins below: the order of a query must not decide on the message.
       index_.Query(BoundingBox(piece.vertices), near);
       for (const ConvexPiece* other : near) {
         if (BodyOf(other->model) == body || !OverlapBy(piece, *other, kNoticeableDepth)) continue;

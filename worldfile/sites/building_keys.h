@@ -1,4 +1,6 @@
 // The parameters of a vertex in a building file, by their keys.
+//
+// One table for the reader and the writer, so that neither can forget a key of the other.
 #pragma once
 
 #include <string>

@@ -1,4 +1,7 @@
 // The vertices, doors and lanes of a level in a building file.
+//
+// Parameters are `key: [type, value]` in files of the editor and `key: value` in hand-written ones; the reader takes
+// both (YamlReader::Parameter). Unknown parameters are warnings, once per key: files of newer editors must load.
 #pragma once
 
 #include <optional>

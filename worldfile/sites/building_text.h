@@ -1,4 +1,8 @@
 // A Site as the text of a building file.
+//
+// Round trip: positions are written with all their digits (the shortest text that reads as the same number), so that a
+// building that is read, written and read again is the same building. Not a general writer of YAML: strings are JSON
+// strings, which are YAML, too.
 #pragma once
 
 #include <string>

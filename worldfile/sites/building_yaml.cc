@@ -45,6 +45,7 @@ class BuildingReader {
                        [&](const std::string& name, const YamlNode& level) { ReadLevel(name, level); });
     if (!yaml_.failed() && site_.levels.empty()) yaml_.Fail(levels, "found no level, expected at least one");
     if (yaml_.failed()) return;
+    // After all levels are read: the origin vertex and the reference level may be anywhere in the file.
     PlaceLevels(root);
     CheckCount(yaml_.Find(root, "lifts"), kMaxLifts, "lift");
     yaml_.ForEachEntry(yaml_.Find(root, "lifts"), "'lifts'",
@@ -216,6 +217,7 @@ class BuildingReader {
     const std::string reference_name = yaml_.Text(reference_node, "'reference_level_name'", site_.levels[0].name);
     reference_ = FindLevel(reference_node, reference_name);
     if (yaml_.failed()) return;
+    // Fiducials first: the map of a level needs the fiducials of the reference level, with y up.
     for (LevelPlan& plan : plans_) {
       for (SiteFiducial& fiducial : plan.fiducials) fiducial.position = frame * fiducial.position;
     }
@@ -273,6 +275,7 @@ class BuildingReader {
                                                  NumberText(by_height[i]->elevation) + " m, expected at least " +
                                                  NumberText(least) + " m, above level " +
                                                  Quoted(by_height[i - 1]->name) + "; that is used");
+      // Changed in place: the next level is compared with the corrected height.
       by_height[i]->elevation = least;
     }
   }

@@ -1,4 +1,7 @@
 // The people of a building file: its key `crowd_sim`.
+//
+// Names are checked here, so that users of a SiteCrowd may look them up without a test. The profiles' parameters of
+// ORCA (neighbours, horizons) are kept for the export only: the world service has its own.
 #pragma once
 
 #include "worldfile/sites/site.h"

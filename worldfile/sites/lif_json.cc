@@ -221,6 +221,7 @@ class LayoutReader {
         return;
       }
     }
+    // The first edge of a pair stays the key: a third one in the same direction is a lane of its own.
     numbers_.emplace(std::tuple(level, lane.graph, lane.edge.start, lane.edge.end), lanes.size());
     lanes.push_back(lane);
   }
@@ -307,6 +308,7 @@ std::string LayoutText(const Site& site, const std::string& timestamp) {
 bool IsLayoutPath(const std::string& path, const AllowedPaths& allowed) {
   if (!path.ends_with(".json")) return false;
   const Result<std::string> text = ReadTextFile(path, {path}, allowed);
+  // A cheap test before the parse: every scenario passes through here.
   if (!text.ok() || text.value().find("\"layouts\"") == std::string::npos) return false;
   const Result<JsonTree> tree = JsonTree::Parse(text.value(), path);
   // One that cannot be parsed is still none of the other kinds.

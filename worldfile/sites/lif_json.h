@@ -1,4 +1,9 @@
 // Layouts in LIF, the Layout Interchange Format of VDMA for driverless vehicles (version 1), to a Site.
+//
+// A layout is a graph for vehicles, without walls, doors or heights: the world that comes of it is a floorless plan
+// with lanes and places. Angles are radians by the standard, degrees in many files (see AngleOf). The reader is strict
+// about references and types, and lenient about everything optional; unknown keys are ignored, because vendors add
+// their own.
 #pragma once
 
 #include <string>

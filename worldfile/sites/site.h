@@ -1,5 +1,10 @@
 // Site: a building as its plan describes it, in metres, in frame W. All levels share x and y; a level's z is its
 // elevation, so that a lift moves along z only.
+//
+// A neutral form between the readers (building_yaml.h, lif_json.h) and the users: the models of the world
+// (site_tree.h), the lanes for robots (worldfile/models/lanes.h), the crowd (people.h) and the writers
+// (building_text.h, lif_json.h). It keeps the numbers of vertices of the file, to which edges refer, and parts without
+// effect, so that an export does not lose them. A world shares it as a constant.
 #pragma once
 
 #include <cstddef>

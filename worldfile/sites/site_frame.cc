@@ -39,6 +39,7 @@ std::optional<PlaneMap> AlignLevel(const LevelPlan& reference, double scale, con
       const Vec2 from = pairs[k].own - pairs[i].own;
       const double product = to.norm() * from.norm();
       if (!(product > 0.0)) continue;
+      // A sum of unit vectors: the mean of angles that may lie on both sides of 180 degrees.
       turn += Vec2(from.dot(to), from.x() * to.y() - from.y() * to.x()) / product;
       stretch += from.norm() / to.norm();
       ++lines;

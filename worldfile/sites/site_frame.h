@@ -1,4 +1,12 @@
 // The coordinates of a building's file, to metres of frame W.
+//
+// A file is in pixels of drawings, one per level with a scale and an orientation of its own, in metres, or on the
+// globe. Pixels go through two steps: y up (SiteFrame), then the level's map (AlignLevel), by which fiducials of equal
+// names come together on all levels, in the mean. Coordinates of the globe are projected to a plane and shifted to an
+// origin near the building, because metres from the equator would waste the digits of the geometry.
+//
+// All results are rounded to a micrometre (Rounded) before anything depends on them, so that worlds agree between
+// machines.
 #pragma once
 
 #include <cstdint>

@@ -44,6 +44,7 @@ Vec2 TransverseMercator::Project(double longitude_degrees, double latitude_degre
   const double t = (at.sin / at.cos) * (at.sin / at.cos);
   constexpr double ep2 = kE2 / (1.0 - kE2);
   const double c = ep2 * at.cos * at.cos;
+  // Wrapped: across the date line the difference is small, not almost a turn.
   const double a = WrapAngle(DegreesToRadians(longitude_degrees) - longitude) * at.cos;
   const double a2 = a * a;
   const double east =

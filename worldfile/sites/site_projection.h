@@ -1,4 +1,8 @@
 // Coordinates of sites on the globe: longitudes and latitudes, or Web Mercator, to metres of a map projection.
+//
+// Written out here instead of a projection library: one projection and the inverse of another are enough for building
+// files, and their results must be the same on all machines (deterministic functions, rounded by the caller). Angles in
+// the structure are rad, arguments of functions degrees, as files have them.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,8 @@
 // The robot models that building files name, as text in Stage's language: boxes of about their size, with the speeds of
 // the fleets of Open-RMF's demos.
+//
+// Text in the language of world files, parsed for the tree of every building, so that scenarios may use the defines by
+// name. A file's robot type is looked up by name without regard to case (site_tree.cc).
 #pragma once
 
 namespace troupe {

@@ -228,6 +228,7 @@ class TreeMaker {
     for (CabinSide& side : sides) {
       std::sort(side.gaps.begin(), side.gaps.end());
       const double half = side.along_x ? w : d - kCabinThickness;
+      // A gap of width 0 at the end of the side, which closes the last piece of wall.
       side.gaps.push_back({half, half});
       const double inside = side.outside - std::copysign(kCabinThickness, side.outside);
       const double low = std::min(side.outside, inside);
@@ -345,6 +346,7 @@ class TreeMaker {
   // By vertex, rad: along its first lane; 0 without one.
   static std::vector<double> LaneHeadings(const SiteLevel& level) {
     std::vector<double> headings(level.vertices.size(), 0.0);
+    // Backwards, so that the first lane of a vertex is the one that stays.
     for (auto lane = level.lanes.rbegin(); lane != level.lanes.rend(); ++lane) {
       const Vec2 along = EndOf(level, lane->edge) - StartOf(level, lane->edge);
       const double heading = WrapAngle(Atan2(along.y(), along.x()) + (lane->orientation == "backward" ? kPi : 0.0));

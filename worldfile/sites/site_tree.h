@@ -1,4 +1,11 @@
 // From a Site to the models of a world, and to its named places.
+//
+// A tree, not a world: scenarios override the properties of buildings as those of any file, and Stage defines are
+// available for robots to be added. Models: a group for each level with floors, lanes and walls, with its doors behind
+// it, then the doors and the cabin of each lift, then robots, in the order of the file. Heights, thicknesses and names
+// are those of the worlds that Open-RMF generates, so that its tools find doors and lifts by name.
+//
+// Names of places are unique and stable: PlaceNames, PlacesOf and the lanes (worldfile/models/lanes.h) agree on them.
 #pragma once
 
 #include <memory>

@@ -208,6 +208,7 @@ constexpr NamedColor kColors[] = {
 // clang-format on
 
 Color RandomColor(std::uint64_t seed, ModelId model) {
+  // By the id, not by a counter: a model keeps its colour when another "random" one is removed behind it.
   constexpr std::uint64_t kStream = 0x636f6c6f72;  // "color"
   const auto draw = [&](std::uint64_t channel) {
     return RandomUniform({seed, kStream, std::uint64_t{model.index()}, channel});

@@ -63,6 +63,7 @@ Polygon ConvexHull(Polygon points) {
   for (int side = 0; side < 2; ++side) {
     const std::size_t first = hull.size();
     for (const Vec2& p : points) {
+      // Not above 0: collinear points go, too.
       while (hull.size() >= first + 2 && !(Cross(hull.back() - hull[hull.size() - 2], p - hull.back()) > 0.0)) {
         hull.pop_back();
       }
@@ -96,6 +97,7 @@ std::optional<Block> ReadBlock(const WorldNode& node, const Units& units, Diagno
   Result<Polygon> normalized = Normalized(*outline);
   if (!normalized.ok()) {
     const std::string fault = "found a block that is no simple polygon: " + normalized.error().message;
+    // The hull contains every outline that its author may have meant.
     normalized = outline->size() < 3 ? std::move(normalized) : Normalized(ConvexHull(*outline));
     diagnostics.Warn(node.where, fault + (normalized.ok() ? "; its convex hull is used" : "; it is left out"));
     if (!normalized.ok()) return std::nullopt;
@@ -314,6 +316,7 @@ Shape ReadModelShape(PropertyReader& reader, bool has_box, const Size& size, con
     shape.blocks.push_back(BoxBlock({-0.5 * size.x, -0.5 * size.y, 0.5 * size.x, 0.5 * size.y}, {0.0, size.z}));
   }
   if (has_boundary && !shape.empty()) {
+    // A model without a body has no boundary.
     for (Block& wall : BoundaryBlocks(size)) shape.blocks.push_back(std::move(wall));
   }
   const bool has_blocks = HasBlocks(reader.node());
@@ -333,6 +336,7 @@ Shape ReadModelShape(PropertyReader& reader, bool has_box, const Size& size, con
     reader.diagnostics().Warn(reader.Where("size"), "this model has a size of 0, so it has no body");
     return {};
   }
+  // A lone bitmap has been stretched already, and a box has the size from the start.
   if (has_blocks) shape = ScaledToSize(std::move(shape), size);
   if (size.z == 0.0) Thicken(shape);
   return Placed(reader, X_MD, std::move(shape));
@@ -368,6 +372,7 @@ Shape ScaledToSize(Shape shape, const Size& size) {
 }
 
 Shape Moved(Shape shape, const Pose& X_MD) {
+  // Rectangles stay along the axes, which makes them cheap; turned ones have to be polygons.
   if (X_MD.heading != 0.0 && !shape.area) {
     for (const Rectangle& rectangle : shape.rectangles) shape.blocks.push_back(BoxBlock(rectangle, shape.rectangles_z));
     shape.rectangles.clear();

@@ -1,4 +1,12 @@
 // The body of a model: its bitmap, its boundary, its blocks or the box that it starts as, scaled to its size.
+//
+// Frames: D, in which the file declares blocks and pixels; M, the model's own. A body is stretched to the size of the
+// model and centred on the origin of D, then moved by X_MD (`origin`). So a block's coordinates are proportions only,
+// as in Stage; a ROS map is the exception, whose pixels are metres already.
+//
+// Bodies that move are lists of convex pieces or rectangles; only bodies at rest may be pixel areas (map_yaml.h). Every
+// shape of ReadModelShape and RosMapShape satisfies the checks of a world (common/model): normalized outlines, no flat
+// blocks, all coordinates within 1000 km; otherwise it is empty and the diagnostics have the error.
 #pragma once
 
 #include <optional>

@@ -51,6 +51,8 @@ void AddRange(const ZRange& z, Hasher& hasher) {
   hasher.Add(z.max);
 }
 
+// For the store only, never written to a file. Of an area the count and the bounds are enough: equal hashes are
+// compared in full.
 std::uint64_t HashOf(const Shape& shape) {
   Hasher hasher;
   for (const Block& block : shape.blocks) {
@@ -217,6 +219,7 @@ PropertyReader::PropertyReader(const WorldNode& node, const Units& units, Diagno
 
 const Property* PropertyReader::Use(std::string_view name) {
   const Property* property = node_.Find(name);
+  // The index of the property in its node: Find returns a pointer into the vector.
   if (property != nullptr) used_[static_cast<std::size_t>(property - node_.properties.data())] = true;
   return property;
 }
@@ -240,6 +243,7 @@ std::optional<double> PropertyReader::ToNumber(const Property& property, const P
     if (!leading || !leading->is_all) WarnOfValue(property, "string " + Quoted(text), "a number", NumberText(value));
   }
   if (std::fabs(value) <= limit) return value;
+  // Clamped and not refused: the limit keeps sums and squares of the geometry finite.
   const double nearest = std::copysign(limit, value);
   WarnOfValue(property, Quoted(TextOf(scalar)), "a number of at most " + NumberText(limit), NumberText(nearest));
   return nearest;

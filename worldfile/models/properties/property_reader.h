@@ -1,7 +1,11 @@
 // PropertyReader: reads the properties of one node as values in SI units, and remembers which were read, so that the
-// others can be named. A value beyond its limits is read as the nearest one, one of the wrong form as the default, with
-// a warning that quotes it: Stage reads such files. Fewer values than a property has are an error, as in Stage. Callers
-// need not check each one.
+// others can be named. A value beyond its limits is read as the nearest allowed value, a value of the wrong form as the
+// default, with a warning that quotes it: Stage reads such files. Fewer values than a property has are an error, as in
+// Stage. Callers need not check each one.
+//
+// A reader is a short-lived view of one node; the unit of the file is applied here, once, so that no other code knows
+// of centimetres or degrees. The names that Stage or its older versions know are answered with the reason why they have
+// no effect, or with today's name.
 #pragma once
 
 #include <cstdint>
@@ -103,7 +107,7 @@ class ModelNames {
   // The full name of a model that `node` makes: `name`, with a number if it is not new. One that is too long is an
   // error.
   std::string Add(const WorldNode& node, const std::string& name, Diagnostics& diagnostics);
-  // The same of a part that the model at `where` has by itself; a name that is not new is an error.
+  // Adds the name of a part that the model at `where` has by itself; a name in use is an error.
   void AddPart(const SourceLocation& where, const std::string& name, Diagnostics& diagnostics);
 
  private:
@@ -112,6 +116,8 @@ class ModelNames {
 };
 
 // Keeps each geometry once, so that models made from one macro share their shape.
+// Found by hash and then compared: the hash may skip parts of a shape. Ids are in the order of first use, which makes
+// them, and with them the hash of the world, independent of the hash function.
 class ShapeStore {
  public:
   // `shapes` must outlive the store.

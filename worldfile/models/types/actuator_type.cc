@@ -1,4 +1,6 @@
-// `actuator`: a model that a joint moves, if it is a part of a robot.
+// `actuator`: a model that a joint moves, if it is a part of a robot. A linear one shifts along a unit vector in its
+// own frame, a rotational one turns about the vertical, because a pose has a heading and no other angle. Limits and
+// start are m or rad from the pose of the file.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -30,6 +32,7 @@ std::optional<Axis> ReadAxis(PropertyReader& reader, JointType type) {
     }
     return Axis{};
   }
+  // Divided by the largest part first: the squares of tiny or huge numbers would vanish or overflow.
   const double largest = axis ? std::max({std::fabs((*axis)[0]), std::fabs((*axis)[1]), std::fabs((*axis)[2])}) : 0.0;
   if (!(largest > 0.0)) {
     reader.diagnostics().Warn(

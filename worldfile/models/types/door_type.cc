@@ -1,4 +1,9 @@
 // `door`: a doorway with leaves that turn or slide: objects that only the door moves.
+//
+// The door itself has no body; its leaves are objects without a parent, so that robots collide with them and sensors
+// see them like any moving thing, and the door (world-service/core) sets their poses by its opening from 0 to 1. Frame
+// D: the middle of the doorway on the floor, x along it to the right, y to the back; a leaf has a frame H at its hinge.
+// Lengths in m, angles in rad.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -62,6 +67,7 @@ class DoorReader : public ModelReader {
       leaves_ = {SlidingLeaf(0.0, width, at_left ? -width : width)};
     }
     door_.seconds = reader.Number("seconds", 3.0, 1e-3, 1e6);
+    // 0, the default, switches the automatic opening off.
     door_.reach = std::max(0.0, reader.Length("reach", 0.0));
     door_.opening = reader.Number("opening", 0.0, 0.0, 1.0);
     door_.is_operated = reader.Flag("operated", true);
@@ -95,11 +101,13 @@ class DoorReader : public ModelReader {
     model.name = draft.model.name + "." + name;
     model.type = "door_leaf";
     model.parent.reset();
+    // By the function that the state of tick 0 uses, too (PlacedState).
     model.X_PM = leaf.X_WH_at(door_.opening);
     model.size_x = plan.x.max - plan.x.min;
     model.shape = context.shapes.Add({.blocks = {BoxBlock({plan.x.min, -half, plan.x.max, half}, {0.0, draft.size.z})},
                                       .rectangles = {},
                                       .rectangles_z = {}});
+    // A leaf is a copy of the door's model for its look: stores of energy and fiducials would be there twice.
     model.power = {};
     model.fiducial_return = 0;
     const ModelId id(context.world.models.size());

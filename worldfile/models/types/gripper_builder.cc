@@ -29,9 +29,12 @@ class BeamMaker {
 
   PadBox BoxOf(ModelId pad) const {
     Pose X_GM;
+    // From the pad up to the mount, one joint after another.
     for (ModelId at = pad; at != gripper_.model; at = *world_.model(at).parent) {
       Pose X_PM = world_.model(at).X_PM;
       if (const auto found = joints_.find(at); found != joints_.end()) {
+        // Fingers at their open end, whatever the start of the file: the beams belong to the gripper, not to its first
+        // state.
         const bool is_finger = at == world_.joint(gripper_.left).model || at == world_.joint(gripper_.right).model;
         X_PM = X_PM * JointMotion(*found->second, is_finger ? found->second->position.min : found->second->start);
       }
@@ -72,6 +75,7 @@ struct Gap {
 };
 
 Gap GapBetween(const Interval& a, const Interval& b) {
+  // By the middles, so that overlapping pads give a gap of negative width and not two.
   if (Middle(a.min, a.max) > Middle(b.min, b.max)) return {a.min, b.max, a.min - b.max};
   return {a.max, b.min, b.min - a.max};
 }
@@ -191,6 +195,7 @@ void GripperBuilder::CheckFingers(const GripperDraft& draft, const GripperDescri
                                          ", which does not move both fingers, expected one that carries them");
   }
   for (const GripperDescription& other : world_.grippers) {
+    // Four different joints: a finger of two grippers would get two commands.
     const std::set<JointId> fingers{other.left, other.right, gripper.left, gripper.right};
     if (fingers.size() == 4 && other.model != Mount(left, right)) continue;
     Fail(draft.where, "found the fingers of gripper " + Quoted(other.name) +

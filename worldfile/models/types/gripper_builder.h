@@ -1,4 +1,11 @@
 // Describes the grippers of a world: finds the models and joints of their parts. Private to this folder.
+//
+// Two kinds: Stage's gripper with two paddles and a lift, whose models and joints are made here, and a gripper whose
+// fingers are actuators that the file has itself. Both end as one GripperDescription: two finger joints, their pads, an
+// optional lift and two break beams between the open pads, so that the world service knows one kind only.
+//
+// Frame G is that of the mount, the nearest model that carries both fingers; beams are in G, m. Errors go to the
+// diagnostics at the property that names the wrong part.
 #pragma once
 
 #include <optional>

@@ -1,3 +1,5 @@
+// The properties of a `gripper`. Stage has no speeds but a number of updates for the full travel, and an update of 100
+// ms: these are turned into m/s here, so that a world moves alike at any length of a tick.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,11 @@
 // `lift`: a cabin that moves between floors, with doors of the file.
+//
+// The blocks of the model are the cabin, an object without a parent; the shaft is up to the world. Heights of floors
+// are z in W of the cabin's floor, m. The lift starts at the floor whose height is its own z, exactly: a start between
+// floors is an error.
+//
+// The doors are models of the file; a lift takes them over, so that nothing else opens them: no request and no robot
+// nearby.
 #include <algorithm>
 #include <string>
 #include <utility>

@@ -14,6 +14,7 @@ namespace {
 
 // In the order in which messages list them.
 const auto& ModelTypes() {
+  // Made at the first use: before main the order of initialization across files is not defined.
   static const std::array types{
       PlainModelType(), PositionType(), RangerType(),         ActuatorType(), BlinkenlightType(), BlobfinderType(),
       BumperType(),     CameraType(),   ContactType(),        DoorType(),     FiducialType(),     GripperType(),
@@ -52,7 +53,7 @@ std::string ListText(const std::vector<std::string>& names) {
   return text.empty() ? "" : text + ")";
 }
 
-// `blinkenlight`: a light that is on and off by turns. `lightindicator`: a light that a controller switches.
+// `blinkenlight`: a light that blinks. `lightindicator`: a light that a controller switches.
 
 class BlinkenlightReader : public ModelReader {
  public:
@@ -70,6 +71,7 @@ class BlinkenlightReader : public ModelReader {
 class LightIndicatorReader : public ModelReader {
  public:
   void ReadProperties(PropertyReader& /*reader*/, ModelDraft& draft, BuildContext& /*context*/) override {
+    // On for the whole period: whether it is lit is the controller's switch alone.
     constexpr std::int64_t kAnyPeriod = 1'000'000'000;  // ns
     draft.model.blinking = {kAnyPeriod, kAnyPeriod, false};
   }

@@ -1,4 +1,7 @@
 // The registry of model types: from a type's name in a world file to its defaults and its reader.
+//
+// A table of values, not a registration by static objects: the order of messages is fixed, and a type cannot be lost by
+// the linker. Readers are made for one model each, so that they may keep what Complete needs until all models exist.
 #pragma once
 
 #include <map>
@@ -64,7 +67,7 @@ struct ModelType {
   std::unique_ptr<ModelReader> (*make_reader)() = MakeReader<ModelReader>;
 };
 
-// A model's name without that of its robot.
+// A model's name without the prefix of its robot's name.
 std::string NameOnRobot(const WorldDescription& world, RobotId robot, const std::string& name);
 
 // Null for a type that does not exist. Valid for the program's life; any thread may call it.

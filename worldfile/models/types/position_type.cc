@@ -28,6 +28,7 @@ TwistBounds ReadBounds(PropertyReader& reader, std::string_view name) {
   for (Interval* const interval : {&bounds.x, &bounds.y, &bounds.heading}) {
     if (interval->min <= 0.0 && interval->max >= 0.0) continue;
     if (interval->min > interval->max) std::swap(interval->min, interval->max);
+    // A robot must be able to stand: every bound includes 0, or a stop would be impossible.
     *interval = {std::min(interval->min, 0.0), std::max(interval->max, 0.0)};
     reader.diagnostics().Warn(
         reader.Where(name),
@@ -72,6 +73,7 @@ LocalizationDescription ReadLocalization(PropertyReader& reader, const Pose& X_W
   }
   localization.type = LocalizationType::kOdometry;
   localization.origin = X_WO ? Inverse(*X_WO) * X_WR : Pose{};
+  // An odometry counts in the plane.
   localization.origin.z = 0.0;
   if (!IsWithinReach(localization.origin)) {
     reader.diagnostics().Fail(reader.Where("localization_origin"),
@@ -287,6 +289,7 @@ class ArgumentFilter {
   std::optional<std::vector<Argument>> Filter(const std::vector<Argument>& arguments) {
     const Status fault = Check(arguments);
     if (fault.ok()) return arguments;
+    // Often one bad argument makes the check refuse all of them: the fewest are left out if it is found first.
     for (std::size_t i = 0; i < arguments.size(); ++i) {  // one that spoils the others
       std::vector<Argument> others = arguments;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
@@ -356,6 +359,7 @@ void AddPlaces(const WorldDescription& world, const Pose& X_EW, ControllerDescri
   for (const char* place : {"source", "sink"}) {
     const auto model = std::find_if(world.models.begin(), world.models.end(),
                                     [&](const ModelDescription& candidate) { return candidate.name == place; });
+    // The file's own word comes first.
     if (parameters.contains(place) || model == world.models.end() || model->parent) continue;
     const Vec2 point = Transform2(X_EW) * model->X_PM.translation();
     parameters[place] = {point.x(), point.y()};

@@ -1,5 +1,9 @@
 // The controllers that Stage's worlds name in `ctrl`, with the arguments after the name: their names and parameters
 // here.
+//
+// A controller of Stage is a library with arguments in a text; here it is a name with JSON parameters. The table of
+// names is a mapping, not a list of this program's controllers: a world for Stage must load with whatever controllers
+// are built in, so that unknown names and refused arguments are warnings.
 #pragma once
 
 #include <functional>

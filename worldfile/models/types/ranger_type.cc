@@ -1,4 +1,5 @@
-// `ranger`: one or more ray sensors.
+// `ranger`: one or more ray sensors on one model, each with its own pose, fan and noise. Elevations are rad above the
+// horizontal plane of the sensor, ascending; without them the fan is flat, which is Stage's ranger and cheaper.
 #include <algorithm>
 #include <cmath>
 
@@ -29,6 +30,7 @@ std::vector<double> ReadElevations(PropertyReader& reader) {
     }
     const double last = static_cast<double>(planes - 1);
     for (std::size_t i = 0; i < planes; ++i) {
+      // Symmetric to the last bit: plane i and plane n - 1 - i are negatives of each other.
       elevations.push_back(fov * ((2.0 * static_cast<double>(i) - last) / (2.0 * last)));
     }
     return elevations;
@@ -40,6 +42,7 @@ std::vector<double> ReadElevations(PropertyReader& reader) {
   const auto numbers = reader.Numbers("elevations", reader.Texts("elevations").size());
   if (!numbers) return {};
   for (const double number : *numbers) elevations.push_back(reader.units().Angle(number));
+  // Sorted and distinct, as CheckParameters of a sensor wants them.
   std::sort(elevations.begin(), elevations.end());
   const bool usable = !elevations.empty() && elevations.size() <= kMaxPlanes && elevations.front() >= -kMaxElevation &&
                       elevations.back() <= kMaxElevation &&
@@ -96,6 +99,7 @@ RaySensorDescription ReadSensor(const WorldNode& node, const Pose& X_MD, const U
 class RangerReader : public ModelReader {
  public:
   void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
+    // The macro's nodes are shared, so that the address is the identity of the text; the tree outlives the build.
     const RangerParameters* ranger = context.rangers.Find(reader.node());
     if (ranger == nullptr) ranger = &context.rangers.Add(reader.node(), ReadRanger(reader, draft.X_MD));
     AddSensor(reader, draft, "ranger", *ranger, context);

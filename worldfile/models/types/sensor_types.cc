@@ -1,3 +1,6 @@
+// The model types of the sensors without a file of their own. Each reader maps properties to the parameters of one
+// sensor (include/troupe/sensor.h), in m and rad; limits that belong to the sensor itself are in CheckParameters, which
+// AddSensor calls, and not repeated here.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -122,6 +125,7 @@ class CameraReader : public ModelReader {
       pan = reader.units().Angle((*pantilt)[0]);
       tilt = reader.units().Angle((*pantilt)[1]);
     }
+    // The picture is cut at the limits, not turned.
     camera.elevation = {std::max(tilt - 0.5 * vertical, -kMaxElevation),
                         std::min(tilt + 0.5 * vertical, kMaxElevation)};
     if (camera.elevation.max - camera.elevation.min < vertical - kTinyAngle) {
@@ -226,6 +230,7 @@ std::uint32_t ImageSide(PropertyReader& reader, std::string_view name, double fo
 
 std::uint32_t ReadPeriod(PropertyReader& reader, std::int64_t interval_ns) {
   const double period_ns = reader.Number("update_interval", 100.0, 0.0, 1e9) * 1e6;
+  // Rounded up: a sensor is never faster than the file says. At least one tick.
   const double ticks = std::ceil(period_ns / static_cast<double>(interval_ns));
   return static_cast<std::uint32_t>(std::clamp(ticks, 1.0, 4e9));
 }
