@@ -15,6 +15,7 @@ namespace {
 double ClampComponent(const Interval& velocity, const Interval& acceleration, double current, double desired,
                       double seconds) {
   const Interval reachable{current + acceleration.min * seconds, current + acceleration.max * seconds};
+  // The acceleration wins over the velocity bound: nothing stops at once.
   return reachable.Clamp(velocity.Clamp(desired));
 }
 
@@ -27,6 +28,7 @@ struct CarMotion {
 CarMotion ToCarMotion(const Twist& twist, double wheelbase) {
   const double sideways = twist.wz * wheelbase;
   const double speed = std::sqrt(twist.vx * twist.vx + sideways * sideways);
+  // Backwards the wheel turns backwards; a steering angle beyond a quarter turn would say the same.
   if (twist.vx < 0.0) return {-speed, Atan2(-sideways, -twist.vx)};
   return {speed, Atan2(sideways, twist.vx)};
 }
@@ -47,6 +49,7 @@ class ByteBudget {
   // False if the message does not fit. REQUIRES: it names a radio.
   bool Use(const RadioMessage& message) {
     const RadioParameters& radio = *FindRadio(robot_, message.radio);
+    // A later message may still fit after a long one was left out: order and size decide, nothing is cut.
     if (count_ == kMaxRadioMessages) return false;
     if (used_[message.radio] + message.bytes.size() > BytesPerTick(radio, interval_seconds_)) return false;
     used_[message.radio] += message.bytes.size();
@@ -82,6 +85,7 @@ Twist ClampToLimits(const DriveDescription& drive, const Twist& current, const T
 
 bool WithinLimits(const DriveDescription& drive, const Twist& current, const Twist& proposed, double seconds) {
   const Twist clamped = ClampToLimits(drive, current, proposed, seconds);
+  // The inverse of a car's twist rounds, so that bits cannot be compared.
   return IsNear(clamped.vx, proposed.vx) && IsNear(clamped.vy, proposed.vy) && IsNear(clamped.wz, proposed.wz);
 }
 

@@ -1,4 +1,8 @@
 // The limits of a drive: the agent keeps its proposals within them, the world service refuses proposals beyond them.
+//
+// One function for both sides, so that they cannot disagree: the agent clamps what its controller wants, and the
+// service, which must not trust an agent, checks the proposal by the same arithmetic up to rounding. Pure functions;
+// twists in m/s and rad/s in frame R.
 #pragma once
 
 #include "troupe/pose.h"

@@ -52,6 +52,7 @@ bool FieldCheck::Fail(const std::string& found, const std::string& expected) {
 }
 
 bool FieldCheck::FailAt(std::string_view part) {
+  // Built from the inside out, while the recursion returns.
   problem_ = std::string(part) + (problem_.starts_with(':') ? "" : ".") + problem_;
   return false;
 }

@@ -1,5 +1,9 @@
 // FieldCheck: checks rows and descriptions by their lists of fields (troupe/fields.h): numbers within the limits of
 // their fields, intervals that do not end before they begin, known enumerators, ids of the world.
+//
+// One check for descriptions, states and parameters: a new field is checked as soon as it is in the list. It answers
+// for single values only; rules between fields (parents before children, unit vectors) are in validate_world.cc and its
+// like. NaN fails every limit. The first problem is named by its path. No allocation without a problem.
 #pragma once
 
 #include <cmath>

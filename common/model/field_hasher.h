@@ -1,4 +1,8 @@
 // FieldHasher: the hash of rows and descriptions, from their lists of fields (troupe/fields.h).
+//
+// The order of the fields, their types and the rules below are a part of the format: agents and recordings compare
+// these hashes, so that a changed rule makes old recordings differ. Names of fields do not count. Doubles count by
+// their bits (Hasher).
 #pragma once
 
 #include <cstdint>

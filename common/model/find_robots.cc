@@ -15,6 +15,7 @@ std::vector<std::optional<RobotId>> FindRobots(const WorldDescription& world, co
     const std::string& name = world.robots[i].name;
     auto same = std::lower_bound(sorted.begin(), sorted.end(), name,
                                  [&](std::size_t left, const std::string& right) { return names[left] < right; });
+    // A name may be asked for twice.
     for (; same != sorted.end() && names[*same] == name && RobotExists(world, RobotId(i)); ++same) {
       found[*same] = RobotId(i);
     }

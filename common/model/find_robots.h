@@ -1,3 +1,5 @@
+// Robots by name, for many names: tools and ROS look up hundreds of names in worlds of thousands of robots, where one
+// FindRobot for each would be their product. A removed robot has no name any more.
 #pragma once
 
 #include <optional>

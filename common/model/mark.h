@@ -1,4 +1,7 @@
 // Mark: a drawing of a part of a reading in the world. Pictures show marks without knowledge of the kind of sensor.
+//
+// In W, because a picture is of the world; a drawing program needs no pose of a robot. Marks are for eyes only: no
+// result depends on them.
 #pragma once
 
 #include <cstdint>

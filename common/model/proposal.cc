@@ -1,3 +1,5 @@
+// Checks of commands from outside (ROS, the Python interface, the viewer) before they reach a robot, and the names of
+// events.
 #include <cmath>
 
 #include "common/geometry/limits.h"

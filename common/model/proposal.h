@@ -1,4 +1,8 @@
 // Proposal: an agent's request for its robot's next tick. The step decides how much of it is executed.
+//
+// One per robot and tick, a message of the agents to the world service. It is a wish: collisions, grippers, doors and
+// energy decide in the step. It says velocities, not poses: a robot cannot jump, whatever its agent asks for. A
+// proposal outside of the limits of the robot's devices is refused as a whole (device_limits.h, radio_limits.h).
 #pragma once
 
 #include <string>
@@ -23,8 +27,8 @@ struct Proposal {
   // it.
   std::vector<double> joint_velocities = {};
   std::vector<RadioMessage> messages = {};  // within the limits of the radios (radio_limits.h)
-  std::vector<Order> orders = {};           // by kind (check_order.h); those of a kind are executed in order
-  std::string say = {};                     // an event for people, of at most kMaxSaidBytes; empty: none
+  std::vector<Order> orders = {};           // by kind (check_order.h); orders of a kind are executed one after another
+  std::string say = {};                     // the text of an event, at most kMaxSaidBytes; empty: none
   bool operator==(const Proposal&) const = default;
   static constexpr auto Fields() {
     return std::tuple{

@@ -1,3 +1,5 @@
+// The checks and summaries of sensor parameters: rules between fields; single values are checked by their limits
+// (field_check.h).
 #include "troupe/sensor_description.h"
 
 #include <cstddef>
@@ -71,6 +73,7 @@ std::string RangerParameters::Summary() const {
 }
 
 Status BreakBeamParameters::Check() const {
+  // MountedSensors makes it; a description of a robot must not contain one.
   return SensorProblem("it belongs to a gripper");
 }
 

@@ -1,3 +1,4 @@
+// Queries of lane graphs. Linear searches: a graph has some hundred vertices. Of equal distances the first vertex wins.
 #include "troupe/site_description.h"
 
 #include <algorithm>

@@ -59,10 +59,12 @@ Status CheckState(const WorldDescription& world, const WorldState& state) {
 
 Status CheckState(const WorldDescription& world, const DeviceCounts& devices, const WorldState& state) {
   Status problem;
+  // Finite numbers only: the largest magnitude of descriptions does not hold for states.
   FieldCheck check(&world, std::numeric_limits<double>::max());
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
     const std::vector<Row>& rows = table.Of(state);
     const std::size_t expected = CountRows<Row>(world, devices).value_or(rows.size());
+    // ForEachTable cannot be left early.
     if (!problem.ok()) return;
     if (rows.size() != expected) {
       problem = StateError("found a state of " + std::to_string(rows.size()) + " " + std::string(table.name) +
@@ -162,6 +164,7 @@ WorldState PlacedState(const WorldDescription& world) {
     state.lights.push_back({world.model(light.model).blinking.is_switched_on});
   }
   state.cameras.resize(FindCameras(world).size());
+  // After the objects: leaves and cabins are objects, whose rows are replaced here.
   for (const DoorDescription& door : world.doors) {
     state.doors.push_back({.opening = door.opening, .target = door.opening});
     for (const DoorLeaf& leaf : door.leaves) {

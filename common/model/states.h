@@ -1,4 +1,8 @@
 // Functions of states: the check of one that a peer sent, the hash, and the poses of models.
+//
+// A state is a set of tables, one row per robot, joint, object, ... in the order of the world description; all of these
+// functions go through the list of tables (ForEachTable), so that a new table cannot be forgotten. Cost: linear in the
+// rows.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +28,7 @@ struct DeviceCounts {
 DeviceCounts CountDevices(const WorldDescription& world);
 
 // Success if the state belongs to the world: as many robots, joints, grippers, objects and devices, finite numbers,
-// known ids. REQUIRES: `devices` are those of the world
+// known ids. REQUIRES: `devices` is CountDevices(world)
 Status CheckState(const WorldDescription& world, const DeviceCounts& devices, const WorldState& state);
 Status CheckState(const WorldDescription& world, const WorldState& state);
 

@@ -1,5 +1,9 @@
-// The invariants of a world description, see world_description.h: the limits of its fields, and what several of them
-// have to fulfil together.
+// The invariants of a world description, see world_description.h: the limits of its fields, and the rules between
+// several of them.
+//
+// A description comes from a file, from the API or from the network. All code behind the check may rely on it: indices
+// exist, parents come first, tables are in the order of their models, shapes are normalized. The order of the checks
+// matters: each relies on those before it (IsInTree ends because parents precede).
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -33,6 +37,7 @@ Status CheckShape(const Shape& shape) {
   for (const Block& block : shape.blocks) {
     const Result<Polygon> outline = Normalized(block.outline);
     if (!outline.ok()) return Problem("the outline of a block is not usable: " + outline.error().message);
+    // Normalized once by the maker: indices compute with the outline as it is.
     if (outline.value() != block.outline) return Problem("the outline of a block is not normalized");
   }
   for (const Rectangle& rectangle : shape.rectangles) {
@@ -140,7 +145,7 @@ Status CheckGripper(const WorldDescription& world, std::size_t index) {
   return Status();
 }
 
-// `is_leaf`: by object; those of the doors before.
+// `is_leaf`: by object; the leaves of the doors before this one.
 Status CheckDoor(const WorldDescription& world, std::size_t index, std::vector<bool>& is_leaf) {
   const DoorDescription& door = world.doors[index];
   if (index > 0 && door.model <= world.doors[index - 1].model) return Problem("it is not in the order of the models");
@@ -153,7 +158,7 @@ Status CheckDoor(const WorldDescription& world, std::size_t index, std::vector<b
   return Status();
 }
 
-// `is_mounted`: by object; leaves, and cabins of the lifts before.
+// `is_mounted`: by object; leaves, and the cabins of the lifts before this one.
 Status CheckLift(const WorldDescription& world, std::size_t index, std::vector<bool>& is_mounted) {
   const LiftDescription& lift = world.lifts[index];
   if (index > 0 && lift.model <= world.lifts[index - 1].model) return Problem("it is not in the order of the models");
@@ -209,13 +214,14 @@ Status CheckNames(const WorldDescription& world) {
   std::set<std::string> names;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     const ModelDescription& model = world.models[i];
+    // A removed model stays in the tables, so that ids stay; its name is free again.
     if (model.removed || names.insert(model.name).second) continue;
     return InPart(Problem("another model has the same name"), "model", i, model.name);
   }
   return Status();
 }
 
-// A domain of its own is that of one robot.
+// No two robots share a domain of their own.
 Status CheckRosDomains(const WorldDescription& world) {
   std::map<std::uint32_t, std::size_t> owners;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {

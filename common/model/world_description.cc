@@ -45,6 +45,7 @@ std::string ControllerFile(const std::string& controller) {
 
 bool IsInTree(const WorldDescription& world, ModelId model, ModelId root) {
   std::optional<ModelId> at = model;
+  // Ends, because a parent has a lower id (Validate).
   while (at && *at != root) at = world.model(*at).parent;
   return at.has_value();
 }
@@ -77,6 +78,7 @@ std::vector<LightPlace> FindLights(const WorldDescription& world) {
     if (model.parent) robot_of[i] = robot_of[model.parent->index()];
     if (robot_of[i] && model.blinking.is_light()) lights.push_back({*robot_of[i], ModelId(i)});
   }
+  // By robot, then by model: the order of the rows of LightState.
   std::stable_sort(lights.begin(), lights.end(),
                    [](const LightPlace& a, const LightPlace& b) { return a.robot < b.robot; });
   return lights;

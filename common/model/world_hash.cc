@@ -1,4 +1,6 @@
-// The hash of a world description.
+// The hash of a world description. A bitmap may be a list of rectangles or an area of pixels, by its size only
+// (worldfile/map/map_yaml.h); both forms of one geometry have one hash, because a program with another limit must agree
+// on the world. Hence AddShape adds an area in the order in which Listed would list it.
 #include <cstdint>
 
 #include "common/model/field_hasher.h"

@@ -1,3 +1,14 @@
+// The camera, column by column. The image plane is vertical, so that the pixels of a column lie in one vertical half
+// plane; bodies are prisms, so that each cuts the half plane in a rectangle (ColumnCut). A pixel is then the first
+// rectangle that its ray meets: exact, without a depth buffer of triangles, and the cost goes with columns times bodies
+// in sight plus pixels.
+//
+// Depth is measured along the optical axis, as a pinhole camera does it, not along the ray; `stretch` is the ratio of
+// horizontal distance to depth in a column. A camera that looks up or down has a shifted lens (low_ and high_ are
+// tangents of elevations), so that upright edges stay upright.
+//
+// Colours have a fixed light and no shadows: the image serves recognition by colour and people's eyes, not photometry.
+// All steps use deterministic functions, so that images are equal on all machines.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -118,6 +129,7 @@ class Column {
       const Interval rise{cut.z.min - z, cut.z.max - z};
       std::size_t first = 0;
       std::size_t end = ups_.size();
+      // Else the camera is inside of the cut's extent, and every row may see it.
       if (cut.enter > 0.0) {
         // The rows from the highest to the lowest slope of the cut's corners, and one more for rounding.
         const double high = std::max(rise.max / cut.enter, rise.max / cut.leave) * stretch;
@@ -140,6 +152,7 @@ class Column {
   void FillWithGround(double z, double reach) {
     for (std::size_t row = 0; row < ups_.size(); ++row) {
       const double slope = ups_[row] / stretch_;
+      // A camera at or below the ground sees none of it.
       const double ground = slope < 0.0 && z > 0.0 ? -z / slope : reach + 1.0;
       slopes_[row] = slope;
       distances_[row] = std::min(ground, reach);
@@ -209,6 +222,7 @@ class Camera final : public Sensor {
     const std::uint32_t width = parameters().width;
     const std::uint32_t height = parameters().height;
     reading.tick = tick;
+    // Pan and tilt are state: a controller turns the camera from tick to tick.
     const CameraState turned = world.state != nullptr ? world.state->cameras[row_] : CameraState();
     const Optics optics = turned.tilt == 0.0 ? optics_ : Optics(parameters(), turned.tilt);
     const Pose X_MS = parameters().X_MS * Pose{0.0, 0.0, 0.0, turned.pan};
@@ -228,6 +242,7 @@ class Camera final : public Sensor {
 
     const Pose X_WS = world.bodies.X_WM(description().model) * X_MS;
     const Transform2 to_world(X_WS);
+    // The caster's radius covers the corners of the image, whose rays are longest.
     const double widest = std::sqrt(1.0 + optics.Aside(0) * optics.Aside(0));
     ColumnCaster caster(world.scene, world.bodies, X_WS.translation(), parameters().range.max * widest, robot(),
                         Sight::kBodies);
@@ -247,6 +262,7 @@ class Camera final : public Sensor {
 
   void WriteColumn(const SensedWorld& world, Tick tick, const Column& column, std::span<const ColumnCut> cuts,
                    std::uint32_t x, CameraReading& content) const {
+    // The colour is computed once for a run of pixels of one surface: neighbours mostly show the same one.
     Rgb rgb = kSky;
     std::int32_t model = CameraReading::kNothing;
     Column::Surface shown = Column::Surface::Nothing();

@@ -38,6 +38,8 @@ class ContactSensor final : public Sensor {
 
  private:
   void MeasureInto(const SensedWorld& world, Tick tick, SensorReading& reading) const override {
+    // Ordered by ids, so that the reading does not depend on the order of the queries. A part touches a model with many
+    // pieces; only the nearest pair of pieces is reported.
     std::map<std::pair<ModelId, ModelId>, Touch> nearest;  // by part and other
     for (const ConvexPiece& piece : world.bodies.pieces_in_world(world.scene.body_of(robot()))) {
       if (!piece.obstacle || !HasHeight(piece.z)) continue;
@@ -129,6 +131,7 @@ std::optional<double> EntryOf(const Segment& segment, const std::vector<Vec2>& v
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Vec2 edge = vertices[(i + 1) % vertices.size()] - vertices[i];
     // Inside is to the left of every edge.
+    // Moved inwards by the tolerance: an object that only touches the beam does not break it.
     const double start = Cross(edge, segment.from - vertices[i]) - kTouchTolerance * edge.norm();
     const double gain = Cross(edge, direction);
     if (gain == 0.0) {
@@ -152,10 +155,12 @@ std::optional<ObjectId> FindObject(const Scene& scene, const BodyIndex& bodies, 
   std::optional<ObjectId> nearest;
   double nearest_at = 0.0;
   for (BodyId body : near) {
+    // Bodies are numbered robots first.
     if (body.index() < scene.world().robots.size()) continue;
     for (const ConvexPiece& piece : bodies.pieces_in_world(body)) {
       if (!piece.z.Contains(segment.z)) continue;
       const std::optional<double> at = EntryOf(segment, piece.vertices);
+      // Not replaced by an equal one: bodies come in the order of their ids.
       if (!at || (nearest && *at >= nearest_at)) continue;
       nearest = scene.object_of(piece.model);
       nearest_at = *at;
@@ -214,6 +219,7 @@ std::vector<Touch> FindTouches(const SensedWorld& world, RobotId robot, std::spa
   std::vector<Touch> touches;
   const auto test = [&](const ConvexPiece& piece) {
     if (!piece.obstacle || !HasHeight(piece.z)) return;
+    // Overlaps is false for a range without height, which a flat bumper has.
     if (z.min == z.max ? !piece.z.Contains(z.min) : !piece.z.Overlaps(z)) return;
     const NearestPoints points = FindNearestPoints(outline, piece.vertices);
     if (points.distance > kContactReach) return;

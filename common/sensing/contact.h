@@ -1,4 +1,8 @@
 // Sensors of touch: contact sensors, bumpers, and the bodies that touch an outline.
+//
+// Bodies never overlap: a step ends each motion before a contact (world-service/core). So "touches" means a distance
+// within kContactReach, which every motion that was stopped ends with. A robot's own parts and the objects that it
+// holds never count.
 #pragma once
 
 #include <memory>
@@ -33,7 +37,7 @@ struct Touch {
   ZRange z;              // m, in W: where both are
 };
 
-// The pieces of bodies other than the robot's own, and those that it holds, which collide (obstacle_return), are within
+// The pieces of other bodies than the robot and the objects that it holds, which collide (obstacle_return), are within
 // kContactReach of the convex outline (frame W) and share a length of the heights `z` with it, or its one height if `z`
 // is empty.
 std::vector<Touch> FindTouches(const SensedWorld& world, RobotId robot, std::span<const Vec2> outline, const ZRange& z);

@@ -1,3 +1,5 @@
+// The finders of colours and of fiducials: both cast horizontal rays in the plane of the sensor and take the first
+// body, seen or unseen by rangers (Sight::kBodies).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -82,6 +84,8 @@ class Blobfinder final : public Sensor {
     ColumnCaster caster(world.scene, world.bodies, X_WS.translation(), parameters().range, robot(), Sight::kBodies);
     std::vector<ColumnCut> cuts;
     for (std::uint32_t column = 0; column < parameters().width; ++column) {
+      // One ray through the middle of each column: a body narrower than a column may be missed, as by a real sensor of
+      // that resolution.
       const SinCosResult at = SinCos(X_WS.heading + BearingOfColumn(parameters(), column));
       caster.Cut({at.cos, at.sin}, {X_WS.z, X_WS.z}, cuts);
       const auto hit =
@@ -99,6 +103,7 @@ class Blobfinder final : public Sensor {
     };
     const std::uint32_t top = row(std::floor(RowOf(hit.z.max - z, hit.enter)));
     const std::uint32_t bottom = row(std::ceil(RowOf(hit.z.min - z, hit.enter)));
+    // A stretch ends with its colour; two bodies of one colour side by side are one blob.
     if (blobs.empty() || blobs.back().right != column || !AreSame(blobs.back().color, color)) {
       blobs.push_back({color, column, top, column + 1, bottom, hit.enter});
       return;
@@ -160,6 +165,7 @@ class FiducialFinder final : public Sensor {
       const Pose X_WF = PoseOfModel(world, model);
       const Vec2 way = X_WF.translation() - X_WS.translation();
       const double range = std::sqrt(way.squaredNorm());
+      // The cheap tests first; the ray for the line of sight comes last. At a distance of 0 there is no bearing.
       if (!parameters().range.Contains(range) || !(range > 0.0)) continue;
       const Pose X_SF = Inverse(X_WS) * X_WF;
       const double bearing = Atan2(X_SF.y, X_SF.x);
@@ -191,6 +197,7 @@ class FiducialFinder final : public Sensor {
     std::vector<ColumnCut> cuts;
     caster.Cut(direction, {z, z}, cuts);
     const std::optional<ColumnHit> hit = FirstHit({z, 0.0}, cuts);
+    // The body that ends the ray may be a part of the model.
     if (hit && IsInTree(world.scene.world(), hit->model, model)) return true;
     return parameters().ignores_height && (!hit || hit->distance > range);
   }

@@ -1,3 +1,7 @@
+// The inertial measurement unit. Acceleration is the difference of the executed velocities of two ticks: motion is
+// constant within a tick, so that there is no other. The velocity of the tick before is a part of the state (ImuState),
+// because a reading must follow from the state alone. Specific force is acceleration minus gravity: a unit at rest
+// reads +g upwards.
 #include <algorithm>
 #include <array>
 #include <span>
@@ -50,6 +54,7 @@ class Imu final : public Sensor {
     PointVelocity velocity;
     Vec2 acceleration_xy{0.0, 0.0};
     double acceleration_z = 0.0;
+    // Without a state (a picture of a description) the unit is at rest.
     if (world.state != nullptr) {
       velocity = VelocityOf(world.scene, world.bodies, *world.state, description().model, parameters().X_MS);
       const ImuState& before = world.state->imus[row_];
@@ -58,6 +63,7 @@ class Imu final : public Sensor {
       acceleration_z = (velocity.z - before.vz) / seconds;
     }
     const auto error = [&](ImuDraw draw, double noise, double bias) {
+      // The bias has the key of tick 0 at every tick: it is constant over a run and differs between units.
       return Error(kNoiseStream, world, tick, draw, noise) + Error(kBiasStream, world, 0, draw, bias);
     };
     const double noise = parameters().acceleration_noise;

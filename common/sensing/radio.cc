@@ -1,3 +1,13 @@
+// The radio: which messages arrive, and how strong. Strength falls by the log-distance model, 10 n log10(d) below the
+// strength at 1 m, and by a loss for each wall and each body on the straight line. A message is received within its
+// range if its strength is at least that at its range in free space.
+//
+// Messages are a part of the state until they are due; each receiver decides by itself, from the state, so that no
+// process has to tell another one who hears whom. Draws have keys of both radios, tick and number: the result does not
+// depend on the order of receivers.
+//
+// Cost: most of a swarm's messages are out of range, then clear or too weak: exact counts of obstacles are the rare
+// last step.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -115,6 +125,7 @@ std::size_t CountWalls(std::vector<LinePart>& parts) {
   std::size_t walls = 0;
   double end = -std::numeric_limits<double>::infinity();
   for (const LinePart& part : parts) {
+    // From minus infinity: the first part is always a wall.
     if (part.enter - end >= kWallGap) ++walls;
     end = std::max(end, part.leave);
   }
@@ -145,9 +156,11 @@ RadioPaths::RadioPaths(const SensedWorld& world, const Antenna& to, std::span<co
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const std::size_t i = signal_of_ray[k];
     const std::optional<BodyId> body = hits[k] ? world.scene.body_of(hits[k]->model) : std::nullopt;
+    // A ray that meets nothing, or the sender's robot first, is clear.
     if (!hits[k] || (body && world.bodies.owner(*body) == signals[i].from.robot)) {
       is_clear_[i] = true;
     } else if (!body) {
+      // A lower bound: at least one wall. If already that is too much, the exact count is spared.
       first_[i].walls = 1;
     } else {
       first_[i].bodies = 1;
@@ -185,6 +198,7 @@ RadioObstacles RadioPaths::CountObstacles(const Antenna& from) {
     if (!part) continue;
     const std::optional<BodyId> body = world_.scene.body_of(cut.model);
     if (body && world_.bodies.owner(*body) == from.robot) {
+      // Behind the surface of the sender's robot nothing counts: its own body does not shield it.
       end = std::min(end, part->enter);
     } else {
       obstacles_.push_back({*part, body});
@@ -291,6 +305,7 @@ class Radio final : public Sensor {
     for (const RadioTransmission& transmission : world.state->transmissions) {
       if (transmission.due != tick) continue;
       const Pose& X_WB = world.bodies.X_WB(world.scene.body_of(transmission.from));
+      // By the robot's place and the largest reach of all radios: one comparison discards most messages of a swarm.
       if ((X_WB.translation() - X_WS.translation()).squaredNorm() > reach * reach) continue;
       const std::optional<Candidate> candidate = FindCandidate(world, transmission, X_WS);
       if (!candidate) continue;
@@ -352,6 +367,7 @@ class Radio final : public Sensor {
     if (distance > sender->range) return std::nullopt;
     const double by_distance = sender->range > 0.0 ? sender->range_loss * (distance / sender->range) : 0.0;
     const double received = (1.0 - sender->loss) * (1.0 - by_distance);
+    // No draw for a radio without losses: the common case costs no random number.
     if (received < 1.0 && Random(world, transmission, RadioDraw::kLoss) >= received) return std::nullopt;
     return Candidate{&transmission, sender, X_WT, distance};
   }

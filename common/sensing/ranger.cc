@@ -1,3 +1,13 @@
+// The ranger. Two ways of measuring: flat ray sensors (one horizontal plane) collect all their rays and cast them
+// together, which shares the walk through the indices; ray sensors with several planes cut the world along each bearing
+// once and read all planes from the cut (column_cast.h).
+//
+// The measurement of a flat ranger runs for every robot at every tick, and is a large part of their cost. Hence the
+// precomputed FlatSensor list, shared by all robots of one model (Intern), the geometry of the scans that is shared
+// with the readings, the lists that keep their memory, sines and cosines of many angles at once (SinCosOf) and the
+// prefetches.
+//
+// Noise is drawn by keys (seed, robot, sensor, ray sensor, tick, ray); a sensor without noise draws nothing.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -18,7 +28,7 @@
 namespace troupe {
 namespace {
 
-constexpr double kGroundIntensity = 1.0;  // as that of most models
+constexpr double kGroundIntensity = 1.0;  // the default of models
 
 // The random numbers of a ray; the last word of their key.
 enum class Draw : std::uint64_t { kAngle = 0, kProportional = 1, kConstant = 2 };
@@ -64,7 +74,7 @@ double NoisyRange(const RaySensorDescription& sensor, const Noise& noise, std::s
   return noisy;
 }
 
-// What a tick needs of a flat ray sensor.
+// The values of a flat ray sensor for the measurement of a tick.
 struct FlatSensor {
   Vec2 p_MS;
   double heading_MS;
@@ -87,6 +97,7 @@ FlatSensors FlatSensorsOf(std::span<const RaySensorDescription> ray_sensors) {
     const RaySensorDescription& sensor = ray_sensors[s];
     first += sensor.samples * sensor.planes();
     if (!sensor.elevations.empty()) continue;
+    // `first` counts the rays of all ray sensors before this one: it is an offset into the whole reading.
     flat.push_back({.p_MS = sensor.X_MS.translation(),
                     .heading_MS = sensor.X_MS.heading,
                     .z_MS = sensor.X_MS.z,
@@ -118,6 +129,7 @@ class Ranger final : public Sensor {
   explicit Ranger(const SensorMount& mount) : Sensor(mount), flat_(Intern(FlatSensorsOf(ray_sensors()))) {
     has_planes_ = flat_->size() < ray_sensors().size();
     const ModelId model = description().model;
+    // On link 0, the robot's base, no joint moves the ranger: the geometry is one shared constant.
     if (mount.scene.link_of(model) == 0) geometry_ = Intern(GeometryOf(ray_sensors(), mount.scene.X_LM(model)));
   }
 
@@ -142,6 +154,7 @@ class Ranger final : public Sensor {
     reading.tick = tick;
     const bool is_new = reading.empty();
     RangerReading& ranger = ContentOf<RangerReading>(reading);
+    // A kept reading of a fixed ranger already has its geometry.
     if (is_new || !geometry_) Describe(world, ranger);
     Prefetch(ranger.ranges.data(), ranger.ranges.size() * sizeof(double));  // while the rays are cast
     Prefetch(ranger.intensities.data(), ranger.intensities.size() * sizeof(double));
@@ -155,6 +168,7 @@ class Ranger final : public Sensor {
       double* range = ranger.ranges.data() + sensor.first;
       double* intensity = ranger.intensities.data() + sensor.first;
       for (std::size_t i = 0; i < sensor.fan.count; ++i, ++hit, ++range, ++intensity) {
+        // Clamped after the noise: a reading is never outside the limits of the device.
         *range = *hit ? sensor.range.Clamp((*hit)->distance) : sensor.range.max;
         *intensity = *hit ? world.scene.ranger_return((*hit)->model) : 0.0;
       }

@@ -16,6 +16,7 @@ void Sensor::AddMarks(const SensedWorld& /*world*/, const SensorReading& /*readi
 Pose Sensor::MountAt(const SensedWorld& world) const {
   const BodyId body = world.scene.body_of(robot());
   const ModelId model = description().model;
+  // Through the link: joints may move the model within the robot.
   return world.bodies.X_BL(body)[world.scene.link_of(model)] * world.scene.X_LM(model);
 }
 

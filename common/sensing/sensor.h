@@ -1,8 +1,12 @@
-// Sensor: one sensor of one robot. The kinds are declared in
-// sensor_kinds.h and listed in sensor_suite.cc.
+// Sensor: one sensor of one robot. The kinds are declared in sensor_kinds.h and listed in sensor_suite.cc.
 //
-// A reading is a pure function of the world description (with its seed), the state and the tick: every process that
-// has the state (agent, viewer, replay, picture) measures the same bits.
+// A reading is a pure function of the world description (with its seed), the state and the tick: every process that has
+// the state (agent, viewer, replay, picture) measures the same bits. So noise has no generator with a state: each
+// random number is drawn by a key of seed, robot, sensor, tick and its place in the reading (troupe/random.h). A
+// skipped or repeated measurement changes no other.
+//
+// Geometry is exact: rays are cast against polygons and boxes, not against a grid, and at equal distance the lowest
+// model id wins. Lengths in m, angles in rad; frame S is the sensor's own, M its model's, R its robot's, W the world's.
 //
 // Threads: a sensor is immutable; several threads may measure with it, each with a BodyIndex of its own.
 #pragma once
@@ -82,7 +86,7 @@ class Sensor {
   SensorDescription description_;
 };
 
-// The content of `reading` for a kind of sensor, made anew if it was of another kind. For MeasureInto.
+// The content of `reading` for a kind of sensor; replaces the content of another kind. For MeasureInto.
 template <typename Content>
 Content& ContentOf(SensorReading& reading) {
   if (Content* content = std::get_if<Content>(&reading.content)) return *content;

@@ -1,4 +1,7 @@
 // The kinds of sensors, each in a source of its own: sensor_suite.h makes them by their type names.
+//
+// Each maker returns an immutable sensor for one mount, which checks nothing again: the description has passed
+// CheckParameters.
 #pragma once
 
 #include <memory>
@@ -36,11 +39,11 @@ std::unique_ptr<const Sensor> MakeImu(const SensorMount& mount);
 // The radio: receives the messages of the radios of its channel that are near enough, as RadioParameters says. A
 // reading has the messages that arrive at its tick; where the antennas are then decides. A radio does not hear its own
 // robot. The draw that loses a message depends on the seed, both radios, the tick and the number of the message alone.
-
 // REQUIRES: the description has RadioParameters.
 std::unique_ptr<const Sensor> MakeRadio(const SensorMount& mount);
 
-// The strength in dBm of a message of `radio` at a distance in m, after `losses` dB. Nearer than 1 cm as there.
+// The strength in dBm of a message of `radio` at a distance in m, after `losses` dB. A distance below 1 cm counts as 1
+// cm.
 double RadioStrength(const RadioParameters& radio, double distance, double losses);
 
 // The ranger: laser scanners of one plane or several, and sonar rings. Each range is the exact distance along a ray,

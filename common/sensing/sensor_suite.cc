@@ -11,6 +11,7 @@
 namespace troupe {
 namespace {
 
+// The length is the number of kinds of descriptions: a forgotten kind leaves a row without a maker.
 constexpr std::array<SensorKind, std::variant_size_v<SensorParameters>> kKinds = {{
     {RangerParameters::kType, MakeRanger},
     {BreakBeamParameters::kType, MakeBreakBeams},
@@ -47,6 +48,7 @@ void SensorSuite::Update(const SensedWorld& world, Tick tick) {
 const SensorReading& SensorSuite::Measure(std::size_t index, const SensedWorld& world, Tick tick) {
   const SensorReading& reading = readings_[index];
   if (!reading.empty() && reading.tick == tick) return reading;
+  // MeasureInto reuses only readings of its own sensor.
   if (unsubscribed_sensor_ != index) unsubscribed_ = {};
   unsubscribed_sensor_ = index;
   sensors_[index]->MeasureInto(world, tick, unsubscribed_);

@@ -1,4 +1,10 @@
-// SensorSuite: all sensors of one robot with the last readings of those that have a reader.
+// SensorSuite: all sensors of one robot with the last readings of the subscribed sensors.
+//
+// An agent measures what its controller reads and nothing else: rays and images are costly. A reading without a
+// subscription is measured on demand and kept for repeated questions of one tick only.
+//
+// The order of the sensors is that of the description, then the break beams of grippers; the index is part of the keys
+// of noise, so that it must not depend on subscriptions.
 //
 // Threads: one at a time.
 #pragma once
@@ -59,7 +65,7 @@ std::span<const SensorKind> SensorKinds();
 // Null for an unknown type.
 const SensorKind* FindSensorKind(std::string_view type);
 
-// The descriptions of all sensors of a robot: those of RobotDescription::sensors with their indices, then one for the
+// The descriptions of all sensors of a robot: RobotDescription::sensors with their indices, then one for the
 // break beams of each of its grippers that has any, in id order, named "<gripper>.beams".
 std::vector<SensorDescription> MountedSensors(const Scene& scene, RobotId robot);
 
