@@ -81,16 +81,16 @@ SlotcarPort::Member* SlotcarPort::Find(const char* name) {
 
 void SlotcarPort::Receive(const WorldState& state) {
   if (!paths_) return;
-  paths_->Drain([&](const ros::PathRequest& request) { TakePath(request, state); });
-  pauses_->Drain([&](const ros::PauseRequest& request) { TakePause(request); });
-  const auto take_mode = [&](const auto& request) {
-    TakeMode(request.robot_name, request.mode.mode, request.mode.mode_request_id);
+  paths_->Drain([&](const ros::PathRequest& request) { ApplyPath(request, state); });
+  pauses_->Drain([&](const ros::PauseRequest& request) { ApplyPause(request); });
+  const auto apply_mode = [&](const auto& request) {
+    ApplyMode(request.robot_name, request.mode.mode, request.mode.mode_request_id);
   };
-  if (jazzy_) jazzy_->modes->Drain(take_mode);
-  if (kilted_) kilted_->modes->Drain(take_mode);
+  if (jazzy_) jazzy_->modes->Drain(apply_mode);
+  if (kilted_) kilted_->modes->Drain(apply_mode);
 }
 
-void SlotcarPort::TakePath(const ros::PathRequest& request, const WorldState& state) {
+void SlotcarPort::ApplyPath(const ros::PathRequest& request, const WorldState& state) {
   Member* const member = Find(request.robot_name);
   if (member == nullptr) return;
   const std::string task = dds::Text(request.task_id);
@@ -122,7 +122,7 @@ void SlotcarPort::TakePath(const ros::PathRequest& request, const WorldState& st
       member->robot.name, task, path.front().x, path.front().y));
 }
 
-void SlotcarPort::TakePause(const ros::PauseRequest& request) {
+void SlotcarPort::ApplyPause(const ros::PauseRequest& request) {
   Member* const member = Find(request.robot_name);
   if (member == nullptr) return;
   member->pause_request = request.mode_request_id;
@@ -134,7 +134,7 @@ void SlotcarPort::TakePause(const ros::PauseRequest& request) {
   }
 }
 
-void SlotcarPort::TakeMode(const char* name, std::uint32_t mode, std::uint64_t request) {
+void SlotcarPort::ApplyMode(const char* name, std::uint32_t mode, std::uint64_t request) {
   Member* const member = Find(name);
   if (member == nullptr) return;
   member->mode_request = request;

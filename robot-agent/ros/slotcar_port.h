@@ -70,9 +70,9 @@ class SlotcarPort {
   Member MakeMember(RobotId robot) const;
   Member* Find(const char* name);
   void Receive(const WorldState& state);
-  void TakePath(const ros::PathRequest& request, const WorldState& state);
-  void TakePause(const ros::PauseRequest& request);
-  void TakeMode(const char* name, std::uint32_t mode, std::uint64_t request);
+  void ApplyPath(const ros::PathRequest& request, const WorldState& state);
+  void ApplyPause(const ros::PauseRequest& request);
+  void ApplyMode(const char* name, std::uint32_t mode, std::uint64_t request);
   // A robot or a person is where the robot must not drive.
   bool IsBlocked(const Member& member, const WorldState& state) const;
   ros::RobotMode ModeOf(const Member& member, const WorldState& state) const;

@@ -400,9 +400,9 @@ void RmfTopics::CallLift(const LiftAsk& ask) {
   Ask(ControlCommand::kLift, name, asked.floor, lift.floors[state.floor].name == asked.floor);
 }
 
-void RmfTopics::Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so) {
+void RmfTopics::Ask(ControlCommand command, const std::string& name, const std::string& source, bool already_there) {
   const auto wanted = shared_->wanted.find(name);
-  if (wanted != shared_->wanted.end() ? wanted->second.target == source : is_so) return;
+  if (wanted != shared_->wanted.end() ? wanted->second.target == source : already_there) return;
   ControlRequest edit;
   edit.command = command;
   edit.name = name;

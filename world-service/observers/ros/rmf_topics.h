@@ -103,7 +103,7 @@ class RmfTopics {
   void OperateDoor(const DoorAsk& ask);
   void CallLift(const LiftAsk& ask);
   // Adds the edit, unless the newest one that is not answered yet is the same.
-  void Ask(ControlCommand command, const std::string& name, const std::string& source, bool is_so);
+  void Ask(ControlCommand command, const std::string& name, const std::string& source, bool already_there);
   // Memory for one edit more, and for its reply, which must not fail. Then AddEdit does not.
   void ReserveEdit();
   void AddEdit(ControlRequest edit);
