@@ -1,3 +1,4 @@
+// Base64: bytes as text, for JSON and web pages. Encoding only.
 #pragma once
 
 #include <string>

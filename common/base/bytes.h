@@ -1,5 +1,9 @@
 // The bytes of files and messages: numbers and texts one after another, little-endian, without padding. A text is its
 // length as std::uint32_t and its characters.
+//
+// Reader and writer are symmetric, so that a format is one list of calls read twice. Bytes of files and peers are not
+// trusted: the reader never reads beyond its end, and a length from the bytes is compared with what remains before
+// memory is taken. After a fault values are zero, so that callers test ok() once, at the end.
 #pragma once
 
 #include <bit>
@@ -89,7 +93,7 @@ class ByteWriter {
     WriteBytes(text);
   }
 
-  // Writes the length in bytes of the values that `content` writes, and these.
+  // Writes the values that `content` writes, behind their length in bytes.
   template <typename Length, typename Content>
   void WriteWithLength(const Content& content) {
     const std::size_t at = Grow(sizeof(Length));

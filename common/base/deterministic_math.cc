@@ -1,3 +1,7 @@
+// Functions of numbers with the same bits on every machine: C libraries round the last bit of sine, cosine, arctangent
+// and logarithm differently, and a difference in one bit soon is another collision. Only operations that IEEE 754
+// rounds correctly are used (+ - * / sqrt, and exact ones such as remainder, fmod and nearbyint), in a fixed order; the
+// build forbids contraction to fused operations (-ffp-contract=off).
 #include "troupe/deterministic_math.h"
 
 #include <array>
@@ -134,6 +138,7 @@ double RandomUniform(std::initializer_list<std::uint64_t> key) {
 double RandomNormal(std::initializer_list<std::uint64_t> key) {
   Hasher hasher;
   for (std::uint64_t word : key) hasher.Add(word);
+  // The method of Box and Muller (1958), with one of its two numbers.
   const double u = 1.0 - ToUniform(hasher.value());  // (0, 1], so that the logarithm exists
   hasher.Add(std::uint64_t{1});
   const double angle = 2.0 * kPi * ToUniform(hasher.value());

@@ -79,6 +79,7 @@ bool RemoveIn(int folder, const char* name) noexcept {
   if (unlinkat(folder, name, 0) == 0) return true;
   const FileDescriptor inner(openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (inner.get() < 0) return false;
+  // Entries are removed while they are listed, so that a folder is read again until nothing is left to remove.
   while (RemoveEntries(inner.get())) lseek(inner.get(), 0, SEEK_SET);  // a removal may hide an entry from the reading
   return unlinkat(folder, name, AT_REMOVEDIR) == 0;
 }
@@ -167,6 +168,7 @@ Result<std::string> ReadToEnd(const FileDescriptor& file, const std::string& pat
   std::string text;
   std::size_t length = 0;
   for (;;) {
+    // One byte more than stated: the read that finds the end needs no second buffer.
     if (length == text.size()) text.resize(length == 0 ? stated + 1 : length + std::max(kGrowth, length / 2));
     const ssize_t count = read(file.get(), text.data() + length, text.size() - length);
     if (count < 0 && errno == EINTR) continue;
@@ -221,6 +223,7 @@ Result<FileReplacement> FileReplacement::Prepare(const std::string& named, std::
   if (exists && (old.st_uid != geteuid() || old.st_gid != getegid())) {
     static_cast<void>(fchown(file.get(), old.st_uid, old.st_gid) == 0);
   }
+  // fsync before the rename: otherwise a loss of power may leave the new name with no content.
   const bool written = WriteAll(file.get(), content) && (!exists || fchmod(file.get(), old.st_mode & 07777) == 0) &&
                        fsync(file.get()) == 0;
   if (written && file.Close()) return replacement;

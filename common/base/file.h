@@ -32,7 +32,7 @@ class FileDescriptor {
   int descriptor_;  // -1: none
 };
 
-// What errno says.
+// The error of the last system call, from errno.
 Error FileError(const std::string& path, ErrorCode code = ErrorCode::kFailure);
 
 // Opens a regular file; a folder, a pipe or a device could wait for a program, fail late or never end. Any other error
@@ -47,8 +47,8 @@ Result<FileDescriptor> OpenToWrite(const std::string& path, int flags = 0);
 // Whether OpenToWrite can open the file. Changes nothing, and leaves none that was not there.
 Status CheckWritable(const std::string& path);
 
-// The content from here to the end, whatever size the file system states: that of a file in /proc is 0. A file of more
-// than `most` bytes is refused with the code kBadInput.
+// The content from here to the end, whatever size the file system states: a file in /proc has size 0 there. A file of
+// more than `most` bytes is refused with the code kBadInput.
 Result<std::string> ReadToEnd(const FileDescriptor& file, const std::string& path, std::size_t most);
 
 // OpenToRead and ReadToEnd.
@@ -86,7 +86,7 @@ class FileReplacement {
   std::string temporary_;  // empty: none is left
 };
 
-// Prepares and commits. Unlike there, a device, or an open pipe (/dev/stdout), is written to as it is.
+// Prepares and commits. A device or an open pipe (/dev/stdout) is written to directly.
 Status WriteWholeFile(const std::string& path, std::string_view content);
 
 // TemporaryFile: a file without a name, in the folder for temporary files (TMPDIR). It ends with the process, however

@@ -1,4 +1,5 @@
-// MatchesGlob: patterns of names, as users write them.
+// MatchesGlob: patterns of names, as users write them. No sets and no escapes: names of robots need none. Without
+// recursion, so that a hostile pattern takes at most the product of the lengths.
 #pragma once
 
 #include <string_view>

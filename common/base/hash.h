@@ -1,4 +1,6 @@
-// Hasher: a 64-bit hash of values by their bits, the same on every machine. Not for untrusted keys.
+// Hasher: a 64-bit hash of values by their bits, the same on every machine. It compares worlds and states of processes
+// and keys random numbers (troupe/random.h), so that its results are a part of formats and must never change. Not for
+// untrusted keys: collisions can be made on purpose.
 #pragma once
 
 #include <bit>

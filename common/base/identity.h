@@ -1,4 +1,4 @@
-// What a process calls itself: the version of its program and protocol, its machine, unique ids, and names of sockets.
+// Process identity: the version of its program and protocol, its machine, unique ids, and names of sockets.
 #pragma once
 
 #include <sys/socket.h>

@@ -1,4 +1,7 @@
 // Functions that are compiled several times, for kinds of vector instructions of which not every processor has all.
+//
+// All variants of a function must return the same bits, because robots on different machines compute the same world: no
+// fused multiply-add, no reordered sums. Tests run each variant that the machine has.
 #pragma once
 
 #include <array>
@@ -13,7 +16,7 @@
 
 namespace troupe {
 
-// Kinds of instructions, each of which includes those before. Elsewhere than on x86-64 there is one, in which the
+// Kinds of instructions; each includes the earlier ones. Elsewhere than on x86-64 there is one, in which the
 // compiler divides vectors among the instructions that there are.
 enum class Instructions : std::uint8_t { kAny, kAvx2, kAvx512 };  // the last: AVX-512 F and DQ
 
@@ -27,8 +30,8 @@ struct Variant {
   Function* run;
 };
 
-// Those that this processor can run, the quickest last. REQUIRES: `variants` has one for any, and is in the order of
-// instructions.
+// The variants that this processor can run, the quickest last. REQUIRES: the first needs kAny, and all are in the order
+// of instructions.
 template <typename Function, std::size_t count>
 std::span<const Variant<Function>> RunnableOf(const std::array<Variant<Function>, count>& variants) {
   std::size_t runnable = 1;

@@ -1,5 +1,8 @@
 // Intern: one copy of a value that many objects have each, as the rays of the robots of a swarm, so that a cache of
 // the processor has it.
+//
+// A short list of weak pointers instead of a map: values need equality only, and a world has few different ones. A
+// missed value costs memory, never a wrong result.
 #pragma once
 
 #include <cstddef>

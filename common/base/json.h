@@ -1,4 +1,8 @@
 // JSON of nlohmann: the text of a value, integers of other processes, and rows with a list of fields (troupe/fields.h).
+//
+// Names and values of other processes may be anything: conversions throw for every value that does not fit, and the
+// caller turns the exception into an error (or_failure.h). Files of users are read by JsonTree
+// (worldfile/text/json_tree.h), which knows places.
 #pragma once
 
 #include <concepts>

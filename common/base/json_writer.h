@@ -1,5 +1,7 @@
 // JsonWriter: writes the text of a JSON value piece by piece, without making the value first. For the lines of
 // readings, records and traces, which are many; a value that exists as nlohmann::json is written by JsonText (json.h).
+//
+// No tree and no allocation per value: a line of a scan has hundreds of numbers, and the text is the only memory.
 #pragma once
 
 #include <charconv>

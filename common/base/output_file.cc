@@ -81,6 +81,7 @@ bool LineFile::ReadMore() {
   if (space_ == Space::kFree) {
     // Where the file system cannot do this, the copy needs space of its own.
     const int done = fallocate(file_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, freed_, read_ - freed_);
+    // A block that is read in part is freed with the next piece.
     if (done == 0) freed_ = read_ / kBlock * kBlock;
   }
   return true;

@@ -68,7 +68,7 @@ class LineFile {
   std::string text_;  // read, from `begin_` on not yet consumed
   std::size_t begin_ = 0;
   std::int64_t read_ = 0;   // bytes of the file
-  std::int64_t freed_ = 0;  // likewise: the space of so many is free
+  std::int64_t freed_ = 0;  // bytes of the file whose space is free
 };
 
 }  // namespace troupe

@@ -27,6 +27,7 @@ std::optional<fs::path> WithoutLinks(const std::string& path) {
 }
 
 bool IsBelow(const fs::path& path, const fs::path& folder) {
+  // By parts of the path, not by characters: "/data2" is not below "/data".
   const auto [end_of_folder, rest] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
   return end_of_folder == folder.end();
 }

@@ -1,4 +1,7 @@
 // Paths: files that may be opened on behalf of another process, folders of the installation, and folders of keys.
+//
+// A service opens files that another process names; AllowedPaths limits these to what the owner of the run has allowed.
+// Links are resolved before the comparison, and the resolved path is what gets opened.
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@
 
 namespace troupe {
 
-// As a plain line (text.h) if it is text.
+// The value as a plain line (text.h) if it is text, else unchanged.
 template <typename Value>
 auto PlainValue(const Value& value) {
   if constexpr (std::is_convertible_v<const Value&, std::string_view>) {
@@ -23,7 +23,7 @@ auto PlainValue(const Value& value) {
   }
 }
 
-// As fmt::print, with each text value on one line. The format itself is printed as it is.
+// fmt::print with each text value on one line. The format itself is printed as it is.
 template <typename... Values>
 void PrintPlain(std::FILE* stream, fmt::format_string<decltype(PlainValue(std::declval<const Values&>()))...> format,
                 const Values&... values) {

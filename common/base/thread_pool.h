@@ -1,4 +1,8 @@
 // ThreadPool: threads that help with the work of each tick.
+//
+// For short pieces of work, at every tick. Threads are woken by an atomic gate; the caller begins at once and does not
+// wait for the others. The work must be divided by the calls themselves (an atomic counter), and its result must not
+// depend on which call does a part: sums and orders are made afterwards, by index.
 #pragma once
 
 #include <atomic>
@@ -23,11 +27,11 @@ class ThreadPool {
 
   std::size_t size() const { return size_; }
 
-  // Calls work(0) on this thread, and beside it work(1) to work(most - 1) on other threads, as they wake up: those that
-  // come after the return of work(0) are left out. So each call takes parts of the work as long as there are any, and a
-  // Run never waits for a thread that the system has not woken yet. Returns when all calls have returned; rethrows the
-  // exception of the one with the lowest number that threw one. During the Run of another thread it calls work(0) only.
-  // REQUIRES: most >= 1
+  // Calls work(0) on this thread, and beside it work(1) to work(most - 1) on other threads, as they wake up: threads
+  // that come after the return of work(0) are left out. So each call takes parts of the work as long as there are any,
+  // and a Run never waits for a thread that the system has not woken yet. Returns when all calls have returned;
+  // rethrows the exception of the one with the lowest number that threw one. During the Run of another thread it calls
+  // work(0) only. REQUIRES: most >= 1
   void Run(std::size_t most, const std::function<void(std::size_t)>& work);
 
  private:

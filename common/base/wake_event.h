@@ -1,4 +1,7 @@
 // WakeEvent: wakes a thread that waits for descriptors, from any other one.
+//
+// An eventfd rather than a condition variable, because the thread waits for sockets at the same time (poll). Signals
+// before Clear are one.
 #pragma once
 
 #include <signal.h>

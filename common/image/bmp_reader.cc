@@ -30,6 +30,7 @@ struct Rgb {
 std::uint8_t Channel(std::uint32_t pixel, std::uint32_t mask) {
   if (mask == 0) return 0;
   const int shift = std::countr_zero(mask);
+  // A mask with gaps is read as a number, too.
   const std::uint64_t most = mask >> shift;
   return static_cast<std::uint8_t>((std::uint64_t{(pixel & mask) >> shift} * 255 + most / 2) / most);
 }
@@ -68,6 +69,7 @@ class BmpReader {
     data_at_ = Number(10, 4);
     header_size_ = Number(kFileHeader, 4);
     const bool is_old = header_size_ == kOldHeader;
+    // Before the read: the size of the header is a number of the file.
     if (!is_old && (header_size_ < kUsualHeader || header_size_ > kMaxHeader)) return Damaged();
     if (!ReadBytes(header_.data() + kFileHeader + 4, header_size_ - 4)) return Damaged();
     if (is_old) {
@@ -192,6 +194,7 @@ class BmpReader {
       const std::size_t count = bytes[0];
       const std::uint8_t second = bytes[1];
       if (count > 0) {
+        // Runs must end within their row: the buffer has one row.
         if (count > width - x) return false;
         for (std::size_t i = 0; i < count; ++i) row[x++] = Nibble(second, i);
       } else if (second == 0) {
@@ -213,7 +216,7 @@ class BmpReader {
     return true;
   }
 
-  // Colour i of those that a byte has for pixels in turn.
+  // Colour i of the byte: one colour, or two for every other pixel.
   std::uint8_t Nibble(std::uint8_t byte, std::size_t i) const {
     if (compression_ == kRuns8) return byte;
     return i % 2 == 0 ? byte >> 4 : byte & 15;

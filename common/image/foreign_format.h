@@ -1,4 +1,5 @@
-// Names of image formats that are not read, for messages.
+// Names of image formats that are not read, for messages: "unknown format" does not tell its reader what to do, "a TIFF
+// image, convert it" does. By the first bytes, never by the ending of the name.
 #pragma once
 
 #include <string>

@@ -30,10 +30,12 @@ class PgmReader {
     }
     if (Status fault = CheckPixels(file_, *width, *height); !fault.ok()) return fault.error();
     const std::int64_t bytes_per_sample = binary && *maximum <= 255 ? 1 : 2;
+    // As text a sample has at least a digit and a blank, but for the last one.
     if (*width * *height > (file_.size + 1) / bytes_per_sample) return TooShort(file_, *width, *height);
     lookup_.resize(static_cast<std::size_t>(*maximum) + 1);
     for (std::int64_t value = 0; value <= *maximum; ++value) {
       lookup_[static_cast<std::size_t>(value)] =
+          // Once for each value instead of once for each pixel.
           rule_.occupied[static_cast<std::size_t>((value * 255 + *maximum / 2) / *maximum)];
     }
     Bitmap bitmap(static_cast<int>(*width), static_cast<int>(*height));
@@ -66,6 +68,7 @@ class PgmReader {
       value = value * 10 + (c - '0');
       if (value > maximum) return std::nullopt;
     }
+    // A comment may begin right behind a number.
     if (c == '#') std::ungetc(c, file_.stream.get());
     if (c != '#' && c != EOF && !IsBlank(c)) return std::nullopt;
     return value;
@@ -177,6 +180,7 @@ void SetRow(const PixelRule& rule, const std::uint8_t* samples, std::size_t chan
   const std::size_t width = static_cast<std::size_t>(bitmap.width());
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::size_t count = std::min<std::size_t>(64, width - 64 * i);
+    // A whole word at a time: setting bit by bit would read and write the bitmap 64 times.
     std::uint64_t word = 0;
     for (std::size_t bit = 0; bit < count; ++bit) {
       word |= std::uint64_t{IsOccupied(rule, samples, channels)} << bit;

@@ -1,4 +1,11 @@
 // Reading map images, straight to occupied and free pixels.
+//
+// Images come from strangers. Sizes are checked against fixed limits and against the length of the file before memory
+// is taken; damaged and cut files are errors, not grey areas. One row is unpacked at a time: a map of 60,000 x 60,000
+// pixels is 450 MB as bits, 10 GB as colours.
+//
+// Row 0 of a Bitmap is at the bottom, as y of the world, whereas files begin at the top. The result depends on the
+// bytes of the file and the rule only, on every machine. Any thread may read.
 #pragma once
 
 #include <array>
@@ -28,7 +35,7 @@ PixelRule StagePixelRule();
 
 // Images larger than this are refused before anything is allocated: a small file can unpack to any size.
 inline constexpr std::int64_t kMaxImagePixels = 4'000'000'000;
-// The same for the unpacked size in bytes, which colour and 16-bit samples multiply.
+// The limit of the unpacked size in bytes, which colour and 16-bit samples multiply.
 inline constexpr std::int64_t kMaxImageBytes = 8'000'000'000;
 // Interlaced PNG images have to be unpacked as a whole, so they have to be smaller.
 inline constexpr std::int64_t kMaxInterlacedBytes = 400'000'000;

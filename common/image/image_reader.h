@@ -23,7 +23,7 @@ struct ImageFile {
 
 // The file of an image; the error tells that it cannot be opened.
 Result<ImageFile> OpenImage(const std::string& path);
-// True if the content begins as that of a PNG file.
+// True if the content begins with the signature of PNG.
 bool IsPng(const ImageFile& file);
 
 // The error for more than kMaxImagePixels pixels. REQUIRES: height > 0
@@ -32,7 +32,7 @@ Status CheckPixels(const ImageFile& file, std::int64_t width, std::int64_t heigh
 Error TooShort(const ImageFile& file, std::int64_t width, std::int64_t height);
 
 // Sets row y of the bitmap, which is all free, by its samples from left to right. `channels` of a pixel: 1 grey, 2 grey
-// and opacity, 3 red, green and blue, 4 those and opacity.
+// and opacity, 3 red, green and blue, 4 red, green, blue and opacity.
 void SetRow(const PixelRule& rule, const std::uint8_t* samples, std::size_t channels, int y, Bitmap& bitmap);
 
 Result<Bitmap> ReadPng(const ImageFile& file, const PixelRule& rule);

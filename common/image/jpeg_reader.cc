@@ -40,6 +40,7 @@ class JpegReader {
     const std::int64_t width = jpeg_.image_width;
     const std::int64_t height = jpeg_.image_height;
     if (Status fault = CheckPixels(file_, width, height); !fault.ok()) return fault.error();
+    // A few bytes can claim 65,535 x 65,535 pixels, which libjpeg would fill with grey.
     if (width * height / kMaxPixelsOfByte > file_.size) return TooShort(file_, width, height);
     if (!Guarded([this] { jpeg_start_decompress(&jpeg_); })) return Damaged();
     const std::size_t channels = static_cast<std::size_t>(jpeg_.output_components);
@@ -53,6 +54,7 @@ class JpegReader {
       SetRow(rule_, row.data(), has_inks ? 3 : channels, y, bitmap);
     }
     if (!Guarded([this] { jpeg_finish_decompress(&jpeg_); })) return Damaged();
+    // A warning for libjpeg, an error for a map: the missing part would be free space.
     if (is_cut_) return Damaged("Premature end of JPEG file");
     return bitmap;
   }

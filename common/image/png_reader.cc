@@ -100,6 +100,7 @@ class PngReader {
   }
 
   void ReadHeader() {
+    // CheckSize refuses large images, with a better message; chunks other than pixels stay small.
     png_set_user_limits(png_, 0x7fffffff, 0x7fffffff);
     png_set_chunk_cache_max(png_, 100);
     png_set_chunk_malloc_max(png_, 1 << 20);
@@ -191,6 +192,7 @@ class PngReader {
       for (unsigned shift = 0; shift < 64 && bytes != end; shift += 8) pixels |= kMirrored[*bytes++] << shift;
       word = (pixels & white) | (~pixels & black);
     }
+    // Bits beyond the width stay 0, as Bitmap requires.
     if (width % 64 != 0) words.back() &= (std::uint64_t{1} << (width % 64)) - 1;
   }
 

@@ -121,6 +121,7 @@ Canvas::Canvas(PictureFormat format, int width, int height)
   surface_ = format == PictureFormat::kPng ? cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height)
                                            : cairo_svg_surface_create_for_stream(Append, &bytes_, width, height);
   cairo_ = cairo_create(surface_);
+  // Outlines of bitmaps have holes as loops of any direction.
   cairo_set_fill_rule(cairo_, CAIRO_FILL_RULE_EVEN_ODD);
   cairo_set_line_join(cairo_, CAIRO_LINE_JOIN_ROUND);
   // Letters have the same shape with any font settings of the machine.
@@ -157,6 +158,7 @@ void Canvas::AddLoops(const std::vector<Polygon>& loops) {
   const Rectangle reach = clip_.Inflated(kClipMargin);
   for (const Polygon& loop : loops) {
     const Rectangle box = BoundingBox(loop);
+    // Most of a large world is outside of a zoomed page.
     if (!box.Overlaps(reach)) continue;
     const bool whole = reach.Contains({box.min_x, box.min_y}) && reach.Contains({box.max_x, box.max_y});
     const Polygon cut = whole ? Polygon() : ClipPolygon(loop, reach);
@@ -293,6 +295,7 @@ PixelMask MakePixelMask(const PixelArea& area, const Pose& X_WM, const Viewport&
   PixelMask mask;
   if (part.x0 >= part.x1 || part.y0 >= part.y1) return mask;
   // Cells of half a page's pixel, or of a pixel of the bitmap where that is larger.
+  // Two cells for a pixel of the page: finer ones would not be seen, coarser ones would show.
   const double finest = 0.5 / std::max(placement.along_x.norm(), placement.along_y.norm());
   const int longest = std::max(part.x1 - part.x0, part.y1 - part.y0);
   const int step =

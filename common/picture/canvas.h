@@ -1,4 +1,11 @@
 // Canvas: a page to draw on, in pixels from its upper left corner, finished as the bytes of a PNG or SVG file.
+//
+// A thin layer over Cairo that makes pictures reproducible and safe: polygons are clipped before Cairo sees them (its
+// coordinates are fixed-point numbers that overflow), fonts have fixed settings, and ids that Cairo counts through the
+// life of a process are removed. Errors of Cairo are kept by Cairo and reported by Finish; the calls in between need no
+// checks.
+//
+// One thread per canvas. Colours are red, green, blue, opacity from 0 to 1.
 #pragma once
 
 #include <cstdint>

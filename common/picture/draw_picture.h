@@ -1,5 +1,8 @@
 // Pictures of a world at one tick: a plan seen from above, or an elevation seen from the south. A pure function: the
 // same world, state, fans, marks and options give the same bytes.
+//
+// Drawn in layers: ground and grid, scans, walls, solids from low to high, names and marks, then frame and caption. No
+// GPU and no window, so that a picture can be made on any machine, in tests and on servers. Any thread.
 #pragma once
 
 #include <cstdint>

@@ -54,6 +54,7 @@ std::vector<PlacedLabel> PlaceAtSize(const std::vector<LabelRequest>& requests, 
       }
       return false;
     };
+    // A name on a wall is better than none; a name over another robot is not.
     if (!place(false)) place(true);
   }
   return result;

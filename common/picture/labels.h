@@ -1,4 +1,7 @@
 // Labels: names beside boxes, if there is room for them.
+//
+// Greedy and in the order of the requests: a label never moves another one. Quadratic in the number of labels in the
+// worst case.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,8 @@
 // The outline of a union of rectangles: a picture of it has no seams between rectangles that touch, and far fewer
 // edges.
+//
+// Edges of neighbours coincide and cancel; what remains is joined to loops. Coordinates become ranks first, so that
+// edges are compared as integers. O(n log n).
 #pragma once
 
 #include <vector>

@@ -1,4 +1,7 @@
 // Viewport: the part of the world that a picture shows, its place on the page, and the scale.
+//
+// The page grows with the region: the width is given or chosen, the height follows from the aspect of the region, which
+// is kept within limits so that a long corridor does not become a line. One scale for both axes. Pure functions.
 #pragma once
 
 #include <string>

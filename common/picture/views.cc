@@ -39,6 +39,7 @@ void DrawFans(Canvas& canvas, const Viewport& viewport, const Drawing& drawing) 
   outlines = viewport.ToPage(outlines);
   canvas.FillUnion(outlines, WithOpacity(page::kScan, 0.13));
   // The more fans, the fainter their edges, which would hide a swarm.
+  // Hundreds of edges are a grey haze.
   if (outlines.size() > kManyFans) return;
   const double opacity = std::clamp(1.4 / std::sqrt(1.0 + static_cast<double>(outlines.size())), 0.05, 0.3);
   for (const Polygon& outline : outlines) {

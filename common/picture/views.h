@@ -1,4 +1,7 @@
 // The drawing of the two views inside the plot.
+//
+// Shared by both views: the order in which things are drawn decides what hides what, since there is no depth buffer.
+// Stable sorts, so that equal heights keep the order of the world and a picture its bytes.
 #pragma once
 
 #include <vector>

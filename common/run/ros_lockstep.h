@@ -1,4 +1,8 @@
 // RosLockstep: the nodes of ROS for which ticks wait. docs/ros2-lockstep.md explains it.
+//
+// Values only, read from scenarios and command lines; the observer of ROS (observers/ros) waits. Optional members tell
+// "not said" from a value, so that a command line replaces the parts of a scenario that it names and no others. Times
+// are wall times: simulated time stands still while a tick waits.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +22,9 @@ struct RosLockstep {
   static constexpr double kDefaultLimitSeconds = 10.0;
 
   std::vector<RosLockstepName> names = {};
-  std::optional<std::uint64_t> period = {};  // ticks from one that waits to the next; nothing: 1
-  std::optional<double> limit_seconds = {};  // of wall time, of one that has answered before; 0: none
-  std::optional<bool> ends_at_limit = {};    // the run ends at the limit; false: it continues without that one
+  std::optional<std::uint64_t> period = {};  // ticks between two ticks that wait; nothing: 1
+  std::optional<double> limit_seconds = {};  // wall time, for a node that has answered before; 0: none
+  std::optional<bool> ends_at_limit = {};    // the run ends at the limit; false: it continues without that node
 
   // The values of `other` replace those here, where it has some.
   void ReplaceBy(const RosLockstep& other) {

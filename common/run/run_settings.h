@@ -1,4 +1,11 @@
 // RunSettings: how a world is run. RunOverrides: the settings that a command line replaces.
+//
+// Nothing of a setting changes what happens in a tick: a world has the same states in lockstep and in real time, with
+// one robot per process or with all of them in one, as long as every agent is in time. What decides on results is in
+// the world description (tick length, seed).
+//
+// Words of users ("lockstep", "freeze") are listed beside their enumerators, in the order of the values, so that
+// parser, printer and help agree. A setting of a command line replaces one of the scenario, which replaces the default.
 #pragma once
 
 #include <array>

@@ -84,7 +84,7 @@ std::string Renumbered(const std::string& text, std::size_t process) {
   return text.substr(0, number) + std::to_string(process) + text.substr(std::min(text.find(',', number), text.size()));
 }
 
-// ns. The mean is over the window before and the one in progress.
+// ns. The mean is over two windows: the last complete one and the one in progress.
 constexpr std::int64_t kWindow = 500'000'000;
 constexpr std::int64_t kOldest = 5'000'000'000;  // older windows say nothing about the present
 
@@ -188,6 +188,7 @@ std::int64_t TraceFile::Now() {
   using std::chrono::duration_cast;
   using std::chrono::nanoseconds;
   using Steady = std::chrono::steady_clock;
+  // The offset is taken once: the system clock may be set back, phases must not end before they begin.
   static const std::int64_t offset = (std::chrono::system_clock::now().time_since_epoch() -
                                       duration_cast<nanoseconds>(Steady::now().time_since_epoch()))
                                          .count();
@@ -242,6 +243,7 @@ Status MergeTraces(const std::vector<std::string>& parts, const std::string& out
   const auto find_start = [&start](std::size_t, const std::string& line) {
     if (const std::optional<EventTime> time = TimeOf(line)) start = std::min(start, time->nanoseconds);
   };
+  // Two passes, because times are counted from the first event of all files.
   if (Status unread = ForEachLine(parts, LineFile::Space::kKeep, find_start); !unread.ok()) return unread;
   Result<OutputFile> created = OutputFile::Create(output);
   if (!created.ok()) return created.error();

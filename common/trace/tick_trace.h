@@ -3,6 +3,12 @@
 //
 // Each thread that works on ticks has a lane, and on it one phase follows another. A phase belongs to the tick in
 // progress: the agent's work on state n and the service's step from state n to n + 1 both belong to tick n + 1.
+//
+// The format is Chrome's trace events, an object on each line, so that a killed process leaves a usable file. Lanes
+// collect phases in memory; files are written between ticks, on the owner's thread, because a write in the middle of a
+// phase would be measured as part of it.
+//
+// Threads: a lane belongs to one thread at a time; TickTrace and TraceFile to their owner.
 #pragma once
 
 #include <array>
@@ -79,9 +85,9 @@ class TraceLane {
  public:
   explicit TraceLane(const TraceOptions& options) : first_(options.first), last_(options.last) {}
 
-  // Ends the phase before and begins this one. `robot`: the phase's robot; nothing: all of the process.
+  // Ends the open phase and begins this one. `robot`: the phase's robot; nothing: all of the process.
   void Enter(TickPhase phase, Tick tick, std::optional<RobotId> robot = std::nullopt);
-  // Ends the phase before.
+  // Ends the open phase.
   void Leave();
 
  private:
@@ -137,7 +143,7 @@ class TickTrace {
 // Threads: one at a time.
 class PhaseTimes {
  public:
-  // Ends the phase before and begins this one, at `now`, ns of a clock that never decreases. Each kStep begins a tick.
+  // Ends the open phase and begins this one, at `now`, ns of a clock that never decreases. Each kStep begins a tick.
   void Enter(TickPhase phase, std::int64_t now = TraceFile::Now());
   // The time since Enter does not count: the phase in progress begins now.
   void Restart(std::int64_t now = TraceFile::Now());
