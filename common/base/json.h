@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "troupe/fields.h"
@@ -40,6 +41,8 @@ void ReadMember(const Json& object, const char* name, Value& value) {
   if (found == object.end()) return;
   if constexpr (std::integral<Value> && !std::same_as<Value, bool>) {
     value = IntegerOf<Value>(*found);
+  } else if constexpr (std::is_enum_v<Value>) {  // any number of its type
+    value = static_cast<Value>(IntegerOf<std::underlying_type_t<Value>>(*found));
   } else {
     found->get_to(value);
   }
