@@ -155,11 +155,7 @@ RobotGroup::RobotGroup(const ros::RosOptions& options, const Scene& scene, const
     const ros::RosNode node = ros::MakeNode(connection_, robot.in_ros.node_namespace, kNodeName);
     members_.push_back(std::make_unique<Member>(node, options, scene, robot));
     by_id_[robot.id.index()] = members_.back().get();
-    if (log_) {
-      log_->Share(node);
-    } else {
-      log_.emplace(node);
-    }
+    if (!log_) log_.emplace(node);
   }
   const ros::RosNode& first = members_.front()->node;
   if (!options.names.namespaced_tf) shared_transforms_ = std::make_unique<Transforms>(first, "/");

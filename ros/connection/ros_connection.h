@@ -157,15 +157,10 @@ class RosConnection {
                                                   std::function<void()> on_arrival) = 0;
   virtual std::unique_ptr<ServiceServer> MakeService(std::size_t node, const ServiceSpec& spec,
                                                      ServiceServer::Handler handler) = 0;
-  // Lists a writer of the connection as one of another node, too.
-  virtual void ShareWriter(std::size_t node, const TopicWriter& writer) = 0;
 
   // Publishes the nodes and their endpoints. Call after all are made, and again after a change.
   virtual void Announce() = 0;
 
-  // Reports, once each, a participant of a distribution with another layout of the list of nodes, and another run in
-  // the domain of a run whose clock this participant writes, too.
-  virtual void WatchDistributions() = 0;
   // A line for each writer, found since the last call, that does not match the readers.
   virtual std::vector<std::string> DrainMismatches() = 0;
 

@@ -30,9 +30,6 @@ class RosWriter {
   bool wanted() const { return writer_->wanted(); }
   // The same for samples of a node's own thread: only for the readers that the connection addresses.
   bool is_addressed() const { return connection_->Addresses(*writer_); }
-  // Lists it as a writer of another node of the connection, too.
-  void Share(const RosNode& node) const { node.connection->ShareWriter(node.index, *writer_); }
-
   void Write(const T& message) noexcept {
     if (!writer_->Write(&message)) connection_->CountLost();
   }

@@ -6,10 +6,12 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 
 #include "ros/messages/ros_options.h"
 #include "transport/dds/binding/domain_config.h"
 #include "transport/dds/binding/qos.h"
+#include "troupe/fields.h"
 
 namespace troupe::ros {
 
@@ -36,6 +38,13 @@ struct TopicQos {
   enum class Kind : std::uint8_t { kStream, kLatched, kReliableCommands, kBestEffortCommands, kLogLines };
   Kind kind = Kind::kStream;
   std::int32_t depth = 1;  // samples that are kept for a slow reader
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"kind", &TopicQos::kind},
+        Field{"depth", &TopicQos::depth},
+    };
+  }
 };
 
 dds::Qos ToDds(const TopicQos& qos);

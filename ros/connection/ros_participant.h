@@ -101,8 +101,8 @@ class RosParticipant final : public RosConnection {
                                           std::function<void()> on_arrival) override;
   std::unique_ptr<ServiceServer> MakeService(std::size_t node, const ServiceSpec& spec,
                                              ServiceServer::Handler handler) override;
-  // REQUIRES: `writer` is of MakeWriter.
-  void ShareWriter(std::size_t node, const TopicWriter& writer) override;
+  // Lists a writer of MakeWriter as one of another node, too.
+  void ShareWriter(std::size_t node, const TopicWriter& writer);
 
   // `accepts_best_effort`: a best-effort writer on its topic is no mismatch.
   void AddReader(std::size_t node, dds_entity_t reader, bool accepts_best_effort = false);
@@ -119,8 +119,9 @@ class RosParticipant final : public RosConnection {
   // Looks from now on for writers that do not match the readers added after this call. DrainMismatches must be called
   // now and then, because all writers of the domain are kept for it.
   void WatchWriters();
-  // REQUIRES: WatchWriters was called.
-  void WatchDistributions() override;
+  // Reports, once each, a participant of a distribution with another layout of the list of nodes, and another run in
+  // the domain of a run whose clock this participant writes, too. REQUIRES: WatchWriters was called.
+  void WatchDistributions();
   // The writers that were found before the newest readers were added are compared with these, too.
   void WatchKnownWriters();
   std::vector<std::string> DrainMismatches() override;

@@ -138,10 +138,6 @@ void MapOutput::Poll() {
 
 RosLog::RosLog(const RosNode& node) : writer_(node, "/rosout", LogLines()) {}
 
-void RosLog::Share(const RosNode& node) {
-  writer_.Share(node);
-}
-
 void RosLog::Write(LogLevel level, const std::string& node, const std::string& text) {
   dds::WireArena arena;
   rcl_interfaces_msg_dds__Log_ line{};

@@ -86,14 +86,11 @@ class MapOutput {
 
 enum class LogLevel : std::uint8_t { kInfo = 20, kWarning = 30 };
 
-// RosLog: the log of the nodes of a process in ROS, /rosout. One writer for all of them, because each node of ROS's own
-// has one, and a hundred robots would add a hundred.
+// RosLog: the log of the nodes of a process in ROS, /rosout. One writer, which is listed as one of each of them,
+// because each node of ROS's own has one, and a hundred robots would add a hundred.
 class RosLog {
  public:
   explicit RosLog(const RosNode& node);
-
-  // Shows the writer as that of another node, too.
-  void Share(const RosNode& node);
 
   // `node`: "/anna/robot". Any thread may call it, one at a time.
   void Write(LogLevel level, const std::string& node, const std::string& text);

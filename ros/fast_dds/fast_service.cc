@@ -305,10 +305,10 @@ void FastDomain::DeleteTopic(fast::Topic* topic) const {
   participant_->unregister_type(type);  // refused while another service has it
 }
 
-FastService::FastService(const FastDomain& domain, const ServiceText& service, Distribution distribution,
+FastService::FastService(const FastDomain& domain, const MadeText& service, Distribution distribution,
                          std::uint64_t guid, NextNumber next_number, Pass pass)
     : domain_(domain), guid_(guid), next_number_(std::move(next_number)), pass_(std::move(pass)) {
-  request_topic_ = domain.MakeTopic("rq" + service.name + "Request", service.request_type);
+  request_topic_ = domain.MakeTopic("rq" + service.name + "Request", service.type);
   response_topic_ = domain.MakeTopic("rr" + service.name + "Reply", service.response_type);
   if (request_topic_ != nullptr && response_topic_ != nullptr) {
     // Keeps the last samples only, so that a reader that hangs does not make a write wait.
@@ -317,7 +317,7 @@ FastService::FastService(const FastDomain& domain, const ServiceText& service, D
     to_clients.history().depth = kMaxSamples;
     to_clients.reliable_writer_qos().times.heartbeatPeriod = {0, kHeartbeatNanoseconds};
     responses_ = domain.publisher()->create_datawriter(response_topic_, to_clients, this);
-    auto from_clients = ServiceQos<fast::DataReaderQos>(distribution, service.request_type);
+    auto from_clients = ServiceQos<fast::DataReaderQos>(distribution, service.type);
     from_clients.history().kind = fast::KEEP_ALL_HISTORY_QOS;
     requests_ = domain.subscriber()->create_datareader(request_topic_, from_clients, this);
   }

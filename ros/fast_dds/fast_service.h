@@ -52,7 +52,7 @@ class FastService final : private eprosima::fastdds::dds::DataReaderListener,
 
   // `guid`: of the client in the header of each request. `next_number` and `pass` are called on threads of Fast DDS.
   // The domain must outlive this. Throws std::runtime_error if an endpoint cannot be made.
-  FastService(const FastDomain& domain, const ServiceText& service, Distribution distribution, std::uint64_t guid,
+  FastService(const FastDomain& domain, const MadeText& service, Distribution distribution, std::uint64_t guid,
               NextNumber next_number, Pass pass);
   ~FastService() override;
   FastService(const FastService&) = delete;

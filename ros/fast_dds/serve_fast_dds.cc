@@ -47,11 +47,11 @@ class Services {
       case LinkKind::kHello:
         std::memcpy(&guid_, message.content.data(), std::min(sizeof guid_, message.content.size()));
         return;
-      case LinkKind::kMakeService:
+      case LinkKind::kMake:
         return Make(message.id, {reinterpret_cast<const char*>(message.content.data()), message.content.size()});
       case LinkKind::kRemove:
         return Remove(message.id);
-      case LinkKind::kRespond:
+      case LinkKind::kWrite:
         if (const auto found = services_.find(message.id); found != services_.end()) {
           found->second.service->Respond(
               {reinterpret_cast<const std::uint8_t*>(message.content.data()), message.content.size()});
@@ -73,7 +73,7 @@ class Services {
   };
 
   void Make(std::uint32_t id, std::string_view text) {
-    const Result<ServiceText> service = ParseService(text);
+    const Result<MadeText> service = ParseMade(text);
     if (!service.ok()) return reports_.Add(service.error().message);
     Domain& domain = domains_[service.value().domain];
     try {
@@ -101,7 +101,7 @@ class Services {
   // On a thread of Fast DDS.
   void Pass(std::uint32_t id, const Bytes& request) {
     if (request.size() > Link::kMaxContent || link_.pending() > kMaxPending) return;
-    link_.Add(LinkKind::kRequest, id, std::as_bytes(std::span(request)));
+    link_.Add(LinkKind::kSample, id, std::as_bytes(std::span(request)));
     if (!link_.Flush() || link_.pending() > 0) wake_.Signal();
   }
 

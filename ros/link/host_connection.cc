@@ -30,6 +30,15 @@ std::span<const std::byte> BytesOf(std::string_view text) {
   return std::as_bytes(std::span(text));
 }
 
+MadeText MadeOf(MadeKind kind, std::size_t node, const TopicSpec& spec, Part part = Part::kOnlyReader) {
+  return {.kind = kind,
+          .node = static_cast<std::uint32_t>(node),
+          .name = spec.topic,
+          .type = spec.type->m_typename,
+          .qos = spec.qos,
+          .part = part};
+}
+
 }  // namespace
 
 class HostConnection::Writer final : public TopicWriter {
@@ -38,9 +47,7 @@ class HostConnection::Writer final : public TopicWriter {
       : owner_(owner),
         type_(*spec.type),
         is_latched_(spec.qos.kind == TopicQos::Kind::kLatched),
-        id_(owner.AddEndpoint(LinkKind::kMakeWriter,
-                              {static_cast<std::uint32_t>(node), spec.topic, type_.m_typename, "", spec.qos, {}}, this,
-                              nullptr, nullptr)) {}
+        id_(owner.AddEndpoint(MadeOf(MadeKind::kWriter, node, spec), owner.writers_, this)) {}
   ~Writer() override { owner_.Remove(id_); }
 
   bool Write(const void* sample) noexcept override {
@@ -67,7 +74,7 @@ class HostConnection::Writer final : public TopicWriter {
 
   std::uint32_t id() const { return id_; }
   const dds_topic_descriptor_t& type() const { return type_; }
-  void React(const WantedContent& content) {
+  void React(const MatchedContent& content) {
     SetWanted(content.wanted);
     if (content.wanted) owner_.NoteWanted();
     if (content.is_new) NoteReader();
@@ -87,9 +94,7 @@ class HostConnection::Reader final : public TopicReader {
         on_arrival_(std::move(on_arrival)),
         type_(*spec.type),
         depth_(static_cast<std::size_t>(spec.qos.depth)),
-        id_(owner.AddEndpoint(LinkKind::kMakeReader,
-                              {static_cast<std::uint32_t>(node), spec.topic, type_.m_typename, "", spec.qos, part},
-                              nullptr, this, nullptr)) {}
+        id_(owner.AddEndpoint(MadeOf(MadeKind::kReader, node, spec, part), owner.readers_, this)) {}
   ~Reader() override { owner_.Remove(id_); }
 
   // REQUIRES: the owner's mutex is held, as below.
@@ -131,10 +136,13 @@ class HostConnection::Service final : public ServiceServer {
         request_(*spec.request),
         response_(*spec.response),
         handler_(std::move(handler)),
-        id_(owner.AddEndpoint(
-            LinkKind::kMakeService,
-            {static_cast<std::uint32_t>(node), spec.name, request_.m_typename, response_.m_typename, spec.qos, {}},
-            nullptr, nullptr, this)) {}
+        id_(owner.AddEndpoint({.kind = MadeKind::kService,
+                               .node = static_cast<std::uint32_t>(node),
+                               .name = spec.name,
+                               .type = request_.m_typename,
+                               .response_type = response_.m_typename,
+                               .qos = spec.qos},
+                              owner.services_, this)) {}
   ~Service() override {
     owner_.Remove(id_);
     // A handler that has begun ends before its service does; none begins after Remove.
@@ -143,8 +151,9 @@ class HostConnection::Service final : public ServiceServer {
 
   void Start() override {
     const std::lock_guard lock(owner_.mutex_);
-    owner_.AddSetup(LinkKind::kStartService, id_);
-    owner_.FlushNow();
+    is_started_ = true;
+    for (Request& request : std::exchange(early_, {})) owner_.requests_.push_back(std::move(request));
+    owner_.wake_.Signal();
   }
 
   bool Respond(const void* response) noexcept override {
@@ -153,12 +162,19 @@ class HostConnection::Service final : public ServiceServer {
       if (bytes.size() > Link::kMaxContent) return false;
       const std::lock_guard lock(owner_.mutex_);
       if (!owner_.link_ || !owner_.services_.contains(id_)) return false;
-      owner_.Send(LinkKind::kRespond, id_, bytes);
+      owner_.Send(LinkKind::kWrite, id_, bytes);
       owner_.FlushNow();
       return true;
     } catch (const std::bad_alloc&) {
       return false;
     }
+  }
+
+  // REQUIRES: the owner's mutex is held.
+  void Add(Request request) {
+    std::deque<Request>& waiting = is_started_ ? owner_.requests_ : early_;
+    waiting.push_back(std::move(request));
+    if (waiting.size() > kMaxRequests) waiting.pop_front();
   }
 
   // REQUIRES: handling_ is held, and mutex_ is not.
@@ -172,7 +188,9 @@ class HostConnection::Service final : public ServiceServer {
   const dds_topic_descriptor_t& request_;
   const dds_topic_descriptor_t& response_;
   const Handler handler_;
-  const std::uint32_t id_;
+  bool is_started_ = false;    // guarded by the owner's mutex, as the one below
+  std::deque<Request> early_;  // that have arrived before Start
+  const std::uint32_t id_;     // last: from then on requests arrive
 };
 
 HostConnection::HostConnection(Distribution distribution, std::string socket, std::uint32_t domain, Sending sending)
@@ -188,8 +206,7 @@ HostConnection::~HostConnection() {
 
 std::size_t HostConnection::AddNode(const std::string& node_namespace, const std::string& name) {
   const std::lock_guard lock(mutex_);
-  AddSetup(LinkKind::kAddNode, next_id_, ToText(NodeText{node_namespace, name}));
-  return next_id_++;
+  return Make({.kind = MadeKind::kNode, .name = (node_namespace == "/" ? "" : node_namespace) + "/" + name});
 }
 
 std::unique_ptr<TopicWriter> HostConnection::MakeWriter(std::size_t node, const TopicSpec& spec) {
@@ -206,11 +223,6 @@ std::unique_ptr<ServiceServer> HostConnection::MakeService(std::size_t node, con
   return std::make_unique<Service>(*this, node, spec, std::move(handler));
 }
 
-void HostConnection::ShareWriter(std::size_t node, const TopicWriter& writer) {
-  const std::lock_guard lock(mutex_);
-  AddSetup(LinkKind::kShareWriter, static_cast<const Writer&>(writer).id(), std::to_string(node));
-}
-
 void HostConnection::Announce() {
   const std::lock_guard lock(mutex_);
   announced_ = true;
@@ -220,7 +232,7 @@ void HostConnection::Announce() {
 
 void HostConnection::WatchDistributions() {
   const std::lock_guard lock(mutex_);
-  AddSetup(LinkKind::kWatchDistributions, 0);
+  Make({.kind = MadeKind::kDistributionWatch});
 }
 
 std::vector<std::string> HostConnection::DrainMismatches() {
@@ -258,9 +270,9 @@ void HostConnection::WatchTopics(std::function<void()> changed) {
 
 std::uint32_t HostConnection::Watch(const std::string& topic) {
   const std::lock_guard lock(mutex_);
-  AddSetup(LinkKind::kWatch, next_id_, topic);
+  const std::uint32_t watch = Make({.kind = MadeKind::kWatch, .name = topic});
   FlushNow();
-  return next_id_++;
+  return watch;
 }
 
 void HostConnection::Unwatch(std::uint32_t watch) {
@@ -285,11 +297,11 @@ void HostConnection::Collect() {
 void HostConnection::Tell(const TopicWriter& writer, const void* header, const TopicReader& answers) {
   const auto& of_connection = static_cast<const Writer&>(writer);
   const std::lock_guard lock(mutex_);
-  newest_tell_ = {LinkKind::kTell, of_connection.id(), wire::SampleToCdr(header, of_connection.type())};
+  newest_tell_ = {of_connection.id(), wire::SampleToCdr(header, of_connection.type())};
   answers_ = static_cast<const Reader&>(answers).id();
   ++tells_;
   watched_.is_told = false;
-  Send(newest_tell_.kind, newest_tell_.id, newest_tell_.content);
+  Send(LinkKind::kTell, newest_tell_.first, newest_tell_.second);
   FlushNow();
 }
 
@@ -353,8 +365,8 @@ bool HostConnection::Open() {
   link_ = std::move(link);
   broken_ = false;
   Send(LinkKind::kHello, 0, BytesOf(ToText(HelloText{VersionText(), domain_})));
-  // In their order: nodes before their endpoints, endpoints before their start.
-  for (const Setup& setup : setups_) Send(setup.kind, setup.id, setup.content);
+  // In the sequence of making: nodes before their endpoints.
+  for (const Made& made : made_) Send(LinkKind::kMake, made.id, BytesOf(made.text));
   for (const auto& [id, bytes] : latched_) Send(LinkKind::kWrite, id, bytes);
   if (announced_) Send(LinkKind::kAnnounce, 0);
   if (!arm_.empty()) Send(LinkKind::kArm, 0, BytesOf(arm_));
@@ -362,7 +374,7 @@ bool HostConnection::Open() {
   tells_ = std::min(tells_, 1);
   if (tells_ > 0) {
     Send(LinkKind::kCollect, 0);
-    Send(newest_tell_.kind, newest_tell_.id, newest_tell_.content);
+    Send(LinkKind::kTell, newest_tell_.first, newest_tell_.second);
   }
   FlushNow();
   return true;
@@ -408,20 +420,19 @@ void HostConnection::SendHeld() {
   held_.clear();
 }
 
-void HostConnection::AddSetup(LinkKind kind, std::uint32_t id, std::string_view text) {
-  const std::span<const std::byte> bytes = BytesOf(text);
-  setups_.push_back({kind, id, Bytes(bytes.begin(), bytes.end())});
-  Send(kind, id, bytes);
+std::uint32_t HostConnection::Make(const MadeText& made) {
+  const std::uint32_t id = next_id_++;
+  made_.push_back({id, ToText(made)});
+  Send(LinkKind::kMake, id, BytesOf(made_.back().text));
+  return id;
 }
 
-std::uint32_t HostConnection::AddEndpoint(LinkKind kind, const EndpointText& endpoint, Writer* writer, Reader* reader,
-                                          Service* service) {
+template <typename Endpoint>
+std::uint32_t HostConnection::AddEndpoint(const MadeText& made, std::map<std::uint32_t, Endpoint*>& endpoints,
+                                          Endpoint* endpoint) {
   const std::lock_guard lock(mutex_);
-  const std::uint32_t id = next_id_++;
-  if (writer != nullptr) writers_[id] = writer;
-  if (reader != nullptr) readers_[id] = reader;
-  if (service != nullptr) services_[id] = service;
-  AddSetup(kind, id, ToText(endpoint));
+  const std::uint32_t id = Make(made);
+  endpoints[id] = endpoint;
   if (sending_ == Sending::kAtOnce) FlushNow();  // nothing else may be sent for long
   return id;
 }
@@ -433,8 +444,7 @@ void HostConnection::Remove(std::uint32_t id) {
   services_.erase(id);
   latched_.erase(id);
   held_.erase(id);
-  const auto is_of_endpoint = [id](const Setup& setup) { return setup.id == id && setup.kind != LinkKind::kAddNode; };
-  std::erase_if(setups_, is_of_endpoint);
+  std::erase_if(made_, [id](const Made& made) { return made.id == id; });
   Send(LinkKind::kRemove, id);
   if (sending_ == Sending::kAtOnce) FlushNow();
 }
@@ -442,31 +452,28 @@ void HostConnection::Remove(std::uint32_t id) {
 void HostConnection::Process(const LinkMessage& message) {
   has_arrived_ = true;
   switch (message.kind) {
-    case LinkKind::kWanted: {
-      const auto found = writers_.find(message.id);
-      WantedContent content;
-      if (found == writers_.end() || message.content.size() != sizeof content) return;
+    case LinkKind::kMatched: {
+      if (const auto reader = readers_.find(message.id); reader != readers_.end()) return reader->second->Miss();
+      const auto writer = writers_.find(message.id);
+      MatchedContent content;
+      if (writer == writers_.end() || message.content.size() != sizeof content) return;
       std::memcpy(&content, message.content.data(), sizeof content);
-      found->second->React(content);
-      return;
+      return writer->second->React(content);
     }
     case LinkKind::kSample:
-      if (const auto found = readers_.find(message.id); found != readers_.end()) found->second->Add(message.content);
-      return;
-    case LinkKind::kMissed:
-      if (const auto found = readers_.find(message.id); found != readers_.end()) found->second->Miss();
-      return;
-    case LinkKind::kRequest:
-    case LinkKind::kRepeated:
-      requests_.push_back(
-          {message.id, message.kind == LinkKind::kRepeated, Bytes(message.content.begin(), message.content.end())});
-      if (requests_.size() > kMaxRequests) requests_.pop_front();
-      wake_.Signal();
-      return;
+    case LinkKind::kRepeated: {
+      if (const auto reader = readers_.find(message.id); reader != readers_.end()) {
+        return reader->second->Add(message.content);
+      }
+      const auto service = services_.find(message.id);
+      if (service == services_.end()) return;
+      const bool is_repeated = message.kind == LinkKind::kRepeated;
+      service->second->Add({message.id, is_repeated, Bytes(message.content.begin(), message.content.end())});
+      return wake_.Signal();
+    }
     case LinkKind::kMismatch:
       mismatches_.emplace_back(reinterpret_cast<const char*>(message.content.data()), message.content.size());
       return;
-    case LinkKind::kArmed:
     case LinkKind::kArrived:
     case LinkKind::kTold:
       return ProcessWatched(message);
@@ -485,7 +492,7 @@ void HostConnection::ProcessWatched(const LinkMessage& message) {
   }
   if (watched_.armed != text) watched_.arrived.clear();
   watched_.armed = text;
-  if (message.kind == LinkKind::kArrived) watched_.arrived.insert(message.id);
+  if (message.id != kNothing) watched_.arrived.insert(message.id);
 }
 
 void HostConnection::ReceiveNow() {

@@ -4,7 +4,7 @@
 // tool busy.
 //
 // The endpoints exist here at once, and there as soon as that program accepts the connection. When it ends, they are
-// made again in the next one from the list of setups, with the last samples of latched topics: the owner notices
+// made again in the next one from the list of what was made, with the last samples of latched topics: the owner notices
 // nothing but a gap. Writers never wait for it: beyond a limit of unsent bytes a stream keeps its newest sample only,
 // since an old pose is of no use.
 //
@@ -48,10 +48,9 @@ class HostConnection final : public RosConnection {
                                           std::function<void()> on_arrival) override;
   std::unique_ptr<ServiceServer> MakeService(std::size_t node, const ServiceSpec& spec,
                                              ServiceServer::Handler handler) override;
-  // REQUIRES: `writer` is of MakeWriter.
-  void ShareWriter(std::size_t node, const TopicWriter& writer) override;
   void Announce() override;
-  void WatchDistributions() override;
+  // From now on DrainMismatches has the reports of RosParticipant::WatchDistributions.
+  void WatchDistributions();
   std::vector<std::string> DrainMismatches() override;
   void Receive() override;
   void Flush() override;
@@ -85,11 +84,14 @@ class HostConnection final : public RosConnection {
   class Reader;
   class Service;
   using Bytes = std::vector<std::byte>;
-  // What is sent again to a new participant.
-  struct Setup {
-    LinkKind kind;
+  struct Made {
     std::uint32_t id;
-    Bytes content;
+    std::string text;  // a MadeText
+  };
+  struct Request {
+    std::uint32_t service;
+    bool is_repeated;
+    Bytes bytes;
   };
 
   void Run();
@@ -102,7 +104,7 @@ class HostConnection final : public RosConnection {
 
   // REQUIRES of those below: mutex_ is held.
   void Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
-  void AddSetup(LinkKind kind, std::uint32_t id, std::string_view text = {});
+  std::uint32_t Make(const MadeText& made);
   void Process(const LinkMessage& message);
   void ProcessWatched(const LinkMessage& message);
   void SendHeld();
@@ -110,8 +112,9 @@ class HostConnection final : public RosConnection {
   void FlushNow();
   void Close();
 
-  std::uint32_t AddEndpoint(LinkKind kind, const EndpointText& endpoint, Writer* writer, Reader* reader,
-                            Service* service);
+  // Those below hold it.
+  template <typename Endpoint>
+  std::uint32_t AddEndpoint(const MadeText& made, std::map<std::uint32_t, Endpoint*>& endpoints, Endpoint* endpoint);
   void Remove(std::uint32_t id);
 
   const std::string socket_;
@@ -125,26 +128,21 @@ class HostConnection final : public RosConnection {
   std::mutex mutex_;            // guards all below
   std::unique_ptr<Link> link_;  // null: not connected. Only the thread replaces it
   bool broken_ = false;         // the thread is to close the link
-  std::uint32_t next_id_ = 0;   // of nodes and endpoints
-  std::vector<Setup> setups_;   // in their order
+  std::uint32_t next_id_ = 0;   // of what is made
+  std::vector<Made> made_;      // in the sequence of making; a new participant is sent all of it
   bool announced_ = false;
   std::map<std::uint32_t, Writer*> writers_;
   std::map<std::uint32_t, Reader*> readers_;
   std::map<std::uint32_t, Service*> services_;
   std::map<std::uint32_t, Bytes> latched_;  // by writer, the last sample
   std::map<std::uint32_t, Bytes> held_;     // by writer of a stream, the newest sample that is to be sent
-  struct Request {
-    std::uint32_t service;
-    bool is_repeated;
-    Bytes bytes;
-  };
   std::deque<Request> requests_;
   std::vector<std::string> mismatches_;
-  bool has_arrived_ = false;  // a message, since the last call of changed_
-  std::string arm_;           // the newest
-  int tells_ = 0;             // calls of Tell that are not answered yet
-  Setup newest_tell_ = {};
-  std::uint32_t answers_ = 0;  // its reader
+  bool has_arrived_ = false;                     // a message, since the last call of changed_
+  std::string arm_;                              // the newest
+  int tells_ = 0;                                // calls of Tell that are not answered yet
+  std::pair<std::uint32_t, Bytes> newest_tell_;  // its writer and content
+  std::uint32_t answers_ = 0;                    // its reader
   Watched watched_;
   std::thread thread_;  // last, because it uses all other members
 };

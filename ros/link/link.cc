@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/base/identity.h"
+#include "common/base/json.h"
 #include "common/base/text.h"
 #include "troupe/check.h"
 
@@ -20,10 +21,21 @@ constexpr std::size_t kDroppedAtATime = std::size_t{256} << 10;
 
 using nlohmann::json;
 
-constexpr std::int32_t kDeepest = 1'000'000;  // samples
+constexpr std::int32_t kMaxDepth = 1'000'000;  // samples
 
 Error Malformed(std::string_view text) {
-  return {{}, "found '" + PlainLine(text, 200) + "', expected a version, a node or an endpoint"};
+  return {{}, "found '" + PlainLine(text, 200) + "', expected a version, a node, an endpoint or a watch"};
+}
+
+template <typename Text>
+Result<Text> Parse(std::string_view text) {
+  try {
+    Text parsed;
+    FieldsFromJson(json::parse(text), parsed);
+    return parsed;
+  } catch (const std::exception&) {  // of the JSON library, or an integer out of range
+    return Malformed(text);
+  }
 }
 
 Error BadName(const std::string& name) {
@@ -104,79 +116,25 @@ bool Link::ReadArrived() {
 }
 
 std::string ToText(const HelloText& hello) {
-  return json{{"version", hello.version}, {"domain", hello.domain}}.dump();
+  return JsonText(FieldsToJson<json>(hello));
 }
 
-std::string ToText(const NodeText& node) {
-  return json{{"namespace", node.node_namespace}, {"name", node.name}}.dump();
-}
-
-std::string ToText(const EndpointText& endpoint) {
-  return json{{"node", endpoint.node},
-              {"name", endpoint.name},
-              {"type", endpoint.type},
-              {"response_type", endpoint.response_type},
-              {"qos", static_cast<int>(endpoint.qos.kind)},
-              {"depth", endpoint.qos.depth},
-              {"part", static_cast<int>(endpoint.part)}}
-      .dump();
-}
-
-std::string ToText(const ServiceText& service) {
-  return json{{"domain", service.domain},
-              {"name", service.name},
-              {"request_type", service.request_type},
-              {"response_type", service.response_type}}
-      .dump();
+std::string ToText(const MadeText& made) {
+  return JsonText(FieldsToJson<json>(made));
 }
 
 Result<HelloText> ParseHello(std::string_view text) {
-  try {
-    const json parsed = json::parse(text);
-    return HelloText{parsed.at("version").get<std::string>(), parsed.at("domain").get<std::uint32_t>()};
-  } catch (const json::exception&) {
-    return Malformed(text);
-  }
+  return Parse<HelloText>(text);
 }
 
-Result<NodeText> ParseNode(std::string_view text) {
-  try {
-    const json parsed = json::parse(text);
-    return NodeText{parsed.at("namespace").get<std::string>(), parsed.at("name").get<std::string>()};
-  } catch (const json::exception&) {
-    return Malformed(text);
-  }
-}
-
-Result<EndpointText> ParseEndpoint(std::string_view text) {
-  try {
-    const json parsed = json::parse(text);
-    const auto kind = parsed.at("qos").get<std::uint32_t>();
-    const auto depth = parsed.at("depth").get<std::int64_t>();
-    const auto part = parsed.at("part").get<std::uint32_t>();
-    if (kind > static_cast<std::uint32_t>(TopicQos::Kind::kLogLines) || depth < 1 || depth > kDeepest ||
-        part > static_cast<std::uint32_t>(Part::kBestEffortReader)) {
-      return Malformed(text);
-    }
-    return EndpointText{parsed.at("node").get<std::uint32_t>(),
-                        parsed.at("name").get<std::string>(),
-                        parsed.at("type").get<std::string>(),
-                        parsed.at("response_type").get<std::string>(),
-                        {static_cast<TopicQos::Kind>(kind), static_cast<std::int32_t>(depth)},
-                        static_cast<Part>(part)};
-  } catch (const json::exception&) {
-    return Malformed(text);
-  }
-}
-
-Result<ServiceText> ParseService(std::string_view text) {
-  try {
-    const json parsed = json::parse(text);
-    return ServiceText{parsed.at("domain").get<std::uint32_t>(), parsed.at("name").get<std::string>(),
-                       parsed.at("request_type").get<std::string>(), parsed.at("response_type").get<std::string>()};
-  } catch (const json::exception&) {
-    return Malformed(text);
-  }
+Result<MadeText> ParseMade(std::string_view text) {
+  Result<MadeText> made = Parse<MadeText>(text);
+  if (!made.ok()) return made;
+  const MadeText& found = made.value();
+  const bool is_valid = found.kind <= kLastMadeKind && found.qos.kind <= TopicQos::Kind::kLogLines &&
+                        found.qos.depth >= 1 && found.qos.depth <= kMaxDepth && found.part <= Part::kBestEffortReader;
+  if (!is_valid) return Malformed(text);
+  return made;
 }
 
 Result<int> Bind(const std::string& name) {

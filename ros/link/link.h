@@ -1,8 +1,10 @@
 // Link: the messages between a process with nodes in ROS, here called an agent, and the program ros-participant of its
 // host, over a connected Unix socket. The two are of one build, which the first message states: so samples need no
 // version of their own, and another build is refused at once. It has also the messages between that program and its
-// side on Fast DDS, which uses kHello (with the GUID of the client in its calls), kMakeService (a ServiceText),
-// kRemove, kRequest, kRespond and kServed.
+// side on Fast DDS, which uses kHello (with the GUID of the client in its calls), kMake of services, kRemove, kWrite,
+// kSample and kServed.
+//
+// The agent chooses the id of what it makes: a node, an endpoint or a watch. All later messages about it have this id.
 //
 // A message is 12 bytes (length, kind, id) in the byte order of the host, and its content: a sample as CDR, or a short
 // JSON text for what is rare. Add and Flush may be called from any thread and never wait: what the socket does not
@@ -17,47 +19,41 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "ros/connection/ros_connection.h"
+#include "troupe/fields.h"
 #include "troupe/result.h"
 
 namespace troupe::ros {
 
 enum class LinkKind : std::uint8_t {
-  // To the participant. `id` is that of a node, or of an endpoint; the agent chooses both.
-  kHello,         // a HelloText; the first message
-  kAddNode,       // a NodeText
-  kMakeWriter,    // an EndpointText, as those below
-  kMakeReader,    //
-  kMakeService,   //
-  kStartService,  //
-  kShareWriter,   // the number of a node, as text: lists the writer as one of this node, too
-  kRemove,        // the endpoint has ended
-  kAnnounce,
-  kWatchDistributions,
-  kWrite,    // a sample, as CDR
-  kRespond,  // a response, as CDR
+  // To the participant.
+  kHello,     // a HelloText; the first message
+  kMake,      // a MadeText
+  kRemove,    // what was made has ended
+  kAnnounce,  // lists the agent's nodes and endpoints as they are now: each time the list of the whole host is sent
+  kWrite,     // a sample of a writer, or a response of a service, as CDR
   // Of a process whose ticks wait for ROS (TopicWatch).
-  kWatch,    // a topic's name on DDS
   kArm,      // any text: the next message on each watched topic is to be told, unless that was done for this text
   kCollect,  // performs all that the other agents of the domain have sent
   kTell,     // a std_msgs/Header as CDR: writes it with the topics as its text that have had messages since kArm or the
              // last one: "/anna/scan:1 /tf:2"; the answer is kTold
   // To the agent.
-  kWanted,    // a WantedContent: of a writer
-  kSample,    // of a reader, as CDR
-  kMissed,    // a reader needs another one for best-effort writers
-  kRequest,   // of a service, as CDR
+  kMatched,   // of a writer: a MatchedContent; of a reader: it needs another one for best-effort writers
+  kSample,    // of a reader, or a request of a service, as CDR
   kRepeated,  // a request that an agent before had, which has ended without a response
   kMismatch,  // a line for the log of the run
-  kArmed,     // the text of kArm
-  kArrived,   // of a watch: a message has arrived since the text was armed, which is the content
+  kArrived,   // of a watch: a message has arrived since the text was armed, which is the content; of kNothing: the text
+              // of kArm
   kTold,      // of a writer: the sample of kTell that was written, as CDR
   // Of the side on Fast DDS.
   kServed,  // a ServedContent: of a service
 };
 inline constexpr LinkKind kLastLinkKind = LinkKind::kServed;
+
+inline constexpr std::uint32_t kNothing = 0xffffffff;  // the id of nothing that was made
 
 struct LinkMessage {
   LinkKind kind;
@@ -71,8 +67,8 @@ struct ServedContent {
   Guid writer{};
 };
 
-// The content of kWanted.
-struct WantedContent {
+// The content of kMatched.
+struct MatchedContent {
   bool wanted = false;  // the writer has a reader
   bool is_new = false;  // one has come
 };
@@ -136,46 +132,64 @@ class Link {
   std::vector<std::byte> received_;  // not yet a whole message
 };
 
-// The texts of a Link that describe nodes and endpoints: JSON.
+// The texts of a Link: JSON of their fields.
 
 // The first text of an agent.
 struct HelloText {
   std::string version;
   std::uint32_t domain = 0;  // of its nodes and endpoints
+
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"version", &HelloText::version},
+        Field{"domain", &HelloText::domain},
+    };
+  }
 };
 
-struct NodeText {
-  std::string node_namespace;
-  std::string name;
+enum class MadeKind : std::uint8_t {
+  kNode,
+  kWriter,  // one of log lines is listed as a writer of all nodes of the agent
+  kReader,
+  kService,
+  kWatch,  // of a topic, for messages of any type
+  // Of participants that have another distribution, and of another run in the domain (RosParticipant): this agent gets
+  // the lines for the log.
+  kDistributionWatch,
 };
+inline constexpr MadeKind kLastMadeKind = MadeKind::kDistributionWatch;
 
-// The text of a writer, a reader or a service.
-struct EndpointText {
-  std::uint32_t node = 0;
-  std::string name;           // of the topic on DDS, or of the service
-  std::string type;           // its name on DDS; of requests
-  std::string response_type;  // of a service
-  TopicQos qos;
+// The text of what an agent makes.
+struct MadeText {
+  MadeKind kind = MadeKind::kNode;
+  std::uint32_t node = kNothing;  // of an endpoint: its id; kNothing: it is listed as one of no node
+  std::string name;               // "/anna/robot" of a node, "/anna/robot/get_parameters" of a service; else of a topic
+                                  // on DDS: "rt/anna/scan"
+  std::string type;               // of an endpoint: its name on DDS; of requests
+  std::string response_type;      // of a service
+  TopicQos qos;                   // of an endpoint
   Part part = Part::kOnlyReader;  // of a reader
-};
+  std::uint32_t domain = 0;       // of a service that Fast DDS serves
 
-// The text of a service that Fast DDS serves.
-struct ServiceText {
-  std::uint32_t domain = 0;
-  std::string name;  // "/anna/robot/get_parameters"
-  std::string request_type;
-  std::string response_type;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"kind", &MadeText::kind},
+        Field{"node", &MadeText::node},
+        Field{"name", &MadeText::name},
+        Field{"type", &MadeText::type},
+        Field{"response_type", &MadeText::response_type},
+        Field{"qos", &MadeText::qos},
+        Field{"part", &MadeText::part},
+        Field{"domain", &MadeText::domain},
+    };
+  }
 };
 
 std::string ToText(const HelloText& hello);
-std::string ToText(const NodeText& node);
-std::string ToText(const EndpointText& endpoint);
-std::string ToText(const ServiceText& service);
+std::string ToText(const MadeText& made);
 // Any text is safe.
 Result<HelloText> ParseHello(std::string_view text);
-Result<NodeText> ParseNode(std::string_view text);
-Result<EndpointText> ParseEndpoint(std::string_view text);
-Result<ServiceText> ParseService(std::string_view text);
+Result<MadeText> ParseMade(std::string_view text);
 
 // The names of Unix sockets that leave no file behind.
 

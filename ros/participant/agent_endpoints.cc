@@ -53,8 +53,8 @@ void RetireOne(Endpoints& endpoints, std::uint32_t id, Pool& pool) {
 }
 
 // The same for the endpoints of another agent that replaces this one.
-std::string TextForAll(EndpointText endpoint) {
-  endpoint.node = 0;
+std::string TextForAll(MadeText endpoint) {
+  endpoint.node = kNothing;
   return ToText(endpoint);
 }
 
@@ -140,51 +140,23 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
       domain_->agents.insert(this);
       return;
     }
-    case LinkKind::kAddNode: {
-      const Result<NodeText> node = ParseNode(TextOf(message.content));
-      if (!node.ok()) return Refuse(node.error().message);
-      if (nodes_.contains(message.id)) return Refuse("found a node a second time");
-      nodes_[message.id] = domain_->participant.AddNode(node.value().node_namespace, node.value().name);
-      return;
+    case LinkKind::kMake: {
+      const Result<MadeText> made = ParseMade(TextOf(message.content));
+      if (!made.ok()) return Refuse(made.error().message);
+      return Make(message.id, made.value());
     }
-    case LinkKind::kMakeWriter:
-    case LinkKind::kMakeReader:
-    case LinkKind::kMakeService: {
-      const Result<EndpointText> endpoint = ParseEndpoint(TextOf(message.content));
-      if (!endpoint.ok()) return Refuse(endpoint.error().message);
-      return Make(message.kind, message.id, endpoint.value());
-    }
-    case LinkKind::kStartService:
-      if (const auto found = services_.find(message.id); found != services_.end()) found->second.endpoint->Start();
-      return;
-    case LinkKind::kShareWriter:
-      return ShareWriter(message.id, TextOf(message.content));
     case LinkKind::kRemove:
-      if (domain_->watch) domain_->watch->Remove(this, message.id);
-      if (const auto found = readers_.find(message.id); found != readers_.end()) {
-        domain_->readers.Remove(found->second.endpoint->topic());
-      }
-      RetireOne(writers_, message.id, domain_->pools.writers);
-      RetireOne(readers_, message.id, domain_->pools.readers);
-      RetireOne(services_, message.id, domain_->pools.services);
-      return;
+      return Remove(message.id);
     case LinkKind::kAnnounce:
       must_announce_ = true;
       return;
-    case LinkKind::kWatchDistributions:
-      watches_distributions_ = true;
-      return domain_->participant.WatchDistributions();
     case LinkKind::kWrite:
       return Write(message);
-    case LinkKind::kRespond:
-      return Respond(message);
-    case LinkKind::kWatch:
-      return Watch(message.id, TextOf(message.content));
     case LinkKind::kArm:
       if (domain_->armed != TextOf(message.content)) domain_->written.clear();
       domain_->armed = TextOf(message.content);
       if (domain_->watch) domain_->watch->Arm(*domain_->armed);
-      return Send(LinkKind::kArmed, 0, message.content);
+      return Send(LinkKind::kArrived, kNothing, message.content);
     case LinkKind::kCollect:
       return Collect();
     case LinkKind::kTell:
@@ -234,98 +206,115 @@ void AgentEndpoints::Tell(const LinkMessage& message) {
   if (!found->second.endpoint->writer().Write(&header)) domain_->participant.CountLost();
 }
 
-void AgentEndpoints::Make(LinkKind kind, std::uint32_t id, const EndpointText& endpoint) {
+void AgentEndpoints::Make(std::uint32_t id, const MadeText& made) {
+  if (nodes_.contains(id) || writers_.contains(id) || readers_.contains(id) || services_.contains(id)) {
+    return Refuse("found an id a second time");
+  }
+  if (made.kind == MadeKind::kWatch) return Watch(id, made.name);
+  if (made.kind == MadeKind::kDistributionWatch) {
+    watches_distributions_ = true;
+    return domain_->participant.WatchDistributions();
+  }
+  if (made.kind == MadeKind::kNode) return MakeNode(id, made.name);
   std::size_t node = kNoNode;
-  if (endpoint.node != kNoNode) {
-    const auto found = nodes_.find(endpoint.node);
-    if (found == nodes_.end()) return Refuse(fmt::format("found node {}, expected one of this agent", endpoint.node));
+  if (made.node != kNothing) {
+    const auto found = nodes_.find(made.node);
+    if (found == nodes_.end()) return Refuse(fmt::format("found node {}, expected one of this agent", made.node));
     node = found->second;
   }
-  if (writers_.contains(id) || readers_.contains(id) || services_.contains(id)) {
-    return Refuse("found an endpoint a second time");
-  }
-  if (kind == LinkKind::kMakeWriter) return MakeWriter(id, node, endpoint);
-  if (kind == LinkKind::kMakeReader) return MakeReader(id, node, endpoint);
-  MakeService(id, node, endpoint);
+  if (made.kind == MadeKind::kWriter) return MakeWriter(id, node, made);
+  if (made.kind == MadeKind::kReader) return MakeReader(id, node, made);
+  MakeService(id, node, made);
 }
 
-void AgentEndpoints::MakeWriter(std::uint32_t id, std::size_t node, const EndpointText& endpoint) {
-  const dds_topic_descriptor_t* const type = TypeOf(endpoint.type);
+void AgentEndpoints::MakeNode(std::uint32_t id, const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  if (slash == std::string::npos) return Refuse("found node '" + PlainLine(name, 100) + "', expected '/robot' or so");
+  const std::string node_namespace = slash == 0 ? "/" : name.substr(0, slash);
+  const std::size_t node = domain_->participant.AddNode(node_namespace, name.substr(slash + 1));
+  nodes_[id] = node;
+  for (const std::uint32_t log : logs_) domain_->participant.ShareWriter(node, writers_.at(log).endpoint->writer());
+}
+
+void AgentEndpoints::Remove(std::uint32_t id) {
+  logs_.erase(id);
+  if (domain_->watch) domain_->watch->Remove(this, id);
+  if (const auto found = readers_.find(id); found != readers_.end()) {
+    domain_->readers.Remove(found->second.endpoint->topic());
+  }
+  RetireOne(writers_, id, domain_->pools.writers);
+  RetireOne(readers_, id, domain_->pools.readers);
+  RetireOne(services_, id, domain_->pools.services);
+}
+
+void AgentEndpoints::MakeWriter(std::uint32_t id, std::size_t node, const MadeText& made) {
+  const dds_topic_descriptor_t* const type = TypeOf(made.type);
   if (type == nullptr) return;
-  std::string text = TextForAll(endpoint);
+  std::string text = TextForAll(made);
   std::unique_ptr<ReusableWriter> writer = domain_->pools.writers.Acquire(text);
-  if (!writer)
-    writer = std::make_unique<ReusableWriter>(domain_->participant, TopicSpec{endpoint.name, type, endpoint.qos});
+  if (!writer) writer = std::make_unique<ReusableWriter>(domain_->participant, TopicSpec{made.name, type, made.qos});
   writer->Attach(node, [this, id](bool wanted, bool is_new) {
-    const WantedContent content = {wanted, is_new};
-    Send(LinkKind::kWanted, id, std::as_bytes(std::span(&content, 1)));
+    const MatchedContent content = {wanted, is_new};
+    Send(LinkKind::kMatched, id, std::as_bytes(std::span(&content, 1)));
   });
+  if (made.qos.kind == TopicQos::Kind::kLogLines) {
+    logs_.insert(id);
+    for (const auto& [other, of_participant] : nodes_) {
+      if (of_participant != node) domain_->participant.ShareWriter(of_participant, writer->writer());
+    }
+  }
   writers_[id] = {std::move(text), std::move(writer)};
 }
 
-void AgentEndpoints::MakeReader(std::uint32_t id, std::size_t node, const EndpointText& endpoint) {
-  const dds_topic_descriptor_t* const type = TypeOf(endpoint.type);
+void AgentEndpoints::MakeReader(std::uint32_t id, std::size_t node, const MadeText& made) {
+  const dds_topic_descriptor_t* const type = TypeOf(made.type);
   if (type == nullptr) return;
-  std::string text = TextForAll(endpoint);
-  domain_->readers.Add(endpoint.name);
+  std::string text = TextForAll(made);
+  domain_->readers.Add(made.name);
   std::unique_ptr<ReusableReader> reader = domain_->pools.readers.Acquire(text);
   if (!reader) {
-    reader = std::make_unique<ReusableReader>(domain_->participant, TopicSpec{endpoint.name, type, endpoint.qos},
-                                              endpoint.part);
+    reader = std::make_unique<ReusableReader>(domain_->participant, TopicSpec{made.name, type, made.qos}, made.part);
   }
-  reader->Attach(node, {[this, id, type, topic = endpoint.name](const void* sample) {
+  reader->Attach(node, {[this, id, type, topic = made.name](const void* sample) {
                           Send(LinkKind::kSample, id, wire::SampleToCdr(sample, *type));
                           domain_->readers.Note(topic);
                         },
-                        [this, id] { Send(LinkKind::kMissed, id); }});
+                        [this, id] { Send(LinkKind::kMatched, id); }});
   readers_[id] = {std::move(text), std::move(reader)};
 }
 
-void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const EndpointText& endpoint) {
-  const dds_topic_descriptor_t* const request = TypeOf(endpoint.type);
-  const dds_topic_descriptor_t* const response = TypeOf(endpoint.response_type);
+void AgentEndpoints::MakeService(std::uint32_t id, std::size_t node, const MadeText& made) {
+  const dds_topic_descriptor_t* const request = TypeOf(made.type);
+  const dds_topic_descriptor_t* const response = TypeOf(made.response_type);
   if (request == nullptr || response == nullptr) return;
-  std::string text = TextForAll(endpoint);
+  std::string text = TextForAll(made);
   std::unique_ptr<ReusableService> service = domain_->pools.services.Acquire(text);
   if (!service) {
-    service = std::make_unique<ReusableService>(domain_->participant,
-                                                ServiceSpec{endpoint.name, request, response, endpoint.qos},
-                                                domain_->number, domain_->fast_dds, domain_->on_cyclone);
+    service =
+        std::make_unique<ReusableService>(domain_->participant, ServiceSpec{made.name, request, response, made.qos},
+                                          domain_->number, domain_->fast_dds, domain_->on_cyclone);
   }
   service->Attach(node, [this, id](std::span<const std::byte> bytes, bool is_repeated) {
-    Send(is_repeated ? LinkKind::kRepeated : LinkKind::kRequest, id, bytes);
+    Send(is_repeated ? LinkKind::kRepeated : LinkKind::kSample, id, bytes);
   });
   services_[id] = {std::move(text), std::move(service)};
 }
 
 void AgentEndpoints::Write(const LinkMessage& message) {
-  const auto found = writers_.find(message.id);
-  if (found == writers_.end()) return Refuse("found a sample of no writer");
-  ReusableWriter& writer = *found->second.endpoint;
-  const wire::UntypedSample sample(writer.type());
-  const Status decoded = wire::SampleFromCdr(message.content, writer.type(), sample.data());
+  const auto writer = writers_.find(message.id);
+  const auto service = services_.find(message.id);
+  const bool is_sample = writer != writers_.end();
+  if (!is_sample && service == services_.end()) return Refuse("found a sample of no writer or service");
+  const dds_topic_descriptor_t& type =
+      is_sample ? writer->second.endpoint->type() : service->second.endpoint->response();
+  const wire::UntypedSample sample(type);
+  const Status decoded = wire::SampleFromCdr(message.content, type, sample.data());
   if (!decoded.ok()) return Refuse(decoded.error().message);
-  if (!writer.writer().Write(sample.data())) domain_->participant.CountLost();
+  const bool is_written = is_sample ? writer->second.endpoint->writer().Write(sample.data())
+                                    : service->second.endpoint->Respond(sample.data(), message.content);
+  if (!is_written) domain_->participant.CountLost();
   // Counted even if DDS refused the sample: a node that waits for it then reports what is missing.
-  if (domain_->armed) ++domain_->written[writer.topic()];
-}
-
-void AgentEndpoints::Respond(const LinkMessage& message) {
-  const auto found = services_.find(message.id);
-  if (found == services_.end()) return Refuse("found a response of no service");
-  ReusableService& service = *found->second.endpoint;
-  const wire::UntypedSample sample(service.response());
-  const Status decoded = wire::SampleFromCdr(message.content, service.response(), sample.data());
-  if (!decoded.ok()) return Refuse(decoded.error().message);
-  if (!service.Respond(sample.data(), message.content)) domain_->participant.CountLost();
-}
-
-void AgentEndpoints::ShareWriter(std::uint32_t writer, const std::string& node) {
-  const auto found = writers_.find(writer);
-  const auto of_agent = std::find_if(nodes_.begin(), nodes_.end(),
-                                     [&node](const auto& entry) { return std::to_string(entry.first) == node; });
-  if (found == writers_.end() || of_agent == nodes_.end()) return Refuse("found no writer and node to share it with");
-  domain_->participant.ShareWriter(of_agent->second, found->second.endpoint->writer());
+  if (is_sample && domain_->armed) ++domain_->written[writer->second.endpoint->topic()];
 }
 
 const dds_topic_descriptor_t* AgentEndpoints::TypeOf(const std::string& name) {
@@ -335,7 +324,7 @@ const dds_topic_descriptor_t* AgentEndpoints::TypeOf(const std::string& name) {
 }
 
 void AgentEndpoints::Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
-  const bool may_be_dropped = kind == LinkKind::kSample || kind == LinkKind::kRequest || kind == LinkKind::kRepeated;
+  const bool may_be_dropped = kind == LinkKind::kSample || kind == LinkKind::kRepeated;
   // An agent that hangs must not fill this process's memory; what it misses, DDS would have dropped as well.
   if (may_be_dropped && link_.pending() > kMaxPending) return;
   link_.Add(kind, id, content);

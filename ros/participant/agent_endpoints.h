@@ -134,7 +134,7 @@ class AgentEndpoints {
   bool has_output() const { return link_.pending() > 0; }
   // Null before the agent has named it.
   HostDomain* domain() const { return domain_; }
-  // Whether the agent's nodes have to be announced since the last call.
+  // Whether its nodes have to be announced since the last call.
   bool ConsumeAnnouncement();
   // Whether it has a node.
   bool has_nodes() const { return !nodes_.empty(); }
@@ -160,13 +160,14 @@ class AgentEndpoints {
   // Performs what the other agents have sent by now.
   void Collect();
   void Tell(const LinkMessage& message);
-  void Make(LinkKind kind, std::uint32_t id, const EndpointText& endpoint);
-  void MakeWriter(std::uint32_t id, std::size_t node, const EndpointText& endpoint);
-  void MakeReader(std::uint32_t id, std::size_t node, const EndpointText& endpoint);
-  void MakeService(std::uint32_t id, std::size_t node, const EndpointText& endpoint);
+  void Make(std::uint32_t id, const MadeText& made);
+  void MakeNode(std::uint32_t id, const std::string& name);
+  void MakeWriter(std::uint32_t id, std::size_t node, const MadeText& made);
+  void MakeReader(std::uint32_t id, std::size_t node, const MadeText& made);
+  void MakeService(std::uint32_t id, std::size_t node, const MadeText& made);
+  void Remove(std::uint32_t id);
+  // A sample of a writer, or a response of a service.
   void Write(const LinkMessage& message);
-  void Respond(const LinkMessage& message);
-  void ShareWriter(std::uint32_t writer, const std::string& node);
   const dds_topic_descriptor_t* TypeOf(const std::string& name);
   // From any thread. Drops the message if the agent reads too slowly.
   void Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content = {});
@@ -181,6 +182,7 @@ class AgentEndpoints {
   bool watches_distributions_ = false;
   std::map<std::uint32_t, std::size_t> nodes_;  // of the participant
   ById<ReusableWriter> writers_;
+  std::set<std::uint32_t> logs_;  // the writers of log lines
   ById<ReusableReader> readers_;
   ById<ReusableService> services_;
 };

@@ -106,7 +106,11 @@ ReusableService::ReusableService(RosParticipant& participant, const ServiceSpec&
     : participant_(participant), spec_(spec), request_(*spec.request), response_(*spec.response), fast_dds_(fast_dds) {
   if (on_cyclone) ServeCyclone();
   if (fast_dds_ == nullptr) return;
-  fast_id_ = fast_dds_->Add({domain, spec.name, request_.m_typename, response_.m_typename},
+  fast_id_ = fast_dds_->Add({.kind = MadeKind::kService,
+                             .name = spec.name,
+                             .type = request_.m_typename,
+                             .response_type = response_.m_typename,
+                             .domain = domain},
                             {[this](std::span<const std::byte> request) { PassOfFastDds(request); },
                              [this](const ServedContent& served) { ListServed(served); }});
 }
@@ -128,7 +132,7 @@ void ReusableService::ServeCyclone() {
   cyclone_.emplace(participant_, spec_,
                    [this](const void* request, bool) { Pass(wire::SampleToCdr(request, request_)); });
   List();
-  if (started_) cyclone_->Start();
+  cyclone_->Start();
 }
 
 // Tools of either implementation know both kinds.
@@ -156,20 +160,24 @@ void ReusableService::Attach(std::size_t node, Sink sink) {
   List();
   const std::lock_guard lock(mutex_);
   sink_ = std::move(sink);
+  for (const auto& [caller, request] : unanswered_) sink_(request, true);
+  for (Bytes& request : std::exchange(waiting_, {})) {
+    sink_(request, false);
+    KeepUnanswered(std::move(request));
+  }
 }
 
 void ReusableService::Detach() {
   Unlist();
   node_.reset();
   const std::lock_guard lock(mutex_);
-  passes_ = false;
   sink_ = {};
 }
 
 void ReusableService::Pass(std::span<const std::byte> request) {
   const std::lock_guard lock(mutex_);
   Bytes bytes(request.begin(), request.end());
-  if (!passes_) {
+  if (!sink_) {
     waiting_.push_back(std::move(bytes));
     if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
     return;
@@ -195,20 +203,6 @@ void ReusableService::PassOfFastDds(std::span<const std::byte> request) {
     const wire::UntypedSample sample(request_);
     if (wire::SampleFromCdr(bytes, request_, sample.data()).ok()) return Pass(bytes);
   }
-}
-
-void ReusableService::Start() {
-  {
-    const std::lock_guard lock(mutex_);
-    passes_ = true;
-    for (const auto& [caller, request] : unanswered_) sink_(request, true);
-    for (Bytes& request : waiting_) {
-      sink_(request, false);
-      KeepUnanswered(std::move(request));
-    }
-    waiting_.clear();
-  }
-  if (!std::exchange(started_, true) && cyclone_) cyclone_->Start();
 }
 
 bool ReusableService::Respond(const void* response, std::span<const std::byte> bytes) {
@@ -261,21 +255,21 @@ void FastDdsSide::Start() {
   guid_ = MakeRandomId();
   Send(LinkKind::kHello, 0, std::as_bytes(std::span(&guid_, 1)));
   for (const auto& [id, service] : services_) {
-    Send(LinkKind::kMakeService, id, std::as_bytes(std::span(service.text)));
+    Send(LinkKind::kMake, id, std::as_bytes(std::span(service.text)));
   }
 }
 
 void FastDdsSide::Send(LinkKind kind, std::uint32_t id, std::span<const std::byte> content) {
-  if (!link_ || (kind == LinkKind::kRespond && link_->pending() > kMaxResponses)) return;
+  if (!link_ || (kind == LinkKind::kWrite && link_->pending() > kMaxResponses)) return;
   link_->Add(kind, id, content);
   link_->Flush();  // an end is noticed by Process
 }
 
-std::uint32_t FastDdsSide::Add(const ServiceText& service, Sink sink) {
+std::uint32_t FastDdsSide::Add(const MadeText& service, Sink sink) {
   const std::uint32_t id = next_service_++;
   const std::string text = ToText(service);
   services_[id] = {text, std::move(sink)};
-  Send(LinkKind::kMakeService, id, std::as_bytes(std::span(text)));
+  Send(LinkKind::kMake, id, std::as_bytes(std::span(text)));
   return id;
 }
 
@@ -286,7 +280,7 @@ void FastDdsSide::Remove(std::uint32_t service) {
 
 bool FastDdsSide::Respond(std::uint32_t service, std::uint64_t client_guid, std::span<const std::byte> response) {
   if (client_guid != guid_) return false;
-  Send(LinkKind::kRespond, service, response);
+  Send(LinkKind::kWrite, service, response);
   return true;
 }
 
@@ -297,7 +291,7 @@ bool FastDdsSide::Process() {
   const auto receive = [&](const LinkMessage& message) {
     const auto found = services_.find(message.id);
     if (found == services_.end()) return;
-    if (message.kind == LinkKind::kRequest) found->second.sink.on_request(message.content);
+    if (message.kind == LinkKind::kSample) found->second.sink.on_request(message.content);
     ServedContent content;
     if (message.kind != LinkKind::kServed || message.content.size() != sizeof content) return;
     std::memcpy(&content, message.content.data(), sizeof content);

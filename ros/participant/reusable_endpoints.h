@@ -49,7 +49,7 @@ class FastDdsSide {
   FastDdsSide& operator=(const FastDdsSide&) = delete;
 
   // Serves a service until Remove of the id that it returns.
-  std::uint32_t Add(const ServiceText& service, Sink sink);
+  std::uint32_t Add(const MadeText& service, Sink sink);
   void Remove(std::uint32_t service);
   // Whether the response with a header of this client is one for the side, which it then gets.
   bool Respond(std::uint32_t service, std::uint64_t client_guid, std::span<const std::byte> response);
@@ -151,11 +151,10 @@ class ReusableService {
   ReusableService(const ReusableService&) = delete;
   ReusableService& operator=(const ReusableService&) = delete;
 
-  void Attach(std::size_t node, Sink sink);
-  void Detach();
   // Passes the requests on that arrive from now on, those that wait since the last Detach, and those that the agent
   // before has not answered: no client waits without end.
-  void Start();
+  void Attach(std::size_t node, Sink sink);
+  void Detach();
 
   // Serves clients on Cyclone DDS, too, as the constructor does with `on_cyclone`.
   void ServeCyclone();
@@ -185,14 +184,12 @@ class ReusableService {
   const ServiceSpec spec_;
   const dds_topic_descriptor_t& request_;
   const dds_topic_descriptor_t& response_;
-  std::optional<std::size_t> node_;      // while attached
-  std::optional<ServedContent> served_;  // by the side on Fast DDS
-  mutable std::mutex mutex_;             // guards the four below
-  Sink sink_;
-  bool passes_ = false;
+  std::optional<std::size_t> node_;                      // while attached
+  std::optional<ServedContent> served_;                  // by the side on Fast DDS
+  mutable std::mutex mutex_;                             // guards the three below
+  Sink sink_;                                            // while attached
   std::deque<Bytes> waiting_;                            // requests
   std::deque<std::pair<CallHeader, Bytes>> unanswered_;  // that an agent was passed
-  bool started_ = false;
   FastDdsSide* const fast_dds_;
   std::uint32_t fast_id_ = 0;          // with fast_dds_
   std::optional<DdsService> cyclone_;  // none: clients on Cyclone DDS are not served, or not yet

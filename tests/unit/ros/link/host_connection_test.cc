@@ -425,29 +425,31 @@ TEST_F(HostConnectionTest, AStrangerIsRefusedAndTheOthersGoOn) {
 
   using Messages = std::vector<std::pair<LinkKind, std::string>>;
   const std::pair<LinkKind, std::string> hello = {LinkKind::kHello, Hello()};
-  const std::pair<LinkKind, std::string> node = {LinkKind::kAddNode, R"({"namespace": "/b", "name": "robot"})"};
-  const auto writer_of = [](const std::string& type, int depth) {
-    return std::pair(LinkKind::kMakeWriter,
-                     R"({"node": 0, "name": "rt/b", "response_type": "", "qos": 0, "part": 0, "type": ")" + type +
-                         R"(", "depth": )" + std::to_string(depth) + "}");
+  const auto make = [](const MadeText& made) { return std::pair(LinkKind::kMake, ToText(made)); };
+  const std::pair<LinkKind, std::string> node = make({.kind = MadeKind::kNode, .name = "/b/robot"});
+  const auto writer_of = [&make](const std::string& type, int depth, std::uint32_t of = kNothing) {
+    return make({.kind = MadeKind::kWriter, .node = of, .name = "rt/b", .type = type, .qos = {{}, depth}});
   };
   const std::string string = "std_msgs::msg::dds_::String_";
+  const std::string outside = R"({"kind": 6, "name": "rt/b"})";
+  const std::string too_large = R"({"kind": 256, "name": "/b/robot"})";
   const std::pair<Messages, std::string> refused[] = {
       {{{LinkKind::kHello, ToText(HelloText{"troupe 0.0.1", 0})}}, "found version 'troupe 0.0.1', expected"},
       {{node}, "found no version"},
       {{hello, hello}, "found no version, or two"},
       {{{LinkKind::kHello, "troupe"}}, "found 'troupe', expected a version"},
-      {{hello, {LinkKind::kAddNode, "{"}}, "found '{', expected a version, a node or an endpoint"},
-      {{hello, node, node}, "a node a second time"},
-      {{hello, writer_of(string, 1)}, "found node 0, expected one of this agent"},
-      {{hello, node, writer_of("Nothing", 1)}, "found type 'Nothing', expected one of ROS"},
-      {{hello, node, writer_of(string, 0)}, "a node or an endpoint"},
-      {{hello, node, writer_of(string, 1), writer_of(string, 1)}, "an endpoint a second time"},
-      {{hello, node, writer_of(string, 1), {LinkKind::kWrite, "nonsense"}}, "bytes of a std_msgs"},
-      {{hello, {LinkKind::kWrite, "nonsense"}}, "a sample of no writer"},
-      {{hello, {LinkKind::kRespond, "nonsense"}}, "a response of no service"},
-      {{hello, {LinkKind::kShareWriter, "7"}}, "found no writer and node"},
-      {{hello, {LinkKind::kRequest, ""}}, "a message for agents"},
+      {{hello, {LinkKind::kMake, "{"}}, "found '{', expected a version, a node, an endpoint or a watch"},
+      {{hello, {LinkKind::kMake, outside}}, "expected a version, a node, an endpoint or a watch"},
+      {{hello, {LinkKind::kMake, too_large}}, "expected a version, a node, an endpoint or a watch"},
+      {{hello, make({.kind = MadeKind::kNode, .name = "b"})}, "found node 'b', expected"},
+      {{hello, node, node}, "an id a second time"},
+      {{hello, node, writer_of(string, 1)}, "an id a second time"},
+      {{hello, writer_of(string, 1, 7)}, "found node 7, expected one of this agent"},
+      {{hello, writer_of("Nothing", 1)}, "found type 'Nothing', expected one of ROS"},
+      {{hello, writer_of(string, 0)}, "a node, an endpoint or a watch"},
+      {{hello, writer_of(string, 1), {LinkKind::kWrite, "nonsense"}}, "bytes of a std_msgs"},
+      {{hello, {LinkKind::kWrite, "nonsense"}}, "a sample of no writer or service"},
+      {{hello, {LinkKind::kSample, ""}}, "a message for agents"},
   };
   for (const auto& [messages, problem] : refused) {
     const std::unique_ptr<Link> stranger = Stranger();
@@ -456,8 +458,8 @@ TEST_F(HostConnectionTest, AStrangerIsRefusedAndTheOthersGoOn) {
     EXPECT_TRUE(IsEnded(*stranger)) << problem;
   }
   const std::unique_ptr<Link> garbage = Stranger();
-  const std::array<std::uint32_t, 3> too_large = {0xffffffff, 0, 0};
-  ASSERT_EQ(send(garbage->descriptor(), too_large.data(), sizeof too_large, 0), sizeof too_large);
+  const std::array<std::uint32_t, 3> huge = {0xffffffff, 0, 0};
+  ASSERT_EQ(send(garbage->descriptor(), huge.data(), sizeof huge, 0), sizeof huge);
   EXPECT_TRUE(IsEnded(*garbage));
 
   Write(writer, "still there");
@@ -496,10 +498,13 @@ TEST_F(HostConnectionTest, AnAgentWaitsWhileThereAreNoDescriptors) {
 TEST_F(HostConnectionTest, AnAgentThatHangsDelaysNoOther) {
   const std::unique_ptr<Link> hangs = Stranger();
   hangs->Add(LinkKind::kHello, 0, BytesOf(Hello()));
-  hangs->Add(LinkKind::kAddNode, 0, BytesOf(R"({"namespace": "/b", "name": "robot"})"));
-  hangs->Add(LinkKind::kMakeReader, 1,
-             BytesOf(R"({"node": 0, "name": "rt/all", "type": "std_msgs::msg::dds_::String_", "response_type": "",
-                         "qos": 2, "depth": 1, "part": 0})"));
+  hangs->Add(LinkKind::kMake, 0, BytesOf(ToText(MadeText{.kind = MadeKind::kNode, .name = "/b/robot"})));
+  hangs->Add(LinkKind::kMake, 1,
+             BytesOf(ToText(MadeText{.kind = MadeKind::kReader,
+                                     .node = 0,
+                                     .name = "rt/all",
+                                     .type = "std_msgs::msg::dds_::String_",
+                                     .qos = Commands(true)})));
   ASSERT_TRUE(hangs->Flush());
   const std::unique_ptr<HostConnection> connection = Connect();
   RosReader<String> reader(MakeNode(*connection, "/a", "robot"), "/all", Commands(true));
