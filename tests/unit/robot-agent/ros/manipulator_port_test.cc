@@ -9,6 +9,7 @@
 #include "robot-agent/ros/ros_gateway.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
+#include "ros/messages/action_goals.h"
 #include "tests/support/gripper_world.h"
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
