@@ -51,7 +51,7 @@ std::vector<RobotId> ReadRobots(ByteReader& in) {
   return robots;
 }
 
-// The commands and inputs as those of a recorded tick, then the ticks that are left of each command.
+// The commands and inputs in the form of a recorded tick, then the remaining ticks of each command.
 void AddCommands(ByteWriter<>& out, const std::vector<CommandInForce>& commands, const std::vector<Input>& inputs) {
   out.Write(static_cast<std::uint32_t>(commands.size()));
   out.Write(static_cast<std::uint32_t>(inputs.size()));

@@ -49,7 +49,7 @@ enum class JournalSync : bool {
 // The files take turns: one of them is emptied and used again once the recording has all of its ticks.
 class JournalTail {
  public:
-  // The files, emptied. Errors name the file; those of Append have the code kOutputFailed.
+  // The files, emptied. Errors name the file; errors of Append have the code kOutputFailed.
   static Result<std::unique_ptr<JournalTail>> Create(const JournalFiles& files, RunId run, JournalSync sync);
   // The files as they are: new records follow their newest one.
   static Result<std::unique_ptr<JournalTail>> Continue(const JournalFiles& files, RunId run, JournalSync sync);

@@ -29,7 +29,7 @@
 
 namespace troupe {
 
-// True for the paths of recordings: those that end in ".mcap".
+// True for the paths of recordings, which end in ".mcap".
 bool IsRecordingPath(const std::string& path);
 
 class Recording {

@@ -31,7 +31,7 @@ class RecordingWriter {
   static RecordingWriter Continue(std::unique_ptr<mcap::ByteSink> sink, mcap::WrittenPart written, RunId run,
                                   std::int64_t interval_ns, std::uint64_t log_time);
 
-  // Adds the next committed state; its log time is computed here. Errors are those of the sink.
+  // Adds the next committed state; its log time is computed here. Errors come from the sink.
   Status Add(const RecordedTick& tick);
   // Makes the ticks so far readable, should the process end.
   Status EndChunk();

@@ -13,7 +13,7 @@ namespace troupe {
 // by the file's ending.
 Result<LoadedWorld> LoadWorld(const std::string& path, const LoadOverrides& overrides = {});
 
-// Models that can be added to a running world: those of its world file, and files with one model.
+// Models that can be added to a running world: models of its world file, and files with one model.
 
 // A type or define that gives a model.
 struct Spawnable {

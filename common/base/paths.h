@@ -46,7 +46,7 @@ Result<std::string> ProgramFolder();
 // unknown.
 std::string InstalledFolder(const std::string& name);
 
-// The one called "worlds"; empty if there is no such folder.
+// The folder "worlds" of the installation; empty if there is none.
 std::string InstalledWorldsFolder();
 
 // An enclave: the folder with the keys of a DDS participant. Its files have the names that ROS 2's own tools use.

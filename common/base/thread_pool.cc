@@ -83,7 +83,7 @@ void ThreadPool::Run(std::size_t most, const std::function<void(std::size_t)>& w
   }
 }
 
-// Without those that the system refuses.
+// Fewer threads if the system refuses more.
 void ThreadPool::StartThreads(std::size_t count) {
   try {
     while (threads_.size() < count) threads_.emplace_back([this] { Serve(); });

@@ -70,8 +70,8 @@ bool BestOnLine(std::span<const VelocityHalfPlane> planes, std::size_t index, do
   return true;
 }
 
-// The best velocity inside all planes; the number of the first that has no velocity in common with those before it, or
-// of all.
+// The best velocity inside all planes; the number of the first plane that has no velocity in common with its
+// predecessors, or of all.
 std::size_t BestInside(std::span<const VelocityHalfPlane> planes, double speed, const Objective& objective,
                        Vec2& velocity) {
   if (objective.is_direction) {
@@ -135,7 +135,7 @@ void Orca::AddNeighbor(const Walker& walker, const WalkerNeighbor& neighbor) {
   const Vec2 relative = walker.velocity - neighbor.velocity;
   const double radius = walker.radius + neighbor.radius;
   VelocityHalfPlane plane;
-  Vec2 change;  // of the relative velocity, to the border of those that collide
+  Vec2 change;  // of the relative velocity, to the border of the colliding velocities
   // Discs that overlap already are to be apart after one tick, not after the horizon.
   const bool overlaps = to.squaredNorm() <= Square(radius);
   const double horizon = overlaps ? horizons_.tick : horizons_.walkers;

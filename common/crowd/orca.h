@@ -7,8 +7,9 @@
 //
 // Each neighbour within the horizon forbids the velocities on one side of a line in the plane of velocities, and so
 // does each wall; the result is the point nearest to the preferred velocity in what is left, found by the incremental
-// linear program of the paper. Where nothing is left, the constraints of walls stay, and those of neighbours are moved
-// back together by the least distance that leaves a velocity (a linear program in three dimensions, as in the paper).
+// linear program of the paper. Where nothing is left, the constraints of walls stay, and the constraints of neighbours
+// are moved back together by the least distance that leaves a velocity (a linear program in three dimensions, as in the
+// paper).
 //
 // Cost: the square of the numbers of neighbours and walls in the worst case, so that callers pass the nearest ones
 // only. One Orca is for one thread: it keeps its lists.

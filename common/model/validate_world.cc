@@ -3,7 +3,7 @@
 //
 // A description comes from a file, from the API or from the network. All code behind the check may rely on it: indices
 // exist, parents come first, tables are in the order of their models, shapes are normalized. The order of the checks
-// matters: each relies on those before it (IsInTree ends because parents precede).
+// matters: each relies on the earlier ones (IsInTree ends because parents precede).
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

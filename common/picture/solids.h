@@ -1,7 +1,7 @@
 // Solids: the world at one tick as prisms to be drawn.
 //
 // A picture needs outlines and heights, not collisions: bitmaps become outlines (rectangle_outline.h), except for dense
-// areas, which are drawn as masks. Built anew for each picture; pointers refer to the world.
+// areas, which are drawn as masks. Built for each picture; pointers refer to the world.
 #pragma once
 
 #include <optional>

@@ -26,7 +26,7 @@ struct RosLockstep {
   std::optional<double> limit_seconds = {};  // wall time, for a node that has answered before; 0: none
   std::optional<bool> ends_at_limit = {};    // the run ends at the limit; false: it continues without that node
 
-  // The values of `other` replace those here, where it has some.
+  // The values that `other` has replace the values here.
   void ReplaceBy(const RosLockstep& other) {
     if (!other.names.empty()) names = other.names;
     if (other.period) period = other.period;

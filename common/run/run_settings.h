@@ -130,10 +130,10 @@ struct HostSettings {
   // Shell command that starts a process there; docs/scenarios.md has its placeholders. Empty: by ssh.
   std::string start;
   std::string programs;           // the folder of Troupe's programs there; empty: the same as here
-  std::string network_interface;  // name, address or "auto"; empty: the one that has `address`
+  std::string network_interface;  // name, address or "auto"; empty: the interface of `address`
   bool service = false;           // the world service runs there
-  // The robots there: those with these names (with wildcards * and ?), or this number of the robots that no host names.
-  // Neither: an equal share of the other robots.
+  // The robots there: the robots of these names (with wildcards * and ?), or this number of the robots that no host
+  // names. Neither: an equal share of the other robots.
   std::vector<std::string> robot_names;
   std::optional<std::uint32_t> robot_count;
   SourceLocation where;

@@ -32,10 +32,10 @@
 namespace troupe {
 namespace {
 
-// The bodies between antennas: those that the straight line between two of them crosses, at its heights.
+// The bodies between two antennas: the straight line between them crosses their volume.
 
 struct RadioObstacles {
-  // Stretches of the line inside of static bodies. Those with less than kWallGap between them are one wall, so that
+  // Stretches of the line inside of static bodies. Stretches with less than kWallGap between them are one wall, so that
   // the pixels of a slanted wall count once.
   std::size_t walls = 0;
   std::size_t bodies = 0;  // robots and objects
@@ -49,7 +49,7 @@ struct Antenna {
   double z = 0.0;     // m
 };
 
-// A part of the line between two antennas: m from the one that receives, along the line's foot.
+// A part of the line between two antennas: m from the receiver, along the line's foot.
 struct LinePart {
   double enter;
   double leave;
@@ -96,7 +96,7 @@ class RadioPaths {
   Antenna to_;
   std::span<const RadioSignal> signals_;
   std::vector<RadioObstacles> first_;  // by signal: obstacles that it has at the least; all, if it has none
-  std::vector<bool> is_clear_;         // likewise: it surely has no obstacle
+  std::vector<bool> is_clear_;         // by signal: it surely has no obstacle
   std::optional<ColumnCaster> caster_;
   // The cuts of one line; a member so that their memory is used again.
   std::vector<ColumnCut> cuts_;

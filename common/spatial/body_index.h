@@ -5,7 +5,7 @@
 // transform, the poses of links, the pieces in W) is computed when it is first asked for after a motion. Most bodies of
 // a tick are never looked at closely.
 //
-// Invariants: the index has the bodies of its scene, numbered as there; a query returns every body that overlaps the
+// Invariants: the index has the bodies of its scene by their ids in it; a query returns every body that overlaps the
 // box, and may return others near it, because it tests discs in single precision with a margin. Results in id order
 // (Query) do not depend on the history of moves; the order of ForEachNear does, so that its users must not depend on
 // the order.

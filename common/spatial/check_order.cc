@@ -67,7 +67,7 @@ class OrderCheck {
   }
   Status operator()(const TwistOrder& order) const {
     if (!robot_) return NeedsRobot("a twist");
-    // A twist that a tool sets is a jump: only the bounds of the velocity count, not those of the acceleration.
+    // A twist that a tool sets is a jump: only the bounds of the velocity count, not the bounds of the acceleration.
     constexpr double kLongEnough = 1e9;  // s, for any acceleration
     const RobotDescription& robot = world_.robot(*robot_);
     if (IsFinite(order.twist) && troupe::WithinLimits(robot.drive, {}, order.twist, kLongEnough)) return {};

@@ -24,8 +24,8 @@ Status CheckInput(const Scene& scene, const Input& input);
 // REQUIRES: the world has the robot.
 Order WithinLimits(const WorldDescription& world, RobotId robot, Order order);
 
-// Orders in the sequence in which messages list them: by kind, those of a kind as they were. Orders of different kinds
-// do not influence each other.
+// Orders in the sequence in which messages list them: by kind, orders of a kind in their sequence. Orders of different
+// kinds do not influence each other.
 std::vector<Order> ByKind(std::vector<Order> orders);
 std::vector<Input> ByKind(std::vector<Input> inputs);
 

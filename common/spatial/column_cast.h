@@ -70,7 +70,7 @@ class ColumnCaster {
   struct NearBody {
     BodyId id;
     Disc disc;  // around all its pieces
-    // Those that are seen, in pieces_, once a half plane has cut the disc.
+    // Its visible pieces, in pieces_, once a half plane has cut the disc.
     std::optional<std::size_t> first_piece;
     std::size_t piece_count = 0;
   };
@@ -122,7 +122,7 @@ struct ColumnHit {
   Vec2 normal{0.0, 0.0};  // of a kSide
 };
 
-// The nearest hit of the ray; of cuts at the same distance the one with the lowest model id counts.
+// The nearest hit of the ray; of cuts at the same distance the lowest model id counts.
 // REQUIRES: `cuts` as from ColumnCaster::Cut.
 std::optional<ColumnHit> FirstHit(const ClimbingRay& ray, std::span<const ColumnCut> cuts);
 

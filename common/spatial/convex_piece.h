@@ -35,7 +35,7 @@ bool HasHeight(const ZRange& z);
 // True for the vertices of a rectangle along the axes.
 bool IsBox(std::span<const Vec2> vertices);
 
-// The pieces of a model's shape, moved by X_FM into frame F, without those of its area (static_index.h).
+// The pieces of a model's shape, moved by X_FM into frame F, without the pieces of its area (static_index.h).
 std::vector<ConvexPiece> MakePieces(const WorldDescription& world, ModelId model, const Pose& X_FM);
 
 // `piece` moved by X_WF.

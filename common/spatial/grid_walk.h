@@ -62,8 +62,8 @@ template <typename From, typename To>
   }
 }
 
-// The walk of one ray, or as vectors those of several. From their start on lengths are in cells, columns are those of
-// the axis along which the ray passes more cells, rows those of the other.
+// The walk of one ray, or as vectors the walks of several. From their start on lengths are in cells; columns lie along
+// the axis on which the ray passes more cells, rows along the other axis.
 template <typename Number, typename Whole>
 struct WalkState {
   // Rows are whole numbers, a cell being 1 << kBits: their errors do not grow with the distance from 0.
@@ -246,7 +246,7 @@ class GridWalk {
   double enter_ = 0.0;  // m
 };
 
-// Calls visit(cell, distance) for those cells that the ray passes for which filled(cell) is true, in order, until
+// Calls visit(cell, distance) for the cells on the ray's way for which filled(cell) is true, in order, until
 // `visit` returns false, `max_distance` is reached or the ray leaves the grid; `distance`: m, the ray does not enter
 // the cell before. A few cells that the ray just misses, or that are just beyond its end, may be among them. REQUIRES:
 // |direction| = 1; inverse = 1 / direction by components

@@ -90,7 +90,7 @@ struct MapWalks {
 // Finds each ray's nearest hit on the map. All walks are prepared before the first: a ray's preparation would else wait
 // for the end of the last one's walk, which no processor can predict.
 void HitMap(const StaticIndex& index, std::span<const Ray> rays, MapWalks& walks, std::span<NearestHit> nearest) {
-  // Short rays in the open, as those of a swarm, see no piece, and then need no walk.
+  // Short rays in the open, as in a swarm, see no piece, and then need no walk.
   const bool walk = !index.IsSurelyEmpty(BoxAround(rays, [&](std::size_t i) { return rays[i].max_distance; }));
   if (walk) walks.Start(index, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -2,7 +2,7 @@
 //
 // A ray at height z sees the pieces whose z range contains z and whose ranger_return is not negative, except those of
 // the robot that casts it and of the objects that it holds. A ray that starts inside such a piece hits it at distance
-// 0. Of pieces at the same distance the one with the lowest model id counts.
+// 0. Of pieces at the same distance the lowest model id counts.
 //
 // Distances are exact up to the rounding of one division: no steps, no cells, so that two processes with one state
 // measure the same bits, and a scan through a wall's joint has no gap. Cost of a ray: the cells of the static index up
@@ -38,7 +38,7 @@ struct RayHit {
 std::optional<RayHit> CastRay(const Scene& scene, const BodyIndex& bodies, const Ray& ray,
                               std::optional<RobotId> caster);
 
-// The same for each of several rays that start near each other, as those of a sonar ring or a scanner, found together:
+// The hits of several rays that start near each other, as the rays of a sonar ring or a scanner, found together:
 // quickest if neighbours in `rays` are neighbours in space. `hits` is replaced by one entry for each ray; its memory is
 // reused.
 void CastRays(const Scene& scene, const BodyIndex& bodies, std::span<const Ray> rays, std::optional<RobotId> caster,

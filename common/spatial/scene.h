@@ -104,8 +104,8 @@ class Scene {
   // The store that feeds a model, among stores(); nothing for a model without one.
   std::optional<std::size_t> store_of(ModelId model) const { return store_of_[model.index()]; }
 
-  // The lights of robots, in the order of LightState; those of a robot, and the row of the first of them; and the row
-  // of a model among all, nothing for another model.
+  // The lights of robots, in the order of LightState; the lights of one robot, and the row of the first of them; and
+  // the row of a model among all, nothing for another model.
   std::span<const LightPlace> lights() const { return lights_; }
   std::span<const LightPlace> lights_of(RobotId robot) const;
   std::size_t first_light_of(RobotId robot) const;

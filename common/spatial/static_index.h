@@ -52,14 +52,14 @@ class PixelPieces {
   void ForEach(Visit visit) const {
     area_.cover().ForEach([&](const PixelRectangle& r) { visit(PieceOf(CornersOf(r))); });
   }
-  // The same for those whose bounding boxes overlap `box` (m, frame W; touching counts) and for which keep(corners) is
-  // true.
+  // Visits only the pieces whose bounding boxes overlap `box` (m, frame W; touching counts) and for which keep(corners)
+  // is true.
   template <typename Visit, typename Keep>
   void ForEachNear(const Rectangle& box, std::pmr::memory_resource& memory, Keep keep, Visit visit) const;
 
   // Calls visit(pixels, distance) for the parts of the area that the ray passes and that have pieces, in order, with a
   // distance before which it does not enter each part, until `visit` returns false. Every piece that the ray hits
-  // within `max_distance` has a pixel in one of those visited at a distance not beyond the hit.
+  // within `max_distance` has a pixel in a visited part whose distance is not beyond the hit.
   // REQUIRES: |direction| = 1
   template <typename Visit>
   void WalkRay(const Vec2& origin, const Vec2& direction, double max_distance, Visit visit) const {
@@ -140,7 +140,7 @@ class StaticIndex {
   const std::vector<ConvexPiece>& kept_pieces() const { return pieces_; }
   const std::vector<PixelPieces>& areas() const { return areas_; }
 
-  // Calls visit(piece) for all pieces, those of areas last.
+  // Calls visit(piece) for all pieces, the pieces of areas last.
   template <typename Visit>
   void ForEachPiece(Visit visit) const {
     for (const ConvexPiece& piece : pieces_) visit(piece);
@@ -148,11 +148,11 @@ class StaticIndex {
   }
 
   // Fills `result` with the pieces whose bounding boxes overlap `box` (touching counts): in the order of their models,
-  // of a model those that are kept first. Pieces of areas that do not themselves reach into the box may be left out.
+  // of a model the kept pieces first. Pieces of areas that do not themselves reach into the box may be left out.
   void Query(const Rectangle& box, NearPieces& result) const {
     Query(box, result, [](const PixelPieces::Corners4&) { return true; });
   }
-  // The same without those pieces of areas for which keep(corners) is false, which saves making them.
+  // Leaves out the pieces of areas for which keep(corners) is false, which saves making them.
   template <typename Keep>
   void Query(const Rectangle& box, NearPieces& result, Keep keep) const;
 
@@ -184,7 +184,7 @@ class StaticIndex {
 
   // Calls visit(indices of kept pieces, distance) for the parts of the index that the ray passes and that have any, in
   // order, with a distance before which it does not enter each part, until `visit` returns false. Every kept piece that
-  // the ray hits within `max_distance` is among those visited at a distance not beyond the hit; pieces may occur
+  // the ray hits within `max_distance` is visited at a distance not beyond the hit; pieces may occur
   // several times. REQUIRES: |direction| = 1; inverse = 1 / direction by components
   template <typename Visit>
   void WalkRay(const Vec2& origin, const Vec2& direction, const Eigen::Array2d& inverse, double max_distance,

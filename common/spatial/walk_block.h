@@ -1,7 +1,8 @@
 // The starts of the walks of many rays over a grid, computed together by vector instructions.
 //
 // A walk over an empty map is so short that its start takes longest; eight starts at a time by vector instructions are
-// worth the columns. Results are those of GridWalk's constructor, with the same cells, on every processor.
+// worth the columns. Results are equal to the results of GridWalk's constructor, with the same cells, on every
+// processor.
 #pragma once
 
 #include <array>
@@ -36,7 +37,7 @@ class WalkBlock {
   void Start(const Grid& grid, std::span<GridWalk> walks) const;
 
   using Starter = void(const WalkBlock& rays, const Grid& grid, std::span<GridWalk> walks);
-  // Those that this processor can run, the quickest last.
+  // The starters that this processor can run, the quickest last.
   static std::span<const Variant<Starter>> Starters();
 
  private:

@@ -30,8 +30,8 @@ struct DoorPortal {
   std::vector<std::vector<Vec2>> sweeps;    // by leaf: a convex area that contains it from closed to open
   std::vector<std::optional<Vec2>> hinges;  // by leaf; nothing for one that slides
 
-  // The distance (m) of `p` from the sweeps, and the direction of length 1 that leads away from the nearest one, for
-  // those inside from the hinge.
+  // The distance (m) of `p` from the sweeps, and the direction of length 1 that leads away from the nearest sweep; for
+  // a point inside a sweep away from its hinge.
   struct Clearance {
     double distance = 0.0;
     Vec2 away{0.0, 0.0};

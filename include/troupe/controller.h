@@ -135,7 +135,7 @@ struct LiftInfo {
   std::string name;
   Vec2 middle{0.0, 0.0};  // m, of the cabin, in W
   std::vector<std::string> floors;
-  std::vector<std::vector<std::size_t>> doors = {};  // by floor: those that open there, in RobotInfo::doors
+  std::vector<std::vector<std::size_t>> doors = {};  // by floor: the doors that open there, in RobotInfo::doors
   bool operator==(const LiftInfo&) const = default;
 };
 
@@ -172,16 +172,16 @@ struct Command {
   // gripper or joint is a failure of the controller.
   std::vector<GripperCommand> grippers = {};
   std::vector<JointCommand> joints = {};
-  // A line for the log of the run, for people. Only the start of a long text is printed, and only some of many lines.
+  // A line for the log of the run. Only the start of a long text is printed, and only some of many lines.
   std::string report = {};
   // The messages to send in this tick, in order, by the robot's radios; without a delay they arrive in the observations
-  // of the next tick. Those that do not fit into the radio's bytes of a tick (BytesPerTick) are not sent. A sensor that
+  // of the next tick. Messages beyond the radio's bytes of a tick (BytesPerTick) are not sent. A sensor that
   // is no radio is a failure of the controller.
   std::vector<RadioMessage> messages = {};
   // To lights, cameras, doors and lifts; executed in order. One for a device that the robot or the world does not have,
   // or with a value out of its range, is a failure of the controller.
   std::vector<Order> orders = {};
-  // A text for people, an event of the run; beyond 200 bytes it is cut off.
+  // The text of an event of the run (EventType::kSaid); beyond 200 bytes it is cut off.
   std::string say = {};
 };
 
@@ -201,10 +201,10 @@ struct RobotInfo {
   std::vector<GripperInfo> grippers = {};            // in id order
   std::vector<LightInfo> lights = {};                // in id order
   std::vector<DoorInfo> doors = {};                  // of the world, in the order of its models
-  std::vector<LiftInfo> lifts = {};                  // likewise
+  std::vector<LiftInfo> lifts = {};                  // of the world, in the order of its models
   Pose start = {};                                   // of R in W, when the world was loaded or the robot spawned
-  // Of the world, ascending by their numbers; their doors and lifts are those above. They live as long as the
-  // controller.
+  // Of the world, ascending by their numbers; their doors and lifts are indices into `doors` and `lifts`. They live as
+  // long as the controller.
   std::span<const LaneGraph> lane_graphs = {};
 };
 

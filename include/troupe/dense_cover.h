@@ -27,7 +27,7 @@ class DenseCover {
   void ForEach(Visit visit) const {
     ForEachIn({0, 0, bitmap_.width(), bitmap_.height()}, visit);
   }
-  // The same for those that have a pixel in `area`, in an order of their own. REQUIRES: area within the bitmap
+  // Visits only the rectangles that have a pixel in `area`, in an order of their own. REQUIRES: area within the bitmap
   template <typename Visit>
   void ForEachIn(const PixelRectangle& area, Visit visit) const;
 

@@ -1,6 +1,6 @@
-// Elementary functions that give the same bits on every processor with IEEE 754 arithmetic, by every compiler. Those of
-// the C libraries do not: they differ between libraries, and glibc picks another implementation where the processor has
-// fused multiply-add. Built from IEEE + - * / and sqrt only, without contraction (-ffp-contract=off).
+// Elementary functions that give the same bits on every processor with IEEE 754 arithmetic, by every compiler. The
+// functions of the C libraries do not: they differ between libraries, and glibc picks another implementation where the
+// processor has fused multiply-add. Built from IEEE + - * / and sqrt only, without contraction (-ffp-contract=off).
 // Errors stay below 2 units in the last place in the ranges named.
 #pragma once
 

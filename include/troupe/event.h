@@ -19,10 +19,10 @@ enum class EventType : std::uint8_t {
   kGripped = 6,       // the robot's gripper, named by `detail`, holds `object` from now on
   kReleased = 7,      // it has released `object`
   kLanded = 8,        // `object` has come to rest on `other`, none for the ground
-  kUnstable = 9,      // likewise, but its centre is not above a support
+  kUnstable = 9,      // `object` has come to rest on `other`, its centre not above a support
   kOutOfEnergy = 10,  // the robot's store is empty: it stops
   kSaid = 11,         // the robot's controller says `detail`
-  kReported = 12,     // the robot's controller or agent reports `detail`, for people; not of the step
+  kReported = 12,     // the robot's controller or agent reports the text `detail`; not of the step
   // `object` is the model of the door, of the lift, or the root of the person.
   kDoorOpened = 13,      // it is fully open
   kDoorClosed = 14,      // it is closed
@@ -34,7 +34,7 @@ enum class EventType : std::uint8_t {
   kPersonAlighted = 20,  // the person has left that cabin
   kPersonArrived = 21,   // the person has reached a goal of the set `detail`
 };
-// Of those, the frequent ones, which summaries count instead of telling each.
+// The events of doors, lifts and people: they are frequent, and summaries count them instead of telling each.
 constexpr bool IsOfBuilding(EventType type) {
   return type >= EventType::kDoorOpened;
 }

@@ -3,7 +3,7 @@
 //
 //   forall r: always (stalled(r) -> eventually[0, 10 s] not stalled(r))
 //
-// A monitor receives the ticks of a run one by one: live ones, those of a recording, those of a branch. It is a value:
+// A monitor receives the ticks of a run one by one: of a live run, of a recording or of a branch. It is a value:
 // a copy that is made with a snapshot continues with the branch. The same states give the same bits of its results.
 //
 // Robustness: how far a run is from the other verdict, in the unit of the comparison that decides: 0.3 for

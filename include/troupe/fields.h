@@ -7,7 +7,7 @@
 // From this list come hashes, checks, the words of shared memory, the messages of idl/, the differences of replays, the
 // rows of the viewer's page and the random rows of tests. A member that is not listed does not compile.
 //
-// A field of a type with fields is a branch; the other ones, its and those of its branches, are the leaves of a type.
+// A field whose type has fields is a branch. The leaves of a type are its other fields and the leaves of its branches.
 // All of it is known at compile time.
 #pragma once
 
@@ -23,8 +23,8 @@
 
 namespace troupe {
 
-// The numbers that a field may have; all finite ones by default. Those of a list are its elements', those of an
-// interval its ends'.
+// The numbers that a field may have; all finite ones by default. The limits of a list hold for its elements, the limits
+// of an interval for its ends.
 struct FieldLimits {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();

@@ -44,7 +44,7 @@ struct CameraOrder {
 };
 
 // A request to the controls of a door. It stays valid until the next one of any robot or tool; of several robots in one
-// tick the one that opens it farthest counts, and a robot's replaces that of a tool.
+// tick the request that opens it farthest counts, and a robot's request replaces a tool's.
 struct DoorOrder {
   std::size_t door = 0;  // in RobotInfo::doors and WorldDescription::doors
   double opening = 1.0;  // from 0, closed, to 1

@@ -21,8 +21,8 @@ Tick DelayTicks(const RadioParameters& radio, double interval_seconds);
 // The radio that is number `sensor` of the robot's sensors; null for another kind, or none.
 const RadioParameters* FindRadio(const RobotDescription& robot, std::size_t sensor);
 
-// The messages that the robot's radios can send in a tick, in their order: those that do not fit into the rest of its
-// bytes are left out. REQUIRES: each names a radio of the robot.
+// The messages that the robot's radios can send in a tick, in their order; a message that does not fit into the rest of
+// its radio's bytes is left out. REQUIRES: each names a radio of the robot.
 std::vector<RadioMessage> WithinLimits(const RobotDescription& robot, double interval_seconds,
                                        std::vector<RadioMessage> messages);
 

@@ -1,5 +1,5 @@
 // RecordedSimulation: a recording (docs/recording.md) as a sequence of states. Each is a Simulation without
-// controllers: its state, events and readings are those of the run, and it can be driven on from there.
+// controllers: its state, events and readings are the recorded ones, and it can be driven on from there.
 //
 // The states are stepped again from the recorded inputs, and compared with the recorded hashes: access in order is
 // quickest, and near a state that was read last cheap in both directions.

@@ -20,7 +20,7 @@ struct WorldDescription;
 
 // A part without a value keeps its last command.
 struct GripperOrder {
-  std::size_t gripper = 0;             // among those of the robot, in id order
+  std::size_t gripper = 0;             // among the robot's grippers, in id order
   std::optional<double> opening = {};  // percent, 0 (closed) to 100 (open)
   std::optional<double> lift = {};     // percent of the way from its minimum to its maximum
   bool operator==(const GripperOrder&) const = default;

@@ -107,7 +107,7 @@ struct RangeScan : ScanGeometry {
 };
 
 // The reading of a ranger: one scan for each of its ray sensors, in the order of the world file. The numbers of all
-// scans are one list, and robots that are alike share the geometry: a swarm has many readings, and measures them anew
+// scans are one list, and robots that are alike share the geometry: a swarm has many readings, and measures all of them
 // in each tick.
 struct RangerReading {
   std::vector<double> ranges = {};
@@ -124,7 +124,7 @@ struct RangerReading {
   static constexpr auto Fields() {
     return std::tuple{
         Field{"ranges", &RangerReading::ranges, "of all scans, scan by scan, as in RangeScan"}.In("m"),
-        Field{"intensities", &RangerReading::intensities, "likewise"},
+        Field{"intensities", &RangerReading::intensities, "of all scans, scan by scan, as in RangeScan"},
         Field{"geometry", &RangerReading::geometry, "by scan"},
     };
   }
@@ -258,7 +258,7 @@ struct BodyContact {
         Field{"other", &BodyContact::other, "the body"},
         Field{"point", &BodyContact::point, "in W, the middle between the nearest points"}.In("m"),
         Field{"z_min", &BodyContact::z_min, "in W, of the heights at which they touch"}.In("m"),
-        Field{"z_max", &BodyContact::z_max, "likewise"}.In("m"),
+        Field{"z_max", &BodyContact::z_max, "in W, of the heights at which they touch"}.In("m"),
     };
   }
 };
@@ -422,7 +422,7 @@ struct ImuReading {
         Field{"force", &ImuReading::force_xy,
               "specific force along x and y of S: the mean acceleration from the tick before to this one"}
             .In("m/s^2"),
-        Field{"force_z", &ImuReading::force_z, "likewise, and upwards that of gravity"}.In("m/s^2"),
+        Field{"force_z", &ImuReading::force_z, "specific force along z, upwards, with gravity"}.In("m/s^2"),
         Field{"heading_noise", &ImuReading::heading_noise, "standard deviation"}.In("rad"),
         Field{"turn_noise", &ImuReading::turn_noise, "standard deviation"}.In("rad/s"),
         Field{"force_noise", &ImuReading::force_noise, "standard deviation"}.In("m/s^2"),

@@ -227,7 +227,7 @@ struct CameraParameters {
   }
 };
 
-// A radio: sends messages of the robot, and receives those of other radios of its channel. Frame S: the antenna. How
+// A radio: sends messages of the robot, and receives messages of other radios of its channel. Frame S: the antenna. How
 // far a message reaches follows from the sender's parameters: its strength falls with the distance d as power - 10
 // path_loss_exponent log10(d / 1 m), and by `wall_loss` and `body_loss` for each wall and body between the antennas; it
 // is received if it is as strong as without them at the distance `range`.
@@ -276,9 +276,8 @@ struct RadioParameters {
   }
 };
 
-// An inertial measurement unit: its heading, its yaw rate and its specific force. Frame S: the unit. Each error is a
-// normal one: noise is drawn anew for each measurement, a bias once for each unit, and all with these standard
-// deviations.
+// An inertial measurement unit: its heading, its yaw rate and its specific force. Frame S: the unit. Errors are
+// normally distributed with these standard deviations: noise is drawn for each measurement, a bias once for each unit.
 struct ImuParameters {
   static constexpr std::string_view kType = "imu";
   Pose X_MS = {};
@@ -334,7 +333,7 @@ std::optional<SensorParameters> DefaultParameters(std::string_view type);
 // Success for parameters that a robot may have: all fields within their limits, and the rules of the kind.
 Status CheckParameters(const SensorParameters& parameters);
 
-// For people: "16 sensors, 16 rays"; may be empty.
+// A summary to be read, not parsed: "16 sensors, 16 rays"; may be empty.
 std::string SummaryOf(const SensorParameters& parameters);
 
 }  // namespace troupe

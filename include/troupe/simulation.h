@@ -92,7 +92,7 @@ class Simulation {
   // The same state to keep: it never changes.
   std::shared_ptr<const WorldState> shared_state() const;
   std::uint64_t state_hash() const;
-  // The events of the last tick: rejected proposals and reports, then those of the step. Empty at tick 0.
+  // The events of the last tick: rejected proposals and reports, then the events of the step. Empty at tick 0.
   const std::vector<Event>& events() const;
   // One line for each controller that has failed so far; its robot stands still from then on.
   const std::vector<std::string>& failures() const;

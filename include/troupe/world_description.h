@@ -77,7 +77,7 @@ struct Shape {
 // The shape with the rectangles of its area as a list, or as blocks where the area is turned.
 Shape Listed(Shape shape);
 
-// A light that is on and off by turns while it is switched on. In each period it is on first; a period of 0: it is not
+// A light that blinks while it is switched on. In each period it is on first; a period of 0: it is not
 // a light.
 struct Blinking {
   std::int64_t period_ns = 0;
@@ -264,8 +264,8 @@ struct LocalizationDescription {
         Field{"origin", &LocalizationDescription::origin, "of frame odom"},
         Field{"error_x", &LocalizationDescription::error_x,
               "of odometry, relative: a motion d is read as d * (1 + error)"},
-        Field{"error_y", &LocalizationDescription::error_y, "likewise"},
-        Field{"error_heading", &LocalizationDescription::error_heading, "likewise"},
+        Field{"error_y", &LocalizationDescription::error_y, "of odometry, relative, as error_x"},
+        Field{"error_heading", &LocalizationDescription::error_heading, "of odometry, relative, as error_x"},
     };
   }
 };
@@ -327,10 +327,11 @@ struct GripperDescription {
         Field{"robot", &GripperDescription::robot},
         Field{"model", &GripperDescription::model, "frame G; moved by the lift"},
         Field{"left", &GripperDescription::left, "the joint of the finger"},
-        Field{"right", &GripperDescription::right, "likewise"},
+        Field{"right", &GripperDescription::right, "the joint of the finger"},
         Field{"left_pad", &GripperDescription::left_pad,
               "the model that must touch an object to hold it; moved by the left finger"},
-        Field{"right_pad", &GripperDescription::right_pad, "likewise"},
+        Field{"right_pad", &GripperDescription::right_pad,
+              "the model that must touch an object to hold it; moved by the right finger"},
         Field{"lift", &GripperDescription::lift, "0 percent is its minimum, 100 percent its maximum"},
         Field{"beams", &GripperDescription::beams},
         Field{"autosnatch", &GripperDescription::autosnatch,
@@ -415,7 +416,7 @@ struct LiftFloor {
   }
 };
 
-// A cabin that moves along z, with what stands in it, while all of its doors are closed.
+// A cabin that moves along z, with its contents, while all of its doors are closed.
 struct LiftDescription {
   ModelId model;
   ObjectId cabin;
@@ -631,7 +632,7 @@ std::optional<RobotId> FindRobot(const WorldDescription& world, const std::strin
 // The door called `name`, by its number, if there is one.
 std::optional<std::size_t> FindDoor(const WorldDescription& world, const std::string& name);
 
-// The lift called `name`, likewise.
+// The lift called `name`, by its number, if there is one.
 std::optional<std::size_t> FindLift(const WorldDescription& world, const std::string& name);
 
 // Checks the invariants above. For input from a peer; loaders guarantee them.

@@ -47,7 +47,7 @@ struct GripperState {
   std::optional<ModelId> left_contact = {};
   std::optional<ModelId> right_contact = {};
   // The gripper holds this object if the object's holder is this gripper; otherwise another gripper holds it, and this
-  // one will when that one opens.
+  // gripper will hold it once the other opens.
   std::optional<ObjectId> clamped = {};
   bool operator==(const GripperState&) const = default;
   static constexpr auto Fields() {
@@ -193,7 +193,7 @@ struct PersonState {
   std::uint32_t call_tick = 0;
   std::uint32_t place = 0;
   // In the doorway of the cabin: the duration of getting on or off so far. Outside, with place 0: the time from the
-  // call to the last failed attempt to get on, which puts the person behind those that have called since.
+  // call to the last failed attempt to get on, which puts the person behind all later calls.
   std::uint32_t boarding_ticks = 0;
   bool operator==(const PersonState&) const = default;
   static constexpr auto Fields() {
@@ -202,7 +202,7 @@ struct PersonState {
         Field{"vx", &PersonState::vx, "in W, during the tick that ended here"}.In("m/s"),
         Field{"vy", &PersonState::vy, "in W, during the tick that ended here"}.In("m/s"),
         Field{"goals", &PersonState::goals, "the goal set, in WorldDescription::goal_sets"},
-        Field{"goal", &PersonState::goal, "the point, among those of the set"},
+        Field{"goal", &PersonState::goal, "the point, among the points of the set"},
         Field{"goals_chosen", &PersonState::goals_chosen, "so far; 0: none yet"},
         Field{"dwell_ticks", &PersonState::dwell_ticks, "left at the goal; 0: it walks"}.In("tick"),
         Field{"watch_ticks", &PersonState::watch_ticks, "spent on watching robots, of a curious person"}.In("tick"),

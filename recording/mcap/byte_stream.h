@@ -27,7 +27,7 @@ class ByteSink {
   virtual Status Close() = 0;
 };
 
-// Creates the file, or empties it. Errors name the file; those of Write and Close have the code kOutputFailed. A file
+// Creates the file, or empties it. Errors name the file; errors of Write and Close have the code kOutputFailed. A file
 // that another process writes is refused.
 Result<std::unique_ptr<ByteSink>> CreateFileSink(const std::string& path);
 // The same, but keeps the first `size` bytes of the file.

@@ -1,6 +1,7 @@
 // Bytes of MCAP files: records, checksums, compression.
 //
-// Numbers and texts are those of common/base/bytes.h, which MCAP shares: little-endian, texts with a length of 32 bits.
+// Numbers and texts have the form of common/base/bytes.h, which MCAP shares: little-endian, texts with a length of 32
+// bits.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // The records of MCAP files (https://mcap.dev/spec), as far as Troupe writes and reads them. Integers are
 // little-endian.
 //
-// Only values: reader.h reads them and writer.h writes them. Names are those of the specification. Troupe
+// Only values: reader.h reads them and writer.h writes them. Names follow the specification. Troupe
 // writes messages in chunks, their indices, and a summary; it reads files of others with the same parts.
 #pragma once
 

@@ -2,9 +2,9 @@
 // counts the states from the first on, because a tick may be repeated after edits.
 //
 // Whatever shows or judges the past (pages, plots, verdicts, pictures, tables of Python) is written against this
-// interface. It has two implementations: RunFeed (viewer/gateway) has the states that were received of a live run,
-// before those of its journal; SteppedTimeline (world-service/replay) steps the states of a recording again, from its
-// keyframes and inputs.
+// interface. It has two implementations: RunFeed (viewer/gateway) has the received states of a live run, and before
+// them the states of its journal; SteppedTimeline (world-service/replay) steps the states of a recording again, from
+// its keyframes and inputs.
 //
 // Invariants: positions ascend without repeats; within a TimeSpan, ticks count up with positions; spans neither overlap
 // nor touch unless ticks jump. A state never changes once it has been returned, and is shared, so that any number of
@@ -84,7 +84,7 @@ struct NumberedEvent {
   std::uint64_t number = 0;    // counts the events of a run or a recording from 1
   std::uint64_t position = 0;  // of its state
   Event event;
-  EventNames names;  // in the world of the event: its ids may be those of others after an edit
+  EventNames names;  // in the world of the event: after an edit its ids may belong to others
 };
 inline constexpr std::size_t kEventsKept = 10'000;  // of a timeline, the newest
 

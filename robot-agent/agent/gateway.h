@@ -2,9 +2,9 @@
 // and readings, and receives commands.
 //
 // A command of a gateway is an input of its tick, like one of a tool; apart from commands a gateway changes no result:
-// it may publish, drop or delay as it likes. All functions are called on one thread at a time, those of a tick in the
-// order CommandFor for each robot, then Publish. CommandFor is on the way of the tick, and Publish comes after the
-// answer was sent: an agent that publishes slowly delays its next answer, not this one.
+// it may publish, drop or delay as it likes. All functions are called on one thread at a time, in a tick first
+// CommandFor for each robot, then Publish. CommandFor is on the way of the tick, and Publish comes after the answer was
+// sent: an agent that publishes slowly delays its next answer, not this one.
 #pragma once
 
 #include <functional>

@@ -33,7 +33,7 @@ namespace troupe {
 
 class Replica {
  public:
-  // `robots`: names; empty: every robot. `options` are those of each robot. Threads of the pool divide
+  // `robots`: names; empty: every robot. `options`: of each robot. Threads of the pool divide
   // the robots, one for each 16; without a pool (null) and with a scan log, one does all. `make_gateway` may be empty,
   // and `trace` null. The error is a robot that is unknown or named twice, or a controller or a gateway that cannot be
   // made.
@@ -43,8 +43,8 @@ class Replica {
                                                  std::shared_ptr<ThreadPool> pool = {},
                                                  const MakeGateway& make_gateway = {}, TickTrace* trace = nullptr);
 
-  // Applies an edit of the world. If `fresh`, the robots that the new world has by name start again; otherwise its ids
-  // are those of the old world, and all robots continue but removed ones, and those with another controller. `edition`:
+  // Applies an edit of the world. If `fresh`, the robots that the new world has by name start again; otherwise it keeps
+  // the ids of the old world, and all robots continue but removed ones and robots with another controller. `edition`:
   // of the newest fresh start, for the scan log. The error is a controller or a gateway that cannot be made.
   Status ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edition edition);
   // Starts the robots again in the present world. The error is as above.

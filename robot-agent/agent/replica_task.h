@@ -63,7 +63,7 @@ struct ReplicaTask {
   AgentRobots robots;  // before the task; after a success the result
   Status outcome;      // result
 
-  // Sets the results. REQUIRES: `options` and `resources` are those of all tasks of the agent.
+  // Sets the results. REQUIRES: all tasks of the agent have the same `options` and `resources`.
   void Perform(const AgentOptions& options, const AgentResources& resources);
 
  private:

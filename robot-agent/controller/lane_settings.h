@@ -1,6 +1,7 @@
 // The parameters of the controller `lanes`.
 //
-// Read once, before the first tick. Defaults are those of docs/controllers.md; 0 for a speed means that of the drive.
+// Read once, before the first tick. Defaults are listed in docs/controllers.md; 0 for a speed means the speed of the
+// drive.
 #pragma once
 
 #include <cstdint>

@@ -68,7 +68,7 @@ class LaneTasks {
   double aside_seconds_ = 0.0;
 };
 
-// The name of a vertex for people.
+// The name of a vertex in messages.
 std::string NameOf(const LaneGraph& graph, std::size_t vertex);
 
 }  // namespace troupe

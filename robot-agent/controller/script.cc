@@ -58,7 +58,7 @@ class ScriptController final : public Controller {
 
  private:
   // Commands to grippers, joints, lights, cameras and doors stay valid, and messages and texts are given once, so each
-  // is given once: those due since the last call, in order. After a late start, those of one whole round at most.
+  // is given once: all that are due since the last call, in order. After a late start, one whole round at most.
   void Manipulate(std::uint64_t due, Command& command) {
     command.grippers.clear();
     command.joints.clear();

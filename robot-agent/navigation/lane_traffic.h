@@ -40,11 +40,11 @@ class RobotWatcher {
 // The radius (m) around a robot's origin that contains its declared size and its blocks.
 double RadiusOf(const WorldDescription& world, RobotId robot);
 
-// The robots but for `own`. `radii`: those of all robots.
+// The robots but for `own`. `radii`: by robot, m.
 std::vector<SeenRobot> SeeOthers(const WorldDescription& world, const WorldState& state, RobotId own,
                                  const std::vector<double>& radii);
 
-// The vertices and lanes of a group that one robot at a time may be in.
+// A group of vertices and lanes for one robot at a time.
 class MutexGroup {
  public:
   MutexGroup(const LaneGraph& graph, std::string name);
@@ -62,7 +62,7 @@ class MutexGroup {
   bool Contains(const LaneGraph& graph, const SeenRobot& robot) const;
 
   std::string name_;
-  std::vector<std::size_t> lanes_;     // of the group, and those to its vertices
+  std::vector<std::size_t> lanes_;     // of the group, and lanes to its vertices
   std::vector<std::size_t> vertices_;  // inside
   std::vector<std::size_t> entries_;   // ends of lanes into the group
 };

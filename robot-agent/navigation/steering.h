@@ -124,7 +124,7 @@ struct Neighbour {
 };
 
 // Where to move, in R: ahead, in the mean direction of the neighbours, towards their middle if that is farther than
-// `distance` m, and away from those that are nearer. The longer, the more urgent: 1 for ahead alone. Zero where nothing
+// `distance` m, and away from nearer neighbours. The longer, the more urgent: 1 for ahead alone. Zero where nothing
 // decides.
 Vec2 FlockDirection(const std::vector<Neighbour>& neighbours, double distance);
 

@@ -152,7 +152,8 @@ class ScanLog {
   ScanLog(const ScanLog&) = delete;
   ScanLog& operator=(const ScanLog&) = delete;
 
-  // With `keep` new lines follow those in the file; a last line without its end, as a killed agent leaves, is removed.
+  // With `keep` new lines follow the lines of the file; a last line without its end, as a killed agent leaves, is
+  // removed.
   static Result<std::unique_ptr<ScanLog>> Open(const std::string& path, bool keep = false);
 
   // Appends lines, each with its line end.

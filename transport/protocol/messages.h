@@ -89,7 +89,7 @@ struct JoinMessage {
   std::vector<std::string> robots;
   Edition world_edition = 0;    // of the agent's description
   Incarnation incarnation = 0;  // of the newest service that the agent knows
-  // The names of those robots whose controllers accept goals.
+  // The names of the robots whose controllers accept goals.
   std::vector<std::string> accept_goals = {};
   std::optional<ControllerCheckpoint> memory = {};  // nothing: the robots are new
   bool leaving = false;  // the last one of an agent, from its transport to that of the service: only its id counts

@@ -101,7 +101,7 @@ class WordWriter {
   template <typename Value>
   void Add(const Value& value);
 
-  // The number of words that were added, including those that did not fit.
+  // The number of added words, with the words that did not fit.
   std::size_t count() const { return count_; }
   bool fits() const { return count_ <= words_.size(); }
 

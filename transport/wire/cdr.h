@@ -65,7 +65,7 @@ std::vector<std::byte> ToCdr(const Wire& sample) {
   return SampleToCdr(&sample, *dds::TopicTraits<Wire>::descriptor());
 }
 
-// Any bytes are safe: an error when they are not those of a sample.
+// Any bytes are safe: an error if they are no sample.
 template <typename Wire>
 Result<Sample<Wire>> FromCdr(std::span<const std::byte> bytes) {
   Sample<Wire> sample;

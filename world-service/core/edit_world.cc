@@ -53,7 +53,8 @@ void Detach(StepWorkspace& workspace, ModelId root) {
     if (in_tree(gripper.left_contact)) gripper.left_contact = std::nullopt;
     if (in_tree(gripper.right_contact)) gripper.right_contact = std::nullopt;
   }
-  // Release would hand the object over to another gripper that has it between its pads; those have forgotten it above.
+  // Release would hand the object over to another gripper that has it between its pads; such grippers have forgotten it
+  // above.
   for (const GripperId gripper : holding) Release(workspace, gripper);
   if (const std::optional<RobotId> robot = workspace.scene.robot_of(root)) {
     for (const GripperId gripper : workspace.scene.grippers_of(*robot)) {

@@ -21,7 +21,7 @@ double TravelOf(const Scene& scene, RobotId robot, const Proposal* proposal, dou
   const double seconds = scene.world().interval_seconds();
   double travel =
       std::sqrt(proposal->twist.vx * proposal->twist.vx + proposal->twist.vy * proposal->twist.vy) * seconds;
-  // A payload may be farther from a joint than from the robot's origin: at most twice as far as from that one.
+  // A payload may be farther from a joint than from the robot's origin: at most twice as far as from the joint.
   const std::span<const JointId> joints = scene.joints_of(robot);
   for (std::size_t i = 0; i < std::min(joints.size(), proposal->joint_velocities.size()); ++i) {
     travel += std::abs(proposal->joint_velocities[i]) * seconds * std::max(1.0, 2.0 * radius);

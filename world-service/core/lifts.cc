@@ -54,7 +54,7 @@ class CabinMotion {
     const double way = goal - state_.z;
     // Exactly the height of the floor at the end of the way: IsOpen, people and events compare for equality.
     const double end = std::fabs(way) <= most ? goal : state_.z + std::copysign(most, way);
-    // Before the motion: the contents of the cabin are those at its old height.
+    // Before the motion: the contents of the cabin are found at its old height.
     FindCarried();
     const Motion motion{
         workspace_.bodies.X_WB(Cabin()), {}, std::copysign(lift_.speed, way), std::fabs(end - state_.z) / lift_.speed};
@@ -138,8 +138,8 @@ class CabinMotion {
     const double dz = z - state_.z;
     if (dz == 0.0) return;
     state_.z = z;
-    // The heights of cabin and doors are computed from those at load, not added up: after any number of trips the cabin
-    // is at its floor to the last bit.
+    // The heights of cabin and doors are computed from the heights at load, not added up: after any number of trips the
+    // cabin is at its floor to the last bit.
     const double offset = z - lift_.floors[lift_.floor].z;  // from the heights at load
     const auto raise = [&](ObjectId object, double height) {
       Pose X_WO = workspace_.next.objects[object.index()].X_WO;

@@ -46,7 +46,7 @@ void ChooseGoal(const WorldDescription& world, PersonId id, PersonState& person)
   // Not the same point again.
   const std::size_t choices = std::max<std::size_t>(points, 1) - (is_another ? 1 : 0);
   auto goal = static_cast<std::uint32_t>(Draw(world, id, person.goals_chosen, 1) * static_cast<double>(choices));
-  // The draw is among the other points: those from the present one on move up by one.
+  // The draw is among the other points: the points from the present one on move up by one.
   if (is_another && goal >= person.goal) ++goal;
   person.goal = goal;
   ++person.goals_chosen;

@@ -60,7 +60,7 @@ class ModelBuilder {
 
 constexpr double kMaxJoules = 1e12;  // or W, or kg
 
-// The amount in J of the property, or of the one in kJ.
+// The amount in J, from the property in J or in kJ.
 std::optional<double> ReadJoules(PropertyReader& reader, std::string_view name) {
   std::optional<double> joules;
   // Both spellings are in Stage's worlds.

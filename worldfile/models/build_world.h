@@ -10,7 +10,7 @@
 // find.
 //
 // Robots and movable objects have no parent in the world: a parent is a rigid mount. Where the file puts them inside
-// another model they are placed alone, and `placed_alone` keeps the parent of the file for those who move the whole
+// another model they are placed alone, and `placed_alone` keeps the parent of the file for code that moves the whole
 // (place_spawns.h, edits).
 //
 // One thread per call; the images come from the disk or from ImageSource, within `allowed`.

@@ -38,8 +38,8 @@ struct PeopleRule {
 inline constexpr std::uint32_t kMaxPeople = 20'000;
 
 // The world with the people of the rules, each at a start that is drawn from the region until nothing that can be hit
-// is within the person's radius. The same world, rules and `seed` give the same people. The error counts those that
-// found room. REQUIRES: the goal sets exist.
+// is within the person's radius. The same world, rules and `seed` give the same people. The error counts the people
+// that found room. REQUIRES: the goal sets exist.
 Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>& rules, std::uint64_t seed);
 
 // The world of a building with the people of its crowd_sim, if that is enabled: its states become goal sets.

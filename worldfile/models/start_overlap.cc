@@ -46,7 +46,7 @@ class Pieces {
     index_ = StaticIndex(std::move(pieces), std::move(areas));
   }
 
-  // The body that starts inside another model, by its root, with that model; the one with the lowest id if several.
+  // The body that starts inside another model, by its root, with that model; of several the lowest id.
   std::map<ModelId, ModelId> FindOverlaps() const {
     std::map<ModelId, ModelId> found;
     NearPieces near;

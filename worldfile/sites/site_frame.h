@@ -64,7 +64,7 @@ std::optional<double> ScaleOf(const LevelPlan& level);
 // stretch by `scale`. Points have y up. Nothing without two common fiducials at different places.
 std::optional<PlaneMap> AlignLevel(const LevelPlan& reference, double scale, const LevelPlan& level);
 
-// The coordinates of a file to those of W, but for the drawings of levels.
+// From coordinates of a file to W, but for the drawings of levels.
 class SiteFrame {
  public:
   SiteFrame(SiteCoordinates coordinates, const TransverseMercator& projection, const Vec2& offset)

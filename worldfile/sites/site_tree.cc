@@ -357,7 +357,7 @@ class TreeMaker {
 
   const Site& site_;
   WorldTree& tree_;
-  std::map<std::string, bool> unknown_robots_;  // those that were named in a warning
+  std::map<std::string, bool> unknown_robots_;  // the models that a warning has named
 };
 
 // What a vertex is for.

@@ -1,9 +1,9 @@
 // From a Site to the models of a world, and to its named places.
 //
-// A tree, not a world: scenarios override the properties of buildings as those of any file, and Stage defines are
-// available for robots to be added. Models: a group for each level with floors, lanes and walls, with its doors behind
-// it, then the doors and the cabin of each lift, then robots, in the order of the file. Heights, thicknesses and names
-// are those of the worlds that Open-RMF generates, so that its tools find doors and lifts by name.
+// A tree, not a world: scenarios override the properties of buildings like the properties of any file, and Stage
+// defines are available for robots to be added. Models: a group for each level with floors, lanes and walls, with its
+// doors behind it, then the doors and the cabin of each lift, then robots, in the order of the file. Heights,
+// thicknesses and names follow the worlds that Open-RMF generates, so that its tools find doors and lifts by name.
 //
 // Names of places are unique and stable: PlaceNames, PlacesOf and the lanes (worldfile/models/lanes.h) agree on them.
 #pragma once
@@ -20,8 +20,8 @@
 
 namespace troupe {
 
-// Doors stand open but for those that nothing operates and those of levels at which a lift is not. The tree has a
-// define for each robot model that building files name, and refers to the site.
+// Doors stand open but for doors that nothing operates and a lift's doors on the levels without its cabin. The tree has
+// a define for each robot model that building files name, and refers to the site.
 Result<WorldTree> SiteTree(std::shared_ptr<const Site> site);
 
 // Reads a building file, or a layout (lif_json.h), and makes its tree.
@@ -30,7 +30,7 @@ Result<WorldTree> ReadSiteTree(const std::string& path, const AllowedPaths& allo
 // The name of a door's model.
 std::string DoorName(const SiteLevel& level, const SiteDoor& door);
 
-// The names of vertices as places, by level and number; empty for those that are none.
+// The names of vertices as places, by level and number; empty for vertices that are none.
 std::vector<std::vector<std::string>> PlaceNames(const Site& site);
 
 // The vertices with a name or a role, tagged with their roles and level.

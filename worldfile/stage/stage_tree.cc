@@ -45,7 +45,7 @@ std::string Describe(const Token& token) {
   }
 }
 
-// Not the C library's functions: those depend on the locale.
+// Not the C library's functions, which depend on the locale.
 bool IsDigit(char c) {
   return c >= '0' && c <= '9';
 }
@@ -156,7 +156,7 @@ class Lexer {
 
   bool EndOfLine(Token& token) {
     const char first = text_[at_++];
-    // CRLF and LFCR are one line end, LFLF are two: line numbers agree with those of editors.
+    // CRLF and LFCR are one line end, LFLF are two: line numbers agree with editors.
     if (IsEndOfLine(Peek()) && Peek() != first) ++at_;
     Make(TokenKind::kEndOfLine, token);
     ++line_;

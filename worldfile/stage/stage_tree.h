@@ -90,7 +90,7 @@ inline Result<StageTree> ParseStage(std::string text, const std::string& path) {
   return ParseStage(std::move(text), path, count);
 }
 
-// The statements from the outermost to the one whose name is at this place; empty: there is none.
+// The statements from the outermost to the statement whose name is at this place; empty: there is none.
 std::vector<const Statement*> FindStatement(const StageTree& tree, int line, int column);
 
 // The property of that name that counts: the last one. Null: there is none.

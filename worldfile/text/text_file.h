@@ -62,7 +62,7 @@ class TextLines {
 
   // Lines and columns count from 1, columns in bytes.
   SourceLocation Where(const std::string& file, std::size_t offset) const;
-  // The other way; the nearest offset, if the text has no such place.
+  // The offset of a place; the nearest one if the text has no such place.
   std::size_t OffsetOf(int line, int column) const;
 
  private:

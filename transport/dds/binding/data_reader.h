@@ -1,7 +1,7 @@
 // DataReader<T>: receives the values of one topic. Safe to use from several threads.
 //
 // The binding is a thin layer over Cyclone's C functions: types own handles, errors are exceptions (entity.h), names
-// are those of the C++ PSM of DDS. It knows nothing of Troupe; transport/dds/transport decides on QoS and topics.
+// follow the C++ PSM of DDS. It knows nothing of Troupe; transport/dds/transport decides on QoS and topics.
 #pragma once
 
 #include <algorithm>

@@ -45,7 +45,7 @@ struct DomainConfig {
   std::string security_enclave;  // the folder with the participant's keys (common/base/paths.h); empty: no security
 };
 
-// The configuration of a tool that looks for world services. An empty address: those of this machine.
+// The configuration of a tool that looks for world services. An empty address: the services of this machine.
 DomainConfig ToolConfig(std::uint32_t domain, const std::string& network_interface, const std::string& service_address);
 
 // The UDP port at which a participant with this index listens for discovery (RTPS 2.2, section 9.6.1).

@@ -97,7 +97,7 @@ dds_entity_t TryToCreate(std::uint32_t number, DomainConfig config) {
 
 // Cyclone knows a domain by one number in a process and by another one on the network. Any free number will do in the
 // process, so that several participants, each with a configuration of its own, can be in one domain. The highest ones
-// come first: low ones are those of ROS domains, which can need theirs.
+// come first: low ones are the numbers of ROS domains, which can need theirs.
 SharedDomain CreateDomain(const DomainConfig& config) {
   for (std::uint32_t number = kDomains; number-- > 0;) {
     const dds_entity_t handle = TryToCreate(number, config);

@@ -28,8 +28,8 @@ class ControlClient {
   explicit ControlClient(const NetworkSettings& network);
   ~ControlClient();
 
-  // Waits for the service, at most `seconds`, and then for its first answer, at most 2 s. The error is for people;
-  // kBadInput: the keys of network.security are not those of an operator. Throws dds::Exception
+  // Waits for the service, at most `seconds`, and then for its first answer, at most 2 s. The error has a text to be
+  // shown; kBadInput: the keys of network.security do not belong to an operator. Throws dds::Exception
   // (transport/dds/binding/entity.h) when DDS cannot start.
   Status WaitForService(double seconds);
 

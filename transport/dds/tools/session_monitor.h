@@ -37,8 +37,8 @@ class SessionMonitor {
  public:
   // Sees services on the same network that multicast reaches, and the one at network.service_address. With security
   // "auto" these are the runs without security, and the secured ones that this user's runs publish on this host; with a
-  // folder of keys those of its authority; with "off" those without security. Throws std::exception when DDS cannot
-  // start, or the keys cannot be read.
+  // folder of keys the runs of its authority; with "off" the runs without security. Throws std::exception when DDS
+  // cannot start, or the keys cannot be read.
   explicit SessionMonitor(const NetworkSettings& network);
   ~SessionMonitor();
 
@@ -63,8 +63,8 @@ class SessionObserver {
 };
 
 // Observes the runs of `network.session`, now and later, as SessionMonitor sees them. With security "auto" the keys are
-// those that a run has published by now. The handler outlives the observer. The error: no keys of an observer
-// (kBadInput), or DDS cannot start.
+// the published keys of a run. The handler outlives the observer. The error: no keys of an observer (kBadInput), or DDS
+// cannot start.
 Result<std::unique_ptr<SessionObserver>> ObserveSession(const NetworkSettings& network, ObserverHandler& handler);
 
 }  // namespace troupe

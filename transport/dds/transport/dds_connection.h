@@ -135,8 +135,8 @@ class WireInbox {
     for (const Sender& ended : senders_.ForgetEnded(reader_.handle())) on_end(ended);
   }
 
-  // The senders that the reader is matched with, also those that have not sent anything yet, without those that are not
-  // of the run. Valid until Drain.
+  // The senders that the reader is matched with, before their first sample, too, without senders of other runs. Valid
+  // until Drain.
   std::vector<const Sender*> Matched() {
     std::vector<const Sender*> matched;
     for (const dds_instance_handle_t writer : MatchedPublications(reader_.handle())) {

@@ -26,8 +26,8 @@ struct DdsOptions : NetworkSettings {
   // The groups of agents of a service, each with a participant of its own (dds_service_endpoint.h). At least 1.
   std::size_t agent_groups = 1;
   std::size_t session_bytes = 0;  // of a service: SessionBytes of its largest world
-  // The UDP ports of a service that DDS has for this domain, of the participants of its groups; those that are not
-  // given are the first free ones.
+  // The UDP ports of a service that DDS has for this domain, of the participants of its groups; missing ones are the
+  // first free ports.
   std::vector<std::uint16_t> discovery_ports;
   std::vector<std::string> robots;  // of an agent: it may join for these only
   // Called, on any thread, when a run of this session has a token that `keys` lacks.

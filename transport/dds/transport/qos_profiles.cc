@@ -18,7 +18,7 @@ constexpr std::int32_t kAdmissionsKept = 16;
 // Answers to different agents that may be in transit at once.
 constexpr std::int32_t kPastStatesKept = 4;
 
-// Replies to tools, for those that the service has not discovered yet.
+// Replies kept for tools that the service has not discovered yet.
 constexpr std::int32_t kRepliesKept = 64;
 
 // Messages that may wait in a reader of many writers, and of the service's frames. A reader is drained by the thread

@@ -21,7 +21,7 @@ inline constexpr double kMaxBlockingTime = 0.5;  // s
 // known by its writers, so a stranger cannot create or dispose of instances.
 Qos FromMany(Qos profile);
 
-// The QoS of all publishers and subscribers: only those of the same session match.
+// The QoS of all publishers and subscribers: only equal sessions match.
 Qos Session(const std::string& session);
 // The QoS of the publisher of an agent with this name: a partition of its own, so that permissions tell agents apart.
 Qos Agent(const std::string& session, const std::string& name);

@@ -1,6 +1,6 @@
 // Senders: the writers that a reader has received samples from, each with the participant that it belongs to. DDS hands
-// a participant the samples of every writer of a topic; this tells which of them is which, and keeps out those that
-// were found not to be entitled to the topic.
+// a participant the samples of every writer of a topic; this tells the writers apart, and keeps out writers that are
+// not entitled to the topic.
 //
 // Three questions about a sample, in this order. Is its sender of the run? RunProof compares a proof in the
 // announcement, made of the run's token and the sender's GUID, before any sample is read. Is its sender entitled to
@@ -104,7 +104,7 @@ class ServiceRegistry {
   // run, so that one of them may continue it at once.
   explicit ServiceRegistry(bool proven, std::optional<GuidPrefix> only = std::nullopt) : proven_(proven), only_(only) {}
 
-  // Whether messages of the participant may be those of a service.
+  // Whether the participant may be a service.
   bool MayBeService(const GuidPrefix& participant) const { return !only_ || *only_ == participant || proven_; }
 
   // `participant` has sent a message of a run that only the run's service sends.

@@ -99,7 +99,7 @@ ModelType PlainModelType();
 
 // Properties that sensors of several kinds have in common.
 
-// "90 degrees", or "1.5 radians" in a file with those.
+// "90 degrees", or "1.5 radians" in a file of radians.
 std::string AngleText(const Units& units, double radians);
 
 // A side of the image of property `name`, in pixels, within the limits.
