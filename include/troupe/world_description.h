@@ -438,7 +438,7 @@ struct LiftDescription {
 };
 
 // The ports of a higher domain would exceed 65535.
-inline constexpr std::uint32_t kLastRosDomain = 230;
+inline constexpr std::uint32_t kMaxRosDomain = 230;
 
 // How a robot appears in ROS 2. It changes no result.
 struct RosIdentity {
@@ -449,7 +449,7 @@ struct RosIdentity {
     return std::tuple{
         Field{"ros_domain", &RosIdentity::domain,
               "its own ROS domain, where its topics have plain names; none: the run's"}
-            .Within(0, kLastRosDomain),
+            .Within(0, kMaxRosDomain),
         Field{"ros_namespace", &RosIdentity::name_space, "of its topics, \"/fleet/anna\"; empty: its name"},
     };
   }

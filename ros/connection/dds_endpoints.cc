@@ -134,7 +134,7 @@ DdsTopicReader::~DdsTopicReader() {
   reader_.close();  // before the members that its listener uses
 }
 
-void DdsTopicReader::Take(const Consume& consume) {
+void DdsTopicReader::ConsumeArrived(const Consume& consume) {
   for (;;) {
     const auto samples = dds::Loan<char>(reader_.handle(), dds_take, "taking samples");
     if (samples.empty()) return;

@@ -86,7 +86,7 @@ class DdsTopicReader final : public TopicReader {
   dds_entity_t handle() const { return reader_.handle(); }
 
  private:
-  void Take(const Consume& consume) override;
+  void ConsumeArrived(const Consume& consume) override;
 
   RosParticipant& owner_;
   const Notices notices_;

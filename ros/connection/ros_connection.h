@@ -94,9 +94,9 @@ class TopicReader {
   template <typename Function>
   void Drain(const Function& consume) {
     if (!arrived_.load()) return;
-    arrived_.store(false);  // before Take: a sample that arrives now is consumed, or sets the flag again
+    arrived_.store(false);  // before the call: a sample that arrives now is consumed, or sets the flag again
     try {
-      Take(consume);
+      ConsumeArrived(consume);
     } catch (const dds::Exception&) {  // out of memory; the next call reads the remaining samples
       arrived_.store(true);
     }
@@ -105,7 +105,7 @@ class TopicReader {
  protected:
   void SetArrived() { arrived_.store(true); }
   void SetMissedWriter() { missed_.store(true); }
-  virtual void Take(const Consume& consume) = 0;
+  virtual void ConsumeArrived(const Consume& consume) = 0;
 
  private:
   std::atomic<bool> arrived_ = true;  // a sample may wait

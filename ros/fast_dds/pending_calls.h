@@ -21,7 +21,7 @@ class PendingCalls {
   using Time = std::chrono::steady_clock::time_point;
 
   // A hostile client can make any number of calls: beyond these the oldest gets no response.
-  static constexpr std::size_t kMost = 1000;
+  static constexpr std::size_t kMaxCalls = 1000;
   // And that many bytes of requests that are not sent yet.
   static constexpr std::size_t kMaxBytes = 64U << 20U;
   // A call whose client has no reader of responses is dropped after this time.
@@ -39,7 +39,7 @@ class PendingCalls {
     calls_.emplace(number, Call{caller, std::move(request), now, false});
     const auto is_over = [&] {
       const Call& oldest = calls_.begin()->second;
-      return calls_.size() > kMost || (bytes_ > kMaxBytes && calls_.size() > 1) ||
+      return calls_.size() > kMaxCalls || (bytes_ > kMaxBytes && calls_.size() > 1) ||
              (!oldest.sent && now >= oldest.came + kWaitForReader);
     };
     while (!calls_.empty() && is_over()) Erase(calls_.begin());

@@ -109,7 +109,7 @@ class HostConnection::Reader final : public TopicReader {
   std::uint32_t id() const { return id_; }
 
  private:
-  void Take(const Consume& consume) override {
+  void ConsumeArrived(const Consume& consume) override {
     std::deque<Bytes> taken;
     {
       const std::lock_guard lock(owner_.mutex_);
@@ -146,7 +146,7 @@ class HostConnection::Service final : public ServiceServer {
   ~Service() override {
     owner_.Remove(id_);
     // A handler that has begun ends before its service does; none begins after Remove.
-    const std::lock_guard until_handled(owner_.handling_);
+    const std::lock_guard until_handled(owner_.executing_);
   }
 
   void Start() override {
@@ -177,8 +177,8 @@ class HostConnection::Service final : public ServiceServer {
     if (waiting.size() > kMaxRequests) waiting.pop_front();
   }
 
-  // REQUIRES: handling_ is held, and mutex_ is not.
-  void Handle(const Request& request) const {
+  // REQUIRES: executing_ is held, and mutex_ is not.
+  void Execute(const Request& request) const {
     const wire::UntypedSample sample(request_);
     if (wire::SampleFromCdr(request.bytes, request_, sample.data()).ok()) handler_(sample.data(), request.is_repeated);
   }
@@ -348,7 +348,7 @@ void HostConnection::Serve() {
         if (!link_->Flush()) broken_ = true;  // the rest follows at POLLOUT
         if (broken_) return Close();
       }
-      HandleRequests();
+      ExecuteRequests();
       ReportArrivals();
     } catch (const std::bad_alloc&) {
       const std::lock_guard lock(mutex_);
@@ -386,9 +386,9 @@ void HostConnection::Close() {
   for (const auto& [id, writer] : writers_) writer->React({});
 }
 
-void HostConnection::HandleRequests() {
+void HostConnection::ExecuteRequests() {
   for (;;) {
-    const std::lock_guard handling(handling_);
+    const std::lock_guard executing(executing_);
     std::unique_lock lock(mutex_);
     if (requests_.empty()) return;
     const Request request = std::move(requests_.front());
@@ -398,7 +398,7 @@ void HostConnection::HandleRequests() {
     if (found == services_.end()) continue;
     const Service& service = *found->second;
     lock.unlock();
-    service.Handle(request);
+    service.Execute(request);
   }
 }
 

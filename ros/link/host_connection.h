@@ -9,7 +9,7 @@
 // since an old pose is of no use.
 //
 // A thread of the connection calls the handlers of services; samples arrive on it, and by Receive. Locks, outer first:
-// handling_ (a handler runs) or changing_ (`changed` runs), then mutex_ (all state). Handlers and `changed` are called
+// executing_ (a handler runs) or changing_ (`changed` runs), then mutex_ (all state). Handlers and `changed` are called
 // without mutex_, so that they may call this object; `on_arrival` of a reader is called with it, and must not.
 #pragma once
 
@@ -99,7 +99,7 @@ class HostConnection final : public RosConnection {
   void Serve();
   // On the thread: connects, and sends all that has been made so far. False: nothing accepts.
   bool Open();
-  void HandleRequests();
+  void ExecuteRequests();
   void ReportArrivals();
 
   // REQUIRES of those below: mutex_ is held.
@@ -122,8 +122,8 @@ class HostConnection final : public RosConnection {
   const Sending sending_;
   const WakeEvent wake_;
   std::atomic<bool> stop_ = false;
-  std::mutex handling_;  // held while a handler runs, and by the end of a service
-  std::mutex changing_;  // guards the one below, and is held while it runs
+  std::mutex executing_;  // held while a handler runs, and by the end of a service
+  std::mutex changing_;   // guards the one below, and is held while it runs
   std::function<void()> changed_;
   std::mutex mutex_;            // guards all below
   std::unique_ptr<Link> link_;  // null: not connected. Only the thread replaces it

@@ -265,13 +265,13 @@ std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescripti
 
 std::vector<std::string> NoticesOfNames(const WorldDescription& world, std::uint32_t run_domain,
                                         const RosNames& names) {
-  constexpr std::size_t kMost = 10;
+  constexpr std::size_t kMaxNotices = 10;
   std::vector<std::string> notices;
   std::size_t more = 0;
   for (const auto& [robot, found] : FindRobotsInRos(world, run_domain, names)) {
     const std::string& name = world.robot(robot).name;
     if (found.name == name || found.node_namespace != "/" + found.name) continue;
-    if (notices.size() == kMost) {
+    if (notices.size() == kMaxNotices) {
       ++more;
       continue;
     }

@@ -60,11 +60,11 @@ inline GripperWorld TwoGrippers() {
 // The user data of all endpoints that `discovered` announces, by topic.
 inline std::map<std::string, std::string> UserDataOf(dds_entity_t participant, dds_entity_t discovered) {
   const dds::Entity endpoints(dds::Check(dds_create_reader(participant, discovered, nullptr, nullptr), "reading"));
-  constexpr std::uint32_t kMost = 1000;
-  std::vector<void*> samples(kMost, nullptr);
-  std::vector<dds_sample_info_t> infos(kMost);
+  constexpr std::uint32_t kMaxEndpoints = 1000;
+  std::vector<void*> samples(kMaxEndpoints, nullptr);
+  std::vector<dds_sample_info_t> infos(kMaxEndpoints);
   std::map<std::string, std::string> all;
-  const dds_return_t count = dds_read(endpoints.handle(), samples.data(), infos.data(), kMost, kMost);
+  const dds_return_t count = dds_read(endpoints.handle(), samples.data(), infos.data(), kMaxEndpoints, kMost);
   for (dds_return_t i = 0; i < count; ++i) {
     const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[static_cast<std::size_t>(i)]);
     void* bytes = nullptr;

@@ -95,7 +95,7 @@ class RosGraph {
     std::string name;
     std::size_t writers;
   };
-  static constexpr std::uint32_t kMost = 10000;
+  static constexpr std::uint32_t kMaxSamples = 10000;
 
   template <typename Byte>
   static Guid GuidOf(const Byte (&bytes)[16]) {
@@ -126,11 +126,11 @@ class RosGraph {
   }
   template <typename Sample, typename Visit>
   static void ForEachAlive(const dds::Entity& reader, const Visit& visit) {
-    std::vector<void*> samples(kMost, nullptr);
-    std::vector<dds_sample_info_t> infos(kMost);
-    const dds_return_t count =
-        dds::Check(dds_read_mask(reader.handle(), samples.data(), infos.data(), kMost, kMost, DDS_ALIVE_INSTANCE_STATE),
-                   "reading");
+    std::vector<void*> samples(kMaxSamples, nullptr);
+    std::vector<dds_sample_info_t> infos(kMaxSamples);
+    const dds_return_t count = dds::Check(
+        dds_read_mask(reader.handle(), samples.data(), infos.data(), kMaxSamples, kMost, DDS_ALIVE_INSTANCE_STATE),
+        "reading");
     for (dds_return_t i = 0; i < count; ++i) {
       const auto index = static_cast<std::size_t>(i);
       if (infos[index].valid_data) visit(*static_cast<const Sample*>(samples[index]));

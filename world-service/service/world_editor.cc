@@ -126,13 +126,13 @@ Result<WorldDescription> WorldEditor::WithRosDomain(std::uint32_t first, const W
     if (domain && RobotExists(run_.world(), RobotId(i))) used.insert(*domain);
   }
   WorldDescription with = spawned;
-  for (std::uint32_t domain = first; domain <= kLastRosDomain; ++domain) {
+  for (std::uint32_t domain = first; domain <= kMaxRosDomain; ++domain) {
     with.robots.front().ros.domain = domain;
     // Free among the robots, and none that the run itself uses for its own traffic.
     if (!used.contains(domain) && CheckWorld(with).ok()) return with;
   }
   return Error{{},
-               "found no free ROS domain from " + std::to_string(first) + " to " + std::to_string(kLastRosDomain) +
+               "found no free ROS domain from " + std::to_string(first) + " to " + std::to_string(kMaxRosDomain) +
                    ", expected one for the robot, as for those of its spawn rule"};
 }
 

@@ -184,11 +184,11 @@ class Adder {
 
   // Sets a robot's own domain, which no other robot has.
   Status SetRosDomain(const std::string& robot, std::uint32_t domain, const SourceLocation& where) {
-    if (domain > kLastRosDomain) {
+    if (domain > kMaxRosDomain) {
       return Error{where,
                    fmt::format("found the ROS domain {} for robot {}, expected at most {}: the ports of a higher "
                                "one would exceed 65535",
-                               domain, Quoted(robot), kLastRosDomain)};
+                               domain, Quoted(robot), kMaxRosDomain)};
     }
     const auto [owner, is_new] = domain_owners_.emplace(domain, robot);
     if (!is_new && owner->second != robot) {

@@ -92,12 +92,12 @@ TEST_F(PendingCallsTest, ACallWaitsForTheReaderOfItsClient) {
 }
 
 TEST_F(PendingCallsTest, IsBounded) {
-  for (std::size_t i = 1; i <= 2 * Calls::kMost; ++i) {
+  for (std::size_t i = 1; i <= 2 * Calls::kMaxCalls; ++i) {
     calls_.Add(static_cast<std::int64_t>(i), {1, 1}, kRequest, start_);
   }
-  EXPECT_EQ(calls_.size(), Calls::kMost);
+  EXPECT_EQ(calls_.size(), Calls::kMaxCalls);
   EXPECT_FALSE(calls_.RemoveCaller(1));
-  EXPECT_TRUE(calls_.RemoveCaller(Calls::kMost + 1));
+  EXPECT_TRUE(calls_.RemoveCaller(Calls::kMaxCalls + 1));
   const Bytes large(Calls::kMaxBytes / 2, 1);
   for (int i = 1; i <= 10; ++i) calls_.Add(10'000 + i, {1, 1}, large, start_);
   EXPECT_LE(calls_.size(), 2u);
