@@ -178,12 +178,9 @@ void WriteRecordings(const Seeds& seeds, const WorldDescription& world) {
     RecordedTick tick;
     tick.number = number;
     if (number == 3) {
-      ControlRequest request;
-      request.command = ControlCommand::kSetPose;
-      request.name = "r0";
-      request.pose = {-1.0, -1.0, 0.0, 0.5};
-      tick.edit = RecordedEdit{frame, request, {}};
-      frame.state = SetPose(scene, frame.state, request.name, request.pose).value().state;
+      const control::SetPose move{"r0", {-1.0, -1.0, 0.0, 0.5}};
+      tick.edit = RecordedEdit{frame, move, {}};
+      frame.state = SetPose(scene, frame.state, move.name, move.pose).value().state;
       ++frame.edition;
     } else if (number > 0) {
       tick.proposals = {{RobotId(0), {0.01, 0.0, 0.01}, {}}};
@@ -237,14 +234,11 @@ int Main(const char* folder) {
   ProposalMessage proposal;
   proposal.proposals = {{RobotId(0), {0.5, 0.0, 0.1}, {0.1, 0.2}}};
   seeds.WriteMessage("proposal", proposal);
-  ControlRequest request;
-  request.command = ControlCommand::kSpawn;
-  request.name = "late";
-  request.source = "rover";
-  request.robot_command.twist = troupe::Twist{0.5, 0.0, 0.1};
-  request.robot_command.grippers = {{.gripper = 0, .opening = 100.0}};
-  request.robot_command.goal = troupe::Goal{1, {{1.0, 2.0}}, 0.5};
-  seeds.WriteMessage("control", request);
+  control::CommandRobot command{.name = "r0"};
+  command.twist = troupe::Twist{0.5, 0.0, 0.1};
+  command.grippers = {{.gripper = 0, .opening = 100.0}};
+  command.goal = troupe::Goal{1, {{1.0, 2.0}}, 0.5};
+  seeds.WriteMessage("control", ControlRequest{.request = command});
   troupe::ControlReply reply;
   reply.problem = "no";
   reply.entities.push_back({"r0", "position", EntityKind::kRobot, {1.0, 2.0, 0.0, 0.5}, {0.1, 0.0, 0.0}});

@@ -90,7 +90,7 @@ std::vector<std::byte> EditToBytes(const RecordedEdit& edit) {
   dds::WireArena arena;
   troupe_wire_RecordedEdit wire{};
   wire.before = dds::ToWire(edit.before, arena);
-  wire.request = dds::ToWire(edit.request, arena);
+  wire.request = dds::ToWire(ControlRequest{.request = edit.request}, arena);
   troupe_wire_World* world = arena.Fill(wire.world, (edit.world ? 1U : 0U) + (edit.original ? 1U : 0U));
   if (edit.world) *world++ = dds::ToWire(*edit.world, arena);
   if (edit.original) *world = dds::ToWire(*edit.original, arena);
@@ -110,9 +110,9 @@ Result<RecordedEdit> EditFromBytes(std::span<const std::byte> bytes) {
   if (Status broken = dds::FromWire(wire.before, edit.before); !broken.ok()) return broken.error();
   Result<ControlRequest> request = dds::FromWire(wire.request);
   if (!request.ok()) return request.error();
-  edit.request = std::move(request).value();
+  edit.request = std::move(request.value().request);
   // The second is the world as loaded.
-  const std::uint32_t most = edit.request.command == ControlCommand::kRewind ? 2 : 1;
+  const std::uint32_t most = control::Is<control::Rewind>(edit.request) ? 2 : 1;
   if (wire.world._length > most) return Broken("recorded edit with too many worlds");
   for (const troupe_wire_World& world : dds::Elements(wire.world)) {
     Result<WorldDescription> description = dds::FromWire(world);

@@ -40,20 +40,20 @@ struct RecordedRun {
 
 // An edit that was applied.
 struct RecordedEdit {
-  FrameMessage before;     // of the state to which it was applied
-  ControlRequest request;  // with the name that a spawned entity was given
-  // kLoadWorld: the world. kSpawn: a world with only the entity to add. kDelete: with the entity that a later request
-  // may restore. kRewind: the world of `restored`. Else none.
+  FrameMessage before;       // of the state to which it was applied
+  control::Request request;  // of kind kEdit, with the name that a spawned entity was given
+  // LoadWorld: the world. Spawn: a world with only the entity to add. Delete: with the entity that a later request may
+  // restore. Rewind: the world of `restored`. Else none.
   std::optional<WorldDescription> world = {};
-  std::optional<WorldDescription> original = {};  // kRewind: the world that a reset restores, if it is not `world`
-  std::optional<FrameMessage> restored = {};      // kRewind: the state with which the robots start again
-  std::uint64_t copies = 0;  // kRewind: number of the states that follow on the way to its tick, copies of earlier ones
-  Edition copied_from = 0;   // kRewind: of `restored`, when the robots began with it the first time
+  std::optional<WorldDescription> original = {};  // Rewind: the world that a reset restores, if it is not `world`
+  std::optional<FrameMessage> restored = {};      // Rewind: the state with which the robots start again
+  std::uint64_t copies = 0;  // Rewind: number of the states that follow on the way to its tick, copies of earlier ones
+  Edition copied_from = 0;   // Rewind: of `restored`, when the robots began with it the first time
 };
 
 // The edit has a world in place of the previous one.
-inline bool ReplacesWorld(ControlCommand command) {
-  return command == ControlCommand::kLoadWorld || command == ControlCommand::kRewind;
+inline bool ReplacesWorld(const control::Request& request) {
+  return control::Is<control::LoadWorld>(request) || control::Is<control::Rewind>(request);
 }
 
 // A committed state, with the inputs that led to it: proposals for a step, or an edit. The first has neither.

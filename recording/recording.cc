@@ -153,7 +153,7 @@ Status Recording::FindEdits(std::size_t chunk, std::vector<TimeSpan>& spans) {
     if (channel == RecordingChannel::kEdits) {
       const Result<RecordedEdit> edit = EditFromBytes(message.data);
       if (!edit.ok()) return edit.error();
-      const bool replaces = ReplacesWorld(edit.value().request.command) && edit.value().world;
+      const bool replaces = ReplacesWorld(edit.value().request) && edit.value().world;
       interval_ns = replaces ? IntervalOf(*edit.value().world) : clocks_.back().interval_ns;
     } else if (channel == RecordingChannel::kTicks && interval_ns) {
       RecordedTick tick;

@@ -63,7 +63,7 @@ Status RecordingWriter::Add(const RecordedTick& tick) {
   }
   next_number_ = tick.number + 1;
   if (tick.is_step()) log_time_ += interval_ns_;
-  if (tick.edit && ReplacesWorld(tick.edit->request.command) && tick.edit->world) {
+  if (tick.edit && ReplacesWorld(tick.edit->request) && tick.edit->world) {
     interval_ns_ = static_cast<std::uint64_t>(tick.edit->world->interval_ns);
   }
   for (const TickMessage& message : MessagesOf(tick, run_)) Add(message.channel, message.data, tick);

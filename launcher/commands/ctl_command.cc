@@ -19,7 +19,7 @@ namespace {
 
 struct CtlOptions {
   NetworkSettings network;  // session empty: the only one
-  ControlRequest request;
+  control::Request request;
   double timeout_seconds = 0.0;  // 0: no limit
   std::string pose;              // text for ParsePoseText; empty: none
   bool lists_agents = false;     // of the entities
@@ -38,19 +38,21 @@ const char* Word(EntityKind kind) {
 }
 
 // The pose of the command line. Without a height an entity keeps the one that it has.
-Status SetPoseOfRequest(const CtlOptions& options, ControlClient& client, ControlRequest& request) {
+Status SetPoseOfRequest(const CtlOptions& options, ControlClient& client, control::Request& request) {
   if (options.pose.empty()) return Status();
   const Result<PoseText> pose = ParsePoseText(options.pose);
   if (!pose.ok()) return pose.error();
-  request.pose = pose.value().X_WE;
-  if (pose.value().has_height || request.command != ControlCommand::kSetPose) return Status();
-  ControlRequest question;
-  question.command = ControlCommand::kEntities;
-  question.name = request.name;
-  const Result<ControlReply> reply = client.Call(question, options.timeout_seconds);
+  const Pose& X_WE = pose.value().X_WE;
+  if (auto* const spawn = std::get_if<control::Spawn>(&request)) spawn->pose = X_WE;
+  if (auto* const restore = std::get_if<control::Restore>(&request)) restore->pose = X_WE;
+  auto* const move = std::get_if<control::SetPose>(&request);
+  if (move == nullptr) return Status();
+  move->pose = X_WE;
+  if (pose.value().has_height) return Status();
+  const Result<ControlReply> reply = client.Call(control::Entities{.name = move->name}, options.timeout_seconds);
   if (!reply.ok()) return reply.error();
   if (!reply.value().done) return Failure(reply.value().problem);
-  if (reply.value().entities.size() == 1) request.pose.z = reply.value().entities.front().X_WE.z;
+  if (reply.value().entities.size() == 1) move->pose.z = reply.value().entities.front().X_WE.z;
   return Status();
 }
 
@@ -59,7 +61,7 @@ Result<ControlReply> SendRequest(const CtlOptions& options) {
   if (const Status problem = SelectSession(network); !problem.ok()) return problem.error();
   ControlClient client(network);
   if (Status missing = client.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
-  ControlRequest request = options.request;
+  control::Request request = options.request;
   if (Status failure = SetPoseOfRequest(options, client, request); !failure.ok()) return failure.error();
   return client.Call(request, options.timeout_seconds);
 }
@@ -85,13 +87,13 @@ void PrintAgents(const ControlReply& reply) {
   }
 }
 
-void Print(ControlCommand command, const ControlReply& reply) {
-  if (command == ControlCommand::kSpawnables) {
+void Print(const control::Request& request, const ControlReply& reply) {
+  if (control::Is<control::Spawnables>(request)) {
     for (const EntityReport& model : reply.entities) PrintPlain(stdout, "{:<24} {}\n", model.name, model.type);
     return;
   }
   for (const EntityReport& entity : reply.entities) Print(entity);
-  if (command == ControlCommand::kEntities) return;
+  if (control::Is<control::Entities>(request)) return;
   PrintPlain(stdout, "{} tick {} hash {:016x}", ToString(reply.state), reply.tick, reply.state_hash);
   if (reply.edition > 0) PrintPlain(stdout, " edition {}", reply.edition);
   PrintPlain(stdout, "\n");
@@ -107,7 +109,8 @@ std::string AbsolutePath(const std::string& source) {
 }
 
 int CtlCommand(CtlOptions options) {
-  options.request.source = AbsolutePath(options.request.source);
+  if (auto* const spawn = std::get_if<control::Spawn>(&options.request)) spawn->source = AbsolutePath(spawn->source);
+  if (auto* const load = std::get_if<control::LoadWorld>(&options.request)) load->source = AbsolutePath(load->source);
   try {
     const Result<ControlReply> reply = SendRequest(options);
     if (!reply.ok()) return Fail(reply.error());
@@ -115,7 +118,7 @@ int CtlCommand(CtlOptions options) {
     if (options.lists_agents) {
       PrintAgents(reply.value());
     } else {
-      Print(options.request.command, reply.value());
+      Print(options.request, reply.value());
     }
     return kExitDone;
   } catch (const std::exception& exception) {
@@ -126,15 +129,23 @@ int CtlCommand(CtlOptions options) {
 // The options of one `troupe ctl`; its actions share them.
 using SharedOptions = std::shared_ptr<CtlOptions>;
 
-CLI::App* AddAction(CLI::App* command, const SharedOptions& options, const char* name, const char* help,
-                    ControlCommand request) {
-  CLI::App* action = command->add_subcommand(name, help)->fallthrough();
-  action->callback([options, request] { options->request.command = request; });
+// An action, and the request whose parameters are its options.
+template <typename Request>
+struct Action {
+  CLI::App* app;
+  std::shared_ptr<Request> request;
+};
+
+template <typename Request>
+Action<Request> AddAction(CLI::App* command, const SharedOptions& options, const char* name, const char* help) {
+  Action<Request> action{command->add_subcommand(name, help)->fallthrough(), std::make_shared<Request>()};
+  action.app->callback([options, request = action.request] { options->request = *request; });
   return action;
 }
 
-void AddName(CLI::App* action, const SharedOptions& options) {
-  action->add_option("NAME", options->request.name, "Name of a robot, an object or a model")->required();
+template <typename Request>
+void AddName(const Action<Request>& action, const char* help = "Name of a robot, an object or a model") {
+  action.app->add_option("NAME", action.request->name, help)->required();
 }
 
 CLI::Option* AddPose(CLI::App* action, const SharedOptions& options, const char* help) {
@@ -148,12 +159,12 @@ CLI::Option* AddPose(CLI::App* action, const SharedOptions& options, const char*
 }
 
 // Options of a reset of some parts only.
-void AddResetScopes(CLI::App* reset, const SharedOptions& options) {
+void AddResetScopes(const Action<control::Reset>& reset) {
   const auto add = [&](const char* name, const char* help, std::uint8_t scope) {
-    reset->add_flag_callback(
+    reset.app->add_flag_callback(
         name,
-        [options, scope] {
-          std::uint8_t& scopes = options->request.scopes;
+        [request = reset.request, scope] {
+          std::uint8_t& scopes = request->scopes;
           scopes = static_cast<std::uint8_t>((scopes == kResetAll ? 0 : scopes) | scope);
         },
         help);
@@ -164,93 +175,98 @@ void AddResetScopes(CLI::App* reset, const SharedOptions& options) {
 }
 
 void AddTimeActions(CLI::App* command, const SharedOptions& options) {
-  AddAction(command, options, "status", "Print the state of the run: playing or paused, tick, state hash",
-            ControlCommand::kStatus);
-  AddAction(command, options, "pause", "Pause the run at the end of the current tick", ControlCommand::kPause);
-  AddAction(command, options, "play", "Resume the run", ControlCommand::kPlay);
-  AddAction(command, options, "step", "Run a paused run for some ticks, and pause it again", ControlCommand::kStep)
-      ->add_option("TICKS", options->request.ticks, "Number of ticks (default: 1)")
-      ->check(WholeNumber(1));
-  AddAction(command, options, "speed", "Set the speed of the run", ControlCommand::kSpeed)
+  AddAction<control::GetStatus>(command, options, "status",
+                                "Print the state of the run: playing or paused, tick, state hash");
+  AddAction<control::Pause>(command, options, "pause", "Pause the run at the end of the current tick");
+  AddAction<control::Play>(command, options, "play", "Resume the run");
+  const auto step =
+      AddAction<control::Step>(command, options, "step", "Run a paused run for some ticks, and pause it again");
+  step.app->add_option("TICKS", step.request->ticks, "Number of ticks (default: 1)")->check(WholeNumber(1));
+  const auto speed = AddAction<control::Speed>(command, options, "speed", "Set the speed of the run");
+  speed.app
       ->add_option_function<std::string>(
-          "SPEED", [options](const std::string& text) { options->request.speed = ParseSpeed(text).value(); },
+          "SPEED", [request = speed.request](const std::string& text) { request->speed = ParseSpeed(text).value(); },
           "Multiple of real time; max: as fast as possible")
       ->required()
       ->check(SpeedValue())
       ->type_name("X|max");
-  AddAction(command, options, "rewind",
-            "Set the run back to an earlier tick, by its recording; controllers remember the ticks before",
-            ControlCommand::kRewind)
-      ->add_option("TICK", options->request.ticks, "The tick")
-      ->check(WholeNumber(0))
-      ->required();
+  const auto rewind = AddAction<control::Rewind>(
+      command, options, "rewind",
+      "Set the run back to an earlier tick, by its recording; controllers remember the ticks before");
+  rewind.app->add_option("TICK", rewind.request->tick, "The tick")->check(WholeNumber(0))->required();
 }
 
-void AddEditActions(CLI::App* command, const SharedOptions& options) {
-  AddResetScopes(AddAction(command, options, "reset",
-                           "Reset the run to the world as loaded, at tick 0; with options: the named parts only",
-                           ControlCommand::kReset),
-                 options);
-  AddWorldFile(*AddAction(command, options, "load", "Replace the world by that of a file", ControlCommand::kLoadWorld),
-               options->request.source);
-  CLI::App* const spawn =
-      AddAction(command, options, "spawn", "Add a robot, an object or a model to the world", ControlCommand::kSpawn);
-  spawn
-      ->add_option("SOURCE", options->request.source,
-                   "A model of the run's world file, a file with one model, or FILE#MODEL")
+void AddSpawn(CLI::App* command, const SharedOptions& options) {
+  const auto spawn =
+      AddAction<control::Spawn>(command, options, "spawn", "Add a robot, an object or a model to the world");
+  control::Spawn& request = *spawn.request;
+  spawn.app
+      ->add_option("SOURCE", request.source, "A model of the run's world file, a file with one model, or FILE#MODEL")
       ->required();
-  spawn->add_option("--name", options->request.name, "Its name (default: derived from the model)")->type_name("NAME");
-  spawn->add_flag("--rename", options->request.rename, "Choose another name if this one is in use");
-  spawn
+  spawn.app->add_option("--name", request.name, "Its name (default: derived from the model)")->type_name("NAME");
+  spawn.app->add_flag("--rename", request.rename, "Choose another name if this one is in use");
+  spawn.app
       ->add_option(
-          "--ros-domain", options->request.ros_domain,
+          "--ros-domain", request.ros_domain,
           "Its own ROS domain, with plain names (default: as its spawn rule or file says, else that of the run)")
       ->check(DdsDomain())
       ->type_name("D");
-  spawn
-      ->add_option("--controller", options->request.controller,
+  spawn.app
+      ->add_option("--controller", request.controller,
                    "Controller of the robot, with its default parameters (default: as the model says)")
       ->type_name("NAME");
-  AddPose(spawn, options, "Pose in the world frame, in metres and degrees; without Z on the ground (default: 0,0,0)");
-  AddName(AddAction(command, options, "delete", "Delete a robot, an object or a model", ControlCommand::kDelete),
-          options);
-  CLI::App* const restore =
-      AddAction(command, options, "restore", "Add a deleted robot, object or model again", ControlCommand::kRestore);
-  restore->add_option("NAME", options->request.source, "Its name when it was deleted")->required();
-  restore->add_option("--name", options->request.name, "Its name from now on (default: the same)")->type_name("NAME");
-  AddPose(restore, options, "Pose in the world frame, in metres and degrees; without Z on the ground")->required();
-  CLI::App* const set_pose =
-      AddAction(command, options, "set-pose", "Move a robot, an object or a model to a pose", ControlCommand::kSetPose);
-  AddName(set_pose, options);
-  AddPose(set_pose, options, "Pose in the world frame, in metres and degrees; without Z at its present height")
+  AddPose(spawn.app, options,
+          "Pose in the world frame, in metres and degrees; without Z on the ground (default: 0,0,0)");
+}
+
+void AddEditActions(CLI::App* command, const SharedOptions& options) {
+  AddResetScopes(
+      AddAction<control::Reset>(command, options, "reset",
+                                "Reset the run to the world as loaded, at tick 0; with options: the named parts only"));
+  const auto load = AddAction<control::LoadWorld>(command, options, "load", "Replace the world by that of a file");
+  AddWorldFile(*load.app, load.request->source);
+  AddSpawn(command, options);
+  AddName(AddAction<control::Delete>(command, options, "delete", "Delete a robot, an object or a model"));
+  const auto restore =
+      AddAction<control::Restore>(command, options, "restore", "Add a deleted robot, object or model again");
+  restore.app->add_option("NAME", restore.request->source, "Its name when it was deleted")->required();
+  restore.app->add_option("--name", restore.request->name, "Its name from now on (default: the same)")
+      ->type_name("NAME");
+  AddPose(restore.app, options, "Pose in the world frame, in metres and degrees; without Z on the ground")->required();
+  const auto move =
+      AddAction<control::SetPose>(command, options, "set-pose", "Move a robot, an object or a model to a pose");
+  AddName(move);
+  AddPose(move.app, options, "Pose in the world frame, in metres and degrees; without Z at its present height")
       ->required();
 }
 
 void AddDoorActions(CLI::App* command, const SharedOptions& options) {
-  CLI::App* const door = AddAction(command, options, "door", "Open or close a door", ControlCommand::kDoor);
-  door->add_option("NAME", options->request.name, "Its name")->required();
-  door->add_option("ACTION", options->request.source, "open or close")
+  const auto door = AddAction<control::Door>(command, options, "door", "Open or close a door");
+  AddName(door, "Its name");
+  door.app
+      ->add_option_function<std::string>(
+          "ACTION",
+          [request = door.request](const std::string& action) { request->opening = action == "open" ? 1.0 : 0.0; },
+          "open or close")
       ->required()
       ->check(CLI::IsMember({"open", "close"}))
       ->type_name("open|close");
-  CLI::App* const lift = AddAction(command, options, "lift", "Call a lift to a floor", ControlCommand::kLift);
-  lift->add_option("NAME", options->request.name, "Its name")->required();
-  lift->add_option("FLOOR", options->request.source, "The name of the floor")->required();
+  const auto lift = AddAction<control::Lift>(command, options, "lift", "Call a lift to a floor");
+  AddName(lift, "Its name");
+  lift.app->add_option("FLOOR", lift.request->floor, "The name of the floor")->required();
 }
 
 void AddListActions(CLI::App* command, const SharedOptions& options) {
-  AddAction(command, options, "list", "List the robots and objects of the world with their poses",
-            ControlCommand::kEntities);
-  AddName(AddAction(command, options, "get", "Print the pose of a robot, an object, a model or a place",
-                    ControlCommand::kEntities),
-          options);
-  AddAction(command, options, "agents", "List the agents of the robots: host, process id, time to answer a frame",
-            ControlCommand::kEntities)
-      ->callback([options] {
-        options->request.command = ControlCommand::kEntities;
+  AddAction<control::Entities>(command, options, "list", "List the robots and objects of the world with their poses");
+  AddName(AddAction<control::Entities>(command, options, "get",
+                                       "Print the pose of a robot, an object, a model or a place"));
+  AddAction<control::Entities>(command, options, "agents",
+                               "List the agents of the robots: host, process id, time to answer a frame")
+      .app->callback([options] {
+        options->request = control::Entities();
         options->lists_agents = true;
       });
-  AddAction(command, options, "spawnables", "List the models of the run's world file", ControlCommand::kSpawnables);
+  AddAction<control::Spawnables>(command, options, "spawnables", "List the models of the run's world file");
 }
 
 }  // namespace

@@ -140,7 +140,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
     return std::unique_ptr<RunObservation>(std::make_unique<MemoryObservation>(transport_, handler));
   }
 
-  Result<ControlReply> Ask(const ControlRequest& request) override {
+  Result<ControlReply> Ask(const control::Request& request) override {
     // The reply may come after the wait.
     auto promise = std::make_shared<std::promise<ControlReply>>();
     std::future<ControlReply> reply = promise->get_future();

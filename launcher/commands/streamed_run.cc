@@ -85,7 +85,7 @@ Result<std::unique_ptr<RunObservation>> StreamedRun::Observe(ObserverHandler& ha
   return std::unique_ptr<RunObservation>(std::make_unique<Observation>(*this));
 }
 
-Result<ControlReply> StreamedRun::Ask(const ControlRequest& request) {
+Result<ControlReply> StreamedRun::Ask(const control::Request& request) {
   (void)request;
   return Failure("this page shows a simulation within a program, which steps it; the page cannot change it");
 }

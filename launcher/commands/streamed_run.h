@@ -29,7 +29,7 @@ class StreamedRun final : public RunLink {
   // The states that were missed are nowhere else.
   bool follows_always() const override { return true; }
   // Refused: the process that has the simulation steps it.
-  Result<ControlReply> Ask(const ControlRequest& request) override;
+  Result<ControlReply> Ask(const control::Request& request) override;
 
  private:
   class Observation;

@@ -107,7 +107,7 @@ class DdsRunLink : public RunLink {
     return bytes.ok() ? std::optional(std::move(bytes).value()) : std::nullopt;
   }
 
-  Result<ControlReply> Ask(const ControlRequest& request) override {
+  Result<ControlReply> Ask(const control::Request& request) override {
     try {
       if (Status missing = control_.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
       return control_.Call(request, kReplySeconds);

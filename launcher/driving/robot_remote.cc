@@ -52,19 +52,13 @@ RobotRemote::RobotRemote(RobotRemote&& other) noexcept = default;
 RobotRemote::~RobotRemote() = default;
 
 Result<ControlReply> RobotRemote::Ask() {
-  ControlRequest request;
-  request.command = ControlCommand::kEntities;
-  request.name = robot_;
-  Result<ControlReply> reply = Call(request);
+  Result<ControlReply> reply = Call(control::Entities{.name = robot_});
   if (reply.ok() && reply.value().entities.size() != 1) return Failure("the world has no robot '" + robot_ + "'");
   return reply;
 }
 
 Result<Pose> RobotRemote::FindPlace(const std::string& name) {
-  ControlRequest request;
-  request.command = ControlCommand::kEntities;
-  request.name = name;
-  const Result<ControlReply> reply = Call(request);
+  const Result<ControlReply> reply = Call(control::Entities{.name = name});
   if (reply.ok() && reply.value().entities.size() == 1 && reply.value().entities.front().type == "place") {
     return reply.value().entities.front().X_WE;
   }
@@ -72,15 +66,11 @@ Result<Pose> RobotRemote::FindPlace(const std::string& name) {
 }
 
 Result<ControlReply> RobotRemote::Send(const RobotCommand& command, std::uint64_t ticks) {
-  ControlRequest request;
-  request.command = ControlCommand::kCommandRobot;
-  request.name = robot_;
-  request.ticks = std::clamp<std::uint64_t>(ticks, 1, kMaxCommandTicks);
-  request.robot_command = command;
-  return Call(request);
+  return Call(control::CommandRobot{robot_, std::clamp<std::uint64_t>(ticks, 1, kMaxCommandTicks), command.twist,
+                                    command.grippers, command.goal});
 }
 
-Result<ControlReply> RobotRemote::Call(const ControlRequest& request) {
+Result<ControlReply> RobotRemote::Call(const control::Request& request) {
   Result<ControlReply> reply = client_->Call(request, kReplySeconds);
   if (!reply.ok()) return reply;
   if (!reply.value().done) return Failure(reply.value().problem);

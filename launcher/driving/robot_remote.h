@@ -53,7 +53,7 @@ class RobotRemote {
   using Clock = std::chrono::steady_clock;
 
   RobotRemote(std::unique_ptr<ControlClient> client, std::string robot);
-  Result<ControlReply> Call(const ControlRequest& request);
+  Result<ControlReply> Call(const control::Request& request);
   void NoteTick(Tick tick);
 
   std::unique_ptr<ControlClient> client_;

@@ -7,28 +7,78 @@
 namespace troupe::faults {
 namespace {
 
-ControlRequest RandomRequest(RandomSource& random) {
-  static constexpr ControlCommand kCommands[] = {
-      ControlCommand::kPause,  ControlCommand::kPlay,      ControlCommand::kPlay,    ControlCommand::kStep,
-      ControlCommand::kReset,  ControlCommand::kLoadWorld, ControlCommand::kSpawn,   ControlCommand::kSpawn,
-      ControlCommand::kDelete, ControlCommand::kSetPose,   ControlCommand::kSetPose, ControlCommand::kEntities,
-      ControlCommand::kStatus};
-  static const std::string kNames[] = {"r0", "r1", "r2", "box", "scout", "crate", "nothing"};
-  static constexpr std::uint8_t kScopes[] = {kResetAll,    kResetAll, kResetTime, kResetState, kResetState | kResetTime,
-                                             kResetSpawned};
-  ControlRequest request;
-  request.command = kCommands[random.Index(std::size(kCommands))];
-  request.ticks = random.Index(6);
-  request.name = kNames[random.Index(std::size(kNames))];
-  request.scopes = kScopes[random.Index(std::size(kScopes))];
-  request.pose = {random.Uniform(-4.0, 4.0), random.Uniform(-4.0, 4.0), 0.0, random.Uniform(-3.0, 3.0)};
-  request.rename = random.Chance(0.5);
-  if (request.command == ControlCommand::kSpawn) {
-    request.source = random.Chance(0.6) ? "scout" : "crate";
-    request.name = random.Chance(0.5) ? "" : request.source;
+// Values for the parameters of any request.
+struct RandomParameters {
+  explicit RandomParameters(RandomSource& random) {
+    static const std::string kNames[] = {"r0", "r1", "r2", "box", "scout", "crate", "nothing"};
+    static constexpr std::uint8_t kScopes[] = {
+        kResetAll, kResetAll, kResetTime, kResetState, kResetState | kResetTime, kResetSpawned};
+    ticks = random.Index(6);
+    name = kNames[random.Index(std::size(kNames))];
+    scopes = kScopes[random.Index(std::size(kScopes))];
+    pose = {random.Uniform(-4.0, 4.0), random.Uniform(-4.0, 4.0), 0.0, random.Uniform(-3.0, 3.0)};
+    rename = random.Chance(0.5);
   }
-  if (request.command == ControlCommand::kEntities) request.name.clear();
-  return request;
+  control::Request Spawn(RandomSource& random) const {
+    const std::string source = random.Chance(0.6) ? "scout" : "crate";
+    return control::Spawn{.source = source, .name = random.Chance(0.5) ? "" : source, .pose = pose, .rename = rename};
+  }
+
+  std::uint64_t ticks = 0;
+  std::string name;
+  std::uint8_t scopes = kResetAll;
+  Pose pose;
+  bool rename = false;
+};
+
+control::Request RandomRequest(RandomSource& random) {
+  const std::size_t kind = random.Index(13);
+  const RandomParameters values(random);
+  switch (kind) {
+    case 0:
+      return control::Pause();
+    case 1:
+    case 2:
+      return control::Play();
+    case 3:
+      return control::Step{values.ticks};
+    case 4:
+      return control::Reset{values.scopes};
+    case 5:
+      return control::LoadWorld();
+    case 6:
+    case 7:
+      return values.Spawn(random);
+    case 8:
+      return control::Delete{values.name};
+    case 9:
+    case 10:
+      return control::SetPose{values.name, values.pose};
+    case 11:
+      return control::Entities();
+    default:
+      return control::GetStatus();
+  }
+}
+
+control::Request RandomEdit(RandomSource& random) {
+  const std::size_t kind = random.Index(7);
+  const RandomParameters values(random);
+  switch (kind) {
+    case 0:
+    case 1:
+      return control::Reset{values.scopes};
+    case 2:
+      return control::LoadWorld();
+    case 3:
+      return control::Spawn{.source = "scout", .name = values.name, .pose = values.pose, .rename = values.rename};
+    case 4:
+      return control::Delete{values.name};
+    case 5:
+      return control::SetPose{values.name, values.pose};
+    default:
+      return control::Restore{"r1", values.name, values.pose};
+  }
 }
 
 MessageFaults RandomMessageFaults(RandomSource& random) {
@@ -71,18 +121,12 @@ PlannedObserver RandomObserver(RandomSource& random, const FaultPlan& plan) {
 
 // An agent dies in a quiescent pause, and an edit follows before its lease has expired.
 void AddDeathBeforeAnEdit(RandomSource& random, FaultPlan& plan) {
-  static constexpr ControlCommand kEdits[] = {
-      ControlCommand::kReset,  ControlCommand::kReset,   ControlCommand::kLoadWorld, ControlCommand::kSpawn,
-      ControlCommand::kDelete, ControlCommand::kSetPose, ControlCommand::kRestore};
   const double at = random.Uniform(1.0, 2.0);
-  ControlRequest edit = RandomRequest(random);
-  edit.command = kEdits[random.Index(std::size(kEdits))];
-  if (edit.command == ControlCommand::kSpawn) edit.source = "scout";
-  if (edit.command == ControlCommand::kRestore) edit.source = "r1";
+  const control::Request edit = RandomEdit(random);
   const double death = at + 0.6;
-  plan.requests.push_back({at, {.command = ControlCommand::kPause}});
+  plan.requests.push_back({at, control::Pause()});
   plan.requests.push_back({death + random.Uniform(0.0, plan.lease), edit});
-  plan.requests.push_back({death + 2.5 * plan.lease, {.command = ControlCommand::kPlay}});
+  plan.requests.push_back({death + 2.5 * plan.lease, control::Play()});
   plan.faults.push_back({FaultKind::kKill, death, 0.0, 1 + random.Index(8), random.Chance(0.15)});
   if (random.Chance(0.3)) plan.faults.push_back({FaultKind::kKill, death + random.Uniform(0.0, 1.0), 0.0, 1, false});
   plan.restarts = std::max(plan.restarts, 2U);

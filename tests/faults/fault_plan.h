@@ -41,7 +41,7 @@ struct ProcessFault {
 
 struct PlannedRequest {
   double at = 0.0;
-  ControlRequest request;
+  control::Request request;
 };
 
 // An observer joins, is stopped for a time, and leaves without a message.

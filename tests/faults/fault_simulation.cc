@@ -88,7 +88,7 @@ void FaultSimulation::CheckRecovery() {
   journal_.SetOnCommit(nullptr);
   Await([this] { return !returning_; }, 10.0);
   if (!service_runs()) return;
-  SendRequest({.command = ControlCommand::kPlay});
+  SendRequest(control::Play());
   const double owner_looks = 1.0;
   const double end = events_.now() + kMaxRecovery;
   while (violation_.empty() && service_runs()) {
@@ -122,8 +122,7 @@ void FaultSimulation::CheckRequests() {
   for (const SentRequest& request : requests_) {
     const bool must_be_answered = request.arrived && !request.lost && !plan_.service_dies;
     if (request.replies > 1 || (must_be_answered && request.replies == 0)) {
-      return Violate(
-          fmt::format("a request (command {}) has {} replies", static_cast<int>(request.command), request.replies));
+      return Violate(fmt::format("a request (command {}) has {} replies", request.kind, request.replies));
     }
   }
 }
@@ -308,16 +307,17 @@ void FaultSimulation::SendHistory(const HistoryMessage& history) {
   }
 }
 
-void FaultSimulation::SendRequest(const ControlRequest& request) {
+void FaultSimulation::SendRequest(const control::Request& request) {
   const std::size_t index = requests_.size();
-  requests_.push_back({.command = request.command});
+  requests_.push_back({.kind = request.index()});
   events_.After(random_.Uniform(0.0, kMaxRequest), [this, request, index] {
     network_.RunInside(kService, [this, request, index] {
       requests_[index].arrived = true;
-      Log("tool: request {}, command {} '{}'", index, static_cast<int>(request.command), request.name);
+      Log("tool: request {}, {}", index, std::visit([](const auto& each) { return each.kName; }, request));
       RequestedWorld world;
-      if (request.command == ControlCommand::kLoadWorld) world = OtherWorld(plan_.memory);
-      if (request.command == ControlCommand::kSpawn) world = WorldToSpawn(request.source, plan_.memory);
+      if (control::Is<control::LoadWorld>(request)) world = {OtherWorld(plan_.memory)};
+      const auto* const spawn = std::get_if<control::Spawn>(&request);
+      if (spawn != nullptr) world = {WorldToSpawn(spawn->source, plan_.memory)};
       const auto reply = [this, index](const ControlReply& content) {
         ++requests_[index].replies;
         Log("tool: reply to request {}: {}", index, content.done ? "done" : content.problem);

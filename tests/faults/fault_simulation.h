@@ -46,7 +46,7 @@ class KeptJournal final : public RunObserver {
   Status OnCommit(const CommittedTick& tick, const RunProgress& progress) override {
     frame_ = tick.frame;
     progress_ = progress;
-    if (tick.edit != nullptr && tick.edit->request.command == ControlCommand::kLoadWorld) original_ = scene_;
+    if (tick.edit != nullptr && control::Is<control::LoadWorld>(tick.edit->request)) original_ = scene_;
     if (on_commit_) std::exchange(on_commit_, nullptr)();
     return {};
   }
@@ -86,7 +86,7 @@ class FaultSimulation final : private ServiceEndpoint {
     std::vector<std::string> robots;
   };
   struct SentRequest {
-    ControlCommand command = ControlCommand::kStatus;
+    std::size_t kind = 0;  // index of the alternative of control::Request
     bool arrived = false;
     bool lost = false;  // with a service that died
     int replies = 0;
@@ -132,7 +132,7 @@ class FaultSimulation final : private ServiceEndpoint {
   void ToAgent(ProcessId agent, std::function<void(AgentProtocol&)> call);
   void Inject(const ProcessFault& fault);
   void InjectInto(ProcessId victim, const ProcessFault& fault);
-  void SendRequest(const ControlRequest& request);
+  void SendRequest(const control::Request& request);
   std::vector<SimulatedAgent*> LivingAgents() const;
 
   // Advances until the condition holds, at most `seconds`; false if it does not hold then.

@@ -98,7 +98,7 @@ void ReferenceRun::Edit(const CommittedTick& tick) {
   Result<EditedWorld> edited = ApplyEdit(*tick.edit, original_, scene_, state_);
   if (!edited.ok()) return Differ(tick, "the edit cannot be applied: " + edited.error().message);
   EditedWorld& result = edited.value();
-  if (tick.edit->request.command == ControlCommand::kLoadWorld) original_ = result.scene;
+  if (control::Is<control::LoadWorld>(tick.edit->request)) original_ = result.scene;
   const bool new_world = result.scene != scene_;
   scene_ = result.scene;
   state_ = std::move(result.state);

@@ -69,7 +69,7 @@ class AttackedRun {
 
   const std::string& session() const { return session_; }
   std::uint64_t HashAfterSteps() {
-    const Result<ControlReply> reply = owner_.Call(ControlCommand::kStep, kTicks, kSeconds);
+    const Result<ControlReply> reply = owner_.Call(control::Step{.ticks = kTicks}, kSeconds);
     EXPECT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
     if (!reply.ok()) return 0;
     EXPECT_EQ(reply.value().tick, kTicks);
@@ -256,15 +256,10 @@ TEST(Attack, AnotherUserNeitherControlsNorJoinsARunOnLoopback) {
   ASSERT_TRUE(id.has_value()) << "without keys of DDS Security anyone can read it";
   Arsenal arsenal(run.session());
   ASSERT_TRUE(arsenal.controls.Found() && arsenal.joins.Found());
-  ControlRequest request;
-  for (const ControlCommand command : {ControlCommand::kPlay, ControlCommand::kReset, ControlCommand::kStep}) {
-    request.command = command;
-    request.ticks = 5;
-    arsenal.controls.Send(request);
+  for (const control::Request& request :
+       std::vector<control::Request>{control::Play(), control::Reset(), control::Step{5}, control::Delete{"r0"}}) {
+    arsenal.controls.Send(ControlRequest{.request = request});
   }
-  request.command = ControlCommand::kDelete;
-  request.name = "r0";
-  arsenal.controls.Send(request);
   arsenal.joins.Send(JoinMessage{.run = *id, .agent = 5, .protocol_version = kProtocolVersion, .robots = {"r0"}});
   EXPECT_TRUE(arsenal.controls.Delivered() && arsenal.joins.Delivered());
 
@@ -307,12 +302,12 @@ TEST(Attack, AFloodOfRequestsLeavesNoMemoryBehind) {
       request.client = i;
       arsenal.controls.Send(request);
     }
-    request.source = std::string(100'000'000, 'x');
+    request.request = control::LoadWorld{std::string(100'000'000, 'x')};
     for (int i = 0; i < 3; ++i) arsenal.controls.Send(request);
     JoinMessage join;
     join.robots.assign(kLongList, "a robot with a long name");
     arsenal.joins.Send(join);
-    request.source = "";
+    request.request = control::GetStatus();
     arsenal.controls.Send(request);
     EXPECT_TRUE(arsenal.controls.Delivered());
   }

@@ -34,7 +34,7 @@ TEST(Control, SteppingGivesTheSameHashesAsRunning) {
   ASSERT_TRUE(client.WaitForService(kSeconds).ok());
   for (Tick tick = 0; tick < 120;) {
     const std::uint64_t ticks = tick < 100 ? 1 : 10;
-    const Result<ControlReply> reply = client.Call(ControlCommand::kStep, ticks, kSeconds);
+    const Result<ControlReply> reply = client.Call(control::Step{.ticks = ticks}, kSeconds);
     ASSERT_TRUE(reply.ok()) << reply.error().message;
     ASSERT_TRUE(reply.value().done) << reply.value().problem;
     tick += ticks;

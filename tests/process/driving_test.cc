@@ -128,7 +128,7 @@ class Driving : public testing::Test {
   }
 
   EntityReport RobotNow(const std::string& name) {
-    ControlRequest request{.command = ControlCommand::kEntities, .name = name};
+    control::Entities request{.name = name};
     const Result<ControlReply> reply = client_->Call(request, kSeconds);
     if (!reply.ok() || reply.value().entities.size() != 1) {
       ADD_FAILURE() << "no robot " << name;

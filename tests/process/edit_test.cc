@@ -19,30 +19,30 @@ namespace {
 using testing::HasSubstr;
 
 // Edits of every kind, with steps between them.
-std::vector<ControlRequest> Script() {
-  ControlRequest step = Request(ControlCommand::kStep);
+std::vector<control::Request> Script() {
+  control::Step step;
   step.ticks = 15;
-  ControlRequest spawn = Request(ControlCommand::kSpawn, "late", {0.0, -2.0, 0.0, 1.0});
+  control::Spawn spawn{.name = "late", .pose = {0.0, -2.0, 0.0, 1.0}};
   spawn.source = "rover";
-  ControlRequest wall = Request(ControlCommand::kSpawn, "block", {-2.0, 0.5, 0.0, 0.0});
+  control::Spawn wall{.name = "block", .pose = {-2.0, 0.5, 0.0, 0.0}};
   wall.source = "wall";
-  ControlRequest again = Request(ControlCommand::kSpawn, "r1", {2.0, -2.0, 0.0, 0.5});
+  control::Spawn again{.name = "r1", .pose = {2.0, -2.0, 0.0, 0.5}};
   again.source = "rover";
-  ControlRequest load = Request(ControlCommand::kLoadWorld);
+  control::LoadWorld load;
   load.source = WorldPath("pen.world");
   return {step,
-          Request(ControlCommand::kSetPose, "r0", {1.0, -1.0, 0.0, 0.3}),
+          control::SetPose{.name = "r0", .pose = {1.0, -1.0, 0.0, 0.3}},
           step,
-          Request(ControlCommand::kDelete, "r1"),
+          control::Delete{.name = "r1"},
           step,
           spawn,
           wall,
           step,
           again,
-          Request(ControlCommand::kSetPose, "bar", {-0.6, 1.4, 0.0, 0.0}),
+          control::SetPose{.name = "bar", .pose = {-0.6, 1.4, 0.0, 0.0}},
           step,
-          Request(ControlCommand::kDelete, "r3"),
-          Request(ControlCommand::kReset),
+          control::Delete{.name = "r3"},
+          control::Reset(),
           step,
           spawn,
           step,
@@ -53,7 +53,7 @@ std::vector<ControlRequest> Script() {
 template <typename Call>
 std::vector<std::uint64_t> HashesOfScript(Call call) {
   std::vector<std::uint64_t> hashes;
-  for (const ControlRequest& request : Script()) {
+  for (const control::Request& request : Script()) {
     const Result<ControlReply> reply = call(request);
     if (!reply.ok() || !reply.value().done) {
       ADD_FAILURE() << "request " << hashes.size() << ": "
@@ -75,7 +75,7 @@ std::vector<std::uint64_t> HashesOverDds(const std::string& robots_per_process) 
   }
   run.WaitForLine("ready");
   std::vector<std::uint64_t> hashes =
-      HashesOfScript([&](const ControlRequest& request) { return client.Call(request, kSeconds); });
+      HashesOfScript([&](const control::Request& request) { return client.Call(request, kSeconds); });
   run.Interrupt();
   return hashes;
 }
@@ -84,7 +84,7 @@ TEST(Edit, GivesTheSameHashesForAnyPackingAndInOneProcess) {
   const std::string world = WorldPath("pen.world");
   ControlledRun run(LoadWorld(world).value().world, {.packing = 4, .world_file = world});
   const std::vector<std::uint64_t> expected =
-      HashesOfScript([&](const ControlRequest& request) { return Result<ControlReply>(run.Ask(request)); });
+      HashesOfScript([&](const control::Request& request) { return Result<ControlReply>(run.Ask(request)); });
   ASSERT_EQ(expected.size(), Script().size());
   EXPECT_EQ(HashesOverDds("1"), expected);
   EXPECT_EQ(HashesOverDds("3"), expected);
@@ -179,28 +179,28 @@ class EmptyWorldTest : public testing::Test {
     ASSERT_TRUE(client_.WaitForService(kSeconds).ok()) << run_->output();
     run_->WaitForLine("ready");
   }
-  ControlReply Ask(const ControlRequest& request) {
+  ControlReply Ask(const control::Request& request) {
     const Result<ControlReply> reply = client_.Call(request, kSeconds);
     EXPECT_TRUE(reply.ok() && reply.value().done)
         << (reply.ok() ? reply.value().problem : reply.error().message) << run_->output();
     return reply.ok() ? reply.value() : ControlReply();
   }
   ControlReply Load(const std::string& world) {
-    ControlRequest load = Request(ControlCommand::kLoadWorld);
+    control::LoadWorld load;
     load.source = folder_.Path(world);
     return Ask(load);
   }
   ControlReply Spawn(const std::string& name) {
-    ControlRequest spawn = Request(ControlCommand::kSpawn, name, {3.0, 0.0, 0.0, 0.0});
+    control::Spawn spawn{.name = name, .pose = {3.0, 0.0, 0.0, 0.0}};
     spawn.source = "rover";
     return Ask(spawn);
   }
   void ExpectPausesAndSteps() {
-    const Tick tick = Ask(Request(ControlCommand::kPause)).tick;
-    ControlRequest step = Request(ControlCommand::kStep);
+    const Tick tick = Ask(control::Pause()).tick;
+    control::Step step;
     step.ticks = 3;
     EXPECT_EQ(Ask(step).tick, tick + 3);
-    Ask(Request(ControlCommand::kPlay));
+    Ask(control::Play());
   }
 
   TemporaryFolder folder_;
@@ -221,7 +221,7 @@ TEST_F(EmptyWorldTest, AnswersAllRequests) {
 
 TEST_F(EmptyWorldTest, ContinuesAfterTheLastRobotOfAPlayingRunIsDeleted) {
   Start("one.world");
-  Ask(Request(ControlCommand::kDelete, "a"));
+  Ask(control::Delete{.name = "a"});
   ExpectPausesAndSteps();
   Spawn("b");
   ExpectPausesAndSteps();

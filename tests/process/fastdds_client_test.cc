@@ -58,12 +58,12 @@ class Stepper {
   explicit Stepper(const std::string& session) : client_(NetworkOf(session)) {
     EXPECT_TRUE(client_.WaitForService(kSeconds).ok());
   }
-  void Pause() { Do(ControlCommand::kPause, 0); }
-  Tick Step(std::uint64_t ticks) { return Do(ControlCommand::kStep, ticks); }
+  void Pause() { Do(control::Pause()); }
+  Tick Step(std::uint64_t ticks) { return Do(control::Step{.ticks = ticks}); }
 
  private:
-  Tick Do(ControlCommand command, std::uint64_t ticks) {
-    const Result<ControlReply> reply = client_.Call(command, ticks, kSeconds);
+  Tick Do(const control::Request& request) {
+    const Result<ControlReply> reply = client_.Call(request, kSeconds);
     EXPECT_TRUE(reply.ok() && reply.value().done);
     return reply.ok() ? reply.value().tick : 0;
   }

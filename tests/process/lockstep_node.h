@@ -216,11 +216,7 @@ class LockstepRunTest : public testing::Test {
     static const std::string reference = HashesOf({}, {"--ros-lockstep", "driver"});
     return reference;
   }
-  ControlReply Call(const ControlRequest& request) const { return CallRun(session_, request); }
-  ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
-    ControlRequest request{.command = command, .ticks = ticks};
-    return Call(request);
-  }
+  ControlReply Call(const control::Request& request) const { return CallRun(session_, request); }
 
   TemporaryFolder folder_;
   const std::string session_ = TestSession("lockstep");

@@ -84,22 +84,21 @@ TEST_F(MemoryOfRobotsTest, ALiveRunIsRewound) {
   run.WaitForLine("ready");
   std::vector<std::string> expected;  // lines of the hash log
   const std::vector<std::string> whole = Lines("whole");
-  const auto call = [&](ControlCommand command, std::uint64_t ticks) {
-    ControlRequest request{.command = command, .ticks = ticks};
+  const auto call = [&](const control::Request& request) {
     const Result<ControlReply> reply = client.Call(request, kSeconds);
     ASSERT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
   };
   const auto expect = [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i <= to; ++i) expected.push_back(whole[i]);
   };
-  call(ControlCommand::kStep, 60);
+  call(control::Step{.ticks = 60});
   expect(0, 60);
-  call(ControlCommand::kRewind, 25);
-  call(ControlCommand::kStep, 20);
+  call(control::Rewind{.tick = 25});
+  call(control::Step{.ticks = 20});
   expect(25, 45);
   EXPECT_THAT(OutputOf(Troupe({"ctl", "rewind", "3", "--session", session, "--domain", std::to_string(TestDomain())})),
               HasSubstr("paused tick 3 hash " + whole[3].substr(2)));
-  call(ControlCommand::kPlay, 1);
+  call(control::Play());
   expect(3, 100);
   EXPECT_EQ(run.Wait(), 0) << run.output();
   EXPECT_EQ(Lines("rewound"), expected);

@@ -95,7 +95,7 @@ TEST_F(Memory, OfARunWithADenseMapIsBounded) {
                         std::to_string(TestDomain()), "--session", session, "--paused", "--no-ros"});
   ControlClient client(NetworkOf(session));
   ASSERT_TRUE(client.WaitForService(kSeconds).ok());
-  const ControlReply reply = ValueOf(client.Call(ControlCommand::kStep, 20, kSeconds));
+  const ControlReply reply = ValueOf(client.Call(control::Step{.ticks = 20}, kSeconds));
   ASSERT_TRUE(reply.done) << reply.problem;
   const std::vector<pid_t> processes = ChildrenOf(run.pid());
   EXPECT_EQ(processes.size(), 2u) << "a service and an agent";
@@ -115,15 +115,15 @@ TEST_F(Memory, ForALoadedWorldMayBeMissing) {
                         "--session", session, "--paused", "--no-ros"});
   ControlClient client(NetworkOf(session));
   ASSERT_TRUE(client.WaitForService(kSeconds).ok());
-  ASSERT_TRUE(client.Call(ControlCommand::kStep, 5, kSeconds).ok());
+  ASSERT_TRUE(client.Call(control::Step{.ticks = 5}, kSeconds).ok());
   for (const pid_t process : ChildrenOf(run.pid())) {
     if (CommandLineOf(process).find("world-service") != std::string::npos) LimitMemory(process, 100 * kMebibyte);
   }
-  ControlRequest load{.command = ControlCommand::kLoadWorld, .source = folder_.Path("huge.world")};
+  control::LoadWorld load{.source = folder_.Path("huge.world")};
   const ControlReply refused = ValueOf(client.Call(load, kSeconds));
   EXPECT_FALSE(refused.done);
   EXPECT_THAT(refused.problem, HasSubstr("there is not enough memory"));
-  EXPECT_EQ(ValueOf(client.Call(ControlCommand::kStep, 20, kSeconds)).tick, 25u) << "the run continues";
+  EXPECT_EQ(ValueOf(client.Call(control::Step{.ticks = 20}, kSeconds)).tick, 25u) << "the run continues";
   run.Interrupt();
 }
 

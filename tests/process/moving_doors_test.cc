@@ -92,18 +92,15 @@ TEST(GuestsOverDds, RideOnFromATickThatIsRewoundTo) {
   ControlClient client(NetworkOf(session));
   ASSERT_TRUE(client.WaitForService(kSeconds).ok()) << run.output();
   run.WaitForLine("ready");
-  const auto call = [&](ControlCommand command, std::uint64_t ticks) {
-    ControlRequest request;
-    request.command = command;
-    request.ticks = ticks;
+  const auto call = [&](const control::Request& request) {
     const Result<ControlReply> reply = client.Call(request, kSeconds);
     EXPECT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
     return reply.ok() ? reply.value() : ControlReply();
   };
-  call(ControlCommand::kStep, 200);
-  const std::uint64_t first = call(ControlCommand::kStep, 200).state_hash;
-  EXPECT_EQ(call(ControlCommand::kRewind, 200).tick, 200u);
-  EXPECT_EQ(call(ControlCommand::kStep, 200).state_hash, first);
+  call(control::Step{.ticks = 200});
+  const std::uint64_t first = call(control::Step{.ticks = 200}).state_hash;
+  EXPECT_EQ(call(control::Rewind{.tick = 200}).tick, 200u);
+  EXPECT_EQ(call(control::Step{.ticks = 200}).state_hash, first);
   run.Interrupt();
   OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify"}));
 }
@@ -147,36 +144,28 @@ TEST(DoorsOverDds, RequestsAfterARewindGiveTheSameStates) {
   auto client = std::make_unique<ControlClient>(NetworkOf(session));
   ASSERT_TRUE(client->WaitForService(kSeconds).ok()) << run.output();
   run.WaitForLine("ready");
-  const auto call = [&](ControlCommand command, const std::string& name, const std::string& source,
-                        std::uint64_t ticks = 1) {
-    ControlRequest request;
-    request.command = command;
-    request.name = name;
-    request.source = source;
-    request.ticks = ticks;
+  const auto call = [&](const control::Request& request) {
     const Result<ControlReply> reply = client->Call(request, kSeconds);
     EXPECT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
     return reply.ok() ? reply.value() : ControlReply();
   };
   const auto operate = [&] {
-    call(ControlCommand::kDoor, "room_1_door", "close");
-    call(ControlCommand::kStep, "", "", 20);
-    call(ControlCommand::kLift, "guest_lift", "L2");
-    return call(ControlCommand::kStep, "", "", 60).state_hash;
+    call(control::Door{"room_1_door", 0.0});
+    call(control::Step{20});
+    call(control::Lift{"guest_lift", "L2"});
+    return call(control::Step{60}).state_hash;
   };
-  call(ControlCommand::kStep, "", "", 10);
+  call(control::Step{10});
   const std::uint64_t first = operate();
-  EXPECT_EQ(call(ControlCommand::kRewind, "", "", 10).tick, 10u);
+  EXPECT_EQ(call(control::Rewind{10}).tick, 10u);
   Kill(run, "world-service");
   run.WaitForLineAfter("the world service has been started again");
   // The other client may still wait for a reply of the service that died.
   client = std::make_unique<ControlClient>(NetworkOf(session));
   ASSERT_TRUE(client->WaitForService(kSeconds).ok()) << run.output();
   EXPECT_EQ(operate(), first);
-  ControlRequest wrong;
-  wrong.command = ControlCommand::kDoor;
+  control::Door wrong;
   wrong.name = "no_door";
-  wrong.source = "open";
   const Result<ControlReply> refused = client->Call(wrong, kSeconds);
   ASSERT_TRUE(refused.ok());
   EXPECT_EQ(refused.value().problem, "the world has no door 'no_door'");
@@ -210,31 +199,27 @@ TEST(DoorsOverDds, RequestsToAPlayingRunAreInputsOfItsTicks) {
   auto client = std::make_unique<ControlClient>(NetworkOf(session));
   ASSERT_TRUE(client->WaitForService(kSeconds).ok()) << run.output();
   run.WaitForLine("ready");
-  const auto call = [&](ControlCommand command, const std::string& name = {}, const std::string& source = {}) {
-    ControlRequest request;
-    request.command = command;
-    request.name = name;
-    request.source = source;
+  const auto call = [&](const control::Request& request) {
     const Result<ControlReply> reply = client->Call(request, kSeconds);
     EXPECT_TRUE(reply.ok() && reply.value().done) << (reply.ok() ? reply.value().problem : reply.error().message);
     return reply.ok() ? reply.value() : ControlReply();
   };
   for (int i = 0; i < 20; ++i) {
-    const ControlReply reply = call(ControlCommand::kDoor, "room_1_door", i % 2 == 0 ? "open" : "close");
+    const ControlReply reply = call(control::Door{"room_1_door", i % 2 == 0 ? 1.0 : 0.0});
     EXPECT_EQ(reply.state, RunState::kPlaying);
     EXPECT_EQ(reply.edition, 0u);
   }
   // In a pause an input waits for the next tick: also in the journal.
-  const Tick paused_at = call(ControlCommand::kPause).tick;
-  call(ControlCommand::kLift, "guest_lift", "L2");
-  EXPECT_EQ(call(ControlCommand::kStatus).tick, paused_at);
+  const Tick paused_at = call(control::Pause()).tick;
+  call(control::Lift{"guest_lift", "L2"});
+  EXPECT_EQ(call(control::GetStatus()).tick, paused_at);
   Kill(run, "world-service");
   run.WaitForLineAfter("the world service has been started again");
   client = std::make_unique<ControlClient>(NetworkOf(session));
   ASSERT_TRUE(client->WaitForService(kSeconds).ok()) << run.output();
-  call(ControlCommand::kStep);
-  EXPECT_EQ(call(ControlCommand::kPlay).edition, 0u);
-  call(ControlCommand::kDoor, "room_1_door", "open");
+  call(control::Step());
+  EXPECT_EQ(call(control::Play()).edition, 0u);
+  call(control::Door{"room_1_door", 1.0});
   run.Interrupt();
   OutputOf(Troupe({"replay", folder.Path("run.mcap"), "--verify"}));
   EXPECT_THAT(folder.Read("hashes"), testing::Not(testing::HasSubstr("edition")));

@@ -178,7 +178,7 @@ std::string OutputOf(Program program, int exit_status, const Caller& where) {
   return OutputOf(Finish(std::move(program)), exit_status, where);
 }
 
-ControlReply CallRun(const std::string& session, const ControlRequest& request) {
+ControlReply CallRun(const std::string& session, const control::Request& request) {
   ControlClient client(NetworkOf(session));
   EXPECT_TRUE(client.WaitForService(kSeconds).ok());
   const Result<ControlReply> reply = client.Call(request, kSeconds);

@@ -95,7 +95,7 @@ std::string OutputOf(const Finished& finished, int exit_status = 0, const Caller
 std::string OutputOf(Program program, int exit_status = 0, const Caller& where = Caller::Here());
 // The reply of a run of TestDomain(), by a client of its own: the service may be another than before. Without a reply
 // the test fails.
-ControlReply CallRun(const std::string& session, const ControlRequest& request);
+ControlReply CallRun(const std::string& session, const control::Request& request);
 // `troupe ctl` on a run of TestDomain().
 Finished Ctl(const std::string& session, const std::vector<std::string>& action);
 

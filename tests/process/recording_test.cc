@@ -174,29 +174,25 @@ TEST_F(ControllersTest, NamesTheFirstNumberOfAControllerThatIsNotRepeatable) {
   EXPECT_EQ(Replay({"--controllers"}).exit_status, 2) << "without --verify";
 }
 
-ControlRequest Steps(std::uint64_t ticks) {
-  ControlRequest step = Request(ControlCommand::kStep);
-  step.ticks = ticks;
-  return step;
+control::Step Steps(std::uint64_t ticks) {
+  return {ticks};
 }
 
-ControlRequest Reset(std::uint8_t scopes) {
-  ControlRequest reset = Request(ControlCommand::kReset);
-  reset.scopes = scopes;
-  return reset;
+control::Reset Reset(std::uint8_t scopes) {
+  return {scopes};
 }
 
 // Edits of every kind; the pen has robots, walls and a bar.
-std::vector<ControlRequest> Edits() {
+std::vector<control::Request> Edits() {
   return {Steps(12),
-          Request(ControlCommand::kSetPose, "r0", {1.0, -1.0, 0.0, 0.3}),
+          control::SetPose{.name = "r0", .pose = {1.0, -1.0, 0.0, 0.3}},
           Steps(7),
-          Request(ControlCommand::kDelete, "r1"),
-          Request(ControlCommand::kSpawn, "late", {0.0, -2.0, 0.0, 1.0}, "rover"),
-          Request(ControlCommand::kSpawn, "block", {-2.0, 0.5, 0.0, 0.0}, "wall"),
+          control::Delete{.name = "r1"},
+          control::Spawn{.source = "rover", .name = "late", .pose = {0.0, -2.0, 0.0, 1.0}},
+          control::Spawn{.source = "wall", .name = "block", .pose = {-2.0, 0.5, 0.0, 0.0}},
           Steps(11),
-          Request(ControlCommand::kSetPose, "bar", {-2.0, -0.5, 0.0, 0.0}),
-          Request(ControlCommand::kSpawn, "r1", {2.0, -2.0, 0.0, 0.5}, "rover"),
+          control::SetPose{.name = "bar", .pose = {-2.0, -0.5, 0.0, 0.0}},
+          control::Spawn{.source = "rover", .name = "r1", .pose = {2.0, -2.0, 0.0, 0.5}},
           Steps(9),
           Reset(kResetState),
           Steps(4),
@@ -206,8 +202,8 @@ std::vector<ControlRequest> Edits() {
           Steps(5),
           Reset(kResetAll),
           Steps(13),
-          Request(ControlCommand::kLoadWorld, "", {}, WorldPath("pen.world")),
-          Request(ControlCommand::kDelete, "r3"),
+          control::LoadWorld{.source = WorldPath("pen.world")},
+          control::Delete{.name = "r3"},
           Steps(8),
           Reset(kResetAll),
           Steps(3)};
@@ -228,7 +224,7 @@ class EditedRunTest : public RecordingTest {
     ControlClient client(NetworkOf(session));
     ASSERT_TRUE(client.WaitForService(kSeconds).ok()) << run.output();
     run.WaitForLine("ready");
-    for (const ControlRequest& request : Edits()) {
+    for (const control::Request& request : Edits()) {
       const Result<ControlReply> reply = client.Call(request, kSeconds);
       ASSERT_TRUE(reply.ok() && reply.value().done)
           << (reply.ok() ? reply.value().problem : reply.error().message) << run.output();

@@ -112,7 +112,7 @@ class RmfDelivery : public RmfFleet {
     return Eventually([&] { return Results(number).size() >= count; });
   }
   Pose PoseOf(const std::string& name) {
-    ControlRequest request{.command = ControlCommand::kEntities, .name = name};
+    control::Entities request{.name = name};
     const ControlReply reply = CallRun(session_, request);
     return reply.entities.empty() ? Pose{} : reply.entities.front().X_WE;
   }
@@ -315,8 +315,7 @@ TEST_F(RmfMap, TheMapOfTheBuildingHasTheNameMapByChoice) {
 
 TEST_F(RmfMap, AnotherBuildingWithTheSameLevelsLeavesTheMapEmpty) {
   Start({"--speed", "20", "--lease", "1"});
-  ControlRequest load;
-  load.command = ControlCommand::kLoadWorld;
+  control::LoadWorld load;
   load.source = WorldPath("../../../worlds/sites/clinic.building.yaml");
   const ControlReply loaded = CallRun(session_, load);
   ASSERT_TRUE(loaded.done) << loaded.problem;

@@ -25,9 +25,9 @@ class RosEditRun {
 
   Program& program() { return run_; }
 
-  ControlReply Ask(ControlRequest request) {
+  ControlReply Ask(const control::Request& request) {
     EXPECT_TRUE(client_.WaitForService(kSeconds).ok()) << run_.output();
-    const Result<ControlReply> reply = client_.Call(std::move(request), kSeconds);
+    const Result<ControlReply> reply = client_.Call(request, kSeconds);
     if (reply.ok()) {
       EXPECT_TRUE(reply.value().done) << reply.value().problem;
       return reply.value();
@@ -36,7 +36,7 @@ class RosEditRun {
     return {};
   }
   ControlReply Step(std::uint64_t ticks) {
-    ControlRequest request{.command = ControlCommand::kStep, .ticks = ticks};
+    control::Step request{.ticks = ticks};
     const ControlReply reply = Ask(request);
     const ControlReply before = std::exchange(newest_, reply);
     if (reply.edition == before.edition) {
@@ -44,11 +44,11 @@ class RosEditRun {
     }
     return reply;
   }
-  ControlReply Reset() { return Edit(ControlCommand::kReset); }
-  ControlReply Delete(const std::string& name) { return Edit(ControlCommand::kDelete, name); }
-  ControlReply Load(const std::string& file) { return Edit(ControlCommand::kLoadWorld, "", file); }
+  ControlReply Reset() { return Edit(control::Reset()); }
+  ControlReply Delete(const std::string& name) { return Edit(control::Delete{name}); }
+  ControlReply Load(const std::string& file) { return Edit(control::LoadWorld{file}); }
   ControlReply Spawn(const std::string& name, const Pose& pose) {
-    return Edit(ControlCommand::kSpawn, name, "rover", pose);
+    return Edit(control::Spawn{.source = "rover", .name = name, .pose = pose});
   }
 
   // Awaits a graph with these robots, each with one node and topics, and the node of the world.
@@ -101,11 +101,7 @@ class RosEditRun {
     EXPECT_EQ(children.size(), 1u);
     return children.empty() ? 0 : children.front();
   }
-  ControlReply Edit(ControlCommand command, const std::string& name = "", const std::string& source = "",
-                    const Pose& pose = {}) {
-    ControlRequest request{.command = command, .name = name, .source = source, .pose = pose};
-    return newest_ = Ask(request);
-  }
+  ControlReply Edit(const control::Request& request) { return newest_ = Ask(request); }
 
   const std::string session_;
   RosGraph graph_;

@@ -31,8 +31,7 @@ TEST(RosEdit, AResetOfAPlayingRunPlaysOn) {
     run.Reset();
     ControlReply status;
     EXPECT_TRUE(Eventually([&] {
-      ControlRequest request = {};
-      request.command = ControlCommand::kStatus;
+      control::GetStatus request;
       status = run.Ask(request);
       return status.tick >= 5;
     })) << "at tick "

@@ -199,7 +199,7 @@ TEST_F(RosFastDds, AGoalGoesOnWhileTheSideIsKilledAndIsAnsweredToANewCall) {
 TEST_F(RosFastDds, ACallWithoutAnAnswerIsLostWithTheSideAndItsStepsGoOn) {
   constexpr Tick kSteps = 30;
   const std::string session = TestSession("fast-dds");
-  const auto tick = [&] { return CallRun(session, {.command = ControlCommand::kStatus}).tick; };
+  const auto tick = [&] { return CallRun(session, control::GetStatus()).tick; };
   Program run = Run({"--paused", "--session", session});
   run.WaitForLine(", ready");
   Program lost = Caller({"step", std::to_string(kSteps)});

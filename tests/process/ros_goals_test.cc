@@ -85,7 +85,7 @@ class RosGoals : public testing::Test {
     run.WaitForLine(", ready");
     return run;
   }
-  void Call(const ControlRequest& request) {
+  void Call(const control::Request& request) {
     const ControlReply reply = CallRun(session_, request);
     EXPECT_TRUE(reply.done) << reply.problem;
   }
@@ -112,13 +112,13 @@ TEST_F(RosGoals, AreAbortedByAResetAnEditAndADeletion) {
   Program run = RunPaused();
   Caller caller;
   caller.OpenGoal(1);
-  Call({.command = ControlCommand::kReset});
+  Call(control::Reset());
   EXPECT_EQ(caller.AwaitResult(), GoalStatus::kAborted);
   caller.OpenGoal(2);
-  Call({.command = ControlCommand::kSpawn, .name = "late", .source = "rover", .pose = {0.0, 6.0, 0.0, 0.0}});
+  Call(control::Spawn{.source = "rover", .name = "late", .pose = {0.0, 6.0, 0.0, 0.0}});
   EXPECT_EQ(caller.AwaitResult(), GoalStatus::kAborted);
   caller.OpenGoal(3);
-  Call({.command = ControlCommand::kDelete, .name = "a"});
+  Call(control::Delete{.name = "a"});
   EXPECT_EQ(caller.AwaitResult(), GoalStatus::kAborted);
   run.Interrupt();
 }
@@ -127,8 +127,8 @@ TEST_F(RosGoals, GoOnAfterAMove) {
   Program run = RunPaused();
   Caller caller;
   caller.OpenGoal(1);
-  Call({.command = ControlCommand::kSetPose, .name = "a", .pose = {0.0, -2.0, 0.0, 0.0}});
-  Call({.command = ControlCommand::kPlay});
+  Call(control::SetPose{.name = "a", .pose = {0.0, -2.0, 0.0, 0.0}});
+  Call(control::Play());
   EXPECT_EQ(caller.AwaitResult(), GoalStatus::kSucceeded);
   run.Interrupt();
 }
@@ -196,7 +196,7 @@ TEST_F(RosGoals, StepsAreAnsweredAtTheEndOfTheRun) {
   simulation_interfaces_srv_dds__StepSimulation_Request_ million{};
   million.steps = 1'000'000;
   caller.step_.Send(million);
-  EXPECT_TRUE(Eventually([&] { return CallRun(session_, {.command = ControlCommand::kStatus}).tick > 0; }));
+  EXPECT_TRUE(Eventually([&] { return CallRun(session_, control::GetStatus()).tick > 0; }));
   run.Signal(SIGINT);
   EXPECT_TRUE(Eventually([&] {
     return caller.step_.Receive([](const auto& response) {
@@ -216,7 +216,7 @@ TEST_F(RosGoals, OutliveRosParticipantAndAreAnsweredToANewCall) {
   kill(ChildOf(run, "/ros-participant "), SIGKILL);
   Caller caller(4712);  // which knows the next one alone
   caller.AskForResult(1);
-  Call({.command = ControlCommand::kPlay});
+  Call(control::Play());
   EXPECT_EQ(caller.AwaitResult(), GoalStatus::kSucceeded);
   run.Interrupt();
 }

@@ -221,7 +221,7 @@ TEST(RosHostTool, DISABLED_ReadsUntilItIsKilled) {
 // of the eight writers would wait 1 s for it, beyond the time after which the program is killed.
 TEST(RosHost, EndsInOrderAfterAToolThatWasKilled) {
   const std::string session = TestSession("killed-tool");
-  const auto tick = [&] { return CallRun(session, {.command = ControlCommand::kStatus}).tick; };
+  const auto tick = [&] { return CallRun(session, control::GetStatus()).tick; };
   Program run = RunPen(RosArguments({"--session", session, "--speed", "1", "--ros-services", "cyclone"}));
   Program tool({"/usr/bin/env", "TOOL_DOMAIN=" + std::to_string(TestRosNetwork().domain),
                 std::filesystem::read_symlink("/proc/self/exe").string(), "--gtest_also_run_disabled_tests",

@@ -104,14 +104,14 @@ TEST_F(RosLockstepTest, StepsEndWhenTheNodeHasAnsweredTheirLastTick) {
   LockstepNode driver({});
   driver.HaltAt(5);
   Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--paused", "--ros-lockstep-limit", "0"}));
-  EXPECT_TRUE(Call(ControlCommand::kStep, 4).done);
+  EXPECT_TRUE(Call(control::Step{.ticks = 4}).done);
   EXPECT_TRUE(Eventually([&] { return driver.answered() == 4; }));
   std::atomic<bool> has_stepped = false;
   std::thread stepper([&] {
-    EXPECT_TRUE(Call(ControlCommand::kStep, 1).done);
+    EXPECT_TRUE(Call(control::Step{.ticks = 1}).done);
     has_stepped = true;
   });
-  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 5; }));
+  EXPECT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 5; }));
   EXPECT_FALSE(has_stepped);
   driver.Continue();
   stepper.join();
@@ -123,20 +123,19 @@ TEST_F(RosLockstepTest, EditsAreExecutedWhileATickWaits) {
   LockstepNode driver({});
   driver.HaltAt(10);
   Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0", "--ticks", "100000"}));
-  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 10; }));
-  EXPECT_EQ(Call(ControlCommand::kStatus).state, RunState::kPlaying);
-  EXPECT_TRUE(Call({.command = ControlCommand::kSetPose, .name = "r1", .pose = {0.0, 2.0, 0.0, 0.0}}).done);
-  EXPECT_TRUE(
-      Call({.command = ControlCommand::kSpawn, .name = "late", .source = "rover", .pose = {0, -2.2, 0, 0}}).done);
-  EXPECT_TRUE(Call({.command = ControlCommand::kDelete, .name = "late"}).done);
-  EXPECT_TRUE(Call(ControlCommand::kPause).done);
-  EXPECT_EQ(Call(ControlCommand::kStatus).state, RunState::kPaused);
-  EXPECT_EQ(Call(ControlCommand::kStatus).tick, 10u);
-  EXPECT_TRUE(Call(ControlCommand::kReset).done);
-  EXPECT_TRUE(Call(ControlCommand::kPlay).done);
-  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 10; }));
+  EXPECT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }));
+  EXPECT_EQ(Call(control::GetStatus()).state, RunState::kPlaying);
+  EXPECT_TRUE(Call(control::SetPose{.name = "r1", .pose = {0.0, 2.0, 0.0, 0.0}}).done);
+  EXPECT_TRUE(Call(control::Spawn{.source = "rover", .name = "late", .pose = {0, -2.2, 0, 0}}).done);
+  EXPECT_TRUE(Call(control::Delete{.name = "late"}).done);
+  EXPECT_TRUE(Call(control::Pause()).done);
+  EXPECT_EQ(Call(control::GetStatus()).state, RunState::kPaused);
+  EXPECT_EQ(Call(control::GetStatus()).tick, 10u);
+  EXPECT_TRUE(Call(control::Reset()).done);
+  EXPECT_TRUE(Call(control::Play()).done);
+  EXPECT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }));
   driver.Continue();
-  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick > 30; }));
+  EXPECT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick > 30; }));
   run.Interrupt();
 }
 
@@ -148,14 +147,14 @@ TEST_F(RosLockstepTest, ATickWaitsForATopicOfAnyTypeAndTellsOfItsMessages) {
   LockstepNode driver({});
   Program run = RunPen(Arguments("", {"--ros-lockstep", "driver,/plan", "--ros-lockstep-limit", "0"}));
   for (Tick tick = 0; tick <= 2; ++tick) {
-    EXPECT_TRUE(Eventually([&] { return driver.answered() == tick && Call(ControlCommand::kStatus).tick == tick; }));
+    EXPECT_TRUE(Eventually([&] { return driver.answered() == tick && Call(control::GetStatus()).tick == tick; }));
     // The first one may be lost while the endpoints discover each other.
     EXPECT_TRUE(Eventually([&] { return plans.wanted(); }));
     bool advances = false;
     for (int trial = 0; trial < 5 && !advances; ++trial) {
-      EXPECT_EQ(Call(ControlCommand::kStatus).tick, tick);
+      EXPECT_EQ(Call(control::GetStatus()).tick, tick);
       plans.Write({});
-      advances = Eventually([&] { return Call(ControlCommand::kStatus).tick > tick; }, 4.0);
+      advances = Eventually([&] { return Call(control::GetStatus()).tick > tick; }, 4.0);
     }
     ASSERT_TRUE(advances);
   }
@@ -217,10 +216,10 @@ TEST_F(RosLockstepTest, ATickWaitsForTheSuccessorOfANodeThatIsKilled) {
   const std::string& reference = Reference();
   std::optional<Program> node(NodeProcess());
   Program run = RunPen(Arguments("killed-", Words("--ros-lockstep driver --ros-lockstep-limit 0 --speed 3")));
-  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick >= 10; }));
+  ASSERT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick >= 10; }));
   node->Signal(SIGKILL);
   node->Wait();
-  ASSERT_LT(Call(ControlCommand::kStatus).tick, 60u);
+  ASSERT_LT(Call(control::GetStatus()).tick, 60u);
   const LockstepNode successor({});
   EXPECT_EQ(run.Wait(), 0) << run.output();
   EXPECT_EQ(folder_.Read("killed-hashes"), reference);
@@ -230,13 +229,13 @@ TEST_F(RosLockstepTest, ViewersSeeARunThatPlaysWhileItsTickWaits) {
   LockstepNode driver({});
   driver.HaltAt(10);
   Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0"}));
-  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 10; }));
+  ASSERT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }));
   Program top = Troupe({"top", "--domain", std::to_string(TestDomain()), "--session", session_});
   EXPECT_THAT(top.WaitForLine("tick 10"), HasSubstr(", playing, "));
   EXPECT_THAT(top.WaitForLine("the tick waits for"), HasSubstr("driver"));
-  EXPECT_TRUE(Call(ControlCommand::kPause).done);
+  EXPECT_TRUE(Call(control::Pause()).done);
   top.WaitForLine(", paused, tick 10");
-  EXPECT_TRUE(Call(ControlCommand::kPlay).done);
+  EXPECT_TRUE(Call(control::Play()).done);
   top.WaitForLineAfter(", paused, tick 10");
   top.Signal(SIGINT);
   driver.Continue();
@@ -256,7 +255,7 @@ TEST_F(RosLockstepTest, ABranchWaitsForTheNodesOfItsScenario) {
   driver.HaltAt(25);
   Program branch = Troupe(Words("run % --from-tick 20 --ticks 40 --session %", {folder_.Path("run.mcap"), session_}) +
                           Words("--hash-log %", {folder_.Path("branch-hashes")}) + network);
-  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 25; }));
+  EXPECT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 25; }));
   driver.Continue();
   EXPECT_EQ(branch.Wait(), 0) << branch.output();
   const std::string hashes = folder_.Read("hashes");
@@ -325,11 +324,11 @@ TEST_F(RosLockstepTest, DISABLED_TicksPerSecond) {
     std::vector<std::string> more = Words("--ticks 1000000 --speed max");
     if (count > 0) more = more + std::vector<std::string>{"--ros-lockstep", names};
     Program run = RunPen(Arguments("", more));
-    ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick > 20; }, 120.0));
-    const Tick from = Call(ControlCommand::kStatus).tick;
+    ASSERT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick > 20; }, 120.0));
+    const Tick from = Call(control::GetStatus()).tick;
     const auto began = std::chrono::steady_clock::now();
     std::this_thread::sleep_for(std::chrono::seconds(5));
-    const Tick to = Call(ControlCommand::kStatus).tick;
+    const Tick to = Call(control::GetStatus()).tick;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     std::printf("%d nodes: %.0f ticks per second\n", count, static_cast<double>(to - from) / seconds);
     run.Interrupt();

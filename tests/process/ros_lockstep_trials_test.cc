@@ -105,10 +105,10 @@ TEST_F(RosLockstepTrials, RewoundTicksWaitAgainAndRepeat) {
   driver.HaltAt(30);
   Program run = RunPen(Arguments(
       "rewound-", Words("--ros-lockstep driver --ros-lockstep-limit 0 --record %", {folder_.Path("rewound.mcap")})));
-  ASSERT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 30; }));
+  ASSERT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 30; }));
   const std::size_t answers = driver.answers();
-  EXPECT_TRUE(Call({.command = ControlCommand::kRewind, .ticks = 12}).done);
-  EXPECT_TRUE(Eventually([&] { return Call(ControlCommand::kStatus).tick == 30; }));
+  EXPECT_TRUE(Call(control::Rewind{.tick = 12}).done);
+  EXPECT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 30; }));
   EXPECT_GE(driver.answers(), answers + 18);
   driver.Continue();
   EXPECT_EQ(run.Wait(), 0) << run.output();

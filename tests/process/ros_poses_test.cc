@@ -91,7 +91,7 @@ class RosPoses : public testing::Test {
   void TearDown() override { run_->Interrupt(); }
 
   Pose PoseOf(const std::string& robot) {
-    ControlRequest question{.command = ControlCommand::kEntities, .name = robot};
+    control::Entities question{.name = robot};
     const Result<ControlReply> reply = client_.Call(question, kSeconds);
     if (!reply.ok() || reply.value().entities.size() != 1) {
       ADD_FAILURE() << run_->output();
@@ -151,18 +151,16 @@ TEST_F(RosPoses, AnInitialPoseIsSetInTheWorld) {
 
 TEST_F(RosPoses, TheTopicsFollowTheRobotsOfTheWorld) {
   Start({"--ros-rviz", "both"});
-  const auto edit = [&](ControlCommand command, const std::string& name, const Pose& pose) {
-    ControlRequest request{
-        .command = command, .name = name, .source = command == ControlCommand::kSpawn ? "rover" : "", .pose = pose};
+  const auto edit = [&](const control::Request& request) {
     const Result<ControlReply> reply = client_.Call(request, kSeconds);
     EXPECT_TRUE(reply.ok() && reply.value().done) << run_->output();
   };
-  edit(ControlCommand::kSpawn, "late", {0.0, -5.0, 0.0, 0.0});
+  edit(control::Spawn{.source = "rover", .name = "late", .pose = {0.0, -5.0, 0.0, 0.0}});
   InitialPoseTool of_late(TestRosNetwork().domain, "/late/initialpose");
   of_late.Write("map", {1.0, -6.0, 0.0, 1.0});
   EXPECT_TRUE(Reaches("late", {1.0, -6.0, 0.0, 1.0})) << run_->output();
-  edit(ControlCommand::kDelete, "cleo", {});
-  edit(ControlCommand::kDelete, "late", {});
+  edit(control::Delete{"cleo"});
+  edit(control::Delete{"late"});
   InitialPoseTool of_anna(TestRosNetwork().domain, "/anna/initialpose");
   of_anna.Write("map", {1.0, -6.0, 0.0, 1.0});
   EXPECT_TRUE(Reaches("anna", {1.0, -6.0, 0.0, 1.0})) << run_->output();

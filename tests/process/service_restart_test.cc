@@ -59,11 +59,7 @@ class ServiceRestartTest : public testing::Test {
     ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
     for (int i = 0; i < times; ++i) run.WaitForLineAfter("the world service has been started again");
   }
-  ControlReply Call(const ControlRequest& request) const { return CallRun(session_, request); }
-  ControlReply Call(ControlCommand command, std::uint64_t ticks = 1) const {
-    ControlRequest request{.command = command, .ticks = ticks};
-    return Call(request);
-  }
+  ControlReply Call(const control::Request& request) const { return CallRun(session_, request); }
 
   TemporaryFolder folder_;
   const std::string session_ = TestSession("restart");
@@ -99,9 +95,9 @@ TEST_F(ServiceRestartTest, ARunThatContinuesARecordingHasTheSameFiles) {
   Program run = start("run-", " --paused --lease 1 --session " + session_);
   run.WaitForLine("4 robots in 4 agent processes, ready");
   Kill(run);  // in the state with which it begins
-  Call(ControlCommand::kStep, 15);
+  Call(control::Step{.ticks = 15});
   Kill(run);
-  Call(ControlCommand::kPlay);
+  Call(control::Play());
   EXPECT_EQ(run.Wait(), 0) << run.output();
   EXPECT_EQ(folder_.Read("run-hashes"), folder_.Read("whole-hashes"));
   EXPECT_EQ(folder_.Read("run-poses"), folder_.Read("whole-poses"));
@@ -109,33 +105,33 @@ TEST_F(ServiceRestartTest, ARunThatContinuesARecordingHasTheSameFiles) {
 
 TEST_F(ServiceRestartTest, APausedRunRemainsPausedAndAStepIsFinished) {
   Program run = Start({"--paused", "--speed", "max"});
-  EXPECT_EQ(Call(ControlCommand::kStep, 5).tick, 5u);
+  EXPECT_EQ(Call(control::Step{.ticks = 5}).tick, 5u);
   ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
-  const ControlReply paused = Call(ControlCommand::kPause);
+  const ControlReply paused = Call(control::Pause());
   EXPECT_EQ(paused.state, RunState::kPaused);
   EXPECT_EQ(paused.tick, 5u);
-  EXPECT_EQ(Call(ControlCommand::kStep, 7).tick, 12u);
-  EXPECT_EQ(Call(ControlCommand::kPlay).state, RunState::kPlaying);
+  EXPECT_EQ(Call(control::Step{.ticks = 7}).tick, 12u);
+  EXPECT_EQ(Call(control::Play()).state, RunState::kPlaying);
   EXPECT_EQ(run.Wait(), 0) << run.output();
   ExpectFilesOfAnUndisturbedRun();
 }
 
 TEST_F(ServiceRestartTest, AnEditedRunHasItsWorld) {
   Program run = Start({"--paused", "--speed", "max"});
-  Call(ControlCommand::kStep, 5);
-  ControlRequest removal{.command = ControlCommand::kDelete, .name = "r3"};
+  Call(control::Step{.ticks = 5});
+  control::Delete removal{.name = "r3"};
   EXPECT_TRUE(Call(removal).done);
-  Call(ControlCommand::kStep, 3);
+  Call(control::Step{.ticks = 3});
   ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
-  const ControlReply entities = Call(ControlCommand::kEntities);
+  const ControlReply entities = Call(control::Entities());
   EXPECT_EQ(entities.tick, 8u);
   for (const EntityReport& entity : entities.entities) EXPECT_NE(entity.name, "r3");
   // The world as loaded is in the journal, too.
-  EXPECT_TRUE(Call(ControlCommand::kReset).done);
-  Call(ControlCommand::kStep, 10);
+  EXPECT_TRUE(Call(control::Reset()).done);
+  Call(control::Step{.ticks = 10});
   ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
-  EXPECT_EQ(Call(ControlCommand::kStatus).edition, 2u);
-  Call(ControlCommand::kPlay);
+  EXPECT_EQ(Call(control::GetStatus()).edition, 2u);
+  Call(control::Play());
   EXPECT_EQ(run.Wait(), 0) << run.output();
   RunUndisturbed();
   const std::string whole = folder_.Read("whole-hashes");
@@ -144,29 +140,25 @@ TEST_F(ServiceRestartTest, AnEditedRunHasItsWorld) {
 
 TEST_F(ServiceRestartTest, DeletedEntitiesCanBeRestored) {
   Program run = Start({"--paused", "--speed", "max"});
-  ControlRequest question;
-  question.command = ControlCommand::kEntities;
+  control::Entities question;
   question.name = "r3";
   const Pose original = Call(question).entities.at(0).X_WE;
-  ControlRequest removal;
-  removal.command = ControlCommand::kDelete;
+  control::Delete removal;
   removal.name = "r3";
   ASSERT_TRUE(Call(removal).done);
-  Call(ControlCommand::kStep, 3);
-  ControlRequest rewind;
-  rewind.command = ControlCommand::kRewind;
-  rewind.ticks = 1;
+  Call(control::Step{.ticks = 3});
+  control::Rewind rewind;
+  rewind.tick = 1;
   ASSERT_TRUE(Call(rewind).done);
   ASSERT_EQ(kill(ServiceOf(run), SIGKILL), 0);
-  ControlRequest restoration;
-  restoration.command = ControlCommand::kRestore;
+  control::Restore restoration;
   restoration.source = "r3";
   restoration.pose = original;
   const ControlReply restored = Call(restoration);
   EXPECT_TRUE(restored.done) << restored.problem;
   ASSERT_EQ(restored.entities.size(), 1u);
   EXPECT_EQ(restored.entities.front().name, "r3");
-  EXPECT_EQ(Call(ControlCommand::kStep, 2).tick, 3u);
+  EXPECT_EQ(Call(control::Step{.ticks = 2}).tick, 3u);
 }
 
 TEST_F(ServiceRestartTest, ARecordingIsWholeAfterwards) {

@@ -97,7 +97,7 @@ TEST(StoppedAgent, RejoinsAWorldThatWasEditedMeanwhile) {
   ControlClient client(NetworkOf(session));
   const Status found = client.WaitForService(kSeconds);
   ASSERT_TRUE(found.ok()) << found.error().message;
-  ControlRequest removal{.command = ControlCommand::kDelete, .name = "r3"};
+  control::Delete removal{.name = "r3"};
   const ControlReply reply = ValueOf(client.Call(removal, kSeconds));
   EXPECT_TRUE(reply.done) << reply.problem;
   SignalAll(agent, SIGCONT);
@@ -134,9 +134,9 @@ TEST(StoppedAgent, GivesUpAServiceThatDoesNotReturn) {
   ControlClient client(NetworkOf(session));
   const Status found = client.WaitForService(kSeconds);
   ASSERT_TRUE(found.ok()) << found.error().message;
-  const ControlReply stepped = ValueOf(client.Call(ControlCommand::kStep, 1, kSeconds));
+  const ControlReply stepped = ValueOf(client.Call(control::Step{.ticks = 1}, kSeconds));
   ASSERT_TRUE(stepped.done) << stepped.problem;
-  ValueOf(client.Call(ControlCommand::kPlay, 0, kSeconds));
+  ValueOf(client.Call(control::Play(), kSeconds));
   service.Signal(SIGKILL);
   for (Program& agent : agents) {
     EXPECT_EQ(agent.Wait(), 3);

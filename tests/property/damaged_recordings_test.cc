@@ -27,13 +27,12 @@ Bytes RecordRun() {
     const WorldDescription world = Yard(2);
     ControlledRun run(world, {.outputs = outputs});
     run.Step(9);
-    ControlRequest edit{
-        .command = ControlCommand::kSetPose, .name = world.robots[0].name, .pose = {-3.0, -3.0, 0.0, 0.0}};
+    control::SetPose edit{.name = world.robots[0].name, .pose = {-3.0, -3.0, 0.0, 0.0}};
     EXPECT_TRUE(run.Ask(edit).done);
     run.Step(4);
-    EXPECT_TRUE(run.Ask(ControlCommand::kRewind, 11).done);
+    EXPECT_TRUE(run.Ask(control::Rewind{.tick = 11}).done);
     run.Step(4);
-    EXPECT_TRUE(run.Ask(ControlCommand::kReset).done);
+    EXPECT_TRUE(run.Ask(control::Reset()).done);
     run.Step(3);
     EXPECT_TRUE(run.Finish().ok());
   }

@@ -71,7 +71,7 @@ class ControlledRun final : private RunObserver {
   ~ControlledRun() override { static_cast<void>(Finish()); }
 
   // Sends a request and waits for its reply.
-  ControlReply Ask(ControlRequest request) {
+  ControlReply Ask(control::Request request) {
     WorldControl* const control = Control();
     auto answered = std::make_shared<std::promise<ControlReply>>();
     std::future<ControlReply> reply = answered->get_future();
@@ -83,13 +83,9 @@ class ControlledRun final : private RunObserver {
     }
     return reply.get();
   }
-  ControlReply Ask(ControlCommand command, std::uint64_t ticks = 1) {
-    ControlRequest request{.command = command, .ticks = ticks};
-    return Ask(request);
-  }
   // REQUIRES: the run is paused.
   void Step(std::uint64_t ticks) {
-    const ControlReply reply = Ask(ControlCommand::kStep, ticks);
+    const ControlReply reply = Ask(control::Step{.ticks = ticks});
     EXPECT_TRUE(reply.done) << reply.problem;
   }
 

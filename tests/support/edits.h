@@ -22,11 +22,6 @@ inline WorldDescription Scenario(const std::string& name) {
   return std::move(loaded.value().world);
 }
 
-inline ControlRequest Request(ControlCommand command, const std::string& name = {}, const Pose& pose = {},
-                              const std::string& source = {}) {
-  return {.command = command, .name = name, .source = source, .pose = pose};
-}
-
 // A world file that defines a robot, for as long as it is there.
 class DefinitionFile {
  public:

@@ -66,6 +66,8 @@ class RandomRows {
       constexpr std::size_t kBreakBeam = 1;
       const std::size_t kind = Below(std::variant_size_v<SensorParameters>);
       FillKind(value, kind == kBreakBeam ? 0 : kind);
+    } else if constexpr (requires { value.valueless_by_exception(); }) {
+      FillKind(value, Below(std::variant_size_v<Value>));
     } else if constexpr (kIsOptional<Value>) {
       FillOptional(value, field);
     } else if constexpr (requires { value.Change(); }) {
@@ -75,12 +77,12 @@ class RandomRows {
     }
   }
 
-  // Parameters of the alternative of this number.
-  template <std::size_t kind = 0>
-  void FillKind(SensorParameters& parameters, std::size_t number) {
-    if constexpr (kind < std::variant_size_v<SensorParameters>) {
-      if (number != kind) return FillKind<kind + 1>(parameters, number);
-      Fill(parameters.emplace<kind>());
+  // A variant, with the alternative of this number.
+  template <std::size_t kind = 0, typename Variant>
+  void FillKind(Variant& value, std::size_t number) {
+    if constexpr (kind < std::variant_size_v<Variant>) {
+      if (number != kind) return FillKind<kind + 1>(value, number);
+      Fill(value.template emplace<kind>());
     }
   }
 

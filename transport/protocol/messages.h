@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "common/model/proposal.h"
+#include "transport/protocol/control_request.h"
 #include "troupe/event.h"
 #include "troupe/fields.h"
 #include "troupe/ids.h"
@@ -242,88 +243,42 @@ struct ProposalMessage {
 // A message that never changes.
 using SharedProposal = std::shared_ptr<const ProposalMessage>;
 
-enum class ControlCommand : std::uint8_t {
-  kStatus = 0,
-  kPause = 1,  // after the open tick; answered when the pause is quiescent
-  kPlay = 2,
-  kStep = 3,  // from a pause: `ticks` ticks, and pause again; answered when that pause is quiescent
-  // Edits, each in a pause of its own if the run plays; answered when all agents have the edited world.
-  kReset = 4,      // by `scopes`
-  kLoadWorld = 5,  // the file `source`; an empty world without one
-  kSpawn = 6,      // `source`, as `name`, at `pose`
-  kDelete = 7,     // `name`
-  kSetPose = 8,    // of `name` to `pose`
-  // Questions.
-  kEntities = 9,     // the one called `name`; all if that is empty
-  kSpawnables = 10,  // models of the run's world file
-  // While the run plays or is paused.
-  kSpeed = 11,         // `speed`
-  kCommandRobot = 12,  // `robot_command` for robot `name`, in force for `ticks` ticks
-  // An edit: adds the deleted entity `source` again as `name`, at `pose`. A robot has a new id, and its controller
-  // starts.
-  kRestore = 13,
-  // An edit: back to tick `ticks`, from the recording of the run.
-  kRewind = 14,
-  // In recordings only, an edit: the seed and the controllers, as `source` says.
-  kChange = 15,
-  // Questions.
-  kWorld = 16,   // the name of the loaded world, and its file as its type; nothing after it was unloaded
-  kWorlds = 17,  // the files of worlds in the folder `source`; without one in that of the run's world
-  // Another edit.
-  kSetTwist = 18,  // of robot `name` to `twist`
-  kDoor = 19,      // opens or closes door `name`, as `source` says: "open" or "close"
-  kLift = 20,      // calls lift `name` to floor `source`
-};
-inline constexpr ControlCommand kLastControlCommand = ControlCommand::kLift;
-
-inline constexpr std::uint64_t kMaxCommandTicks = 1'000'000;
-
-// The scopes of a reset; a sum of these.
-inline constexpr std::uint8_t kResetTime = 1;     // back to tick 0
-inline constexpr std::uint8_t kResetState = 2;    // robots and objects back to their first state; controllers restart
-inline constexpr std::uint8_t kResetSpawned = 4;  // deletes the spawned entities
-inline constexpr std::uint8_t kResetAll = 255;    // the world as loaded, with the entities deleted since
-
-// Tool to service: pause, play and step, edits of the world, queries, and commands to robots.
+// Tool to service.
 struct ControlRequest {
   std::uint64_t client = 0;  // random; tells tools apart
   std::uint64_t number = 0;  // of the request; repeated in the reply
-  ControlCommand command = ControlCommand::kStatus;
-  std::uint64_t ticks = 1;  // kStep, kCommandRobot, kRewind
-  std::string name = {};    // of an entity; a spawn without one is named after the source
-  std::string source = {};
-  Pose pose = {};  // in W
-  std::uint8_t scopes = kResetAll;
-  bool rename = false;               // kSpawn: choose another name if this one is in use
-  std::optional<double> speed = {};  // kSpeed: multiple of real time; none: as fast as possible
-  // kCommandRobot. Each of its parts replaces the previous one; a goal without waypoints cancels the goal. Its robot
-  // and the number of its goal do not count.
-  RobotCommand robot_command = {};
-  Twist twist = {};                              // kSetTwist, in R
-  std::optional<std::uint32_t> ros_domain = {};  // kSpawn: RosIdentity::domain of the robot; none: as its source says
-  std::string controller = {};                   // kSpawn: name of the robot's; empty: as its source says
-  // Only in the service's process, not on the wire.
-  std::string text = {};           // kSpawn, kLoadWorld: of a file, in place of one
-  std::string ros_namespace = {};  // kSpawn: RosIdentity::name_space of the robot
-  // kSpawn: a robot without a ROS domain of its own has the first free one from this on.
-  std::optional<std::uint32_t> ros_domains_from = {};
-  bool with_boxes = false;  // kEntities: report their boxes
+  control::Request request = {};
   bool operator==(const ControlRequest&) const = default;
 };
 
 enum class RunState : std::uint8_t { kStarting = 0, kPlaying = 1, kPaused = 2, kOver = 3 };
+constexpr RunState LastOf(RunState) {
+  return RunState::kOver;
+}
 
 enum class EntityKind : std::uint8_t {
   kRobot = 0,
   kObject = 1,  // grippers can hold it
   kModel = 2,   // never moves
 };
+constexpr EntityKind LastOf(EntityKind) {
+  return EntityKind::kModel;
+}
+constexpr ErrorCode LastOf(ErrorCode) {
+  return ErrorCode::kOutputFailed;
+}
 
 // The smallest box around an entity, upright and aligned with its frame E, m. Empty: it has no body.
 struct EntityBox {
   Rectangle area = {};
   ZRange z = {};
   bool operator==(const EntityBox&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"area", &EntityBox::area},
+        Field{"z", &EntityBox::z},
+    };
+  }
 };
 
 // The agent of a robot.
@@ -334,6 +289,15 @@ struct AgentReport {
   double answer_seconds = 0.0;   // from a frame to the answer, smoothed over some ticks; 0: no answer yet
   std::uint64_t times_last = 0;  // ticks in which the robot's agent was the last to answer
   bool operator==(const AgentReport&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"host", &AgentReport::host},
+        Field{"pid", &AgentReport::pid},
+        Field{"present", &AgentReport::present},
+        Field{"answer_seconds", &AgentReport::answer_seconds},
+        Field{"times_last", &AgentReport::times_last},
+    };
+  }
 };
 
 // The unit of edits: a model without a parent, with its whole tree.
@@ -343,9 +307,16 @@ struct EntityReport {
   EntityKind kind = EntityKind::kModel;
   Pose X_WE = {};
   Twist twist = {};                       // in E
-  EntityBox box = {};                     // only in the service's process, and if the request asks for it
+  EntityBox box = {};                     // if the request asks for it
   std::optional<AgentReport> agent = {};  // of a robot that has one, or has lost it
   bool operator==(const EntityReport&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &EntityReport::name},   Field{"type", &EntityReport::type},   Field{"kind", &EntityReport::kind},
+        Field{"X_WE", &EntityReport::X_WE},   Field{"twist", &EntityReport::twist}, Field{"box", &EntityReport::box},
+        Field{"agent", &EntityReport::agent},
+    };
+  }
 };
 
 // Service to the tool that sent the request.
@@ -354,13 +325,27 @@ struct ControlReply {
   std::uint64_t number = 0;
   bool done = false;
   std::string problem;                           // reason of a refusal or failure; empty when done
-  ErrorCode problem_code = ErrorCode::kFailure;  // its kind; only in the service's process, not on the wire
+  ErrorCode problem_code = ErrorCode::kFailure;  // its kind
   RunState state = RunState::kStarting;
   Tick tick = 0;
   std::uint64_t state_hash = 0;
   Edition edition = 0;
-  std::vector<EntityReport> entities = {};  // kEntities, kSpawn: the new one, kSpawnables: name and type only
+  std::vector<EntityReport> entities = {};  // of Entities; of Spawn the new one; of Spawnables name and type only
   bool operator==(const ControlReply&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"client", &ControlReply::client},
+        Field{"number", &ControlReply::number},
+        Field{"done", &ControlReply::done},
+        Field{"problem", &ControlReply::problem},
+        Field{"problem_code", &ControlReply::problem_code},
+        Field{"state", &ControlReply::state},
+        Field{"tick", &ControlReply::tick},
+        Field{"state_hash", &ControlReply::state_hash},
+        Field{"edition", &ControlReply::edition},
+        Field{"entities", &ControlReply::entities},
+    };
+  }
 };
 
 // What the service does in a tick: wall times in s, on average over about the last second; 0: no tick was made.

@@ -211,12 +211,11 @@ void EditLink::Run() {
   }
 }
 
-Status EditLink::Drive(const ControlRequest& request) {
+Status EditLink::Drive(const control::CommandRobot& request) {
   if (!test_) return Failure("a robot is driven in a test: start one");
   const std::optional<RobotId> robot = test_->FindRobot(request.name);
   if (!robot) return Error{{}, "found no robot '" + request.name + "'"};
-  RobotCommand order = request.robot_command;
-  order.robot = *robot;
+  const RobotCommand order{*robot, request.twist, request.grippers, request.goal};
   if (Status wrong = CheckRobotCommand(test_->world(), order); !wrong.ok()) return wrong;
   if (order.goal) return Failure("goals are for runs");
   Command command;
@@ -228,72 +227,79 @@ Status EditLink::Drive(const ControlRequest& request) {
   return test_->Drive(*robot, std::move(command));
 }
 
-Status EditLink::Apply(const ControlRequest& request, ControlReply& reply) {
-  const auto name_of = [&](const std::string& name, const std::string& type) {
-    EntityReport entity;
-    entity.name = name;
-    entity.type = type;
-    reply.entities.push_back(std::move(entity));
-  };
-  switch (request.command) {
-    case ControlCommand::kStatus:
-      return {};
-    case ControlCommand::kPause:
-      playing_ = false;
-      if (test_) PostState(test_->state(), {});
-      return {};
-    case ControlCommand::kPlay:
-      if (!test_) {
-        if (Status failure = StartTest("", 0.0); !failure.ok()) return failure;
-      }
-      playing_ = true;
-      PostState(test_->state(), {});
-      changed_.notify_all();
-      return {};
-    case ControlCommand::kStep:
-      if (request.ticks > kMaxStepsAtOnce) {
-        return Error{{}, fmt::format("found {} steps, expected at most {} at once", request.ticks, kMaxStepsAtOnce)};
-      }
-      if (!test_) {
-        if (Status failure = StartTest("", 0.0); !failure.ok()) return failure;
-      }
-      playing_ = false;
-      for (std::uint64_t i = 0; i < request.ticks; ++i) StepTest();
-      return {};
-    case ControlCommand::kReset:
-      return test_ ? Restart() : Status();
-    case ControlCommand::kSpeed:
-      speed_ = request.speed;
-      changed_.notify_all();
-      return {};
-    case ControlCommand::kCommandRobot:
-      return Drive(request);
-    case ControlCommand::kSpawnables:
-      if (editor_->world() != nullptr) {
-        for (const PaletteModel& model : PaletteOf(editor_->world()->tree)) name_of(model.name, model.type);
-      }
-      return {};
-    default:
-      break;
+struct EditLink::RequestOfPage {
+  EditLink& link;
+  ControlReply& reply;
+
+  Status Begin() const { return link.test_ ? Status() : link.StartTest("", 0.0); }
+  void Report(const std::string& name, const std::string& type) const {
+    reply.entities.push_back({.name = name, .type = type});
   }
-  if (test_) return Failure("the world is in a test: end the test to edit it");
-  switch (request.command) {
-    case ControlCommand::kSpawn: {
-      const Result<std::string> name = editor_->Add(request.source, request.pose);
-      if (!name.ok()) return name.error();
-      name_of(name.value(), request.source);
-      return {};
+  // Of the file, which no test uses.
+  template <typename Edit>
+  Status Change(const Edit& edit) const {
+    return link.test_ ? Status(Failure("the world is in a test: end the test to edit it")) : edit();
+  }
+
+  template <typename Request>
+  Status operator()(const Request&) const {
+    return Change([] { return Status(Failure("a file in editing has no such command")); });
+  }
+  Status operator()(const control::GetStatus&) const { return {}; }
+  Status operator()(const control::Pause&) const {
+    link.playing_ = false;
+    if (link.test_) link.PostState(link.test_->state(), {});
+    return {};
+  }
+  Status operator()(const control::Play&) const {
+    if (Status failure = Begin(); !failure.ok()) return failure;
+    link.playing_ = true;
+    link.PostState(link.test_->state(), {});
+    link.changed_.notify_all();
+    return {};
+  }
+  Status operator()(const control::Step& step) const {
+    if (step.ticks > kMaxStepsAtOnce) {
+      return Error{{}, fmt::format("found {} steps, expected at most {} at once", step.ticks, kMaxStepsAtOnce)};
     }
-    case ControlCommand::kDelete:
-      return editor_->Remove(request.name);
-    case ControlCommand::kSetPose:
-      return editor_->SetPose(request.name, request.pose);
-    default:
-      return Failure("a file in editing has no such command");
+    if (Status failure = Begin(); !failure.ok()) return failure;
+    link.playing_ = false;
+    for (std::uint64_t i = 0; i < step.ticks; ++i) link.StepTest();
+    return {};
   }
+  Status operator()(const control::Reset&) const { return link.test_ ? link.Restart() : Status(); }
+  Status operator()(const control::Speed& speed) const {
+    link.speed_ = speed.speed;
+    link.changed_.notify_all();
+    return {};
+  }
+  Status operator()(const control::CommandRobot& command) const { return link.Drive(command); }
+  Status operator()(const control::Spawnables&) const {
+    if (link.editor_->world() == nullptr) return {};
+    for (const PaletteModel& model : PaletteOf(link.editor_->world()->tree)) Report(model.name, model.type);
+    return {};
+  }
+  Status operator()(const control::Spawn& spawn) const {
+    return Change([&]() -> Status {
+      const Result<std::string> name = link.editor_->Add(spawn.source, spawn.pose);
+      if (!name.ok()) return name.error();
+      Report(name.value(), spawn.source);
+      return {};
+    });
+  }
+  Status operator()(const control::Delete& removal) const {
+    return Change([&] { return link.editor_->Remove(removal.name); });
+  }
+  Status operator()(const control::SetPose& move) const {
+    return Change([&] { return link.editor_->SetPose(move.name, move.pose); });
+  }
+};
+
+Status EditLink::Apply(const control::Request& request, ControlReply& reply) {
+  return std::visit(RequestOfPage{*this, reply}, request);
 }
 
-Result<ControlReply> EditLink::Ask(const ControlRequest& request) {
+Result<ControlReply> EditLink::Ask(const control::Request& request) {
   const std::lock_guard lock(mutex_);
   ControlReply reply;
   const Status status = Apply(request, reply);

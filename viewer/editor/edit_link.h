@@ -32,7 +32,7 @@ class EditLink final : public RunLink {
   EditLink& operator=(const EditLink&) = delete;
 
   Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override;
-  Result<ControlReply> Ask(const ControlRequest& request) override;
+  Result<ControlReply> Ask(const control::Request& request) override;
   Result<nlohmann::json> Edit(const EditOperation& operation) override;
 
   bool is_modified() const;
@@ -55,8 +55,10 @@ class EditLink final : public RunLink {
   Status Restart();
   void EndTest();
   void StepTest();
-  Status Drive(const ControlRequest& request);
-  Status Apply(const ControlRequest& request, ControlReply& reply);
+  Status Drive(const control::CommandRobot& request);
+  Status Apply(const control::Request& request, ControlReply& reply);
+  // The requests of the page of an editor: those of a test, then those of the file.
+  struct RequestOfPage;
   Result<nlohmann::json> Execute(const edit::Test& operation);
   Result<nlohmann::json> Execute(const edit::EndTest&);
   template <typename Operation>

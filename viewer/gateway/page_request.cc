@@ -1,9 +1,10 @@
 #include "viewer/gateway/page_request.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 #include <utility>
 
 #include "common/base/json.h"
@@ -15,41 +16,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-struct CommandName {
-  const char* name;
-  ControlCommand command;
-};
-
-constexpr std::array<CommandName, 16> kCommands = {{{"status", ControlCommand::kStatus},
-                                                    {"pause", ControlCommand::kPause},
-                                                    {"play", ControlCommand::kPlay},
-                                                    {"step", ControlCommand::kStep},
-                                                    {"reset", ControlCommand::kReset},
-                                                    {"spawn", ControlCommand::kSpawn},
-                                                    {"delete", ControlCommand::kDelete},
-                                                    {"entities", ControlCommand::kEntities},
-                                                    {"set_pose", ControlCommand::kSetPose},
-                                                    {"spawnables", ControlCommand::kSpawnables},
-                                                    {"speed", ControlCommand::kSpeed},
-                                                    {"command_robot", ControlCommand::kCommandRobot},
-                                                    {"restore", ControlCommand::kRestore},
-                                                    {"rewind", ControlCommand::kRewind},
-                                                    {"door", ControlCommand::kDoor},
-                                                    {"lift", ControlCommand::kLift}}};
-
-constexpr std::uint64_t kMaxTicks = 1'000'000;
 constexpr std::uint64_t kMaxPosition = std::uint64_t{1} << 53;
-constexpr std::size_t kMaxOrders = 64;  // to grippers
 
 Error Malformed(const std::string& found, const std::string& expected) {
   return {{}, "found " + found + ", expected " + expected};
-}
-
-std::optional<ControlCommand> FindCommand(const std::string& name) {
-  for (const CommandName& known : kCommands) {
-    if (name == known.name) return known.command;
-  }
-  return std::nullopt;
 }
 
 // Empty if the object has no text of that name.
@@ -64,30 +34,6 @@ std::optional<std::uint64_t> WholeNumberIn(const Json& object, const char* key) 
   return member->get<std::uint64_t>();
 }
 
-std::optional<double> Number(const Json& value) {
-  if (!value.is_number() || !std::isfinite(value.get<double>())) return std::nullopt;
-  return value.get<double>();
-}
-
-template <std::size_t kCount>
-std::optional<std::array<double, kCount>> Numbers(const Json& value) {
-  if (!value.is_array() || value.size() != kCount) return std::nullopt;
-  std::array<double, kCount> numbers{};
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const std::optional<double> number = Number(value[i]);
-    if (!number) return std::nullopt;
-    numbers[i] = *number;
-  }
-  return numbers;
-}
-
-std::optional<Pose> PoseIn(const Json& object) {
-  const auto member = object.find("pose");
-  const auto numbers = member != object.end() ? Numbers<4>(*member) : std::nullopt;
-  if (!numbers) return std::nullopt;
-  return Pose{(*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
-}
-
 // A model of the run's world file, and no file.
 bool IsModelName(const std::string& source) {
   if (source.empty() || source.find_first_of("/#") != std::string::npos) return false;
@@ -97,132 +43,154 @@ bool IsModelName(const std::string& source) {
   return true;
 }
 
-Error MalformedCommand(const std::string& expected) {
-  return Malformed("a malformed command of a robot", expected);
-}
+// Reads rows of requests from JSON, by their fields: a pose, a twist and a point are lists of their numbers, another
+// row is an object. Its texts, flags, lists and optional values may be missing.
+class FieldReader {
+ public:
+  template <typename Row>
+  Status Read(const Json& object, Row& row) {
+    if (ReadMembers(object, row)) return {};
+    return Malformed("no valid '" + path_ + "'", expected_);
+  }
 
-// False if there is a member of that name that is not a number.
-bool ReadOptional(const Json& object, const char* key, std::optional<double>& value) {
-  const auto member = object.find(key);
-  if (member == object.end()) return true;
-  value = Number(*member);
-  return value.has_value();
-}
+ private:
+  template <typename Part>
+  static constexpr bool kIsNumbers = std::is_same_v<Part, Pose> || std::is_same_v<Part, Twist>;
+  // A goal is numbered by the service.
+  template <typename Row, typename Part>
+  static constexpr bool kIsRequired = kIsNumbers<Part> || std::is_same_v<Part, double> ||
+                                      std::is_same_v<Part, std::uint64_t> ||
+                                      (std::is_same_v<Part, std::size_t> && !std::is_same_v<Row, Goal>);
 
-Result<std::vector<GripperOrder>> ParseOrders(const Json& value) {
-  if (!value.is_array() || value.size() > kMaxOrders) return MalformedCommand("a list of grippers");
-  std::vector<GripperOrder> orders;
-  for (const Json& element : value) {
-    const auto number = element.is_object() ? element.find("gripper") : element.end();
-    if (!element.is_object() || number == element.end() || !number->is_number_unsigned()) {
-      return MalformedCommand("the number of a gripper");
+  template <typename Row>
+  bool ReadMembers(const Json& object, Row& row) {
+    return std::apply(
+        [&](const auto&... field) {
+          return (... && (ReadMember(object, field, row) || FailAt(std::string(field.name))));
+        },
+        kFields<Row>);
+  }
+
+  template <typename Row, typename Part>
+  bool ReadMember(const Json& object, const Field<Row, Part>& field, Row& row) {
+    const auto member = object.find(std::string(field.name));
+    if (member != object.end()) return ReadValue(*member, field.Of(row));
+    return !kIsRequired<Row, Part> || Expect("a value");
+  }
+
+  template <typename Value>
+  bool ReadValue(const Json& json, Value& value) {
+    if constexpr (kIsOptional<Value>) {
+      return ReadValue(json, value.emplace());
+    } else if constexpr (kIsNumbers<Value>) {
+      constexpr std::size_t kCount = kMemberCount<Value>;
+      if (!json.is_array() || json.size() != kCount) return Expect(std::to_string(kCount) + " numbers");
+      std::size_t next = 0;
+      return std::apply([&](const auto&... field) { return (... && ReadValue(json[next++], field.Of(value))); },
+                        kFields<Value>);
+    } else if constexpr (std::is_same_v<Value, Vec2>) {
+      if (!json.is_array() || json.size() != 2) return Expect("two coordinates");
+      return ReadValue(json[0], value.x()) && ReadValue(json[1], value.y());
+    } else if constexpr (HasFields<Value>) {
+      return json.is_object() ? ReadMembers(json, value) : Expect("an object");
+    } else if constexpr (kIsList<Value>) {
+      if (!json.is_array()) return Expect("a list");
+      value.resize(json.size());
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        if (!ReadValue(json[i], value[i])) return FailAt(std::to_string(i));
+      }
+      return true;
+    } else if constexpr (std::is_same_v<Value, std::string>) {
+      if (!json.is_string()) return Expect("a text");
+      value = json.get<std::string>();
+      return true;
+    } else if constexpr (std::is_same_v<Value, bool>) {
+      if (!json.is_boolean()) return Expect("true or false");
+      value = json.get<bool>();
+      return true;
+    } else if constexpr (std::is_same_v<Value, double>) {
+      if (!json.is_number() || !std::isfinite(json.get<double>())) return Expect("a finite number");
+      value = json.get<double>();
+      return true;
+    } else {
+      constexpr std::uint64_t kMax = std::min<std::uint64_t>(std::numeric_limits<Value>::max(), kMaxPosition);
+      if (!json.is_number_unsigned() || json.get<std::uint64_t>() > kMax) return Expect("a whole number");
+      value = static_cast<Value>(json.get<std::uint64_t>());
+      return true;
     }
-    GripperOrder& order = orders.emplace_back();
-    order.gripper = number->get<std::size_t>();
-    if (!ReadOptional(element, "opening", order.opening) || !ReadOptional(element, "lift", order.lift)) {
-      return MalformedCommand("percentages of a gripper");
+  }
+
+  bool Expect(std::string expected) {
+    expected_ = std::move(expected);
+    return false;
+  }
+  bool FailAt(const std::string& part) {
+    path_ = part + (path_.empty() ? "" : ".") + path_;
+    return false;
+  }
+
+  std::string path_;
+  std::string expected_;
+};
+
+// What the page may ask for: no files, and no libraries, which only the owner of the run names.
+template <typename Request>
+constexpr bool kIsOfPage = !std::is_same_v<Request, control::LoadWorld> && !std::is_same_v<Request, control::Change> &&
+                           !std::is_same_v<Request, control::World> && !std::is_same_v<Request, control::Worlds>;
+
+Status RestrictToPage(control::Spawn& spawn) {
+  if (!IsModelName(spawn.source)) return Malformed("source '" + spawn.source + "'", "a model of the world file");
+  if (NamesLibrary(spawn.controller)) return Malformed("a library as controller", "the name of a built-in one");
+  spawn.text.clear();
+  spawn.rename = true;
+  return {};
+}
+Status RestrictToPage(control::Restore& restore) {
+  if (restore.source.empty() || restore.name.empty()) return Malformed("no names", "source and name");
+  return {};
+}
+Status RestrictToPage(control::Step& step) {
+  return step.ticks > 0 && step.ticks <= kMaxCommandTicks ? Status() : Status(Malformed("no ticks", "1 to 1000000"));
+}
+Status RestrictToPage(control::CommandRobot& command) {
+  if (command.twist || !command.grippers.empty() || command.goal) return {};
+  return Malformed("an empty command", "a twist, grippers or a goal");
+}
+template <typename Request>
+Status RestrictToPage(Request&) {
+  return {};
+}
+
+// The page has "max" for no speed.
+Status ReadRequest(const Json& object, control::Speed& speed) {
+  if (TextIn(object, "speed") == "max") return {};
+  const Status read = FieldReader().Read(object, speed);
+  return speed.speed ? read : Status(Malformed("no speed", "a number or \"max\""));
+}
+template <typename Request>
+Status ReadRequest(const Json& object, Request& request) {
+  const Status read = FieldReader().Read(object, request);
+  return read.ok() ? RestrictToPage(request) : read;
+}
+
+template <std::size_t... I>
+Status ReadNamed(const std::string& name, const Json& object, control::Request& request, std::index_sequence<I...>) {
+  Status outcome = Malformed("command '" + name + "'", "a command of the page");
+  const auto read_if = [&]<typename Request>(std::type_identity<Request>) {
+    if constexpr (kIsOfPage<Request>) {
+      if (name != Request::kName) return;
+      outcome = ReadRequest(object, request.emplace<Request>());
+      if (outcome.ok()) outcome = control::CheckRequest(request);
     }
-  }
-  return orders;
-}
-
-Result<Goal> ParseGoal(const Json& value) {
-  Goal goal;
-  const auto waypoints = value.is_object() ? value.find("waypoints") : value.end();
-  if (!value.is_object() || waypoints == value.end() || !waypoints->is_array()) return MalformedCommand("waypoints");
-  for (const Json& waypoint : *waypoints) {
-    const auto point = Numbers<2>(waypoint);
-    if (!point) return MalformedCommand("two coordinates of a waypoint");
-    goal.waypoints.emplace_back((*point)[0], (*point)[1]);
-  }
-  if (!ReadOptional(value, "heading", goal.heading)) return MalformedCommand("the heading of a goal");
-  return goal;
-}
-
-// The service of the run compares the command with its world.
-Result<RobotCommand> ParseRobotCommand(const Json& object) {
-  RobotCommand command;
-  if (const auto twist = object.find("twist"); twist != object.end()) {
-    const auto numbers = Numbers<3>(*twist);
-    if (!numbers) return MalformedCommand("three numbers of a twist");
-    command.twist = Twist{(*numbers)[0], (*numbers)[1], (*numbers)[2]};
-  }
-  if (const auto grippers = object.find("grippers"); grippers != object.end()) {
-    Result<std::vector<GripperOrder>> orders = ParseOrders(*grippers);
-    if (!orders.ok()) return orders.error();
-    command.grippers = std::move(orders).value();
-  }
-  if (const auto member = object.find("goal"); member != object.end()) {
-    Result<Goal> goal = ParseGoal(*member);
-    if (!goal.ok()) return goal.error();
-    command.goal = std::move(goal).value();
-  }
-  if (!command.twist && command.grippers.empty() && !command.goal)
-    return MalformedCommand("a twist, grippers or a goal");
-  return command;
+  };
+  (read_if(std::type_identity<std::variant_alternative_t<I, control::Request>>()), ...);
+  return outcome;
 }
 
 Result<PageControl> DecodeControl(std::uint64_t id, const std::string& name, const Json& object) {
-  PageControl control;
-  control.id = id;
-  const auto command = FindCommand(name);
-  if (!command) return Malformed("command '" + name + "'", "a command of the page");
-  ControlRequest& request = control.request;
-  request.command = *command;
-  if (*command == ControlCommand::kRewind) {
-    const auto tick = WholeNumberIn(object, "tick");
-    if (!tick) return Malformed("no tick", "a whole number");
-    request.ticks = *tick;
-  }
-  if (*command == ControlCommand::kSpeed) {
-    const auto speed = object.find("speed");
-    const bool is_number = speed != object.end() && speed->is_number() && std::isfinite(speed->get<double>());
-    if (!is_number && TextIn(object, "speed") != "max") return Malformed("no speed", "a number or \"max\"");
-    if (is_number && speed->get<double>() <= 0.0) return Malformed("a speed", "a positive one");
-    if (is_number) request.speed = speed->get<double>();
-  }
-  if (*command == ControlCommand::kCommandRobot) {
-    Result<RobotCommand> robot = ParseRobotCommand(object);
-    if (!robot.ok()) return robot.error();
-    request.robot_command = std::move(robot).value();
-  }
-  if (*command == ControlCommand::kStep || *command == ControlCommand::kCommandRobot) {
-    const auto ticks = WholeNumberIn(object, "ticks");
-    if (!ticks || *ticks == 0 || *ticks > kMaxTicks) return Malformed("no ticks", "1 to 1000000");
-    request.ticks = *ticks;
-  }
-  if (*command == ControlCommand::kDelete || *command == ControlCommand::kSetPose ||
-      *command == ControlCommand::kCommandRobot || *command == ControlCommand::kDoor ||
-      *command == ControlCommand::kLift) {
-    request.name = TextIn(object, "name");
-    if (request.name.empty()) return Malformed("no name", "that of a robot, an object or a model");
-  }
-  if (*command == ControlCommand::kDoor) {
-    request.source = TextIn(object, "action");
-    if (request.source != "open" && request.source != "close") {
-      return Malformed("action '" + request.source + "'", "open or close");
-    }
-  }
-  if (*command == ControlCommand::kLift) request.source = TextIn(object, "floor");
-  if (*command == ControlCommand::kEntities) request.name = TextIn(object, "name");
-  if (*command == ControlCommand::kSpawn) {
-    request.source = TextIn(object, "source");
-    if (!IsModelName(request.source)) return Malformed("source '" + request.source + "'", "a model of the world file");
-    request.rename = true;
-    request.controller = TextIn(object, "controller");
-    if (NamesLibrary(request.controller)) return Malformed("a library as controller", "the name of a built-in one");
-  }
-  if (*command == ControlCommand::kRestore) {
-    request.source = TextIn(object, "source");
-    request.name = TextIn(object, "name");
-    if (request.source.empty() || request.name.empty()) return Malformed("no names", "source and name");
-  }
-  if (*command == ControlCommand::kSpawn || *command == ControlCommand::kRestore ||
-      *command == ControlCommand::kSetPose) {
-    const auto pose = PoseIn(object);
-    if (!pose) return Malformed("no pose", "four finite numbers");
-    request.pose = *pose;
-  }
+  PageControl control{id, {}};
+  constexpr auto kRequests = std::make_index_sequence<std::variant_size_v<control::Request>>();
+  if (Status malformed = ReadNamed(name, object, control.request, kRequests); !malformed.ok()) return malformed.error();
   return control;
 }
 
@@ -336,11 +304,6 @@ Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest)
   return Malformed("type '" + type + "'", "select, control, seek, live, series, totals, expectations or run_again");
 }
 
-bool IsQuestion(ControlCommand command) {
-  return command == ControlCommand::kStatus || command == ControlCommand::kSpawnables ||
-         command == ControlCommand::kEntities;
-}
-
 Result<PageControl> ParseControl(std::uint64_t id, const std::string& command, std::string_view json) {
   if (json.size() > kMaxPageRequest) return Malformed("a long text", "at most 8192 bytes");
   Json object = Json::parse(json, nullptr, false);
@@ -369,12 +332,7 @@ PageReply ReplyToControl(std::uint64_t id, const Result<ControlReply>& reply) {
     Json entities = Json::array();
     for (const EntityReport& entity : reply.value().entities) {
       Json& listed = entities.emplace_back(Json{{"name", entity.name}, {"type", entity.type}});
-      if (!entity.agent) continue;
-      listed["agent"] = {{"host", entity.agent->host},
-                         {"pid", entity.agent->pid},
-                         {"present", entity.agent->present},
-                         {"answer_seconds", entity.agent->answer_seconds},
-                         {"times_last", entity.agent->times_last}};
+      if (entity.agent) listed["agent"] = FieldsToJson<Json>(*entity.agent);
     }
     text["entities"] = std::move(entities);
   }

@@ -10,6 +10,7 @@
 // - {"type": "control", "id": 9, "command": "command_robot", "name": "r0", "ticks": 5, "twist": [vx, vy, wz],
 //   "grippers": [{"gripper": 0, "opening": percent, "lift": percent}], "goal": {"waypoints": [[x, y], ...], "heading":
 //   h}}: each part may be missing, as may opening, lift and heading; a goal without waypoints cancels the goal
+// - {"type": "control", "id": 9, "command": "door", "name": "gate", "opening": 1}: from 0, closed, to 1
 // - {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until {"type": "live"}
 // - {"type": "series", "id": 11, "signals": [["r0", "x"], ...], "from": 0, "to": 500, "every": 1}: of signals
 //   (signals.h) between two positions; without signals the reply names all that exist
@@ -54,7 +55,7 @@ struct SelectRequest {
 
 struct PageControl {
   std::uint64_t id = 0;  // repeated in the reply
-  ControlRequest request;
+  control::Request request;
   bool operator==(const PageControl&) const = default;
 };
 
@@ -110,9 +111,6 @@ Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest 
 
 // The same for a service of Foxglove: `json` has the members of a command but for "type", "id" and "command".
 Result<PageControl> ParseControl(std::uint64_t id, const std::string& command, std::string_view json);
-
-// True for a request that changes nothing.
-bool IsQuestion(ControlCommand command);
 
 struct PageReply {
   std::uint64_t id = 0;

@@ -193,7 +193,7 @@ void Viewers::Execute(WebLoop& loop, ViewerId id, PageRequest request) {
 
 std::string Viewers::Refusal(const PageControl& control) const {
   if (!changes_) return "a recording cannot be changed";
-  const bool may = !options_.view_only || IsQuestion(control.request.command);
+  const bool may = !options_.view_only || control::KindOf(control.request) == RequestKind::kQuestion;
   return may ? "" : "this viewer only shows the run (--view-only)";
 }
 
@@ -212,9 +212,7 @@ std::string Viewers::RefusalToRunAgain() const {
 
 Viewers::Changed Viewers::Executed(RunLink& link, const Change& change) {
   if (std::holds_alternative<AgentsRequest>(change)) {
-    ControlRequest request;
-    request.command = ControlCommand::kEntities;
-    const Result<ControlReply> reply = link.Ask(request);
+    const Result<ControlReply> reply = link.Ask(control::Entities());
     return reply.ok() ? SlowestOf(reply.value().entities) : std::nullopt;
   }
   if (const auto* edit = std::get_if<PageEdit>(&change)) {

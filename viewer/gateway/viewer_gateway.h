@@ -61,7 +61,7 @@ class RunLink {
   virtual void RunAgain(std::optional<std::uint64_t> seed) { (void)seed; }
 
   // Sends a request to the run's service and waits for the reply. Called on one thread, another one than Observe.
-  virtual Result<ControlReply> Ask(const ControlRequest& request) = 0;
+  virtual Result<ControlReply> Ask(const control::Request& request) = 0;
 
   // An operation of the editor's page (viewer/editor), and an object for the reply. On the thread of Ask.
   virtual Result<nlohmann::json> Edit(const EditOperation& operation) {

@@ -209,15 +209,12 @@ double PageRun::Work(double seconds) {
   }
 }
 
-void PageRun::Request(const ControlRequest& request, const ControlReplyTo& reply) {
-  if (request.command != ControlCommand::kSpawn && request.command != ControlCommand::kSpawnables) {
-    return coordinator_->Control(request, reply, Now());
-  }
+void PageRun::Request(const control::Request& request, const ControlReplyTo& reply) {
+  const bool lists = control::Is<control::Spawnables>(request);
+  if (!lists && !control::Is<control::Spawn>(request)) return coordinator_->Control(request, reply, Now());
   const Result<RequestedFile> file = ReadRequestedFile(service_, request);
-  if (!file.ok()) return coordinator_->Reply(request, reply, file.error());
-  if (request.command == ControlCommand::kSpawnables) {
-    return coordinator_->Reply(request, reply, file.value().listed);
-  }
+  if (!file.ok()) return coordinator_->Reply(reply, file.error());
+  if (lists) return coordinator_->Reply(reply, file.value().listed);
   coordinator_->Control(request, reply, Now(), file.value().world);
 }
 

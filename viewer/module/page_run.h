@@ -39,7 +39,7 @@ class PageRun {
   // Does what is due, for about as long at most, wall time in s. Returns the time until more is due; 0: it is now.
   double Work(double seconds);
   // Executes a request, and replies once, now or in a call of Work.
-  void Request(const ControlRequest& request, const ControlReplyTo& reply);
+  void Request(const control::Request& request, const ControlReplyTo& reply);
 
   std::uint64_t seed() const { return coordinator_->scene()->world().seed; }
   // The failure that has ended the run.

@@ -45,8 +45,7 @@ RecordedTick RecordedChange(const WorldChanges& changes, const FrameMessage& fra
   tick.state_hash = frame.state_hash;
   RecordedEdit& edit = tick.edit.emplace();
   edit.before = frame;
-  edit.request.command = ControlCommand::kChange;
-  edit.request.source = changes.ToText();
+  edit.request = control::Change{changes.ToText()};
   return tick;
 }
 
@@ -80,7 +79,7 @@ class Restoration {
  private:
   // An edit of the run, for its observers.
   struct ReportedEdit {
-    ControlRequest request;
+    control::Request request;
     std::optional<WorldDescription> world;
     WorldState before;
   };
@@ -110,19 +109,20 @@ class Restoration {
 
   // Edits whose effect is more than the state, also those before the keyframe.
   void Note(std::uint64_t number, const RecordedEdit& edit) {
-    if (edit.request.command == ControlCommand::kRewind) {
-      rewind_ = UnfinishedRewind{edit.request, number, edit.copied_from, edit.copies};
+    if (const auto* const rewind = std::get_if<control::Rewind>(&edit.request)) {
+      rewind_ = UnfinishedRewind{*rewind, number, edit.copied_from, edit.copies};
       last_copy_ = number + edit.copies;
     }
     // A copy of an edit within a rewind: it had its effect when it was made first.
     if (number <= last_copy_) return;
-    if (edit.request.command == ControlCommand::kLoadWorld) {
+    if (const auto* const load = std::get_if<control::LoadWorld>(&edit.request)) {
       // The journal lacks the text of a world that was no file: its models are spawned from the first file again.
-      const bool is_from_lost_text = edit.request.source.empty() && edit.world && !edit.world->models.empty();
-      world_file_ = is_from_lost_text ? std::nullopt : std::optional(edit.request.source);
+      const bool is_from_lost_text = load->source.empty() && edit.world && !edit.world->models.empty();
+      world_file_ = is_from_lost_text ? std::nullopt : std::optional(load->source);
     }
-    if (edit.request.command == ControlCommand::kDelete && edit.world) {
-      deleted_.push_back({edit.request.name, std::make_shared<const WorldDescription>(*edit.world)});
+    const auto* const removal = std::get_if<control::Delete>(&edit.request);
+    if (removal != nullptr && edit.world) {
+      deleted_.push_back({removal->name, std::make_shared<const WorldDescription>(*edit.world)});
       if (deleted_.size() > kMaxDeleted) deleted_.pop_front();
     }
   }

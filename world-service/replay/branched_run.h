@@ -1,7 +1,7 @@
 // BranchedRun: a new run that begins with the state of a recorded one at some tick, as recorded or with changes.
 //
 // A branch has a run id, a recording and a summary of its own. Its recording contains the states of the source up to
-// the branch, so that it replays without the source, and the changes as an edit of their own (ControlCommand::kChange):
+// the branch, so that it replays without the source, and the changes as an edit of their own (control::Change):
 // so a branch without changes has the hashes of its source, and one with changes replays without the command line that
 // made it.
 //

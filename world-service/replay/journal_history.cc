@@ -48,8 +48,9 @@ Status JournalHistory::Open() {
 Status JournalHistory::FindChanges() {
   changed_.clear();
   const Status visited = recording_->VisitEdits(recording_->chunks(), [this](std::uint64_t, const RecordedEdit& edit) {
-    if (edit.request.command != ControlCommand::kChange) return Status();
-    const Result<WorldChanges> changes = WorldChanges::FromText(edit.request.source);
+    const auto* const change = std::get_if<control::Change>(&edit.request);
+    if (change == nullptr) return Status();
+    const Result<WorldChanges> changes = WorldChanges::FromText(change->changes);
     if (!changes.ok()) return Status(changes.error());
     for (const auto& [robot, controller] : changes.value().controllers) changed_[robot] = edit.before.edition + 1;
     return Status();
@@ -142,7 +143,7 @@ Result<std::vector<HistoryEntry>> JournalHistory::Read(const HistoryRequest& req
   return entries;
 }
 
-Result<std::unique_ptr<RewindStates>> JournalHistory::StartRewind(const ControlRequest& request,
+Result<std::unique_ptr<RewindStates>> JournalHistory::StartRewind(const control::Rewind& request,
                                                                   const FrameMessage& newest) {
   Result<std::unique_ptr<JournalRewind>> rewind = JournalRewind::Start(recordings_, request, newest);
   if (!rewind.ok()) return rewind.error();
@@ -150,12 +151,13 @@ Result<std::unique_ptr<RewindStates>> JournalHistory::StartRewind(const ControlR
 }
 
 Result<std::unique_ptr<JournalRewind>> JournalRewind::Start(const std::vector<RunRecorder*>& recordings,
-                                                            const ControlRequest& request, const FrameMessage& newest) {
+                                                            const control::Rewind& request,
+                                                            const FrameMessage& newest) {
   std::unique_ptr<JournalRewind> rewind(new JournalRewind(recordings));
   if (Status failure = rewind->Open(); !failure.ok()) return failure.error();
   const Recording& recording = *rewind->recording_;
-  const std::optional<std::uint64_t> last = recording.spans().Last(request.ticks);
-  if (!last) return Error{{}, fmt::format("the recording of the run has no tick {}", request.ticks)};
+  const std::optional<std::uint64_t> last = recording.spans().Last(request.tick);
+  if (!last) return Error{{}, fmt::format("the recording of the run has no tick {}", request.tick)};
   rewind->request_ = request;
   rewind->newest_ = newest;
   rewind->newest_.events.clear();
@@ -225,7 +227,7 @@ Result<bool> JournalRewind::MakeSome() {
 
 Status JournalRewind::Find() {
   if (!cursor_->has_state() || cursor_->position() < last_) return Advance();
-  if (cursor_->tick().tick != request_.ticks) return Broken(fmt::format("tick {} is missing", request_.ticks));
+  if (cursor_->tick().tick != request_.tick) return Broken(fmt::format("tick {} is missing", request_.tick));
   return StartSeeking(cursor_->world().fresh_edition());
 }
 

@@ -34,7 +34,8 @@ class JournalHistory final : public RunHistory {
   explicit JournalHistory(const std::vector<RunRecorder*>& recordings) : recordings_(recordings) {}
 
   Result<std::vector<HistoryEntry>> Read(const HistoryRequest& request) override;
-  Result<std::unique_ptr<RewindStates>> StartRewind(const ControlRequest& request, const FrameMessage& newest) override;
+  Result<std::unique_ptr<RewindStates>> StartRewind(const control::Rewind& request,
+                                                    const FrameMessage& newest) override;
 
  private:
   Status Open();
@@ -66,7 +67,7 @@ class JournalRewind final : public RewindStates {
   // Starts the rewind of a live run. `recordings`: those that the run writes, not empty; the states are read from the
   // file of the last. They outlive the rewind. The error is a tick that the recording does not have.
   static Result<std::unique_ptr<JournalRewind>> Start(const std::vector<RunRecorder*>& recordings,
-                                                      const ControlRequest& request, const FrameMessage& newest);
+                                                      const control::Rewind& request, const FrameMessage& newest);
   // The rest of a rewind within which a service died: `newest` is the newest of its states, and `next_number` that of
   // the next.
   static Result<std::unique_ptr<JournalRewind>> Finish(const std::vector<RunRecorder*>& recordings,
@@ -105,7 +106,7 @@ class JournalRewind final : public RewindStates {
   std::unique_ptr<const Recording> recording_;  // that is read
   Stage stage_ = Stage::kFinding;
   std::optional<ReplayCursor> cursor_;  // at the state that was made last
-  ControlRequest request_;
+  control::Rewind request_;
   FrameMessage newest_;      // of the run
   std::uint64_t first_ = 0;  // the positions of the first state, and of that of the tick
   std::uint64_t last_ = 0;

@@ -239,8 +239,8 @@ Status ReplayedWorld::ApplyAlone(std::uint64_t number, const RecordedEdit& edit)
 }
 
 Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const WorldState& before) {
-  if (!IsEdit(edit.request.command)) return Error{{}, "found a request that is no edit"};
-  const bool rewinds = edit.request.command == ControlCommand::kRewind;
+  if (control::KindOf(edit.request) != RequestKind::kEdit) return Error{{}, "found a request that is no edit"};
+  const bool rewinds = control::Is<control::Rewind>(edit.request);
   if (rewinds && edit.world && edit.restored) {
     if (Status problem = CheckStartState(*edit.world, edit.restored->state); !problem.ok()) return problem;
   }
@@ -255,9 +255,9 @@ Status ReplayedWorld::Edit(const RecordedEdit& edit, Edition edition, const Worl
   }
   edition_ = edition;
   if (rewinds) rewound_until_ = number_ + edit.copies;
-  if (ReplacesWorld(edit.request.command)) original_ = scene_;
-  if (edit.request.command == ControlCommand::kChange) {
-    const Result<WorldChanges> changes = WorldChanges::FromText(edit.request.source);
+  if (ReplacesWorld(edit.request)) original_ = scene_;
+  if (const auto* const change = std::get_if<control::Change>(&edit.request)) {
+    const Result<WorldChanges> changes = WorldChanges::FromText(change->changes);
     if (changes.ok()) original_ = std::make_shared<const Scene>(changes.value().AppliedTo(original_->world()));
   }
   if (edit.original) original_ = std::make_shared<const Scene>(*edit.original);

@@ -14,21 +14,6 @@
 namespace troupe {
 namespace {
 
-Result<EditedWorld> Reset(std::uint8_t scopes, const std::shared_ptr<const Scene>& original,
-                          const std::shared_ptr<const Scene>& scene, const WorldState& state) {
-  constexpr std::uint8_t kKnown = kResetTime | kResetState | kResetSpawned;
-  // All scopes at once also restore deleted entities, for which the single scopes have no bit.
-  if (scopes == kResetAll) return ResetWorld(original, scene, state, {});
-  if (scopes == 0 || (scopes & ~kKnown) != 0) {
-    return Error{{}, "found the scopes " + std::to_string(scopes) + ", expected 1 to 7, or 255"};
-  }
-  return ResetWorld(original, scene, state,
-                    {.time = (scopes & kResetTime) != 0,
-                     .state = (scopes & kResetState) != 0,
-                     .spawned = (scopes & kResetSpawned) != 0,
-                     .deleted = false});
-}
-
 EditedWorld Load(const WorldDescription& world) {
   EditedWorld loaded;
   loaded.scene = std::make_shared<const Scene>(world);
@@ -56,109 +41,101 @@ void Extend(EntityBox& box, const Pose& X_EM, const Shape& shape) {
   if (shape.area) Extend(box, X_EM * shape.area->X_MA(), Corners(shape.area->bounds()), shape.rectangles_z);
 }
 
-}  // namespace
+// Applies an edit of its type.
+class EditApplication {
+ public:
+  EditApplication(const AppliedEdit& edit, const std::shared_ptr<const Scene>& original,
+                  const std::shared_ptr<const Scene>& scene, const WorldState& state)
+      : edit_(edit), original_(original), scene_(scene), state_(state) {}
 
-bool IsEdit(ControlCommand command) {
-  switch (command) {
-    case ControlCommand::kReset:
-    case ControlCommand::kLoadWorld:
-    case ControlCommand::kSpawn:
-    case ControlCommand::kDelete:
-    case ControlCommand::kSetPose:
-    case ControlCommand::kRewind:
-    case ControlCommand::kChange:
-      return true;
-    case ControlCommand::kSetTwist:
-    case ControlCommand::kDoor:
-    case ControlCommand::kLift:
-    case ControlCommand::kStatus:
-    case ControlCommand::kPause:
-    case ControlCommand::kPlay:
-    case ControlCommand::kStep:
-    case ControlCommand::kEntities:
-    case ControlCommand::kSpawnables:
-    case ControlCommand::kSpeed:
-    case ControlCommand::kCommandRobot:
-    case ControlCommand::kRestore:  // becomes a spawn
-    case ControlCommand::kWorld:
-    case ControlCommand::kWorlds:
-      return false;
+  template <typename Request>
+  Result<EditedWorld> operator()(const Request&) const {
+    return Error{{}, "found no edit"};
   }
-  return false;
-}
+  Result<EditedWorld> operator()(const control::Reset& reset) const {
+    // All scopes at once also restore deleted entities, for which the single scopes have no bit.
+    if (reset.scopes == kResetAll) return ResetWorld(original_, scene_, state_, {});
+    return ResetWorld(original_, scene_, state_,
+                      {.time = (reset.scopes & kResetTime) != 0,
+                       .state = (reset.scopes & kResetState) != 0,
+                       .spawned = (reset.scopes & kResetSpawned) != 0,
+                       .deleted = false});
+  }
+  Result<EditedWorld> operator()(const control::SetPose& move) const {
+    return troupe::SetPose(scene_, state_, move.name, move.pose);
+  }
+  Result<EditedWorld> operator()(const control::Delete& removal) const {
+    return DeleteEntity(scene_, state_, removal.name);
+  }
+  Result<EditedWorld> operator()(const control::Spawn& spawn) const {
+    if (edit_.world == nullptr) return Error{{}, "found nothing to spawn"};
+    return SpawnEntity(scene_, state_, *edit_.world, spawn.name, spawn.pose);
+  }
+  Result<EditedWorld> operator()(const control::LoadWorld&) const {
+    if (edit_.world == nullptr) return Error{{}, "found no world"};
+    return Load(*edit_.world);
+  }
+  Result<EditedWorld> operator()(const control::Change& change) const {
+    const Result<WorldChanges> changes = WorldChanges::FromText(change.changes);
+    if (!changes.ok()) return changes.error();
+    return EditedWorld{std::make_shared<const Scene>(changes.value().AppliedTo(scene_->world())), state_, {}, false};
+  }
+  Result<EditedWorld> operator()(const control::Rewind&) const {
+    if (edit_.world == nullptr || edit_.restored == nullptr) return Error{{}, "found no state to restore"};
+    // The state is not recalculated: the recording's bits are restored.
+    return EditedWorld{std::make_shared<const Scene>(*edit_.world), *edit_.restored, {}, true};
+  }
+
+ private:
+  const AppliedEdit& edit_;
+  const std::shared_ptr<const Scene>& original_;
+  const std::shared_ptr<const Scene>& scene_;
+  const WorldState& state_;
+};
+
+// Finds what an input is for.
+struct InputSearch {
+  const WorldDescription& world;
+
+  template <typename Request>
+  Result<Input> operator()(const Request&) const {
+    return Error{{}, "found no input"};
+  }
+  Result<Input> operator()(const control::SetTwist& turn) const {
+    const Result<ModelId> root = FindEntity(world, turn.name);
+    if (!root.ok()) return root.error();
+    const std::optional<RobotId> robot = FindRobot(world, turn.name);
+    if (!robot) return Error{{}, "'" + turn.name + "' is no robot: it has no drive"};
+    return Input{robot, TwistOrder{turn.twist}};
+  }
+  Result<Input> operator()(const control::Door& request) const {
+    const std::optional<std::size_t> door = FindDoor(world, request.name);
+    if (!door) return Error{{}, "the world has no door '" + request.name + "'"};
+    return Input{{}, DoorOrder{*door, request.opening}};
+  }
+  Result<Input> operator()(const control::Lift& call) const {
+    const std::optional<std::size_t> number = FindLift(world, call.name);
+    if (!number) return Error{{}, "the world has no lift '" + call.name + "'"};
+    const std::vector<LiftFloor>& floors = world.lifts[*number].floors;
+    std::string names;
+    for (std::size_t i = 0; i < floors.size(); ++i) {
+      if (floors[i].name == call.floor) return Input{{}, LiftOrder{*number, i}};
+      names += (i == 0 ? "" : ", ") + floors[i].name;
+    }
+    return Error{{}, "lift '" + call.name + "' has no floor '" + call.floor + "', expected " + names};
+  }
+};
+
+}  // namespace
 
 Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<const Scene>& original,
                               const std::shared_ptr<const Scene>& scene, const WorldState& state) {
-  const ControlRequest& request = edit.request;
-  switch (request.command) {
-    case ControlCommand::kReset:
-      return Reset(request.scopes, original, scene, state);
-    case ControlCommand::kSetPose:
-      return SetPose(scene, state, request.name, request.pose);
-    case ControlCommand::kDelete:
-      return DeleteEntity(scene, state, request.name);
-    case ControlCommand::kSpawn:
-      if (edit.world == nullptr) return Error{{}, "found nothing to spawn"};
-      return SpawnEntity(scene, state, *edit.world, request.name, request.pose);
-    case ControlCommand::kLoadWorld:
-      if (edit.world == nullptr) return Error{{}, "found no world"};
-      return Load(*edit.world);
-    case ControlCommand::kChange: {
-      const Result<WorldChanges> changes = WorldChanges::FromText(request.source);
-      if (!changes.ok()) return changes.error();
-      return EditedWorld{std::make_shared<const Scene>(changes.value().AppliedTo(scene->world())), state, {}, false};
-    }
-    case ControlCommand::kRewind: {
-      if (edit.world == nullptr || edit.restored == nullptr) return Error{{}, "found no state to restore"};
-      // The state is not recalculated: the recording's bits are restored.
-      return EditedWorld{std::make_shared<const Scene>(*edit.world), *edit.restored, {}, true};
-    }
-    default:
-      return Error{{}, "found no edit"};
-  }
+  if (Status malformed = control::CheckRequest(edit.request); !malformed.ok()) return malformed.error();
+  return std::visit(EditApplication(edit, original, scene, state), edit.request);
 }
 
-bool IsInput(ControlCommand command) {
-  return command == ControlCommand::kSetTwist || command == ControlCommand::kDoor || command == ControlCommand::kLift;
-}
-
-namespace {
-
-Result<Input> InputForRobot(const WorldDescription& world, const ControlRequest& request) {
-  const Result<ModelId> root = FindEntity(world, request.name);
-  if (!root.ok()) return root.error();
-  const std::optional<RobotId> robot = FindRobot(world, request.name);
-  if (!robot) return Error{{}, "'" + request.name + "' is no robot: it has no drive"};
-  return Input{robot, TwistOrder{request.twist}};
-}
-
-Result<Input> InputForDoor(const WorldDescription& world, const ControlRequest& request) {
-  if (request.source != "open" && request.source != "close") {
-    return Error{{}, "found '" + request.source + "' for a door, expected open or close"};
-  }
-  const std::optional<std::size_t> door = FindDoor(world, request.name);
-  if (!door) return Error{{}, "the world has no door '" + request.name + "'"};
-  return Input{{}, DoorOrder{*door, request.source == "open" ? 1.0 : 0.0}};
-}
-
-Result<Input> InputForLift(const WorldDescription& world, const ControlRequest& request) {
-  const std::optional<std::size_t> number = FindLift(world, request.name);
-  if (!number) return Error{{}, "the world has no lift '" + request.name + "'"};
-  const std::vector<LiftFloor>& floors = world.lifts[*number].floors;
-  std::string names;
-  for (std::size_t i = 0; i < floors.size(); ++i) {
-    if (floors[i].name == request.source) return Input{{}, LiftOrder{*number, i}};
-    names += (i == 0 ? "" : ", ") + floors[i].name;
-  }
-  return Error{{}, "lift '" + request.name + "' has no floor '" + request.source + "', expected " + names};
-}
-
-}  // namespace
-
-Result<Input> InputOf(const Scene& scene, const ControlRequest& request) {
-  Result<Input> input = request.command == ControlCommand::kDoor   ? InputForDoor(scene.world(), request)
-                        : request.command == ControlCommand::kLift ? InputForLift(scene.world(), request)
-                                                                   : InputForRobot(scene.world(), request);
+Result<Input> InputOf(const Scene& scene, const control::Request& request) {
+  Result<Input> input = std::visit(InputSearch{scene.world()}, request);
   if (!input.ok()) return input;
   if (Status problem = CheckInput(scene, input.value()); !problem.ok()) return problem.error();
   return input;

@@ -26,25 +26,18 @@
 
 namespace troupe {
 
-// Reset, load, spawn, delete, set pose, rewind, change: what makes a new edition of the world or its state, in a pause.
-bool IsEdit(ControlCommand command);
-
-// Set twist, door, lift: what enters the next step, without a pause.
-// An input is cheaper than an edit for the agents, too: an edition has all robots answer the edited frame once more.
-bool IsInput(ControlCommand command);
-
 // The input that a request asks for, valid in the world. The error names what is unknown or out of range, for people.
-// REQUIRES: IsInput.
+// REQUIRES: it is of kind kInput.
 // The request names things as users do, by names; the input has ids, so that the step looks up nothing.
-Result<Input> InputOf(const Scene& scene, const ControlRequest& request);
+Result<Input> InputOf(const Scene& scene, const control::Request& request);
 
 // `original`: the scene that a reset restores, the newest that was loaded. The error is the reason why the edit
-// cannot be applied: an unknown name, an obstacle, bad scopes. REQUIRES: the command is an edit; `edit.world` is null
+// cannot be applied: an unknown name, an obstacle, or the request is no edit. REQUIRES: `edit.world` is null
 // or as in AppliedEdit; `state` belongs to `scene`.
 Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<const Scene>& original,
                               const std::shared_ptr<const Scene>& scene, const WorldState& state);
 
-// kChange: another seed and other controllers for a run that continues from a recording. Not accepted from tools during
+// Change: another seed and other controllers for a run that continues from a recording. Not accepted from tools during
 // a run (RunControl): it is the first edit of a branch, so that the branch's own recording replays without the command
 // line with which it was started.
 struct WorldChanges {
@@ -55,7 +48,7 @@ struct WorldChanges {
   // The world with the changes of the robots that it has.
   WorldDescription AppliedTo(WorldDescription world) const;
 
-  // As the source of a ControlRequest: a JSON object.
+  // As in control::Change: a JSON object.
   // Parameters of controllers remain text inside it: only the controller knows their form.
   std::string ToText() const;
   static Result<WorldChanges> FromText(const std::string& text);

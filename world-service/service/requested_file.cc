@@ -42,10 +42,10 @@ Result<RequestedFile> ListModels(const ServiceOptions& options) {
 }
 
 // Worlds and scenarios in the folder of the request, or else in those that requests may read.
-Result<RequestedFile> ListWorlds(const ServiceOptions& options, const ControlRequest& request) {
+Result<RequestedFile> ListWorlds(const ServiceOptions& options, const control::Worlds& request) {
   const AllowedPaths& allowed = options.overrides.allowed;
-  std::vector<std::string> folders = {request.source};
-  if (request.source.empty()) folders = allowed.paths();
+  std::vector<std::string> folders = {request.folder};
+  if (request.folder.empty()) folders = allowed.paths();
   // A set, because allowed folders may overlap and directories are read in any order: the list is sorted, each file
   // once.
   std::set<std::string> paths;
@@ -57,7 +57,7 @@ Result<RequestedFile> ListWorlds(const ServiceOptions& options, const ControlReq
         const std::string ending = entry.path().extension().string();
         if (ending == ".world" || ending == ".json") paths.insert(entry.path().string());
       }
-    } else if (!request.source.empty()) {
+    } else if (!request.folder.empty()) {
       return Error{{}, "found '" + folder + "', expected a folder that requests may read"};
     }
   }
@@ -69,7 +69,7 @@ Result<RequestedFile> ListWorlds(const ServiceOptions& options, const ControlReq
 }
 
 // Sets the ROS identity of the robot in `spawned`.
-Status SetRosIdentity(const ControlRequest& request, WorldDescription& spawned) {
+Status SetRosIdentity(const control::Spawn& request, WorldDescription& spawned) {
   if (request.ros_domain && spawned.robots.empty()) {
     return Error{{}, "found a ROS domain for a model that is no robot, expected one for robots only"};
   }
@@ -81,7 +81,7 @@ Status SetRosIdentity(const ControlRequest& request, WorldDescription& spawned) 
 }
 
 // Gives the robot in `spawned` the controller that the request names.
-Status SetController(const ServiceOptions& options, const ControlRequest& request, WorldDescription& spawned) {
+Status SetController(const ServiceOptions& options, const control::Spawn& request, WorldDescription& spawned) {
   if (request.controller.empty()) return {};
   if (spawned.robots.empty()) {
     return Error{{}, "found a controller for a model that is no robot, expected one for robots only"};
@@ -96,47 +96,65 @@ Status SetController(const ServiceOptions& options, const ControlRequest& reques
   return {};
 }
 
-Result<RequestedFile> Read(const ServiceOptions& options, const ControlRequest& request) {
-  if (request.command == ControlCommand::kSpawnables) return ListModels(options);
-  if (request.command == ControlCommand::kWorlds) return ListWorlds(options, request);
-  const bool loads = request.command == ControlCommand::kLoadWorld;
-  if (loads && request.source.empty() && request.text.empty()) {
-    // A load without a file and without a text unloads the world: the empty world replaces it.
-    return RequestedFile{std::make_shared<const WorldDescription>(), {}};
+// The file that a request names, or its text as a file, which is then allowed.
+struct Source {
+  std::string path;
+  std::shared_ptr<const RequestedText> text = {};
+  LoadOverrides overrides;
+};
+
+Result<Source> SourceOf(const ServiceOptions& options, const std::string& path, const std::string& text) {
+  Source source{path, {}, options.overrides};
+  if (text.empty()) return source;
+  Result<std::shared_ptr<const RequestedText>> written = RequestedText::Write(text);
+  if (!written.ok()) return written.error();
+  source.text = std::move(written).value();
+  source.path = source.text->path();
+  // The text of the request is permitted itself; what it includes is checked as for any other file.
+  source.overrides.allowed.Add(source.path);
+  return source;
+}
+
+Result<RequestedFile> ReadWorld(const ServiceOptions& options, const control::LoadWorld& request) {
+  // A load without a file and without a text unloads the world: the empty world replaces it.
+  if (request.source.empty() && request.text.empty()) {
+    return RequestedFile{.world = {std::make_shared<const WorldDescription>()}};
   }
-  std::string source = request.source;
-  LoadOverrides overrides = options.overrides;
-  std::shared_ptr<const RequestedText> text;
-  if (!request.text.empty()) {
-    Result<std::shared_ptr<const RequestedText>> written = RequestedText::Write(request.text);
-    if (!written.ok()) return written.error();
-    text = std::move(written).value();
-    source = text->path();
-    // The text of the request is permitted itself; what it includes is checked as for any other file.
-    overrides.allowed.Add(source);
-  }
-  Result<LoadedWorld> loaded =
-      loads ? LoadWorld(source, overrides) : LoadSpawnable(options.world_file, source, overrides);
+  Result<Source> source = SourceOf(options, request.source, request.text);
+  if (!source.ok()) return source.error();
+  Result<LoadedWorld> loaded = LoadWorld(source.value().path, source.value().overrides);
   if (!loaded.ok()) return FlattenPlace(loaded.error());
-  if (!loads) {
-    if (const Status status = SetController(options, request, loaded.value().world); !status.ok())
-      return status.error();
-  }
+  if (Status status = CheckLibraries(loaded.value().world, options.libraries); !status.ok()) return status.error();
+  return RequestedFile{.world = {std::make_shared<const WorldDescription>(std::move(loaded.value().world))},
+                       .text = std::move(source.value().text)};
+}
+
+Result<RequestedFile> ReadSpawned(const ServiceOptions& options, const control::Spawn& request) {
+  Result<Source> source = SourceOf(options, request.source, request.text);
+  if (!source.ok()) return source.error();
+  Result<LoadedWorld> loaded = LoadSpawnable(options.world_file, source.value().path, source.value().overrides);
+  if (!loaded.ok()) return FlattenPlace(loaded.error());
+  WorldDescription& spawned = loaded.value().world;
+  if (Status status = SetController(options, request, spawned); !status.ok()) return status.error();
   // After SetController, so that a library named by the request is checked like one named by the file.
-  if (const Status status = CheckLibraries(loaded.value().world, options.libraries); !status.ok())
-    return status.error();
-  RequestedFile file{{}, {}, std::move(text)};
-  if (!loads) {
-    file.ros_domains_from = loaded.value().ros_domains_from;
-    if (const Status status = SetRosIdentity(request, loaded.value().world); !status.ok()) return status.error();
-  }
-  file.world = std::make_shared<const WorldDescription>(std::move(loaded.value().world));
-  return file;
+  if (Status status = CheckLibraries(spawned, options.libraries); !status.ok()) return status.error();
+  if (Status status = SetRosIdentity(request, spawned); !status.ok()) return status.error();
+  const std::optional<std::uint32_t> domains_from = loaded.value().ros_domains_from;
+  return RequestedFile{.world = {std::make_shared<const WorldDescription>(std::move(spawned)), domains_from},
+                       .text = std::move(source.value().text)};
+}
+
+Result<RequestedFile> Read(const ServiceOptions& options, const control::Request& request) {
+  if (control::Is<control::Spawnables>(request)) return ListModels(options);
+  if (const auto* const list = std::get_if<control::Worlds>(&request)) return ListWorlds(options, *list);
+  if (const auto* const load = std::get_if<control::LoadWorld>(&request)) return ReadWorld(options, *load);
+  if (const auto* const spawn = std::get_if<control::Spawn>(&request)) return ReadSpawned(options, *spawn);
+  return Error{{}, "found a request without a file"};
 }
 
 }  // namespace
 
-Result<RequestedFile> ReadRequestedFile(const ServiceOptions& options, const ControlRequest& request) {
+Result<RequestedFile> ReadRequestedFile(const ServiceOptions& options, const control::Request& request) {
   try {
     return Read(options, request);
   } catch (const std::exception& exception) {  // as of a file system that fails, or without memory

@@ -41,14 +41,14 @@ class RequestedText {
 };
 
 struct RequestedFile {
-  RequestedWorld world;                                // of kLoadWorld and kSpawn
-  std::vector<EntityReport> listed;                    // of kSpawnables and kWorlds
-  std::shared_ptr<const RequestedText> text = {};      // of kLoadWorld with a text
-  std::optional<std::uint32_t> ros_domains_from = {};  // of kSpawn, ControlRequest::ros_domains_from
+  RequestedWorld world = {};                       // of LoadWorld and Spawn
+  std::vector<EntityReport> listed = {};           // of Spawnables and Worlds
+  std::shared_ptr<const RequestedText> text = {};  // of LoadWorld with a text
 };
 
-// The error's message has the place in the file. REQUIRES: the command is kLoadWorld, kSpawn, kSpawnables or kWorlds.
-Result<RequestedFile> ReadRequestedFile(const ServiceOptions& options, const ControlRequest& request);
+// The error's message has the place in the file. Another request than LoadWorld, Spawn, Spawnables and Worlds
+// needs no file: it is an error.
+Result<RequestedFile> ReadRequestedFile(const ServiceOptions& options, const control::Request& request);
 
 // OwnerPermissions: the files and controller libraries that the requests of other processes may name.
 

@@ -23,52 +23,53 @@ bool IsOver(const LiveRun& run) {
 
 }  // namespace
 
-void RunControl::Execute(const ControlRequest& request, ControlReplyTo reply, RequestedWorld world, double now) {
+void RunControl::Execute(const control::Request& request, ControlReplyTo reply, RequestedWorld world, double now) {
   OpenRequest open{request, std::move(reply), std::move(world)};
   // Also when the run is over or too many requests are open: a tool can always ask.
-  if (request.command == ControlCommand::kStatus) return Accept(open);
+  if (control::Is<control::GetStatus>(request)) return Accept(open);
   if (IsOver(run_)) return Reply(open, Refusal("the run is over"));
   if (early_.size() + engine_.waiting_inputs() + queue_.size() + awaiting_pause_.size() >= kMaxOpen) {
     return Reply(open, Refusal("too many requests are waiting"));
   }
-  if (request.command == ControlCommand::kChange) {
+  if (const Status malformed = control::CheckRequest(request); !malformed.ok()) return Reply(open, malformed.error());
+  if (control::Is<control::Change>(request)) {
     return Reply(open, Refusal("controllers are changed when a run continues from a recording"));
   }
   // Checked twice: here, so that a wrong tick does not pause the run, and when the request is executed, because an edit
   // before it in the queue may have changed the tick.
-  if (request.command == ControlCommand::kRewind && run_.phase == RunPhase::kRunning) {
-    if (const Status problem = CheckRewind(request); !problem.ok()) return Reply(open, problem.error());
+  const auto* const rewind = std::get_if<control::Rewind>(&request);
+  if (rewind != nullptr && run_.phase == RunPhase::kRunning) {
+    if (const Status problem = CheckRewind(*rewind); !problem.ok()) return Reply(open, problem.error());
   }
-  if (request.command == ControlCommand::kRestore) {
-    open.world = editor_.Deleted(request.source);
-    if (open.world == nullptr) return Reply(open, Refusal("no entity '" + request.source + "' was deleted"));
+  if (const auto* const restore = std::get_if<control::Restore>(&request)) {
+    open.world = {editor_.Deleted(restore->source)};
+    if (open.world.world == nullptr) return Reply(open, Refusal("no entity '" + restore->source + "' was deleted"));
     // From here on a restored entity is a spawned one, with its description in place of a file. The recording has the
     // spawn.
-    open.request.command = ControlCommand::kSpawn;
-    if (open.request.name.empty()) open.request.name = request.source;
+    open.request = control::Spawn{.source = restore->source,
+                                  .name = restore->name.empty() ? restore->source : restore->name,
+                                  .pose = restore->pose};
   }
-  if (IsEdit(open.request.command)) return EnqueueEdit(std::move(open), now);
-  if (IsInput(open.request.command)) return ExecuteInput(std::move(open), now);
-  switch (request.command) {
-    case ControlCommand::kPlay:
-      return Play(open, now);
-    case ControlCommand::kPause:
-      return Pause(std::move(open), now);
-    case ControlCommand::kStep:
-      return EnqueueStep(std::move(open), now);
-    case ControlCommand::kEntities:
-      return Reply(open, Entities(request.name, request.with_boxes));
-    case ControlCommand::kSpeed:
-      return ReplyWith(open, SetSpeed(request.speed, now));
-    case ControlCommand::kCommandRobot:
-      return ReplyWith(open, CommandRobot(request, now));
-    default:
+  switch (control::KindOf(open.request)) {
+    case RequestKind::kEdit:
+      return EnqueueEdit(std::move(open), now);
+    case RequestKind::kInput:
+      return ExecuteInput(std::move(open), now);
+    case RequestKind::kQuestion:
+      if (const auto* const query = std::get_if<control::Entities>(&request)) return Reply(open, Entities(*query));
       return Reply(open, Refusal("the service cannot read files here"));
+    case RequestKind::kTime:
+      break;
   }
+  if (control::Is<control::Play>(request)) return Play(open, now);
+  if (control::Is<control::Pause>(request)) return Pause(std::move(open), now);
+  if (control::Is<control::Step>(request)) return EnqueueStep(std::move(open), now);
+  if (const auto* const speed = std::get_if<control::Speed>(&request))
+    return ReplyWith(open, SetSpeed(speed->speed, now));
+  ReplyWith(open, CommandRobot(std::get<control::CommandRobot>(request), now));
 }
 
 Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
-  if (speed && !(*speed > 0.0 && std::isfinite(*speed))) return Refusal("found a speed that is not a positive number");
   if (!speed && run_.realtime()) return Refusal("mode realtime needs a speed");
   engine_.SetSpeed(speed, now);
   // A service that continues the run keeps its speed.
@@ -76,16 +77,11 @@ Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
   return {};
 }
 
-Status RunControl::CommandRobot(const ControlRequest& request, double now) {
+Status RunControl::CommandRobot(const control::CommandRobot& request, double now) {
   if (run_.phase == RunPhase::kGathering) return Refusal("the run has not begun; no robot can be commanded before");
   const std::optional<RobotId> robot = FindRobot(run_.world(), request.name);
   if (!robot) return Refusal("the world has no robot '" + request.name + "'");
-  if (request.ticks == 0 || request.ticks > kMaxCommandTicks) {
-    return Refusal("found a command for " + std::to_string(request.ticks) + " ticks, expected 1 to " +
-                   std::to_string(kMaxCommandTicks));
-  }
-  RobotCommand command = request.robot_command;
-  command.robot = *robot;
+  RobotCommand command{*robot, request.twist, request.grippers, request.goal};
   // A goal without waypoints is a cancellation; the check below accepts none, so it is set aside for the check.
   const bool cancels_goal = command.goal && command.goal->waypoints.empty();
   if (cancels_goal) command.goal.reset();
@@ -108,7 +104,7 @@ void RunControl::ExecuteInput(OpenRequest open, double now) {
   ReplyWith(open, AddInput(open.request, now));
 }
 
-Status RunControl::AddInput(const ControlRequest& request, double now) {
+Status RunControl::AddInput(const control::Request& request, double now) {
   const Result<Input> input = InputOf(*run_.scene, request);
   if (!input.ok()) return input.error();
   engine_.AddInput(input.value());
@@ -140,7 +136,7 @@ void RunControl::Play(const OpenRequest& play, double now) {
   const Error superseded = Refusal("the run was set to play");
   for (const OpenRequest& waiting : std::exchange(awaiting_pause_, {})) Reply(waiting, superseded);
   std::erase_if(queue_, [&](const OpenRequest& waiting) {
-    if (waiting.request.command != ControlCommand::kStep) return false;
+    if (!control::Is<control::Step>(waiting.request)) return false;
     Reply(waiting, superseded);
     return true;
   });
@@ -156,7 +152,6 @@ void RunControl::Play(const OpenRequest& play, double now) {
 }
 
 void RunControl::EnqueueStep(OpenRequest step, double now) {
-  if (step.request.ticks == 0) return Reply(step, Refusal("found 0 ticks to step, expected at least 1"));
   if (playing()) return Reply(step, Refusal("the run is playing; only a paused one can step"));
   Enqueue(std::move(step), now);
 }
@@ -191,12 +186,11 @@ void RunControl::Advance(double now) {
 void RunControl::ReplyToWaiting() {
   for (OpenRequest& open : std::exchange(awaiting_pause_, {})) {
     const std::uint64_t made = run_.frame.state.tick - step_begun_;
-    const bool is_step = open.request.command == ControlCommand::kStep;
-    if (is_step && made == open.request.ticks && !engine_.released()) {
+    const auto* const step = std::get_if<control::Step>(&open.request);
+    if (step != nullptr && made == step->ticks && !engine_.released()) {
       awaiting_pause_.push_back(std::move(open));  // its last tick is still awaited
-    } else if (is_step && made < open.request.ticks) {
-      Reply(open,
-            Refusal("paused after " + std::to_string(made) + " of " + std::to_string(open.request.ticks) + " ticks"));
+    } else if (step != nullptr && made < step->ticks) {
+      Reply(open, Refusal("paused after " + std::to_string(made) + " of " + std::to_string(step->ticks) + " ticks"));
     } else {
       Accept(open);
     }
@@ -206,8 +200,8 @@ void RunControl::ReplyToWaiting() {
 void RunControl::ReplyToEdit() {
   const std::optional<OpenRequest> edit = std::exchange(edit_, std::nullopt);
   if (!edit) return;
-  const bool spawned = edit->request.command == ControlCommand::kSpawn;
-  Reply(*edit, spawned ? Entities(edit->request.name) : std::vector<EntityReport>());
+  const auto* const spawn = std::get_if<control::Spawn>(&edit->request);
+  Reply(*edit, spawn != nullptr ? Entities({.name = spawn->name}) : std::vector<EntityReport>());
 }
 
 void RunControl::StartQueued(double now) {
@@ -215,10 +209,11 @@ void RunControl::StartQueued(double now) {
   while (!queue_.empty() && quiescent() && engine_.observers_ready()) {
     // A step leaves the tick, so observers that await something for it (ROS nodes in lockstep) come first. An edit
     // stays.
-    if (queue_.front().request.command == ControlCommand::kStep && !engine_.released()) return;
+    const bool is_step = control::Is<control::Step>(queue_.front().request);
+    if (is_step && !engine_.released()) return;
     OpenRequest next = std::move(queue_.front());
     queue_.pop_front();
-    if (next.request.command == ControlCommand::kStep) return StartStep(std::move(next), now);
+    if (is_step) return StartStep(std::move(next), now);
     StartEdit(std::move(next), now);
     if (edit_ && quiescent()) return Advance(now);  // no agent has to answer
   }
@@ -230,18 +225,18 @@ void RunControl::StartQueued(double now) {
 
 void RunControl::StartStep(OpenRequest step, double now) {
   // At the run's speed: a step of many ticks is watched like a run that plays.
-  engine_.SetTicksToPause(step.request.ticks, Pace::kRun);
+  engine_.SetTicksToPause(std::get<control::Step>(step.request).ticks, Pace::kRun);
   step_begun_ = run_.frame.state.tick;
   awaiting_pause_.push_back(std::move(step));
   engine_.Resume(now);
 }
 
-Status RunControl::CheckRewind(const ControlRequest& request) const {
+Status RunControl::CheckRewind(const control::Rewind& rewind) const {
   if (!run_.options.has_history) {
     return Refusal("the run keeps no recording to be rewound by; start it with --record FILE.mcap");
   }
-  if (request.ticks <= run_.frame.state.tick) return {};
-  return Refusal("found tick " + std::to_string(request.ticks) + ", expected at most " +
+  if (rewind.tick <= run_.frame.state.tick) return {};
+  return Refusal("found tick " + std::to_string(rewind.tick) + ", expected at most " +
                  std::to_string(run_.frame.state.tick) + ", the tick of the run");
 }
 
@@ -259,13 +254,13 @@ void RunControl::AdvanceRewind(double now) {
 }
 
 void RunControl::StartEdit(OpenRequest edit, double now) {
-  if (edit.request.command == ControlCommand::kRewind) {
-    if (const Status problem = CheckRewind(edit.request); !problem.ok()) return Reply(edit, problem.error());
-    rewind_.Start(edit.request, run_.frame);
+  if (const auto* const rewind = std::get_if<control::Rewind>(&edit.request)) {
+    if (const Status problem = CheckRewind(*rewind); !problem.ok()) return Reply(edit, problem.error());
+    rewind_.Start(*rewind, run_.frame);
     edit_ = std::move(edit);
     return;
   }
-  Result<ControlRequest> applied = editor_.Apply(edit.request, edit.world.get(), now);
+  Result<control::Request> applied = editor_.Apply(edit.request, edit.world, now);
   if (!applied.ok()) return Reply(edit, applied.error());
   edit.request = std::move(applied).value();
   edit_ = std::move(edit);
@@ -277,10 +272,11 @@ void RunControl::GiveUpNewRobots(const Error& error, double now) {
   Reply(*edit, error);
   // The tool is told that its spawn failed, so no robot without an agent stays behind. Robots of a loaded world stay:
   // the world was asked for as a whole.
-  if (edit->request.command == ControlCommand::kSpawn) editor_.RevokeSpawn(edit->request.name, now);
+  if (const auto* const spawn = std::get_if<control::Spawn>(&edit->request)) editor_.RevokeSpawn(spawn->name, now);
 }
 
-Result<std::vector<EntityReport>> RunControl::Entities(const std::string& name, bool with_boxes) const {
+Result<std::vector<EntityReport>> RunControl::Entities(const control::Entities& query) const {
+  const std::string& name = query.name;
   std::vector<EntityReport> entities = ListEntities(run_.world(), run_.frame.state);
   if (!name.empty()) {
     const Result<ModelId> root = FindEntity(run_.world(), name);
@@ -295,15 +291,12 @@ Result<std::vector<EntityReport>> RunControl::Entities(const std::string& name, 
     std::erase_if(entities, [&](const EntityReport& entity) { return entity.name != name; });
   }
   SetAgents(run_.world(), run_.members, entities);
-  if (with_boxes) SetBoxes(run_.world(), run_.frame.state, entities);
+  if (query.with_boxes) SetBoxes(run_.world(), run_.frame.state, entities);
   return entities;
 }
 
-void RunControl::Reply(const ControlRequest& request, const ControlReplyTo& reply,
-                       const Result<std::vector<EntityReport>>& outcome) const {
+void RunControl::Reply(const ControlReplyTo& reply, const Result<std::vector<EntityReport>>& outcome) const {
   ControlReply content;
-  content.client = request.client;
-  content.number = request.number;
   content.done = outcome.ok();
   if (outcome.ok()) {
     content.entities = outcome.value();
@@ -319,7 +312,7 @@ void RunControl::Reply(const ControlRequest& request, const ControlReplyTo& repl
 }
 
 void RunControl::Reply(const OpenRequest& open, const Result<std::vector<EntityReport>>& outcome) const {
-  Reply(open.request, open.reply, outcome);
+  Reply(open.reply, outcome);
 }
 
 void RunControl::ReplyWith(const OpenRequest& open, const Status& outcome) const {

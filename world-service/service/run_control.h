@@ -31,20 +31,16 @@
 
 namespace troupe {
 
-// Read from a file for a request: the world to load, or one whose only entity is to be spawned.
-using RequestedWorld = std::shared_ptr<const WorldDescription>;
-
 class RunControl {
  public:
   // All of them outlive the control.
   RunControl(const LiveRun& run, TickEngine& engine, WorldEditor& editor)
       : run_(run), engine_(engine), editor_(editor) {}
 
-  // Calls `reply` once, now or in a later call. `world`: for kLoadWorld and kSpawn.
-  void Execute(const ControlRequest& request, ControlReplyTo reply, RequestedWorld world, double now);
+  // Calls `reply` once, now or in a later call. `world`: for LoadWorld and Spawn.
+  void Execute(const control::Request& request, ControlReplyTo reply, RequestedWorld world, double now);
   // Replies to a request that was executed elsewhere, or failed there.
-  void Reply(const ControlRequest& request, const ControlReplyTo& reply,
-             const Result<std::vector<EntityReport>>& outcome) const;
+  void Reply(const ControlReplyTo& reply, const Result<std::vector<EntityReport>>& outcome) const;
 
   // While it runs, its owner calls Rewind::Work and then AdvanceRewind, again and again: the work is slow, and happens
   // without the lock of the run.
@@ -60,9 +56,9 @@ class RunControl {
  private:
   // A request without a reply.
   struct OpenRequest {
-    ControlRequest request;
+    control::Request request;
     ControlReplyTo reply;
-    RequestedWorld world = nullptr;
+    RequestedWorld world = {};
   };
 
   bool quiescent() const {
@@ -71,7 +67,7 @@ class RunControl {
   }
   // Also of a run that is continued, before its agents are back.
   bool has_begun() const { return run_.started_at || run_.continues(); }
-  Status CheckRewind(const ControlRequest& request) const;
+  Status CheckRewind(const control::Rewind& rewind) const;
   bool playing() const { return !engine_.ticks_to_pause() || engine_.play_after_edits(); }
   void Pause(OpenRequest pause, double now);
   void Play(const OpenRequest& play, double now);
@@ -88,10 +84,10 @@ class RunControl {
   void ReplyWith(const OpenRequest& open, const Status& outcome) const;
   void Accept(const OpenRequest& open) const { Reply(open, std::vector<EntityReport>()); }
   Status SetSpeed(const std::optional<double>& speed, double now);
-  Status CommandRobot(const ControlRequest& request, double now);
+  Status CommandRobot(const control::CommandRobot& request, double now);
   void ExecuteInput(OpenRequest open, double now);
-  Status AddInput(const ControlRequest& request, double now);
-  Result<std::vector<EntityReport>> Entities(const std::string& name, bool with_boxes = false) const;
+  Status AddInput(const control::Request& request, double now);
+  Result<std::vector<EntityReport>> Entities(const control::Entities& query) const;
   RunState State() const;
 
   const LiveRun& run_;

@@ -39,7 +39,7 @@ std::optional<HistoryRequest> RobotMemories::MissingFor(const JoinMessage& join,
   return HistoryRequest{join.memory, 0};
 }
 
-void Rewind::Start(const ControlRequest& request, const FrameMessage& newest) {
+void Rewind::Start(const control::Rewind& request, const FrameMessage& newest) {
   stage_ = Stage::kMaking;
   request_ = request;
   newest_ = newest;

@@ -61,7 +61,7 @@ class RunHistory {
   virtual Result<std::vector<HistoryEntry>> Read(const HistoryRequest& request) = 0;
   // For the last state of the request's tick. `newest`: the newest state of the run, which waits. The error is a tick
   // that the recording does not have.
-  virtual Result<std::unique_ptr<RewindStates>> StartRewind(const ControlRequest& request,
+  virtual Result<std::unique_ptr<RewindStates>> StartRewind(const control::Rewind& request,
                                                             const FrameMessage& newest) = 0;
 };
 
@@ -99,7 +99,7 @@ class RobotMemories {
 
 // A rewind within which a service died: some of its states are missing.
 struct UnfinishedRewind {
-  ControlRequest request;
+  control::Rewind request;
   std::uint64_t number = 0;  // of the state with which the robots begin anew
   Edition copied_from = 0;   // of that state, when the robots began with it the first time
   std::uint64_t copies = 0;  // number of the states that follow, copies of earlier ones
@@ -147,7 +147,7 @@ class Rewind {
   bool is_running() const { return stage_ != Stage::kNone; }
 
   // `newest`: the state of the run. REQUIRES: is_running() is false.
-  void Start(const ControlRequest& request, const FrameMessage& newest);
+  void Start(const control::Rewind& request, const FrameMessage& newest);
 
   // Works for some ms, or until all states are written. The only call that may be made without the lock of the run:
   // while it lasts, only stage() and is_running() may be called. REQUIRES: is_running().
@@ -161,7 +161,7 @@ class Rewind {
   Result<bool> MakeSome(RunHistory& history);
 
   Stage stage_ = Stage::kNone;
-  ControlRequest request_;
+  control::Rewind request_;
   FrameMessage newest_;
   std::unique_ptr<RewindStates> states_;       // null: not started
   Result<bool> has_more_ = true;               // states to be made

@@ -37,7 +37,7 @@ using ControlReplyTo = std::function<void(const ControlReply&)>;
 class WorldControl {
  public:
   virtual ~WorldControl() = default;
-  virtual void Request(const ControlRequest& request, ControlReplyTo reply) = 0;
+  virtual void Request(const control::Request& request, ControlReplyTo reply) = 0;
   // Asks the observers again whether the run can continue: what one of them waited for has come.
   virtual void Wake() {}
 };
@@ -58,11 +58,11 @@ struct RunStart {
 
 // An edit that was applied: with the description that the frame before has, it determines the next state.
 struct AppliedEdit {
-  const ControlRequest& request;  // with the name that a spawned entity was given
+  const control::Request& request;  // of kind kEdit, with the name that a spawned entity was given
   const WorldDescription* world =
-      nullptr;  // kLoadWorld: the world. kSpawn: one with only the entity to add. kDelete: with the one that a later
-                // request may restore; null: none may. kRewind: the restored one. Else null.
-  const WorldState* restored = nullptr;  // kRewind: the state in that world
+      nullptr;  // LoadWorld: the world. Spawn: one with only the entity to add. Delete: with the one that a later
+                // request may restore; null: none may. Rewind: the restored one. Else null.
+  const WorldState* restored = nullptr;  // Rewind: the state in that world
 };
 
 // A committed state, with the inputs that led to it. The references are valid during the call.

@@ -101,12 +101,12 @@ class Driver final : public WorldControl, private ServiceHandler {
     Report(true, lock);
     Act([&] {
       for (const AskedRequest& open : std::exchange(file_requests_, {})) {
-        coordinator_.Reply(open.request, open.reply, Error{{}, "the run is over"});
+        coordinator_.Reply(open.reply, Error{{}, "the run is over"});
       }
     });
   }
 
-  void Request(const ControlRequest& request, ControlReplyTo reply) override {
+  void Request(const control::Request& request, ControlReplyTo reply) override {
     // The mutex is not recursive, and the coordinator is in the middle of a call: the request follows when that
     // returns.
     if (acting_ == std::this_thread::get_id()) {
@@ -131,7 +131,7 @@ class Driver final : public WorldControl, private ServiceHandler {
 
  private:
   struct AskedRequest {
-    ControlRequest request;
+    control::Request request;
     ControlReplyTo reply;
   };
 
@@ -160,18 +160,18 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   void Accept(AskedRequest asked) {
-    if (asked.request.command == ControlCommand::kWorld) {
-      return coordinator_.Reply(asked.request, asked.reply, LoadedFile());
+    if (control::Is<control::World>(asked.request)) {
+      return coordinator_.Reply(asked.reply, LoadedFile());
     }
-    if (!NeedsFiles(asked.request.command)) {
+    if (!NeedsFiles(asked.request)) {
       return coordinator_.Control(asked.request, std::move(asked.reply), Now());
     }
     // Files are slow, so Run reads them: no message may wait for one.
     if (coordinator_.phase() == Phase::kOver) {
-      return coordinator_.Reply(asked.request, asked.reply, Error{{}, "the run is over"});
+      return coordinator_.Reply(asked.reply, Error{{}, "the run is over"});
     }
     if (file_requests_.size() >= kMaxFileRequests) {
-      return coordinator_.Reply(asked.request, asked.reply, Error{{}, "too many requests are waiting"});
+      return coordinator_.Reply(asked.reply, Error{{}, "too many requests are waiting"});
     }
     file_requests_.push_back(std::move(asked));
   }
@@ -183,9 +183,9 @@ class Driver final : public WorldControl, private ServiceHandler {
     return {{.name = stem, .type = text_ ? std::string() : service_.world_file}};
   }
 
-  static bool NeedsFiles(ControlCommand command) {
-    return command == ControlCommand::kLoadWorld || command == ControlCommand::kSpawn ||
-           command == ControlCommand::kSpawnables || command == ControlCommand::kWorlds;
+  static bool NeedsFiles(const control::Request& request) {
+    return control::Is<control::LoadWorld>(request) || control::Is<control::Spawn>(request) ||
+           control::Is<control::Spawnables>(request) || control::Is<control::Worlds>(request);
   }
 
   void ReadFiles(std::unique_lock<std::mutex>& lock) {
@@ -217,20 +217,18 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   void Execute(const AskedRequest& open, const Result<RequestedFile>& file) {
-    if (!file.ok()) return coordinator_.Reply(open.request, open.reply, file.error());
-    if (open.request.command == ControlCommand::kSpawnables || open.request.command == ControlCommand::kWorlds) {
-      return coordinator_.Reply(open.request, open.reply, file.value().listed);
+    if (!file.ok()) return coordinator_.Reply(open.reply, file.error());
+    if (control::KindOf(open.request) == RequestKind::kQuestion) {
+      return coordinator_.Reply(open.reply, file.value().listed);
     }
-    const bool loads = open.request.command == ControlCommand::kLoadWorld;
-    if (loads && coordinator_.phase() == Phase::kRunning) {
+    const auto* const load = std::get_if<control::LoadWorld>(&open.request);
+    if (load != nullptr && coordinator_.phase() == Phase::kRunning) {
       text_ = file.value().text;
       // Models that later requests spawn are looked up in the world that is loaded now.
-      service_.world_file = text_ ? text_->path() : open.request.source;
+      service_.world_file = text_ ? text_->path() : load->source;
       if (text_) service_.overrides.allowed.Add(text_->path());
     }
-    ControlRequest request = open.request;
-    request.ros_domains_from = file.value().ros_domains_from;
-    coordinator_.Control(request, open.reply, Now(), file.value().world);
+    coordinator_.Control(open.request, open.reply, Now(), file.value().world);
   }
 
   void OnJoin(const JoinMessage& join) override {
@@ -254,7 +252,11 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   void OnControl(const ControlRequest& request) override {
-    Request(request, [this](const ControlReply& reply) { endpoint_->SendControlReply(reply); });
+    Request(request.request, [this, client = request.client, number = request.number](ControlReply reply) {
+      reply.client = client;
+      reply.number = number;
+      endpoint_->SendControlReply(reply);
+    });
   }
 
   template <typename Call>

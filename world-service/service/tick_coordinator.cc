@@ -239,7 +239,7 @@ double TickCoordinator::NextPoll() const {
   return next;
 }
 
-void TickCoordinator::Control(const ControlRequest& request, ControlReplyTo reply, double now, RequestedWorld world) {
+void TickCoordinator::Control(const control::Request& request, ControlReplyTo reply, double now, RequestedWorld world) {
   control_.Execute(request, std::move(reply), std::move(world), now);
   control_.Advance(now);
 }

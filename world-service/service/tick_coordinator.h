@@ -78,13 +78,12 @@ class TickCoordinator {
   double NextPoll() const;
 
   // Executes a tool's request; see RunControl.
-  void Control(const ControlRequest& request, ControlReplyTo reply, double now, RequestedWorld world = nullptr);
+  void Control(const control::Request& request, ControlReplyTo reply, double now, RequestedWorld world = {});
   // See RunControl.
   Rewind& rewind() { return control_.rewind(); }
   void AdvanceRewind(double now) { control_.AdvanceRewind(now); }
-  void Reply(const ControlRequest& request, const ControlReplyTo& reply,
-             const Result<std::vector<EntityReport>>& outcome) const {
-    control_.Reply(request, reply, outcome);
+  void Reply(const ControlReplyTo& reply, const Result<std::vector<EntityReport>>& outcome) const {
+    control_.Reply(reply, outcome);
   }
 
   // Agents that wait for the same states of the past.

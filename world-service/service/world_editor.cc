@@ -20,40 +20,35 @@ std::string NameOfSource(const std::string& source) {
 }
 
 // The name of the entity that a request spawns.
-std::string SpawnName(const WorldDescription& world, const ControlRequest& request) {
-  if (request.name.empty()) return FreeName(world, NameOfSource(request.source));
-  return request.rename ? FreeName(world, request.name) : request.name;
+std::string SpawnName(const WorldDescription& world, const control::Spawn& spawn) {
+  if (spawn.name.empty()) return FreeName(world, NameOfSource(spawn.source));
+  return spawn.rename ? FreeName(world, spawn.name) : spawn.name;
 }
 
-// Whether the spawned robot has a domain as those of a spawn rule have.
-bool NeedsRosDomain(const ControlRequest& request, const WorldDescription& spawned) {
-  return request.ros_domains_from && spawned.robots.size() == 1 && !spawned.robots.front().ros.domain;
-}
-
-std::string NoticeOf(const ControlRequest& request) {
-  switch (request.command) {
-    case ControlCommand::kReset:
-      return "the world is reset";
-    case ControlCommand::kLoadWorld:
-      return request.source.empty() ? "the world is unloaded" : "the world is replaced by " + request.source;
-    case ControlCommand::kSpawn:
-      return "'" + request.name + "' is spawned";
-    case ControlCommand::kDelete:
-      return "'" + request.name + "' is deleted";
-    case ControlCommand::kRewind:
-      return "the run is rewound to tick " + std::to_string(request.ticks);
-    case ControlCommand::kSetPose:
-      return "the pose of '" + request.name + "' is set";
-    case ControlCommand::kSetTwist:
-      return "the twist of '" + request.name + "' is set";
-    case ControlCommand::kDoor:
-      return "door '" + request.name + (request.source == "open" ? "' is to open" : "' is to close");
-    case ControlCommand::kLift:
-      return "lift '" + request.name + "' is called to '" + request.source + "'";
-    default:
-      return "";
+// A line for people about a request that has an effect.
+struct Notice {
+  template <typename Request>
+  std::string operator()(const Request&) const {
+    return "";
   }
-}
+  std::string operator()(const control::Reset&) const { return "the world is reset"; }
+  std::string operator()(const control::LoadWorld& load) const {
+    return load.source.empty() ? "the world is unloaded" : "the world is replaced by " + load.source;
+  }
+  std::string operator()(const control::Spawn& spawn) const { return "'" + spawn.name + "' is spawned"; }
+  std::string operator()(const control::Delete& removal) const { return "'" + removal.name + "' is deleted"; }
+  std::string operator()(const control::Rewind& rewind) const {
+    return "the run is rewound to tick " + std::to_string(rewind.tick);
+  }
+  std::string operator()(const control::SetPose& move) const { return "the pose of '" + move.name + "' is set"; }
+  std::string operator()(const control::SetTwist& turn) const { return "the twist of '" + turn.name + "' is set"; }
+  std::string operator()(const control::Door& door) const {
+    return "door '" + door.name + (door.opening > 0.0 ? "' is to open" : "' is to close");
+  }
+  std::string operator()(const control::Lift& call) const {
+    return "lift '" + call.name + "' is called to '" + call.floor + "'";
+  }
+};
 
 }  // namespace
 
@@ -67,21 +62,28 @@ WorldEditor::WorldEditor(LiveRun& run, TickEngine& engine) : run_(run), engine_(
   for (const RobotId robot : run_.newcomers) new_robots_.push_back(run_.world().robot(robot).name);
 }
 
-Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDescription* world, double now) {
-  if (request.command == ControlCommand::kSpawn) request.name = SpawnName(run_.world(), request);
+Result<control::Request> WorldEditor::Apply(control::Request request, const RequestedWorld& requested, double now) {
+  auto* const spawn = std::get_if<control::Spawn>(&request);
+  const WorldDescription* world = requested.world.get();
   std::optional<WorldDescription> with_domain;
-  if (request.command == ControlCommand::kSpawn && world != nullptr && NeedsRosDomain(request, *world)) {
-    Result<WorldDescription> chosen = WithRosDomain(*request.ros_domains_from, *world);
-    if (!chosen.ok()) return chosen.error();
-    with_domain = std::move(chosen).value();
-    world = &*with_domain;
+  if (spawn != nullptr) {
+    spawn->name = SpawnName(run_.world(), *spawn);
+    // The spawned robot has a domain as those of a spawn rule have.
+    const bool needs_domain = requested.ros_domains_from && world != nullptr && world->robots.size() == 1 &&
+                              !world->robots.front().ros.domain;
+    if (needs_domain) {
+      Result<WorldDescription> chosen = WithRosDomain(*requested.ros_domains_from, *world);
+      if (!chosen.ok()) return chosen.error();
+      with_domain = std::move(chosen).value();
+      world = &*with_domain;
+    }
   }
   // The description of the deleted entity goes with the edit to the recording, from which a restore can be replayed.
   std::optional<DeletedEntity> deleted;
-  if (request.command == ControlCommand::kDelete) {
-    const Result<ModelId> root = FindEntity(run_.world(), request.name);
+  if (const auto* const removal = std::get_if<control::Delete>(&request)) {
+    const Result<ModelId> root = FindEntity(run_.world(), removal->name);
     if (!root.ok()) return root.error();
-    deleted = {request.name, std::make_shared<const WorldDescription>(ExtractEntity(run_.world(), root.value()))};
+    deleted = {removal->name, std::make_shared<const WorldDescription>(ExtractEntity(run_.world(), root.value()))};
   }
   const AppliedEdit edit{request, deleted ? deleted->entity.get() : world};
   Result<EditedWorld> edited = ApplyIfRoom(edit);
@@ -90,8 +92,8 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
   if (world != nullptr) {
     if (const Status allowed = CheckWorld(edited.value().scene->world()); !allowed.ok()) return allowed.error();
   }
-  if (request.command == ControlCommand::kSpawn) {
-    if (const Status able = CheckSpawned(edited.value().scene->world(), request.name); !able.ok()) return able.error();
+  if (spawn != nullptr) {
+    if (const Status able = CheckSpawned(edited.value().scene->world(), spawn->name); !able.ok()) return able.error();
   }
   if (deleted) {
     deleted_.push_back(std::move(*deleted));
@@ -99,13 +101,13 @@ Result<ControlRequest> WorldEditor::Apply(ControlRequest request, const WorldDes
     if (deleted_.size() > kMaxDeleted) deleted_.pop_front();
   }
   ReportRequest(request);
-  if (request.command == ControlCommand::kLoadWorld) original_ = edited.value().scene;
+  if (control::Is<control::LoadWorld>(request)) original_ = edited.value().scene;
   Commit(std::move(edited).value(), edit, now);
   return request;
 }
 
-void WorldEditor::ReportRequest(const ControlRequest& request) {
-  run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + NoticeOf(request));
+void WorldEditor::ReportRequest(const control::Request& request) {
+  run_.notices.AddFromPeer("tick " + std::to_string(run_.frame.state.tick) + ": " + std::visit(Notice(), request));
 }
 
 // The world has what its controller needs.
@@ -151,9 +153,7 @@ Result<EditedWorld> WorldEditor::ApplyIfRoom(const AppliedEdit& edit) const {
 }
 
 void WorldEditor::RevokeSpawn(const std::string& name, double now) {
-  ControlRequest removal;
-  removal.command = ControlCommand::kDelete;
-  removal.name = name;
+  const control::Request removal = control::Delete{name};
   const AppliedEdit edit{removal};
   Result<EditedWorld> without = ApplyEdit(edit, original_, run_.scene, run_.frame.state);
   if (without.ok()) Commit(std::move(without).value(), edit, now);
@@ -183,7 +183,7 @@ void WorldEditor::Publish(FrameMessage next, const AppliedEdit& edit, double now
   previous_scene_.reset();
 }
 
-void WorldEditor::Rewind(const ControlRequest& request, const RewoundRun& rewound, double now) {
+void WorldEditor::Rewind(const control::Request& request, const RewoundRun& rewound, double now) {
   ReportRequest(request);
   original_ = rewound.original;
   FrameMessage next = SuccessorOf(run_.frame);

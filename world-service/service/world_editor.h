@@ -24,6 +24,13 @@
 
 namespace troupe {
 
+// Read from a file for a request: the world to load, or one whose only entity is to be spawned.
+struct RequestedWorld {
+  std::shared_ptr<const WorldDescription> world = {};
+  // A spawned robot without a ROS domain of its own has the first free one from this on; nothing: none.
+  std::optional<std::uint32_t> ros_domains_from = {};
+};
+
 class WorldEditor {
  public:
   // Both outlive the editor.
@@ -34,11 +41,11 @@ class WorldEditor {
 
   // Applies an edit and publishes the edited frame, which is paused. Returns the request with the name that a spawned
   // entity has. After an error nothing has changed. REQUIRES: the pause is quiescent.
-  Result<ControlRequest> Apply(ControlRequest request, const WorldDescription* world, double now);
+  Result<control::Request> Apply(control::Request request, const RequestedWorld& requested, double now);
   // Publishes the state to which a request has rewound the run; it is paused. REQUIRES: the pause is quiescent.
-  void Rewind(const ControlRequest& request, const RewoundRun& rewound, double now);
+  void Rewind(const control::Request& request, const RewoundRun& rewound, double now);
   // A line for people about a request that is executed.
-  void ReportRequest(const ControlRequest& request);
+  void ReportRequest(const control::Request& request);
   // Deletes an entity whose spawn has failed.
   void RevokeSpawn(const std::string& name, double now);
 

@@ -53,8 +53,7 @@ std::vector<RecordedTick> MakeTicks(const WorldDescription& world) {
     if (moves || resets) {
       next.edit.emplace();
       next.edit->before = FrameOf(ticks[number - 1], world);
-      next.edit->request.command = resets ? ControlCommand::kReset : ControlCommand::kSetPose;
-      next.edit->request.name = "r0";
+      next.edit->request = resets ? control::Request(control::Reset()) : control::SetPose{.name = "r0"};
       ++edition;
     } else if (number > 0) {
       ++tick;

@@ -122,7 +122,8 @@ template <typename Cell, typename Part>
 bool FromCell(Cell cell, Part& part) {
   static_assert(IsCellOf<std::remove_const_t<Cell>, Part>(), "a column has another type than its field");
   if constexpr (std::is_same_v<Part, std::optional<double>>) {
-    part = cell > 0.0 ? std::optional(cell) : std::nullopt;
+    part = cell == 0.0 ? std::nullopt : std::optional(cell);
+    return !(cell < 0.0);
   } else if constexpr (kIsOptional<Part>) {
     if (cell >= 0) {
       part.emplace(static_cast<std::uint32_t>(cell));

@@ -84,7 +84,7 @@ Status FromWire(const troupe_wire_Proposal& wire, ProposalMessage& message);
 // The strings and sequences of the result live in the arena.
 troupe_wire_RobotCommand ToWire(const RobotCommand& command, WireArena& arena);
 
-// The error is a number that is not finite, or columns of different lengths. CheckRobotCommand compares with a world.
+// Numbers that are not finite pass: CheckRobotCommand compares with a world.
 Result<RobotCommand> FromWire(const troupe_wire_RobotCommand& wire);
 
 troupe_wire_Session ToWire(const SessionMessage& message, WireArena& arena);

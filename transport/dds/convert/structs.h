@@ -1,11 +1,11 @@
 // Rows (troupe/fields.h) between their lists and structs of idl/, which have the fields in the same order: a field that
 // is a row is a struct or its members, one after another, which follow a flag where the row is optional; a point is x
-// and y; a list is a sequence, of points and rectangles one of their numbers; the parameters of a sensor are its type
-// and its fields by name. A member that is missing, that is none of the fields or that has another type does not
-// compile.
+// and y; a list is a sequence, of points and rectangles one of their numbers; an optional value is a sequence of at
+// most one, or a cell (cells.h); the parameters of a sensor are its type and its fields by name. A member that is
+// missing, that is none of the fields or that has another type does not compile.
 //
-// For descriptions, which are sent once for each world: clarity before speed. The order of members in idl/ is the order
-// of the list of fields; there are no names at run time.
+// For messages that are rare or sent once for each world: clarity before speed. The order of members in idl/ is the
+// order of the list of fields; there are no names at run time.
 #pragma once
 
 #include <cstddef>
@@ -148,11 +148,13 @@ class StructWriter {
       Write(value, wire);
     } else if constexpr (std::is_same_v<Value, std::vector<HistoryEntry>>) {
       ToWire(value, wire, arena_);
+    } else if constexpr (std::is_same_v<Value, PixelArea>) {
+      wire = ToWire(value, arena_);
     } else if constexpr (!structs_internal::kIsSequence<Wire>) {
       wire = ToCell<Wire>(value, arena_);
     } else if constexpr (kIsOptional<Value>) {
       auto* const out = arena_.Fill(wire, value ? 1 : 0);
-      if (value) *out = ToWire(*value, arena_);
+      if (value) WriteValue(*value, *out);
     } else {
       using Element = typename Value::value_type;
       constexpr std::size_t kNumbers = structs_internal::kNumbers<Element>;
@@ -225,7 +227,13 @@ class StructReader {
     } else if constexpr (kIsOptional<Value>) {
       value.reset();
       const auto elements = Elements(wire);
-      return elements.size() <= 1 && (elements.empty() || Fits(FromWire(elements.front()), value));
+      if (elements.size() > 1) return Fails("found several values, expected at most one");
+      if (elements.empty()) return true;
+      if constexpr (std::is_same_v<Value, std::optional<PixelArea>>) {
+        return Fits(FromWire(elements.front()), value);
+      } else {
+        return ReadValue(elements.front(), value.emplace());
+      }
     } else {
       using Element = typename Value::value_type;
       constexpr std::size_t kNumbers = structs_internal::kNumbers<Element>;
@@ -250,12 +258,13 @@ class StructReader {
 
   template <typename Value, typename Target>
   bool Fits(Result<Value> result, Target& value) {
-    if (!result.ok()) {
-      problem_ = result.error().message;
-      return false;
-    }
+    if (!result.ok()) return Fails(result.error().message);
     value = std::move(result).value();
     return true;
+  }
+  bool Fails(std::string problem) {
+    problem_ = std::move(problem);
+    return false;
   }
   bool FailAt(std::string_view part) {
     path_ = std::string(part) + (path_.empty() ? "" : ".") + path_;

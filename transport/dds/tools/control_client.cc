@@ -81,10 +81,8 @@ class ControlClient::Connection {
   // yet: it keeps them for the reader, but not beyond its own end. The reply to a request without an effect shows that
   // the next ones arrive in any case. False: the service is gone.
   bool Greet() {
-    ControlRequest question;
-    question.command = ControlCommand::kStatus;
     for (int i = 0; i < kGreetings && !has_answered_ && connected(); ++i) {
-      has_answered_ = Call(question, kGreetingPeriod).ok();
+      has_answered_ = Call(control::GetStatus(), kGreetingPeriod).ok();
     }
     return connected();
   }
@@ -95,11 +93,10 @@ class ControlClient::Connection {
     changes_.wait(std::clamp(left.count(), 0.0, kMaxWait));
   }
 
-  Result<ControlReply> Call(ControlRequest request, double seconds) {
+  Result<ControlReply> Call(const control::Request& asked, double seconds) {
     dds::WireArena arena;
     const std::uint64_t number = ++number_;
-    request.client = client_;
-    request.number = number;
+    const ControlRequest request{client_, number, asked};
     connected();
     // A service that appears later, to continue the run of one that died, does not know the request.
     const std::set<dds_instance_handle_t> services = services_;
@@ -179,16 +176,9 @@ Status ControlClient::WaitForService(double seconds) {
   }
 }
 
-Result<ControlReply> ControlClient::Call(ControlRequest request, double seconds) {
+Result<ControlReply> ControlClient::Call(const control::Request& request, double seconds) {
   if (!connection_) return Failure("not connected to the world service of session '" + network_.session + "'");
-  return connection_->Call(std::move(request), seconds);
-}
-
-Result<ControlReply> ControlClient::Call(ControlCommand command, std::uint64_t ticks, double seconds) {
-  ControlRequest request;
-  request.command = command;
-  request.ticks = ticks;
-  return Call(std::move(request), seconds);
+  return connection_->Call(request, seconds);
 }
 
 }  // namespace troupe

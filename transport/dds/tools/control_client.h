@@ -35,8 +35,7 @@ class ControlClient {
 
   // Sends a request and waits for the reply: at most `seconds`; 0: without limit. The error: no reply has arrived,
   // or WaitForService has not succeeded before.
-  Result<ControlReply> Call(ControlRequest request, double seconds);
-  Result<ControlReply> Call(ControlCommand command, std::uint64_t ticks, double seconds);
+  Result<ControlReply> Call(const control::Request& request, double seconds);
 
  private:
   class Connection;

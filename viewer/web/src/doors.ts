@@ -45,8 +45,8 @@ export class DoorButtons {
     };
     if (door >= 0 && run.world.doors[door].operated && !this.viewOnly) {
       const name = run.world.models[run.world.doors[door].model].name;
-      add('Open', 'door', {name, action: 'open'});
-      add('Close', 'door', {name, action: 'close'});
+      add('Open', 'door', {name, opening: 1});
+      add('Close', 'door', {name, opening: 0});
     }
     if (lift >= 0 && !this.viewOnly) {
       const name = run.world.models[run.world.lifts[lift].model].name;

@@ -67,23 +67,17 @@ void OnSetEntityState(SimulationContext& context, const Call<Request, SetEntityS
     if (parts.twist && entity->kind != EntityKind::kRobot && !twist.value().IsZero()) {
       return call.Answer(kFailed, "'" + name + "' is no robot: it has no drive");
     }
-    ControlRequest turn;
-    turn.command = ControlCommand::kSetTwist;
-    turn.name = entity->name;
-    if (parts.twist) turn.twist = twist.value();
+    const control::SetTwist turn{entity->name, parts.twist ? twist.value() : Twist{}};
     const bool turns = parts.twist && entity->kind == EntityKind::kRobot;
     const auto set_twist = [turn, call](SimulationContext& of_pose) {
       of_pose.Ask(turn, [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
     };
     if (!parts.pose) return turns ? set_twist(self) : call.Answer(kOk, "");
-    ControlRequest move;
-    move.command = ControlCommand::kSetPose;
-    move.name = entity->name;
-    move.pose = pose.value();
-    self.Ask(move, [call, turns, set_twist](SimulationContext& of_pose, const ControlReply& reply) {
-      if (reply.done && turns) return set_twist(of_pose);
-      call.Answer(reply.done ? kOk : kInvalidStatePose, reply.problem);
-    });
+    self.Ask(control::SetPose{entity->name, pose.value()},
+             [call, turns, set_twist](SimulationContext& of_pose, const ControlReply& reply) {
+               if (reply.done && turns) return set_twist(of_pose);
+               call.Answer(reply.done ? kOk : kInvalidStatePose, reply.problem);
+             });
   });
 }
 
@@ -91,10 +85,8 @@ void OnDeleteEntity(SimulationContext& context, const DeleteEntityCall& call, co
   const std::string name = dds::Text(request.entity);
   context.FindEntity(name, [call, name](SimulationContext& self, const ControlReply&, const EntityReport* entity) {
     if (entity == nullptr) return call.Answer(ResultCode::kNotFound, "no entity '" + name + "'");
-    ControlRequest removal;
-    removal.command = ControlCommand::kDelete;
-    removal.name = entity->name;
-    self.Ask(removal, [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
+    self.Ask(control::Delete{entity->name},
+             [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
   });
 }
 
@@ -132,7 +124,7 @@ Result<std::string> NamespaceOf(const WorldDescription& world, const std::string
   return name_space;
 }
 
-std::uint8_t SpawnCode(const ControlReply& reply, const ControlRequest& request) {
+std::uint8_t SpawnCode(const ControlReply& reply, const control::Spawn& request) {
   if (reply.done) return kOk;
   if (reply.problem_code == ErrorCode::kNoRoom) return kInvalidSpawnPose;
   if (HasOtherFormat(request.source, {".world", ".inc", ".json"})) return kUnsupportedFormat;
@@ -153,8 +145,7 @@ void Spawn(SimulationContext& context, const SpawnOrder& order, const OnSpawned&
   if (!order.pose.ok()) return refuse(kInvalidSpawnPose, order.pose.error().message);
   Result<std::string> name_space = NamespaceOf(context.scene()->world(), order.name_space, order.name);
   if (!name_space.ok()) return refuse(kInvalidNamespace, name_space.error().message);
-  ControlRequest spawn;
-  spawn.command = ControlCommand::kSpawn;
+  control::Spawn spawn;
   spawn.source = ResourcePath(order.uri.c_str());
   if (order.uri.empty()) spawn.text = order.text;
   spawn.name = order.name;

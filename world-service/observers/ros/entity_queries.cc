@@ -39,26 +39,24 @@ void AnswerMatching(SimulationContext& context, const Call<Request, Response>& c
   Result<EntityFilter> made = EntityFilter::Make(request.filters);
   if (!made.ok()) return call.Answer(ResultCode::kUnsupported, made.error().message);
   const auto filter = std::make_shared<const EntityFilter>(std::move(made).value());
-  ControlRequest query;
-  query.command = ControlCommand::kEntities;
-  query.with_boxes = filter->has_bounds();
-  context.Ask(query, [call, filter, add](SimulationContext& self, const ControlReply& reply) {
-    dds::WireArena arena;
-    Response response{};
-    response.result = MakeResult(reply, arena);
-    std::vector<std::string> names;
-    std::vector<EntityReport> matching;
-    for (const EntityReport& entity : reply.entities) {
-      const std::string name = self.RosNameOf(entity);
-      const EntityInfo info = self.InfoOf(entity);
-      if (!filter->Matches(name, entity, info.category, info.tags)) continue;
-      names.push_back(name);
-      matching.push_back(entity);
-    }
-    arena.FillStrings(response.entities, names);
-    add(self, reply, matching, response, arena);
-    call.Respond(response);
-  });
+  context.Ask(control::Entities{.with_boxes = filter->has_bounds()},
+              [call, filter, add](SimulationContext& self, const ControlReply& reply) {
+                dds::WireArena arena;
+                Response response{};
+                response.result = MakeResult(reply, arena);
+                std::vector<std::string> names;
+                std::vector<EntityReport> matching;
+                for (const EntityReport& entity : reply.entities) {
+                  const std::string name = self.RosNameOf(entity);
+                  const EntityInfo info = self.InfoOf(entity);
+                  if (!filter->Matches(name, entity, info.category, info.tags)) continue;
+                  names.push_back(name);
+                  matching.push_back(entity);
+                }
+                arena.FillStrings(response.entities, names);
+                add(self, reply, matching, response, arena);
+                call.Respond(response);
+              });
 }
 
 void OnGetEntities(SimulationContext& context, const GetEntitiesCall& call, const GetEntitiesRequest& request) {
@@ -141,7 +139,7 @@ char*& UriOf(rolling_simulation_interfaces_msg_dds__Spawnable_& spawnable) {
 template <typename Response>
 void ListSpawnables(SimulationContext& context, const Call<GetSpawnablesRequest, Response>& call,
                     const GetSpawnablesRequest&) {
-  context.Ask(ControlCommand::kSpawnables, [call](SimulationContext&, const ControlReply& reply) {
+  context.Ask(control::Spawnables(), [call](SimulationContext&, const ControlReply& reply) {
     dds::WireArena arena;
     Response response{};
     response.result = MakeResult(reply, arena);

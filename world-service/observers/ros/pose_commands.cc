@@ -129,40 +129,27 @@ void PoseCommands::Follow(const Scene& scene) {
 void PoseCommands::SetGoal(const std::string& robot, const char* frame, const ros::PoseMessage& pose) {
   const Result<Pose> X_WG = PoseFromRos(frame, pose);
   if (!X_WG.ok()) return Refuse(robot, kGoalTopic, X_WG.error().message);
-  ControlRequest request;
-  request.command = ControlCommand::kCommandRobot;
-  request.name = robot;
-  request.ticks = kMaxCommandTicks;
-  request.robot_command.goal = Goal{0, {Vec2(X_WG.value().x, X_WG.value().y)}, X_WG.value().heading};
-  Ask(request, kGoalTopic);
+  control::CommandRobot request{.name = robot, .ticks = kMaxCommandTicks};
+  request.goal = Goal{0, {Vec2(X_WG.value().x, X_WG.value().y)}, X_WG.value().heading};
+  control_.Request(request, [reports = reports_, robot](const ControlReply& reply) {
+    if (!reply.done) reports->Add(std::string(kGoalTopic) + " of '" + robot + "': " + reply.problem);
+  });
 }
 
 // RViz knows no heights: the robot keeps its own.
 void PoseCommands::SetPose(const std::string& robot, const char* frame, const ros::PoseMessage& pose) {
   const Result<Pose> X_WR = PoseFromRos(frame, pose);
   if (!X_WR.ok()) return Refuse(robot, kPoseTopic, X_WR.error().message);
-  ControlRequest question;
-  question.command = ControlCommand::kEntities;
-  question.name = robot;
-  control_.Request(question,
+  control_.Request(control::Entities{.name = robot},
                    [&control = control_, reports = reports_, robot, to = X_WR.value()](const ControlReply& reply) {
                      if (reply.entities.size() != 1) return;
-                     ControlRequest request;
-                     request.command = ControlCommand::kSetPose;
-                     request.name = robot;
-                     request.pose = to;
-                     request.pose.z = reply.entities.front().X_WE.z;
-                     control.Request(request, [reports, robot](const ControlReply& answer) {
+                     control::SetPose move{robot, to};
+                     move.pose.z = reply.entities.front().X_WE.z;
+                     control.Request(move, [reports, robot](const ControlReply& answer) {
                        if (!answer.done)
                          reports->Add(std::string(kPoseTopic) + " of '" + robot + "': " + answer.problem);
                      });
                    });
-}
-
-void PoseCommands::Ask(const ControlRequest& request, const std::string& topic) {
-  control_.Request(request, [reports = reports_, robot = request.name, topic](const ControlReply& reply) {
-    if (!reply.done) reports->Add(topic + " of '" + robot + "': " + reply.problem);
-  });
 }
 
 void PoseCommands::Refuse(const std::string& robot, const std::string& topic, const std::string& reason) {

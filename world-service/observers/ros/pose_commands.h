@@ -45,8 +45,6 @@ class PoseCommands {
   void Follow(const Scene& scene);
   void SetGoal(const std::string& robot, const char* frame, const ros::PoseMessage& pose);
   void SetPose(const std::string& robot, const char* frame, const ros::PoseMessage& pose);
-  // Sends the request; a refusal is reported as one of `topic`.
-  void Ask(const ControlRequest& request, const std::string& topic);
   void Refuse(const std::string& robot, const std::string& topic, const std::string& reason);
 
   ros::RosConnection& of_run_;

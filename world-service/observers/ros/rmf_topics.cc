@@ -22,6 +22,13 @@ namespace {
 constexpr std::int32_t kDepth = 100;  // as of the plugins of Open-RMF
 constexpr std::size_t kMaxRefusals = 1000;
 
+// Of the entity, door or lift that a request of this file is for.
+const std::string& NameOf(const control::Request& request) {
+  if (const auto* const door = std::get_if<control::Door>(&request)) return door->name;
+  if (const auto* const lift = std::get_if<control::Lift>(&request)) return lift->name;
+  return std::get<control::SetPose>(request).name;
+}
+
 // The pending work of the thread. Its lock is the innermost one: a caller of Add may hold any other lock, and no other
 // lock is requested while it is held.
 class Duties {
@@ -60,7 +67,7 @@ struct RmfTopics::Shared {
   std::size_t open = 0;  // edits without a reply
   // The newest request to a door or a lift, until the state has it.
   struct Wanted {
-    std::string target;
+    control::Request request;
     std::optional<Tick> answered_at = {};  // an input of the tick after this one; nothing: not answered yet
   };
   std::map<std::string, Wanted> wanted;  // by door or lift
@@ -71,20 +78,20 @@ struct RmfTopics::Shared {
   };
   std::vector<Moved> moved;  // replies to edits of workcells, with room for those of open ones
 
-  // The reply to an edit, which then has no name any more.
-  void Finish(ControlRequest& edit, bool is_done, Tick tick, const std::string& problem) noexcept {
+  // The reply to a request. A pose has no name any more then.
+  void Finish(control::Request& edit, bool is_done, Tick tick, const std::string& problem) noexcept {
     const std::lock_guard lock(mutex);
     --open;
-    const auto found = wanted.find(edit.name);
-    if (found != wanted.end() && found->second.target == edit.source) {
+    const auto found = wanted.find(NameOf(edit));
+    if (found != wanted.end() && found->second.request == edit) {
       if (is_done) {
         found->second.answered_at = tick;
       } else {
         wanted.erase(found);
       }
     }
-    if (edit.command == ControlCommand::kSetPose) {
-      moved.push_back({std::move(edit.name), is_done, {}});
+    if (auto* const move = std::get_if<control::SetPose>(&edit)) {
+      moved.push_back({std::move(move->name), is_done, {}});
       try {
         moved.back().problem = problem;
         // A reply must not throw: the run would fail for a line of text.
@@ -219,7 +226,7 @@ bool RmfTopics::PlanMoves() {
         OrFailure([&] { return PlanMove(scene, state, question->workcell, question->order, question->moving); });
     lock.lock();
     if (scene != scene_) continue;  // it is planned again
-    if (std::optional<ControlRequest> edit = workcells_->Plan(planned)) AddEdit(std::move(*edit));
+    if (std::optional<control::SetPose> edit = workcells_->Plan(planned)) AddEdit(std::move(*edit));
     lock.unlock();
     SendEdits();
   }
@@ -362,8 +369,8 @@ void RmfTopics::OperateDoor(const DoorAsk& ask) {
   if (door == doors_.end()) {
     return Refuse(fmt::format("/door_requests: the world has no door '{}' that takes requests", ask.door));
   }
-  Ask(ControlCommand::kDoor, ask.door, ask.opens ? "open" : "close",
-      state_.doors[*door].target == (ask.opens ? 1.0 : 0.0));
+  const control::Door request{ask.door, ask.opens ? 1.0 : 0.0};
+  Ask(request, state_.doors[*door].target == request.opening);
 }
 
 void RmfTopics::CallLift(const LiftAsk& ask) {
@@ -397,19 +404,16 @@ void RmfTopics::CallLift(const LiftAsk& ask) {
                               name, task.floor, task.session, asked.session));
   }
   task = asked;
-  Ask(ControlCommand::kLift, name, asked.floor, lift.floors[state.floor].name == asked.floor);
+  Ask(control::Lift{name, asked.floor}, lift.floors[state.floor].name == asked.floor);
 }
 
-void RmfTopics::Ask(ControlCommand command, const std::string& name, const std::string& source, bool already_there) {
-  const auto wanted = shared_->wanted.find(name);
-  if (wanted != shared_->wanted.end() ? wanted->second.target == source : already_there) return;
-  ControlRequest edit;
-  edit.command = command;
-  edit.name = name;
-  edit.source = source;
+template <typename Request>
+void RmfTopics::Ask(const Request& request, bool already_there) {
+  const auto wanted = shared_->wanted.find(request.name);
+  if (wanted != shared_->wanted.end() ? wanted->second.request == control::Request(request) : already_there) return;
   ReserveEdit();
-  shared_->wanted[name] = {source};
-  AddEdit(std::move(edit));
+  shared_->wanted[request.name] = {request};
+  AddEdit(request);
 }
 
 void RmfTopics::ReserveEdit() {
@@ -417,7 +421,7 @@ void RmfTopics::ReserveEdit() {
   shared_->moved.reserve(shared_->moved.size() + shared_->open + 1);
 }
 
-void RmfTopics::AddEdit(ControlRequest edit) {
+void RmfTopics::AddEdit(control::Request edit) {
   edits_.push_back(std::move(edit));
   ++shared_->open;
 }
@@ -437,17 +441,17 @@ std::string RmfTopics::SessionOf(std::size_t lift, const LiftState& state) const
 }
 
 void RmfTopics::SendEdits() {
-  std::vector<ControlRequest> edits;
+  std::vector<control::Request> edits;
   {
     const std::lock_guard lock(shared_->mutex);
     edits.swap(edits_);
   }
-  for (ControlRequest& edit : edits) {
+  for (control::Request& edit : edits) {
     try {
       control_.Request(edit, [shared = shared_, reports = reports_,
-                              sent = std::make_shared<ControlRequest>(edit)](const ControlReply& reply) {
+                              sent = std::make_shared<control::Request>(edit)](const ControlReply& reply) {
         try {
-          if (!reply.done && sent->command != ControlCommand::kSetPose) reports->Add(sent->name + ": " + reply.problem);
+          if (!reply.done && !control::Is<control::SetPose>(*sent)) reports->Add(NameOf(*sent) + ": " + reply.problem);
         } catch (const std::bad_alloc&) {  // the line is missing
         }
         shared->Finish(*sent, reply.done, reply.tick, reply.problem);

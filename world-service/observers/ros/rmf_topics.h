@@ -102,11 +102,13 @@ class RmfTopics {
   void FinishMoves();
   void OperateDoor(const DoorAsk& ask);
   void CallLift(const LiftAsk& ask);
-  // Adds the edit, unless the newest one that is not answered yet is the same.
-  void Ask(ControlCommand command, const std::string& name, const std::string& source, bool already_there);
+  // Adds the request to a door or a lift, unless the newest one, which the state may not have yet, is the same.
+  // `already_there`: the state of now has what is asked for.
+  template <typename Request>
+  void Ask(const Request& request, bool already_there);
   // Memory for one edit more, and for its reply, which must not fail. Then AddEdit does not.
   void ReserveEdit();
-  void AddEdit(ControlRequest edit);
+  void AddEdit(control::Request edit);
   // Once for each line.
   void Refuse(const std::string& line);
   std::string SessionOf(std::size_t lift, const LiftState& state) const;
@@ -124,7 +126,7 @@ class RmfTopics {
   bool has_workcells_ = false;
   bool holds_ = false;                                // requests stay in the readers
   bool has_held_ = false;                             // some may have arrived since they were read last
-  std::vector<ControlRequest> edits_;                 // to be sent
+  std::vector<control::Request> edits_;               // to be sent
   std::vector<std::size_t> doors_;                    // with requests of their own
   std::map<std::string, LiftTask> tasks_;             // by lift
   std::map<std::string, ros::DoorMode> shown_doors_;  // by door

@@ -158,7 +158,7 @@ std::optional<RmfWorkcells::Question> RmfWorkcells::NextQuestion() {
   return std::nullopt;
 }
 
-std::optional<ControlRequest> RmfWorkcells::Plan(const Result<ItemMove>& planned) {
+std::optional<control::SetPose> RmfWorkcells::Plan(const Result<ItemMove>& planned) {
   const Move move = requests_.front().move;
   requests_.pop_front();
   if (!planned.ok()) {
@@ -166,11 +166,7 @@ std::optional<ControlRequest> RmfWorkcells::Plan(const Result<ItemMove>& planned
     return std::nullopt;
   }
   moves_.emplace(planned.value().item, move);
-  ControlRequest edit;
-  edit.command = ControlCommand::kSetPose;
-  edit.name = planned.value().item;
-  edit.pose = planned.value().X_WO;
-  return edit;
+  return control::SetPose{planned.value().item, planned.value().X_WO};
 }
 
 void RmfWorkcells::Finish(const std::string& item, bool is_done, const std::string& problem) {

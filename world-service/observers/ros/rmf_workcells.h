@@ -56,7 +56,7 @@ class RmfWorkcells {
   // Of the oldest request; nothing if there is none.
   std::optional<Question> NextQuestion();
   // The answer to that. Returns the edit that moves the item, if there is one. REQUIRES: the world is the same.
-  std::optional<ControlRequest> Plan(const Result<ItemMove>& planned);
+  std::optional<control::SetPose> Plan(const Result<ItemMove>& planned);
   // The edit that moves the item has been answered.
   void Finish(const std::string& item, bool is_done, const std::string& problem);
   // Writes the states, if they are due, and those of workcells that have become busy or idle.

@@ -73,7 +73,7 @@ void OnGetSimulatorFeatures(SimulationContext& context, const GetSimulatorFeatur
 
 void OnGetSimulationState(SimulationContext& context, const GetSimulationStateCall& call,
                           const GetSimulationStateRequest&) {
-  context.Ask(ControlCommand::kStatus, [call](SimulationContext& self, const ControlReply& reply) {
+  context.Ask(control::GetStatus(), [call](SimulationContext& self, const ControlReply& reply) {
     dds::WireArena arena;
     GetSimulationStateResponse response{};
     response.state.state = StateOf(self, reply);
@@ -83,9 +83,9 @@ void OnGetSimulationState(SimulationContext& context, const GetSimulationStateCa
 }
 
 void StopSimulation(SimulationContext& context, const SetSimulationStateCall& call) {
-  context.Ask(ControlCommand::kPause, [call](SimulationContext& self, const ControlReply& paused) {
+  context.Ask(control::Pause(), [call](SimulationContext& self, const ControlReply& paused) {
     if (!paused.done) return call.Answer(paused);
-    self.Ask(ControlCommand::kReset, [call](SimulationContext& of_reset, const ControlReply& reply) {
+    self.Ask(control::Reset(), [call](SimulationContext& of_reset, const ControlReply& reply) {
       if (reply.done) of_reset.stopped_edition = reply.edition;
       call.Answer(reply);
     });
@@ -98,13 +98,13 @@ void OnSetSimulationState(SimulationContext& context, const SetSimulationStateCa
   if (wanted != kPlaying && wanted != kPaused && wanted != kStopped) {
     return call.Answer(ResultCode::kUnsupported, "expected the state stopped (0), playing (1) or paused (2)");
   }
-  context.Ask(ControlCommand::kStatus, [call, wanted](SimulationContext& self, const ControlReply& status) {
+  context.Ask(control::GetStatus(), [call, wanted](SimulationContext& self, const ControlReply& status) {
     if (StateOf(self, status) == wanted) return call.Answer(kAlreadyInTargetState, "it is so already");
     if (wanted == kStopped) return StopSimulation(self, call);
     if (wanted == kPaused && status.state == RunState::kPaused) {
       return call.Answer(kIncorrectTransition, "a stopped run can be played, not paused");
     }
-    self.Ask(wanted == kPlaying ? ControlCommand::kPlay : ControlCommand::kPause,
+    self.Ask(wanted == kPlaying ? control::Request(control::Play()) : control::Pause(),
              [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
   });
 }
@@ -112,14 +112,13 @@ void OnSetSimulationState(SimulationContext& context, const SetSimulationStateCa
 void OnStepSimulation(SimulationContext& context, const StepSimulationCall& call,
                       const StepSimulationRequest& request) {
   if (context.is_stepping()) return call.Answer(ResultCode::kOperationFailed, kIsStepping);
-  context.Ask(
-      ControlCommand::kStatus, [call, ticks = request.steps](SimulationContext& self, const ControlReply& status) {
-        const std::uint8_t state = StateOf(self, status);
-        if (state == kPlaying || (state == kStopped && status.state == RunState::kPaused)) {  // not: it is starting
-          return call.Answer(ResultCode::kOperationFailed, "the run is not paused; only a paused one can step");
-        }
-        self.AskToStep(ticks, [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
-      });
+  context.Ask(control::GetStatus(), [call, ticks = request.steps](SimulationContext& self, const ControlReply& status) {
+    const std::uint8_t state = StateOf(self, status);
+    if (state == kPlaying || (state == kStopped && status.state == RunState::kPaused)) {  // not: it is starting
+      return call.Answer(ResultCode::kOperationFailed, "the run is not paused; only a paused one can step");
+    }
+    self.AskToStep(ticks, [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
+  });
 }
 
 using ros::GoalId;
@@ -194,7 +193,7 @@ class StepAction::Server : public std::enable_shared_from_this<Server> {
       }
       if (goal->status != GoalStatus::kCanceling || frame.paused) return;
     }
-    Ask(ControlCommand::kPause, [](Server&, const ControlReply&) {});  // the goal was cancelled before its steps began
+    Ask(control::Pause(), [](Server&, const ControlReply&) {});  // the goal was cancelled before its steps began
   }
 
  private:
@@ -208,8 +207,8 @@ class StepAction::Server : public std::enable_shared_from_this<Server> {
     };
   }
   template <typename Answered>
-  void Ask(ControlCommand command, Answered answered) {
-    context_->Ask(command, UntilTheEnd(answered));
+  void Ask(const control::Request& request, Answered answered) {
+    context_->Ask(request, UntilTheEnd(answered));
   }
 
   void SendGoal(const RosCaller& caller, const SimulateStepsTypes::SendGoalRequest& request) {
@@ -221,7 +220,7 @@ class StepAction::Server : public std::enable_shared_from_this<Server> {
       if (action_) action_->AnswerGoal(caller, false, 0);
       return;
     }
-    Ask(ControlCommand::kStatus,
+    Ask(control::GetStatus(),
         [caller, goal](Server& self, const ControlReply& status) { self.Begin(caller, goal, status); });
   }
 
@@ -266,8 +265,8 @@ class StepAction::Server : public std::enable_shared_from_this<Server> {
     }
     if (cancelled.canceling.empty()) return;
     // The goal may have ended before the control answers; then a pause would stop the steps of another request.
-    Ask(ControlCommand::kStatus, [](Server& self, const ControlReply&) {
-      if (self.IsCanceling()) self.Ask(ControlCommand::kPause, [](Server&, const ControlReply&) {});
+    Ask(control::GetStatus(), [](Server& self, const ControlReply&) {
+      if (self.IsCanceling()) self.Ask(control::Pause(), [](Server&, const ControlReply&) {});
     });
   }
 

@@ -92,25 +92,16 @@ class SimulationContext : public std::enable_shared_from_this<SimulationContext>
 
   // Sends the request and calls `answered(context, reply)`, on any thread.
   template <typename Answered>
-  void Ask(const ControlRequest& request, Answered answered) {
+  void Ask(const control::Request& request, Answered answered) {
     control_.Request(request, [weak = weak_from_this(), answered](const ControlReply& reply) {
       if (const auto self = weak.lock()) answered(*self, reply);
     });
   }
-  template <typename Answered>
-  void Ask(ControlCommand command, Answered answered) {
-    ControlRequest request;
-    request.command = command;
-    Ask(request, std::move(answered));
-  }
   // As Ask, with a request to step.
   template <typename Answered>
   void AskToStep(std::uint64_t ticks, Answered answered) {
-    ControlRequest step;
-    step.command = ControlCommand::kStep;
-    step.ticks = ticks;
     ++steps_;
-    Ask(step, [answered](SimulationContext& self, const ControlReply& reply) {
+    Ask(control::Step{ticks}, [answered](SimulationContext& self, const ControlReply& reply) {
       --self.steps_;
       answered(self, reply);
     });
@@ -121,15 +112,13 @@ class SimulationContext : public std::enable_shared_from_this<SimulationContext>
   // Calls `respond(context, reply, entity)` with the entity of this name in ROS; null if there is none.
   template <typename Respond>
   void FindEntity(const std::string& ros_name, Respond respond, bool with_boxes = false) {
-    ControlRequest query;
-    query.command = ControlCommand::kEntities;
-    query.with_boxes = with_boxes;
-    Ask(query, [ros_name, respond](SimulationContext& self, const ControlReply& reply) {
-      for (const EntityReport& entity : reply.entities) {
-        if (self.RosNameOf(entity) == ros_name) return respond(self, reply, &entity);
-      }
-      respond(self, reply, nullptr);
-    });
+    Ask(control::Entities{.with_boxes = with_boxes},
+        [ros_name, respond](SimulationContext& self, const ControlReply& reply) {
+          for (const EntityReport& entity : reply.entities) {
+            if (self.RosNameOf(entity) == ros_name) return respond(self, reply, &entity);
+          }
+          respond(self, reply, nullptr);
+        });
   }
 
   std::atomic<std::int64_t> stopped_edition = -1;  // of the world after the last stop; -1: none yet

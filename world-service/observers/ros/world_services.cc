@@ -34,8 +34,7 @@ std::uint8_t LoadCode(const ControlReply& reply, const std::string& path) {
 }
 
 void OnLoadWorld(SimulationContext& context, const LoadWorldCall& call, const LoadWorldRequest& request) {
-  ControlRequest load;
-  load.command = ControlCommand::kLoadWorld;
+  control::LoadWorld load;
   load.source = ResourcePath(request.uri);
   if (load.source.empty()) {
     load.text = dds::Text(request.resource_string);
@@ -56,35 +55,27 @@ void OnLoadWorld(SimulationContext& context, const LoadWorldCall& call, const Lo
 
 void OnUnloadWorld(SimulationContext& context, const UnloadWorldCall& call, const UnloadWorldRequest&) {
   if (!context.has_world()) return call.Answer(kNoWorldLoaded, "no world is loaded");
-  context.Ask(ControlCommand::kLoadWorld,
-              [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
-}
-
-ControlRequest ResetRequest(std::uint8_t scopes) {
-  ControlRequest request;
-  request.command = ControlCommand::kReset;
-  request.scopes = scopes;
-  return request;
+  context.Ask(control::LoadWorld(), [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
 }
 
 void OnResetSimulation(SimulationContext& context, const ResetSimulationCall& call,
                        const ResetSimulationRequest& request) {
   if (context.is_stepping()) return call.Answer(ResultCode::kOperationFailed, kIsStepping);
-  context.Ask(ResetRequest(request.scope == 0 ? kResetAll : request.scope),
+  context.Ask(control::Reset{request.scope == 0 ? kResetAll : request.scope},
               [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
 }
 
 // std_srvs/Empty has no field for a failure.
 void OnPlainReset(SimulationContext& context, const Call<PlainResetRequest, PlainResetResponse>& call,
                   const PlainResetRequest&) {
-  context.Ask(ResetRequest(kResetAll), [call](SimulationContext&, const ControlReply&) {
+  context.Ask(control::Reset(), [call](SimulationContext&, const ControlReply&) {
     PlainResetResponse response{};
     call.Respond(response);
   });
 }
 
 void OnGetCurrentWorld(SimulationContext& context, const GetCurrentWorldCall& call, const GetCurrentWorldRequest&) {
-  context.Ask(ControlCommand::kWorld, [call](SimulationContext& self, const ControlReply& reply) {
+  context.Ask(control::World(), [call](SimulationContext& self, const ControlReply& reply) {
     if (reply.entities.empty()) return call.Answer(kNoWorldLoaded, "no world is loaded");
     dds::WireArena arena;
     GetCurrentWorldResponse response{};
@@ -122,14 +113,12 @@ void AnswerSearch(const Search& search) {
 
 void SearchNext(SimulationContext& context, const std::shared_ptr<Search>& search) {
   if (search->next == search->sources.size()) return AnswerSearch(*search);
-  ControlRequest list;
-  list.command = ControlCommand::kWorlds;
-  list.source = search->sources[search->next++];
-  context.Ask(list, [search](SimulationContext& self, const ControlReply& reply) {
-    if (!reply.done && !search->continues) return search->call.Answer(reply);
-    search->found.insert(search->found.end(), reply.entities.begin(), reply.entities.end());
-    SearchNext(self, search);
-  });
+  context.Ask(control::Worlds{search->sources[search->next++]},
+              [search](SimulationContext& self, const ControlReply& reply) {
+                if (!reply.done && !search->continues) return search->call.Answer(reply);
+                search->found.insert(search->found.end(), reply.entities.begin(), reply.entities.end());
+                SearchNext(self, search);
+              });
 }
 
 void OnGetAvailableWorlds(SimulationContext& context, const GetAvailableWorldsCall& call,

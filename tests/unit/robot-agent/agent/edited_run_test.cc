@@ -24,7 +24,7 @@ TEST(EditedRunTest, AResetGivesTheSameHashesAgain) {
   for (const std::size_t packing : {1, 4}) {
     ControlledRun run(Yard(), {.packing = packing});
     run.Step(100);
-    EXPECT_TRUE(run.Ask(ControlCommand::kReset).done);
+    EXPECT_TRUE(run.Ask(control::Reset()).done);
     run.Step(100);
     const std::vector<std::uint64_t> hashes = run.Hashes();
     ASSERT_EQ(hashes.size(), 202u);
@@ -36,10 +36,10 @@ TEST(EditedRunTest, AResetGivesTheSameHashesAgain) {
 
 TEST(EditedRunTest, AResetWhileItPlaysGivesTheSameHashesAsWell) {
   ControlledRun run(Yard(2), {});
-  EXPECT_TRUE(run.Ask(ControlCommand::kPlay).done);
-  EXPECT_TRUE(run.Ask(ControlCommand::kReset).done);
-  ASSERT_TRUE(run.Ask(ControlCommand::kReset).done);
-  EXPECT_TRUE(run.Ask(ControlCommand::kPause).done);
+  EXPECT_TRUE(run.Ask(control::Play()).done);
+  EXPECT_TRUE(run.Ask(control::Reset()).done);
+  ASSERT_TRUE(run.Ask(control::Reset()).done);
+  EXPECT_TRUE(run.Ask(control::Pause()).done);
   std::vector<std::vector<std::uint64_t>> passes;
   for (const FrameMessage& frame : run.frames()) {
     passes.resize(frame.edition + 1);
@@ -60,9 +60,9 @@ TEST(EditedRunTest, FaultsOfTheTransportChangeNoHash) {
                                          .delay_seconds = 0.002,
                                          .seed = 5}});
   run.Step(30);
-  EXPECT_TRUE(run.Ask(Request(ControlCommand::kDelete, "r2")).done);
+  EXPECT_TRUE(run.Ask(control::Delete{.name = "r2"}).done);
   run.Step(10);
-  EXPECT_TRUE(run.Ask(ControlCommand::kReset).done);
+  EXPECT_TRUE(run.Ask(control::Reset()).done);
   run.Step(30);
   const std::vector<std::uint64_t> hashes = run.Hashes();
   ASSERT_EQ(hashes.size(), 73u);
@@ -73,13 +73,13 @@ TEST(EditedRunTest, TheAgentOfADeletedRobotLeavesAndAResetNeedsANewOne) {
   for (const std::size_t packing : {1, 3}) {
     ControlledRun run(Yard(3), {.packing = packing});
     run.Step(20);
-    ASSERT_TRUE(run.Ask(Request(ControlCommand::kDelete, "r1")).done);
+    ASSERT_TRUE(run.Ask(control::Delete{.name = "r1"}).done);
     if (packing == 1) {
       EXPECT_EQ(ValueOf(run.AwaitAgentOf("r1")), AgentEnd::kRunOver);
     }
     run.Step(20);
     EXPECT_EQ(run.frame().state.robots[1].twist, Twist{});
-    const ControlReply reset = run.Ask(ControlCommand::kReset);
+    const ControlReply reset = run.Ask(control::Reset());
     ASSERT_TRUE(reset.done) << reset.problem;
     run.Step(20);
     const std::vector<std::uint64_t> hashes = run.Hashes();
@@ -91,8 +91,8 @@ TEST(EditedRunTest, TheAgentOfADeletedRobotLeavesAndAResetNeedsANewOne) {
   }
 }
 
-ControlRequest SpawnScout(const std::string& name, const Pose& pose) {
-  ControlRequest request = Request(ControlCommand::kSpawn, name, pose);
+control::Request SpawnScout(const std::string& name, const Pose& pose) {
+  control::Spawn request{.name = name, .pose = pose};
   request.source = "scout";
   return request;
 }
@@ -105,7 +105,7 @@ TEST(EditedRunTest, ASpawnWithoutAnAgentIsUndone) {
   EXPECT_EQ(reply.problem, "no agent joined for late within 1 s");
   run.Step(5);
   EXPECT_EQ(run.frame().edition, 2u);
-  EXPECT_EQ(run.Ask(ControlCommand::kEntities).entities.size(), 6u);
+  EXPECT_EQ(run.Ask(control::Entities()).entities.size(), 6u);
 }
 
 TEST(EditedRunTest, TheSameEditsGiveTheSameHashesForAnyPacking) {
@@ -113,18 +113,18 @@ TEST(EditedRunTest, TheSameEditsGiveTheSameHashesForAnyPacking) {
   std::vector<std::uint64_t> expected;
   for (const std::size_t packing : {1, 2, 4}) {
     ControlledRun run(Yard(4), {.packing = packing, .world_file = definitions.path()});
-    const auto edit = [&](const ControlRequest& request) {
+    const auto edit = [&](const control::Request& request) {
       const ControlReply reply = run.Ask(request);
       EXPECT_TRUE(reply.done) << reply.problem;
       run.Step(10);
     };
     run.Step(10);
-    edit(Request(ControlCommand::kSetPose, "r0", {0.0, 20.0, 0.0, 0.0}));
-    edit(Request(ControlCommand::kDelete, "r1"));
+    edit(control::SetPose{.name = "r0", .pose = {0.0, 20.0, 0.0, 0.0}});
+    edit(control::Delete{.name = "r1"});
     edit(SpawnScout("late", {3.0, 20.0, 0.0, 1.0}));
     edit(SpawnScout("r1", {6.0, 20.0, 0.0, 2.0}));
-    edit(Request(ControlCommand::kSetPose, "wall3", {0.0, 30.0, 0.0, 0.0}));
-    edit(Request(ControlCommand::kReset, ""));
+    edit(control::SetPose{.name = "wall3", .pose = {0.0, 30.0, 0.0, 0.0}});
+    edit(control::Reset());
     EXPECT_EQ(ValueOf(run.Finish()).rejected, 0u);
     if (expected.empty()) expected = run.Hashes();
     EXPECT_EQ(run.Hashes(), expected);
@@ -140,7 +140,7 @@ TEST(EditedRunTest, ALoadedWorldRunsAsItDoesByItself) {
   plain.Step(30);
   ControlledRun run(Yard(2), {});
   run.Step(10);
-  ControlRequest load = Request(ControlCommand::kLoadWorld, "");
+  control::LoadWorld load;
   load.source = path;
   const ControlReply reply = run.Ask(load);
   EXPECT_TRUE(reply.done) << reply.problem;

@@ -22,11 +22,10 @@ class InterruptedRunTest : public testing::Test {
     const WorldDescription world = Yard(3);
     ControlledRun run(world, {.outputs = files});
     run.Step(30);
-    ControlRequest edit{
-        .command = ControlCommand::kSetPose, .name = world.robots[0].name, .pose = {-3.0, -3.0, 0.0, 0.0}};
+    control::SetPose edit{.name = world.robots[0].name, .pose = {-3.0, -3.0, 0.0, 0.0}};
     ASSERT_TRUE(run.Ask(edit).done);
     run.Step(10);
-    ASSERT_TRUE(run.Ask(ControlCommand::kRewind, 35).done);
+    ASSERT_TRUE(run.Ask(control::Rewind{.tick = 35}).done);
     rewound_ = run.frame();
     ASSERT_TRUE(run.Finish().ok());
   }

@@ -28,9 +28,9 @@ WorldDescription CountingYard(int robots) {
 // Lets the run play up to a tick, and pauses it. Calls `meanwhile` again and again.
 template <typename Meanwhile>
 void PlayTo(ControlledRun& run, Tick tick, const Meanwhile& meanwhile) {
-  EXPECT_TRUE(run.Ask(ControlCommand::kPlay).done);
+  EXPECT_TRUE(run.Ask(control::Play()).done);
   while (run.frame().state.tick < tick) meanwhile();
-  EXPECT_TRUE(run.Ask(ControlCommand::kPause).done);
+  EXPECT_TRUE(run.Ask(control::Pause()).done);
 }
 
 // The first hashes of both are equal.
@@ -112,7 +112,7 @@ TEST(RebuiltRunTest, FaultsOfTheTransportChangeNoHash) {
 // Edits of all kinds; `between` is called after each.
 template <typename Between>
 void RunWithEdits(ControlledRun& run, const Between& between) {
-  const auto ask = [&](const ControlRequest& request) {
+  const auto ask = [&](const control::Request& request) {
     const ControlReply reply = run.Ask(request);
     EXPECT_TRUE(reply.done) << reply.problem;
     between();
@@ -121,18 +121,18 @@ void RunWithEdits(ControlledRun& run, const Between& between) {
   };
   run.Step(20);
   between();
-  ask(Request(ControlCommand::kSetPose, "r1", {0.5, 3.0, 0.0, 1.0}));
-  ControlRequest spawn = Request(ControlCommand::kSpawn, "late", {-2.0, 2.0, 0.0, 0.5});
+  ask(control::SetPose{.name = "r1", .pose = {0.5, 3.0, 0.0, 1.0}});
+  control::Spawn spawn{.name = "late", .pose = {-2.0, 2.0, 0.0, 0.5}};
   spawn.source = "scout";
   ask(spawn);
-  ask(Request(ControlCommand::kDelete, "r2"));
-  ControlRequest time = Request(ControlCommand::kReset);
+  ask(control::Delete{.name = "r2"});
+  control::Reset time;
   time.scopes = kResetTime;
   ask(time);
-  ask(Request(ControlCommand::kSetPose, "late", {-1.0, 3.0, 0.0, -1.0}));
-  ask(Request(ControlCommand::kReset));
+  ask(control::SetPose{.name = "late", .pose = {-1.0, 3.0, 0.0, -1.0}});
+  ask(control::Reset());
   ask(spawn);
-  ask(Request(ControlCommand::kDelete, "late"));
+  ask(control::Delete{.name = "late"});
   ask(spawn);  // another robot of the same name
 }
 
@@ -148,7 +148,7 @@ TEST(RebuiltRunTest, EditsAreRemembered) {
     ControlledRun run(CountingYard(4), {.world_file = file.path(), .on_agent_loss = OnAgentLoss::kRebuild});
     std::mt19937 random(all ? 3 : 4);
     RunWithEdits(run, [&] {
-      const ControlReply reply = run.Ask(Request(ControlCommand::kEntities));
+      const ControlReply reply = run.Ask(control::Entities());
       for (const EntityReport& entity : reply.entities) {
         if (entity.kind == EntityKind::kRobot && (all || random() % 4 == 0)) run.ReplaceAgentOf(entity.name);
       }

@@ -43,7 +43,7 @@ OutputFiles Record(const std::string& path, std::uint64_t keyframe_interval) {
 }
 
 void Rewind(ControlledRun& run, Tick tick) {
-  const ControlReply reply = run.Ask(ControlCommand::kRewind, tick);
+  const ControlReply reply = run.Ask(control::Rewind{.tick = tick});
   ASSERT_TRUE(reply.done) << reply.problem;
   EXPECT_EQ(reply.tick, tick);
   EXPECT_EQ(run.frame().state.tick, tick);
@@ -97,7 +97,7 @@ TEST_P(RewoundWorldTest, ItContinuesAsBeforeFromAnyTick) {
     run.Step(10);
     Rewind(run, 35);
     run.ReplaceAgentOf(world.robots[0].name);
-    const ControlReply future = run.Ask(ControlCommand::kRewind, 36);
+    const ControlReply future = run.Ask(control::Rewind{.tick = 36});
     EXPECT_FALSE(future.done);
     EXPECT_THAT(future.problem, HasSubstr("found tick 36, expected at most 35"));
     EXPECT_EQ(ValueOf(run.Finish()).rejected, 0u);
@@ -115,12 +115,12 @@ TEST(RewoundRunTest, PlayingRunsRewindAndPlayOn) {
   ControlledRun run(CountingYard(), {.can_rewind = true});
   run.Step(100);
   const std::vector<std::uint64_t> hashes = run.Hashes();
-  EXPECT_TRUE(run.Ask(ControlCommand::kPlay).done);
-  const ControlReply reply = run.Ask(ControlCommand::kRewind, 50);
+  EXPECT_TRUE(run.Ask(control::Play()).done);
+  const ControlReply reply = run.Ask(control::Rewind{.tick = 50});
   ASSERT_TRUE(reply.done) << reply.problem;
   const std::size_t begin = run.frames().size();
   while (run.frames().size() < begin + 20) std::this_thread::yield();
-  EXPECT_TRUE(run.Ask(ControlCommand::kPause).done);
+  EXPECT_TRUE(run.Ask(control::Pause()).done);
   const std::vector<FrameMessage> frames = run.frames();
   const Edition edition = frames.back().edition;
   for (const FrameMessage& frame : frames) {
@@ -149,18 +149,18 @@ TEST(RewoundRunTest, EditsArePartOfThePast) {
   const Files files;
   {
     ControlledRun run(CountingYard(), {.outputs = Record(files.recording(), 10), .world_file = files.definitions()});
-    const auto ask = [&](const ControlRequest& request) {
+    const auto ask = [&](const control::Request& request) {
       const ControlReply reply = run.Ask(request);
       ASSERT_TRUE(reply.done) << reply.problem;
     };
-    ControlRequest spawn = Request(ControlCommand::kSpawn, "late", {-2.0, 2.0, 0.0, 0.5});
+    control::Spawn spawn{.name = "late", .pose = {-2.0, 2.0, 0.0, 0.5}};
     spawn.source = "scout";
     run.Step(20);
     ask(spawn);  // at tick 20
     run.Step(20);
-    ask(Request(ControlCommand::kDelete, "r1"));  // at tick 40
+    ask(control::Delete{.name = "r1"});  // at tick 40
     run.Step(20);
-    ask(Request(ControlCommand::kSetPose, "r2", {0.5, 3.0, 0.0, 1.0}));  // at tick 60
+    ask(control::SetPose{.name = "r2", .pose = {0.5, 3.0, 0.0, 1.0}});  // at tick 60
     run.Step(40);
     std::vector<std::uint64_t> hashes;  // of the last state of each tick
     for (const FrameMessage& frame : run.frames()) {
@@ -170,22 +170,22 @@ TEST(RewoundRunTest, EditsArePartOfThePast) {
     Rewind(run, 75);
     ExpectSame(run, hashes, 100);
     Rewind(run, 50);
-    EXPECT_EQ(run.Ask(ControlCommand::kEntities).entities.size(), 4u + 4u);  // walls, and r0, r2, r3, late
+    EXPECT_EQ(run.Ask(control::Entities()).entities.size(), 4u + 4u);  // walls, and r0, r2, r3, late
     run.Step(10);
-    ask(Request(ControlCommand::kSetPose, "r2", {0.5, 3.0, 0.0, 1.0}));
+    ask(control::SetPose{.name = "r2", .pose = {0.5, 3.0, 0.0, 1.0}});
     ExpectSame(run, hashes, 90);
     Rewind(run, 30);  // r1 has an agent again
     run.Step(10);
-    ask(Request(ControlCommand::kDelete, "r1"));
+    ask(control::Delete{.name = "r1"});
     ExpectSame(run, hashes, 60 - 1);
     Rewind(run, 10);  // nothing is spawned
     run.Step(10);
     ask(spawn);
     ExpectSame(run, hashes, 39);
     // Behind a reset the past begins anew.
-    ask(Request(ControlCommand::kReset));
+    ask(control::Reset());
     run.Step(15);
-    EXPECT_FALSE(run.Ask(ControlCommand::kRewind, 30).done);
+    EXPECT_FALSE(run.Ask(control::Rewind{.tick = 30}).done);
     Rewind(run, 12);
     ExpectSame(run, hashes, 19);
     EXPECT_EQ(ValueOf(run.Finish()).rejected, 0u);
@@ -197,12 +197,12 @@ TEST(RewoundRunTest, EditsArePartOfThePast) {
 TEST(RewoundRunTest, ARobotThatWasSpawnedAtTheTickKeepsItsAgent) {
   const DefinitionFile definitions;
   ControlledRun run(CountingYard(), {.world_file = definitions.path(), .can_rewind = true});
-  ControlRequest spawn = Request(ControlCommand::kSpawn, "late", {-2.0, 2.0, 0.0, 0.5}, "scout");
+  control::Spawn spawn{.source = "scout", .name = "late", .pose = {-2.0, 2.0, 0.0, 0.5}};
   run.Step(5);
   EXPECT_TRUE(run.Ask(spawn).done);
   for (int i = 0; i < 2; ++i) {
     Rewind(run, 5);
-    EXPECT_EQ(run.Ask(ControlCommand::kEntities).entities.size(), 4u + 5u);  // walls, and r0 to r3 and late
+    EXPECT_EQ(run.Ask(control::Entities()).entities.size(), 4u + 5u);  // walls, and r0 to r3 and late
   }
   run.Step(10);
   const std::vector<std::uint64_t> hashes = run.Hashes();
@@ -217,7 +217,7 @@ std::size_t RewindsIn(const std::string& path) {
   EXPECT_TRUE(recording
                   .VisitEdits(recording.chunks(),
                               [&](std::uint64_t, const RecordedEdit& edit) {
-                                rewinds += edit.request.command == ControlCommand::kRewind;
+                                rewinds += control::Is<control::Rewind>(edit.request);
                                 return Status();
                               })
                   .ok());
@@ -230,7 +230,7 @@ class HistoryWithFaults final : public RunHistory {
   using Make = std::function<Result<bool>(std::uint64_t call, RewindStates& states)>;
   HistoryWithFaults(RunHistory* history, Make make) : history_(history), make_(std::move(make)) {}
   Result<std::vector<HistoryEntry>> Read(const HistoryRequest& request) override { return history_->Read(request); }
-  Result<std::unique_ptr<RewindStates>> StartRewind(const ControlRequest& request,
+  Result<std::unique_ptr<RewindStates>> StartRewind(const control::Rewind& request,
                                                     const FrameMessage& newest) override {
     Result<std::unique_ptr<RewindStates>> states = history_->StartRewind(request, newest);
     if (!make_ || !states.ok()) return states;
@@ -268,7 +268,7 @@ TEST(RewoundRunTest, ARewindThatFailsLeavesTheRunAndItsRecordingAsTheyAre) {
                                        }});
     run.Step(100);
     const std::vector<std::uint64_t> hashes = run.Hashes();
-    const ControlReply failed = run.Ask(ControlCommand::kRewind, 95);
+    const ControlReply failed = run.Ask(control::Rewind{.tick = 95});
     EXPECT_FALSE(failed.done);
     EXPECT_EQ(failed.problem, "a state cannot be read");
     run.Step(20);
@@ -292,7 +292,7 @@ TEST(RewoundRunTest, AStopEndsARewind) {
     };
     ControlledRun run(CountingYard(), {.outputs = Record(files.recording(), 10), .wrap_history = wrap});
     run.Step(120);
-    const ControlReply reply = run.Ask(ControlCommand::kRewind, 50);
+    const ControlReply reply = run.Ask(control::Rewind{.tick = 50});
     EXPECT_FALSE(reply.done);
     EXPECT_EQ(reply.problem, "the run is over");
     EXPECT_EQ(reply.tick, 120u);
@@ -322,7 +322,7 @@ TEST(RewoundRunTest, AJournalBesideTheRecordingHasTheRewindToo) {
 }
 
 class NoControl final : public WorldControl {
-  void Request(const ControlRequest&, ControlReplyTo) override {}
+  void Request(const control::Request&, ControlReplyTo) override {}
 };
 
 // The ticks of the branch are not read as states of the rewind.
@@ -356,7 +356,7 @@ TEST(RewoundRunTest, ABranchFromWithinARewindHasNoMoreOfItsStates) {
 TEST(RewoundRunTest, ARunWithoutRecordingSaysSo) {
   ControlledRun run(Yard(1), {});
   run.Step(3);
-  const ControlReply reply = run.Ask(ControlCommand::kRewind, 1);
+  const ControlReply reply = run.Ask(control::Rewind{.tick = 1});
   EXPECT_FALSE(reply.done);
   EXPECT_THAT(reply.problem, HasSubstr("the run keeps no recording to be rewound by"));
 }

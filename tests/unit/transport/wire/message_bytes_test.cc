@@ -25,28 +25,12 @@ FrameRequest RandomMessage(test::RandomMessages&, std::uint64_t seed, FrameReque
   return {seed * 0x9e3779b97f4a7c15};
 }
 
-ControlRequest RandomMessage(test::RandomMessages& random, std::uint64_t seed, ControlRequest) {
-  ControlRequest request{.client = seed,
-                         .command = ControlCommand::kSpawn,
-                         .name = random.Join().host,
-                         .source = random.Join().host,
-                         .pose = {1.0, -2.0, 0.5, 3.0},
-                         .rename = seed % 2 == 1};
-  if (seed % 3 == 0) request.speed = 0.5 + static_cast<double>(seed);
-  request.robot_command = random.Command(RobotId(seed));
-  if (seed % 5 == 0) request.ros_domain = static_cast<std::uint32_t>(seed % 231);
-  if (seed % 2 == 0) request.controller = random.Join().host;
-  return request;
+ControlRequest RandomMessage(test::RandomMessages& random, std::uint64_t, ControlRequest) {
+  return random.Request();
 }
-
-ControlReply RandomMessage(test::RandomMessages& random, std::uint64_t seed, ControlReply) {
-  ControlReply reply{.number = seed, .problem = random.Join().host, .state = RunState::kPaused};
-  for (std::uint64_t i = 0; i < seed % 4; ++i) {
-    reply.entities.push_back({random.Join().host, "model", EntityKind::kObject, {0.1, 0.2, 0.3, 0.4}, {1.0, 2.0, 3.0}});
-  }
-  return reply;
+ControlReply RandomMessage(test::RandomMessages& random, std::uint64_t, ControlReply) {
+  return random.Reply();
 }
-
 SessionMessage RandomMessage(test::RandomMessages& random, std::uint64_t, SessionMessage) {
   return random.Session();
 }

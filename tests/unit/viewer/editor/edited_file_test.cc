@@ -170,7 +170,7 @@ struct Edited {
   }
   ~Edited() { observation.reset(); }
 
-  ControlReply Ask(ControlRequest request) { return link->Ask(request).value(); }
+  ControlReply Ask(control::Request request) { return link->Ask(request).value(); }
   Result<nlohmann::json> Edit(const nlohmann::json& request) {
     const Result<EditOperation> operation = DecodeEditOperation(request);
     return operation.ok() ? link->Edit(operation.value()) : operation.error();
@@ -181,7 +181,7 @@ TEST(EditLinkTest, StaticModelsAreShownAsObjectsAndMoveTheText) {
   Edited edited;
   EXPECT_EQ(edited.watcher.session().world->objects.size(), 1U);
   EXPECT_TRUE(Validate(edited.watcher.session().world).ok());
-  ControlRequest move{.command = ControlCommand::kSetPose, .name = "b", .pose = {2.0, 0.0, 0.0, 0.0}};
+  control::SetPose move{.name = "b", .pose = {2.0, 0.0, 0.0, 0.0}};
   EXPECT_TRUE(edited.Ask(move).done);
   EXPECT_TRUE(edited.watcher.Await([](const SessionMessage& session, const FrameMessage& frame) {
     return session.world_edition == frame.world_edition && frame.state.objects[0].X_WO.x == 2.0 && frame.paused;
@@ -193,12 +193,12 @@ TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
   for (const auto& [height, passes] : {std::pair(0.35, true), std::pair(0.45, false)}) {
     Edited edited;
     ASSERT_TRUE(edited.Edit({{"op", "test"}, {"model", "bridge"}, {"probe_height", height}}).ok());
-    ControlRequest step{.command = ControlCommand::kStep, .ticks = 150};
+    control::Step step{.ticks = 150};
     EXPECT_TRUE(edited.Ask(step).done);
     EXPECT_TRUE(edited.watcher.Await([passed = passes](const SessionMessage&, const FrameMessage& frame) {
       return frame.state.tick == 150 && (frame.state.robots[0].X_WR.x > 0.5) == passed;
     }));
-    ControlRequest move{.command = ControlCommand::kSetPose, .name = "b"};
+    control::SetPose move{.name = "b"};
     EXPECT_FALSE(edited.Ask(move).done);
     ASSERT_TRUE(edited.Edit({{"op", "end_test"}}).ok());
     EXPECT_TRUE(edited.watcher.Await(
@@ -209,7 +209,7 @@ TEST(EditLinkTest, ATestStepsTheModelAndLeavesTheFile) {
 
 TEST(EditLinkTest, MoreStepsThanItTakesAtOnceAreRefused) {
   Edited edited;
-  ControlRequest step{.command = ControlCommand::kStep, .ticks = 1001};
+  control::Step step{.ticks = 1001};
   const ControlReply refused = edited.Ask(step);
   EXPECT_FALSE(refused.done);
   EXPECT_EQ(refused.problem, "found 1001 steps, expected at most 1000 at once");
@@ -220,11 +220,10 @@ TEST(EditLinkTest, MoreStepsThanItTakesAtOnceAreRefused) {
 
 TEST(EditLinkTest, TheWorldIsPlayedAndItsRobotsDriven) {
   Edited edited;
-  ControlRequest play;
-  play.command = ControlCommand::kPlay;
+  control::Play play;
   EXPECT_EQ(edited.Ask(play).state, RunState::kPlaying);
-  ControlRequest drive{.command = ControlCommand::kCommandRobot, .ticks = 5, .name = "r"};
-  drive.robot_command.twist = Twist{0.5, 0.0, 0.0};
+  control::CommandRobot drive{.name = "r", .ticks = 5};
+  drive.twist = Twist{0.5, 0.0, 0.0};
   EXPECT_TRUE(edited.Ask(drive).done);
   EXPECT_TRUE(edited.watcher.Await([](const SessionMessage&, const FrameMessage& frame) {
     return frame.state.tick > 10 && frame.state.robots[0].X_WR.x > -3.0 && frame.state.robots[0].twist.vx == 0.0;

@@ -27,29 +27,26 @@ PageControl Control(const std::string& text) {
 TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
   const PageControl step = Control(R"({"type": "control", "id": 7, "command": "step", "ticks": 10})");
   EXPECT_EQ(step.id, 7u);
-  EXPECT_EQ(step.request.command, ControlCommand::kStep);
-  EXPECT_EQ(step.request.ticks, 10u);
+  EXPECT_EQ(step.request, control::Request(control::Step{10}));
   const PageControl pose =
       Control(R"({"type": "control", "id": 0, "command": "set_pose", "name": "r0", "pose": [1, -2.5, 0, 3]})");
-  EXPECT_EQ(pose.request.command, ControlCommand::kSetPose);
-  EXPECT_EQ(pose.request.name, "r0");
-  EXPECT_EQ(pose.request.pose, (Pose{1.0, -2.5, 0.0, 3.0}));
+  EXPECT_EQ(pose.request, control::Request(control::SetPose{"r0", {1.0, -2.5, 0.0, 3.0}}));
   const PageControl spawn =
       Control(R"({"type": "control", "id": 1, "command": "spawn", "source": "can", "pose": [0, 0, 0, 0]})");
-  EXPECT_EQ(spawn.request.source, "can");
-  EXPECT_TRUE(spawn.request.rename);
-  EXPECT_EQ(spawn.request.controller, "");
+  EXPECT_EQ(spawn.request, control::Request(control::Spawn{.source = "can", .rename = true}));
   const PageControl robot = Control(
       R"({"type": "control", "id": 1, "command": "spawn", "source": "rover", "controller": "wander", "pose": [0, 0, 0, 0]})");
-  EXPECT_EQ(robot.request.controller, "wander");
+  EXPECT_EQ(std::get<control::Spawn>(robot.request).controller, "wander");
   const PageControl rewind = Control(R"({"type": "control", "id": 1, "command": "rewind", "tick": 0})");
-  EXPECT_EQ(rewind.request.command, ControlCommand::kRewind);
-  EXPECT_EQ(rewind.request.ticks, 0u);
+  EXPECT_EQ(rewind.request, control::Request(control::Rewind{0}));
   const PageControl restore = Control(
       R"({"type": "control", "id": 1, "command": "restore", "source": "can", "name": "tin", "pose": [0, 0, 0, 0]})");
-  EXPECT_EQ(restore.request.command, ControlCommand::kRestore);
-  EXPECT_EQ(restore.request.source, "can");
-  EXPECT_EQ(restore.request.name, "tin");
+  EXPECT_EQ(restore.request, control::Request(control::Restore{"can", "tin", {}}));
+  const PageControl door =
+      Control(R"({"type": "control", "id": 1, "command": "door", "name": "gate", "opening": 0.5})");
+  EXPECT_EQ(door.request, control::Request(control::Door{"gate", 0.5}));
+  const PageControl lift = Control(R"({"type": "control", "id": 1, "command": "lift", "name": "up", "floor": "L2"})");
+  EXPECT_EQ(lift.request, control::Request(control::Lift{"up", "L2"}));
 }
 
 TEST(PageRequestTest, AsksForSignals) {
@@ -68,21 +65,18 @@ TEST(PageRequestTest, AsksForSignals) {
 
 TEST(PageRequestTest, SetsTheSpeedAndCommandsRobots) {
   const PageControl speed = Control(R"({"type": "control", "id": 1, "command": "speed", "speed": 2.5})");
-  EXPECT_EQ(speed.request.command, ControlCommand::kSpeed);
-  EXPECT_EQ(speed.request.speed, 2.5);
-  EXPECT_EQ(Control(R"({"type": "control", "id": 1, "command": "speed", "speed": "max"})").request.speed, std::nullopt);
+  EXPECT_EQ(speed.request, control::Request(control::Speed{2.5}));
+  EXPECT_EQ(Control(R"({"type": "control", "id": 1, "command": "speed", "speed": "max"})").request,
+            control::Request(control::Speed()));
   const PageControl all = Control(
       R"({"type": "control", "id": 1, "command": "command_robot", "name": "r0", "ticks": 5, "twist": [1, 0, -0.5],
           "grippers": [{"gripper": 1, "opening": 0}, {"gripper": 0, "lift": 50}],
           "goal": {"waypoints": [[1, 2], [3, -4]], "heading": 0.5}})");
-  EXPECT_EQ(all.request.command, ControlCommand::kCommandRobot);
-  EXPECT_EQ(all.request.name, "r0");
-  EXPECT_EQ(all.request.ticks, 5u);
-  RobotCommand expected;
+  control::CommandRobot expected{.name = "r0", .ticks = 5};
   expected.twist = Twist{1.0, 0.0, -0.5};
   expected.grippers = {{.gripper = 1, .opening = 0.0}, {.gripper = 0, .lift = 50.0}};
   expected.goal = Goal{0, {{1.0, 2.0}, {3.0, -4.0}}, 0.5};
-  EXPECT_EQ(all.request.robot_command, expected);
+  EXPECT_EQ(all.request, control::Request(expected));
 }
 
 TEST(PageRequestTest, GoesBackAndReturns) {
@@ -196,9 +190,8 @@ TEST(PageRequestTest, AsksForTheAgentOfARobot) {
   const PageRequest request =
       test::ValueOf(ParsePageRequest(R"({"type": "control", "id": 4, "command": "entities", "name": "r0"})"));
   const PageControl& control = std::get<PageControl>(request);
-  EXPECT_EQ(control.request.command, ControlCommand::kEntities);
-  EXPECT_EQ(control.request.name, "r0");
-  EXPECT_TRUE(IsQuestion(control.request.command));
+  EXPECT_EQ(control.request, control::Request(control::Entities{.name = "r0"}));
+  EXPECT_EQ(control::KindOf(control.request), RequestKind::kQuestion);
   ControlReply reply;
   reply.entities.push_back({"r0", "position"});
   reply.entities[0].agent = AgentReport{"bench7", 4711, true, 0.25, 3};

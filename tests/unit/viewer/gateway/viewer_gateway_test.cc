@@ -37,11 +37,11 @@ class ScriptedLink : public RunLink {
     changed.notify_all();
     return std::unique_ptr<RunObservation>(std::make_unique<End>(*this));
   }
-  Result<ControlReply> Ask(const ControlRequest& request) override {
+  Result<ControlReply> Ask(const control::Request& request) override {
     const std::lock_guard lock(mutex);
     asked.push_back(request);
     ControlReply reply;
-    reply.done = request.command != ControlCommand::kSetPose;
+    reply.done = !control::Is<control::SetPose>(request);
     reply.problem = reply.done ? "" : "in a wall";
     reply.entities = entities;
     return reply;
@@ -69,7 +69,7 @@ class ScriptedLink : public RunLink {
   std::condition_variable changed;
   ObserverHandler* observer = nullptr;
   int observed = 0;
-  std::vector<ControlRequest> asked;
+  std::vector<control::Request> asked;
   std::vector<EntityReport> entities;  // of each reply
   bool always = false;
   std::atomic<bool> outdated = false;
@@ -656,7 +656,7 @@ TEST_F(ViewerGatewayTest, AViewOnlyGatewayAsksTheRunForNothingButAnswers) {
   EXPECT_EQ(ReadText(*client)["done"], true);
   const std::lock_guard lock(link_.mutex);
   ASSERT_EQ(link_.asked.size(), 1u);
-  EXPECT_EQ(link_.asked[0].command, ControlCommand::kSpawnables);
+  EXPECT_TRUE(control::Is<control::Spawnables>(link_.asked[0]));
 }
 
 TEST_F(ViewerGatewayTest, ATextThatIsNoRequestEndsTheConnection) {

@@ -16,8 +16,7 @@ using testing::IsEmpty;
 
 class ControlTest : public CoordinatorTest {
  protected:
-  void Ask(ControlCommand command, std::uint64_t ticks = 1) {
-    ControlRequest request{.number = ++number_, .command = command, .ticks = ticks};
+  void Ask(const control::Request& request) {
     coordinator->Control(
         request, [this](const ControlReply& reply) { replies.push_back(reply); }, now);
   }
@@ -31,14 +30,11 @@ class ControlTest : public CoordinatorTest {
   bool paused() const { return endpoint.frames.back().paused; }
 
   std::vector<ControlReply> replies;
-
- private:
-  std::uint64_t number_ = 0;
 };
 
 TEST_F(ControlTest, PausesAfterTheOpenTickAndAnswersWhenQuiescent) {
   MakeAndStart(2);
-  Ask(ControlCommand::kPause);
+  Ask(control::Pause());
   Propose(1);
   EXPECT_THAT(replies, IsEmpty());
   Propose(2);
@@ -63,7 +59,7 @@ TEST_F(ControlTest, IsPausedAtTheStartIfAsked) {
   EXPECT_EQ(tick(), 0u);
   EXPECT_TRUE(paused());
   AnswerPaused(1);
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   EXPECT_TRUE(replies.back().done);
   EXPECT_FALSE(paused());
   Propose(1);
@@ -75,7 +71,7 @@ TEST_F(ControlTest, StepsTheGivenTicksAndAnswersWhenQuiescentAgain) {
   options.start_paused = true;
   MakeAndStart(1);
   AnswerPaused(1);
-  Ask(ControlCommand::kStep, 3);
+  Ask(control::Step{.ticks = 3});
   for (int i = 0; i < 3; ++i) {
     EXPECT_FALSE(paused());
     EXPECT_THAT(replies, IsEmpty());
@@ -93,8 +89,8 @@ TEST_F(ControlTest, StepsTheGivenTicksAndAnswersWhenQuiescentAgain) {
 TEST_F(ControlTest, ExecutesStepsInTurnHoweverFastTheyAreRequested) {
   options.start_paused = true;
   MakeAndStart(1);
-  Ask(ControlCommand::kStep, 1);
-  Ask(ControlCommand::kStep, 2);
+  Ask(control::Step{.ticks = 1});
+  Ask(control::Step{.ticks = 2});
   AnswerPaused(1);
   Propose(1);
   AnswerPaused(1);
@@ -111,9 +107,9 @@ TEST_F(ControlTest, APauseCutsAStepShortAndItsReplySaysSo) {
   options.start_paused = true;
   MakeAndStart(1);
   AnswerPaused(1);
-  Ask(ControlCommand::kStep, 5);
+  Ask(control::Step{.ticks = 5});
   Propose(1);
-  Ask(ControlCommand::kPause);
+  Ask(control::Pause());
   Propose(1);
   AnswerPaused(1);
   ASSERT_EQ(replies.size(), 2u);
@@ -126,12 +122,12 @@ TEST_F(ControlTest, APauseCutsAStepShortAndItsReplySaysSo) {
 
 TEST_F(ControlTest, RefusesToStepWhilePlayingOrByZeroTicks) {
   MakeAndStart(1);
-  Ask(ControlCommand::kStep, 1);
+  Ask(control::Step{.ticks = 1});
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_FALSE(replies[0].done);
   EXPECT_EQ(replies[0].problem, "the run is playing; only a paused one can step");
   EXPECT_EQ(replies[0].state, RunState::kPlaying);
-  Ask(ControlCommand::kStep, 0);
+  Ask(control::Step{.ticks = 0});
   EXPECT_EQ(replies[1].problem, "found 0 ticks to step, expected at least 1");
 }
 
@@ -144,7 +140,7 @@ TEST_F(ControlTest, ResendsAPausedFrameThatAnAgentMissed) {
   EXPECT_TRUE(paused());
   AnswerPaused(1);
   AnswerPaused(2);
-  Ask(ControlCommand::kPause);
+  Ask(control::Pause());
   EXPECT_TRUE(replies.back().done);
 }
 
@@ -152,7 +148,7 @@ TEST_F(ControlTest, ALateAnswerToAPausedFrameIsNoProposal) {
   options.start_paused = true;
   MakeAndStart(1);
   AnswerPaused(1);
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   AnswerPaused(1);
   EXPECT_EQ(tick(), 0u);
   Propose(1);
@@ -162,7 +158,7 @@ TEST_F(ControlTest, ALateAnswerToAPausedFrameIsNoProposal) {
 TEST_F(ControlTest, DoesNotWaitForAnAgentThatIsLostInAPause) {
   options.start_paused = true;
   MakeAndStart(2);
-  Ask(ControlCommand::kPause);
+  Ask(control::Pause());
   AnswerPaused(1);
   EXPECT_THAT(replies, IsEmpty());
   coordinator->OnAgentGone(2, now);
@@ -174,7 +170,7 @@ TEST_F(ControlTest, AnswersWaitingClientsWhenTheRunEnds) {
   options.start_paused = true;
   MakeAndStart(1);
   AnswerPaused(1);
-  Ask(ControlCommand::kStep, 5);
+  Ask(control::Step{.ticks = 5});
   coordinator->Stop(now);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_FALSE(replies[0].done);
@@ -188,7 +184,7 @@ TEST_F(ControlTest, StepsAtTheSpeedOfTheRun) {
   MakeAndStart(1);
   AnswerPaused(1);
   Wait(10.0);
-  Ask(ControlCommand::kStep, 2);
+  Ask(control::Step{.ticks = 2});
   Propose(1);
   EXPECT_EQ(tick(), 0u) << "a tick of 0.1 s lasts 0.05 s at this speed";
   EXPECT_NEAR(coordinator->NextPoll() - now, 0.05, 1e-9);
@@ -206,9 +202,9 @@ TEST_F(ControlTest, APauseDoesNotWaitForTheTimeOfATickNeitherInAStep) {
   options.start_paused = true;
   MakeAndStart(1);
   AnswerPaused(1);
-  Ask(ControlCommand::kStep, 5);
+  Ask(control::Step{.ticks = 5});
   Propose(1);
-  Ask(ControlCommand::kPause);
+  Ask(control::Pause());
   Wait(0.0);
   EXPECT_EQ(tick(), 1u);
   EXPECT_TRUE(paused());
@@ -217,11 +213,11 @@ TEST_F(ControlTest, APauseDoesNotWaitForTheTimeOfATickNeitherInAStep) {
 TEST_F(ControlTest, DoesNotCatchUpTheTimeOfAPause) {
   options.settings.speed = 1.0;
   MakeAndStart(1);
-  Ask(ControlCommand::kPause);
+  Ask(control::Pause());
   Propose(1);
   AnswerPaused(1);
   Wait(10.0);
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   Propose(1);
   EXPECT_EQ(tick(), 1u) << "the next tick is due 0.1 s after the pause";
   Wait(0.1);
@@ -264,7 +260,7 @@ TEST_F(ReleaseTest, ATickIsDecidedOnWhenItIsReleased) {
   Wait(1.0);
   EXPECT_TRUE(paused() && holds());
   EXPECT_THAT(coordinator->MakeStatus(now).waiting_for, testing::ElementsAre("node"));
-  Ask(ControlCommand::kStatus);
+  Ask(control::GetStatus());
   EXPECT_EQ(replies.back().state, RunState::kPlaying);
   is_released = true;
   Wait(0.0);
@@ -279,13 +275,13 @@ TEST_F(ReleaseTest, ATickIsDecidedOnWhenItIsReleased) {
 TEST_F(ReleaseTest, AWaitBecomesAPauseAndGoesOnWaiting) {
   MakeAndStart(1);
   AnswerPaused(1);
-  Ask(ControlCommand::kPause);
+  Ask(control::Pause());
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].state, RunState::kPaused);
   EXPECT_TRUE(paused());
   EXPECT_FALSE(holds());
   EXPECT_EQ(ticks_to_pause, 0u);
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   EXPECT_EQ(replies[1].state, RunState::kPlaying);
   EXPECT_TRUE(paused() && holds());
   EXPECT_EQ(ticks_to_pause, std::nullopt);
@@ -300,7 +296,7 @@ TEST_F(ReleaseTest, AStepEndsWhenItsLastTickIsReleased) {
   is_released = true;
   AnswerPaused(1);
   EXPECT_FALSE(holds());
-  Ask(ControlCommand::kStep, 1);
+  Ask(control::Step{.ticks = 1});
   is_released = false;
   Propose(1);
   AnswerPaused(1);
@@ -336,10 +332,9 @@ class RunControlTest : public test::LiveRunTest {
     editor_.emplace(*run_, *engine_);
     control_.emplace(*run_, *engine_, *editor_);
   }
-  void Ask(ControlCommand command, std::uint64_t ticks = 1) {
-    ControlRequest request{.command = command, .ticks = ticks, .name = "r0", .pose = {3.0, 0.0, 0.0, 0.0}};
+  void Ask(const control::Request& request) {
     control_->Execute(
-        request, [this](const ControlReply& reply) { replies_.push_back(reply); }, nullptr, now_);
+        request, [this](const ControlReply& reply) { replies_.push_back(reply); }, {}, now_);
   }
   void AnswerAndAdvance() {
     AnswerBoth();
@@ -353,7 +348,7 @@ class RunControlTest : public test::LiveRunTest {
 
 TEST_F(RunControlTest, RepliesToAPauseWhenItIsQuiescent) {
   MakeControl();
-  Ask(ControlCommand::kPause);
+  Ask(control::Pause());
   control_->Advance(now_);
   EXPECT_TRUE(replies_.empty());
   AnswerAndAdvance();  // tick 1, paused
@@ -369,9 +364,9 @@ TEST_F(RunControlTest, RepliesToAPauseWhenItIsQuiescent) {
 TEST_F(RunControlTest, StepsAndEditsKeepTheirOrder) {
   options_.start_paused = true;
   MakeControl();
-  Ask(ControlCommand::kStep, 2);
-  Ask(ControlCommand::kSetPose);
-  Ask(ControlCommand::kStep, 1);
+  Ask(control::Step{.ticks = 2});
+  Ask(control::SetPose{"r0", {3.0, 0.0, 0.0, 0.0}});
+  Ask(control::Step{.ticks = 1});
   AnswerAndAdvance();  // the pause at the start; the step begins
   AnswerAndAdvance();
   AnswerAndAdvance();
@@ -392,7 +387,7 @@ TEST_F(RunControlTest, StepsAndEditsKeepTheirOrder) {
 
 TEST_F(RunControlTest, AnEditOfAPlayingRunPausesOnlyForItself) {
   MakeControl();
-  Ask(ControlCommand::kSetPose);
+  Ask(control::SetPose{"r0", {3.0, 0.0, 0.0, 0.0}});
   AnswerAndAdvance();
   EXPECT_TRUE(run_->frame.paused);
   AnswerAndAdvance();
@@ -407,9 +402,9 @@ TEST_F(RunControlTest, AnEditOfAPlayingRunPausesOnlyForItself) {
 TEST_F(RunControlTest, RefusesAllThatIsOpenWhenTheRunIsOver) {
   options_.start_paused = true;
   MakeControl();
-  Ask(ControlCommand::kPause);
-  Ask(ControlCommand::kStep);
-  Ask(ControlCommand::kSetPose);
+  Ask(control::Pause());
+  Ask(control::Step());
+  Ask(control::SetPose{"r0", {3.0, 0.0, 0.0, 0.0}});
   engine_->Stop(now_);
   control_->Advance(now_);
   ASSERT_EQ(replies_.size(), 3u);
@@ -418,15 +413,15 @@ TEST_F(RunControlTest, RefusesAllThatIsOpenWhenTheRunIsOver) {
     EXPECT_EQ(reply.problem, "the run is over");
     EXPECT_EQ(reply.state, RunState::kOver);
   }
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   EXPECT_FALSE(replies_.back().done);
 }
 
 TEST_F(RunControlTest, RepliesToQueriesAtOnce) {
   MakeControl();
-  Ask(ControlCommand::kEntities);
-  Ask(ControlCommand::kStatus);
-  Ask(ControlCommand::kSpawnables);
+  Ask(control::Entities{.name = "r0"});
+  Ask(control::GetStatus());
+  Ask(control::Spawnables());
   ASSERT_EQ(replies_.size(), 3u);
   ASSERT_EQ(replies_[0].entities.size(), 1u);
   EXPECT_EQ(replies_[0].entities[0].name, "r0");

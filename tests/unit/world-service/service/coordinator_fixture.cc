@@ -51,7 +51,7 @@ ProposalMessage CoordinatorTest::ProposalOf(AgentId agent, double vx, std::optio
   return message;
 }
 
-ControlReply CoordinatorTest::Ask(const ControlRequest& request) {
+ControlReply CoordinatorTest::Ask(const control::Request& request) {
   const auto reply = std::make_shared<ControlReply>();  // which may follow later
   coordinator->Control(
       request, [reply](const ControlReply& made) { *reply = made; }, now);

@@ -35,7 +35,7 @@ class CoordinatorTest : public testing::Test {
   void Propose(AgentId agent, double vx = 1.0) { coordinator->OnProposal(ProposalOf(agent, vx), now); }
 
   // The reply, if it follows at once.
-  ControlReply Ask(const ControlRequest& request);
+  ControlReply Ask(const control::Request& request);
 
   void Wait(double seconds);  // polls only at the end
 

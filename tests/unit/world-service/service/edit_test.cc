@@ -13,15 +13,9 @@ using testing::IsEmpty;
 
 class EditTest : public CoordinatorTest {
  protected:
-  void Ask(ControlRequest request, RequestedWorld world = nullptr) {
-    request.number = ++number_;
-    coordinator->Control(
-        request, [this](const ControlReply& reply) { replies.push_back(reply); }, now, std::move(world));
-  }
-  void Ask(ControlCommand command) {
-    ControlRequest request;
-    request.command = command;
-    Ask(request);
+  void Ask(const control::Request& request, std::shared_ptr<const WorldDescription> world = nullptr) {
+    coordinator->Control(request, [this](const ControlReply& reply) { replies.push_back(reply); }, now,
+                         {std::move(world)});
   }
   void AnswerPaused(AgentId agent) {
     ProposalMessage message = ProposalOf(agent, 0.0);
@@ -32,16 +26,13 @@ class EditTest : public CoordinatorTest {
   const FrameMessage& newest() const { return endpoint.frames.back(); }
 
   std::vector<ControlReply> replies;
-
- private:
-  std::uint64_t number_ = 0;
 };
 
 TEST_F(EditTest, ResetsInAPauseOfItsOwnAndPlaysOn) {
   MakeAndStart(1);
   const std::uint64_t first_hash = newest().state_hash;
   Propose(1);
-  Ask(ControlCommand::kReset);
+  Ask(control::Reset());
   EXPECT_THAT(replies, IsEmpty());
   Propose(1);
   EXPECT_TRUE(newest().paused);
@@ -72,7 +63,7 @@ TEST_F(EditTest, LeavesARunPausedThatWasPaused) {
   options.start_paused = true;
   MakeAndStart(1);
   AnswerPaused(1);
-  Ask(ControlCommand::kReset);
+  Ask(control::Reset());
   EXPECT_EQ(newest().edition, 1u);
   AnswerPaused(1);
   ASSERT_EQ(replies.size(), 1u);
@@ -87,7 +78,7 @@ TEST_F(EditTest, IgnoresAnswersToFramesBeforeTheEdit) {
   ProposalMessage late = ProposalOf(1, 0.0);
   late.proposals.clear();
   late.paused = true;
-  Ask(ControlCommand::kReset);
+  Ask(control::Reset());
   coordinator->OnProposal(late, now);
   EXPECT_THAT(replies, IsEmpty());
   late.edition = 2;
@@ -101,9 +92,9 @@ TEST_F(EditTest, IgnoresAnswersToFramesBeforeTheEdit) {
 TEST_F(EditTest, IsExecutedInTurnWithSteps) {
   options.start_paused = true;
   MakeAndStart(1);
-  Ask(ControlCommand::kStep);
-  Ask(ControlCommand::kReset);
-  Ask(ControlCommand::kStep);
+  Ask(control::Step());
+  Ask(control::Reset());
+  Ask(control::Step());
   AnswerPaused(1);
   Propose(1);
   AnswerPaused(1);
@@ -121,8 +112,8 @@ TEST_F(EditTest, IsExecutedInTurnWithSteps) {
 TEST_F(EditTest, IsExecutedAlsoWhenTheRunIsSetToPlay) {
   options.start_paused = true;
   MakeAndStart(1);
-  Ask(ControlCommand::kReset);
-  Ask(ControlCommand::kPlay);
+  Ask(control::Reset());
+  Ask(control::Play());
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].state, RunState::kPlaying);
   AnswerPaused(1);
@@ -134,8 +125,8 @@ TEST_F(EditTest, IsExecutedAlsoWhenTheRunIsSetToPlay) {
 
 TEST_F(EditTest, PausesAfterAnEditIfAskedMeanwhile) {
   MakeAndStart(1);
-  Ask(ControlCommand::kReset);
-  Ask(ControlCommand::kPause);
+  Ask(control::Reset());
+  Ask(control::Pause());
   Propose(1);
   AnswerPaused(1);
   AnswerPaused(1);
@@ -145,7 +136,7 @@ TEST_F(EditTest, PausesAfterAnEditIfAskedMeanwhile) {
 
 TEST_F(EditTest, IsRefusedBeforeTheRunHasBegun) {
   Make(1);
-  Ask(ControlCommand::kReset);
+  Ask(control::Reset());
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].problem, "the run has not begun; nothing can be changed before");
 }
@@ -154,7 +145,7 @@ TEST_F(EditTest, IsRefusedBeforeTheRunHasBegun) {
 TEST_F(EditTest, AReplacementThatJoinsJustAfterAResetWaitsForTheLeaseOfTheDeadAgent) {
   MakeAndStart(1);
   for (int i = 0; i < 8; ++i) Propose(1);
-  Ask(ControlCommand::kReset);
+  Ask(control::Reset());
   Propose(1);
   AnswerPaused(1);
   ASSERT_EQ(tick(), 0u);
@@ -173,13 +164,12 @@ TEST_F(EditTest, AReplacementThatJoinsJustAfterAResetWaitsForTheLeaseOfTheDeadAg
 TEST_F(EditTest, ResetsByScope) {
   options.start_paused = true;
   MakeAndStart(1);
-  Ask(ControlCommand::kStep);
+  Ask(control::Step());
   AnswerPaused(1);
   Propose(1);
   AnswerPaused(1);
   ASSERT_NE(Travel(0), 0.0);
-  ControlRequest request;
-  request.command = ControlCommand::kReset;
+  control::Reset request;
   for (const std::uint8_t scopes : {0, 8, 15}) {
     request.scopes = scopes;
     Ask(request);
@@ -191,7 +181,7 @@ TEST_F(EditTest, ResetsByScope) {
   EXPECT_NE(Travel(0), 0.0);
   AnswerPaused(1);
   request.scopes = kResetState;
-  Ask(ControlCommand::kStep);
+  Ask(control::Step());
   Propose(1);
   AnswerPaused(1);
   Ask(request);
@@ -203,8 +193,8 @@ TEST_F(EditTest, IsAnsweredWhenTheRunEnds) {
   options.start_paused = true;
   MakeAndStart(1);
   AnswerPaused(1);
-  Ask(ControlCommand::kReset);
-  Ask(ControlCommand::kReset);
+  Ask(control::Reset());
+  Ask(control::Reset());
   coordinator->Stop(now);
   ASSERT_EQ(replies.size(), 2u);
   EXPECT_EQ(replies[0].problem, "the run is over");
@@ -216,7 +206,7 @@ TEST_F(EditTest, DoesNotWaitForAnAgentThatIsLostMeanwhile) {
   MakeAndStart(2);
   AnswerPaused(1);
   AnswerPaused(2);
-  Ask(ControlCommand::kReset);
+  Ask(control::Reset());
   AnswerPaused(1);
   coordinator->OnAgentGone(2, now);
   ASSERT_EQ(replies.size(), 1u);
@@ -235,11 +225,8 @@ class EditedWorldTest : public EditTest {
     AnswerPaused(1);
     AnswerPaused(2);
   }
-  static ControlRequest Request(ControlCommand command, const std::string& name, const Pose& pose = {}) {
-    return {.command = command, .name = name, .pose = pose};
-  }
   void Spawn(const std::string& name, const Pose& pose = {0.0, -5.0, 0.0, 0.0}) {
-    Ask(Request(ControlCommand::kSpawn, name, pose), std::make_shared<const WorldDescription>(PlaneWorld(1)));
+    Ask(control::Spawn{.name = name, .pose = pose}, std::make_shared<const WorldDescription>(PlaneWorld(1)));
   }
   // Joins with an agent that has the newest world.
   void JoinNewest(AgentId agent, const std::string& robot) {
@@ -252,7 +239,7 @@ class EditedWorldTest : public EditTest {
 
 TEST_F(EditedWorldTest, MovesARobotWithoutANewSession) {
   StartAndHold();
-  Ask(Request(ControlCommand::kSetPose, "r0", {1.0, 2.0, 0.0, 0.5}));
+  Ask(control::SetPose{.name = "r0", .pose = {1.0, 2.0, 0.0, 0.5}});
   EXPECT_EQ(newest().edition, 1u);
   EXPECT_EQ(newest().world_edition, 0u);
   EXPECT_EQ(newest().fresh_edition, 0u);
@@ -266,15 +253,15 @@ TEST_F(EditedWorldTest, MovesARobotWithoutANewSession) {
 TEST_F(EditedWorldTest, ARefusalGivesItsReasonAndChangesNoState) {
   StartAndHold();
   const std::size_t before = frames();
-  Ask(Request(ControlCommand::kSetPose, "nobody"));
+  Ask(control::SetPose{.name = "nobody"});
   EXPECT_EQ(replies.back().problem, "the world has no entity 'nobody'");
-  Ask(Request(ControlCommand::kSetPose, "r0", {0.1, 10.1, 0.0, 0.0}));
+  Ask(control::SetPose{.name = "r0", .pose = {0.1, 10.1, 0.0, 0.0}});
   EXPECT_EQ(replies.back().problem, "'r0' would be inside 'r1'");
-  Ask(Request(ControlCommand::kSetPose, "r0", {std::nan(""), 0.0, 0.0, 0.0}));
+  Ask(control::SetPose{.name = "r0", .pose = {std::nan(""), 0.0, 0.0, 0.0}});
   EXPECT_EQ(replies.back().problem, "found a pose that is not finite");
-  Ask(Request(ControlCommand::kDelete, ""));
+  Ask(control::Delete{""});
   EXPECT_FALSE(replies.back().done);
-  Ask(Request(ControlCommand::kSpawn, "r9"));
+  Ask(control::Spawn{.name = "r9"});
   EXPECT_FALSE(replies.back().done) << "no file was read";
   Spawn("r0");
   EXPECT_EQ(replies.back().problem, "the name 'r0' is in use");
@@ -284,27 +271,27 @@ TEST_F(EditedWorldTest, ARefusalGivesItsReasonAndChangesNoState) {
 
 TEST_F(EditedWorldTest, ListsTheEntities) {
   StartAndHold();
-  Ask(ControlCommand::kEntities);
+  Ask(control::Entities());
   ASSERT_EQ(replies.back().entities.size(), 2u);
   EXPECT_EQ(replies.back().entities[1].name, "r1");
   EXPECT_EQ(replies.back().entities[1].kind, EntityKind::kRobot);
   EXPECT_EQ(replies.back().entities[1].X_WE, (Pose{0.0, 10.0, 0.0, 0.0}));
-  Ask(Request(ControlCommand::kEntities, "r1"));
+  Ask(control::Entities{.name = "r1"});
   ASSERT_EQ(replies.back().entities.size(), 1u);
   EXPECT_EQ(replies.back().entities[0].name, "r1");
-  Ask(Request(ControlCommand::kEntities, "nobody"));
+  Ask(control::Entities{.name = "nobody"});
   EXPECT_EQ(replies.back().problem, "the world has no entity 'nobody'");
 }
 
 TEST_F(EditedWorldTest, ListsTheAgentsOfRobots) {
   StartAndHold();
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   now += 0.2;
   Propose(1);
   now += 0.3;
   Propose(2);
   coordinator->OnAgentGone(2, now);
-  Ask(ControlCommand::kEntities);
+  Ask(control::Entities());
   ASSERT_EQ(replies.back().entities.size(), 2u);
   const std::optional<AgentReport> first = replies.back().entities[0].agent;
   const std::optional<AgentReport> second = replies.back().entities[1].agent;
@@ -319,7 +306,7 @@ TEST_F(EditedWorldTest, ListsTheAgentsOfRobots) {
 
 TEST_F(EditedWorldTest, ContinuesWithoutTheAgentOfADeletedRobot) {
   StartAndHold();
-  Ask(Request(ControlCommand::kDelete, "r0"));
+  Ask(control::Delete{.name = "r0"});
   ASSERT_EQ(endpoint.sessions.size(), 1u);
   EXPECT_EQ(endpoint.sessions[0].world_edition, 1u);
   EXPECT_TRUE(endpoint.sessions[0].begun);
@@ -330,7 +317,7 @@ TEST_F(EditedWorldTest, ContinuesWithoutTheAgentOfADeletedRobot) {
   coordinator->OnAgentGone(1, now);
   EXPECT_EQ(coordinator->MakeStatus(now).robots, 1u);
   EXPECT_EQ(coordinator->MakeStatus(now).agents, 1u);
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   Propose(2);
   EXPECT_EQ(tick(), 1u);
   EXPECT_THAT(coordinator->MakeSummary().lost, IsEmpty());
@@ -354,7 +341,7 @@ TEST_F(EditedWorldTest, WaitsForTheAgentOfASpawnedRobot) {
   EXPECT_TRUE(replies[0].done) << replies[0].problem;
   ASSERT_EQ(replies[0].entities.size(), 1u);
   EXPECT_EQ(replies[0].entities[0].name, "new");
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   for (const AgentId agent : {1, 2, 3}) Propose(agent);
   EXPECT_EQ(tick(), 1u);
   EXPECT_GT(Travel(2), 0.0);
@@ -374,7 +361,7 @@ TEST_F(EditedWorldTest, RevokesASpawnWhoseAgentDoesNotJoin) {
   EXPECT_TRUE(endpoint.sessions.back().world->models[2].removed);
   AnswerPaused(1);
   AnswerPaused(2);
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   Propose(1);
   Propose(2);
   EXPECT_EQ(tick(), 1u);
@@ -382,7 +369,7 @@ TEST_F(EditedWorldTest, RevokesASpawnWhoseAgentDoesNotJoin) {
 
 TEST_F(EditedWorldTest, SpawnsUnderAFreeNameIfAsked) {
   StartAndHold();
-  ControlRequest spawn = Request(ControlCommand::kSpawn, "r0", {0.0, -5.0, 0.0, 0.0});
+  control::Spawn spawn{.name = "r0", .pose = {0.0, -5.0, 0.0, 0.0}};
   spawn.rename = true;
   Ask(spawn, std::make_shared<const WorldDescription>(PlaneWorld(1)));
   EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("r00"));
@@ -391,9 +378,9 @@ TEST_F(EditedWorldTest, SpawnsUnderAFreeNameIfAsked) {
 
 TEST_F(EditedWorldTest, AResetRestoresDeletedRobots) {
   StartAndHold();
-  Ask(Request(ControlCommand::kDelete, "r0"));
+  Ask(control::Delete{.name = "r0"});
   AnswerPaused(2);
-  Ask(ControlCommand::kReset);
+  Ask(control::Reset());
   EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("r0"));
   EXPECT_EQ(newest().fresh_edition, 2u);
   AnswerPaused(2);
@@ -408,7 +395,7 @@ TEST_F(EditedWorldTest, AResetRestoresDeletedRobots) {
 
 TEST_F(EditedWorldTest, KeepsTheAgentsOfRobotsThatTheLoadedWorldAlsoHas) {
   StartAndHold();
-  ControlRequest load = Request(ControlCommand::kLoadWorld, "");
+  control::LoadWorld load;
   load.source = "other.world";
   WorldDescription other = PlaneWorld(2);
   std::swap(other.robots[0].name, other.robots[1].name);
@@ -419,7 +406,7 @@ TEST_F(EditedWorldTest, KeepsTheAgentsOfRobotsThatTheLoadedWorldAlsoHas) {
   AnswerPaused(1);
   AnswerPaused(2);
   EXPECT_TRUE(replies.back().done);
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   ProposalMessage first = ProposalOf(1, 2.0);
   first.proposals[0].robot = RobotId(1);
   ProposalMessage second = ProposalOf(2, 1.0);
@@ -429,7 +416,7 @@ TEST_F(EditedWorldTest, KeepsTheAgentsOfRobotsThatTheLoadedWorldAlsoHas) {
   EXPECT_EQ(tick(), 1u);
   EXPECT_DOUBLE_EQ(Travel(0), 0.1);
   EXPECT_DOUBLE_EQ(Travel(1), 0.2);
-  Ask(ControlCommand::kReset);
+  Ask(control::Reset());
   EXPECT_EQ(coordinator->scene()->world(), other);
 }
 
@@ -438,7 +425,7 @@ TEST_F(EditedWorldTest, WaitsForAgentsWhenALoadedWorldHasOnlyNewRobots) {
   Wait(2.0 * options.start_timeout_seconds);
   WorldDescription other = PlaneWorld(2);
   for (std::size_t i = 0; i < 2; ++i) other.robots[i].name = other.models[i].name = "other" + std::to_string(i);
-  Ask(Request(ControlCommand::kLoadWorld, ""), std::make_shared<const WorldDescription>(other));
+  Ask(control::LoadWorld(), std::make_shared<const WorldDescription>(other));
   EXPECT_THAT(coordinator->DrainNewRobots(), testing::ElementsAre("other0", "other1"));
   Wait(0.5 * options.start_timeout_seconds);
   EXPECT_THAT(replies, IsEmpty());
@@ -452,13 +439,13 @@ TEST_F(EditedWorldTest, WaitsForAgentsWhenALoadedWorldHasOnlyNewRobots) {
 
 TEST_F(EditedWorldTest, ContinuesAfterALoadWhoseAgentsDoNotJoin) {
   StartAndHold();
-  Ask(Request(ControlCommand::kLoadWorld, ""), std::make_shared<const WorldDescription>(PlaneWorld(3)));
+  Ask(control::LoadWorld(), std::make_shared<const WorldDescription>(PlaneWorld(3)));
   AnswerPaused(1);
   AnswerPaused(2);
   Wait(11.0);
   ASSERT_EQ(replies.size(), 1u);
   EXPECT_EQ(replies[0].problem, "no agent joined for r2 within 10 s");
-  Ask(ControlCommand::kPlay);
+  Ask(control::Play());
   Propose(1);
   Propose(2);
   EXPECT_EQ(tick(), 1u) << "a robot without an agent stands still";
@@ -467,7 +454,7 @@ TEST_F(EditedWorldTest, ContinuesAfterALoadWhoseAgentsDoNotJoin) {
 TEST_F(EditedWorldTest, AnAgentThatWasLostWhenTheWorldChangedIsUnknown) {
   StartAndHold();
   coordinator->OnAgentGone(2, now);
-  Ask(Request(ControlCommand::kSetPose, "r0", {1.0, 0.0, 0.0, 0.0}));
+  Ask(control::SetPose{.name = "r0", .pose = {1.0, 0.0, 0.0, 0.0}});
   AnswerPaused(1);
   EXPECT_TRUE(replies.back().done);
   Join(2);

@@ -40,7 +40,7 @@ class InputTest : public CoordinatorTest {
   InputTest() { observers.push_back(&log_); }
 
   ControlReply SetTwist(const std::string& robot, double vx) {
-    return Ask({.command = ControlCommand::kSetTwist, .name = robot, .twist = {vx, 0.0, 0.0}});
+    return Ask(control::SetTwist{.name = robot, .twist = {vx, 0.0, 0.0}});
   }
 
   InputLog log_;
@@ -69,9 +69,8 @@ TEST_F(InputTest, RefusesWhatTheWorldDoesNotHave) {
   MakeAndStart(1);
   EXPECT_THAT(SetTwist("nobody", 1.0).problem, HasSubstr("nobody"));
   EXPECT_THAT(SetTwist("r0", 1e6).problem, HasSubstr("cannot have"));
-  EXPECT_THAT(Ask({.command = ControlCommand::kDoor, .name = "gate", .source = "open"}).problem,
-              HasSubstr("no door 'gate'"));
-  EXPECT_THAT(Ask({.command = ControlCommand::kLift, .name = "up", .source = "L1"}).problem, HasSubstr("no lift 'up'"));
+  EXPECT_THAT(Ask(control::Door{.name = "gate", .opening = 1.0}).problem, HasSubstr("no door 'gate'"));
+  EXPECT_THAT(Ask(control::Lift{.name = "up", .floor = "L1"}).problem, HasSubstr("no lift 'up'"));
   EXPECT_TRUE(log_.waiting.empty());
 }
 
@@ -90,10 +89,10 @@ TEST_F(InputTest, IsForgottenByAResetAndByTheEndOfItsRobot) {
   SetTwist("r0", 1.0);
   SetTwist("r1", 1.0);
   ASSERT_EQ(log_.waiting.size(), 2u);
-  Ask({.command = ControlCommand::kDelete, .name = "r1"});
+  Ask(control::Delete{.name = "r1"});
   EXPECT_THAT(log_.waiting, testing::ElementsAre(Input{RobotId(0), TwistOrder{{1.0, 0.0, 0.0}}}));
   answer();
-  Ask({.command = ControlCommand::kReset});
+  Ask(control::Reset());
   EXPECT_TRUE(log_.waiting.empty());
 }
 
@@ -105,11 +104,11 @@ TEST(InputsOfARun, AreRecordedAndReplayed) {
   {
     ControlledRun run(Scenario("../sites/guesthouse_lanes.json"), {.packing = 2, .outputs = {.record = path}});
     run.Step(5);
-    EXPECT_TRUE(run.Ask({.command = ControlCommand::kDoor, .name = "room_1_door", .source = "open"}).done);
+    EXPECT_TRUE(run.Ask(control::Door{.name = "room_1_door", .opening = 1.0}).done);
     run.Step(1);
     EXPECT_EQ(run.frame().state.doors[*FindDoor(Scenario("../sites/guesthouse_lanes.json"), "room_1_door")].target,
               1.0);
-    EXPECT_TRUE(run.Ask({.command = ControlCommand::kLift, .name = "guest_lift", .source = "L2"}).done);
+    EXPECT_TRUE(run.Ask(control::Lift{.name = "guest_lift", .floor = "L2"}).done);
     run.Step(20);
     EXPECT_EQ(run.frame().edition, 0u);
     hashes = run.Hashes();

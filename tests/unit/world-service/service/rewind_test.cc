@@ -35,7 +35,7 @@ class RewindTest : public testing::Test, protected RunHistory {
     rewind_.Start({}, newest);
   }
   Result<std::vector<HistoryEntry>> Read(const HistoryRequest&) override { return Failure("not asked for"); }
-  Result<std::unique_ptr<RewindStates>> StartRewind(const ControlRequest&, const FrameMessage& newest) override {
+  Result<std::unique_ptr<RewindStates>> StartRewind(const control::Rewind&, const FrameMessage& newest) override {
     started_from_ = newest;
     return std::unique_ptr<RewindStates>(std::make_unique<States>(*this));
   }

@@ -108,7 +108,7 @@ TEST_F(RobotTotalsTest, AGoalIsReachedOnceAtItsLastPoint) {
 
 TEST_F(RobotTotalsTest, EditsOfUsersAreNoDistanceAndAResetStartsAnew) {
   Step(1.0, 0.0);
-  const ControlRequest request;
+  const control::Request request = control::Reset();
   const AppliedEdit edit{request};
   frame_.state.robots[0].X_WR.x = 7.0;
   frame_.edition = 1;

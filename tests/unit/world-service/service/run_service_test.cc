@@ -293,12 +293,11 @@ TEST_F(ResumedRunTest, IgnoresMessagesForTheServiceBefore) {
 }
 
 TEST_F(ResumedRunTest, HasTheCommandsInForce) {
-  ControlRequest request;
-  request.command = ControlCommand::kCommandRobot;
+  control::CommandRobot request;
   request.ticks = 3;
   MakeAndStart(2);
   request.name = "r0";
-  request.robot_command.twist = Twist{0.5, 0.0, 0.0};
+  request.twist = Twist{0.5, 0.0, 0.0};
   ASSERT_TRUE(Ask(request).done);
   Propose(1);
   Propose(2);
@@ -321,8 +320,7 @@ TEST_F(ResumedRunTest, HasTheCommandsInForce) {
 }
 
 TEST_F(ResumedRunTest, HasTheSpeedThatWasSet) {
-  ControlRequest request;
-  request.command = ControlCommand::kSpeed;
+  control::Speed request;
   request.speed = 0.25;
   MakeAndStart(1);
   EXPECT_EQ(coordinator->MakeStatus(now).speed, std::nullopt);
@@ -339,8 +337,8 @@ TEST_F(ResumedRunTest, HasTheSpeedThatWasSet) {
 
 TEST_F(ResumedRunTest, ANewGoalHasAnotherNumberThanThoseBefore) {
   const auto next_goal = [this](Incarnation incarnation) {
-    ControlRequest request{.command = ControlCommand::kCommandRobot, .ticks = 10, .name = "r0"};
-    request.robot_command.goal = Goal{0, {{1.0, 2.0}}};
+    control::CommandRobot request{.name = "r0", .ticks = 10};
+    request.goal = Goal{0, {{1.0, 2.0}}};
     EXPECT_TRUE(Ask(request).done);
     ProposeAs(incarnation, 1);
     return endpoint.frames.back().commands.at(0).goal->number;
@@ -358,8 +356,7 @@ TEST_F(ResumedRunTest, ANewGoalHasAnotherNumberThanThoseBefore) {
 
 TEST_F(ResumedRunTest, IsPausedIfTheRunWas) {
   MakeAndStart(1);
-  ControlRequest pause;
-  pause.command = ControlCommand::kPause;
+  control::Pause pause;
   coordinator->Control(
       pause, [](const ControlReply&) {}, now);
   Propose(1);
@@ -377,7 +374,7 @@ TEST_F(ResumedRunTest, FinishesAStep) {
   paused.proposals.clear();
   paused.paused = true;
   coordinator->OnProposal(paused, now);
-  ControlRequest step{.command = ControlCommand::kStep, .ticks = 3};
+  control::Step step{.ticks = 3};
   coordinator->Control(
       step, [](const ControlReply&) {}, now);
   Propose(1);

@@ -119,7 +119,7 @@ TEST_F(TickEngineTest, AnEditIsPublishedPausedAndIsAnsweredLikeATick) {
   FrameMessage next = SuccessorOf(run_->frame);
   ++next.edition;
   next.state = state;
-  const ControlRequest request;
+  const control::Request request = control::Reset();
   engine_->PublishEdit(next, {request}, now_);
   EXPECT_EQ(endpoint_.frames.back().state, state);
   EXPECT_TRUE(endpoint_.frames.back().paused);
@@ -141,10 +141,8 @@ using testing::IsEmpty;
 
 class RobotCommandTest : public CoordinatorTest {
  protected:
-  ControlReply Command(const std::string& robot, RobotCommand command, std::uint64_t ticks) {
-    ControlRequest request{
-        .command = ControlCommand::kCommandRobot, .ticks = ticks, .name = robot, .robot_command = std::move(command)};
-    return Ask(request);
+  ControlReply Command(const std::string& robot, const RobotCommand& command, std::uint64_t ticks) {
+    return Ask(control::CommandRobot{robot, ticks, command.twist, command.grippers, command.goal});
   }
   static RobotCommand Drive(double vx) {
     RobotCommand command;
@@ -208,8 +206,7 @@ TEST_F(RobotCommandTest, CountsInAPauseFromTheNextTickOn) {
   answer.paused = true;
   coordinator->OnProposal(answer, now);
   EXPECT_THAT(sent(), IsEmpty());
-  ControlRequest play;
-  play.command = ControlCommand::kPlay;
+  control::Play play;
   ASSERT_TRUE(Ask(play).done);
   ASSERT_EQ(sent().size(), 1u);
   Propose(1);
@@ -246,8 +243,7 @@ TEST_F(RobotCommandTest, OfARunThatIsResetEnds) {
   Command("r0", Drive(0.5), 100);
   Propose(1);
   ASSERT_EQ(sent().size(), 1u);
-  ControlRequest reset;
-  reset.command = ControlCommand::kReset;
+  control::Reset reset;
   Ask(reset);
   Propose(1);
   for (int i = 0; i < 2; ++i) {
@@ -264,7 +260,7 @@ TEST_F(RobotCommandTest, OfARunThatIsResetEnds) {
 TEST_F(RobotCommandTest, TheSpeedOfARunChangesFromTheNextTickOn) {
   options.settings.speed = 1.0;
   MakeAndStart(1);
-  ControlRequest request{.command = ControlCommand::kSpeed, .speed = 10.0};
+  control::Speed request{.speed = 10.0};
   ASSERT_TRUE(Ask(request).done);
   EXPECT_EQ(coordinator->MakeStatus(now).speed, 10.0);
   Propose(1);
@@ -284,8 +280,7 @@ TEST_F(RobotCommandTest, TheSpeedOfARunChangesFromTheNextTickOn) {
 TEST_F(RobotCommandTest, RealtimeModeNeedsASpeed) {
   options.settings.mode = Mode::kRealtime;
   MakeAndStart(1);
-  ControlRequest request;
-  request.command = ControlCommand::kSpeed;
+  control::Speed request;
   EXPECT_THAT(Ask(request).problem, HasSubstr("needs a speed"));
 }
 

@@ -25,15 +25,12 @@ class WorldEditorTest : public test::LiveRunTest {
     MakeAndBegin();
     editor_.emplace(*run_, *engine_);
   }
-  static ControlRequest Request(ControlCommand command, const std::string& name, const Pose& pose = {}) {
-    return {.command = command, .name = name, .pose = pose};
-  }
   std::optional<WorldEditor> editor_;
 };
 
 TEST_F(WorldEditorTest, AnEditBeginsAnEditionAndPauses) {
   MakeEditor();
-  ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kSetPose, "r0", {3.0, 0.0, 0.0, 0.0}), nullptr, now_).ok());
+  ASSERT_TRUE(editor_->Apply(control::SetPose{.name = "r0", .pose = {3.0, 0.0, 0.0, 0.0}}, {}, now_).ok());
   const FrameMessage& frame = endpoint_.frames.back();
   EXPECT_EQ(frame.edition, 1u);
   EXPECT_EQ(frame.world_edition, 0u);  // the description is the same
@@ -44,7 +41,7 @@ TEST_F(WorldEditorTest, AnEditBeginsAnEditionAndPauses) {
 
 TEST_F(WorldEditorTest, AnErrorChangesNothing) {
   MakeEditor();
-  const Result<ControlRequest> applied = editor_->Apply(Request(ControlCommand::kDelete, "r7"), nullptr, now_);
+  const Result<control::Request> applied = editor_->Apply(control::Delete{.name = "r7"}, {}, now_);
   ASSERT_FALSE(applied.ok());
   EXPECT_THAT(applied.error().message, HasSubstr("no entity 'r7'"));
   EXPECT_EQ(endpoint_.frames.size(), 1u);
@@ -55,11 +52,11 @@ TEST_F(WorldEditorTest, AnErrorChangesNothing) {
 TEST_F(WorldEditorTest, KeepsDeletedEntitiesForARestoration) {
   MakeEditor();
   EXPECT_EQ(editor_->Deleted("r0"), nullptr);
-  ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kDelete, "r0"), nullptr, now_).ok());
+  ASSERT_TRUE(editor_->Apply(control::Delete{.name = "r0"}, {}, now_).ok());
   const auto deleted = editor_->Deleted("r0");
   ASSERT_NE(deleted, nullptr);
-  ControlRequest spawn = Request(ControlCommand::kSpawn, "again", {0.0, 5.0, 0.0, 0.0});
-  ASSERT_TRUE(editor_->Apply(spawn, deleted.get(), now_).ok());
+  control::Spawn spawn{.name = "again", .pose = {0.0, 5.0, 0.0, 0.0}};
+  ASSERT_TRUE(editor_->Apply(spawn, {deleted}, now_).ok());
   EXPECT_EQ(run_->world().robots.back().name, "again");
   EXPECT_EQ(run_->world().robots.back().drive, run_->world().robots.front().drive);
 }
@@ -74,15 +71,14 @@ TEST_F(WorldEditorTest, ASpawnedRobotHasTheFirstFreeRosDomainOfItsRule) {
   MakeEditor();
   WorldDescription one = test::PlaneWorld(1);
   const auto spawn = [&](const std::string& name, double y, std::uint32_t from) {
-    ControlRequest request = Request(ControlCommand::kSpawn, name, {0.0, y, 0.0, 0.0});
-    request.ros_domains_from = from;
-    return editor_->Apply(request, &one, now_);
+    const control::Spawn request{.name = name, .pose = {0.0, y, 0.0, 0.0}};
+    return editor_->Apply(request, {std::make_shared<const WorldDescription>(one), from}, now_);
   };
   ASSERT_TRUE(spawn("a", 5.0, 10).ok());
   ASSERT_TRUE(spawn("b", -5.0, 10).ok());
   EXPECT_EQ(run_->world().robots[2].ros.domain, 10u);
   EXPECT_EQ(run_->world().robots[3].ros.domain, 12u) << "the run cannot have 11";
-  ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kDelete, "a"), nullptr, now_).ok());
+  ASSERT_TRUE(editor_->Apply(control::Delete{.name = "a"}, {}, now_).ok());
   ASSERT_TRUE(spawn("c", 5.0, 10).ok());
   EXPECT_EQ(run_->world().robots[4].ros.domain, 10u) << "that of a deleted robot";
   ASSERT_TRUE(spawn("d", -15.0, 230).ok());
@@ -100,9 +96,11 @@ TEST_F(WorldEditorTest, ASpawnedRobotNeedsAnAgentInTime) {
   options_.start_timeout_seconds = 5.0;
   MakeEditor();
   const WorldDescription one = test::PlaneWorld(1);
-  ControlRequest spawn = Request(ControlCommand::kSpawn, "r0", {0.0, 5.0, 0.0, 0.0});
+  control::Spawn spawn{.name = "r0", .pose = {0.0, 5.0, 0.0, 0.0}};
   spawn.rename = true;
-  EXPECT_EQ(test::ValueOf(editor_->Apply(spawn, &one, now_)).name, "r00");
+  const control::Request applied =
+      test::ValueOf(editor_->Apply(spawn, {std::make_shared<const WorldDescription>(one)}, now_));
+  EXPECT_EQ(std::get<control::Spawn>(applied).name, "r00");
   EXPECT_EQ(run_->world().robots.size(), 3u);
   EXPECT_EQ(endpoint_.sessions.back().world_edition, 1u);
   EXPECT_THAT(editor_->DrainNewRobots(), ElementsAre("r00"));
@@ -122,7 +120,10 @@ TEST_F(WorldEditorTest, ASpawnedRobotNeedsAnAgentInTime) {
 TEST_F(WorldEditorTest, AnAgentInTimeEndsTheWait) {
   MakeEditor();
   const WorldDescription one = test::PlaneWorld(1);
-  ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kSpawn, "new", {0.0, 5.0, 0.0, 0.0}), &one, now_).ok());
+  ASSERT_TRUE(editor_
+                  ->Apply(control::Spawn{.name = "new", .pose = {0.0, 5.0, 0.0, 0.0}},
+                          {std::make_shared<const WorldDescription>(one)}, now_)
+                  .ok());
   editor_->OnJoined({RobotId(2)});
   EXPECT_THAT(editor_->robots_without_agent(), IsEmpty());
   EXPECT_TRUE(editor_->CheckTimeout(now_ + 1000.0).ok());
@@ -131,10 +132,10 @@ TEST_F(WorldEditorTest, AnAgentInTimeEndsTheWait) {
 TEST_F(WorldEditorTest, AResetRestoresTheNewestLoadedWorld) {
   MakeEditor();
   const WorldDescription other = test::PlaneWorld(1);
-  ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kLoadWorld, ""), &other, now_).ok());
+  ASSERT_TRUE(editor_->Apply(control::LoadWorld(), {std::make_shared<const WorldDescription>(other)}, now_).ok());
   EXPECT_EQ(run_->world(), other);
-  ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kSetPose, "r0", {3.0, 0.0, 0.0, 0.0}), nullptr, now_).ok());
-  ASSERT_TRUE(editor_->Apply(Request(ControlCommand::kReset, ""), nullptr, now_).ok());
+  ASSERT_TRUE(editor_->Apply(control::SetPose{.name = "r0", .pose = {3.0, 0.0, 0.0, 0.0}}, {}, now_).ok());
+  ASSERT_TRUE(editor_->Apply(control::Reset(), {}, now_).ok());
   EXPECT_EQ(run_->world(), other);
   EXPECT_EQ(run_->frame.state.robots[0].X_WR.x, 0.0);
   EXPECT_EQ(run_->frame.fresh_edition, 3u);
@@ -147,7 +148,7 @@ class InputLog final : public RunObserver {
  public:
   struct Entry {
     std::vector<Proposal> proposals;
-    std::optional<ControlRequest> edit;
+    std::optional<control::Request> edit;
     std::optional<WorldDescription> world;
     Tick tick = 0;
     std::uint64_t hash = 0;
@@ -183,7 +184,7 @@ std::vector<std::uint64_t> Replay(const WorldDescription& world, const std::vect
       if (!edited.ok()) return hashes;
       scene = edited.value().scene;
       state = std::move(edited.value().state);
-      if (entry.edit->command == ControlCommand::kLoadWorld) original = scene;
+      if (control::Is<control::LoadWorld>(*entry.edit)) original = scene;
     } else if (!hashes.empty()) {
       state = Step(*scene, state, entry.proposals).state;
     }
@@ -194,8 +195,7 @@ std::vector<std::uint64_t> Replay(const WorldDescription& world, const std::vect
 
 class ApplyEditTest : public test::CoordinatorTest {
  protected:
-  void Edit(ControlCommand command, const std::string& name, const Pose& pose = {}, RequestedWorld world = nullptr) {
-    ControlRequest request{.command = command, .name = name, .pose = pose, .rename = true};
+  void Edit(const control::Request& request, RequestedWorld world = {}) {
     coordinator->Control(
         request, [this](const ControlReply& reply) { done_.push_back(reply.done); }, now, std::move(world));
   }
@@ -219,21 +219,20 @@ TEST_F(ApplyEditTest, ALogOfInputsGivesTheHashesOfTheRun) {
   options.start_timeout_seconds = 5.0;
   options.start_paused = true;
   MakeAndStart(2);
-  Edit(ControlCommand::kSetPose, "r0", {0.0, 3.0, 0.0, 0.5});  // at tick 0
+  Edit(control::SetPose{"r0", {0.0, 3.0, 0.0, 0.5}});  // at tick 0
   for (int i = 0; i < 2; ++i) AnswerAll(2);
-  ControlRequest play;
-  play.command = ControlCommand::kPlay;
+  control::Play play;
   coordinator->Control(
       play, [](const ControlReply&) {}, now);
   for (int i = 0; i < 3; ++i) AnswerAll(2);
-  Edit(ControlCommand::kSpawn, "r0", {0.0, -5.0, 0.0, 0.0},
-       std::make_shared<const WorldDescription>(test::PlaneWorld(1)));
+  Edit(control::Spawn{.name = "r0", .pose = {0.0, -5.0, 0.0, 0.0}, .rename = true},
+       {std::make_shared<const WorldDescription>(test::PlaneWorld(1))});
   for (int i = 0; i < 3; ++i) AnswerAll(2);
   Wait(6.0);  // no agent joins for the new robot, and the spawn is revoked
   for (int i = 0; i < 3; ++i) AnswerAll(2);
-  Edit(ControlCommand::kDelete, "r1");
+  Edit(control::Delete{"r1"});
   for (int i = 0; i < 4; ++i) AnswerAll(2);
-  Edit(ControlCommand::kReset, "");
+  Edit(control::Reset());
   for (int i = 0; i < 4; ++i) AnswerAll(2);
 
   std::vector<std::uint64_t> hashes;
@@ -251,14 +250,11 @@ TEST_F(ApplyEditTest, RefusesBadScopesAndMissingWorlds) {
   const auto plane = std::make_shared<const Scene>(test::PlaneWorld(1));
   const WorldState state = InitialState(*plane);
   for (const std::uint8_t scopes : {0, 8, 254}) {
-    ControlRequest request{.command = ControlCommand::kReset, .scopes = scopes};
+    control::Reset request{.scopes = scopes};
     EXPECT_FALSE(ApplyEdit({request}, plane, plane, state).ok());
   }
-  for (const ControlCommand command : {ControlCommand::kSpawn, ControlCommand::kLoadWorld}) {
-    ControlRequest request;
-    request.command = command;
-    EXPECT_FALSE(ApplyEdit({request}, plane, plane, state).ok());
-  }
+  EXPECT_FALSE(ApplyEdit({control::Spawn{.name = "r9"}}, plane, plane, state).ok());
+  EXPECT_FALSE(ApplyEdit({control::LoadWorld()}, plane, plane, state).ok());
 }
 
 }  // namespace

@@ -55,6 +55,9 @@ TEST(ConvertTest, AStatusKeepsEveryField) {
   ExpectRoundTrip(&test::RandomMessages::Status);
 }
 
+TEST(ConvertTest, AControlRequestKeepsEveryField) {
+  ExpectRoundTrip(&test::RandomMessages::Request);
+}
 TEST(ConvertTest, AControlReplyKeepsEveryField) {
   ExpectRoundTrip(&test::RandomMessages::Reply);
 }

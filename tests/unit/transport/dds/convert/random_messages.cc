@@ -257,11 +257,6 @@ RobotCommand RandomMessages::Command(RobotId robot) {
   RobotCommand command;
   Fill(command);
   command.robot = robot;
-  for (GripperOrder& order : command.grippers) {  // percent
-    for (std::optional<double>* part : {&order.opening, &order.lift}) {
-      if (*part) *part = Number(0.0, 100.0);
-    }
-  }
   return command;
 }
 
@@ -312,24 +307,16 @@ ProposalMessage RandomMessages::Proposal() {
   return message;
 }
 
+ControlRequest RandomMessages::Request() {
+  ControlRequest message{Bits(), Bits(), {}};
+  Fill(message.request);
+  return message;
+}
+
 ControlReply RandomMessages::Reply() {
   ControlReply message;
-  message.client = Bits();
-  message.number = Bits();
-  message.done = Coin();
-  message.problem = Text();
-  message.state = static_cast<RunState>(Below(4));
-  message.tick = Bits();
+  Fill(message);
   message.state_hash = Bits();
-  message.edition = static_cast<Edition>(Bits());
-  for (std::uint64_t count = Below(4); count > 0; --count) {
-    EntityReport entity{.name = Text(), .type = Text(), .kind = static_cast<EntityKind>(Below(3))};
-    entity.X_WE = RandomPose();
-    entity.twist = {Number(), Number(), Number()};
-    if (Coin())
-      entity.agent = AgentReport{Text(), static_cast<std::uint32_t>(Bits()), Coin(), Number(0.0, 5.0), Bits()};
-    message.entities.push_back(std::move(entity));
-  }
   return message;
 }
 

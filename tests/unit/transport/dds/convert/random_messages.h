@@ -19,6 +19,7 @@ class RandomMessages : private RandomRows {
   HistoryMessage History();
   ProposalMessage Proposal();
   StatusMessage Status();
+  ControlRequest Request();
   ControlReply Reply();
   RobotCommand Command(RobotId robot);
 

@@ -47,14 +47,14 @@ class ReplyingService : public ServiceHandler {
   void OnAgentGone(AgentId) override {}
   void OnRivalService(const SessionMessage&) override {}
   void OnControl(const ControlRequest& request) override {
-    if (request.command == ControlCommand::kStep) {
+    if (control::Is<control::Step>(request.request)) {
       is_stepping_ = true;
       is_stepping_.notify_all();
       return;
     }
     ControlReply reply{.client = request.client, .number = request.number, .done = true};
     endpoint_->SendControlReply(reply);
-    if (request.command != ControlCommand::kPlay) return;
+    if (!control::Is<control::Play>(request.request)) return;
     has_replied_ = true;
     has_replied_.notify_all();
   }
@@ -93,7 +93,7 @@ TEST(ControlClient, TakesTheReplyOfAServiceThatEndsRightAfterIt) {
       service->AwaitReply();
       service.reset();
     });
-    const Result<ControlReply> reply = client.Call(ControlCommand::kPlay, 0, 20.0);
+    const Result<ControlReply> reply = client.Call(control::Play(), 20.0);
     end.join();
     ASSERT_TRUE(reply.ok()) << "trial " << trial << ": " << reply.error().message;
     EXPECT_TRUE(reply.value().done);
@@ -106,7 +106,7 @@ TEST(ControlClient, ReportsThatAServiceEndsWithoutAReply) {
   ControlClient client(Network(session));
   ASSERT_TRUE(client.WaitForService(20.0).ok());
   service.reset();
-  const Result<ControlReply> reply = client.Call(ControlCommand::kStatus, 0, 20.0);
+  const Result<ControlReply> reply = client.Call(control::GetStatus(), 20.0);
   ASSERT_FALSE(reply.ok());
   EXPECT_EQ(reply.error().message, "the world service of session '" + session + "' is gone");
 }
@@ -123,12 +123,12 @@ TEST(ControlClient, ReportsThatAServiceEndsWithoutAReplyWhenAnotherOneContinuesT
     successor.emplace(session);
     service.reset();
   });
-  const Result<ControlReply> reply = client.Call(ControlCommand::kStep, 1, 20.0);
+  const Result<ControlReply> reply = client.Call(control::Step{.ticks = 1}, 20.0);
   end.join();
   ASSERT_FALSE(reply.ok());
   EXPECT_EQ(reply.error().message, "the world service of session '" + session + "' is gone");
   EXPECT_TRUE(client.WaitForService(20.0).ok());
-  EXPECT_TRUE(client.Call(ControlCommand::kStatus, 0, 20.0).ok());
+  EXPECT_TRUE(client.Call(control::GetStatus(), 20.0).ok());
 }
 
 using test::Eventually;

@@ -179,11 +179,12 @@ TEST_F(StrangerTest, AMessageBeyondTheLargestSizeIsDropped) {
   Forger<troupe_wire_Control> controls(stranger, stranger.publisher, topics::kControl, dds::qos_profiles::Control());
   ASSERT_TRUE(controls.Found());
   ControlRequest request;
-  request.source = std::string(20'000'000, 'x');
+  request.request = control::LoadWorld{std::string(20'000'000, 'x')};
   controls.Send(request);
-  request.source = "a world";
+  request.request = control::LoadWorld{"a world"};
   controls.Send(request);
-  EXPECT_TRUE(service_.controls.WaitFor(20.0, [](const ControlRequest& heard) { return heard.source == "a world"; }));
+  EXPECT_TRUE(
+      service_.controls.WaitFor(20.0, [&](const ControlRequest& heard) { return heard.request == request.request; }));
   EXPECT_EQ(service_.controls.items().size(), 1u);
 }
 

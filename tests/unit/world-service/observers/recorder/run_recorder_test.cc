@@ -130,7 +130,7 @@ TEST_F(RunRecorderTest, AFullDiskEndsTheRun) {
 }
 
 class NoControl final : public WorldControl {
-  void Request(const ControlRequest&, ControlReplyTo) override {}
+  void Request(const control::Request&, ControlReplyTo) override {}
 };
 
 // A pause reports progress on the thread that delivers it, while the thread of the run writes a rewind.
