@@ -1,3 +1,6 @@
+// Records of runs, edits and ticks as bytes: the messages of idl/ in CDR, by the same conversions as on the network, so
+// that a recording needs no second description of a world or a state. Reading checks as much as receiving from a peer
+// does.
 #include "idl/recorded_run.h"
 
 #include <cmath>
@@ -55,6 +58,7 @@ std::vector<std::byte> RunToBytes(const RecordedRun& run) {
   wire.step_version = run.step_version;
   wire.file = arena.Copy(run.file);
   wire.keyframe_interval = run.keyframe_interval;
+  // 0 stands for "no limit" on the wire.
   wire.ticks = run.settings.ticks.value_or(0);
   wire.mode = static_cast<std::uint8_t>(run.settings.mode);
   wire.speed = run.settings.speed.value_or(0.0);

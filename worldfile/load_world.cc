@@ -30,6 +30,7 @@ Result<LoadedWorld> LoadStageWorld(const std::string& path, const LoadOverrides&
 std::optional<std::string> ControllerOf(const Site& site, const LoadOverrides& overrides) {
   const bool has_lanes =
       std::any_of(site.levels.begin(), site.levels.end(), [](const auto& level) { return !level.lanes.empty(); });
+  // A plan without lanes gives its robots nothing to follow: they stay without a controller.
   return overrides.controller || !has_lanes ? overrides.controller : std::optional<std::string>("lanes");
 }
 
@@ -103,6 +104,7 @@ Result<LoadedWorld> BuildOne(const std::string& path, const std::string& name, c
   tree.world.children = {};
   tree.world.children.Add(std::move(model).value());
   LoadOverrides build = overrides;
+  // The scenario's controller, with its parameters, is set below; an override has a name only.
   build.controller.reset();
   Result<LoadedWorld> loaded = BuildWorld(tree, build);
   if (!loaded.ok()) return loaded;
@@ -135,6 +137,7 @@ Result<std::vector<Spawnable>> ListSpawnables(const std::string& world_file, con
   std::vector<Spawnable> found;
   for (const auto& [name, define] : tree.defines) {
     const Result<WorldNode> model = MakeModel(tree, name);
+    // A define of a sensor or a light is no model by itself, and a broken one no reason to hide the others.
     if (!model.ok()) continue;
     const std::string& type = model.value().type;
     if (type == "model" || type == "position") found.push_back({name, type});  // others are parts of these

@@ -1,4 +1,9 @@
 // Loading worlds: any file that names a world, to a WorldDescription and the settings of a run.
+//
+// The one entrance for programs; everything else in this folder is behind it. The ending of a file decides on its
+// language, but for layouts, which are JSON like scenarios (IsLayoutPath). Equal files and overrides give equal worlds.
+// Warnings are returned, not printed; errors have a place. Files are read within `overrides.allowed`, also all that
+// they include. Any thread; a large map takes seconds.
 #pragma once
 
 #include <string>

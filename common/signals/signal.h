@@ -2,6 +2,9 @@
 // function of a world and a state, so that it is known of every state of a run, live or recorded.
 //
 // Each field of a row of the state is a signal (state_tables.h); derived_signals.cc has those that follow from fields.
+//
+// Numbers for all: a truth is 0 or 1, a text the place among its possible values, so that plots, expectations and
+// tables need one function; NaN for "none". Signals are a pure function of the state: no signal remembers.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,8 @@
 // The tables of a state with their signals, from the fields of their rows: a new table or field of the state is a
 // table or signal here, and so in expectations, exported tables, plots and Python.
+//
+// The tables are made once in a process, from the lists of fields at compile time, and never change; any thread reads
+// them. A signal's name is part of the language of expectations and of exported files: renaming a field renames it.
 #pragma once
 
 #include <cstddef>

@@ -31,6 +31,7 @@ void Things::FindStoresOfRobots(const WorldDescription& world) {
   for (std::size_t i = 0; i < stores.size(); ++i) {
     if (world.model(stores[i]).power.endless) continue;
     for (std::optional<ModelId> at = stores[i]; at; at = world.model(*at).parent) {
+      // Stores on parts of a robot belong to it, however deep.
       if (const std::optional<std::size_t> robot = robot_of_root[at->index()]) stores_[*robot].push_back(i);
     }
   }

@@ -3,6 +3,9 @@
 // The kind of a thing is the table that it is a row of, by its place in StateTables(). All things of a world are
 // numbered: robots, objects and people first, by which they have the numbers of their bodies (BodyId), then the other
 // kinds in the order of the tables. Radio messages come and go, so that they are no things.
+//
+// Names of things are what users write; ids stay inside. A removed thing keeps its number and its name, and does not
+// exist any more.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,9 @@
 // Bitmap: a grid of occupied and free pixels, the one type behind every kind of map file.
+//
+// Three frames of reference must not be mixed up: columns count from the left and rows from the bottom, as x and y of
+// the world; files begin at their top row, which readers turn round; and the words of a row have bit x % 64 for column
+// x. Searches look at 64 pixels at a time, so that a row of a large map costs a few hundred steps. Memory: one bit a
+// pixel, rows padded to whole words.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,7 @@
 // Color: red, green, blue and opacity.
+//
+// Each channel from 0 to 1, opacity 1 for opaque. Colours are what blobfinders and cameras measure, so that they are
+// doubles with the same bits everywhere, and a part of the hash of a world.
 #pragma once
 
 #include "troupe/fields.h"

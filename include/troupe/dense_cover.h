@@ -1,5 +1,9 @@
 // DenseCover: the rectangles of CoverByRectangles, the same ones in the same order, in three bits for each pixel
 // instead of a list: for bitmaps that have too many of them, as noise and checkerboards do.
+//
+// Why two forms of one cover: most maps have some thousand rectangles, for which a list with its indices is quickest; a
+// scanned or noisy map has millions, for which a list takes gigabytes. Results must not depend on the form, so that
+// order and bits are the same. Immutable; copies of a world share one.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,6 @@
 // Event: a change during a tick that is reported to observers. Steps return events in a fixed order.
+//
+// Events tell, they decide nothing: a run without observers has the same states.
 #pragma once
 
 #include <optional>

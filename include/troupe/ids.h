@@ -1,5 +1,10 @@
 // Ids: indices into the arrays of a world description, one type for each kind so that they cannot be mixed up.
 // "None" is std::optional, never a special value.
+//
+// Ids are dense. An edit that removes a model leaves it in its table, marked as removed, so that the ids in commands,
+// controllers and states keep their meaning. The order of ids is the order of the world file and decides wherever
+// results could depend on an order. An id says nothing about existence; a peer's ids are checked before use
+// (FieldCheck).
 #pragma once
 
 #include <compare>

@@ -1,4 +1,7 @@
 // Interval: a closed range of numbers.
+//
+// Both ends belong to it. REQUIRES min <= max where nothing else is said; FieldCheck refuses other ones at the borders
+// of the program.
 #pragma once
 
 #include "troupe/fields.h"

@@ -1,6 +1,11 @@
 // Order: one demand for a tick beside motion: of a controller for the devices of its robot and for the doors and lifts
 // of the building (Command::orders), and of a tool from outside (Input). The same value travels from the controller in
 // the proposal to the step, which executes it.
+//
+// Orders are wishes: the step clamps, refuses or delays them by the state of the device. Lights, cameras and doors keep
+// their last order, so that a controller need not repeat it. Orders of a kind are executed one after another, tools'
+// orders before robots' (world-service/core/step.h); devices are named by index, not by name, because an order travels
+// at every tick.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,8 @@
 // PixelArea: the occupied pixels of a bitmap in the plane, in metres, without a list of their rectangles.
+//
+// A rectangle of the area has the same bits as the edge that a list of rectangles would have after the same operations
+// (PixelLines), so that a world is the same world with either form. Frame A: the axes of the pixel lines; frame M: the
+// model's. A turned area has X_MA with a heading: its rectangles are then polygons in M.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,7 @@
 // Simple polygons: closed, not crossing themselves, possibly concave. Vertices in metres, without repeating the first.
+//
+// A polygon is a plain list of corners; only Normalized makes it an outline, which all other code may rely on:
+// counter-clockwise, simple, no repeated and no collinear corners. Normalizing twice changes nothing.
 #pragma once
 
 #include <span>

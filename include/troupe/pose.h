@@ -3,6 +3,11 @@
 // X_AB is the pose of frame B in frame A: X_AC = X_AB * X_BC, p_A = X_AB * p_B. docs/conventions.md lists the frames: W
 // world, M model, P parent model, R robot, S sensor, ... x forward, y left, z up; metres, radians counter-clockwise
 // (REP 103).
+//
+// 2.5D, because robots of this simulation stand upright: roll and pitch would make every transform and collision dearer
+// without a use. z is added, never rotated. Headings are wrapped to (-pi, pi] after each composition, so that equal
+// directions have equal numbers. All functions are deterministic (deterministic_math.h); NaN passes through, and is
+// refused where values come in.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,7 @@
 // The messages that robots send by radio: as they are proposed, and as a state keeps them until they arrive. Which
 // radios receive one, and how strongly, follows from the state at its arrival: common/sensing/sensor_kinds.h.
+//
+// Limits hold per tick and robot, so that frames and memory have a bound in the number of robots.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,7 @@
 // An axis-aligned rectangle [min, max], in metres: a piece of a bitmap, and the bounding box of anything.
+//
+// "Nothing" is the empty rectangle, to which points are added (Extend). Overlaps of bounding boxes are necessary, never
+// sufficient: exact tests follow.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,7 @@
 // Points and directions in the plane, in metres unless a name has another unit.
+//
+// Eigen's fixed-size vector: no allocation, and vector instructions where the compiler finds them. Products are not
+// fused (-ffp-contract=off), so that the bits do not depend on the processor.
 #pragma once
 
 #include <Eigen/Core>

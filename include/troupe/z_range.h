@@ -1,4 +1,7 @@
 // A height interval [min, max), in metres.
+//
+// Half open, so that a body on a floor does not overlap it: stacked bodies touch at one height and both tests are
+// exact. Overlaps needs more than kTouchTolerance in common, because heights are sums with rounding.
 #pragma once
 
 #include <algorithm>

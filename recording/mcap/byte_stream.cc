@@ -1,3 +1,6 @@
+// Files and memory as sinks and sources. An error of a sink stays: after a failed write the length of the file is not
+// known, and later bytes would be at a wrong place. Sources are read at offsets (pread), so that several threads can
+// read one. A vanished part of a file is an exception, because every caller would have to handle it at every number.
 #include "recording/mcap/byte_stream.h"
 
 #include <sys/file.h>
@@ -108,11 +111,14 @@ Result<std::unique_ptr<ByteSink>> AppendFileSink(const std::string& path, std::u
   if (!opened.ok()) return Error{{path}, "cannot open for writing: " + opened.error().message, opened.error().code};
   const int descriptor = opened.value().get();
   auto sink = std::make_unique<FileSink>(path, std::move(opened).value());
+  // Before the truncation: a running writer must not lose its file to a second one. The lock ends with the descriptor,
+  // also of a killed process.
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     return Error{{path}, "cannot open for writing: another process writes this file", ErrorCode::kFailure};
   }
   struct stat info = {};
   const bool known = fstat(descriptor, &info) == 0;
+  // A pipe or a device has no length to cut.
   if (known && !S_ISREG(info.st_mode)) return std::unique_ptr<ByteSink>(std::move(sink));
   const auto end = static_cast<off_t>(size);
   if (!known || ftruncate(descriptor, end) != 0 || lseek(descriptor, end, SEEK_SET) != end) {

@@ -1,3 +1,9 @@
+// Reading an MCAP file of unknown origin. The summary at the end is a shortcut: it is believed only if its place, its
+// CRC and its indices fit the file; else the data are scanned from the start, as far as they are whole. A file that a
+// killed service left ends in the middle of a record and is read by such a scan.
+//
+// Offsets and lengths come from the file: each is compared with what remains, by subtraction, since a sum of two of
+// them could overflow. Memory is taken for one chunk at a time, of at most kMaxChunk bytes.
 #include "recording/mcap/reader.h"
 
 #include <fmt/format.h>
@@ -154,6 +160,7 @@ Status Reader::ReadSummary() {
   if (start < data_start_ + kDataEndRecord || start > footer_offset) return ErrorAt(footer_offset, "found no summary");
   const Result<std::vector<std::byte>> summary = ReadBytes(start, footer_offset - start);
   if (!summary.ok()) return summary.error();
+  // The CRC covers the footer's own fields, too, up to the CRC itself.
   const std::span<const std::byte> in_crc = std::span(footer.value()).first(kFooterRecord - sizeof crc);
   if (crc != 0 && Crc32(in_crc, Crc32(summary.value())) != crc) {
     return ErrorAt(start, "the CRC of the summary is not that of its bytes");
@@ -185,6 +192,7 @@ Status Reader::ParseSummary(std::span<const std::byte> bytes, std::uint64_t offs
     } else if (Is(opcode, Opcode::kChunkIndex)) {
       chunks_.push_back(ParseChunkIndex(record));
       const ChunkInfo& chunk = chunks_.back();
+      // Ascending, and behind each other: two indices of one chunk would give its messages twice.
       const std::uint64_t begin = chunks_.size() < 2 ? data_start_ : chunks_[chunks_.size() - 2].offset + 1;
       if (chunk.offset < begin || chunk.offset > *data_end_ || chunk.length > *data_end_ - chunk.offset) {
         return ErrorAt(at, "found an index of a chunk outside the data");
@@ -206,6 +214,7 @@ Status Reader::ParseChannelOrSchema(std::uint8_t opcode, std::span<const std::by
     schema.name = in.ReadText();
     schema.encoding = in.ReadText();
     schema.data = in.ReadText();
+    // A definition may be repeated, in the summary and in chunks, but never changed.
     if (in.ok()) same = schemas_.try_emplace(id, schema).first->second == schema;
   } else {
     Channel channel;
@@ -231,6 +240,7 @@ void Reader::Scan() {
     const Result<Record> record = ReadRecord(offset, size());
     const Result<bool> more = record.ok() ? ScanRecord(record.value()) : record.error();
     if (!more.ok()) {
+      // The chunks before the damage stay readable.
       damage_ = {offset, more.error().message};
       return;
     }
@@ -281,6 +291,7 @@ Result<bool> Reader::ScanRecord(const Record& record) {
 }
 
 Result<ChunkInfo> Reader::ReadChunkInfo(const Record& record, std::uint32_t& crc, std::uint64_t& records) const {
+  // Only the fields: a scan would otherwise read every chunk twice.
   const std::uint64_t longest = std::min(record.length, kChunkFields + kMaxCompression);
   const Result<std::vector<std::byte>> fields = ReadBytes(record.content(), longest);
   if (!fields.ok()) return fields.error();
@@ -399,6 +410,8 @@ std::optional<IndexedChunk> Reader::ReadIndices(const ChunkInfo& info, Statistic
     ByteReader in(content.value());
     const auto channel = in.Read<std::uint16_t>();
     const std::uint64_t messages = in.ReadWithLength<std::uint32_t>().size() / (2 * sizeof(std::uint64_t));
+    // One index for each channel, without a gap: anything else was not written by this program's writer, and is written
+    // again.
     const bool is_next = in.ok() && in.at_end() && chunk.index_offsets.emplace(channel, offset).second;
     if (!is_next) return std::nullopt;
     with_chunk.messages += messages;
@@ -420,6 +433,7 @@ Result<WrittenPart> Reader::ReadWrittenPart() const try {
   if (!chunks_.empty()) part.statistics.start_time = chunks_.front().start_time;
   for (const ChunkInfo& info : chunks_) {
     std::optional<IndexedChunk> chunk = ReadIndices(info, part.statistics);
+    // A chunk without its indices was the last one when the writer was killed: the continued file ends before it.
     if (!chunk) break;
     part.size = info.offset + info.length + chunk->index_length;
     part.chunks.push_back(std::move(*chunk));

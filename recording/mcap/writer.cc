@@ -1,3 +1,6 @@
+// Writing an MCAP file front to back: nothing that has been written is changed later, so that a sink may be a pipe and
+// a killed writer leaves whole chunks. Positions, counts and the CRC of all bytes are kept in `written_`, from which
+// the summary is made at the end, or by another process that continues the file (Continue).
 #include "recording/mcap/writer.h"
 
 #include <algorithm>
@@ -82,6 +85,7 @@ std::uint16_t Writer::AddChannel(const Channel& channel) {
 
 void Writer::Add(const Message& message) {
   TROUPE_CHECK(written_.channels.contains(message.channel));
+  // Times may go back within a chunk: the range is that of its messages, not of the first and the last.
   if (records_.empty()) start_time_ = end_time_ = message.log_time;
   start_time_ = std::min(start_time_, message.log_time);
   end_time_ = std::max(end_time_, message.log_time);
@@ -133,6 +137,7 @@ Status Writer::EndChunk() {
       written_.chunks.empty() ? start_time_ : std::min(written_.statistics.start_time, start_time_);
   written_.statistics.end_time = std::max(written_.statistics.end_time, end_time_);
   written_.chunks.push_back(std::move(chunk));
+  // The buffers keep their memory for the next chunk.
   records_.clear();
   indices_.clear();
   WriteBuffer();

@@ -95,6 +95,7 @@ Result<std::unique_ptr<Robot>> Robot::Create(const Scene& scene, RobotId id, con
 
 Result<std::unique_ptr<Robot>> Robot::Clone() const {
   std::unique_ptr<Robot> copy(new Robot(*scene_, id_, nullptr));
+  // All that the next decision depends on. The scan log is left out: a copy writes no log.
   copy->odometry_ = odometry_;
   copy->manipulator_ = manipulator_;
   copy->sensors_.CopyReadings(sensors_);
@@ -117,6 +118,7 @@ Result<std::unique_ptr<Robot>> Robot::Clone() const {
 }
 
 Status Robot::CheckCommand(const Command& command) const {
+  // On a copy: a refused command must leave no trace.
   Manipulator trial = manipulator_;
   Status status = trial.Apply(command);
   if (status.ok()) status = CheckOrders(command);
@@ -250,15 +252,18 @@ Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external
   manipulator_.Update(state, sensors_.readings());
   report_.clear();
   // Called also while an external command overrides it: a controller sees every tick.
+  // After a failure the robot stands still for the rest of the run: a controller that threw has an unknown state.
   Command command = failure_.empty() ? AskController(state, external.goal) : Command{};
   std::vector<RadioMessage> messages = std::move(command.messages);
   messages.insert(messages.end(), external.command.messages.begin(), external.command.messages.end());
+  // The external orders come last, so that they win where one order replaces another.
   std::vector<Order> orders;
   for (const Command* const source : {static_cast<const Command*>(&command), &external.command}) {
     for (const Order& order : source->orders) orders.push_back(WithinLimits(scene_->world(), id_, order));
   }
   std::string say = PlainLine(external.command.say.empty() ? command.say : external.command.say, kMaxSaidBytes);
   if (external.drives) command = external.command;
+  // After the controller's commands: an external one overrides them.
   static_cast<void>(manipulator_.Apply(external.command));  // valid: ExternalCommand requires it
   const Twist twist = DriveTowards(description().drive, own.twist, command, scene_->world().interval_seconds());
   // After a failure the joints stay, and grippers keep their objects.
@@ -287,6 +292,7 @@ const Goal* Robot::EstimatedGoal(const std::optional<Goal>& goal, const Pose& X_
     goal_.reset();
     return nullptr;
   }
+  // Converted once, when the goal arrives: the robot keeps it in the frame of its estimate, as a real robot would.
   if (goal_ && goal_->number == goal->number) return &*goal_;
   goal_ = goal;
   const Pose& estimate = odometry_.estimate();
@@ -325,6 +331,7 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
   }
   observation.doors = state.doors;
   observation.lifts = state.lifts;
+  // By tick, not by a running generator: a controller that is started late or copied draws the same numbers.
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
   observation.goal = EstimatedGoal(goal, own.X_WR);
   if (watcher_ != nullptr) watcher_->WatchRobots(world, state);
@@ -381,6 +388,7 @@ Result<std::unique_ptr<ScanLog>> ScanLog::Open(const std::string& path, bool kee
       (ftruncate(descriptor, kept.value()) == 0 && lseek(descriptor, kept.value(), SEEK_SET) == kept.value())) {
     stream = fdopen(descriptor, "w");
   }
+  // The descriptor still closes the file here.
   if (stream == nullptr) {
     return Error{{path}, std::string("cannot write scans here: ") + std::strerror(errno), ErrorCode::kOutputFailed};
   }

@@ -84,6 +84,7 @@ void DeliveryThread::Run() {
     if (!targets_.contains(next.target)) continue;
     running_ = next.target;
     lock.unlock();
+    // Without the lock: a call may post, and may add or remove targets.
     next.call();
     next.call = nullptr;  // destroys the function and its captures while the target still exists
     lock.lock();
@@ -125,6 +126,7 @@ void ObserverQueue::Post(Message message, std::size_t limit) {
   {
     const std::lock_guard lock(mutex_);
     const auto is_of_kind = [kind = message.index()](const Message& other) { return other.index() == kind; };
+    // The cheap test first: the count is linear, and queues are mostly short.
     if (messages_.size() >= limit &&
         std::count_if(messages_.begin(), messages_.end(), is_of_kind) >= static_cast<std::ptrdiff_t>(limit)) {
       // The oldest of its kind: the newest is of more use, and the order of the others stays.
@@ -168,6 +170,7 @@ void ObserverQueue::Run() {
         lock.lock();
         continue;
       }
+      // A burst of messages wakes the thread once, not once for each.
       changed_.wait_for(lock, kGatherTime, [this] { return ending_; });
       continue;
     }

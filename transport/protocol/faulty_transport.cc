@@ -30,6 +30,7 @@ class FaultyLine {
 
   // Delivers now or later, once, twice or not at all.
   void Pass(Kind kind, std::function<void()> deliver) {
+    // The order of the draws is fixed, so that a seed gives the same faults for the same sequence of messages.
     if (Happens(faults_.loss)) return;
     if (Happens(faults_.duplicate)) delivery_.Post(target_, deliver, Delay());
     std::function<void()>& held = postponed_[kind];

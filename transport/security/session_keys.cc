@@ -36,6 +36,7 @@ fs::path PathOfSessions() {
 Status CheckPrivate(const fs::path& folder) {
   struct stat state = {};
   if (lstat(folder.c_str(), &state) != 0) return Failure(folder.string() + ": " + std::strerror(errno));
+  // lstat, so that a link to another folder is refused, too.
   const bool is_private = S_ISDIR(state.st_mode) && state.st_uid == getuid() && (state.st_mode & 077) == 0;
   if (is_private) return {};
   return Failure(folder.string() +
@@ -59,6 +60,7 @@ std::string KeysOf(std::uint32_t domain, const std::string& session) {
 constexpr std::string_view kPrefix = "keys-";  // then the process id of the maker
 
 bool IsRunning(pid_t pid) {
+  // A process of another user counts as running (EPERM): its keys stay.
   return kill(pid, 0) == 0 || errno != ESRCH;
 }
 
@@ -98,6 +100,7 @@ Result<PublishedKeys> PublishedKeys::Publish(std::uint32_t domain, const std::st
   const fs::path target = fs::absolute(keys, failure);
   const std::string fresh = link + ".new-" + std::to_string(getpid());
   fs::remove(fresh, failure);
+  // Made under another name and renamed: a reader sees the old keys or the new ones, never none.
   fs::create_symlink(target, fresh, failure);
   if (!failure) fs::rename(fresh, link, failure);
   if (failure) return Failure("cannot make " + link + ": " + failure.message());

@@ -143,8 +143,8 @@ void Avoidance::AddWalls(const ConvexPiece& piece, const Disc& me) {
   for (std::size_t k = 0; k < piece.vertices.size(); ++k) {
     const Vec2& a = piece.vertices[k];
     const Vec2& b = piece.vertices[(k + 1) % piece.vertices.size()];
-    // Outlines are counter-clockwise: the person is outside of the sides that it is to the right of, and sees only
-    // those.
+    // Outlines are counter-clockwise: the person is outside of the sides to whose right it stands, and sees only these
+    // sides.
     if (Cross(b - a, me.center - a) < 0.0) walls_.push_back({a, b});
   }
 }

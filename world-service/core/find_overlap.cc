@@ -23,7 +23,7 @@ class OverlapFinder {
         if (piece.obstacle) Compare(piece);
       }
     } else {
-      // A static model has no body of its own: its pieces are those of the index that belong to its tree.
+      // A static model has no body of its own: its pieces are the pieces of the index that belong to its tree.
       scene_.static_index().ForEachPiece([this](const ConvexPiece& piece) {
         if (piece.obstacle && IsInTree(scene_.world(), piece.model, root_)) Compare(piece);
       });

@@ -1,10 +1,10 @@
 // The rides of people on lifts: who waits, gets on, stands in the cabin and gets off. Private to this folder.
 //
 // A person that goes to another level walks to a lift, calls it (PersonState::call_tick) and waits beside the way of
-// those who get off. Before the doors move, each lift serves its people (ServePeople): while no robot has its session,
-// it goes towards the person that called first, stops on the way for others, and gives places in its cabin to those who
-// wait at its floor, once all who get off are out. While a robot has the session, people leave the lift to it: they get
-// off where its doors open and wait. So robots never wait for people's calls.
+// leaving passengers. Before the doors move, each lift serves its people (ServePeople): while no robot has its session,
+// it goes towards the person that called first, stops on the way for others, and gives places in its cabin to the
+// people who wait at its floor, once all who get off are out. While a robot has the session, people leave the lift to
+// it: they get off where its doors open and wait. So robots never wait for people's calls.
 //
 // The way into the cabin is scripted, in the frame U of its doorway (docs/conventions.md), and not left to the
 // avoidance of others: through the doorway to the aisle in the middle of the cabin, along it, and then aside to the

@@ -130,7 +130,7 @@ class LiftService {
     return !each.is_inside && each.state->place == 0 && each.at == floor && each.state->floor != floor;
   }
 
-  // The passenger with the earliest turn among those that accept(passenger) is true for; of equal turns the first by
+  // The passenger with the earliest turn for whom accept(passenger) is true; of equal turns the first by
   // id.
   template <typename Accept>
   const Passenger* Oldest(Accept accept) const {
@@ -153,8 +153,8 @@ class LiftService {
     return oldest != nullptr && (oldest->is_inside || oldest->at == floor);
   }
 
-  // Gives places to those who wait at this floor, and keeps the lift there for them until its doors are open. Those
-  // whose turn has just ended are left to a later tick, so that the lift serves the others.
+  // Gives places to the people who wait at this floor, and keeps the lift there for them until its doors are open.
+  // People whose turn has just ended are left to a later tick, so that the lift serves the others.
   bool LetGetOn() {
     if (!MayPickUp(lift_.floor)) return false;
     bool stays = false;

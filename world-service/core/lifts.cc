@@ -184,7 +184,7 @@ void CallLifts(const TickOrders& orders, StepWorkspace& workspace) {
     LiftState& state = workspace.next.lifts[i];
     const bool stands = state.z == lifts[i].floors[state.floor].z;
     for (const LiftFloor& floor : lifts[i].floors) {
-      // All closed first, then those of the floor where the cabin stands open again: a door that serves two floors
+      // All closed first, then the doors of the cabin's floor open again: a door that serves two floors
       // stays open.
       for (const std::size_t door : floor.doors) workspace.next.doors[door].target = 0.0;
     }

@@ -78,7 +78,7 @@ class NearDiscs {
   }
 
   // Calls visit(number) for all discs at heights `z` that may reach within `reach` of `p`, from one ring of cells
-  // around `p` to the next, until done(distance): those whose centres are farther away do not matter. REQUIRES: `p` is
+  // around `p` to the next, until done(distance): discs with centres farther away do not matter. REQUIRES: `p` is
   // the centre of one of the discs of Fill.
   template <typename Visit, typename Done>
   void ForEachNear(const Vec2& p, const ZRange& z, double reach, Visit visit, Done done) const {

@@ -65,7 +65,7 @@ class PeopleView {
   std::vector<std::size_t> blocked_doors_;
 };
 
-constexpr double kQueueReach = 5.0;  // m from a target, for those behind others who wait for it
+constexpr double kQueueReach = 5.0;  // m from a target, for people behind others who wait for it
 constexpr double kQueueGap = 0.3;    // m between people who wait
 
 // Another person that waits for the same target, waits(person), is beside this one, and nearer to it.
@@ -88,7 +88,7 @@ inline Vec2 Unit(const Vec2& v) {
   return length > 0.0 ? Vec2(v / length) : Vec2(0.0, 0.0);
 }
 
-// Heights of floors (m) that are so near to each other are those of one level.
+// Heights of floors (m) that are so near to each other are one level.
 inline bool AreOnOneLevel(double a, double b) {
   return a - b < kSameLevel && b - a < kSameLevel;
 }

@@ -15,7 +15,7 @@ constexpr double kTooFar = 3.0;        // m at which a leader waits
 constexpr double kPassable = 0.9;      // the opening of a door from which on people pass
 constexpr double kHalfOpen = 0.5;      // of one that is blocked
 constexpr double kWaitingGap = 0.3;    // m between people who wait and the sweep of a leaf
-constexpr double kMinGap = 0.03;       // m: those who are nearer step back
+constexpr double kMinGap = 0.03;       // m: a nearer person steps back
 constexpr double kSteppingBack = 0.6;  // of the speed
 constexpr double kGivenUp = 1.0;       // s: so long a person stands after a goal that it cannot reach
 

@@ -5,7 +5,7 @@
 // predecessors. A robot releases the object from which its fingers open, moves its base along the exact arc of its
 // twist until its first contact, moves its joints one by one, and grips the object on which its fingers close. Its
 // payload (the objects that it holds, and the stacks on them and on it) moves and collides with it. Then doors and
-// lifts follow their orders, those of tools first, and move until a body is in their way, objects without support fall,
+// lifts follow their orders, tools' orders first, and move until a body is in their way, objects without support fall,
 // people walk (people.h), the robots' radio messages are on their way, and energy is consumed and exchanged. A robot
 // without energy has no proposal. A motion cut short by a contact ends at the contact; its stall or blocked flag is set
 // and its velocity is zero.
@@ -45,7 +45,7 @@ struct StepResult {
   std::vector<Event> events;  // of robots in robot-id order, then of objects, then of doors, lifts and people
 };
 
-// `inputs`: orders of tools, of which those of a kind are executed in their sequence, before those of robots; a twist
+// `inputs`: orders of tools; orders of a kind are executed in their sequence, before the orders of robots; a twist
 // is set at the end of the tick. REQUIRES: `state` is InitialState of the scene, or the result of a step or an edit; it
 // belongs to the scene's world; `proposals` are in robot-id order, at most one for each robot, and valid; so are
 // `inputs` (check_order.h). A robot without a proposal stands still.

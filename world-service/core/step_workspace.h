@@ -89,7 +89,7 @@ struct StepWorkspace {
     const std::optional<ObjectId> object = scene.object_of(body);
     return object && IsMounted(*object);
   }
-  // The pieces of the bodies near `box` that a leaf or a cabin may hit: not those of other leaves and cabins.
+  // The pieces of the bodies near `box` that a leaf or a cabin may hit: not other leaves and cabins.
   std::vector<ConvexPiece> PiecesNear(const Rectangle& box, std::span<const BodyId> except = {}) const {
     std::pmr::vector<BodyId> near;
     bodies.Query(box, near);
@@ -112,7 +112,7 @@ struct StepWorkspace {
   }
 };
 
-// The orders of a tick: those of tools, then those in the proposals of robots. All are valid.
+// The orders of a tick: first of tools, then of the proposals of robots. All are valid.
 struct TickOrders {
   std::span<const Input> inputs;               // in the sequence in which they are executed
   std::span<const Proposal* const> proposals;  // by robot, null where there is none
@@ -143,7 +143,7 @@ void OperateDevices(const TickOrders& orders, StepWorkspace& workspace);
 // At the end of a tick: the velocities that tools set, of which inertial measurement units measure no acceleration.
 void SetTwists(std::span<const Input> inputs, StepWorkspace& workspace);
 
-// The energy of a step: what models consume, and what they give to those that touch them.
+// The energy of a step: the consumption of models, and the exchange between models that touch.
 
 // True for a robot whose drive is fed by an empty store: it executes no proposal.
 bool IsOutOfEnergy(const Scene& scene, const WorldState& state, RobotId robot);
@@ -156,13 +156,13 @@ bool IsOutOfEnergy(const Scene& scene, const WorldState& state, RobotId robot);
 void ExchangeEnergy(StepWorkspace& workspace);
 
 // The radio messages of a step.
-// Removes the messages that have arrived before the tick of `state`, and adds those of the proposals, sent in that
-// tick. `by_robot`: the proposals by robot, null where there is none. REQUIRES: they are valid.
+// Removes the messages that have arrived before the tick of `state`, and adds the messages of the proposals, sent in
+// that tick. `by_robot`: the proposals by robot, null where there is none. REQUIRES: they are valid.
 void Transmit(const WorldDescription& world, std::span<const Proposal* const> by_robot, WorldState& state);
 
 // The velocities of inertial measurement units, which a state keeps for the accelerations of the next one.
 
-// Keeps the present velocities in `state.imus`: of all units, or of those of one robot.
+// Keeps the present velocities in `state.imus`: of all units, or of one robot's units.
 // REQUIRES: `bodies` is an index of `scene` at `state`.
 void KeepVelocities(const Scene& scene, const BodyIndex& bodies, WorldState& state,
                     std::optional<RobotId> robot = std::nullopt);

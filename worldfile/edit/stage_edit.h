@@ -28,8 +28,8 @@ namespace troupe {
 //
 // REQUIRES, of all functions: `text` is the text of the tree.
 
-// Changes the property that counts, or adds it after the others. Of a tuple of as many elements only those change that
-// have another value.
+// Changes the property that counts, or adds it after the others. Of a tuple of as many elements only elements with
+// another value change.
 std::string WithProperty(const std::string& text, const StageBody& body, const std::string& name, const Value& value);
 // Without every property of that name.
 std::string WithoutProperty(const std::string& text, const StageBody& body, const std::string& name);
@@ -102,7 +102,7 @@ std::string PlainNumber(double value, int decimals = 4);
 // Edits of JSON text. Each returns the changed text, in which all bytes that the edit does not concern stay. REQUIRES,
 // of all: the nodes are the nodes of the text.
 
-// Changes or adds a member. Of an array of as many plain values only those change that have another value.
+// Changes or adds a member. Of an array of as many plain values only items with another value change.
 std::string WithMember(const std::string& text, const JsonNode& object, const std::string& key,
                        const std::string& value);
 std::string WithElement(const std::string& text, const JsonNode& array, const std::string& value);

@@ -89,7 +89,7 @@ class Placer {
   }
 
  private:
-  // Sorts all pieces into the static ones and, by root, those that need a place.
+  // Sorts all pieces into the static ones and, by root, the pieces that need a place.
   Status Prepare() {
     std::map<std::string, ModelId> roots;
     for (std::size_t i = 0; i < world_.models.size(); ++i) roots.emplace(world_.models[i].name, ModelId(i));

@@ -60,7 +60,7 @@ struct PlaneMap {
 // The mean of the measurements' scales; nothing without one.
 std::optional<double> ScaleOf(const LevelPlan& level);
 
-// The map of a level's drawing to W, such that its fiducials are at those of the reference level, whose map is a
+// The map of a level's drawing to W, such that its fiducials meet the fiducials of the reference level, whose map is a
 // stretch by `scale`. Points have y up. Nothing without two common fiducials at different places.
 std::optional<PlaneMap> AlignLevel(const LevelPlan& reference, double scale, const LevelPlan& level);
 

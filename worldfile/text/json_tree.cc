@@ -111,7 +111,7 @@ class Parser {
   std::string TokenHere() const {
     if (at_ == text_.size()) return "unexpected end of input";
     const char c = Peek();
-    // The kinds and the words of messages are those of nlohmann::json's parser, so that users find them in a search.
+    // The kinds and the words of messages follow nlohmann::json's parser, so that users find them in a search.
     if (c == '"') return "unexpected string literal";
     if (c == '-' || IsDigit(c)) return "unexpected number literal";
     if (std::string_view("{}[],:").find(c) != std::string_view::npos) return std::string("unexpected '") + c + "'";
@@ -290,7 +290,7 @@ class Parser {
       if (!SkipDigits()) return expected("digit in the exponent");
     }
     node.text = text_.substr(begin, at_ - begin);
-    // Not the C library's functions: those depend on the locale.
+    // Not the C library's functions, which depend on the locale.
     const auto read = std::from_chars(node.text.data(), node.text.data() + node.text.size(), node.number);
     if (read.ec == std::errc()) return true;
     // from_chars reports underflow and overflow alike, so that the text decides: 1e-400 is 0, 1e400 is a fault.

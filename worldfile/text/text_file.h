@@ -20,7 +20,7 @@
 
 namespace troupe {
 
-// The files of users: reading one as a whole, and the paths of those that it names.
+// The files of users: reading one as a whole, and the paths of the files that it names.
 
 // World files and scenarios are written by hand: anything larger is a mistake, and refused before it fills the memory.
 inline constexpr std::size_t kMaxTextFileBytes = 64'000'000;

@@ -62,8 +62,8 @@ class PropertyReader {
   // The place of a property's value, or of the node if it is not there.
   const SourceLocation& Where(std::string_view name) const;
 
-  // A single number between `min` and `max`, without unit. The default limits are those of a world; properties of other
-  // kinds may allow more.
+  // A single number between `min` and `max`, without unit. The default limits are the limits of a world; properties of
+  // other kinds may allow more.
   double Number(std::string_view name, double otherwise, double min = -kMaxMagnitude, double max = kMaxMagnitude);
   double Length(std::string_view name, double otherwise);  // to m
   std::int64_t Integer(std::string_view name, std::int64_t otherwise, std::int64_t min, std::int64_t max);
