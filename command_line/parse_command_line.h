@@ -1,4 +1,9 @@
 // Command lines of all programs: parsing, exit statuses, and checks of values.
+//
+// Every program ends in the same way: 0 done, 2 for wrong input with one line with `error: ` on standard error, 3 for
+// failures, 130 after Ctrl-C; scripts and the launcher rely on these numbers. Checks are validators of CLI11, so that
+// help texts, completions for shells and errors have one source. A check knows the text alone; what depends on a file
+// is checked when the file is read.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,9 @@
-// The options that describe a run, for the programs that share them. The variables must outlive the parsing.
+// The options that describe a run, for the programs that share them: the launcher, the world service, agents and tools.
+// Each option is declared once, with its help, and there is an inverse for those that one program passes on to another
+// (RunArguments, TraceArguments): so the two cannot drift apart.
+//
+// The variables must outlive the parsing: CLI11 keeps references to them. An option that was not given leaves its
+// variable as it was, which is how defaults and files come first and the command line last.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
-// Styles of text on a terminal. Text that is no terminal's has none, nor has any if the environment has NO_COLOR
-// (https://no-color.org) or a TERM without colours.
+// Styles of text on a terminal. Only a terminal gets them: text in a pipe or file has none, nor has any if the
+// environment has NO_COLOR (https://no-color.org) or a TERM without colours. Styles are added to finished lines, so
+// that messages themselves, their tests and logs stay plain.
 #pragma once
 
 #include <cstdio>

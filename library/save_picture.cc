@@ -70,6 +70,7 @@ std::vector<ScanFan> MeasureFans(const Scene& scene, const BodyIndex& bodies, co
       if (ranger == nullptr) continue;  // other kinds have no fans
       for (const RangeScan& scan : ranger->scans()) {
         const Pose X_WS = bodies.X_WB(scene.body_of(RobotId(i))) * scan.X_RS;
+        // The picture is flat: of a scan with several planes it shows the flattest.
         const std::size_t first = FlattestPlane(scan) * scan.fan.count;
         const auto begin = scan.ranges.begin() + static_cast<std::ptrdiff_t>(first);
         ScanFan fan{

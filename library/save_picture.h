@@ -1,4 +1,9 @@
-// Pictures of a state as files: of the world, and of the view of a camera.
+// Pictures of a state as files: of the world (PNG or SVG), and of the view of a camera (PNG).
+//
+// A picture with rays measures all sensors anew on the state: readings are functions of the state, so that the picture
+// shows what the robots have read, and measuring for a picture changes nothing. The robots, the index and the state are
+// the caller's; nothing is kept between calls. The cost is that of all sensors of all robots, or without rays that of
+// drawing.
 #pragma once
 
 #include <string>

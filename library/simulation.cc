@@ -1,3 +1,10 @@
+// Simulation: a run in one process, without a network. Robots decide in the order of their ids and the core steps, with
+// the code of the distributed run (Robot, ValidateProposal, Step): so the state hashes are those of `troupe run` of the
+// same file.
+//
+// A snapshot owns copies of the controllers and shares the immutable scene and state. Every copy of robots points into
+// the scene, which therefore lives as long as any of them (Snapshot::Content).
+
 #include "troupe/simulation.h"
 
 #include <algorithm>
@@ -76,6 +83,7 @@ Simulation::Impl::Impl(Snapshot::Content start) : now(std::move(start)), bodies(
 void Simulation::Impl::Assign(Snapshot::Content content) {
   const bool same_scene = content.scene == now.scene;
   now = std::move(content);
+  // Otherwise the index only moves what differs between the two states.
   if (!same_scene) bodies = BodyIndex(*now.scene);
   bodies.Assign(*now.state);
 }
@@ -112,6 +120,7 @@ Result<Simulation> Simulation::Make(WorldDescription world, const SimulationOpti
     const std::shared_ptr<const Scene>& other = options.share_with->impl_->now.scene;
     scene->ShareMap([&](std::span<const std::byte> bytes) -> std::shared_ptr<const std::byte> {
       const std::span<const std::byte> shared = other->static_index().ray_map().bytes();
+      // Compared and not assumed: worlds of one file may differ by their seeds.
       if (!std::equal(bytes.begin(), bytes.end(), shared.begin(), shared.end())) return nullptr;
       return {other, shared.data()};
     });
@@ -154,12 +163,14 @@ void Simulation::StepOnce() {
     Robot& robot = *now.robots[i];
     const bool worked = robot.failure().empty();
     Proposal proposal = robot.Decide(state, impl_->bodies, now.commands[i]);
+    // These four are executed once; the motion lasts until another command.
     now.commands[i].command.grippers.clear();
     now.commands[i].command.joints.clear();
     now.commands[i].command.messages.clear();
     now.commands[i].command.orders.clear();
     if (worked && !robot.failure().empty()) now.failures.push_back(robot.failure());
     if (!robot.report().empty()) impl_->reports.push_back(robot.report());
+    // As the world service does it: a refused proposal is an event, and the step has none of that robot.
     const Status status = ValidateProposal(*now.scene, state, proposal);
     if (status.ok()) {
       impl_->proposals.push_back(std::move(proposal));
@@ -179,7 +190,9 @@ void Simulation::StepOnce() {
     if (worked && !robot.failure().empty()) report(robot.failure());
     if (!robot.report().empty()) report(robot.report());
   }
+  // All robots have decided by the state before the step: none sees another's new pose.
   StepResult next = troupe::Step(*now.scene, state, impl_->proposals, impl_->bodies);
+  // A new object for each tick: arrays of Python and snapshots keep the states that they show.
   now.state = std::make_shared<const WorldState>(std::move(next.state));
   now.events = std::move(events);
   now.events.insert(now.events.end(), std::make_move_iterator(next.events.begin()),

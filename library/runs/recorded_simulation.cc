@@ -31,8 +31,10 @@ const std::shared_ptr<const Scene>& RecordedSimulation::Impl::WithoutControllers
     const std::shared_ptr<const TimelineWorld>& recorded) {
   if (recorded == recorded_world) return scene;
   WorldDescription world = recorded->description();
+  // A state of a recording is for reading; a controller's memory is not recorded, so that it could not continue.
   for (RobotDescription& robot : world.robots) robot.controller = {};
   auto made = std::make_shared<Scene>(std::move(world));
+  // Equal maps are shared: the ray map is a large part of a scene.
   made->ShareMap([&](std::span<const std::byte> bytes) -> std::shared_ptr<const std::byte> {
     const std::span<const std::byte> shared = recorded->scene->static_index().ray_map().bytes();
     if (!std::ranges::equal(bytes, shared)) return nullptr;

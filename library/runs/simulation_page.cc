@@ -180,6 +180,7 @@ void SimulationPage::Impl::Show(const Simulation& simulation) {
   if (events.size() < kMaxEvents) {
     events.insert(events.end(), simulation.events().begin(), simulation.events().end());
   }
+  // Only the first new state since the last frame wakes the thread: a simulation makes thousands in a second.
   if (!std::exchange(is_new, true)) changed.notify_one();
 }
 
@@ -195,6 +196,7 @@ void SimulationPage::Impl::Run() {
       if (!lock.owns_lock()) lock.lock();
       is_open = false;
     }
+    // Not woken by newer states: at most one frame in each period.
     if (is_open) changed.wait_for(lock, kPeriod, [this] { return is_ending; });
   }
   is_done = true;
@@ -215,6 +217,7 @@ bool SimulationPage::Impl::SendNewest(std::unique_lock<std::mutex>& lock, bool l
   frame.edition = edition;
   frame.world_edition = world_edition;
   frame.events = std::exchange(events, {});
+  // Copies of pointers: the simulation steps on while this thread hashes and sends.
   const std::shared_ptr<const WorldState> shown = state;
   const std::shared_ptr<const Scene> shown_scene = scene;
   lock.unlock();
@@ -278,6 +281,7 @@ SimulationPage::~SimulationPage() = default;
 Result<SimulationPage> SimulationPage::Open(const Simulation& simulation, const SimulationPageOptions& options) {
   auto impl = std::make_unique<Impl>();
   if (Status failure = impl->Start(options); !failure.ok()) return failure.error();
+  // Before the address is awaited: a program of another version ends with an error in place of it.
   SendVersion(impl->socket.get(), VersionText());
   Result<std::string> address = impl->ReadAddress();
   if (!address.ok()) return address.error();

@@ -76,6 +76,7 @@ Result<StreamedMessage> ReceiveState(int socket) {
   Header header;
   if (!ReceiveAll(socket, header.data(), sizeof(header))) return StreamedMessage();
   const auto [kind, size] = header;
+  // Before the allocation: the length comes from the other program.
   if (size > kMaxBytes) return Error{{}, "found a message that is too long"};
   std::vector<std::byte> bytes(size);
   if (!ReceiveAll(socket, bytes.data(), size)) return StreamedMessage();

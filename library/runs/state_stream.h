@@ -1,5 +1,10 @@
-// The states of a simulation on their way to the program that shows them: messages over a socket, each with its length.
-// First comes the version of the program, then sessions (a world) and frames (a state of it).
+// The states of a simulation on their way to the program that shows them (`troupe view --states`): messages over a
+// socket, each with its kind and length. First comes the version of the program, then sessions (a world) and frames (a
+// state of it).
+//
+// Content is the same as between the processes of a run (transport/wire), so that viewers need no second form of a
+// state. Both programs are of one machine and, by the first message, of one version: the header is in the byte order of
+// the host. The functions block; the sender has a thread of its own (simulation_page.cc).
 #pragma once
 
 #include <string>

@@ -139,11 +139,14 @@ void StartInterpreter() {
   config.write_bytecode = 0;  // many processes may read one file
   // The order of sets is then the same in every process.
   config.use_hash_seed = 1;
+  // Sets and dicts of texts are ordered by their hashes, which are random by default: a controller must not depend on
+  // it.
   config.hash_seed = 0;
   PyStatus status = PyConfig_SetBytesString(&config, &config.executable, Executable().c_str());
   if (PyStatus_Exception(status) == 0) status = Py_InitializeFromConfig(&config);
   PyConfig_Clear(&config);
   CheckPython(status);
+  // Starting has taken the lock; from now on each call acquires it, on whatever thread.
   PyEval_SaveThread();
 }
 

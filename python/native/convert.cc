@@ -266,6 +266,7 @@ Command FromRecord(const py::tuple& record) {
 
 const py::object& Record(const char* name) {
   // Never freed: the interpreter may end before them.
+  // Looked up once: a controller makes dozens of records in each tick.
   static auto* const types = new std::map<std::string_view, py::object>();
   const auto found = types->find(name);
   if (found != types->end()) return found->second;

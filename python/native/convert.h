@@ -1,8 +1,9 @@
 // The values of the simulation as records of Python (troupe/records.py), and back. Arrays are views of the memory of
-// the value, which they keep alive, and can only be read.
+// the value, which they keep alive, and can only be read: a state is immutable, so that no copy is needed.
 //
 // All functions need the interpreter's lock. They throw pybind11's exceptions: a TypeError or ValueError that names the
-// value found and the one expected.
+// value found and the one expected. Records are plain tuples made by Python's own classes, whose order of fields this
+// code knows: records.py and this folder change together.
 #pragma once
 
 #include <pybind11/numpy.h>

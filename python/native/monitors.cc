@@ -46,6 +46,7 @@ class Watcher {
 
   // Adds the present tick, if it is not the last one added. REQUIRES: a Use exists, here and below.
   Status Push(const Simulation& simulation) {
+    // `watch` begins with the present tick, which the call before may have added already.
     if (last_ == simulation.tick()) return {};
     Status problem = monitor_.Push(simulation);
     if (problem.ok()) last_ = simulation.tick();

@@ -1,4 +1,5 @@
-// The native part of troupe.Recording.
+// The native part of troupe.Recording. States are found by stepping from a keyframe, with a cache; a mutex lets one
+// thread search at a time, without the interpreter's lock, so that the others keep running.
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>

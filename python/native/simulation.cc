@@ -45,6 +45,7 @@ void Drive(const WorldPointer& world, const py::object& motion, const py::object
     return RaiseIfBad(use->DriveBy(id, ToCommand(motion).twist));
   }
   const auto twists = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(motion);
+  // The failed conversion has set an error of numpy's; ours is clearer.
   if (!twists) PyErr_Clear();
   const auto robots = static_cast<py::ssize_t>(use->world().robots.size());
   if (!twists || twists.ndim() != 2 || twists.shape(0) != robots || (twists.shape(1) != 2 && twists.shape(1) != 3)) {

@@ -1,4 +1,9 @@
 // The classes troupe.State, what can be read of a world at a tick, and troupe.Snapshot.
+//
+// Arrays are strided views into the rows of the shared, immutable state: `poses` costs no copy however many robots
+// there are, and stays valid after the simulation has stepped on. The static assertion below keeps the layouts of rows
+// that the strides rely on. Names and columns come from the state's tables (common/signals), so that a new table
+// appears here by itself.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <pybind11/pybind11.h>

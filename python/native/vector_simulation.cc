@@ -1,4 +1,9 @@
-// The class troupe.VectorSimulation: many copies of a world, stepped by all cores.
+// The class troupe.VectorSimulation: many copies of a world, stepped by all cores, with arrays over all of them.
+//
+// Worlds are independent: threads fetch the next world by an atomic counter, so that slow worlds do not hold up a fixed
+// share, and the result does not depend on which thread steps which world. A call claims all worlds first (Uses) and
+// releases them at its end. Copies share the constant parts of their scenes. With controllers in Python only one thread
+// works at a time, because of the interpreter's lock.
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -76,6 +81,7 @@ class Worlds {
     }
     const double* row = twists.data();
     const py::ssize_t columns = twists.shape(2);
+    // All are checked before any is driven: an error leaves no world half commanded.
     for (const std::shared_ptr<World>& world : worlds_) world->CheckRobots(robots());
     for (const std::shared_ptr<World>& world : worlds_) {
       for (std::size_t i = 0; i < robots(); ++i, row += columns) {
@@ -250,6 +256,7 @@ class Worlds {
         for (std::size_t i = next++; i < size() && !stopped && !interrupted; i = next++) {
           work(i, calls_python_ ? stopped : interrupted);
           const auto now = std::chrono::steady_clock::now();
+          // Only the calling thread may ask Python for signals; it is number 0 of the pool.
           if (calls_python_ || number != 0 || now - last < kSignalPeriod) continue;
           last = now;
           const py::gil_scoped_acquire acquire;

@@ -79,6 +79,7 @@ World::World(Simulation simulation) : simulation_(std::move(simulation)) {
 }
 
 World::~World() {
+  // The destructor may run without the interpreter's lock, or after the interpreter: then nothing of it may be called.
   if (!page_ || PyGILState_Check() == 0) return;
   PyThreadState* const thread = PyEval_SaveThread();  // browsers are shown the end; gil_scoped_release might throw
   page_.reset();
@@ -87,12 +88,14 @@ World::~World() {
 
 void World::Prepare() {
   if (prepared_ == &simulation_.world()) return;
+  // By the address of the world: a restored snapshot of another world has another.
   prepared_ = &simulation_.world();
   sensor_counts_.clear();
   named_sensors_.clear();
   calls_python_ = false;
   for (std::size_t i = 0; i < prepared_->robots.size(); ++i) {
     sensor_counts_.push_back(simulation_.Info(RobotId(i)).sensors.size());
+    // A controller is FILE.py:CLASS.
     calls_python_ |= prepared_->robots[i].controller.name.find(".py:") != std::string::npos;
   }
 }
@@ -189,6 +192,7 @@ void World::Step(Tick ticks, const std::function<bool(const Simulation&)>& goes_
     for (Tick i = 0; i < ticks && !stopped; ++i) {
       StepOnce();
       if (goes_on && !goes_on(simulation_)) break;
+      // A single tick ends soon: a loop in Python looks for signals by itself.
       if (calls_python_ || ticks == 1) continue;
       const auto now = std::chrono::steady_clock::now();
       if (now - last < kSignalPeriod) continue;

@@ -1,5 +1,14 @@
-// World: a simulation as Python sees it, the class troupe.Simulation. It refuses calls while another thread uses it, so
-// that no caller can break it.
+// World: a simulation as Python sees it, the class troupe.Simulation, or, without steps, troupe.State.
+//
+// Threads: long work (steps, loading, pictures) is done without the interpreter's lock, so that other threads of Python
+// run meanwhile. A Simulation is for one thread at a time; Use makes every call claim it and refuses another one with
+// an exception instead of waiting: a wait could deadlock with the lock of the interpreter, and a controller that calls
+// its own simulation would wait for itself.
+//
+// Ctrl-C: signal handlers of Python run in its main thread only when that asks; steps ask every 20 ms. With controllers
+// in Python the work is on another thread, so that the exception of a signal cannot arise inside a controller.
+//
+// Errors of the library become InputError or RunError with file, line and column; wrong arguments become Python's own.
 #pragma once
 
 #include <pybind11/pybind11.h>
