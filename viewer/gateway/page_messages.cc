@@ -47,128 +47,30 @@ void WritePixels(PageWriter& writer, const PixelArea& area) {
   });
   // Line 0 of the last pixel of a reduced row may lie beyond the bounds.
   Write(writer, area.InMetres({bounds.x0, bounds.y0, bounds.x0 + width * reduction, bounds.y0 + height * reduction}));
-  writer.WritePose(area.X_MA());
+  PageValue<Pose>::Write(writer, area.X_MA());
   writer.WriteCount(static_cast<std::size_t>(width));
   writer.WriteCount(static_cast<std::size_t>(height));
   writer.WriteBytes(std::as_bytes(std::span(bits)));
 }
 
-void Write(PageWriter& writer, const Shape& shape) {
+}  // namespace
+
+void PageValue<Shape>::Write(PageWriter& writer, const Shape& shape) {
   writer.WriteCount(shape.blocks.size());
   for (const Block& block : shape.blocks) {
-    Write(writer, block.z);
-    Write(writer, block.outline);
+    troupe::Write(writer, block.z);
+    troupe::Write(writer, block.outline);
   }
-  Write(writer, shape.rectangles_z);
+  troupe::Write(writer, shape.rectangles_z);
   writer.WriteCount(shape.rectangles.size());
-  for (const Rectangle& r : shape.rectangles) Write(writer, r);
+  for (const Rectangle& r : shape.rectangles) troupe::Write(writer, r);
   // Their sides, without those that two rectangles have in common.
   const std::vector<Polygon> loops = OutlineOf(shape.rectangles);
   writer.WriteCount(loops.size());
-  for (const Polygon& loop : loops) Write(writer, loop);
+  for (const Polygon& loop : loops) troupe::Write(writer, loop);
   writer.WriteFlag(shape.area.has_value());
   if (shape.area) WritePixels(writer, *shape.area);
 }
-
-void Write(PageWriter& writer, const ModelDescription& model) {
-  writer.WriteText(model.name);
-  writer.WriteText(model.type);
-  writer.WriteId(model.parent);
-  writer.WritePose(model.X_PM);
-  writer.WriteCount(model.shape.index());
-  writer.WriteFloat(model.color.r);
-  writer.WriteFloat(model.color.g);
-  writer.WriteFloat(model.color.b);
-  writer.WriteFloat(model.color.a);
-  writer.WriteFlag(model.removed);
-}
-
-void Write(PageWriter& writer, const SensorDescription& sensor) {
-  writer.WriteText(sensor.name);
-  writer.WriteText(TypeOf(sensor.parameters));
-}
-
-void Write(PageWriter& writer, const WorldDescription& world, RobotId id) {
-  const RobotDescription& robot = world.robot(id);
-  writer.WriteText(robot.name);
-  writer.WriteCount(robot.root.index());
-  writer.WriteFlag(RobotExists(world, id));
-  writer.WriteText(robot.controller.name);
-  writer.WriteCount(robot.sensors.size());
-  for (const SensorDescription& sensor : robot.sensors) Write(writer, sensor);
-  // How fast a user can drive it; bounds without meaning are those of a world that states none.
-  const TwistBounds& bounds = robot.drive.velocity;
-  writer.WriteFlag(robot.drive.type == DriveType::kOmni);
-  writer.WriteFloat(bounds.x.max);
-  writer.WriteFloat(robot.drive.type == DriveType::kCar ? bounds.x.max / robot.drive.wheelbase : bounds.heading.max);
-}
-
-void Write(PageWriter& writer, const JointDescription& joint) {
-  writer.WriteText(joint.name);
-  writer.WriteCount(joint.robot.index());
-  writer.WriteCount(joint.model.index());
-  writer.WriteFlag(joint.type == JointType::kRevolute);
-  writer.WriteFloat(joint.axis_xy.x());
-  writer.WriteFloat(joint.axis_xy.y());
-  writer.WriteFloat(joint.axis_z);
-  writer.Write(joint.position.min);
-  writer.Write(joint.position.max);
-}
-
-void Write(PageWriter& writer, const GripperDescription& gripper) {
-  writer.WriteText(gripper.name);
-  writer.WriteCount(gripper.robot.index());
-  writer.WriteId(gripper.lift);
-}
-
-void WriteStores(PageWriter& writer, const WorldDescription& world) {
-  const std::vector<ModelId> stores = FindStores(world);
-  writer.WriteCount(stores.size());
-  for (const ModelId model : stores) {
-    const PowerDescription& power = world.model(model).power;
-    writer.WriteCount(model.index());
-    writer.Write(power.capacity);
-    writer.WriteFlag(power.endless);
-  }
-}
-
-// All lights: those of robots have a row in states, the others are always switched as at load.
-void WriteLights(PageWriter& writer, const WorldDescription& world) {
-  std::vector<std::int32_t> rows(world.models.size(), -1);
-  std::int32_t count = 0;
-  for (const LightPlace& light : FindLights(world)) rows[light.model.index()] = count++;
-  const std::size_t place = writer.ReserveCount();
-  std::size_t lights = 0;
-  for (std::size_t i = 0; i < world.models.size(); ++i) {
-    const Blinking& blinking = world.models[i].blinking;
-    if (!blinking.is_light()) continue;
-    writer.WriteCount(i);
-    writer.Write(rows[i]);
-    writer.Write(blinking.period_ns);
-    writer.Write(blinking.on_ns);
-    writer.WriteFlag(blinking.is_switched_on);
-    ++lights;
-  }
-  writer.FillCount(place, lights);
-}
-
-void Write(PageWriter& writer, const DoorDescription& door) {
-  writer.WriteCount(door.model.index());
-  writer.WriteCount(door.leaves.size());
-  for (const DoorLeaf& leaf : door.leaves) writer.WriteCount(leaf.object.index());
-  writer.WriteFlag(door.is_operated);
-}
-
-void Write(PageWriter& writer, const LiftDescription& lift) {
-  writer.WriteCount(lift.model.index());
-  writer.WriteCount(lift.cabin.index());
-  writer.WriteCount(lift.floors.size());
-  for (const LiftFloor& floor : lift.floors) writer.WriteText(floor.name);
-  writer.WriteCount(lift.floors.size());
-  for (const LiftFloor& floor : lift.floors) writer.Write(floor.z);
-}
-
-}  // namespace
 
 void StateRows::Assign(std::shared_ptr<const WorldState> state, std::uint64_t number, bool fresh) {
   if (state == state_ && !fresh) return;
@@ -197,8 +99,7 @@ void StateRows::Write(PageWriter& writer, std::uint64_t since) const {
       for (std::size_t i = 0; i < rows.size(); ++i) {
         if (changed[i] <= since) continue;
         writer.WriteCount(i);
-        ForEachField<Row>(
-            [&]<typename Part>(const Field<Row, Part>& field) { PageValue<Part>::Write(writer, field.Of(rows[i])); });
+        PageValue<Row>::Write(writer, rows[i]);
         ++count;
       }
       writer.FillCount(place, count);
@@ -211,37 +112,16 @@ std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   std::string bytes;
   PageWriter writer(bytes);
   writer.Write(static_cast<std::uint8_t>(PageMessage::kWorld));
-  writer.Write(kPageProtocol);
+  writer.Write(PageLayout());
   writer.Write(number);
   writer.Write(session.run);
-  writer.WriteText(world.name);
   writer.WriteText(session.host);
-  writer.Write(world.interval_seconds());
-  writer.WriteCount(world.shapes.size());
-  for (const Shape& shape : world.shapes) Write(writer, shape);
-  writer.WriteCount(world.models.size());
-  for (const ModelDescription& model : world.models) Write(writer, model);
-  writer.WriteCount(world.robots.size());
-  for (std::size_t i = 0; i < world.robots.size(); ++i) Write(writer, world, RobotId(i));
-  writer.WriteCount(world.joints.size());
-  for (const JointDescription& joint : world.joints) Write(writer, joint);
-  writer.WriteCount(world.grippers.size());
-  for (const GripperDescription& gripper : world.grippers) Write(writer, gripper);
-  writer.WriteCount(world.objects.size());
-  for (const ModelId object : world.objects) writer.WriteCount(object.index());
-  WriteStores(writer, world);
-  WriteLights(writer, world);
-  writer.WriteCount(world.doors.size());
-  for (const DoorDescription& door : world.doors) Write(writer, door);
-  writer.WriteCount(world.lifts.size());
-  for (const LiftDescription& lift : world.lifts) Write(writer, lift);
-  writer.WriteCount(world.people.size());
-  for (const PersonDescription& person : world.people) writer.WriteCount(person.root.index());
-  writer.WriteCount(world.levels.size());
-  for (const LevelDescription& level : world.levels) {
-    writer.WriteText(level.name);
-    writer.Write(level.z);
-  }
+  PageValue<WorldDescription>::Write(writer, world);
+  // The models that rows of states belong to.
+  PageValue<std::vector<ModelId>>::Write(writer, FindStores(world));
+  const std::vector<LightPlace> lights = FindLights(world);
+  writer.WriteCount(lights.size());
+  for (const LightPlace& light : lights) PageValue<ModelId>::Write(writer, light.model);
   return bytes;
 }
 

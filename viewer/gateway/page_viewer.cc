@@ -1,12 +1,8 @@
 #include "viewer/gateway/page_viewer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <span>
 #include <utility>
 #include <variant>
-
-#include "common/base/text.h"
 
 namespace troupe {
 namespace {
@@ -40,152 +36,8 @@ void Write(PageWriter& writer, const NumberedEvent& numbered) {
   writer.WriteText(event.detail);
 }
 
-// As in viewer/web/src/protocol.ts.
-enum class ReadingKind : std::uint8_t {
-  kNone = 0,
-  kRanger = 1,
-  kBreakBeams = 2,
-  kFiducials = 3,
-  kBumper = 4,
-  kContacts = 5,
-  kBlobs = 6,
-  kCamera = 7,
-  kRadio = 8,
-  kImu = 9,
-  kKept = 255,  // the reading that the page has still counts
-};
-
-// Bytes of a radio message that the page receives; its length comes with them.
-constexpr std::size_t kMaxMessageBytes = 256;
-
-void Write(PageWriter& writer, std::span<const double> values) {
-  writer.WriteCount(values.size());
-  for (const double value : values) writer.Write(value);
-}
-
-struct ContentWriter {
-  PageWriter& writer;
-
-  void Write(ReadingKind kind) const { writer.Write(static_cast<std::uint8_t>(kind)); }
-  void Write(const Interval& limits) const {
-    writer.Write(limits.min);
-    writer.Write(limits.max);
-  }
-  void operator()(const std::monostate&) const { Write(ReadingKind::kNone); }
-  void operator()(const RangerReading& ranger) const {
-    Write(ReadingKind::kRanger);
-    writer.WriteCount(ranger.geometry->size());
-    for (const RangeScan& scan : ranger.scans()) {
-      writer.WritePose(scan.X_RS);
-      writer.Write(scan.fan.fov);
-      Write(scan.limits);
-      troupe::Write(writer, scan.elevations);
-      troupe::Write(writer, scan.ranges);
-    }
-  }
-  void operator()(const BreakBeamReading& reading) const {
-    Write(ReadingKind::kBreakBeams);
-    writer.WriteCount(reading.gripper_model.index());
-    writer.WriteCount(reading.beams.size());
-    for (const BreakBeamReading::Beam& beam : reading.beams) {
-      for (const double value :
-           {beam.beam.from.x(), beam.beam.from.y(), beam.beam.to.x(), beam.beam.to.y(), beam.beam.z}) {
-        writer.Write(value);
-      }
-      writer.WriteId(beam.broken_by);
-    }
-  }
-  void operator()(const FiducialReading& reading) const {
-    Write(ReadingKind::kFiducials);
-    writer.WritePose(reading.X_RS);
-    Write(reading.limits);
-    writer.Write(reading.fov);
-    writer.WriteCount(reading.fiducials.size());
-    for (const Fiducial& fiducial : reading.fiducials) {
-      writer.Write(fiducial.id);
-      writer.WriteCount(fiducial.model.index());
-      writer.Write(fiducial.range);
-      writer.Write(fiducial.bearing);
-      writer.WritePose(fiducial.X_WF);
-    }
-  }
-  void operator()(const BumperReading& reading) const {
-    Write(ReadingKind::kBumper);
-    writer.Write(reading.height);
-    writer.WriteCount(reading.segments.size());
-    for (const BumperReading::Segment& segment : reading.segments) {
-      writer.WritePose(segment.X_RB);
-      writer.Write(segment.length);
-      writer.WriteId(segment.pressed_by);
-    }
-  }
-  void operator()(const ContactReading& reading) const {
-    Write(ReadingKind::kContacts);
-    writer.WriteCount(reading.contacts.size());
-    for (const BodyContact& contact : reading.contacts) {
-      writer.WriteCount(contact.part.index());
-      writer.WriteCount(contact.other.index());
-      for (const double value : {contact.point.x(), contact.point.y(), contact.z_min, contact.z_max}) {
-        writer.Write(value);
-      }
-    }
-  }
-  void operator()(const BlobfinderReading& reading) const {
-    Write(ReadingKind::kBlobs);
-    writer.WritePose(reading.X_RS);
-    writer.Write(reading.width);
-    writer.Write(reading.height);
-    writer.Write(reading.fov);
-    writer.Write(reading.range);
-    writer.WriteCount(reading.blobs.size());
-    for (const Blob& blob : reading.blobs) {
-      for (const double value : {blob.color.r, blob.color.g, blob.color.b}) writer.Write(value);
-      for (const std::uint32_t value : {blob.left, blob.top, blob.right, blob.bottom}) writer.Write(value);
-      writer.Write(blob.range);
-    }
-  }
-  // The colours alone: the page shows no depths.
-  void operator()(const CameraReading& reading) const {
-    Write(ReadingKind::kCamera);
-    writer.WritePose(reading.X_RS);
-    writer.Write(reading.width);
-    writer.Write(reading.height);
-    for (const double value : {reading.focal_length_x, reading.focal_length_y, reading.center_x, reading.center_y}) {
-      writer.Write(value);
-    }
-    Write(reading.limits);
-    writer.WriteCount(reading.colors.size());
-    writer.WriteBytes(std::as_bytes(std::span(reading.colors)));
-  }
-  void operator()(const RadioReading& reading) const {
-    Write(ReadingKind::kRadio);
-    writer.WritePose(reading.X_RS);
-    writer.Write(reading.range);
-    writer.WriteCount(reading.receptions.size());
-    for (const RadioReception& reception : reading.receptions) {
-      writer.WriteCount(reception.from.index());
-      writer.WriteFlag(reception.to_all);
-      writer.WriteCount(reception.bytes.size());
-      writer.WriteText(
-          CutUtf8({reinterpret_cast<const char*>(reception.bytes.data()), reception.bytes.size()}, kMaxMessageBytes));
-      writer.Write(reception.rssi);
-      writer.Write(reception.tick);
-      writer.WriteFlag(reception.place.has_value());
-      if (!reception.place) continue;
-      writer.Write(reception.place->range);
-      writer.Write(reception.place->bearing);
-      writer.Write(reception.place->elevation);
-    }
-  }
-  void operator()(const ImuReading& reading) const {
-    Write(ReadingKind::kImu);
-    writer.WritePose(reading.X_RS);
-    for (const double value :
-         {reading.heading, reading.turn, reading.force_xy.x(), reading.force_xy.y(), reading.force_z}) {
-      writer.Write(value);
-    }
-  }
-};
+// In place of the number of a kind of reading (PageValue<ReadingContent>): the reading that the page has still counts.
+constexpr std::uint8_t kKept = 255;
 
 bool IsCamera(const Sensor& sensor) {
   return std::holds_alternative<CameraParameters>(sensor.description().parameters);
@@ -365,7 +217,7 @@ const std::string& RobotReadings::Encoded(Robot& robot, std::size_t sensor) {
   std::string bytes;
   PageWriter writer(bytes);
   const Scene& scene = *state_->world->scene;
-  std::visit(ContentWriter{writer}, robot.suite.Measure(sensor, {scene, *bodies_, &state}, state.tick).content);
+  PageValue<ReadingContent>::Write(writer, robot.suite.Measure(sensor, {scene, *bodies_, &state}, state.tick).content);
   return encoded = std::move(bytes);
 }
 
@@ -384,7 +236,11 @@ bool RobotReadings::Write(PageWriter& writer, RobotId id, Pictures pictures) {
     const Sensor& sensor = robot.suite.sensor(i);
     writer.WriteText(sensor.description().name);
     if (IsCamera(sensor) && pictures != Pictures::kMeasured) {
-      ContentWriter{writer}.Write(pictures == Pictures::kKept ? ReadingKind::kKept : ReadingKind::kNone);
+      if (pictures == Pictures::kKept) {
+        writer.Write(kKept);
+      } else {
+        PageValue<ReadingContent>::Write(writer, {});
+      }
       is_missing = true;
     } else {
       writer.WriteBytes(Encoded(robot, i));

@@ -1,9 +1,9 @@
-// Writes the TypeScript of the rows of a state, as viewer/gateway/page_messages.cc sends them, from the fields of their
-// types, and the names of the built-in controllers:
+// Writes the TypeScript of the rows of a state, of the description of a world and of the readings of sensors, as
+// viewer/gateway/page_values.h sends them, from the fields of their types, and the names of the built-in controllers:
 // - write_rows OUTPUT.ts
 //
-// Run by the build, so that a field added to a row type reaches the page without a line of TypeScript, and a mismatch
-// of types on the two sides is a compiler's error.
+// Run by the build, so that a new field reaches the page without a line of TypeScript, and a mismatch of types on the
+// two sides is a compiler's error.
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -17,21 +17,10 @@
 namespace troupe {
 namespace {
 
-// "charge_watts": chargeWatts, or ChargeWatts.
-std::string Camel(std::string_view name, bool starts_upper) {
-  std::string text;
-  bool is_upper = starts_upper;
-  for (const char c : name) {
-    if (c != '_') text += is_upper ? static_cast<char>(c - 'a' + 'A') : c;
-    is_upper = c == '_';
-  }
-  return text;
-}
-
 // "robots": RobotRow.
 std::string RowName(std::string_view table) {
   if (table == "people") return "PersonRow";
-  return Camel(table.substr(0, table.size() - 1), true) + "Row";
+  return CamelCase(table.substr(0, table.size() - 1), true) + "Row";
 }
 
 template <typename Visit>
@@ -42,26 +31,28 @@ void ForEachTableOnPage(const Visit& visit) {
 }
 
 void WriteRows(std::ostream& out) {
-  out << "// Made by viewer/web/write_rows.cc from troupe/world_state.h, which has the units, and troupe/event.h.\n"
-         "import type {Pose, Reader, Twist} from '../src/protocol';\n";
+  out << "// Made by viewer/web/write_rows.cc from the fields of troupe/world_state.h, world_description.h, sensor.h, "
+         "which\n"
+         "// have the units, and troupe/event.h.\n"
+         "import type {Color, Pose, Reader, Shape, Twist} from '../src/protocol';\n\n"
+         "export const LAYOUT = "
+      << PageLayout() << ";\n\n";
   ForEachTableOnPage([&]<typename Row>(const Field<WorldState, std::vector<Row>>&, const auto&, const auto& row) {
-    out << "\nexport interface " << row << " {\n";
-    ForEachField<Row>([&]<typename Part>(const Field<Row, Part>& field) {
-      out << "  " << Camel(field.name, false) << ": " << PageValue<Part>::kType.type << ";\n";
-    });
-    out << "}\n";
+    out << "export type " << row << " = " << PageValue<Row>::Type() << ";\n";
   });
+  out << "\nexport type WorldDescription = " << PageValue<WorldDescription>::Type()
+      << ";\n\nexport function readDescription(r: Reader): WorldDescription {\n  return "
+      << PageValue<WorldDescription>::Read()
+      << ";\n}\n\n// Of a sensor.\nexport type Content = " << PageValue<ReadingContent>::Type()
+      << ";\n\nexport function readContent(r: Reader): Content {\n  return " << PageValue<ReadingContent>::Read()
+      << ";\n}\n";
   out << "\n// The rows of an update, by their numbers.\nexport interface StateRows {\n";
   ForEachTableOnPage([&](const auto&, const auto& table, const auto& row) {
     out << "  " << table << ": Array<[number, " << row << "]>;\n";
   });
   out << "}\n\nexport function readStateRows(r: Reader): StateRows {\n  return {\n";
   ForEachTableOnPage([&]<typename Row>(const Field<WorldState, std::vector<Row>>&, const auto& table, const auto& row) {
-    out << "    " << table << ": r.list((): [number, " << row << "] => [r.u32(), {\n";
-    ForEachField<Row>([&]<typename Part>(const Field<Row, Part>& field) {
-      out << "      " << Camel(field.name, false) << ": " << PageValue<Part>::kType.read << ",\n";
-    });
-    out << "    }]),\n";
+    out << "    " << table << ": r.list((): [number, " << row << "] => [r.u32(), " << PageValue<Row>::Read() << "]),\n";
   });
   out << "  };\n}\n\n// The state, as updates add up.\nexport class StateTables {\n";
   ForEachTableOnPage(
@@ -72,7 +63,7 @@ void WriteRows(std::ostream& out) {
   });
   out << "  }\n}\n\nexport const enum EventType {\n";
   for (int type = 0; type <= static_cast<int>(LastOf(EventType())); ++type) {
-    out << "  " << Camel(ToString(static_cast<EventType>(type)), true) << ",\n";
+    out << "  " << CamelCase(ToString(static_cast<EventType>(type)), true) << ",\n";
   }
   out << "}\n\n// Of robot-agent/controller, sorted.\nexport const BUILT_IN_CONTROLLERS = [\n";
   for (const std::string& name : BuiltInControllers()) out << "  '" << name << "',\n";

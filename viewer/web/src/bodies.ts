@@ -83,7 +83,7 @@ export class Bodies {
     world.objects.forEach((root, index) => {
       if (!world.models[root].removed) this.addBody({kind: 'object', index}, root);
     });
-    world.people.forEach((root, index) => {
+    world.people.forEach(({root}, index) => {
       if (!world.models[root].removed) this.addBody({kind: 'person', index}, root);
     });
     for (const batch of this.batches.values()) {
@@ -239,7 +239,7 @@ export class Bodies {
       if (m !== root) {
         const parent = places.get(models[m].parent);
         if (!parent) continue;
-        const pose = compose(parent.pose, models[m].pose);
+        const pose = compose(parent.pose, models[m].poseInParent);
         const joint = this.world.joints.findIndex(j => j.model === m);
         if (joint >= 0) places.set(m, {link: addLink(joint, -1, parent.link, pose), pose: IDENTITY});
         else places.set(m, {link: parent.link, pose});

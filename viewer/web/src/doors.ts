@@ -19,7 +19,7 @@ export class DoorButtons {
 
   show(run: Run, selected: Entity | null): void {
     const object = selected?.kind === 'object' ? selected.index : -1;
-    const door = run.world.doors.findIndex(({leaves}) => leaves.includes(object));
+    const door = run.world.doors.findIndex(({leaves}) => leaves.some(leaf => leaf.object === object));
     const lift = run.world.lifts.findIndex(({cabin}) => cabin === object);
     const key = `${run.world.number} ${door} ${lift}`;
     if (key !== this.shown) this.rebuild(run, door, lift);
@@ -50,7 +50,7 @@ export class DoorButtons {
     }
     if (lift >= 0 && !this.viewOnly) {
       const name = run.world.models[run.world.lifts[lift].model].name;
-      for (const floor of run.world.lifts[lift].floors) add(floor, 'lift', {name, floor});
+      for (const {name: floor} of run.world.lifts[lift].floors) add(floor, 'lift', {name, floor});
     }
     this.box.replaceChildren(...(door >= 0 || lift >= 0 ? [row] : []));
   }
@@ -71,8 +71,8 @@ function doorText(run: Run, door: number): string {
 
 function liftText(run: Run, lift: number): string {
   const {z, floor, session, blocked} = run.lifts[lift];
-  const {floors, heights} = run.world.lifts[lift];
-  const name = floors[floor] ?? '?';
+  const {floors} = run.world.lifts[lift];
+  const name = floors[floor]?.name ?? '?';
   const user = session >= 0 ? `, for ${run.world.robots[session].name}` : '';
-  return (blocked ? `blocked on its way to ${name}` : z === heights[floor] ? `at ${name}` : `to ${name}`) + user;
+  return (blocked ? `blocked on its way to ${name}` : z === floors[floor]?.z ? `at ${name}` : `to ${name}`) + user;
 }

@@ -7,6 +7,7 @@
 // Commands are counted in ticks, so their time is converted by the measured speed of the run.
 import type {Connection} from './connection';
 import {allow, byId, labelOf, make, setOn, setText, toast} from './dom';
+import {DriveType} from './protocol';
 import {nameOf, type Run} from './run';
 
 const PERIOD = 100;  // ms from one command to the next
@@ -160,7 +161,7 @@ export class Driving {
       const speed = this.share * (robot.maxSpeed < UNBOUNDED ? robot.maxSpeed : TYPICAL_SPEED);
       const turn = this.share * Math.min(robot.maxTurn, TYPICAL_TURN);
       const [forward, left, rotation] = this.point ? this.towardsPoint(run, index) : this.stick();
-      const twist = [forward * speed, robot.omni ? left * speed : 0, rotation * turn];
+      const twist = [forward * speed, robot.drive.type === DriveType.Omni ? left * speed : 0, rotation * turn];
       const reply = await this.connection.request('command_robot', {name: robot.name, ticks: this.ticks(run), twist});
       if (!reply.done) {
         toast(reply.problem, true);

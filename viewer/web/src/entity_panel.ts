@@ -2,7 +2,7 @@
 import {color} from './colors';
 import type {AgentInfo, Connection} from './connection';
 import {byId, fixed, make, setText} from './dom';
-import {OBJECT_MODES, scansOf, type Light, type Pose, type Reading} from './protocol';
+import {JointType, OBJECT_MODES, scansOf, type Light, type Pose, type Reading} from './protocol';
 import {robotState} from './robot_list';
 import {compose, degrees, isInTree, nameOf, poseOf, type Entity, type Run} from './run';
 import {bearing, flattestPlane, raysOf} from './sensor_marks';
@@ -54,7 +54,7 @@ export class EntityPanel {
       ['speed', `${fixed(row.twist.vx, 3)} m/s`],
       ...(row.twist.vy !== 0 ? [['sideways', `${fixed(row.twist.vy, 3)} m/s`] as [string, string]] : []),
       ['turning', `${fixed(degrees(row.twist.wz), 1)} °/s`],
-      ['controller', description.controller],
+      ['controller', description.controller.name],
     ];
     if (agent) facts.push(['agent', agentText(agent)]);
     if (held.length > 0) {
@@ -69,7 +69,7 @@ export class EntityPanel {
 
   private showScans(run: Run, robot: number): void {
     const readings = run.readings.get(robot)?.readings ?? [];
-    const scans = readings.flatMap(scansOf);
+    const scans = readings.flatMap(({content}) => scansOf(content));
     byId('panel-sensors').hidden = scans.length === 0;
     if (scans.length === 0) return;
     let rays = 0;
@@ -152,9 +152,10 @@ export class EntityPanel {
       setText(name, joint.name);
       bar.min = 0;
       bar.max = 1;
-      const share = joint.max > joint.min ? ((state?.position ?? 0) - joint.min) / (joint.max - joint.min) : 0;
+      const {min, max} = joint.position;
+      const share = max > min ? ((state?.position ?? 0) - min) / (max - min) : 0;
       if (Math.abs(bar.value - share) > 1e-4) bar.value = share;
-      setText(value, joint.revolute ? `${fixed(degrees(state?.position ?? 0), 1)}°` : `${fixed(state?.position ?? 0, 3)} m`);
+      setText(value, joint.type === JointType.Revolute ? `${fixed(degrees(state?.position ?? 0), 1)}°` : `${fixed(state?.position ?? 0, 3)} m`);
       row.classList.toggle('blocked', state?.blocked ?? false);
     });
   }
@@ -209,7 +210,7 @@ export function energyText(joules: number): string {
 
 function lightText(run: Run, light: Light): string {
   if (!run.isSwitchedOn(light)) return 'switched off';
-  const blinks = light.on > 0 && light.on < light.period;
+  const blinks = light.blinkOn > 0 && light.blinkOn < light.blinkPeriod;
   return `${run.isLit(light) ? 'on' : 'dark'}${blinks ? ', blinks' : ''}`;
 }
 
@@ -284,8 +285,8 @@ export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): v
   const context = canvas.getContext('2d')!;
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, size, size);
-  const scans = readings.flatMap(scansOf);
-  const reach = Math.max(0.1, ...scans.map(scan => scan.max + Math.hypot(scan.pose.x, scan.pose.y)));
+  const scans = readings.flatMap(({content}) => scansOf(content));
+  const reach = Math.max(0.1, ...scans.map(scan => scan.limits.max + Math.hypot(scan.pose.x, scan.pose.y)));
   const center = size / 2;
   const scale = (center - 12) / reach;
   const at = (x: number, y: number): [number, number] => [center - y * scale, center - x * scale];
@@ -321,7 +322,7 @@ export function drawPolarPlot(canvas: HTMLCanvasElement, readings: Reading[]): v
         const p = compose(
           {...scan.pose, heading: scan.pose.heading + bearing(scan, i) + side}, {x: range * level, y: 0, z: 0, heading: 0});
         outline.push(at(p.x, p.y));
-        if (side === 0 && range < scan.max) hits.push(at(p.x, p.y));
+        if (side === 0 && range < scan.limits.max) hits.push(at(p.x, p.y));
       }
     });
     context.beginPath();

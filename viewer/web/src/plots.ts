@@ -10,7 +10,7 @@ import {chart, type Curve} from './chart';
 import type {Connection} from './connection';
 import {make, setText, toast} from './dom';
 import {saveText} from './graphics';
-import type {SeriesReply, SignalTable, World} from './protocol';
+import {JointType, type SeriesReply, type SignalTable, type World} from './protocol';
 import type {Run} from './run';
 import {clockText, secondsAt, spansOf} from './times';
 
@@ -158,7 +158,7 @@ export class Plots {
     const [shift, turn] = unit.split(' or ');
     if (turn === undefined) return scaleOf(unit);
     const joint = world.joints.find(j => thing === `${world.robots[j.robot].name}.${j.name}`);
-    return scaleOf(joint?.revolute ? turn : shift);
+    return scaleOf(joint?.type === JointType.Revolute ? turn : shift);
   }
 
   private offer(run: Run): void {
@@ -182,7 +182,7 @@ export class Plots {
     }
     const robot = this.thing.value === '' ? run.world.robots[this.selected] : undefined;
     for (const sensor of robot?.sensors ?? []) {
-      if (sensor.type === 'ranger') offer(`range/${sensor.name}`, chosen, `range/${sensor.name}`, 'the nearest range');
+      if (sensor.parameters.type === 'ranger') offer(`range/${sensor.name}`, chosen, `range/${sensor.name}`, 'the nearest range');
     }
     if (robot) offer(ANSWER, chosen, ANSWER, 'the time in which its agent answers');
     this.choice.disabled = options.length === 0;

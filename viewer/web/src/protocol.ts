@@ -1,13 +1,14 @@
 // The messages of the gateway: viewer/gateway/page_messages.cc and page_viewer.cc write them. Numbers are
-// little-endian; metres and radians, in the world frame unless the name says otherwise. The build makes the rows of the
-// state and their readers (generated/rows.ts, by write_rows.cc).
+// little-endian; metres and radians, in the world frame unless the name says otherwise. The build makes the types of
+// states, of the description of the world and of readings, and their readers (generated/rows.ts, by write_rows.cc); here
+// is what the page derives from them.
 //
 // A message is trusted, because it comes from the server of the page: a truncated one throws a RangeError and ends its
 // handling. The order of reads is the layout: each function reads what the function of the same content writes. A
-// change of the layout needs another PROTOCOL on both sides.
-import {readStateRows, type EventType, type StateRows} from '../generated/rows';
-
-export const PROTOCOL = 7;
+// change of what is written by hand needs another kPageProtocol.
+import {
+  LAYOUT, readContent, readDescription, readStateRows, type Content, type EventType, type StateRows, type WorldDescription,
+} from '../generated/rows';
 
 export interface Pose {
   x: number;
@@ -46,99 +47,39 @@ export interface Shape {
   area: Area | null;
 }
 
-export interface Model {
-  name: string;
-  type: string;
-  parent: number;  // -1: none
-  pose: Pose;  // in the parent
-  shape: number;
-  color: [number, number, number, number];
-  removed: boolean;
-}
+// Red, green, blue and alpha, 0 to 1.
+export type Color = [number, number, number, number];
 
-export interface Sensor {
-  name: string;
-  type: string;
-}
+export type Joint = WorldDescription['joints'][number];
+export type Level = WorldDescription['levels'][number];
+type Model = WorldDescription['models'][number];
 
-export interface Robot {
-  name: string;
-  root: number;  // model
+// As in troupe/world_description.h.
+export const enum DriveType { Differential, Omni, Car }
+export const enum JointType { Prismatic, Revolute }
+
+export type Robot = WorldDescription['robots'][number] & {
   present: boolean;
-  controller: string;
-  sensors: Sensor[];
-  omni: boolean;  // can move sideways
-  maxSpeed: number;  // m/s
+  maxSpeed: number;  // m/s, at which a user can drive it
   maxTurn: number;  // rad/s
-}
-
-export interface Joint {
-  name: string;
-  robot: number;
-  model: number;
-  revolute: boolean;
-  axis: [number, number, number];
-  min: number;
-  max: number;
-}
-
-export interface Gripper {
-  name: string;
-  robot: number;
-  lift: number;  // joint; -1: none
-}
+};
 
 // A store of energy.
-export interface Store {
-  model: number;
-  capacity: number;  // J
-  endless: boolean;
-}
+export type Store = Model['power'] & {model: number};
 
-export interface Light {
+export type Light = Model['blinking'] & {
   model: number;
   row: number;  // of the lights of a state; -1: it is on no robot, and always switched as at load
-  period: number;  // ns; in each it is on first
-  on: number;  // ns
-  switchedOn: boolean;  // at load
-}
+};
 
-export interface Door {
-  model: number;
-  leaves: number[];  // objects
-  operated: boolean;
-}
-
-export interface Lift {
-  model: number;
-  cabin: number;  // object
-  floors: string[];
-  heights: number[];  // m
-}
-
-export interface Level {
-  name: string;
-  z: number;  // m, of its floor
-}
-
-export interface World {
+export interface World extends Omit<WorldDescription, 'interval' | 'robots'> {
   number: number;
   run: string;  // of which it is a world
-  name: string;
   host: string;
   interval: number;  // s
-  shapes: Shape[];
-  models: Model[];
   robots: Robot[];
-  joints: Joint[];
-  grippers: Gripper[];
-  objects: number[];  // models
-  stores: Store[];
+  stores: Store[];  // by their rows in states
   lights: Light[];
-  doors: Door[];
-  lifts: Lift[];
-  people: number[];  // models
-  levels: Level[];  // of a building, ascending
 }
 
 export const OBJECT_MODES = ['placed', 'resting', 'falling', 'held', 'mounted'];
@@ -221,113 +162,29 @@ export interface ExpectationsReply {
   rows: ExpectationRow[];
 }
 
-export interface Scan {
-  pose: Pose;  // in the robot
-  fov: number;
-  min: number;
-  max: number;
-  elevations: Float64Array;  // by plane; empty: one horizontal plane
-  ranges: Float64Array;  // of all rays of the first plane, then of the next
-}
-
-export interface Beam {
-  from: [number, number];  // in the gripper's model
-  to: [number, number];
-  z: number;
-  brokenBy: number;  // object; -1: none
-}
-
-export interface Fiducial {
-  id: number;
-  model: number;
-  range: number;
-  bearing: number;  // in the finder
-  pose: Pose;  // of the model, in the world
-}
-
-export interface BumperSegment {
-  pose: Pose;  // of its middle in the robot, x pointing away from the robot
-  length: number;
-  pressedBy: number;  // model; -1: none
-}
-
-export interface Contact {
-  part: number;  // models
-  other: number;
-  x: number;
-  y: number;
-  bottom: number;
-  top: number;
-}
-
-export interface Blob {
-  color: [number, number, number];
-  left: number;  // pixels
-  top: number;
-  right: number;
-  bottom: number;
-  range: number;
-}
-
-// Poses: of the sensor in the robot.
-export interface CameraContent {
-  kind: 'camera';
-  pose: Pose;
-  width: number;  // pixels
-  height: number;
-  focalX: number;  // pixels
-  focalY: number;
-  centerX: number;
-  centerY: number;
-  min: number;
-  max: number;
-  colors: Uint8Array;  // red, green and blue of each pixel, rows from the top
-}
-
-export interface BlobsContent {
-  kind: 'blobs';
-  pose: Pose;
-  width: number;  // pixels
-  height: number;
-  fov: number;
-  range: number;
-  blobs: Blob[];
-}
-
-export interface Reception {
-  from: number;  // robot
-  toAll: boolean;
-  size: number;  // bytes
-  bytes: Uint8Array;  // the first ones
-  rssi: number;  // dBm
-  tick: number;  // in which it was sent
-  place: {range: number; bearing: number; elevation: number} | null;  // of the sender's antenna, if it is measured
-}
-
-// The content of each kind of sensor. `none`: the page does not show it; `kept`: the reading before still counts.
-export type Content =
-  | {kind: 'none'}
-  | {kind: 'kept'}
-  | {kind: 'ranger'; scans: Scan[]}
-  | {kind: 'beams'; gripperModel: number; beams: Beam[]}
-  | {kind: 'fiducials'; pose: Pose; min: number; max: number; fov: number; fiducials: Fiducial[]}
-  | {kind: 'bumper'; height: number; segments: BumperSegment[]}
-  | {kind: 'contacts'; contacts: Contact[]}
-  | BlobsContent
-  | CameraContent
-  | {kind: 'radio'; pose: Pose; range: number; receptions: Reception[]}
-  | {kind: 'imu'; pose: Pose; heading: number; turn: number; force: [number, number, number]};
-
+// The content of a reading of this kind.
 export type ContentOf<Kind extends Content['kind']> = Extract<Content, {kind: Kind}>;
+export type Scan = ContentOf<'ranger'>['geometry'][number] & {
+  ranges: Float64Array;  // of all rays of the first plane, then of the next
+};
+export type BumperSegment = ContentOf<'bumper'>['segments'][number];
+export type Reception = ContentOf<'radio'>['receptions'][number];
 
 export interface Reading {
   sensor: string;
   tick: number;  // of the measurement
   content: Content;
+  kept: boolean;  // not sent again: the content before still counts
 }
 
-export function scansOf(reading: Reading): Scan[] {
-  return reading.content.kind === 'ranger' ? reading.content.scans : [];
+export function scansOf(content: Content): Scan[] {
+  if (content.kind !== 'ranger') return [];
+  let first = 0;
+  return content.geometry.map(scan => {
+    const begin = first;
+    first += Math.max(1, scan.elevations.length) * scan.fan.count;
+    return {...scan, ranges: content.ranges.subarray(begin, first)};
+  });
 }
 
 export interface RobotReadings {
@@ -363,6 +220,10 @@ export class Reader {
   u8(): number {
     return this.view.getUint8(this.at++);
   }
+  // Not a value of the message yet.
+  peek(): number {
+    return this.view.getUint8(this.at);
+  }
   flag(): boolean {
     return this.u8() !== 0;
   }
@@ -377,6 +238,10 @@ export class Reader {
   u64(): bigint {
     this.at += 8;
     return this.view.getBigUint64(this.at - 8, true);
+  }
+  i64(): bigint {
+    this.at += 8;
+    return this.view.getBigInt64(this.at - 8, true);
   }
   f32(): number {
     this.at += 4;
@@ -411,6 +276,17 @@ export class Reader {
     for (let i = 0; i < count; ++i) result.push(read());
     return result;
   }
+  color(): Color {
+    return [this.f32(), this.f32(), this.f32(), this.f32()];
+  }
+  variant<T>(readers: Array<() => T>): T {
+    const kind = this.u8();
+    if (kind >= readers.length) throw new Error(`found a value of kind ${kind}, expected less than ${readers.length}`);
+    return readers[kind]();
+  }
+  shape(): Shape {
+    return readShape(this);
+  }
 }
 
 function readShape(r: Reader): Shape {
@@ -434,103 +310,42 @@ function readShape(r: Reader): Shape {
   return {blocks, bottom, top, rectangles, loops, area};
 }
 
+function withSpeeds(robot: WorldDescription['robots'][number], models: Model[]): Robot {
+  const {type, velocity, wheelbase} = robot.drive;
+  const maxSpeed = velocity.x.max;
+  const maxTurn = type === DriveType.Car ? maxSpeed / wheelbase : velocity.heading.max;
+  return {...robot, present: !models[robot.root].removed, maxSpeed, maxTurn};
+}
+
 function readWorld(r: Reader): World {
-  const protocol = r.u32();
-  if (protocol !== PROTOCOL) throw new Error('the viewer was updated: load the page again');
+  if (r.u32() !== LAYOUT) throw new Error('the viewer was updated: load the page again');
+  const number = r.u32();
+  const run = String(r.u64());
+  const host = r.text();
+  const world = readDescription(r);
+  const {models} = world;
+  const stores = r.list(() => r.u32());
+  const rowOfLight = new Map(r.list(() => r.u32()).map((model, row) => [model, row]));
   return {
-    number: r.u32(),
-    run: String(r.u64()),
-    name: r.text(),
-    host: r.text(),
-    interval: r.f64(),
-    shapes: r.list(() => readShape(r)),
-    models: r.list((): Model => ({
-      name: r.text(), type: r.text(), parent: r.i32(), pose: r.pose(), shape: r.u32(),
-      color: [r.f32(), r.f32(), r.f32(), r.f32()], removed: r.flag(),
-    })),
-    robots: r.list((): Robot => ({
-      name: r.text(), root: r.u32(), present: r.flag(), controller: r.text(),
-      sensors: r.list((): Sensor => ({name: r.text(), type: r.text()})),
-      omni: r.flag(), maxSpeed: r.f32(), maxTurn: r.f32(),
-    })),
-    joints: r.list((): Joint => ({
-      name: r.text(), robot: r.u32(), model: r.u32(), revolute: r.flag(),
-      axis: [r.f32(), r.f32(), r.f32()], min: r.f64(), max: r.f64(),
-    })),
-    grippers: r.list((): Gripper => ({name: r.text(), robot: r.u32(), lift: r.i32()})),
-    objects: r.list(() => r.u32()),
-    stores: r.list((): Store => ({model: r.u32(), capacity: r.f64(), endless: r.flag()})),
-    lights: r.list((): Light => ({
-      model: r.u32(), row: r.i32(), period: Number(r.u64()), on: Number(r.u64()), switchedOn: r.flag(),
-    })),
-    doors: r.list((): Door => ({model: r.u32(), leaves: r.list(() => r.u32()), operated: r.flag()})),
-    lifts: r.list((): Lift => ({
-      model: r.u32(), cabin: r.u32(), floors: r.list(() => r.text()), heights: r.list(() => r.f64()),
-    })),
-    people: r.list(() => r.u32()),
-    levels: r.list((): Level => ({name: r.text(), z: r.f64()})),
+    ...world, number, run, host,
+    interval: world.interval * 1e-9,
+    robots: world.robots.map(robot => withSpeeds(robot, models)),
+    stores: stores.map(model => ({model, ...models[model].power})),
+    lights: models.flatMap(({blinking}, model) =>
+      blinking.blinkPeriod > 0 ? [{model, row: rowOfLight.get(model) ?? -1, ...blinking}] : []),
   };
 }
 
-// The readers of contents by the number of the kind in a message.
-const CONTENT_READERS: Record<number, (r: Reader) => Content> = {
-  0: () => ({kind: 'none'}),
-  1: r => ({
-    kind: 'ranger',
-    scans: r.list((): Scan => ({
-      pose: r.pose(), fov: r.f64(), min: r.f64(), max: r.f64(), elevations: r.doubles(r.u32()), ranges: r.doubles(r.u32()),
-    })),
-  }),
-  2: r => ({
-    kind: 'beams', gripperModel: r.u32(),
-    beams: r.list((): Beam => ({from: [r.f64(), r.f64()], to: [r.f64(), r.f64()], z: r.f64(), brokenBy: r.i32()})),
-  }),
-  3: r => ({
-    kind: 'fiducials', pose: r.pose(), min: r.f64(), max: r.f64(), fov: r.f64(),
-    fiducials: r.list((): Fiducial => ({id: r.i32(), model: r.u32(), range: r.f64(), bearing: r.f64(), pose: r.pose()})),
-  }),
-  4: r => ({
-    kind: 'bumper', height: r.f64(),
-    segments: r.list((): BumperSegment => ({pose: r.pose(), length: r.f64(), pressedBy: r.i32()})),
-  }),
-  5: r => ({
-    kind: 'contacts',
-    contacts: r.list((): Contact => ({
-      part: r.u32(), other: r.u32(), x: r.f64(), y: r.f64(), bottom: r.f64(), top: r.f64(),
-    })),
-  }),
-  6: r => ({
-    kind: 'blobs', pose: r.pose(), width: r.u32(), height: r.u32(), fov: r.f64(), range: r.f64(),
-    blobs: r.list((): Blob => ({
-      color: [r.f64(), r.f64(), r.f64()], left: r.u32(), top: r.u32(), right: r.u32(), bottom: r.u32(), range: r.f64(),
-    })),
-  }),
-  7: r => ({
-    kind: 'camera', pose: r.pose(), width: r.u32(), height: r.u32(), focalX: r.f64(), focalY: r.f64(), centerX: r.f64(),
-    centerY: r.f64(), min: r.f64(), max: r.f64(), colors: r.bytes(r.u32()),
-  }),
-  8: r => ({
-    kind: 'radio', pose: r.pose(), range: r.f64(),
-    receptions: r.list((): Reception => ({
-      from: r.u32(), toAll: r.flag(), size: r.u32(), bytes: r.bytes(r.u32()), rssi: r.f64(), tick: Number(r.u64()),
-      place: r.flag() ? {range: r.f64(), bearing: r.f64(), elevation: r.f64()} : null,
-    })),
-  }),
-  9: r => ({
-    kind: 'imu', pose: r.pose(), heading: r.f64(), turn: r.f64(), force: [r.f64(), r.f64(), r.f64()],
-  }),
-  255: () => ({kind: 'kept'}),
-};
+const KEPT = 255;  // in place of the kind of a reading
 
 function readRobotReadings(r: Reader): RobotReadings {
   const robot = r.u32();
   const tick = Number(r.u64());
   const readings = r.list((): Reading => {
     const sensor = r.text();
-    const kind = r.u8();
-    const read = CONTENT_READERS[kind];
-    if (!read) throw new Error(`found a reading of kind ${kind}, expected 0 to 9 or 255`);
-    return {sensor, tick, content: read(r)};
+    if (r.peek() !== KEPT) return {sensor, tick, content: readContent(r), kept: false};
+    r.u8();
+    return {sensor, tick, content: {kind: 'none'}, kept: true};
   });
   return {robot, tick, readings};
 }

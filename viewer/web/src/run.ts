@@ -5,7 +5,10 @@
 // no motion: every pose shown comes from the gateway, or lies between two of them (motion.ts).
 import {EventType, StateTables} from '../generated/rows';
 import type {Matrix4} from 'three';
-import type {Joint, Light, Pose, Reading, RobotReadings, RunEvent, RunStatus, TimeSpan, Update, World} from './protocol';
+import {
+  JointType, type Joint, type Light, type Pose, type Reading, type RobotReadings, type RunEvent, type RunStatus, type TimeSpan, type Update,
+  type World,
+} from './protocol';
 
 const MOST_EVENTS = 10_000;  // as the gateway keeps
 
@@ -70,15 +73,14 @@ export class Run extends StateTables {
   // Blinking follows simulated time.
   isLit(light: Light): boolean {
     const time = this.tick * Math.round(this.world.interval * 1e9);
-    return this.isSwitchedOn(light) && time % light.period < light.on;
+    return this.isSwitchedOn(light) && time % light.blinkPeriod < light.blinkOn;
   }
 
   // Readings that the gateway has not sent again (camera images, which are large) are those of the previous update.
   private withKept(received: RobotReadings): RobotReadings {
     const before = this.readings.get(received.robot)?.readings ?? [];
     const readings = received.readings.map((reading, i): Reading => {
-      if (reading.content.kind !== 'kept') return reading;
-      return before[i]?.sensor === reading.sensor ? before[i] : {...reading, content: {kind: 'none'}};
+      return reading.kept && before[i]?.sensor === reading.sensor ? before[i] : reading;
     });
     return {...received, readings};
   }
@@ -105,7 +107,7 @@ export function sameEntity(a: Entity | null, b: Entity | null): boolean {
 
 export function rootOf(world: World, entity: Entity): number {
   if (entity.kind === 'robot') return world.robots[entity.index].root;
-  return (entity.kind === 'object' ? world.objects : world.people)[entity.index];
+  return entity.kind === 'object' ? world.objects[entity.index] : world.people[entity.index].root;
 }
 
 // True if the model is `root` or below it.
@@ -124,7 +126,7 @@ export function findEntity(world: World, name: string): Entity | null {
   if (robot >= 0) return {kind: 'robot', index: robot};
   const object = world.objects.findIndex(o => !world.models[o].removed && world.models[o].name === name);
   if (object >= 0) return {kind: 'object', index: object};
-  const person = world.people.findIndex(p => !world.models[p].removed && world.models[p].name === name);
+  const person = world.people.findIndex(({root}) => !world.models[root].removed && world.models[root].name === name);
   return person >= 0 ? {kind: 'person', index: person} : null;
 }
 
@@ -151,9 +153,9 @@ export function compose(a: Pose, b: Pose): Pose {
 
 // The motion of the joint's model at a position, in the model's frame.
 export function jointMotion(joint: Joint, position: number): Pose {
-  if (joint.revolute) return {...IDENTITY, heading: position};
-  const [x, y, z] = joint.axis;
-  return {x: position * x, y: position * y, z: position * z, heading: 0};
+  if (joint.type === JointType.Revolute) return {...IDENTITY, heading: position};
+  const {axis, axisZ} = joint;
+  return {x: position * axis.x, y: position * axis.y, z: position * axisZ, heading: 0};
 }
 
 export function toMatrix(pose: Pose, matrix: Matrix4): Matrix4 {

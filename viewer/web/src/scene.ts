@@ -480,9 +480,9 @@ export class WorldScene {
   private contentBox(world: World, map: StaticMap): Box3 {
     const box = new Box3().setFromObject(map.group);
     const add = ({x, y, z}: Pose): Box3 => box.expandByPoint(new Vector3(x, y, z));
-    world.robots.forEach(({present, root}, i) => present && add(this.run?.robots[i]?.pose ?? world.models[root].pose));
-    world.objects.forEach((root, i) => add(this.run?.objects[i]?.pose ?? world.models[root].pose));
-    world.people.forEach((root, i) => add(this.run?.people[i]?.pose ?? world.models[root].pose));
+    world.robots.forEach(({present, root}, i) => present && add(this.run?.robots[i]?.pose ?? world.models[root].poseInParent));
+    world.objects.forEach((root, i) => add(this.run?.objects[i]?.pose ?? world.models[root].poseInParent));
+    world.people.forEach(({root}, i) => add(this.run?.people[i]?.pose ?? world.models[root].poseInParent));
     const reach = this.leastReach;
     if (reach > 0) box.expandByPoint(new Vector3(-reach, -reach, 0)).expandByPoint(new Vector3(reach, reach, 0));
     if (box.isEmpty()) box.set(new Vector3(-5, -5, 0), new Vector3(5, 5, 1));

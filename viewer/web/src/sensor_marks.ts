@@ -5,7 +5,8 @@ import {
   MeshBasicMaterial, Points, PointsMaterial, type Material, type Object3D
 } from 'three';
 import type {Bodies} from './bodies';
-import type {BumperSegment, CameraContent, Content, ContentOf, Pose, Scan} from './protocol';
+import type {Content} from '../generated/rows';
+import {scansOf, type BumperSegment, type ContentOf, type Pose, type Scan} from './protocol';
 import {compose, type Run} from './run';
 
 // Stream: points, lines or triangles of the scene that are filled for each picture.
@@ -101,7 +102,7 @@ export class SensorMarks {
 
   private addContent(run: Run, robot: Pose, content: Content): void {
     switch (content.kind) {
-      case 'fiducials': {
+      case 'fiducial': {
         const sensor = compose(robot, content.pose);
         for (const {pose} of content.fiducials) this.addLine(this.fiducials, sensor, {...pose, z: sensor.z});
         break;
@@ -109,8 +110,8 @@ export class SensorMarks {
       case 'bumper':
         for (const segment of content.segments) this.addSegment(segment, compose(robot, segment.pose), content.height);
         break;
-      case 'contacts':
-        for (const {x, y, bottom, top} of content.contacts) this.contacts.push(x, y, 0.5 * (bottom + top));
+      case 'contact':
+        for (const {point, zMin, zMax} of content.contacts) this.contacts.push(point.x, point.y, 0.5 * (zMin + zMax));
         break;
       case 'camera':
         this.addField(content, compose(robot, content.pose));
@@ -150,12 +151,12 @@ export class SensorMarks {
   }
 
   // A pyramid, whose base is the image on a vertical plane ahead.
-  private addField(camera: CameraContent, sensor: Pose): void {
-    const depth = Math.min(FIELD, camera.max);
+  private addField(camera: ContentOf<'camera'>, sensor: Pose): void {
+    const depth = Math.min(FIELD, camera.limits.max);
     const corner = (column: number, row: number): [number, number, number] => {
       const p = compose(sensor, {
-        x: depth, y: (depth * (camera.centerX - column)) / camera.focalX,
-        z: (depth * (camera.centerY - row)) / camera.focalY, heading: 0,
+        x: depth, y: (depth * (camera.centerX - column)) / camera.focalLengthX,
+        z: (depth * (camera.centerY - row)) / camera.focalLengthY, heading: 0,
       });
       return [p.x, p.y, p.z];
     };
@@ -191,7 +192,7 @@ export function raysOf(scan: Scan): number {
 // `ray`: of a plane.
 export function bearing(scan: Scan, ray: number): number {
   const last = raysOf(scan) - 1;
-  return last < 1 ? 0 : scan.fov * ((2 * ray - last) / (2 * last));
+  return last < 1 ? 0 : scan.fan.fov * ((2 * ray - last) / (2 * last));
 }
 
 // The plane nearest to the horizontal.
@@ -235,8 +236,8 @@ export class Rays {
       if (!row) continue;
       for (const {content} of readings) {
         if (content.kind === 'ranger') {
-          for (const scan of content.scans) this.addScan(scan, compose(row.pose, scan.pose));
-        } else if (content.kind === 'beams') {
+          for (const scan of scansOf(content)) this.addScan(scan, compose(row.pose, scan.pose));
+        } else if (content.kind === 'break_beam') {
           this.addBeams(content, bodies.poseOfModel(content.gripperModel, run));
         }
       }
@@ -244,11 +245,11 @@ export class Rays {
     for (const stream of this.streams) stream.end();
   }
 
-  private addBeams(content: ContentOf<'beams'>, gripper: Pose | null): void {
+  private addBeams(content: ContentOf<'break_beam'>, gripper: Pose | null): void {
     if (!gripper) return;
-    for (const beam of content.beams) {
-      const stream = beam.brokenBy >= 0 ? this.broken : this.beams;
-      for (const [x, y] of [beam.from, beam.to]) {
+    for (const {beam, brokenBy} of content.beams) {
+      const stream = brokenBy >= 0 ? this.broken : this.beams;
+      for (const {x, y} of [beam.from, beam.to]) {
         const p = compose(gripper, {x, y, z: beam.z, heading: 0});
         stream.push(p.x, p.y, p.z);
       }
@@ -271,7 +272,7 @@ export class Rays {
     const rise = Math.sin(elevation);
     for (let i = 0; i < count; ++i) {
       const range = scan.ranges[plane * count + i];
-      if (range >= scan.max) continue;
+      if (range >= scan.limits.max) continue;
       const heading = sensor.heading + bearing(scan, i);
       this.hits.push(
         sensor.x + range * level * Math.cos(heading), sensor.y + range * level * Math.sin(heading), sensor.z + range * rise);
@@ -291,7 +292,7 @@ export class Rays {
     for (let i = 0; i < count && count > 1; ++i) outline.push(at(bearing(scan, i), scan.ranges[plane * count + i]));
     if (count === 1) {
       // A single ray is a slim cone, because a line is hard to see.
-      const half = Math.min(0.5 * scan.fov, 0.05);
+      const half = Math.min(0.5 * scan.fan.fov, 0.05);
       for (const side of [-1, 0, 1]) outline.push(at(side * half, scan.ranges[plane]));
     }
     for (let i = 0; i + 1 < outline.length; ++i) {

@@ -1,11 +1,13 @@
 // The readings of the selected robot's sensors in its panel, a view for each: pictures, numbers and lists. Ranges have
 // the polar plot.
 import {fixed, make, setText} from './dom';
-import type {BumperSegment, Content, ContentOf, Reading, Reception} from './protocol';
+import type {Content} from '../generated/rows';
+import type {BumperSegment, ContentOf, Reading, Reception} from './protocol';
 import {degrees, type Run} from './run';
 
 const MOST_LINES = 8;  // of a list
 const MOST_MESSAGES = 5;
+const MOST_BYTES = 256;  // of a message
 const BUMPER_HEIGHT = 64;  // px
 
 function color(name: string): string {
@@ -18,8 +20,9 @@ function setSize(canvas: HTMLCanvasElement, width: number, height: number): void
 }
 
 // Printable bytes as a text, others in hexadecimal digits.
-export function messageText({bytes, size}: Reception): string {
-  const more = size > bytes.length ? ' …' : '';
+export function messageText(reception: Reception): string {
+  const bytes = reception.bytes.subarray(0, MOST_BYTES);
+  const more = reception.bytes.length > bytes.length ? ' …' : '';
   if (bytes.every(byte => byte >= 32 && byte < 127)) return String.fromCharCode(...bytes) + more;
   return [...bytes].map(byte => byte.toString(16).padStart(2, '0')).join(' ') + more;
 }
@@ -72,14 +75,14 @@ function drawCamera(canvas: HTMLCanvasElement, camera: ContentOf<'camera'>): voi
   context.putImageData(image, 0, 0);
 }
 
-function drawBlobs(canvas: HTMLCanvasElement, content: ContentOf<'blobs'>): void {
+function drawBlobs(canvas: HTMLCanvasElement, content: ContentOf<'blobfinder'>): void {
   // Small images with sharp edges.
   const scale = Math.max(1, Math.ceil(240 / content.width));
   setSize(canvas, scale * content.width, scale * content.height);
   const context = canvas.getContext('2d')!;
   context.clearRect(0, 0, canvas.width, canvas.height);
   for (const blob of content.blobs) {
-    context.fillStyle = `rgb(${blob.color.map(value => Math.round(255 * value)).join(' ')})`;
+    context.fillStyle = `rgb(${blob.color.slice(0, 3).map(value => Math.round(255 * value)).join(' ')})`;
     context.fillRect(
       scale * blob.left, scale * blob.top, scale * (blob.right - blob.left), scale * Math.max(1, blob.bottom - blob.top));
   }
@@ -117,10 +120,10 @@ function makeCanvas(className: string): HTMLCanvasElement {
 }
 
 const MAKERS: Makers = {
-  beams: makeList('no beams', (content, run) => content.beams.map(({brokenBy}, i) => [
+  break_beam: makeList('no beams', (content, run) => content.beams.map(({brokenBy}, i) => [
     `beam ${i + 1}`, brokenBy >= 0 ? `broken by ${modelName(run, run.world.objects[brokenBy])}` : 'clear',
   ])),
-  fiducials: makeList('none in sight', (content, run) => content.fiducials.map(({id, model, range, bearing}) => [
+  fiducial: makeList('none in sight', (content, run) => content.fiducials.map(({id, model, range, bearing}) => [
     id === 0 ? '?' : String(id), modelName(run, model), `${fixed(range, 2)} m`, `${fixed(degrees(bearing), 1)}°`,
   ])),
   bumper: () => {
@@ -136,10 +139,10 @@ const MAKERS: Makers = {
       },
     };
   },
-  contacts: makeList('none', (content, run) => content.contacts.map(({part, other, x, y}) => [
-    modelName(run, part), modelName(run, other), `${fixed(x, 2)}, ${fixed(y, 2)} m`,
+  contact: makeList('none', (content, run) => content.contacts.map(({part, other, point}) => [
+    modelName(run, part), modelName(run, other), `${fixed(point.x, 2)}, ${fixed(point.y, 2)} m`,
   ])),
-  blobs: () => {
+  blobfinder: () => {
     const canvas = makeCanvas('reading-picture');
     const text = make('div', 'reading-text faint');
     return {
@@ -159,7 +162,7 @@ const MAKERS: Makers = {
       elements: [canvas, text],
       update: content => {
         drawCamera(canvas, content);
-        setText(text, `${content.width} × ${content.height} pixels, up to ${fixed(content.max, 1)} m`);
+        setText(text, `${content.width} × ${content.height} pixels, up to ${fixed(content.limits.max, 1)} m`);
       },
     };
   },
@@ -167,12 +170,12 @@ const MAKERS: Makers = {
     const list = make('div', 'reading-list');
     return {
       elements: [list],
-      update: ({heading, turn, force}) => setLines(list, [
+      update: ({heading, turn, force, forceZ}) => setLines(list, [
         ['heading', `${fixed(degrees(heading), 1)}°`],
         ['turning', `${fixed(degrees(turn), 2)} °/s`],
-        ['force x', `${fixed(force[0], 3)} m/s²`],
-        ['force y', `${fixed(force[1], 3)} m/s²`],
-        ['force z', `${fixed(force[2], 3)} m/s²`],
+        ['force x', `${fixed(force.x, 3)} m/s²`],
+        ['force y', `${fixed(force.y, 3)} m/s²`],
+        ['force z', `${fixed(forceZ, 3)} m/s²`],
       ], ''),
     };
   },
@@ -262,7 +265,7 @@ export class SensorViews {
     const element = make('div', 'reading');
     element.dataset.sensor = sensor;
     const title = make('div', 'reading-title', sensor);
-    const type = run.world.robots[robot].sensors.find(({name}) => name === sensor)?.type ?? '';
+    const type = run.world.robots[robot].sensors.find(({name}) => name === sensor)?.parameters.type ?? '';
     if (type !== sensor) title.append(make('span', 'faint', type));
     element.append(title, ...view.elements);
     this.parent.append(element);

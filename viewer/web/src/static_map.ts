@@ -32,7 +32,7 @@ export class StaticMap {
     const layers = new Map<number, Layer>();
     const lightOfModel = new Map(world.lights.map(light => [light.model, light]));
     world.models.forEach((model, i) => {
-      poses.push(model.parent < 0 ? model.pose : compose(poses[model.parent], model.pose));
+      poses.push(model.parent < 0 ? model.poseInParent : compose(poses[model.parent], model.poseInParent));
       if (model.removed || moves(i)) return;
       const shape = world.shapes[model.shape];
       const isMap = shape.rectangles.length > 0 || shape.area !== null;

@@ -91,7 +91,7 @@ export function installTestInterface(host: TestHost, scene: WorldScene, connecti
       const readings = run?.readings.get(robot);
       if (!readings) return null;
       const sensors: Record<string, number[][]> = {};
-      for (const reading of readings.readings) sensors[reading.sensor] = scansOf(reading).map(scan => [...scan.ranges]);
+      for (const reading of readings.readings) sensors[reading.sensor] = scansOf(reading.content).map(scan => [...scan.ranges]);
       return {tick: readings.tick, sensors};
     },
     contents: name => {

@@ -154,12 +154,14 @@ struct ParsedUpdate {
       const std::uint32_t sensors = reader.ReadCount();
       EXPECT_EQ(reader.ReadText(), "ranger:0");
       EXPECT_EQ(reader.ReadByte(), 1);
-      EXPECT_EQ(reader.ReadCount(), 1u);
-      reader.ReadPose();
-      for (int k = 0; k < 3; ++k) reader.ReadDouble();
-      EXPECT_EQ(reader.ReadCount(), 0u);  // elevations
       std::vector<double>& ranges = scans.emplace_back(reader.ReadCount());
       for (double& range : ranges) range = reader.ReadDouble();
+      EXPECT_EQ(reader.ReadCount(), 1u);
+      reader.ReadDouble();  // of view
+      EXPECT_EQ(reader.Read<std::uint64_t>(), ranges.size());
+      EXPECT_EQ(reader.ReadCount(), 0u);  // elevations
+      reader.ReadPose();
+      for (int k = 0; k < 3; ++k) reader.ReadDouble();  // limits and variance
       if (sensors == 1) continue;
       EXPECT_EQ(reader.ReadText(), "eye");
       camera = reader.ReadByte();
