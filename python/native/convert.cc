@@ -4,9 +4,13 @@
 
 #include <map>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace troupe::python {
 namespace {
@@ -52,7 +56,98 @@ py::ssize_t Size(std::size_t size) {
   return static_cast<py::ssize_t>(size);
 }
 
-// Of each kind of reading: its record.
+// Rows of readings are records of their fields (troupe/fields.h), by name: the record (troupe/records.py) says which it
+// has, and in which order. Ranges and images are arrays, and come below.
+
+// The member of a record that is no field, or another value than the field of its name; null for the others.
+template <typename Row>
+py::object OwnMember(const Row& row, std::string_view name) {
+  if constexpr (std::is_same_v<Row, Fiducial>) {
+    if (name == "pose") return ToRecord(row.X_SF);
+    if (name == "size") return py::make_tuple(row.size_x, row.size_y, row.size_z);
+  } else if constexpr (std::is_same_v<Row, FiducialReading>) {
+    if (name == "min") return py::float_(row.limits.min);
+    if (name == "max") return py::float_(row.limits.max);
+  } else if constexpr (std::is_same_v<Row, BumperReading::Segment>) {
+    if (name == "pressed") return py::bool_(row.pressed_by.has_value());
+  } else if constexpr (std::is_same_v<Row, BodyContact>) {
+    if (name == "x") return py::float_(row.point.x());
+    if (name == "y") return py::float_(row.point.y());
+  } else if constexpr (std::is_same_v<Row, RadioReception>) {
+    if (name == "sender") return py::int_(row.from.index());
+    if (name == "data") return py::bytes(reinterpret_cast<const char*>(row.bytes.data()), row.bytes.size());
+  } else if constexpr (std::is_same_v<Row, ImuReading>) {
+    if (name == "force") return py::make_tuple(row.force_xy.x(), row.force_xy.y(), row.force_z);
+  }
+  return {};
+}
+
+// The names of records, by the type of their rows.
+template <typename Row>
+constexpr std::string_view kRecord = {};
+// clang-format off
+template <> constexpr std::string_view kRecord<BreakBeamReading> = "BreakBeamReading";
+template <> constexpr std::string_view kRecord<BreakBeamReading::Beam> = "Beam";
+template <> constexpr std::string_view kRecord<FiducialReading> = "FiducialReading";
+template <> constexpr std::string_view kRecord<Fiducial> = "Fiducial";
+template <> constexpr std::string_view kRecord<BumperReading> = "BumperReading";
+template <> constexpr std::string_view kRecord<BumperReading::Segment> = "BumperSegment";
+template <> constexpr std::string_view kRecord<ContactReading> = "ContactReading";
+template <> constexpr std::string_view kRecord<BodyContact> = "Contact";
+template <> constexpr std::string_view kRecord<BlobfinderReading> = "BlobfinderReading";
+template <> constexpr std::string_view kRecord<Blob> = "Blob";
+template <> constexpr std::string_view kRecord<RadioReading> = "RadioReading";
+template <> constexpr std::string_view kRecord<RadioReception> = "Reception";
+template <> constexpr std::string_view kRecord<RadioReception::Place> = "Place";
+template <> constexpr std::string_view kRecord<ImuReading> = "ImuReading";
+// clang-format on
+
+template <typename Row>
+py::object RowRecord(const Row& row, Tick tick);
+
+template <typename Value>
+py::object FieldValue(const Value& value) {
+  if constexpr (std::is_same_v<Value, Pose>) {
+    return ToRecord(value);
+  } else if constexpr (std::is_same_v<Value, Color>) {
+    return py::make_tuple(value.r, value.g, value.b, value.a);
+  } else if constexpr (kIsOptionalId<Value>) {
+    return Number(value);
+  } else if constexpr (kIsId<Value>) {
+    return py::int_(value.index());
+  } else if constexpr (kIsOptional<Value>) {
+    return value ? FieldValue(*value) : py::object(py::none());
+  } else if constexpr (kIsList<Value>) {
+    return ToTuple(value, [](const auto& element) { return FieldValue(element); });
+  } else if constexpr (HasFields<Value>) {
+    return RowRecord(value, 0);
+  } else {
+    return py::cast(value);
+  }
+}
+
+template <typename Row>
+py::object RowRecord(const Row& row, Tick tick) {
+  const py::object& record = Record(kRecord<Row>.data());
+  const auto names = record.attr("_fields").template cast<py::tuple>();
+  py::tuple values(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto name = names[i].template cast<std::string_view>();
+    py::object value = OwnMember(row, name);
+    ForEachField<Row>([&]<typename Part>(const Field<Row, Part>& field) {
+      if constexpr (!std::is_same_v<Part, Vec2> && (!HasFields<Part> || std::is_same_v<Part, Pose> ||
+                                                    std::is_same_v<Part, Color> || !kRecord<Part>.empty())) {
+        if (!value && field.name == name) value = FieldValue(field.Of(row));
+      }
+    });
+    if (!value && name == "tick") value = py::int_(tick);
+    if (!value) throw std::logic_error(fmt::format("troupe.records.{}: no field is named {}", kRecord<Row>, name));
+    values[i] = std::move(value);
+  }
+  return record(*values);
+}
+
+// Of each kind of reading its record.
 struct ReadingConverter {
   const std::shared_ptr<const SensorReading>& owner;
   Tick tick;
@@ -75,40 +170,9 @@ struct ReadingConverter {
                 }));
   }
 
-  py::object operator()(const BreakBeamReading& reading) const {
-    return Make("BreakBeamReading", tick, ToTuple(reading.beams, [](const BreakBeamReading::Beam& beam) {
-                  return Make("Beam", Number(beam.broken_by));
-                }));
-  }
-
-  py::object operator()(const FiducialReading& reading) const {
-    py::tuple fiducials = ToTuple(reading.fiducials, [](const Fiducial& seen) {
-      return Make("Fiducial", seen.id, seen.range, seen.bearing, ToRecord(seen.X_SF),
-                  py::make_tuple(seen.size_x, seen.size_y, seen.size_z));
-    });
-    return Make("FiducialReading", tick, std::move(fiducials), reading.fov, reading.limits.min, reading.limits.max,
-                ToRecord(reading.X_RS));
-  }
-
-  py::object operator()(const BumperReading& reading) const {
-    return Make("BumperReading", tick, ToTuple(reading.segments, [](const BumperReading::Segment& segment) {
-                  return Make("BumperSegment", segment.pressed_by.has_value(), ToRecord(segment.X_RB), segment.length);
-                }));
-  }
-
-  py::object operator()(const ContactReading& reading) const {
-    return Make("ContactReading", tick, ToTuple(reading.contacts, [](const BodyContact& contact) {
-                  return Make("Contact", contact.part.index(), contact.other.index(), contact.point.x(),
-                              contact.point.y(), contact.z_min, contact.z_max);
-                }));
-  }
-
-  py::object operator()(const BlobfinderReading& reading) const {
-    py::tuple blobs = ToTuple(reading.blobs, [](const Blob& blob) {
-      return Make("Blob", py::make_tuple(blob.color.r, blob.color.g, blob.color.b, blob.color.a), blob.left, blob.top,
-                  blob.right, blob.bottom, blob.range);
-    });
-    return Make("BlobfinderReading", tick, reading.width, reading.height, reading.fov, std::move(blobs));
+  template <typename Reading>
+  py::object operator()(const Reading& reading) const {
+    return RowRecord(reading, tick);
   }
 
   py::object operator()(const CameraReading& reading) const {
@@ -118,22 +182,6 @@ struct ReadingConverter {
                 py::make_tuple(reading.focal_length_x, reading.focal_length_y),
                 py::make_tuple(reading.center_x, reading.center_y), reading.limits.min, reading.limits.max,
                 ToRecord(reading.X_RS));
-  }
-
-  py::object operator()(const RadioReading& reading) const {
-    py::tuple receptions = ToTuple(reading.receptions, [](const RadioReception& message) {
-      py::object place = py::none();
-      if (message.place) place = Make("Place", message.place->range, message.place->bearing, message.place->elevation);
-      const py::bytes data(reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size());
-      return Make("Reception", message.from.index(), message.to_all, data, message.rssi, message.tick,
-                  std::move(place));
-    });
-    return Make("RadioReading", tick, std::move(receptions), reading.range);
-  }
-
-  py::object operator()(const ImuReading& reading) const {
-    return Make("ImuReading", tick, reading.heading, reading.turn,
-                py::make_tuple(reading.force_xy.x(), reading.force_xy.y(), reading.force_z), ToRecord(reading.X_RS));
   }
 };
 
