@@ -173,7 +173,7 @@ set(may_include_viewer/gateway
 
 # The assembly of all that a page without a server needs.
 set(may_include_viewer/module
-  common/base common/image common/sensing library recording recording/mcap robot-agent/agent robot-agent/controller include/troupe/simulation.h
+  common/base common/image common/sensing common/spatial library recording recording/mcap robot-agent/agent robot-agent/controller include/troupe/simulation.h
   testing/cases testing/expectations transport/protocol transport/wire viewer/gateway world-service/replay
   world-service/service worldfile worldfile/map worldfile/sites worldfile/text)
 

@@ -16,6 +16,7 @@
 #include "command_line/terminal.h"
 #include "common/base/file.h"
 #include "common/base/print.h"
+#include "common/spatial/scene_cache.h"
 #include "launcher/commands/check_command.h"
 #include "launcher/commands/commands.h"
 #include "launcher/commands/shown_expectations.h"
@@ -101,8 +102,8 @@ class MemoryObservation : public RunObservation {
 class InProcessViewer final : public RunObserver, private RunLink {
  public:
   // `session`, `file` of the run: for the page. The transport outlives the run.
-  InProcessViewer(Transport& transport, std::string session, std::string file)
-      : transport_(transport), session_(std::move(session)), file_(std::move(file)) {}
+  InProcessViewer(Transport& transport, std::shared_ptr<SceneCache> scenes, std::string session, std::string file)
+      : transport_(transport), scenes_(std::move(scenes)), session_(std::move(session)), file_(std::move(file)) {}
 
   ~InProcessViewer() override {
     if (gateway_ == nullptr) return;
@@ -117,6 +118,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
     options.session = session_;
     options.expectations = ExpectationsOfRun(file_);
     options.token = MakeToken();
+    options.scenes = scenes_;
     Result<std::unique_ptr<ViewerGateway>> gateway = ViewerGateway::Start(options, *this);
     if (!gateway.ok()) {
       PrintPlain(stderr, "no viewer: {}\n", gateway.error().message);
@@ -154,6 +156,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
   }
 
   Transport& transport_;
+  const std::shared_ptr<SceneCache> scenes_;
   const std::string session_;
   const std::string file_;
   std::mutex control_mutex_;
@@ -179,8 +182,8 @@ int RunCommand(RunOptions options) {
   std::string& enclave = options.ros.network.security.enclave;
   if (options.in_process && enclave.empty()) enclave = ros::kWorldEnclave;
   if (const Status status = CheckRosOptions(options); !status.ok()) return Fail(status.error());
-  const MakeViewer make_viewer = [&options](Transport& transport) {
-    return std::make_unique<InProcessViewer>(transport, options.network.session, options.file);
+  const MakeViewer make_viewer = [&options](Transport& transport, std::shared_ptr<SceneCache> scenes) {
+    return std::make_unique<InProcessViewer>(transport, std::move(scenes), options.network.session, options.file);
   };
   const ReportEnd report = [&options](const RunEnd& end) {
     if (end.error) fmt::print(stderr, "{}\n", StyledLine(PlainLine(end.error->ToString()), HasStyles(stderr)));

@@ -187,6 +187,7 @@ RunSource SourceOf(const RunOptions& options) {
   service.start_timeout_seconds = options.start_timeout_seconds;
   service.start_paused = options.paused;
   service.pool = MakeThreadPool(options);
+  service.scenes = std::make_shared<SceneCache>();
   return source;
 }
 
@@ -195,6 +196,7 @@ AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& s
   agent.agent = 1;
   agent.scan_log = options.scans;
   agent.pool = service.pool;
+  agent.scenes = service.scenes;
   agent.libraries = service.libraries;
   if (service.settings.ros) {
     ros::RosOptions ros = options.ros;
@@ -216,7 +218,7 @@ class InProcessRun {
         new_agents_(*transport_, agent_options_, stop_) {}
 
   void AddViewer(const MakeViewer& make_viewer) {
-    viewer_ = make_viewer(*transport_);
+    viewer_ = make_viewer(*transport_, run_.options.scenes);
     observers_.push_back(viewer_.get());
   }
 

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 
+#include "common/spatial/scene_cache.h"
 #include "launcher/process/process.h"
 #include "launcher/supervise/reports.h"
 #include "launcher/supervise/run_options.h"
@@ -24,7 +25,8 @@ int RunDistributed(const RunOptions& options, const ReportEnd& report);
 // every state hash is the same.
 
 // Makes the viewer of a run; called once, unless the options say headless.
-using MakeViewer = std::function<std::unique_ptr<RunObserver>(Transport& transport)>;
+using MakeViewer =
+    std::function<std::unique_ptr<RunObserver>(Transport& transport, std::shared_ptr<SceneCache> scenes)>;
 
 int RunInProcess(const RunOptions& options, const MakeViewer& make_viewer, const ReportEnd& report);
 

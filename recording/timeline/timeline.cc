@@ -16,7 +16,7 @@ std::optional<std::uint64_t> Find(const TimeSpan& span, Tick tick) {
 
 }  // namespace
 
-std::shared_ptr<const TimelineWorld> WorldCache::Of(const SessionMessage& session) {
+std::shared_ptr<const TimelineWorld> WorldCache::Of(const SessionMessage& session, std::shared_ptr<const Scene> scene) {
   const std::lock_guard lock(mutex_);
   std::erase_if(worlds_, [](const auto& world) { return world.expired(); });
   for (const auto& known : worlds_) {
@@ -29,7 +29,7 @@ std::shared_ptr<const TimelineWorld> WorldCache::Of(const SessionMessage& sessio
   world->run = session.run;
   world->edition = session.world_edition;
   if (encode_) world->message = std::make_shared<const std::string>(encode_(session, world->number));
-  world->scene = session.scene != nullptr ? session.scene : std::make_shared<const Scene>(session.world);
+  world->scene = scene != nullptr ? std::move(scene) : std::make_shared<const Scene>(session.world);
   worlds_.push_back(world);
   return world;
 }

@@ -49,7 +49,8 @@ class WorldCache {
   explicit WorldCache(Encode encode = {}) : encode_(std::move(encode)) {}
 
   // The world of a session, made unless one of the same run, edition and description is in use.
-  std::shared_ptr<const TimelineWorld> Of(const SessionMessage& session);
+  // `scene`: of the session's world; null: it is made if it is needed.
+  std::shared_ptr<const TimelineWorld> Of(const SessionMessage& session, std::shared_ptr<const Scene> scene = nullptr);
 
  private:
   const Encode encode_;

@@ -169,7 +169,8 @@ Result<AgentEnd> RunAgent(std::unique_ptr<AgentEndpoint> endpoint, const AgentOp
   OutputFiles files;
   if (Status status = files.Open(options); !status.ok()) return status.error();
   const auto find_map = [&endpoint](std::span<const std::byte> bytes) { return endpoint->FindMap(bytes); };
-  AgentHost host(*endpoint, options, {files.scan_log.get(), files.trace.get(), find_map}, std::move(stop));
+  const auto scenes = options.scenes != nullptr ? options.scenes : std::make_shared<SceneCache>();
+  AgentHost host(*endpoint, options, {files.scan_log.get(), files.trace.get(), find_map, scenes}, std::move(stop));
   Result<AgentEnd> end = host.Run();
   endpoint.reset();  // its deliveries end before the files and the host do
   if (!end.ok()) return end;

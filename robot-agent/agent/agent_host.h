@@ -20,6 +20,7 @@
 
 #include "common/base/paths.h"
 #include "common/base/thread_pool.h"
+#include "common/spatial/scene_cache.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/agent/gateway.h"
 #include "transport/protocol/messages.h"
@@ -39,8 +40,9 @@ struct AgentOptions {
   TraceOptions trace = {};
   // Threads that divide the robots; null, and with a scan log, for the order of its lines: one.
   std::shared_ptr<ThreadPool> pool = {};
-  double session_timeout_seconds = 60;  // to wait for a session, at first or again; 0: without limit
-  MakeGateway make_gateway = {};        // empty: none
+  std::shared_ptr<SceneCache> scenes = {};  // of the process; null: one of the agent
+  double session_timeout_seconds = 60;      // to wait for a session, at first or again; 0: without limit
+  MakeGateway make_gateway = {};            // empty: none
   // Receives lines for the terminal, on the thread of RunAgent; may be empty.
   std::function<void(const std::string&)> on_notice = {};
 };

@@ -12,18 +12,16 @@
 namespace troupe {
 namespace {
 
-// Validated, with the map that is in memory already if it is.
-Result<std::shared_ptr<const Scene>> MakeScene(Shared<WorldDescription> world, const AgentResources& resources) {
+// One that is in use, as that of the service in its process; or else made of a validated world, with the map that is in
+// memory already if it is.
+Result<std::shared_ptr<const Scene>> SceneOf(Shared<WorldDescription> world, const AgentResources& resources) {
+  if (resources.scenes != nullptr) {
+    if (std::shared_ptr<const Scene> scene = resources.scenes->Find(world)) return scene;
+  }
   if (const Status status = Validate(world); !status.ok()) return status.error();
   const auto scene = std::make_shared<Scene>(std::move(world));
   scene->ShareMap(resources.find_map);
   return std::shared_ptr<const Scene>(scene);
-}
-
-// The service's own in its process.
-Result<std::shared_ptr<const Scene>> SceneOf(const SessionMessage& session, const AgentResources& resources) {
-  if (session.scene != nullptr) return session.scene;
-  return MakeScene(session.world, resources);
 }
 
 }  // namespace
@@ -51,7 +49,7 @@ Status ReplicaTask::Make(const SessionMessage& session, const AgentOptions& opti
     return Failure(fmt::format("the world service on {} speaks protocol version {}, expected {}", session.host,
                                session.protocol_version, kProtocolVersion));
   }
-  Result<std::shared_ptr<const Scene>> scene = SceneOf(session, resources);
+  Result<std::shared_ptr<const Scene>> scene = SceneOf(session.world, resources);
   if (!scene.ok()) {
     return Failure(fmt::format("the world service on {} sent a bad world: {}", session.host, scene.error().message));
   }
@@ -74,7 +72,7 @@ Status ReplicaTask::Make(const SessionMessage& session, const AgentOptions& opti
 Status ReplicaTask::Change(const Changing& change, const AgentResources& resources) {
   Status status;
   if (change.session) {
-    Result<std::shared_ptr<const Scene>> scene = SceneOf(*change.session, resources);
+    Result<std::shared_ptr<const Scene>> scene = SceneOf(change.session->world, resources);
     robots.world_hash = Hash(change.session->world);
     robots.world_edition = change.session->world_edition;
     status = scene.ok() ? robots.replica->ChangeWorld(std::move(scene).value(), change.fresh, change.fresh_edition)
@@ -114,13 +112,13 @@ Status ReplicaTask::Retrace(HistoryEntry& entry, Retracing& past, const AgentRes
   const bool starts = !robots.memory || !robots.fresh_edition || frame.fresh_edition > *robots.fresh_edition;
   if (frame.world_edition != robots.world_edition) {
     if (!entry.world) return Error{{}, "a state without its world"};
-    Result<std::shared_ptr<const Scene>> scene = MakeScene(std::move(*entry.world), resources);
+    Result<std::shared_ptr<const Scene>> scene = SceneOf(std::move(*entry.world), resources);
     if (!scene.ok()) return scene.error();
     if (frame.world_edition < robots.world_edition) {
       past.later_world = std::make_unique<SessionMessage>();
       past.later_world->run = past.history->run;
       past.later_world->world = WorldOf(replica.scene());
-      past.later_world->scene = replica.scene();
+      if (resources.scenes != nullptr) resources.scenes->Add(replica.scene());
       past.later_world->world_edition = robots.world_edition;
     }
     robots.world_hash = Hash(scene.value()->world());

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/base/hash.h"
+#include "common/spatial/scene_cache.h"
 #include "common/trace/tick_trace.h"
 #include "robot-agent/agent/agent_host.h"
 #include "robot-agent/agent/replica.h"
@@ -24,9 +25,10 @@ namespace troupe {
 
 // The resources of an agent, for its replica.
 struct AgentResources {
-  ScanLog* scan_log = nullptr;  // null: none
-  TickTrace* trace = nullptr;   // null: none
-  FindEqualMemory find_map;     // memory for the map of the world; may be empty
+  ScanLog* scan_log = nullptr;              // null: none
+  TickTrace* trace = nullptr;               // null: none
+  FindEqualMemory find_map;                 // memory for the map of the world; may be empty
+  std::shared_ptr<SceneCache> scenes = {};  // of the process; null: each world has a scene of its own
 };
 
 // The robots of an agent, in their replica of the world.

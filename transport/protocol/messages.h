@@ -34,8 +34,6 @@
 
 namespace troupe {
 
-class Scene;
-
 // Random, made at the start of a program; tells two runs of a session, or two agents, apart.
 using RunId = std::uint64_t;
 using AgentId = std::uint64_t;
@@ -59,8 +57,6 @@ struct SessionMessage {
   Shared<WorldDescription> world;
   Edition world_edition = 0;  // that made this world
   Incarnation incarnation = 0;
-  // Of the world. Only in the service's process, not on the wire: null elsewhere.
-  std::shared_ptr<const Scene> scene = {};
   bool operator==(const SessionMessage&) const = default;
 };
 

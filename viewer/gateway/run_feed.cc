@@ -20,7 +20,8 @@ constexpr auto kPeriod = std::chrono::seconds(1);
 
 }  // namespace
 
-RunFeed::RunFeed(std::size_t max_kept_bytes) : worlds_(EncodeWorld), kept_(max_kept_bytes) {}
+RunFeed::RunFeed(std::shared_ptr<SceneCache> scenes, std::size_t max_kept_bytes)
+    : scenes_(std::move(scenes)), worlds_(EncodeWorld), kept_(max_kept_bytes) {}
 
 std::deque<NumberedEvent>::const_iterator EventsAfter(const std::deque<NumberedEvent>& events, std::uint64_t number) {
   return std::partition_point(events.begin(), events.end(),
@@ -52,7 +53,7 @@ bool RunFeed::ConsumeServiceGone() {
 // The work for a new world is done here, on the thread of the observer: it may take a while, and loses frames only.
 void RunFeed::OnSession(const SessionMessage& session) {
   if (announced_ && announced_->run == session.run && announced_->edition == session.world_edition) return;
-  announced_ = worlds_.Of(session);
+  announced_ = worlds_.Of(session, scenes_ != nullptr ? scenes_->Find(session.world) : nullptr);
 }
 
 // A frame may be delivered twice: paused, and to be answered.

@@ -20,6 +20,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/spatial/scene_cache.h"
 #include "recording/timeline/timeline.h"
 #include "transport/protocol/transport.h"
 #include "viewer/gateway/viewer_gateway.h"
@@ -59,7 +60,8 @@ std::deque<NumberedEvent>::const_iterator EventsAfter(const std::deque<NumberedE
 // Threads: the handler calls come on one thread, At on another, the others on any.
 class RunFeed : public ObserverHandler, public Timeline {
  public:
-  explicit RunFeed(std::size_t max_kept_bytes = std::size_t{128} << 20);
+  // `scenes`: of the process; null: no service is in it.
+  explicit RunFeed(std::shared_ptr<SceneCache> scenes = nullptr, std::size_t max_kept_bytes = std::size_t{128} << 20);
 
   WorldCache& worlds() { return worlds_; }
 
@@ -100,6 +102,7 @@ class RunFeed : public ObserverHandler, public Timeline {
   // The list of events begins with those of the recording; returns the position of its last state.
   std::uint64_t CompleteEvents(const RecordedTimeline& recorded);
 
+  const std::shared_ptr<SceneCache> scenes_;
   WorldCache worlds_;
   mutable std::mutex mutex_;  // guards the others but for announced_
   KeptStates kept_;

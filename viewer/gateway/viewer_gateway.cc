@@ -41,6 +41,7 @@ class Viewers final : public WebHandler {
       : options_(options),
         link_(link),
         is_recording_(recording != nullptr),
+        feed_(options.scenes),
         past_(recording != nullptr ? static_cast<Timeline&>(*recording) : feed_),
         answers_(past_, link, feed_, options.expectations),
         questions_([this](const PastQuestion& question) { return answers_.Answer(question); }, wake) {

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "common/spatial/scene_cache.h"
 #include "recording/timeline/timeline.h"
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
@@ -83,6 +84,7 @@ struct ViewerGatewayOptions {
   std::vector<std::string> command = {};  // that started the run, for the page; empty: it is not known
   ShownExpectations expectations = {};    // of the run's scenario, for rows under the timeline
   std::string token = {};                 // of the page's address; empty: none on a loopback address, else a random one
+  std::shared_ptr<SceneCache> scenes = {};  // of the process; null: no service is in it
   std::span<const PageFile> files = PageFiles();
 };
 

@@ -215,7 +215,7 @@ class PageHost {
   // With seed_ and values_.
   Status StartRun() {
     if (Status failure = WriteScenario(); !failure.ok()) return failure;
-    Result<std::unique_ptr<PageRun>> run = PageRun::Start(file_, seed_, feed_);
+    Result<std::unique_ptr<PageRun>> run = PageRun::Start(file_, seed_, scenes_, feed_);
     if (!run.ok()) return run.error();
     run_ = std::move(run).value();
     Json values = Json::array();
@@ -271,7 +271,8 @@ class PageHost {
 
   const std::string file_;
   ViewerGatewayOptions options_;
-  RunFeed feed_;  // of a run; of a recording its worlds alone
+  const std::shared_ptr<SceneCache> scenes_ = std::make_shared<SceneCache>();
+  RunFeed feed_{scenes_};  // of a run; of a recording its worlds alone
   ShownRun shown_;
   PageReadings readings_;
 

@@ -42,7 +42,10 @@ class PageRun::Service final : public ServiceEndpoint {
 class PageRun::Agent final : public AgentEndpoint {
  public:
   Agent(PageRun& run, AgentOptions options)
-      : run_(run), options_(std::move(options)), protocol_(*this, options_, resources_, Now()) {}
+      : run_(run),
+        options_(std::move(options)),
+        resources_{.scenes = options_.scenes},
+        protocol_(*this, options_, resources_, Now()) {}
 
   void Start(AgentHandler& /*handler*/) override {}
   void SendJoin(const JoinMessage& join) override {
@@ -106,23 +109,25 @@ void PageRun::Service::SendHistory(const HistoryMessage& history) {
 }
 
 Result<std::unique_ptr<PageRun>> PageRun::Start(const std::string& file, std::optional<std::uint64_t> seed,
-                                                ObserverHandler& observer) {
+                                                const std::shared_ptr<SceneCache>& scenes, ObserverHandler& observer) {
   LoadOverrides overrides;
   overrides.seed = seed;
   overrides.check_controller = CheckController;
   overrides.check_in_world = CheckControllerInWorld;
   Result<LoadedWorld> loaded = LoadWorld(file, overrides);
   if (!loaded.ok()) return loaded.error();
-  return std::unique_ptr<PageRun>(new PageRun(std::move(loaded).value(), file, overrides, observer));
+  return std::unique_ptr<PageRun>(new PageRun(std::move(loaded).value(), file, overrides, scenes, observer));
 }
 
-PageRun::PageRun(LoadedWorld loaded, const std::string& file, const LoadOverrides& overrides, ObserverHandler& observer)
+PageRun::PageRun(LoadedWorld loaded, const std::string& file, const LoadOverrides& overrides,
+                 const std::shared_ptr<SceneCache>& scenes, ObserverHandler& observer)
     : observer_(observer), endpoint_(std::make_unique<Service>(*this)) {
   service_.settings = loaded.settings;
   service_.settings.is_watched = true;
   // A page has no network: what the scenario asks for is left out rather than refused.
   service_.settings.ros = false;
   service_.settings.agent_deadline_seconds = kNever;
+  service_.scenes = scenes;
   service_.world_file = file;
   service_.overrides = overrides;
   RestrictRequests({}, loaded.world, loaded.files, service_);
@@ -133,6 +138,7 @@ PageRun::PageRun(LoadedWorld loaded, const std::string& file, const LoadOverride
   options.lease_seconds = kNever;
   options.start_timeout_seconds = 0.0;
   options.phase_times = &phase_times_;
+  options.scenes = scenes;
   options.host = "this page";
   const double now = Now();
   coordinator_ = std::make_unique<TickCoordinator>(std::make_shared<const Scene>(std::move(loaded.world)), options,
@@ -149,6 +155,7 @@ void PageRun::AddAgent(const std::vector<std::string>& robots) {
   options.agent = ++newest_agent_;
   options.robots = robots;
   options.session_timeout_seconds = 0.0;
+  options.scenes = service_.scenes;
   agents_.push_back(std::make_unique<Agent>(*this, std::move(options)));
   if (session_ != nullptr) agents_.back()->protocol().OnSession(*session_);
 }

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "common/spatial/scene_cache.h"
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
 #include "world-service/service/run_observer.h"
@@ -28,10 +29,10 @@ namespace troupe {
 class PageRun {
  public:
   // Starts the run of a world or a scenario, with its own seed or another one, at real time or the speed that it has
-  // for viewers. The observer, which outlives the run, receives all sessions, frames and statuses. The error is one of
-  // the file, or a world that cannot run in a page.
+  // for viewers. Adds its scenes to those of the page. The observer, which outlives the run, receives all sessions,
+  // frames and statuses. The error is one of the file, or a world that cannot run in a page.
   static Result<std::unique_ptr<PageRun>> Start(const std::string& file, std::optional<std::uint64_t> seed,
-                                                ObserverHandler& observer);
+                                                const std::shared_ptr<SceneCache>& scenes, ObserverHandler& observer);
   ~PageRun();
   PageRun(const PageRun&) = delete;
   PageRun& operator=(const PageRun&) = delete;
@@ -50,7 +51,8 @@ class PageRun {
   class Agent;
   using Message = std::function<void(double now)>;
 
-  PageRun(LoadedWorld loaded, const std::string& file, const LoadOverrides& overrides, ObserverHandler& observer);
+  PageRun(LoadedWorld loaded, const std::string& file, const LoadOverrides& overrides,
+          const std::shared_ptr<SceneCache>& scenes, ObserverHandler& observer);
   // Robots by name; empty: all.
   void AddAgent(const std::vector<std::string>& robots);
   void WorkOfAgents(double now);

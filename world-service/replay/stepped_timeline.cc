@@ -97,10 +97,9 @@ std::shared_ptr<const TimelineWorld> SteppedTimeline::WorldOf(const ReplayedWorl
   SessionMessage session;
   session.run = run();
   session.world = troupe::WorldOf(scene);
-  session.scene = scene;
   session.world_edition = replayed.world_edition();
   newest_scene_ = scene;
-  newest_world_ = worlds_.Of(session);
+  newest_world_ = worlds_.Of(session, scene);
   if (std::find(were_shown_.begin(), were_shown_.end(), newest_world_) == were_shown_.end()) {
     were_shown_.push_back(newest_world_);
   }

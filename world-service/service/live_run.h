@@ -19,6 +19,7 @@
 #include "common/base/thread_pool.h"
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
+#include "common/spatial/scene_cache.h"
 #include "common/trace/tick_trace.h"
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
@@ -39,6 +40,7 @@ struct CoordinatorOptions {
   bool start_paused = false;            // at tick 0
   bool has_history = false;             // agents can be sent the states of the past
   std::shared_ptr<ThreadPool> pool;     // of the step; null: one thread
+  std::shared_ptr<SceneCache> scenes;   // for agents and viewers in this process; null: there are none
   TraceLane* trace = nullptr;           // outlives the coordinator; null: none
   PhaseTimes* phase_times = nullptr;    // likewise
   std::string host;                     // of this process, for the session

@@ -355,6 +355,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.start_paused = options.start_paused;
   coordinator.has_history = options.history != nullptr;
   coordinator.pool = options.pool;
+  coordinator.scenes = options.scenes;
   if (trace != nullptr) coordinator.trace = trace->AddLane();
   coordinator.phase_times = &phase_times;
   coordinator.host = HostName();

@@ -21,6 +21,7 @@
 #include "common/base/thread_pool.h"
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
+#include "common/spatial/scene_cache.h"
 #include "common/trace/tick_trace.h"
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
@@ -59,15 +60,16 @@ struct ServiceOptions {
   std::string session;
   double lease_seconds = kDefaultLeaseSeconds;                 // an agent that is silent for longer is lost
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;  // for all robots to join; 0: wait for ever
-  std::string advice_on_silence;      // for people, if agents do not answer the first frame; empty: none
-  bool start_paused = false;          // at tick 0, until a tool plays or steps
-  std::shared_ptr<ThreadPool> pool;   // of the step; null: one thread
-  std::string world_file;             // where models to spawn are defined; empty: nowhere
-  LoadOverrides overrides;            // for worlds and models that are loaded during the run
-  Incarnation first_incarnation = 0;  // of a service that begins a run
-  std::optional<ResumedRun> resumed;  // a run to be continued, instead of a new one
-  AllowedPaths libraries;             // controllers that those may name
-  RunHistory* history = nullptr;      // for the memory of robots; null: none; outlives the run
+  std::string advice_on_silence;       // for people, if agents do not answer the first frame; empty: none
+  bool start_paused = false;           // at tick 0, until a tool plays or steps
+  std::shared_ptr<ThreadPool> pool;    // of the step; null: one thread
+  std::shared_ptr<SceneCache> scenes;  // for agents and viewers in this process; null: there are none
+  std::string world_file;              // where models to spawn are defined; empty: nowhere
+  LoadOverrides overrides;             // for worlds and models that are loaded during the run
+  Incarnation first_incarnation = 0;   // of a service that begins a run
+  std::optional<ResumedRun> resumed;   // a run to be continued, instead of a new one
+  AllowedPaths libraries;              // controllers that those may name
+  RunHistory* history = nullptr;       // for the memory of robots; null: none; outlives the run
   // Whether an edit may lead to this world, or add this entity; nothing: any.
   std::function<Status(const WorldDescription& world)> check_world = {};
 };

@@ -189,7 +189,7 @@ TEST(RunFeedTest, HasThePastInItsOrder) {
 
 TEST(RunFeedTest, ItsMemoryIsBounded) {
   const SessionMessage session = Session();
-  RunFeed feed(10 * SizeOf({.state = std::make_shared<const WorldState>(PlacedState(session.world))}));
+  RunFeed feed(nullptr, 10 * SizeOf({.state = std::make_shared<const WorldState>(PlacedState(session.world))}));
   feed.OnSession(session);
   for (Tick tick = 0; tick < 1000; ++tick) feed.OnFrame(Frame(session, tick));
   EXPECT_EQ(feed.Spans()->last(), 999u);
