@@ -26,6 +26,7 @@
 #include "recording/recorded_run.h"
 #include "recording/recording.h"
 #include "transport/protocol/messages.h"
+#include "transport/protocol/run_progress.h"
 #include "troupe/result.h"
 
 namespace troupe {

@@ -21,6 +21,7 @@
 
 #include "common/spatial/scene.h"
 #include "transport/protocol/messages.h"
+#include "transport/protocol/run_progress.h"
 #include "troupe/result.h"
 
 namespace troupe {

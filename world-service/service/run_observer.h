@@ -25,6 +25,7 @@
 #include "common/run/run_settings.h"
 #include "common/spatial/scene.h"
 #include "transport/protocol/messages.h"
+#include "transport/protocol/run_progress.h"
 #include "troupe/result.h"
 
 namespace troupe {

@@ -21,6 +21,7 @@
 #include <string_view>
 #include <vector>
 
+#include "transport/protocol/run_progress.h"
 #include "transport/protocol/tick_barrier.h"
 #include "world-service/core/step.h"
 #include "world-service/service/live_run.h"

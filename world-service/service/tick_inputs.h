@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "transport/protocol/messages.h"
+#include "transport/protocol/run_progress.h"
 #include "troupe/ids.h"
 #include "troupe/robot_command.h"
 #include "troupe/world_description.h"

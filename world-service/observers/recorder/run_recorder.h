@@ -30,6 +30,7 @@
 #include "recording/recorded_run.h"
 #include "recording/recording.h"
 #include "recording/recording_writer.h"
+#include "transport/protocol/run_progress.h"
 #include "troupe/result.h"
 #include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
