@@ -215,7 +215,7 @@ void WriteRecordings(const Seeds& seeds, const WorldDescription& world) {
     out.Write(std::uint8_t{255});
   }
   Check(copy.Close().ok());
-  Check(small.size() <= kMaxInputBytes && messages.size() <= kMaxRecording);
+  Check(small.size() <= kMaxInputBytes && messages.size() <= kMaxInputBytes);
   seeds.Write("recording", "file.bin", small);
   seeds.Write("recording", "messages.bin", messages);
 }
