@@ -20,7 +20,7 @@ std::string Styled(TerminalStyle style, std::string_view text, bool has_styles);
 // The line in which a viewer states the address of its page begins with it.
 inline constexpr std::string_view kPageLine = "viewer: ";
 
-// A line of a program for people: the words "error:" and "warning:" and the address of a viewer have their styles.
+// A line of a program for users: the words "error:" and "warning:" and the address of a viewer have their styles.
 std::string StyledLine(std::string_view line, bool has_styles);
 
 // Removes what the terminal of standard error shows on its line, for instance the ^C of the user.

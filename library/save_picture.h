@@ -1,6 +1,6 @@
 // Pictures of a state as files: of the world (PNG or SVG), and of the view of a camera (PNG).
 //
-// A picture with rays measures all sensors anew on the state: readings are functions of the state, so that the picture
+// A picture with rays measures all sensors again on the state: readings are functions of the state, so that the picture
 // shows what the robots have read, and measuring for a picture changes nothing. The robots, the index and the state are
 // the caller's; nothing is kept between calls. The cost is that of all sensors of all robots, or without rays that of
 // drawing.
@@ -37,7 +37,7 @@ Status SaveView(const CameraReading& reading, const std::string& file, CameraIma
 // The readings of all rangers of all robots. REQUIRES: `bodies` is at `state`.
 std::vector<ScanFan> MeasureFans(const Scene& scene, const BodyIndex& bodies, const WorldState& state);
 
-// The marks of the readings of all other sensors of all robots, likewise.
+// The marks of the readings of all other sensors of all robots, on the same terms.
 std::vector<Mark> MeasureMarks(const Scene& scene, const BodyIndex& bodies, const WorldState& state);
 
 }  // namespace troupe

@@ -156,7 +156,7 @@ struct KeysOptions {
 };
 
 struct Holder {
-  std::string name;  // for people
+  std::string name;  // for users
   Role role;
 };
 

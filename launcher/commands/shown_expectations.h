@@ -19,7 +19,7 @@ Result<ShownExpectations> ReadExpectations(const std::string& file);
 ShownExpectations ExpectationsOfRun(const std::string& file);
 
 // Of the scenario that the recording names: as it was named, or with the same name beside the recording, as of a
-// failing case. None: likewise.
+// failing case. None: the same.
 ShownExpectations ExpectationsOf(const Recording& recording);
 
 }  // namespace troupe

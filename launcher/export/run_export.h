@@ -39,7 +39,7 @@ Result<std::unique_ptr<RunExport>> MakeRos2Export(const std::string& path);
 Result<std::unique_ptr<RunExport>> MakeCsvExport(const std::string& path);
 
 // RunReadings: the readings of all sensors of a run that are due at a state.
-// Suites of sensors are made per robot when first needed, and all anew in another world.
+// Suites of sensors are made per robot when first needed, and all again in another world.
 class RunReadings {
  public:
   // `world` is the newest state; the readings are of it.

@@ -6,7 +6,7 @@
 // host` ends all its processes at the end of its input; that is why a launcher that is killed leaves nothing behind on
 // other machines either.
 //
-// A lost connection is not an error of the run: PollLoss says so once, and Reconnect begins anew with an empty host.
+// A lost connection is not an error of the run: PollLoss says so once, and Reconnect begins again with an empty host.
 // The processes there have ended, or are ended by the new `troupe host` (message "run").
 #pragma once
 

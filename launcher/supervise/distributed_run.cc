@@ -349,7 +349,7 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
     if (restarts_.OnEnd(agent.number, end.exit_code, Seconds(Clock::now()))) {
       progress_.Tell(fmt::format("{}; restart {} of {}", text, restarts_.CountOf(agent.number), restarts_.limit()));
     } else if (rebuilds_) {
-      // One that was refused, or whose files cannot be written, would end likewise after a restart.
+      // One that was refused, or whose files cannot be written, would end the same way after a restart.
       const std::uint32_t restarts = restarts_.CountOf(agent.number);
       Fail(FailedRun(Failure(restarts < restarts_.limit()
                                  ? text
@@ -406,7 +406,7 @@ void DistributedRun::RestartAgents() {
   }
 }
 
-// A service that ended in order, or refused its input or its files, would end likewise.
+// A service that ended in order, or refused its input or its files, would end the same way.
 bool DistributedRun::PlanRestartOfService() {
   const ProcessEnd& end = *service_.process().end();
   const bool died = end.exit_code != kExitDone && end.exit_code != kExitBadInput && end.exit_code != kExitFailed &&

@@ -28,11 +28,11 @@ class AgentRestarts {
 
   // REQUIRES: the run has begun, and has not ended. An agent ended with this exit status (128 and the signal's number
   // if a signal ended it). The time of its restart, which is later each time; nothing if it is not started again: it
-  // ended in order, or refused its input or its output files, where another attempt would end likewise, or its restarts
-  // are used up.
+  // ended in order, or refused its input or its output files, where another attempt would end the same way, or its
+  // restarts are used up.
   std::optional<double> OnEnd(Agent agent, int exit_status, double now);
 
-  // The run has advanced since the agent ended: its restarts are counted anew.
+  // The run has advanced since the agent ended: its restarts are counted from zero.
   void Forgive(Agent agent) { counts_.erase(agent); }
 
   // The agents whose time has come, by number, each of them once.
@@ -59,7 +59,8 @@ class AgentRestarts {
 class ServiceRestarts {
  public:
   // A service died after it had reported this state: the time of its restart, at once for the first that makes no
-  // progress, and later for each that follows. Nothing when it makes none time and again: another would die likewise.
+  // progress, and later for each that follows. Nothing when it makes none time and again: another would die the same
+  // way.
   std::optional<double> OnDeath(const StatePlace& newest, double now);
 
   const std::optional<double>& due() const { return due_; }

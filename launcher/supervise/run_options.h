@@ -33,7 +33,7 @@ struct RunOptions {
 
   bool in_process = false;
   std::optional<std::uint32_t> threads;         // nothing: in one process all cores, else one
-  std::optional<std::uint32_t> restart_agents;  // likewise
+  std::optional<std::uint32_t> restart_agents;  // as above
   OnServiceLoss on_service_loss = OnServiceLoss::kRestart;
   std::string journal;                      // file; empty: without a name, for this run alone
   bool journal_sync = false;                // it survives a loss of power

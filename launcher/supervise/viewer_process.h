@@ -17,7 +17,7 @@ namespace troupe {
 
 class ViewerProcess {
  public:
-  // `service_address` is "host:port", `journal` its options for that. The error is for people; without a viewer the run
+  // `service_address` is "host:port", `journal` its options for that. The error is for users; without a viewer the run
   // is the same.
   Status Start(Host& host, const RunOptions& options, const std::string& service_address, const RunKeys& keys,
                const std::vector<std::string>& journal);

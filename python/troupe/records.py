@@ -427,5 +427,5 @@ class Command(NamedTuple):
     joints: Sequence[JointCommand] = ()
     messages: Sequence[RadioMessage] = ()
     orders: Sequence[Union[LightOrder, CameraOrder, DoorOrder, LiftOrder]] = ()  # executed in order
-    report: str = ""  # an event of the run, for people
-    say: str = ""  # a text for people, an event of the run
+    report: str = ""  # an event of the run, for users
+    say: str = ""  # a text for users, an event of the run

@@ -35,7 +35,7 @@ class SlotcarPort {
   void Publish(std::span<const RobotView* const> robots, bool all);
   // Another world that has the same robots.
   void ChangeWorld(const Scene& scene) { scene_ = &scene; }
-  // The robots start anew: drops their paths, and the requests that came before.
+  // The robots start again: drops their paths, and the requests that came before.
   void Restart();
   // Lines about requests that were refused since the last call.
   std::vector<std::string> DrainReports();
@@ -81,9 +81,9 @@ class SlotcarPort {
   const Scene* scene_;
   std::vector<Member> members_;
   std::unique_ptr<OfJazzy> jazzy_;                             // null: by distribution
-  std::unique_ptr<OfKilted> kilted_;                           // null: likewise
+  std::unique_ptr<OfKilted> kilted_;                           // null: as above
   std::unique_ptr<ros::RosReader<ros::PathRequest>> paths_;    // null: there is no slotcar
-  std::unique_ptr<ros::RosReader<ros::PauseRequest>> pauses_;  // likewise
+  std::unique_ptr<ros::RosReader<ros::PauseRequest>> pauses_;  // as above
   std::vector<std::string> reports_;
 };
 

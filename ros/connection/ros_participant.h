@@ -26,7 +26,7 @@ namespace troupe::ros {
 
 struct Mismatch {
   std::string topic;   // on DDS: "rt/anna/cmd_vel"; empty: the distribution, of no topic
-  std::string report;  // a line for people
+  std::string report;  // a line for users
 };
 
 // WriterWatch: finds writers on our readers' topics that match none of them, because the type differs or the writer is

@@ -46,7 +46,7 @@ class FastDomain {
 class FastService final : private eprosima::fastdds::dds::DataReaderListener,
                           private eprosima::fastdds::dds::DataWriterListener {
  public:
-  // Numbers the calls of all services of a process: a service may be made anew.
+  // Numbers the calls of all services of a process: a service may be rebuilt.
   using NextNumber = std::function<std::int64_t()>;
   using Pass = std::function<void(const Bytes& request)>;
 

@@ -29,7 +29,7 @@ struct HeadedSample {
   CallHeader header;
   Bytes sample;  // without the header
 };
-// Splits a sample likewise; nothing for one that is too short.
+// Splits such a sample; nothing for one that is too short.
 std::optional<HeadedSample> SplitHeader(std::span<const std::uint8_t> sample);
 
 // Whether a participant of Cyclone DDS has sent it.

@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 // ms between two attempts to connect.
 constexpr int kFirstDelay = 5;
 constexpr int kMaxDelay = 500;
-constexpr auto kHealthyTime = std::chrono::seconds(1);  // of a connection; after this the delays begin anew
+constexpr auto kHealthyTime = std::chrono::seconds(1);  // of a connection; after this the delays begin again
 
 // Unsent bytes, beyond which streams keep their newest sample only: so many that they are not old when they are sent.
 constexpr std::size_t kMaxPending = std::size_t{256} << 10;

@@ -25,7 +25,7 @@ constexpr auto kPoll = std::chrono::milliseconds(2);  // until the program liste
 // A program that dies again and again is started ever more rarely, but each time: ROS nodes wait for it.
 constexpr auto kFirstStartDelay = std::chrono::milliseconds(100);
 constexpr auto kMaxStartDelay = std::chrono::milliseconds(30'000);
-constexpr auto kHealthyProgram = std::chrono::seconds(60);  // after this the delays start anew
+constexpr auto kHealthyProgram = std::chrono::seconds(60);  // after this the delays start again
 constexpr auto kStopTime = std::chrono::seconds(5);
 constexpr int kMaxOccupied = 50;  // programs in turn that find the socket in use, although nothing answers there
 constexpr int kRefused = 2;       // exit status: the options would be refused again

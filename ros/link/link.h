@@ -194,7 +194,7 @@ Result<MadeText> ParseMade(std::string_view text);
 // The names of Unix sockets that leave no file behind.
 
 // Sockets with close-on-exec that do not wait. `name`: without a leading zero; at most 107 characters. The errors are
-// for people.
+// for users.
 Result<int> Bind(const std::string& name);  // no connection succeeds before listen()
 Result<int> Connect(const std::string& name);
 // Accepts a connection of a listening socket; -1: none is waiting, or it belongs to another user.

@@ -82,7 +82,7 @@ struct SensorTopics {
 };
 
 // A topic has the name of its ranger. A ranger without a name of its own ("ranger:0") is called "scan", or "sonar" if
-// all its sensors have one ray; a number distinguishes further ones. Sensors of other kinds likewise: "camera".
+// all its sensors have one ray; a number distinguishes further ones. Sensors of other kinds in the same way: "camera".
 SensorTopics SensorTopicsOf(const RobotDescription& robot);
 
 // The name of a joint in joint_states and in the robot's URDF, and the frame of the link that it moves.

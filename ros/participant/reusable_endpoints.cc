@@ -24,7 +24,7 @@ constexpr std::size_t kMaxWaiting = 100;  // requests to a service without an ag
 // A process that dies again and again is started ever more rarely, but each time: clients wait for it.
 constexpr auto kFirstDelay = std::chrono::milliseconds(100);
 constexpr auto kMaxDelay = std::chrono::milliseconds(30'000);
-constexpr auto kHealthyTime = std::chrono::seconds(60);  // after this the delays start anew
+constexpr auto kHealthyTime = std::chrono::seconds(60);  // after this the delays start again
 constexpr auto kStopTime = std::chrono::seconds(3);
 constexpr std::size_t kMaxResponses = std::size_t{64} << 20;  // bytes of responses that wait for it
 

@@ -1,5 +1,5 @@
 // Endpoints of the participant that one agent after another uses: a writer, a reader and a service. Between two agents
-// they are detached. So the nodes of ROS need not discover them anew when the robots of an agent are made anew, as by a
+// they are detached. So the nodes of ROS need not discover them again when the robots of an agent are rebuilt, as by a
 // reset; and Cyclone DDS keeps some hundred bytes for each endpoint that has ended, as long as its participant lives.
 //
 // A sink is called on any thread, one call at a time, and never after Detach has returned.

@@ -33,7 +33,7 @@ inline constexpr std::uint64_t kMaxCases = 10'000'000;
 
 class CaseDesign {
  public:
-  // The cases whose draws meet the constraints. Variations of uniform and normal numbers are drawn anew for each case
+  // The cases whose draws meet the constraints. Variations of uniform and normal numbers are drawn again for each case
   // of every design. The error: too many cases, or none that meets the constraints.
   static Result<CaseDesign> Make(std::vector<Variation> variations, std::vector<Constraint> constraints,
                                  const DesignSettings& settings);

@@ -52,8 +52,8 @@ struct CaseOutcome {
   std::uint64_t state_hash = 0;
   double tick_seconds = 0.0;                     // s, simulated, of each tick
   std::vector<ExpectationOutcome> expectations;  // in the order of the test
-  std::vector<bool> covered;                     // likewise
-  std::vector<std::optional<double>> metrics;    // likewise; nothing: it does not exist in this run
+  std::vector<bool> covered;                     // as above
+  std::vector<std::optional<double>> metrics;    // as above; nothing: it does not exist in this run
 
   bool operator==(const CaseOutcome&) const = default;
 };

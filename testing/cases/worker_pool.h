@@ -2,7 +2,7 @@
 // only.
 //
 // Processes and not threads, because a case runs native controllers of users: a crash or exit in one of them must be
-// the outcome of that case. Forked, not executed anew: copies share the pages of worlds and bitmaps that were loaded
+// the outcome of that case. Forked, not executed again: copies share the pages of worlds and bitmaps that were loaded
 // before. fork() is safe only without other threads, hence the requirement. Copies are killed by the kernel when this
 // process dies (PR_SET_PDEATHSIG), so that no case outlives a killed session.
 //

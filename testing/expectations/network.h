@@ -45,7 +45,7 @@ inline double Greatest(double a, double b) {
 enum class FoldKind : std::uint8_t { kLeast, kGreatest, kUntil };
 
 // The combination of the last values of all lanes: a queue with an aggregate, made of two stacks. Values before middle_
-// are already folded up to the middle; when the last of these leaves, the rest is folded anew and middle_ moves to the
+// are already folded up to the middle; when the last of these leaves, the rest is folded again and middle_ moves to the
 // end. A value of kUntil has two halves: what is enough, and what must hold on the way to a later one. That combination
 // is associative but not commutative, so the order of arguments counts.
 class SlidingFold {

@@ -73,7 +73,7 @@ enum class Op : std::uint8_t {
   kPastMin,
   kPastMax,  // the last `ticks` + 1 values; kForever: all
   kSince,    // inputs: left, right
-  // From a lower level: the whole series of the input, as it is; the least or largest from window.from on; likewise for
+  // From a lower level: the whole series of the input, as it is; the least or largest from window.from on; the same for
   // "until"; the last value, at all ticks.
   kPlayback,
   kSuffixMin,

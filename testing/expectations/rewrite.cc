@@ -122,7 +122,7 @@ Syntax Moved(Syntax syntax, bool negate) {
   return negation;
 }
 
-// Moves an outermost "always" below "and" and "forall", and likewise "eventually".
+// Moves an outermost "always" below "and" and "forall", and "eventually" below "or" and "exists".
 Syntax Distributed(Syntax syntax) {
   const bool is_always = syntax.Is(SyntaxKind::kTemporal, "always");
   if (is_always || syntax.Is(SyntaxKind::kTemporal, "eventually")) {

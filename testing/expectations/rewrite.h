@@ -31,8 +31,8 @@ Result<Syntax> Expanded(Syntax syntax);
 // judged by itself. With closest pairs.
 Syntax Normalized(Syntax syntax);
 
-// "forall a, b: distance(a, b) > C" as "(min a, b: distance(a, b)) > C", likewise with "always" behind the quantifier,
-// for exists, and for either order of the comparison: the robustness is the same.
+// "forall a, b: distance(a, b) > C" as "(min a, b: distance(a, b)) > C", and the same with "always" behind the
+// quantifier, for exists, and for either order of the comparison: the robustness is the same.
 Syntax WithClosestPairs(Syntax syntax);
 
 // True for `min a, b: distance(a, b)`, which one signal reads for all pairs at once (SignalKind::kClosestPair).

@@ -1,6 +1,6 @@
 // EditableWorld: the world that a text in editing makes, and for each entity of it the place in the text.
 //
-// It is made anew from the whole text after each edit, by the loader of runs: so what the editor shows is what a run
+// It is rebuilt from the whole text after each edit, by the loader of runs: so what the editor shows is what a run
 // would load, and an edit that does not load is refused before it counts. Places are statements of the text's tree,
 // with which an edit changes exactly the bytes of one statement.
 #pragma once

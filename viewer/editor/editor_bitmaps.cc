@@ -86,7 +86,7 @@ void VisitNodes(const WorldNode& node, const std::function<void(const WorldNode&
   for (const WorldNode& child : node.children) VisitNodes(child, visit);
 }
 
-// Runs of free and occupied pixels by turns, by rows from the top. The error is another number of pixels.
+// Alternating runs of free and occupied pixels, by rows from the top. The error is another number of pixels.
 Status FillRuns(const std::vector<std::int64_t>& runs, GreyPicture& picture) {
   const std::int64_t width = picture.width();
   const std::int64_t all = width * picture.height();

@@ -17,7 +17,7 @@ namespace troupe {
 
 enum class Access : std::uint8_t { kGranted, kWrongHost, kWrongOrigin, kWrongToken };
 
-// One line for people.
+// One line for users.
 const char* ToString(Access access);
 
 struct AccessRules {

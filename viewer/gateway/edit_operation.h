@@ -183,7 +183,7 @@ struct SetGripperRoles : PartOperation {
 };
 
 // "file": name.png, "size": [x, y, z] and "pixel" in m, "pose": of its middle. "runs": of the pixels by rows from the
-// top, free and occupied ones by turns; without them all are free
+// top, free and occupied ones alternating; without them all are free
 struct CreateBitmap {
   std::string file;
   std::vector<double> size;

@@ -3,7 +3,7 @@
 //
 // A viewer may connect at any time, miss frames, and ask for the past of before it came. So the timeline has two
 // sources: the states that were received, and the run's journal for all before and between. Positions count states from
-// the start of the run, those included that nobody received; the journal tells the position of the first one.
+// the start of the run, those included without a receiver; the journal tells the position of the first one.
 //
 // Frames are accepted only in order and only if they fit the announced world: a peer on the network may send any.
 #pragma once

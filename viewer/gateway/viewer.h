@@ -30,7 +30,7 @@ struct ShownRun {
   // Messages of the page, as JSON.
   std::shared_ptr<const std::string> session;
   std::shared_ptr<const std::string> status;    // null: none yet
-  std::shared_ptr<const std::string> timeline;  // likewise: the spans of the past, of a run and of a recording
+  std::shared_ptr<const std::string> timeline;  // as above: the spans of the past, of a run and of a recording
   FeedContent content;                          // of a recording: the events alone
   StateRows rows;                               // of the state
   std::uint64_t update = 0;                     // counts the versions of the content

@@ -48,7 +48,7 @@ class JournalHistory final : public RunHistory {
   // Appends the state, with the tick that follows, and goes to the next.
   Status Add(std::vector<HistoryEntry>& entries);
   Result<std::vector<HistoryEntry>> ReadBatch(const HistoryRequest& request);
-  // The world of the state; robots that are made anew later need no controller.
+  // The world of the state; robots that are rebuilt later need no controller.
   WorldDescription WorldToSend() const;
   Status FindChanges();
   Error Broken(const std::string& problem) const;
@@ -56,7 +56,7 @@ class JournalHistory final : public RunHistory {
   const std::vector<RunRecorder*> recordings_;
   std::unique_ptr<const Recording> recording_;
   std::optional<ReplayCursor> cursor_;
-  std::map<std::string, Edition> changed_;    // by robot: when it got another controller, and was made anew
+  std::map<std::string, Edition> changed_;    // by robot: when it got another controller, and was rebuilt
   std::optional<ControllerCheckpoint> sent_;  // the entry before the state; nothing: not sent
   std::shared_ptr<const Scene> sent_scene_;
 };

@@ -39,7 +39,7 @@ class ReplayedWorld {
   std::uint64_t state_hash() const { return state_hash_; }
   Edition world_edition() const { return world_edition_; }  // the newest that has changed the description
   Edition edition() const { return edition_; }
-  Edition fresh_edition() const { return fresh_edition_; }  // the newest at which all robots were made anew
+  Edition fresh_edition() const { return fresh_edition_; }  // the newest at which all robots were rebuilt
   // The state as it was published, without the run's id and events.
   FrameMessage Frame() const;
   std::uint64_t number() const { return number_; }  // of the state in the recording

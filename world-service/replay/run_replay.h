@@ -32,7 +32,7 @@ class ScanWriter {
 
   // Measures all sensors of all robots that are due, in the order of robots and sensors.
   Status Write(const ReplayedWorld& world);
-  // The robots that were made anew at this edition have no line: as at the start of the run.
+  // The robots that were rebuilt at this edition have no line: as at the start of the run.
   void Begin(Edition fresh_edition) { fresh_edition_ = fresh_edition; }
   Status Close() { return file_.Close(); }
 

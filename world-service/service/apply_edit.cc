@@ -18,7 +18,7 @@ EditedWorld Load(const WorldDescription& world) {
   EditedWorld loaded;
   loaded.scene = std::make_shared<const Scene>(world);
   loaded.state = InitialState(*loaded.scene);
-  // Ids of the world before mean nothing in this one: agents, memories and events begin anew.
+  // Ids of the world before mean nothing in this one: agents, memories and events begin again.
   loaded.fresh = true;
   return loaded;
 }

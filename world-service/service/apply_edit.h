@@ -26,7 +26,7 @@
 
 namespace troupe {
 
-// The input that a request asks for, valid in the world. The error names what is unknown or out of range, for people.
+// The input that a request asks for, valid in the world. The error names what is unknown or out of range, for users.
 // REQUIRES: it is of kind kInput.
 // The request names things as users do, by names; the input has ids, so that the step looks up nothing.
 Result<Input> InputOf(const Scene& scene, const control::Request& request);

@@ -1,4 +1,4 @@
-// The events of a run, and lines for people that are still to be reported.
+// The events of a run, and lines for users that are still to be reported.
 //
 // An event has two readers with different needs. The next frame carries it to agents, recorders and viewers, in an
 // order that depends on the run alone; the report to the console or the launcher follows soon, in the order of arrival.
@@ -74,7 +74,7 @@ class EventLog {
   std::uint64_t silent_ = 0;  // rejections that only the next sum reports
 };
 
-// Any other lines for people.
+// Any other lines for users.
 class NoticeList {
  public:
   void Add(std::string text) { notices_.push_back(std::move(text)); }
@@ -93,7 +93,7 @@ class NoticeList {
   std::vector<std::string> notices_;
 };
 
-// Events as text for people, and in JSON.
+// Events as text for users, and in JSON.
 
 // One line, for instance "tick 12: r0 stalled at table.leg". REQUIRES: the event's ids are of this world.
 std::string EventText(const WorldDescription& world, const Event& event);

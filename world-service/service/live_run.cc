@@ -7,7 +7,7 @@
 namespace troupe {
 namespace {
 
-// More would make a line that nobody reads, and that a log repeats for each lost agent.
+// More would make a line too long to read, which a log repeats for each lost agent.
 constexpr std::size_t kNamesListed = 10;
 
 }  // namespace

@@ -36,13 +36,13 @@ struct CoordinatorOptions {
   Incarnation incarnation = 0;  // of this service
   double lease_seconds = 2.0;
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
-  std::string advice_on_silence = {};   // for people, if agents do not answer the first frame; empty: none
+  std::string advice_on_silence = {};   // for users, if agents do not answer the first frame; empty: none
   bool start_paused = false;            // at tick 0
   bool has_history = false;             // agents can be sent the states of the past
   std::shared_ptr<ThreadPool> pool;     // of the step; null: one thread
   std::shared_ptr<SceneCache> scenes;   // for agents and viewers in this process; null: there are none
   TraceLane* trace = nullptr;           // outlives the coordinator; null: none
-  PhaseTimes* phase_times = nullptr;    // likewise
+  PhaseTimes* phase_times = nullptr;    // as above
   std::string host;                     // of this process, for the session
   std::uint32_t pid = 0;
   // ServiceOptions::check_world.

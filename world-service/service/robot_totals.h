@@ -28,7 +28,7 @@ struct RobotTotal {
   std::uint64_t goals = 0;              // that users sent
   std::uint64_t goals_reached = 0;      // of them
   std::optional<double> joules = {};    // J, in its stores at the end; without a store, or with an endless one: none
-  std::optional<double> capacity = {};  // J, likewise
+  std::optional<double> capacity = {};  // J; as above
   bool operator==(const RobotTotal&) const = default;
   static constexpr auto Fields() {
     return std::tuple{

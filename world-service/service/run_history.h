@@ -41,7 +41,7 @@ struct RewoundRun {
   std::optional<ControllerCheckpoint> previous;  // the state before it; nothing: it is the first since the fresh start
 };
 
-// The states with which a run is set back to an earlier tick: that with which the robots of that time were made anew,
+// The states with which a run is set back to an earlier tick: that with which the robots of that time were rebuilt,
 // as the result of the request, which is an edit, then those of the steps and edits up to the tick.
 class RewindStates {
  public:
@@ -101,7 +101,7 @@ class RobotMemories {
 // A rewind within which a service died: some of its states are missing.
 struct UnfinishedRewind {
   control::Rewind request;
-  std::uint64_t number = 0;  // of the state with which the robots begin anew
+  std::uint64_t number = 0;  // of the state with which the robots begin again
   Edition copied_from = 0;   // of that state, when the robots began with it the first time
   std::uint64_t copies = 0;  // number of the states that follow, copies of earlier ones
 };

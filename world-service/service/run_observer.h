@@ -46,7 +46,7 @@ class WorldControl {
 // What a shown tick waits for.
 struct TickRelease {
   bool is_released = true;
-  std::vector<std::string> awaited = {};  // for people; not empty if it is not released
+  std::vector<std::string> awaited = {};  // for users; not empty if it is not released
 };
 
 // The start of a run.
@@ -122,11 +122,11 @@ class RunObserver {
   // Progress reports. Ticks do not wait for these.
   virtual void OnStarted(double /*startup_seconds*/) {}      // all robots have agents; the first tick follows
   virtual void OnStatus(const StatusMessage& /*status*/) {}  // twice a second; before the first tick, at each join, too
-  virtual void OnEvent(const Event& /*event*/, const std::string& /*text*/) {}  // text: one line for people
+  virtual void OnEvent(const Event& /*event*/, const std::string& /*text*/) {}  // text: one line for users
   // The robots of an edit, which made this edition; agents have to be started for them. A service that continues a run
   // repeats the report of the newest edit.
   virtual void OnNewRobots(const std::vector<std::string>& /*robots*/, Edition /*edition*/) {}
-  virtual void OnNotice(const std::string& /*text*/) {}  // any other line for people, for instance of a controller
+  virtual void OnNotice(const std::string& /*text*/) {}  // any other line for users, for instance of a controller
 };
 
 // The observers of a run, in the order in which they are called. Each outlives the run.

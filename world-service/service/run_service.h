@@ -60,7 +60,7 @@ struct ServiceOptions {
   std::string session;
   double lease_seconds = kDefaultLeaseSeconds;                 // an agent that is silent for longer is lost
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;  // for all robots to join; 0: wait for ever
-  std::string advice_on_silence;       // for people, if agents do not answer the first frame; empty: none
+  std::string advice_on_silence;       // for users, if agents do not answer the first frame; empty: none
   bool start_paused = false;           // at tick 0, until a tool plays or steps
   std::shared_ptr<ThreadPool> pool;    // of the step; null: one thread
   std::shared_ptr<SceneCache> scenes;  // for agents and viewers in this process; null: there are none
@@ -74,7 +74,7 @@ struct ServiceOptions {
   std::function<Status(const WorldDescription& world)> check_world = {};
 };
 
-// Runs until the settings' number of ticks, `stop`, or a failure. The error is for people: agents that did not join
+// Runs until the settings' number of ticks, `stop`, or a failure. The error is for users: agents that did not join
 // (named), an agent lost with on_agent_loss abort, a rival service in the session, the error of an observer. Destroys
 // the endpoint before it returns: no delivery follows.
 Result<RunSummary> RunService(const std::shared_ptr<const Scene>& scene, const ServiceOptions& options,

@@ -92,7 +92,7 @@ class TickEngine {
   bool holding() const { return run_.frame.paused && ticks_to_pause_ != 0U; }
   // No observer awaits anything for the frame.
   bool released() const { return stage_ == FrameStage::kPaused || stage_ == FrameStage::kDeciding; }
-  // What the frame awaits in kAwaitingRelease, for people.
+  // What the frame awaits in kAwaitingRelease, for users.
   const std::vector<std::string>& awaited() const { return awaited_; }
   // A pause at the next occasion: at once if the frame is paused, else after the next tick.
   void RequestPause() { SetTicksToPause(run_.frame.paused ? 0 : 1); }

@@ -25,7 +25,7 @@ std::string SpawnName(const WorldDescription& world, const control::Spawn& spawn
   return spawn.rename ? FreeName(world, spawn.name) : spawn.name;
 }
 
-// A line for people about a request that has an effect.
+// A line for users about a request that has an effect.
 struct Notice {
   template <typename Request>
   std::string operator()(const Request&) const {

@@ -44,7 +44,7 @@ class WorldEditor {
   Result<control::Request> Apply(control::Request request, const RequestedWorld& requested, double now);
   // Publishes the state to which a request has rewound the run; it is paused. REQUIRES: the pause is quiescent.
   void Rewind(const control::Request& request, const RewoundRun& rewound, double now);
-  // A line for people about a request that is executed.
+  // A line for users about a request that is executed.
   void ReportRequest(const control::Request& request);
   // Deletes an entity whose spawn has failed.
   void RevokeSpawn(const std::string& name, double now);

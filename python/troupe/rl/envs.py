@@ -298,7 +298,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         terminations = self._done.all(axis=1)
         truncations = truncated & ~terminations
         totals = rewards.mean(axis=1)
-        if again.any():  # the action of a world that was over does not count: it begins anew
+        if again.any():  # the action of a world that was over does not count: it begins again
             self._begin(again)
             totals[again], terminations[again], truncations[again] = 0.0, False, False
         self._over = terminations | truncations

@@ -14,7 +14,7 @@ export function make(tag: string, className: string, text = ''): HTMLElement {
   return element;
 }
 
-// Writes only what has changed, so that the page is not laid out anew 60 times a second.
+// Writes only what has changed, so that the page is not laid out again 60 times a second.
 export function setText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

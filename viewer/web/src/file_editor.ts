@@ -1,7 +1,7 @@
 // FileEditor: the page of `troupe edit`: the entities of the file, its models, properties, problems and text. The
 // gateway holds the file; each edit is a request, and the world that follows comes as that of a run.
 //
-// The page keeps no copy of the file: after each edit it asks for the document anew and shows that. So a refused edit
+// The page keeps no copy of the file: after each edit it asks for the document again and shows that. So a refused edit
 // leaves nothing to be undone, and two pages that edit one file show the same.
 import {BitmapDrawing} from './bitmap_drawing';
 import type {Connection} from './connection';

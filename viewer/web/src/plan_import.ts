@@ -145,7 +145,7 @@ export class PlanImport {
     byId<HTMLButtonElement>('plan-apply').disabled = size === 0;
   }
 
-  // Free and wall pixels by turns, from the top.
+  // Alternating runs of free and wall pixels, from the top.
   private runs(): number[] {
     const {grey} = this.picture!;
     const least = Number(this.threshold.value);

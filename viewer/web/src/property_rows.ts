@@ -95,7 +95,7 @@ function groupsOf(shown: ShownProperty[], known: HelpRow[]): Array<{title: strin
   return groups.filter(({names}) => names.length > 0);
 }
 
-// After a change the form is made anew, also if the file has refused it.
+// After a change the form is rebuilt, also if the file has refused it.
 function renewing(parent: HTMLElement, target: PropertyTarget): PropertyTarget {
   const renew = (): void => {
     delete parent.dataset.signature;
@@ -122,7 +122,7 @@ function renewing(parent: HTMLElement, target: PropertyTarget): PropertyTarget {
 }
 
 export function showProperties(parent: HTMLElement, shown: ShownProperty[], help: EditorHelp, given: PropertyTarget): void {
-  // A press inside the form ends on the element on which it began; then the form is made anew.
+  // A press inside the form ends on the element on which it began; then the form is rebuilt.
   clearTimeout(postponed.get(parent));
   if (parent.matches(':active')) {
     postponed.set(parent, window.setTimeout(() => showProperties(parent, shown, help, given), AFTER_PRESS));

@@ -141,7 +141,7 @@ export class WorldScene {
     this.dirty = true;
   }
 
-  // `keepCamera`: the world has been edited, or is the one of before.
+  // `keepCamera`: the world has been edited, or is the previous one.
   setWorld(world: World, keepCamera: boolean): void {
     this.clear();
     const bodies = new Bodies(world, this.surfaces);

@@ -38,7 +38,7 @@ export class Timeline {
     byId('back').onclick = () => this.play(this.playing < 0 ? 0 : -1);
     byId('step-back').onclick = () => this.step(-1);
     byId('continue').onclick = () => void this.continueHere();
-    // A run that stands has no news that would draw the axis anew.
+    // A run that stands has no news that would redraw the axis.
     new ResizeObserver(() => {
       if (this.run) this.draw(this.run);
     }).observe(this.axis);

@@ -2,7 +2,7 @@
 // `troupe view --static` the same program as a WebAssembly module, in a worker.
 //
 // Messages are the same in both; what differs is how they begin and end. A socket connects again by itself, after waits
-// that double up to three seconds, and the gateway then sends the world anew. A module cannot be lost.
+// that double up to three seconds, and the gateway then sends the world again. A module cannot be lost.
 
 export interface TransportHandler {
   onOpen(): void;

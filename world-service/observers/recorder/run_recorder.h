@@ -106,7 +106,7 @@ class RecordingThread {
   bool full_ = false;
   bool closed_ = false;
   std::uint64_t pushed_ = 0;       // ticks
-  std::uint64_t popped_ = 0;       // likewise
+  std::uint64_t popped_ = 0;       // as above
   std::uint64_t flushed_ = 0;      // ticks that can be read
   std::uint64_t flush_asked_ = 0;  // ticks that a caller of Flush waits for
   Status status_;

@@ -40,7 +40,7 @@ class RosLockstepWait {
   struct Hooks {
     std::function<void(Tick tick, std::int64_t interval_ns)>
         show_clock;                                       // writes /clock of the run's domain; one call at a time
-    std::function<void(const std::string& line)> report;  // for people; on any thread
+    std::function<void(const std::string& line)> report;  // for users; on any thread
   };
 
   // `of_run`: the connection in the domain of the run; its WatchTopics has no other user. All outlive this.
@@ -66,7 +66,7 @@ class RosLockstepWait {
 
   // What a tick waits for.
   struct Awaited {
-    std::string name;  // for people
+    std::string name;  // for users
     bool is_topic = false;
     std::uint32_t watch = 0;  // of a topic
     bool done = false;        // for this tick
