@@ -10,6 +10,7 @@
 
 #include "command_line/parse_command_line.h"
 #include "common/base/identity.h"
+#include "common/base/system_error.h"
 #include "launcher/commands/commands.h"
 
 namespace troupe {
@@ -19,7 +20,7 @@ namespace {
 // start, does not.
 int CheckStandardOutput(int exit_status) {
   if (std::fflush(stdout) == 0 || errno == EPIPE || errno == EBADF) return exit_status;
-  const int failed = Fail(Failure(std::string("cannot write to standard output: ") + std::strerror(errno)));
+  const int failed = Fail(SystemError("cannot write to standard output"));
   return exit_status == kExitDone ? failed : exit_status;
 }
 

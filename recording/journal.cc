@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "common/base/bytes.h"
+#include "common/base/system_error.h"
 #include "recording/mcap/bytes.h"
 
 namespace troupe {
@@ -158,10 +159,6 @@ Result<std::string> ReadFile(const std::string& path) {
   return Error{{path}, "cannot read: " + bytes.error().message, ErrorCode::kFailure};
 }
 
-Error CannotWrite(const std::string& path, ErrorCode code) {
-  return {{path}, std::string("cannot write: ") + std::strerror(errno), code};
-}
-
 }  // namespace
 
 Result<std::optional<Journal>> Journal::OpenToContinue(const JournalFiles& files) {
@@ -263,7 +260,7 @@ Result<std::unique_ptr<JournalTail>> JournalTail::Create(const JournalFiles& fil
   std::unique_ptr<JournalTail> tail(new JournalTail(run, sync));
   if (Status failure = tail->OpenFiles(files); !failure.ok()) return failure.error();
   for (const Segment& segment : tail->segments_) {
-    if (ftruncate(segment.file.get(), 0) != 0) return CannotWrite(segment.path, ErrorCode::kFailure);
+    if (ftruncate(segment.file.get(), 0) != 0) return SystemError("cannot write", segment.path, ErrorCode::kFailure);
   }
   return tail;
 }
@@ -310,7 +307,8 @@ Status JournalTail::Append(const RecordedTick* tick, const RunProgress& progress
     current_ = 1 - current_;
     other.size = 0;
     other.last_number.reset();
-    if (ftruncate(other.file.get(), 0) != 0) return status_ = CannotWrite(other.path, ErrorCode::kOutputFailed);
+    if (ftruncate(other.file.get(), 0) != 0)
+      return status_ = SystemError("cannot write", other.path, ErrorCode::kOutputFailed);
   }
   Segment& segment = segments_[current_];
   if (tick != nullptr) segment.last_number = tick->number;
@@ -322,12 +320,12 @@ Status JournalTail::Write(Segment& segment) {
   while (!bytes.empty()) {
     const ssize_t written = pwrite(segment.file.get(), bytes.data(), bytes.size(), static_cast<off_t>(segment.size));
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return status_ = CannotWrite(segment.path, ErrorCode::kOutputFailed);
+    if (written < 0) return status_ = SystemError("cannot write", segment.path, ErrorCode::kOutputFailed);
     segment.size += static_cast<std::uint64_t>(written);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
   if (sync_ == JournalSync::kYes && fdatasync(segment.file.get()) != 0) {
-    return status_ = CannotWrite(segment.path, ErrorCode::kOutputFailed);
+    return status_ = SystemError("cannot write", segment.path, ErrorCode::kOutputFailed);
   }
   return {};
 }

@@ -22,19 +22,15 @@ TROUPE_DDS_TYPE(troupe_wire_RecordedTick);
 namespace troupe {
 namespace {
 
-Error Broken(std::string problem) {
-  return {{}, std::move(problem)};
-}
-
 constexpr auto kEventLeaves = dds::WithoutFirst(kLeaves<Event>);  // the tick is that of the recorded tick
 
 Result<RunSettings> SettingsFromWire(const troupe_wire_RecordedRun& wire) {
   // The bytes are of unknown origin: an enumerator indexes a table of words later.
   if (wire.mode >= kModeWords.size() || wire.on_agent_loss >= kOnAgentLossWords.size()) {
-    return Broken("recorded run with an unknown mode or on_agent_loss");
+    return BadInput("recorded run with an unknown mode or on_agent_loss");
   }
   if (!(std::isfinite(wire.speed) && wire.speed >= 0.0 && wire.agent_deadline >= 0.0)) {
-    return Broken("recorded run with a speed or deadline that is negative or not finite");
+    return BadInput("recorded run with a speed or deadline that is negative or not finite");
   }
   RunSettings settings;
   if (wire.ticks > 0) settings.ticks = wire.ticks;
@@ -110,14 +106,14 @@ Result<RecordedEdit> EditFromBytes(std::span<const std::byte> bytes) {
   if (!sample.ok()) return sample.error();
   const troupe_wire_RecordedEdit& wire = sample.value().data();
   RecordedEdit edit;
-  if (!wire.before.whole) return Broken("recorded edit with a frame of changes, expected a whole one");
+  if (!wire.before.whole) return BadInput("recorded edit with a frame of changes, expected a whole one");
   if (Status broken = dds::FromWire(wire.before, edit.before); !broken.ok()) return broken.error();
   Result<ControlRequest> request = dds::FromWire(wire.request);
   if (!request.ok()) return request.error();
   edit.request = std::move(request.value().request);
   // The second is the world as loaded.
   const std::uint32_t most = control::Is<control::Rewind>(edit.request) ? 2 : 1;
-  if (wire.world._length > most) return Broken("recorded edit with too many worlds");
+  if (wire.world._length > most) return BadInput("recorded edit with too many worlds");
   for (const troupe_wire_World& world : dds::Elements(wire.world)) {
     Result<WorldDescription> description = dds::FromWire(world);
     if (!description.ok()) return description.error();
@@ -125,9 +121,9 @@ Result<RecordedEdit> EditFromBytes(std::span<const std::byte> bytes) {
   }
   edit.copies = wire.copies;
   edit.copied_from = wire.copied_from;
-  if (wire.restored._length > 1) return Broken("recorded edit with several restored states");
+  if (wire.restored._length > 1) return BadInput("recorded edit with several restored states");
   for (const troupe_wire_Frame& frame : dds::Elements(wire.restored)) {
-    if (!frame.whole) return Broken("recorded edit with a frame of changes, expected a whole one");
+    if (!frame.whole) return BadInput("recorded edit with a frame of changes, expected a whole one");
     if (Status broken = dds::FromWire(frame, edit.restored.emplace()); !broken.ok()) return broken.error();
   }
   return edit;
@@ -167,7 +163,7 @@ Status TickFromBytes(std::span<const std::byte> bytes, RecordedTick& tick) {
     dds::ForEachColumn(kEventLeaves, dds::MembersOf(event), [&](const auto& leaf, const auto& cell) {
       is_known &= dds::FromCell(cell, leaf.Of(tick.events.back()));
     });
-    if (!is_known) return Broken("recorded tick with an event of an unknown type or id");
+    if (!is_known) return BadInput("recorded tick with an event of an unknown type or id");
   }
   tick.commands.clear();
   for (const troupe_wire_RobotCommand& element : dds::Elements(wire.commands)) {

@@ -18,6 +18,7 @@
 #include <system_error>
 
 #include "common/base/identity.h"
+#include "common/base/system_error.h"
 
 namespace troupe {
 namespace {
@@ -52,10 +53,6 @@ Status CheckKindToWrite(const std::string& path) {
 }
 
 namespace fs = std::filesystem;
-
-Error CannotWrite(const std::string& path) {
-  return {{path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kOutputFailed};
-}
 
 bool RemoveIn(int folder, const char* name) noexcept;
 
@@ -210,14 +207,15 @@ Result<FileReplacement> FileReplacement::Prepare(const std::string& named, std::
   struct stat old = {};
   const bool exists = stat(path.value().c_str(), &old) == 0;
   if (exists && !S_ISREG(old.st_mode)) return Error{{named}, "cannot write: it is not a file, expected a regular file"};
-  if (exists && access(path.value().c_str(), W_OK) != 0) return CannotWrite(named);
+  if (exists && access(path.value().c_str(), W_OK) != 0)
+    return SystemError("cannot write", named, ErrorCode::kOutputFailed);
   // All memory first: from the file's creation on the replacement removes it.
   FileReplacement replacement;
   replacement.named_ = named;
   replacement.path_ = path.value().string();
   std::string temporary = NameBeside(path.value()).string();
   FileDescriptor file(open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (file.get() < 0) return CannotWrite(named);
+  if (file.get() < 0) return SystemError("cannot write", named, ErrorCode::kOutputFailed);
   replacement.temporary_ = std::move(temporary);
   // The owner first: a change of it may clear permissions. Only root can give a file away.
   if (exists && (old.st_uid != geteuid() || old.st_gid != getegid())) {
@@ -227,7 +225,7 @@ Result<FileReplacement> FileReplacement::Prepare(const std::string& named, std::
   const bool written = WriteAll(file.get(), content) && (!exists || fchmod(file.get(), old.st_mode & 07777) == 0) &&
                        fsync(file.get()) == 0;
   if (written && file.Close()) return replacement;
-  return CannotWrite(named);
+  return SystemError("cannot write", named, ErrorCode::kOutputFailed);
 }
 
 FileReplacement::FileReplacement(FileReplacement&& other) noexcept
@@ -247,7 +245,8 @@ FileReplacement::~FileReplacement() {
 }
 
 Status FileReplacement::Commit() {
-  if (rename(temporary_.c_str(), path_.c_str()) != 0) return CannotWrite(named_);
+  if (rename(temporary_.c_str(), path_.c_str()) != 0)
+    return SystemError("cannot write", named_, ErrorCode::kOutputFailed);
   temporary_.clear();
   const FileDescriptor folder(open(fs::path(path_).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.get() >= 0) fsync(folder.get());  // the name, too; a file system that cannot do it keeps the content
@@ -259,7 +258,9 @@ Status WriteWholeFile(const std::string& path, std::string_view content) {
   if (fs::exists(path, error) && !fs::is_regular_file(path, error)) {
     Result<FileDescriptor> file = OpenToWrite(path);
     if (!file.ok()) return Error{{path}, "cannot write: " + file.error().message, file.error().code};
-    return WriteAll(file.value().get(), content) && file.value().Close() ? Status() : CannotWrite(path);
+    return WriteAll(file.value().get(), content) && file.value().Close()
+               ? Status()
+               : SystemError("cannot write", path, ErrorCode::kOutputFailed);
   }
   Result<FileReplacement> replacement = FileReplacement::Prepare(path, content);
   return replacement.ok() ? replacement.value().Commit() : replacement.error();
@@ -270,7 +271,7 @@ Result<TemporaryFile> TemporaryFile::Create() {
   std::string path = (std::filesystem::temp_directory_path(no_folder) / "troupe-XXXXXX").string();
   FileDescriptor file(mkostemp(path.data(), O_CLOEXEC));
   if (file.get() < 0) {
-    return Error{{path}, std::string("cannot create a temporary file: ") + std::strerror(errno), ErrorCode::kFailure};
+    return SystemError("cannot create a temporary file", path);
   }
   unlink(path.c_str());
   return TemporaryFile(std::move(file));

@@ -5,7 +5,8 @@
 
 #include <cerrno>
 #include <charconv>
-#include <cstring>
+
+#include "common/base/system_error.h"
 
 namespace troupe {
 namespace {
@@ -45,7 +46,7 @@ Status OutputFile::EndLine() {
 
 Status OutputFile::WriteBuffer() {
   if (error_.ok() && !WriteAll(file_.get(), buffer_)) {
-    error_ = Error{{path_}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kFailure};
+    error_ = SystemError("cannot write", path_);
   }
   buffer_.clear();
   return error_;
@@ -54,14 +55,14 @@ Status OutputFile::WriteBuffer() {
 Status OutputFile::Close() {
   (void)WriteBuffer();  // error_ keeps its outcome
   if (!file_.Close() && error_.ok()) {
-    error_ = Error{{path_}, std::string("cannot close: ") + std::strerror(errno), ErrorCode::kFailure};
+    error_ = SystemError("cannot close", path_);
   }
   return error_;
 }
 
 Result<LineFile> LineFile::Open(const std::string& path, Space space) {
   FileDescriptor file(open(path.c_str(), (space == Space::kFree ? O_RDWR : O_RDONLY) | O_CLOEXEC));
-  if (file.get() < 0) return Error{{path}, std::string("cannot read: ") + std::strerror(errno), ErrorCode::kFailure};
+  if (file.get() < 0) return SystemError("cannot read", path);
   return LineFile(path, std::move(file), space);
 }
 
@@ -74,7 +75,7 @@ bool LineFile::ReadMore() {
   do {
     size = read(file_.get(), text_.data() + before, kPiece);
   } while (size < 0 && errno == EINTR);
-  if (size < 0) status_ = Error{{path_}, std::string("cannot read: ") + std::strerror(errno), ErrorCode::kFailure};
+  if (size < 0) status_ = SystemError("cannot read", path_);
   text_.resize(before + static_cast<std::size_t>(size > 0 ? size : 0));
   if (size <= 0) return false;
   read_ += size;

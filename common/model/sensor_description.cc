@@ -14,10 +14,6 @@
 namespace troupe {
 namespace {
 
-Error SensorProblem(const std::string& message) {
-  return {.where = {}, .message = message};
-}
-
 std::string CountOf(std::size_t number, const char* noun) {
   return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
 }
@@ -35,11 +31,11 @@ std::string Pixels(std::uint32_t width, std::uint32_t height) {
 
 Status CheckRaySensor(const RaySensorDescription& sensor) {
   if (sensor.planes() * sensor.samples > kMaxRays) {
-    return SensorProblem("a sensor has more than " + std::to_string(kMaxRays) + " rays");
+    return BadInput("a sensor has more than " + std::to_string(kMaxRays) + " rays");
   }
   for (std::size_t i = 1; i < sensor.elevations.size(); ++i) {
     if (sensor.elevations[i] <= sensor.elevations[i - 1]) {
-      return SensorProblem("the elevations of a sensor are not ascending");
+      return BadInput("the elevations of a sensor are not ascending");
     }
   }
   return {};
@@ -74,7 +70,7 @@ std::string RangerParameters::Summary() const {
 
 Status BreakBeamParameters::Check() const {
   // MountedSensors makes it; a description of a robot must not contain one.
-  return SensorProblem("it belongs to a gripper");
+  return BadInput("it belongs to a gripper");
 }
 
 std::string BreakBeamParameters::Summary() const {
@@ -86,8 +82,7 @@ std::string FiducialParameters::Summary() const {
 }
 
 Status BumperParameters::Check() const {
-  if (segments.size() > kMaxBumpers)
-    return SensorProblem("it has more than " + std::to_string(kMaxBumpers) + " segments");
+  if (segments.size() > kMaxBumpers) return BadInput("it has more than " + std::to_string(kMaxBumpers) + " segments");
   return {};
 }
 
@@ -100,7 +95,7 @@ std::string BlobfinderParameters::Summary() const {
 }
 
 Status CameraParameters::Check() const {
-  if (!(elevation.min < elevation.max)) return SensorProblem("its picture has no height");
+  if (!(elevation.min < elevation.max)) return BadInput("its picture has no height");
   return {};
 }
 
@@ -129,7 +124,7 @@ Status CheckParameters(const SensorParameters& parameters) {
   FieldCheck check(nullptr);
   return std::visit(
       [&](const auto& kind) {
-        if (!check.Check(kind)) return Status(SensorProblem(check.problem()));
+        if (!check.Check(kind)) return Status(BadInput(check.problem()));
         if constexpr (requires { kind.Check(); }) return kind.Check();
         return Status();
       },

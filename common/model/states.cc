@@ -13,10 +13,6 @@
 namespace troupe {
 namespace {
 
-Error StateError(std::string message) {
-  return {.where = {}, .message = std::move(message)};
-}
-
 // The rows that a state of the world has; nothing: any number.
 template <typename Row>
 std::optional<std::size_t> CountRows(const WorldDescription& world, const DeviceCounts& devices) {
@@ -67,39 +63,39 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
     // ForEachTable cannot be left early.
     if (!problem.ok()) return;
     if (rows.size() != expected) {
-      problem = StateError("found a state of " + std::to_string(rows.size()) + " " + std::string(table.name) +
-                           ", expected " + std::to_string(expected));
+      problem = BadInput("found a state of " + std::to_string(rows.size()) + " " + std::string(table.name) +
+                         ", expected " + std::to_string(expected));
     }
     for (std::size_t i = 0; i < rows.size() && problem.ok(); ++i) {
       if (check.Check(rows[i])) continue;
-      problem = StateError("state: " + std::string(table.name) + "." + std::to_string(i) + "." + check.problem());
+      problem = BadInput("state: " + std::string(table.name) + "." + std::to_string(i) + "." + check.problem());
     }
   });
   if (!problem.ok()) return problem;
   for (const ObjectState& object : state.objects) {
     if ((object.mode == ObjectMode::kHeld) != object.holder.has_value()) {
-      return StateError("found an object that is held without a holder, or has a holder without being held");
+      return BadInput("found an object that is held without a holder, or has a holder without being held");
     }
   }
   for (std::size_t i = 0; i < state.lifts.size(); ++i) {
-    if (state.lifts[i].floor >= world.lifts[i].floors.size()) return StateError("found a lift at an unknown floor");
+    if (state.lifts[i].floor >= world.lifts[i].floors.size()) return BadInput("found a lift at an unknown floor");
   }
   for (const PersonState& person : state.people) {
-    if (person.goals >= world.goal_sets.size()) return StateError("found a person with a goal set that does not exist");
+    if (person.goals >= world.goal_sets.size()) return BadInput("found a person with a goal set that does not exist");
     const std::size_t points = world.goal_sets[person.goals].points.size();
-    if (person.goal != 0 && person.goal >= points) return StateError("found a person with a goal that does not exist");
-    if (person.door > world.doors.size()) return StateError("found a person at a door that does not exist");
+    if (person.goal != 0 && person.goal >= points) return BadInput("found a person with a goal that does not exist");
+    if (person.door > world.doors.size()) return BadInput("found a person at a door that does not exist");
     const std::size_t floors = person.lift == 0                   ? 1
                                : person.lift > world.lifts.size() ? 0
                                                                   : world.lifts[person.lift - 1].floors.size();
-    if (person.floor >= floors) return StateError("found a person with a lift or a floor that does not exist");
+    if (person.floor >= floors) return BadInput("found a person with a lift or a floor that does not exist");
   }
   for (const RadioTransmission& transmission : state.transmissions) {
     if (FindRadio(world.robot(transmission.from), transmission.message.radio) == nullptr) {
-      return StateError("found a radio message of a sensor that is no radio");
+      return BadInput("found a radio message of a sensor that is no radio");
     }
     if (transmission.due < state.tick || transmission.sent > state.tick) {
-      return StateError("found a radio message that is not on its way");
+      return BadInput("found a radio message that is not on its way");
     }
   }
   return {};

@@ -21,32 +21,28 @@
 namespace troupe {
 namespace {
 
-Error Problem(const std::string& message) {
-  return {.where = {}, .message = message};
-}
-
 // The problem of one part of the world, with that part's number, and its name if that kind has names.
 Status InPart(const Status& problem, const std::string& kind, std::size_t index,
               const std::optional<std::string>& name = std::nullopt) {
   if (problem.ok()) return problem;
   const std::string part = kind + " " + std::to_string(index) + (name ? " '" + *name + "'" : "");
-  return Problem(part + ": " + problem.error().message);
+  return BadInput(part + ": " + problem.error().message);
 }
 
 Status CheckShape(const Shape& shape) {
   for (const Block& block : shape.blocks) {
     const Result<Polygon> outline = Normalized(block.outline);
-    if (!outline.ok()) return Problem("the outline of a block is not usable: " + outline.error().message);
+    if (!outline.ok()) return BadInput("the outline of a block is not usable: " + outline.error().message);
     // Normalized once by the maker: indices compute with the outline as it is.
-    if (outline.value() != block.outline) return Problem("the outline of a block is not normalized");
+    if (outline.value() != block.outline) return BadInput("the outline of a block is not normalized");
   }
   for (const Rectangle& rectangle : shape.rectangles) {
     if (!(rectangle.min_x < rectangle.max_x && rectangle.min_y < rectangle.max_y)) {
-      return Problem("a rectangle has no area");
+      return BadInput("a rectangle has no area");
     }
   }
   if (!shape.area) return Status();
-  if (!shape.rectangles.empty()) return Problem("it has both rectangles and the area of a bitmap");
+  if (!shape.rectangles.empty()) return BadInput("it has both rectangles and the area of a bitmap");
   return shape.area->Check();
 }
 
@@ -60,43 +56,43 @@ Status CheckAreas(const WorldDescription& world) {
     const ModelDescription& model = world.models[i];
     if (model.parent && moves[model.parent->index()]) moves[i] = true;
     if (!moves[i] || !world.shape(model.shape).area) continue;
-    return InPart(Problem("it moves, so its bitmap must be a list of rectangles"), "model", i, model.name);
+    return InPart(BadInput("it moves, so its bitmap must be a list of rectangles"), "model", i, model.name);
   }
   return Status();
 }
 
 Status CheckModel(const WorldDescription& world, std::size_t index) {
   const ModelDescription& model = world.models[index];
-  if (model.name.empty()) return Problem("it has no name");
-  if (model.parent && model.parent->index() >= index) return Problem("its parent does not precede it");
-  if (model.power.joules > model.power.capacity) return Problem("it stores more energy than its capacity");
-  if (model.blinking.on_ns > model.blinking.period_ns) return Problem("its light is on for longer than its period");
+  if (model.name.empty()) return BadInput("it has no name");
+  if (model.parent && model.parent->index() >= index) return BadInput("its parent does not precede it");
+  if (model.power.joules > model.power.capacity) return BadInput("it stores more energy than its capacity");
+  if (model.blinking.on_ns > model.blinking.period_ns) return BadInput("its light is on for longer than its period");
   const MapGrid& map = model.map;
   const bool is_map = map.columns > 0 || map.rows > 0;
   if (is_map && !(map.columns > 0 && map.rows > 0 && map.resolution > 0.0 &&
                   std::max(map.columns, map.rows) * map.resolution <= kMaxMagnitude)) {
-    return Problem("its map has no extent, or is too large");
+    return BadInput("its map has no extent, or is too large");
   }
   return Status();
 }
 
 Status CheckSensor(const WorldDescription& world, const RobotDescription& robot, const SensorDescription& sensor) {
   const std::string name = std::string(TypeOf(sensor.parameters)) + " '" + sensor.name + "'";
-  if (!IsInTree(world, sensor.model, robot.root)) return Problem("its " + name + " is not one of its models");
+  if (!IsInTree(world, sensor.model, robot.root)) return BadInput("its " + name + " is not one of its models");
   const Status error = CheckParameters(sensor.parameters);
-  return error.ok() ? error : Problem(name + ": " + error.error().message);
+  return error.ok() ? error : BadInput(name + ": " + error.error().message);
 }
 
 Status CheckRobot(const WorldDescription& world, std::size_t index) {
   const RobotDescription& robot = world.robots[index];
   if (index > 0 && robot.root <= world.robots[index - 1].root)
-    return Problem("it is not in the order of the root models");
+    return BadInput("it is not in the order of the root models");
   const ModelDescription& root = world.model(robot.root);
-  if (root.parent) return Problem("its root model has a parent");
-  if (robot.name != root.name) return Problem("its root model has another name: '" + root.name + "'");
+  if (root.parent) return BadInput("its root model has a parent");
+  if (robot.name != root.name) return BadInput("its root model has another name: '" + root.name + "'");
   const TwistBounds& acceleration = robot.drive.acceleration;
   for (const Interval& bound : {acceleration.x, acceleration.y, acceleration.heading}) {
-    if (!bound.Contains(0.0)) return Problem("its acceleration bounds are not intervals around 0");
+    if (!bound.Contains(0.0)) return BadInput("its acceleration bounds are not intervals around 0");
   }
   for (const SensorDescription& sensor : robot.sensors) {
     if (Status error = CheckSensor(world, robot, sensor); !error.ok()) return error;
@@ -106,17 +102,18 @@ Status CheckRobot(const WorldDescription& world, std::size_t index) {
 
 Status CheckJoint(const WorldDescription& world, std::size_t index) {
   const JointDescription& joint = world.joints[index];
-  if (index > 0 && joint.model <= world.joints[index - 1].model) return Problem("it is not in the order of the models");
+  if (index > 0 && joint.model <= world.joints[index - 1].model)
+    return BadInput("it is not in the order of the models");
   const ModelId root = world.robot(joint.robot).root;
   if (joint.model == root || !IsInTree(world, joint.model, root))
-    return Problem("its model is not below its robot's root");
-  if (joint.name.empty()) return Problem("it has no name");
+    return BadInput("its model is not below its robot's root");
+  if (joint.name.empty()) return BadInput("it has no name");
   if (std::abs(joint.axis_xy.squaredNorm() + joint.axis_z * joint.axis_z - 1.0) > 1e-9) {
-    return Problem("its axis is not a unit vector");
+    return BadInput("its axis is not a unit vector");
   }
   if (joint.type == JointType::kRevolute && joint.axis_z != 1.0)
-    return Problem("it turns about an axis that is not vertical");
-  return joint.position.Contains(joint.start) ? Status() : Problem("its start is not within its limits");
+    return BadInput("it turns about an axis that is not vertical");
+  return joint.position.Contains(joint.start) ? Status() : BadInput("its start is not within its limits");
 }
 
 bool IsMovedBy(const WorldDescription& world, ModelId model, JointId joint) {
@@ -127,33 +124,33 @@ Status CheckGripper(const WorldDescription& world, std::size_t index) {
   const GripperDescription& gripper = world.grippers[index];
   for (ModelId model : {gripper.model, gripper.left_pad, gripper.right_pad}) {
     if (!IsInTree(world, model, world.robot(gripper.robot).root)) {
-      return Problem("one of its models is not its robot's");
+      return BadInput("one of its models is not its robot's");
     }
   }
   if (index > 0 && gripper.model <= world.grippers[index - 1].model)
-    return Problem("it is not in the order of the models");
+    return BadInput("it is not in the order of the models");
   for (JointId joint : {gripper.left, gripper.right, gripper.lift.value_or(gripper.left)}) {
-    if (world.joint(joint).robot != gripper.robot) return Problem("one of its joints is not its robot's");
+    if (world.joint(joint).robot != gripper.robot) return BadInput("one of its joints is not its robot's");
   }
   if (gripper.left == gripper.right || gripper.lift == gripper.left || gripper.lift == gripper.right) {
-    return Problem("one joint has two parts in it");
+    return BadInput("one joint has two parts in it");
   }
   if (!IsMovedBy(world, gripper.left_pad, gripper.left) || !IsMovedBy(world, gripper.right_pad, gripper.right)) {
-    return Problem("a finger does not move its pad");
+    return BadInput("a finger does not move its pad");
   }
-  if (gripper.lift && !IsMovedBy(world, gripper.model, *gripper.lift)) return Problem("its lift does not move it");
+  if (gripper.lift && !IsMovedBy(world, gripper.model, *gripper.lift)) return BadInput("its lift does not move it");
   return Status();
 }
 
 // `is_leaf`: by object; the leaves of the doors before this one.
 Status CheckDoor(const WorldDescription& world, std::size_t index, std::vector<bool>& is_leaf) {
   const DoorDescription& door = world.doors[index];
-  if (index > 0 && door.model <= world.doors[index - 1].model) return Problem("it is not in the order of the models");
-  if (door.leaves.empty()) return Problem("it has no leaf");
+  if (index > 0 && door.model <= world.doors[index - 1].model) return BadInput("it is not in the order of the models");
+  if (door.leaves.empty()) return BadInput("it has no leaf");
   for (const DoorLeaf& leaf : door.leaves) {
-    if (is_leaf[leaf.object.index()]) return Problem("an object is a leaf twice");
+    if (is_leaf[leaf.object.index()]) return BadInput("an object is a leaf twice");
     is_leaf[leaf.object.index()] = true;
-    if (leaf.turn != 0.0 && leaf.shift != 0.0) return Problem("a leaf both turns and slides");
+    if (leaf.turn != 0.0 && leaf.shift != 0.0) return BadInput("a leaf both turns and slides");
   }
   return Status();
 }
@@ -161,53 +158,54 @@ Status CheckDoor(const WorldDescription& world, std::size_t index, std::vector<b
 // `is_mounted`: by object; leaves, and the cabins of the lifts before this one.
 Status CheckLift(const WorldDescription& world, std::size_t index, std::vector<bool>& is_mounted) {
   const LiftDescription& lift = world.lifts[index];
-  if (index > 0 && lift.model <= world.lifts[index - 1].model) return Problem("it is not in the order of the models");
-  if (is_mounted[lift.cabin.index()]) return Problem("its cabin is one of another lift or a leaf");
+  if (index > 0 && lift.model <= world.lifts[index - 1].model) return BadInput("it is not in the order of the models");
+  if (is_mounted[lift.cabin.index()]) return BadInput("its cabin is one of another lift or a leaf");
   is_mounted[lift.cabin.index()] = true;
-  if (lift.floor >= lift.floors.size()) return Problem("its floor at load does not exist");
+  if (lift.floor >= lift.floors.size()) return BadInput("its floor at load does not exist");
   const auto is_door = [&](std::size_t door) { return door < world.doors.size(); };
-  if (!std::all_of(lift.cabin_doors.begin(), lift.cabin_doors.end(), is_door)) return Problem("it has an unknown door");
+  if (!std::all_of(lift.cabin_doors.begin(), lift.cabin_doors.end(), is_door))
+    return BadInput("it has an unknown door");
   for (const LiftFloor& floor : lift.floors) {
-    if (!std::all_of(floor.doors.begin(), floor.doors.end(), is_door)) return Problem("it has an unknown door");
+    if (!std::all_of(floor.doors.begin(), floor.doors.end(), is_door)) return BadInput("it has an unknown door");
   }
   return Status();
 }
 
 Status CheckObject(const WorldDescription& world, std::size_t index, bool is_mounted) {
   const ModelId object = world.objects[index];
-  if (index > 0 && object <= world.objects[index - 1]) return Problem("it is not in order");
+  if (index > 0 && object <= world.objects[index - 1]) return BadInput("it is not in order");
   const ModelDescription& model = world.model(object);
-  if (model.parent || !(model.gripper_return || is_mounted)) return Problem("it has a parent or no gripper_return");
+  if (model.parent || !(model.gripper_return || is_mounted)) return BadInput("it has a parent or no gripper_return");
   for (const RobotDescription& robot : world.robots) {
-    if (robot.root == object) return Problem("it is a robot");
+    if (robot.root == object) return BadInput("it is a robot");
   }
   return Status();
 }
 
 Status CheckGoalSet(const WorldDescription& world, const GoalSet& set) {
   if (!set.heights.empty() && set.heights.size() != set.points.size()) {
-    return Problem("it has heights of some of its points only");
+    return BadInput("it has heights of some of its points only");
   }
   for (const NextGoals& next : set.next) {
-    if (next.goals >= world.goal_sets.size()) return Problem("it is followed by a goal set that does not exist");
+    if (next.goals >= world.goal_sets.size()) return BadInput("it is followed by a goal set that does not exist");
   }
   return Status();
 }
 
 Status CheckPerson(const WorldDescription& world, std::size_t index) {
   const PersonDescription& person = world.people[index];
-  if (index > 0 && person.root <= world.people[index - 1].root) return Problem("it is not in the order of the models");
-  if (world.model(person.root).parent) return Problem("its model has a parent");
+  if (index > 0 && person.root <= world.people[index - 1].root) return BadInput("it is not in the order of the models");
+  if (world.model(person.root).parent) return BadInput("its model has a parent");
   const bool is_robot = std::any_of(world.robots.begin(), world.robots.end(),
                                     [&](const RobotDescription& robot) { return robot.root == person.root; });
   if (is_robot || std::find(world.objects.begin(), world.objects.end(), person.root) != world.objects.end()) {
-    return Problem("its model is that of a robot or an object");
+    return BadInput("its model is that of a robot or an object");
   }
-  if (person.speed > person.max_speed) return Problem("its speed is above its highest one");
-  if (person.goals >= world.goal_sets.size()) return Problem("its goal set does not exist");
+  if (person.speed > person.max_speed) return BadInput("its speed is above its highest one");
+  if (person.goals >= world.goal_sets.size()) return BadInput("its goal set does not exist");
   if (!person.leader) return Status();
-  if (person.leader->index() >= index) return Problem("its leader does not precede it");
-  return world.person(*person.leader).leader ? Problem("its leader follows another person") : Status();
+  if (person.leader->index() >= index) return BadInput("its leader does not precede it");
+  return world.person(*person.leader).leader ? BadInput("its leader follows another person") : Status();
 }
 
 Status CheckNames(const WorldDescription& world) {
@@ -216,7 +214,7 @@ Status CheckNames(const WorldDescription& world) {
     const ModelDescription& model = world.models[i];
     // A removed model stays in the tables, so that ids stay; its name is free again.
     if (model.removed || names.insert(model.name).second) continue;
-    return InPart(Problem("another model has the same name"), "model", i, model.name);
+    return InPart(BadInput("another model has the same name"), "model", i, model.name);
   }
   return Status();
 }
@@ -229,9 +227,9 @@ Status CheckRosDomains(const WorldDescription& world) {
     if (!robot.ros.domain || !RobotExists(world, RobotId(i))) continue;
     const auto [owner, is_first] = owners.emplace(*robot.ros.domain, i);
     if (is_first) continue;
-    return Problem("found the ROS domain " + std::to_string(*robot.ros.domain) + " for robot '" + robot.name +
-                   "', which robot '" + world.robots[owner->second].name +
-                   "' has already, expected one for each robot");
+    return BadInput("found the ROS domain " + std::to_string(*robot.ros.domain) + " for robot '" + robot.name +
+                    "', which robot '" + world.robots[owner->second].name +
+                    "' has already, expected one for each robot");
   }
   return Status();
 }
@@ -240,7 +238,7 @@ Status CheckRosDomains(const WorldDescription& world) {
 
 Status Validate(const WorldDescription& world) {
   FieldCheck check(&world);
-  if (!check.Check(world)) return Problem(check.problem());
+  if (!check.Check(world)) return BadInput(check.problem());
   for (std::size_t i = 0; i < world.shapes.size(); ++i) {
     if (Status error = InPart(CheckShape(world.shapes[i]), "shape", i); !error.ok()) return error;
   }

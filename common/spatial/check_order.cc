@@ -12,10 +12,6 @@
 namespace troupe {
 namespace {
 
-Error Refusal(std::string reason) {
-  return {{}, std::move(reason)};
-}
-
 std::string NameOf(const ModelDescription& model) {
   return "'" + model.name + "'";
 }
@@ -29,41 +25,41 @@ class OrderCheck {
     if (!robot_) return NeedsRobot("a light");
     const std::size_t lights = scene_.lights_of(*robot_).size();
     if (order.light < lights) return {};
-    return Refusal("found light " + std::to_string(order.light) + ", expected one of the robot's " +
-                   std::to_string(lights));
+    return BadInput("found light " + std::to_string(order.light) + ", expected one of the robot's " +
+                    std::to_string(lights));
   }
   Status operator()(const CameraOrder& order) const {
     if (!robot_) return NeedsRobot("a camera");
     const CameraParameters* const camera = FindCamera(world_.robot(*robot_), order.sensor);
     if (camera == nullptr) {
-      return Refusal("found sensor " + std::to_string(order.sensor) + ", expected a camera of the robot");
+      return BadInput("found sensor " + std::to_string(order.sensor) + ", expected a camera of the robot");
     }
     const Interval limits = camera->TiltLimits();
     if (order.pan >= -kPi && order.pan <= kPi && order.tilt >= limits.min && order.tilt <= limits.max) return {};
-    return Refusal("found the pan " + std::to_string(order.pan) + " and tilt " + std::to_string(order.tilt) +
-                   " of a camera, expected -pi to pi and " + std::to_string(limits.min) + " to " +
-                   std::to_string(limits.max));
+    return BadInput("found the pan " + std::to_string(order.pan) + " and tilt " + std::to_string(order.tilt) +
+                    " of a camera, expected -pi to pi and " + std::to_string(limits.min) + " to " +
+                    std::to_string(limits.max));
   }
   Status operator()(const DoorOrder& order) const {
     if (order.door >= world_.doors.size()) {
-      return Refusal("found door " + std::to_string(order.door) + ", expected one of the world's " +
-                     std::to_string(world_.doors.size()));
+      return BadInput("found door " + std::to_string(order.door) + ", expected one of the world's " +
+                      std::to_string(world_.doors.size()));
     }
     const DoorDescription& door = world_.doors[order.door];
     // A robot may ask for it, as it may for a door that is locked: the door stays as it is.
     if (!robot_ && !door.is_operated) {
-      return Refusal("door " + NameOf(world_.model(door.model)) + " is not operated: it stays as it is");
+      return BadInput("door " + NameOf(world_.model(door.model)) + " is not operated: it stays as it is");
     }
     if (order.opening >= 0.0 && order.opening <= 1.0) return {};
-    return Refusal("found the opening " + std::to_string(order.opening) + " of a door, expected 0 to 1");
+    return BadInput("found the opening " + std::to_string(order.opening) + " of a door, expected 0 to 1");
   }
   // The floor of an order that only ends a session does not count.
   Status operator()(const LiftOrder& order) const {
     if (order.lift < world_.lifts.size() && (order.ends || order.floor < world_.lifts[order.lift].floors.size())) {
       return {};
     }
-    return Refusal("found a call of lift " + std::to_string(order.lift) + " to floor " + std::to_string(order.floor) +
-                   ", expected those of the world");
+    return BadInput("found a call of lift " + std::to_string(order.lift) + " to floor " + std::to_string(order.floor) +
+                    ", expected those of the world");
   }
   Status operator()(const TwistOrder& order) const {
     if (!robot_) return NeedsRobot("a twist");
@@ -71,12 +67,12 @@ class OrderCheck {
     constexpr double kLongEnough = 1e9;  // s, for any acceleration
     const RobotDescription& robot = world_.robot(*robot_);
     if (IsFinite(order.twist) && troupe::WithinLimits(robot.drive, {}, order.twist, kLongEnough)) return {};
-    return Refusal("found a twist that the drive of '" + robot.name + "' cannot have, expected one within its limits");
+    return BadInput("found a twist that the drive of '" + robot.name + "' cannot have, expected one within its limits");
   }
 
  private:
   static Status NeedsRobot(const char* what) {
-    return Refusal(std::string("found an order for ") + what + " of no robot");
+    return BadInput(std::string("found an order for ") + what + " of no robot");
   }
 
   const Scene& scene_;
@@ -114,18 +110,18 @@ Order WithinLimits(const WorldDescription& world, RobotId robot, Order order) {
 }
 
 Status CheckOrder(const Scene& scene, RobotId robot, const Order& order) {
-  if (std::holds_alternative<TwistOrder>(order)) return Refusal("found a twist, expected an order that a robot gives");
+  if (std::holds_alternative<TwistOrder>(order)) return BadInput("found a twist, expected an order that a robot gives");
   return std::visit(OrderCheck(scene, robot), order);
 }
 
 Status CheckInput(const Scene& scene, const Input& input) {
   const WorldDescription& world = scene.world();
   if (input.robot && !HasRobot(world, *input.robot)) {
-    return Refusal("found an order for a robot that the world does not have");
+    return BadInput("found an order for a robot that the world does not have");
   }
   Status problem = std::visit(OrderCheck(scene, input.robot), input.order);
   if (problem.ok() || !input.robot) return problem;
-  return Refusal("robot " + world.robot(*input.robot).name + ": " + problem.error().message);
+  return BadInput("robot " + world.robot(*input.robot).name + ": " + problem.error().message);
 }
 
 }  // namespace troupe

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cstring>
@@ -18,6 +17,7 @@
 #include "common/base/json_writer.h"
 #include "common/base/or_failure.h"
 #include "common/base/output_file.h"
+#include "common/base/system_error.h"
 
 namespace troupe {
 namespace {
@@ -201,7 +201,7 @@ Result<TraceFile> TraceFile::Create(const std::string& path, const std::string& 
     return Error{{path}, "cannot write a trace here: " + opened.error().message, ErrorCode::kOutputFailed};
   std::FILE* const file = fdopen(opened.value().get(), "w");
   if (file == nullptr) {
-    return Error{{path}, std::string("cannot write a trace here: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+    return SystemError("cannot write a trace here", path, ErrorCode::kOutputFailed);
   }
   (void)opened.value().Release();  // the stream closes it
   TraceFile trace(path, file);
@@ -228,7 +228,7 @@ void TraceFile::Write(const char* name, std::size_t lane, std::int64_t begin, st
 }
 
 void TraceFile::Fail() {
-  status_ = Error{{path_}, std::string("cannot write a trace: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+  status_ = SystemError("cannot write a trace", path_, ErrorCode::kOutputFailed);
   __fpurge(file_.get());  // a later attempt might write text behind a gap
 }
 

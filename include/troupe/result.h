@@ -97,6 +97,11 @@ class [[nodiscard]] Status {
   std::optional<Error> error_;
 };
 
+// What a user or a peer has asked for is wrong, at no place of a text.
+inline Error BadInput(std::string message) {
+  return {{}, std::move(message), ErrorCode::kBadInput};
+}
+
 // The code of the error is kFailure.
 inline Error Failure(std::string message) {
   return {{}, std::move(message), ErrorCode::kFailure};

@@ -16,6 +16,7 @@
 #include "common/base/file.h"
 #include "common/base/identity.h"
 #include "common/base/json.h"
+#include "common/base/system_error.h"
 #include "common/base/text.h"
 
 namespace troupe {
@@ -93,7 +94,7 @@ Status RemoteHost::Open() {
   messages_ = std::make_unique<LinePipe>();
   errors_ = std::make_unique<LinePipe>();
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return Failure(std::string("cannot make a pipe: ") + strerror(errno));
+  if (pipe2(ends, O_CLOEXEC) != 0) return SystemError("cannot make a pipe");
   requests_ = ends[1];
   // Writing must not block: both sides could wait for each other with full pipes (Send reads meanwhile).
   fcntl(requests_, F_SETFL, O_NONBLOCK);

@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "common/base/paths.h"
+#include "common/base/system_error.h"
 
 namespace troupe {
 namespace {
@@ -69,7 +70,7 @@ Result<Process> Process::Start(const std::vector<std::string>& command, const St
   pid_t parent = getpid();
   pid_t pid = fork();
   if (pid == 0) BecomeProgram(arguments.data(), parent, streams, kept, addresses);
-  if (pid < 0) return Failure("cannot start " + command[0] + ": " + strerror(errno));
+  if (pid < 0) return SystemError("cannot start " + command[0]);
   setpgid(pid, pid);  // here too, so that the group exists before this returns
   return Process(pid);
 }

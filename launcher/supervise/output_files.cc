@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
@@ -20,6 +19,7 @@
 
 #include "common/base/file.h"
 #include "common/base/output_file.h"
+#include "common/base/system_error.h"
 
 namespace troupe {
 namespace {
@@ -189,7 +189,7 @@ Result<std::string> OutputParts::Add() {
   AllowOpenFiles(descriptors_.size() + 1);
   std::string name = folder_ + "/troupe-part-XXXXXX";
   int descriptor = mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor < 0) return Failure(option_ + ": cannot make a file in " + folder_ + ": " + strerror(errno));
+  if (descriptor < 0) return SystemError(option_ + ": cannot make a file in " + folder_);
   unlink(name.c_str());
   descriptors_.push_back(descriptor);
   return "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(descriptor);

@@ -26,6 +26,7 @@
 
 #include "common/base/file.h"
 #include "common/base/identity.h"
+#include "common/base/system_error.h"
 #include "common/base/text.h"
 #include "common/model/states.h"
 #include "common/spatial/scene.h"
@@ -48,7 +49,7 @@ Result<std::string> FindProgram(const std::string& given) {
   const auto runs = [](const std::string& path) { return access(path.c_str(), X_OK) == 0; };
   if (!given.empty()) {
     if (runs(given)) return given;
-    return Error{{given}, "cannot start: " + std::string(strerror(errno))};
+    return SystemError("cannot start", given, ErrorCode::kBadInput);
   }
   std::vector<std::string> folders;
   Dl_info info;

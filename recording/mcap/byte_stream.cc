@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "common/base/file.h"
+#include "common/base/system_error.h"
 
 namespace troupe::mcap {
 namespace {
@@ -24,23 +25,21 @@ class FileSink final : public ByteSink {
 
   Status Write(std::span<const std::byte> bytes) override {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (status_.ok() && !WriteAll(file_.get(), text)) status_ = SystemError("cannot write: ");
+    if (status_.ok() && !WriteAll(file_.get(), text))
+      status_ = SystemError("cannot write", path_, ErrorCode::kOutputFailed);
     return status_;
   }
   Status Sync() override {
-    if (status_.ok() && fdatasync(file_.get()) != 0) status_ = SystemError("cannot write: ");
+    if (status_.ok() && fdatasync(file_.get()) != 0)
+      status_ = SystemError("cannot write", path_, ErrorCode::kOutputFailed);
     return status_;
   }
   Status Close() override {
-    if (!file_.Close() && status_.ok()) status_ = SystemError("cannot close: ");
+    if (!file_.Close() && status_.ok()) status_ = SystemError("cannot close", path_, ErrorCode::kOutputFailed);
     return status_;
   }
 
  private:
-  Error SystemError(const char* failed) const {
-    return {{path_}, std::string(failed) + std::strerror(errno), ErrorCode::kOutputFailed};
-  }
-
   std::string path_;
   FileDescriptor file_;
   Status status_;
@@ -122,7 +121,7 @@ Result<std::unique_ptr<ByteSink>> AppendFileSink(const std::string& path, std::u
   if (known && !S_ISREG(info.st_mode)) return std::unique_ptr<ByteSink>(std::move(sink));
   const auto end = static_cast<off_t>(size);
   if (!known || ftruncate(descriptor, end) != 0 || lseek(descriptor, end, SEEK_SET) != end) {
-    return Error{{path}, std::string("cannot write: ") + std::strerror(errno), ErrorCode::kFailure};
+    return SystemError("cannot write", path);
   }
   return std::unique_ptr<ByteSink>(std::move(sink));
 }
@@ -135,8 +134,7 @@ Result<std::unique_ptr<const ByteSource>> OpenFileSource(const std::string& path
   Result<FileDescriptor> file = OpenToRead(path);
   if (!file.ok()) return Error{{path}, "cannot read: " + file.error().message};
   struct stat status = {};
-  if (fstat(file.value().get(), &status) != 0)
-    return Error{{path}, std::string("cannot read: ") + std::strerror(errno)};
+  if (fstat(file.value().get(), &status) != 0) return SystemError("cannot read", path, ErrorCode::kBadInput);
   return std::unique_ptr<const ByteSource>(
       std::make_unique<FileSource>(path, std::move(file).value(), static_cast<std::uint64_t>(status.st_size)));
 }

@@ -70,10 +70,6 @@ struct Place {
   double lift = 0.0;     // percent
 };
 
-Error PlanError(std::string message) {
-  return {{}, std::move(message)};
-}
-
 // Translates steps into actions.
 class Planner {
  public:
@@ -138,18 +134,18 @@ class Planner {
   }
 
   Status AddStep(const json& step) {
-    if (!step.is_object() || step.size() != 1) return PlanError("expected an object with one key");
+    if (!step.is_object() || step.size() != 1) return BadInput("expected an object with one key");
     const std::string key = step.begin().key();
     const json& value = step.begin().value();
     if (key == "take" || key == "put") return AddTrip(key == "take", value);
     if (key == "go_to") {
       const std::optional<std::vector<double>> point = ReadNumbers(value, 2);
-      if (!point) return PlanError("'go_to' expects [x, y]");
+      if (!point) return BadInput("'go_to' expects [x, y]");
       plan_.steps.push_back({FetchAction::kGoTo, 0.0, (*point)[0], (*point)[1]});
       return {};
     }
     if (key == "gripper") {
-      if (value != "open" && value != "close") return PlanError("'gripper' expects \"open\" or \"close\"");
+      if (value != "open" && value != "close") return BadInput("'gripper' expects \"open\" or \"close\"");
       AddFingers(value == "open");
       return {};
     }
@@ -170,14 +166,14 @@ class Planner {
                                             {"wait_until", {FetchAction::kWaitUntil, {0.0, 1e9}}}};
     const auto found = kinds.find(key);
     if (found == kinds.end()) {
-      return PlanError(
+      return BadInput(
           "found another key, expected one of: drive, go_to, gripper, lift, push, put, take, turn_to, wait, "
           "wait_until");
     }
     const auto& [action, allowed] = found->second;
     const double number = value.is_number() ? value.get<double>() : std::nan("");
     if (!(number >= allowed.min && number <= allowed.max)) {
-      return PlanError(fmt::format("'{}' expects a number from {} to {}", key, allowed.min, allowed.max));
+      return BadInput(fmt::format("'{}' expects a number from {} to {}", key, allowed.min, allowed.max));
     }
     Add(action, number);
     return {};
@@ -187,11 +183,11 @@ class Planner {
   Result<Place> FindPlace(const json& value) const {
     if (value.is_string()) {
       const auto found = places_.find(value.get<std::string>());
-      if (found == places_.end()) return PlanError("names a place that is not in 'places'");
+      if (found == places_.end()) return BadInput("names a place that is not in 'places'");
       return found->second;
     }
     if (const std::optional<Place> place = ReadPlace(value)) return *place;
-    return PlanError("expected the name of a place, or [x, y, heading, lift] with a lift of 0 to 100 percent");
+    return BadInput("expected the name of a place, or [x, y, heading, lift] with a lift of 0 to 100 percent");
   }
 
   // To a place and away from it again, with a straight approach and retreat.

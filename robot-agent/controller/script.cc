@@ -87,23 +87,18 @@ Status CheckScript(const std::string& parameters) {
   return parsed.ok() ? Status() : parsed.error();
 }
 
-Error ScriptError(std::string message) {
-  return {{}, std::move(message)};
-}
-
 // The error is a motion that the drive cannot execute.
 Status CheckMotion(DriveType drive, const ScriptCommand& command) {
   switch (drive) {
     case DriveType::kCar:
-      if (command.for_others)
-        return ScriptError("a car is driven by 'speed' and 'steering', not by 'vx', 'vy' and 'wz'");
+      if (command.for_others) return BadInput("a car is driven by 'speed' and 'steering', not by 'vx', 'vy' and 'wz'");
       return {};
     case DriveType::kDifferential:
-      if (command.motion.twist.vy != 0.0) return ScriptError("a differential drive has no 'vy'");
+      if (command.motion.twist.vy != 0.0) return BadInput("a differential drive has no 'vy'");
       [[fallthrough]];
     case DriveType::kOmni:
       if (command.for_car)
-        return ScriptError("only a car is driven by 'speed' and 'steering', expected 'vx', 'vy' and 'wz'");
+        return BadInput("only a car is driven by 'speed' and 'steering', expected 'vx', 'vy' and 'wz'");
       return {};
   }
   return {};
@@ -121,19 +116,19 @@ Result<GripperCommand> ResolveGripper(const RobotInfo& info, const ScriptGripper
   const auto name_of = [](const GripperInfo& g) { return g.description->name; };
   std::size_t number = 0;
   if (gripper.name.empty()) {
-    if (info.grippers.empty()) return ScriptError("the robot has no gripper");
+    if (info.grippers.empty()) return BadInput("the robot has no gripper");
     if (info.grippers.size() > 1) {
-      return ScriptError(fmt::format("the robot has {} grippers, expected 'grippers' with {}", info.grippers.size(),
-                                     Names(info.grippers, name_of)));
+      return BadInput(fmt::format("the robot has {} grippers, expected 'grippers' with {}", info.grippers.size(),
+                                  Names(info.grippers, name_of)));
     }
   } else {
     while (number < info.grippers.size() && name_of(info.grippers[number]) != gripper.name) ++number;
     if (number == info.grippers.size()) {
-      return ScriptError(fmt::format("unknown gripper '{}', expected {}", gripper.name, Names(info.grippers, name_of)));
+      return BadInput(fmt::format("unknown gripper '{}', expected {}", gripper.name, Names(info.grippers, name_of)));
     }
   }
   if (gripper.lift && !info.grippers[number].lift) {
-    return ScriptError(fmt::format("gripper '{}' has no lift", name_of(info.grippers[number])));
+    return BadInput(fmt::format("gripper '{}' has no lift", name_of(info.grippers[number])));
   }
   return GripperCommand{number, gripper.fingers, gripper.lift};
 }
@@ -142,8 +137,7 @@ Result<JointCommand> ResolveJoint(const RobotInfo& info, const ScriptJoint& want
   for (const GripperInfo& gripper : info.grippers) {
     for (std::size_t finger : {gripper.left, gripper.right}) {
       if (info.joints[finger]->name == wanted.name) {
-        return ScriptError(
-            fmt::format("joint '{}' is a finger, expected 'gripper': \"open\" or \"close\"", wanted.name));
+        return BadInput(fmt::format("joint '{}' is a finger, expected 'gripper': \"open\" or \"close\"", wanted.name));
       }
     }
   }
@@ -151,21 +145,21 @@ Result<JointCommand> ResolveJoint(const RobotInfo& info, const ScriptJoint& want
     const JointDescription& joint = *info.joints[i];
     if (joint.name != wanted.name) continue;
     if (wanted.position < joint.position.min || wanted.position > joint.position.max) {
-      return ScriptError(fmt::format("joint '{}' is to go to {}, expected {} to {}", joint.name, wanted.position,
-                                     joint.position.min, joint.position.max));
+      return BadInput(fmt::format("joint '{}' is to go to {}, expected {} to {}", joint.name, wanted.position,
+                                  joint.position.min, joint.position.max));
     }
     return JointCommand{.joint = i, .position = wanted.position};
   }
-  return ScriptError(fmt::format("unknown joint '{}', expected {}", wanted.name,
-                                 Names(info.joints, [](const JointDescription* joint) { return joint->name; })));
+  return BadInput(fmt::format("unknown joint '{}', expected {}", wanted.name,
+                              Names(info.joints, [](const JointDescription* joint) { return joint->name; })));
 }
 
 Result<Order> ResolveLight(const RobotInfo& info, const std::string& name, bool on) {
   for (std::size_t i = 0; i < info.lights.size(); ++i) {
     if (info.lights[i].name == name) return Order(LightOrder{i, on});
   }
-  return ScriptError(fmt::format("unknown light '{}', expected {}", name,
-                                 Names(info.lights, [](const LightInfo& light) { return std::string(light.name); })));
+  return BadInput(fmt::format("unknown light '{}', expected {}", name,
+                              Names(info.lights, [](const LightInfo& light) { return std::string(light.name); })));
 }
 
 Result<Order> ResolveCamera(const RobotInfo& info, const ScriptCamera& wanted) {
@@ -175,16 +169,16 @@ Result<Order> ResolveCamera(const RobotInfo& info, const ScriptCamera& wanted) {
     names.push_back(info.sensors[i].description->name);
     if (names.back() == wanted.name) return Order(CameraOrder{i, wanted.pan, wanted.tilt});
   }
-  return ScriptError(fmt::format("unknown camera '{}', expected {}", wanted.name,
-                                 Names(names, [](const std::string& name) { return name; })));
+  return BadInput(fmt::format("unknown camera '{}', expected {}", wanted.name,
+                              Names(names, [](const std::string& name) { return name; })));
 }
 
 Result<Order> ResolveDoor(const RobotInfo& info, const std::string& name, double opening) {
   for (std::size_t i = 0; i < info.doors.size(); ++i) {
     if (info.doors[i].name == name) return Order(DoorOrder{i, opening});
   }
-  return ScriptError(fmt::format("unknown door '{}', expected {}", name,
-                                 Names(info.doors, [](const DoorInfo& door) { return door.name; })));
+  return BadInput(fmt::format("unknown door '{}', expected {}", name,
+                              Names(info.doors, [](const DoorInfo& door) { return door.name; })));
 }
 
 Result<Order> ResolveLift(const RobotInfo& info, const std::string& name, const std::string& floor) {
@@ -194,11 +188,11 @@ Result<Order> ResolveLift(const RobotInfo& info, const std::string& name, const 
     const std::vector<std::string>& floors = info.lifts[i].floors;
     const auto found = std::find(floors.begin(), floors.end(), floor);
     if (found != floors.end()) return Order(LiftOrder{i, static_cast<std::size_t>(found - floors.begin())});
-    return ScriptError(fmt::format("unknown floor '{}' of lift '{}', expected {}", floor, name,
-                                   Names(floors, [](const std::string& text) { return text; })));
+    return BadInput(fmt::format("unknown floor '{}' of lift '{}', expected {}", floor, name,
+                                Names(floors, [](const std::string& text) { return text; })));
   }
-  return ScriptError(fmt::format("unknown lift '{}', expected {}", name,
-                                 Names(info.lifts, [](const LiftInfo& lift) { return lift.name; })));
+  return BadInput(fmt::format("unknown lift '{}', expected {}", name,
+                              Names(info.lifts, [](const LiftInfo& lift) { return lift.name; })));
 }
 
 // The error is something that the robot does not have.
@@ -218,7 +212,7 @@ Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& comm
   if (command.send) {
     std::size_t radio = 0;
     while (radio < info.sensors.size() && FindRadio(*info.robot, radio) == nullptr) ++radio;
-    if (radio == info.sensors.size()) return ScriptError("the robot has no radio");
+    if (radio == info.sensors.size()) return BadInput("the robot has no radio");
     resolved.command.messages.push_back({.radio = radio, .bytes = {command.send->begin(), command.send->end()}});
   }
   for (const auto& [name, on] : command.lights) {
@@ -252,7 +246,7 @@ Result<std::unique_ptr<Controller>> CreateScript(const RobotInfo& info) {
   for (const ScriptCommand& command : script.value().commands) {
     Result<ResolvedCommand> resolved = Resolve(info, command);
     if (!resolved.ok()) {
-      return ScriptError(fmt::format("script: command {}: {}", commands.size() + 1, resolved.error().message));
+      return BadInput(fmt::format("script: command {}: {}", commands.size() + 1, resolved.error().message));
     }
     commands.push_back(std::move(resolved).value());
   }

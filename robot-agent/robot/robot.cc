@@ -6,15 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 
 #include "common/base/file.h"
 #include "common/base/output_file.h"
 #include "common/base/prefetch.h"
+#include "common/base/system_error.h"
 #include "common/base/text.h"
 #include "common/spatial/body_index.h"
 #include "common/spatial/check_order.h"
@@ -390,7 +389,7 @@ Result<std::unique_ptr<ScanLog>> ScanLog::Open(const std::string& path, bool kee
   }
   // The descriptor still closes the file here.
   if (stream == nullptr) {
-    return Error{{path}, std::string("cannot write scans here: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+    return SystemError("cannot write scans here", path, ErrorCode::kOutputFailed);
   }
   (void)file.value().Release();  // the stream closes it
   return std::unique_ptr<ScanLog>(new ScanLog(stream, path));
@@ -415,7 +414,7 @@ Status ScanLog::Flush() {
 }
 
 void ScanLog::Fail() {
-  status_ = Error{{path_}, std::string("cannot write scans: ") + std::strerror(errno), ErrorCode::kOutputFailed};
+  status_ = SystemError("cannot write scans", path_, ErrorCode::kOutputFailed);
   __fpurge(file_);  // a later attempt might write text behind a gap
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/base/identity.h"
 #include "common/base/json.h"
+#include "common/base/system_error.h"
 #include "common/base/text.h"
 #include "troupe/check.h"
 
@@ -43,7 +44,7 @@ Error BadName(const std::string& name) {
 }
 
 Error SocketFailure(const std::string& doing, const std::string& name) {
-  return Failure("cannot " + doing + " '" + name + "': " + std::strerror(errno));
+  return SystemError("cannot " + doing + " '" + name + "'");
 }
 
 int MakeSocket() {

@@ -38,10 +38,6 @@ bool IsUtf8(const std::string& text) {
   }
 }
 
-Error Refused(std::string message) {
-  return {{}, std::move(message)};
-}
-
 }  // namespace
 
 double LargestOpening(const WorldDescription& world, GripperId gripper) {
@@ -101,30 +97,30 @@ std::string ReceptionJson(const WorldDescription& world, const RadioReception& r
 }
 
 Result<RadioMessage> ReadRadioMessage(const WorldDescription& world, std::size_t radio, const std::string& text) {
-  if (text.size() > kMaxText) return Refused("a text that is too long");
+  if (text.size() > kMaxText) return BadInput("a text that is too long");
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
-  if (!json.is_object()) return Refused("a text that is no JSON object");
+  if (!json.is_object()) return BadInput("a text that is no JSON object");
   RadioMessage message{.radio = radio};
   bool has_content = false;
   for (const auto& [key, value] : json.items()) {
-    if (!value.is_string()) return Refused("a value that is no string");
+    if (!value.is_string()) return BadInput("a value that is no string");
     const std::string content = value.get<std::string>();
     if (key == "to") {
       message.to = FindRobot(world, content);
-      if (!message.to) return Refused("the name of a robot that is not there");
+      if (!message.to) return BadInput("the name of a robot that is not there");
     } else if (key == "text" && !has_content) {
       message.bytes.assign(content.begin(), content.end());
       has_content = true;
     } else if (key == "bytes" && !has_content) {
       const std::optional<std::string> bytes = BytesOf(content);
-      if (!bytes) return Refused("bytes that are no pairs of hexadecimal digits");
+      if (!bytes) return BadInput("bytes that are no pairs of hexadecimal digits");
       message.bytes.assign(bytes->begin(), bytes->end());
       has_content = true;
     } else {
-      return Refused("keys other than 'to', and 'text' or 'bytes'");
+      return BadInput("keys other than 'to', and 'text' or 'bytes'");
     }
   }
-  if (!has_content) return Refused("neither 'text' nor 'bytes'");
+  if (!has_content) return BadInput("neither 'text' nor 'bytes'");
   return message;
 }
 

@@ -15,6 +15,7 @@
 #include <cstring>
 
 #include "common/base/file.h"
+#include "common/base/system_error.h"
 
 namespace troupe {
 namespace {
@@ -72,7 +73,7 @@ Status WorkerPool::Start(Worker& worker) {
   const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid < 0) {
-    const Error error = Failure(std::string("cannot start a process: ") + std::strerror(errno));
+    const Error error = SystemError("cannot start a process");
     close(ends[0]);
     close(ends[1]);
     return error;
@@ -162,8 +163,7 @@ Result<bool> WorkerPool::Run(const Next& next, const Done& done, int stop_descri
     }
     if (busy.empty()) return true;
     // A descriptor of -1 is ignored by poll, so no stop descriptor needs no case of its own.
-    if (poll(waited.data(), waited.size(), -1) < 0 && errno != EINTR)
-      return Failure(std::string("poll: ") + std::strerror(errno));
+    if (poll(waited.data(), waited.size(), -1) < 0 && errno != EINTR) return SystemError("poll");
     if (waited[0].revents != 0 && stop && stop()) {
       for (Worker& worker : workers_) Terminate(worker);
       return false;

@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -18,6 +17,7 @@
 #include <utility>
 
 #include "common/base/file.h"
+#include "common/base/system_error.h"
 #include "common/base/text.h"
 
 namespace troupe {
@@ -56,14 +56,10 @@ Digest HashWithPad(std::span<const std::uint8_t> key, std::uint8_t pad, std::spa
 
 namespace fs = std::filesystem;
 
-Error SystemFailure(const fs::path& path, const std::string& failed) {
-  return {{path.string()}, failed + ": " + std::strerror(errno), ErrorCode::kFailure};
-}
-
 // Most often the user has named a place where no folder can be.
 Error FolderFailure(const fs::path& path) {
   const bool full = errno == ENOSPC || errno == EDQUOT || errno == EIO;
-  Error error = SystemFailure(path, "cannot make the folder");
+  Error error = SystemError("cannot make the folder", path.string());
   if (!full) error.code = ErrorCode::kBadInput;
   return error;
 }
@@ -77,9 +73,9 @@ Status MakeFolders(const fs::path& folder) {
 
 Status WriteFile(const fs::path& path, const std::string& content) {
   FileDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
-  if (file.get() < 0) return SystemFailure(path, "cannot make the file");
+  if (file.get() < 0) return SystemError("cannot make the file", path.string());
   const bool written = WriteAll(file.get(), content);
-  return written && file.Close() ? Status() : SystemFailure(path, "cannot write the file");
+  return written && file.Close() ? Status() : SystemError("cannot write the file", path.string());
 }
 
 // A folder is never replaced by a rename, unless it is empty.
@@ -105,7 +101,7 @@ Result<RunToken> RunToken::Make() {
   RunToken token;
   // Not by OpenSSL, which without memory for its start uses a lock that is not there.
   if (getentropy(token.secret_.data(), token.secret_.size()) == 0) return token;
-  return Failure(std::string("no random numbers for the token of a run: ") + std::strerror(errno));
+  return SystemError("no random numbers for the token of a run");
 }
 
 Result<RunToken> RunToken::ReadFrom(const std::string& keys) {

@@ -17,6 +17,7 @@
 
 #include "common/base/file.h"
 #include "common/base/paths.h"
+#include "common/base/system_error.h"
 #include "common/run/run_settings.h"
 
 namespace troupe {
@@ -35,8 +36,8 @@ fs::path PathOfSessions() {
 // Anyone could have made it first, where the folder above is writable for all.
 Status CheckPrivate(const fs::path& folder) {
   struct stat state = {};
-  if (lstat(folder.c_str(), &state) != 0) return Failure(folder.string() + ": " + std::strerror(errno));
   // lstat, so that a link to another folder is refused, too.
+  if (lstat(folder.c_str(), &state) != 0) return SystemError(folder.string());
   const bool is_private = S_ISDIR(state.st_mode) && state.st_uid == getuid() && (state.st_mode & 077) == 0;
   if (is_private) return {};
   return Failure(folder.string() +
@@ -80,7 +81,7 @@ void DeleteKeysOfKilledProcesses(const fs::path& sessions) {
 Result<std::string> SessionsFolder() {
   const fs::path folder = PathOfSessions();
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
-    return Failure("cannot make " + folder.string() + ", for the keys of runs: " + std::strerror(errno));
+    return SystemError("cannot make " + folder.string() + ", for the keys of runs");
   }
   if (Status status = CheckPrivate(folder); !status.ok()) return status.error();
   return folder.string();
@@ -193,7 +194,7 @@ Result<RunKeysFolder> RunKeysFolder::Make() {
   if (!sessions.ok()) return sessions.error();
   DeleteKeysOfKilledProcesses(sessions.value());
   std::string path = sessions.value() + "/" + std::string(kPrefix) + std::to_string(getpid()) + "-XXXXXX";
-  if (mkdtemp(path.data()) == nullptr) return Failure("cannot make " + path + ": " + std::strerror(errno));
+  if (mkdtemp(path.data()) == nullptr) return SystemError("cannot make " + path);
   RunKeysFolder folder;
   folder.path_ = std::move(path);
   return folder;

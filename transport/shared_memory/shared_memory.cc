@@ -14,12 +14,10 @@
 #include <fstream>
 #include <utility>
 
+#include "common/base/system_error.h"
+
 namespace troupe {
 namespace {
-
-Error SystemError(const std::string& doing) {
-  return Failure(doing + ": " + std::strerror(errno));
-}
 
 // A lock of the open file, not of the process: each AgentSegment has its own, also where a process has several.
 struct flock LockOf(int type, std::size_t offset, std::size_t size) {

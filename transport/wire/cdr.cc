@@ -37,7 +37,7 @@ class OutputStream {
   dds_ostreamLE_t stream_;
 };
 
-Error Malformed(const dds_topic_descriptor_t& descriptor, const std::string& problem) {
+Error MalformedSample(const dds_topic_descriptor_t& descriptor, const std::string& problem) {
   return {{}, std::string("bytes of a ") + descriptor.m_typename + ": " + problem};
 }
 
@@ -56,15 +56,17 @@ std::vector<std::byte> SampleToCdr(const void* sample, const dds_topic_descripto
 }
 
 Status SampleFromCdr(std::span<const std::byte> bytes, const dds_topic_descriptor_t& descriptor, void* sample) {
-  if (bytes.size() < kHeaderSize) return Malformed(descriptor, "found fewer than 4, expected an encapsulation header");
+  if (bytes.size() < kHeaderSize)
+    return MalformedSample(descriptor, "found fewer than 4, expected an encapsulation header");
   const bool known = bytes[0] == std::byte{0} && (bytes[1] == kBigEndianCdr || bytes[1] == kLittleEndianCdr);
-  if (!known) return Malformed(descriptor, "found another representation, expected plain CDR");
+  if (!known) return MalformedSample(descriptor, "found another representation, expected plain CDR");
   const bool swap = bytes[1] == kBigEndianCdr;
   const std::size_t padding = std::to_integer<std::size_t>(bytes[3]) % kAlignment;
   bytes = bytes.subspan(kHeaderSize);
-  if (padding > bytes.size()) return Malformed(descriptor, "found more padding than bytes");
+  if (padding > bytes.size()) return MalformedSample(descriptor, "found more padding than bytes");
   bytes = bytes.first(bytes.size() - padding);
-  if (bytes.size() > std::numeric_limits<std::int32_t>::max()) return Malformed(descriptor, "found more than 2 GiB");
+  if (bytes.size() > std::numeric_limits<std::int32_t>::max())
+    return MalformedSample(descriptor, "found more than 2 GiB");
 
   // A copy, because Cyclone checks and swaps in place; eight more bytes, so that it is never empty.
   std::vector<std::uint64_t> copy(bytes.size() / sizeof(std::uint64_t) + 1);
@@ -73,8 +75,9 @@ Status SampleFromCdr(std::span<const std::byte> bytes, const dds_topic_descripto
   std::uint32_t used = 0;
   const std::uint32_t* end = dds_stream_normalize_data(reinterpret_cast<char*>(copy.data()), &used, size, swap,
                                                        CDR_ENC_VERSION_1, descriptor.m_ops);
-  if (end == nullptr) return Malformed(descriptor, "found one that ends early or has a field that makes no sense");
-  if (used != size) return Malformed(descriptor, "found " + std::to_string(size - used) + " after its end");
+  if (end == nullptr)
+    return MalformedSample(descriptor, "found one that ends early or has a field that makes no sense");
+  if (used != size) return MalformedSample(descriptor, "found " + std::to_string(size - used) + " after its end");
   dds_istream_t stream;
   dds_istream_init(&stream, size, copy.data(), CDR_ENC_VERSION_1);
   dds_stream_read(&stream, static_cast<char*>(sample), descriptor.m_ops);

@@ -33,7 +33,7 @@ constexpr const char* kResponse =
 enum ServerOpcode : std::uint8_t { kData = 1, kTime = 2, kServiceResponse = 3, kPlaybackState = 5 };
 enum ClientOpcode : std::uint8_t { kClientData = 1, kServiceCall = 2, kPlaybackControl = 3 };
 
-Error Malformed(const char* expected) {
+Error MalformedMessage(const char* expected) {
   return {{}, std::string("found a malformed message of a client, expected ") + expected};
 }
 
@@ -46,12 +46,13 @@ std::optional<std::uint32_t> IdIn(const Json& object, const char* key) {
 
 Result<ClientMessage> ParseSubscribe(const Json& object) {
   const auto list = object.find("subscriptions");
-  if (list == object.end() || !list->is_array() || list->size() > kMaxSubscriptions) return Malformed("subscriptions");
+  if (list == object.end() || !list->is_array() || list->size() > kMaxSubscriptions)
+    return MalformedMessage("subscriptions");
   Subscribe subscribe;
   for (const Json& element : *list) {
     const auto id = IdIn(element, "id");
     const auto channel = IdIn(element, "channelId");
-    if (!id || !channel) return Malformed("id and channelId");
+    if (!id || !channel) return MalformedMessage("id and channelId");
     subscribe.subscriptions.push_back({*id, *channel});
   }
   return ClientMessage(std::move(subscribe));
@@ -60,11 +61,11 @@ Result<ClientMessage> ParseSubscribe(const Json& object) {
 Result<ClientMessage> ParseUnsubscribe(const Json& object) {
   const auto list = object.find("subscriptionIds");
   if (list == object.end() || !list->is_array() || list->size() > kMaxSubscriptions) {
-    return Malformed("subscriptionIds");
+    return MalformedMessage("subscriptionIds");
   }
   Unsubscribe unsubscribe;
   for (const Json& element : *list) {
-    if (!element.is_number_unsigned()) return Malformed("ids of subscriptions");
+    if (!element.is_number_unsigned()) return MalformedMessage("ids of subscriptions");
     unsubscribe.ids.push_back(element.get<std::uint32_t>());
   }
   return ClientMessage(std::move(unsubscribe));
@@ -75,7 +76,7 @@ Result<ClientMessage> ParseServiceCall(ByteReader reader) {
   call.service = reader.Read<std::uint32_t>();
   call.call = reader.Read<std::uint32_t>();
   const std::string encoding = reader.ReadText();
-  if (!reader.ok()) return Malformed("a whole service call");
+  if (!reader.ok()) return MalformedMessage("a whole service call");
   if (encoding == "json" && call.service >= 1 && call.service <= kServices.size()) {
     call.command = kServices[call.service - 1].command;
   }
@@ -93,7 +94,7 @@ Result<ClientMessage> ParsePlaybackControl(ByteReader reader) {
   if (seeks) control.seek = time;
   control.request = reader.ReadText();
   if (!reader.ok() || command > 1 || !(std::isfinite(control.speed) && control.speed >= 0.0F)) {
-    return Malformed("a whole playback control request");
+    return MalformedMessage("a whole playback control request");
   }
   return ClientMessage(std::move(control));
 }
@@ -201,9 +202,9 @@ std::string PlaybackStateMessage(PlaybackStatus status, Time time, float speed, 
 
 Result<ClientMessage> ParseText(std::string_view text) {
   const Json object = Json::parse(text, nullptr, false);
-  if (!object.is_object()) return Malformed("a JSON object");
+  if (!object.is_object()) return MalformedMessage("a JSON object");
   const auto op = object.find("op");
-  if (op == object.end() || !op->is_string()) return Malformed("an op");
+  if (op == object.end() || !op->is_string()) return MalformedMessage("an op");
   if (*op == "subscribe") return ParseSubscribe(object);
   if (*op == "unsubscribe") return ParseUnsubscribe(object);
   return ClientMessage(Ignored());
@@ -220,7 +221,7 @@ Result<ClientMessage> ParseBinary(std::string_view bytes) {
       if (reader.ok()) return ClientMessage(Ignored());
       [[fallthrough]];
     default:
-      return Malformed("a binary message of the protocol");
+      return MalformedMessage("a binary message of the protocol");
   }
 }
 

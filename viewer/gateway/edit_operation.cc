@@ -34,10 +34,6 @@ constexpr std::size_t kMaxRuns = 500'000;
 constexpr std::size_t kDeepest = 4;  // objects around a member
 constexpr int kMaxLevels = 50;       // of lists and objects in a value
 
-Error Malformed(std::string message) {
-  return {{}, std::move(message)};
-}
-
 // True if lists and objects are inside each other more than `levels` times. They are written by recursion.
 bool IsDeeper(const Json& value, int levels) {
   if (!value.is_structured()) return false;
@@ -86,7 +82,7 @@ class Decoder {
     for (const auto& [name, decode] : kOperations) {
       if (op == name) return Outcome((this->*decode)());
     }
-    return Malformed("found the operation " + Quoted(op) + ", expected one of the editor");
+    return BadInput("found the operation " + Quoted(op) + ", expected one of the editor");
   }
 
  private:
@@ -96,7 +92,7 @@ class Decoder {
     if (error_) return *error_;
     return operation;
   }
-  void Fail(std::string message) { Fail(Malformed(std::move(message))); }
+  void Fail(std::string message) { Fail(BadInput(std::move(message))); }
   void Fail(const Error& error) {
     if (!error_) error_ = error;
   }
@@ -157,7 +153,7 @@ class Decoder {
   static Result<std::vector<DrawnBlock>> Blocks(const Json& object) {
     const auto list = object.find("blocks");
     const Error malformed =
-        Malformed("found blocks of another form, expected outlines of 3 to 1000 corners with heights");
+        BadInput("found blocks of another form, expected outlines of 3 to 1000 corners with heights");
     if (list == object.end() || !list->is_array() || list->size() > kMaxBlocks) return malformed;
     std::vector<DrawnBlock> blocks;
     for (const Json& each : *list) {
@@ -167,7 +163,7 @@ class Decoder {
       if (outline.size() < 3 || outline.size() > kMaxCorners || !z) return malformed;
       DrawnBlock block{{}, (*z)[0], (*z)[1]};
       if (block.z_max <= block.z_min)
-        return Malformed("found a block without height, expected its top above its underside");
+        return BadInput("found a block without height, expected its top above its underside");
       for (const Json& corner : outline) {
         if (!corner.is_array() || corner.size() != 2) return malformed;
         const auto x = Number(corner[0]);
@@ -176,7 +172,7 @@ class Decoder {
         block.outline.emplace_back(*x, *y);
       }
       if (const Result<Polygon> simple = Normalized(block.outline); !simple.ok()) {
-        return Malformed("found a block that is no simple polygon: " + simple.error().message);
+        return BadInput("found a block that is no simple polygon: " + simple.error().message);
       }
       blocks.push_back(std::move(block));
     }
@@ -242,11 +238,11 @@ class Decoder {
     PartShape shape;
     const auto given = request_.find("shape");
     if (given == request_.end() && may_be_empty) return shape;
-    if (given == request_.end() || !given->is_object()) return Malformed("found no shape, expected an object");
+    if (given == request_.end() || !given->is_object()) return BadInput("found no shape, expected an object");
     std::size_t read = 0;
     if (given->contains("pose")) {
       shape.pose = PoseIn(*given);
-      if (!shape.pose) return Malformed("found no pose, expected four finite numbers");
+      if (!shape.pose) return BadInput("found no pose, expected four finite numbers");
       ++read;
     }
     for (const auto& [key, count, target] : {std::tuple("size", 3U, &shape.size),
@@ -257,25 +253,25 @@ class Decoder {
       *target = Numbers(*given, key, count);
       ++read;
       if (!*target) {
-        return Malformed("found no " + Quoted(key) + ", expected " + std::to_string(count) + " finite numbers");
+        return BadInput("found no " + Quoted(key) + ", expected " + std::to_string(count) + " finite numbers");
       }
     }
     const auto is_positive = [](double length) { return length > 0.0; };
     for (const auto* const lengths : {&shape.size, &shape.paddle}) {
       if (*lengths && !std::all_of((*lengths)->begin(), (*lengths)->end(), is_positive))
-        return Malformed("found a size that is not above 0, expected lengths");
+        return BadInput("found a size that is not above 0, expected lengths");
     }
     if (shape.axis && std::hypot((*shape.axis)[0], (*shape.axis)[1], (*shape.axis)[2]) < 1e-6)
-      return Malformed("found the axis [0 0 0], expected a direction");
+      return BadInput("found the axis [0 0 0], expected a direction");
     if (given->contains("blocks")) {
       Result<std::vector<DrawnBlock>> blocks = Blocks(*given);
       if (!blocks.ok()) return blocks.error();
-      if (blocks.value().empty()) return Malformed("found no blocks, expected one or more");
+      if (blocks.value().empty()) return BadInput("found no blocks, expected one or more");
       shape.blocks = std::move(blocks).value();
       ++read;
     }
     if (read != given->size() || (read == 0 && !may_be_empty))
-      return Malformed("found another shape, expected pose, size, paddle, axis, limits or blocks");
+      return BadInput("found another shape, expected pose, size, paddle, axis, limits or blocks");
     return shape;
   }
 
@@ -283,15 +279,15 @@ class Decoder {
     constexpr std::array kRoles{"left_finger", "right_finger", "left_pad", "right_pad", "lift"};
     const auto given = request_.find("roles");
     if (given == request_.end() || !given->is_object() || given->empty())
-      return Malformed("found no roles, expected an object");
+      return BadInput("found no roles, expected an object");
     GripperRoles roles;
     for (const auto& [role, list] : given->items()) {
       if (std::find(kRoles.begin(), kRoles.end(), role) == kRoles.end())
-        return Malformed("found the role " + Quoted(role) + ", expected one of a gripper");
+        return BadInput("found the role " + Quoted(role) + ", expected one of a gripper");
       std::optional<PartPath> path;
       if (!list.is_null()) {
         path = Path(list);
-        if (!path || path->empty()) return Malformed("found no part of that number");
+        if (!path || path->empty()) return BadInput("found no part of that number");
       }
       roles.emplace_back(role, std::move(path));
     }
@@ -321,16 +317,16 @@ class Decoder {
     } else if (tool == "filled") {
       stroke.tool = PixelStroke::Tool::kFilled;
     } else if (tool != "line") {
-      return Malformed("found the tool " + Quoted(tool) + ", expected line, frame or filled");
+      return BadInput("found the tool " + Quoted(tool) + ", expected line, frame or filled");
     }
     const auto width = request_.find("width");
     const std::optional<int> brush = width != request_.end() ? PixelNumber(*width) : std::nullopt;
     if (!brush || *brush < 1 || *brush > kWidest)
-      return Malformed("found no width of a brush, expected 1 to 500 pixels");
+      return BadInput("found no width of a brush, expected 1 to 500 pixels");
     stroke.width = *brush;
     stroke.value = Flag("erase") ? kFreed : kOccupied;
     const auto points = request_.find("points");
-    const Error malformed = Malformed("found no points, expected 1 to 5000 of two whole numbers within 100000 pixels");
+    const Error malformed = BadInput("found no points, expected 1 to 5000 of two whole numbers within 100000 pixels");
     if (points == request_.end() || !points->is_array() || points->empty() || points->size() > kMaxPoints)
       return malformed;
     for (const Json& point : *points) {
@@ -341,8 +337,8 @@ class Decoder {
       stroke.points.push_back({*x, *y});
     }
     if (stroke.tool != PixelStroke::Tool::kLine && stroke.points.size() != 2)
-      return Malformed("found another number of points, expected the two corners of a rectangle");
-    if (WorkOf(stroke) > kMaxWork) return Malformed("found a stroke that is too long for so wide a brush");
+      return BadInput("found another number of points, expected the two corners of a rectangle");
+    if (WorkOf(stroke) > kMaxWork) return BadInput("found a stroke that is too long for so wide a brush");
     return stroke;
   }
 
@@ -555,7 +551,7 @@ Status CheckName(const std::string& name) {
                      std::none_of(name.begin(), name.end(),
                                   [](char c) { return c == '"' || c == '\\' || static_cast<unsigned char>(c) < 0x20; });
   if (plain) return {};
-  return Malformed("found the name " + Quoted(name) + ", expected 1 to 100 characters without quotes");
+  return BadInput("found the name " + Quoted(name) + ", expected 1 to 100 characters without quotes");
 }
 
 }  // namespace troupe

@@ -16,14 +16,10 @@
 namespace troupe {
 namespace {
 
-Error Refuse(std::string reason) {
-  return {{}, std::move(reason)};
-}
-
 Status CheckPose(const Pose& pose) {
   for (const double number : {pose.x, pose.y, pose.z, pose.heading}) {
-    if (!std::isfinite(number)) return Refuse("found a pose that is not finite");
-    if (std::abs(number) > kMaxMagnitude) return Refuse("found a pose beyond 1e6, expected one in the world");
+    if (!std::isfinite(number)) return BadInput("found a pose that is not finite");
+    if (std::abs(number) > kMaxMagnitude) return BadInput("found a pose beyond 1e6, expected one in the world");
   }
   return Status();
 }
@@ -93,7 +89,7 @@ Status CheckAboveGround(const EditedWorld& edited, ModelId root, const Pose& X_W
   std::ostringstream reason;
   reason << "'" << edited.scene->world().model(root).name << "' would be " << -lowest
          << " m below the ground, expected z of at least " << std::min(0.0, X_WE.z - lowest);
-  return Refuse(reason.str());
+  return BadInput(reason.str());
 }
 
 // Marks an error of a place that is taken.
@@ -110,7 +106,8 @@ Status CheckRoom(const EditedWorld& edited, ModelId root, const Pose& X_WE) {
   const std::optional<ModelId> obstacle = FindOverlap(*edited.scene, edited.state, root);
   if (!obstacle) return {};
   const WorldDescription& world = edited.scene->world();
-  return WithoutRoom(Refuse("'" + world.model(root).name + "' would be inside '" + world.model(*obstacle).name + "'"));
+  return WithoutRoom(
+      BadInput("'" + world.model(root).name + "' would be inside '" + world.model(*obstacle).name + "'"));
 }
 
 // Removes the tree of `root` from the description.
@@ -231,9 +228,9 @@ Result<ModelId> FindEntity(const WorldDescription& world, const std::string& nam
     const ModelDescription& model = world.models[i];
     if (model.removed || model.name != name) continue;
     if (!model.parent) return ModelId(i);
-    return Refuse("'" + name + "' is a part of '" + world.model(*model.parent).name + "', expected a whole entity");
+    return BadInput("'" + name + "' is a part of '" + world.model(*model.parent).name + "', expected a whole entity");
   }
-  return Refuse("the world has no entity '" + name + "'");
+  return BadInput("the world has no entity '" + name + "'");
 }
 
 Result<EditedWorld> SetPose(const std::shared_ptr<const Scene>& scene, const WorldState& state, const std::string& name,
@@ -335,9 +332,9 @@ Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const
   const auto entities = std::count_if(spawned.models.begin(), spawned.models.end(),
                                       [](const ModelDescription& model) { return !model.parent; });
   if (entities != 1) {
-    return Refuse("found " + std::to_string(entities) + " models to spawn, expected one, with its parts");
+    return BadInput("found " + std::to_string(entities) + " models to spawn, expected one, with its parts");
   }
-  if (name.empty()) return Refuse("found no name, expected one");
+  if (name.empty()) return BadInput("found no name, expected one");
   if (const Status valid = CheckPose(X_WE); !valid.ok()) return valid.error();
   Pose pose = X_WE;
   pose.heading = WrapAngle(pose.heading);
@@ -347,7 +344,7 @@ Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const
   for (std::size_t i = root.index(); i < world.models.size(); ++i) {
     // Of the children, too: "cart.wheel" may exist although "cart" does not.
     if (!IsNameFree(scene->world(), world.models[i].name)) {
-      return Refuse("the name '" + world.models[i].name + "' is in use");
+      return BadInput("the name '" + world.models[i].name + "' is in use");
     }
   }
   // The spawned world comes from a user's file: for instance two robots may want one ROS domain.

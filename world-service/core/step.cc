@@ -166,10 +166,6 @@ StepMemory MemoryFor(const Scene& scene, const WorldState& state, BodyIndex& bod
   return memory;
 }
 
-Error BadProposal(std::string reason) {
-  return {{}, std::move(reason)};
-}
-
 std::string ToText(const Twist& twist) {
   char text[128];
   std::snprintf(text, sizeof text, "(%.6g m/s, %.6g m/s, %.6g rad/s)", twist.vx, twist.vy, twist.wz);
@@ -186,30 +182,30 @@ Status CheckJointVelocities(const Scene& scene, const Proposal& proposal) {
     if (std::abs(velocities[i]) <= joint.max_speed * (1.0 + 1e-9)) continue;
     char text[96];
     std::snprintf(text, sizeof text, "%.6g, expected at most %.6g either way", velocities[i], joint.max_speed);
-    return BadProposal("found a velocity of joint '" + joint.name + "' of " + text);
+    return BadInput("found a velocity of joint '" + joint.name + "' of " + text);
   }
   if (velocities.size() == joints.size()) return Status();
-  return BadProposal("found velocities of " + std::to_string(velocities.size()) +
-                     " joints, expected none or those of the robot's " + std::to_string(joints.size()));
+  return BadInput("found velocities of " + std::to_string(velocities.size()) +
+                  " joints, expected none or those of the robot's " + std::to_string(joints.size()));
 }
 
 Status CheckRadioMessages(const WorldDescription& world, const Proposal& proposal) {
   for (const RadioMessage& message : proposal.messages) {
     if (!message.to || message.to->index() < world.robots.size()) continue;
-    return BadProposal("found a radio message to robot " + std::to_string(message.to->index()) + ", expected one of " +
-                       std::to_string(world.robots.size()) + " robots");
+    return BadInput("found a radio message to robot " + std::to_string(message.to->index()) + ", expected one of " +
+                    std::to_string(world.robots.size()) + " robots");
   }
   return CheckMessages(world.robot(proposal.robot), world.interval_seconds(), proposal.messages);
 }
 
 Status CheckTextAndOrders(const Scene& scene, const Proposal& proposal) {
   if (proposal.say.size() > kMaxSaidBytes) {
-    return BadProposal("found a text of " + std::to_string(proposal.say.size()) + " bytes, expected at most " +
-                       std::to_string(kMaxSaidBytes));
+    return BadInput("found a text of " + std::to_string(proposal.say.size()) + " bytes, expected at most " +
+                    std::to_string(kMaxSaidBytes));
   }
   // It is printed on terminals.
   if (!IsPlainLine(proposal.say)) {
-    return BadProposal("found a text with a control character or a byte that is not UTF-8, expected a line of UTF-8");
+    return BadInput("found a text with a control character or a byte that is not UTF-8, expected a line of UTF-8");
   }
   for (const Order& order : proposal.orders) {
     if (Status problem = CheckOrder(scene, proposal.robot, order); !problem.ok()) return problem;
@@ -300,18 +296,18 @@ Status ValidateProposal(const Scene& scene, const WorldState& state, const Propo
   TROUPE_CHECK(state.robots.size() == world.robots.size());
   const std::size_t index = proposal.robot.index();
   if (index >= world.robots.size()) {
-    return BadProposal("found robot " + std::to_string(index) + ", expected one of " +
-                       std::to_string(world.robots.size()) + " robots");
+    return BadInput("found robot " + std::to_string(index) + ", expected one of " +
+                    std::to_string(world.robots.size()) + " robots");
   }
-  if (!IsFinite(proposal.twist)) return BadProposal("found a twist that is not finite: " + ToText(proposal.twist));
+  if (!IsFinite(proposal.twist)) return BadInput("found a twist that is not finite: " + ToText(proposal.twist));
   const DriveDescription& drive = world.robots[index].drive;
   const Twist& current = state.robots[index].twist;
   const double seconds = world.interval_seconds();
   // An agent clamps by the same function (device_limits.h), so that only a faulty or hostile one is refused.
   if (!WithinLimits(drive, current, proposal.twist, seconds)) {
-    return BadProposal("found the twist " + ToText(proposal.twist) + " after " + ToText(current) +
-                       ", expected one within the drive's bounds: " +
-                       ToText(ClampToLimits(drive, current, proposal.twist, seconds)) + " is the nearest");
+    return BadInput("found the twist " + ToText(proposal.twist) + " after " + ToText(current) +
+                    ", expected one within the drive's bounds: " +
+                    ToText(ClampToLimits(drive, current, proposal.twist, seconds)) + " is the nearest");
   }
   if (Status problem = CheckJointVelocities(scene, proposal); !problem.ok()) return problem;
   if (Status problem = CheckRadioMessages(world, proposal); !problem.ok()) return problem;

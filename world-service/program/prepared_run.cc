@@ -6,10 +6,10 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <utility>
 
 #include "common/base/identity.h"
+#include "common/base/system_error.h"
 #include "recording/journal.h"
 #include "robot-agent/controller/create_controller.h"
 #include "ros/messages/names.h"
@@ -245,13 +245,13 @@ Result<SessionLock> SessionLock::Acquire(std::uint32_t domain, const std::string
   if (!address) return Error{{}, "the session name \"" + session + "\" is too long"};
 
   const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (descriptor < 0) return Failure(std::string("cannot make a socket: ") + std::strerror(errno));
+  if (descriptor < 0) return SystemError("cannot make a socket");
   SessionLock lock(descriptor);
   if (bind(descriptor, address->get(), address->length) == 0 && listen(descriptor, 16) == 0) {
     return lock;
   }
   if (errno != EADDRINUSE) {
-    return Failure("cannot lock session \"" + session + "\": " + std::strerror(errno));
+    return SystemError("cannot lock session \"" + session + "\"");
   }
   const pid_t holder = Listener(*address);
   return Failure("a world service runs in session \"" + session + "\" of domain " + std::to_string(domain) +

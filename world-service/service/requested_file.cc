@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +13,7 @@
 
 #include "common/base/file.h"
 #include "common/base/paths.h"
+#include "common/base/system_error.h"
 
 namespace troupe {
 namespace {
@@ -167,7 +166,7 @@ Result<std::shared_ptr<const RequestedText>> RequestedText::Write(const std::str
   std::string folder = (std::filesystem::temp_directory_path(no_folder) / "troupe-text-XXXXXX").string();
   std::shared_ptr<RequestedText> file(new RequestedText());  // before the folder, which it removes
   if (no_folder || mkdtemp(folder.data()) == nullptr) {
-    return Failure(std::string("cannot make a folder for the text: ") + std::strerror(errno));
+    return SystemError("cannot make a folder for the text");
   }
   file->folder_ = std::move(folder);
   const std::size_t first = text.find_first_not_of(" \t\r\n");

@@ -13,10 +13,6 @@ namespace {
 
 constexpr std::size_t kMaxOpen = 1000;  // requests; a hostile tool may send any number
 
-Error Refusal(std::string reason) {
-  return {{}, std::move(reason)};
-}
-
 bool IsOver(const LiveRun& run) {
   return run.phase == RunPhase::kEnding || run.phase == RunPhase::kOver;
 }
@@ -27,13 +23,13 @@ void RunControl::Execute(const control::Request& request, ControlReplyTo reply, 
   OpenRequest open{request, std::move(reply), std::move(world)};
   // Also when the run is over or too many requests are open: a tool can always ask.
   if (control::Is<control::GetStatus>(request)) return Accept(open);
-  if (IsOver(run_)) return Reply(open, Refusal("the run is over"));
+  if (IsOver(run_)) return Reply(open, BadInput("the run is over"));
   if (early_.size() + engine_.waiting_inputs() + queue_.size() + awaiting_pause_.size() >= kMaxOpen) {
-    return Reply(open, Refusal("too many requests are waiting"));
+    return Reply(open, BadInput("too many requests are waiting"));
   }
   if (const Status malformed = control::CheckRequest(request); !malformed.ok()) return Reply(open, malformed.error());
   if (control::Is<control::Change>(request)) {
-    return Reply(open, Refusal("controllers are changed when a run continues from a recording"));
+    return Reply(open, BadInput("controllers are changed when a run continues from a recording"));
   }
   // Checked twice: here, so that a wrong tick does not pause the run, and when the request is executed, because an edit
   // before it in the queue may have changed the tick.
@@ -43,7 +39,7 @@ void RunControl::Execute(const control::Request& request, ControlReplyTo reply, 
   }
   if (const auto* const restore = std::get_if<control::Restore>(&request)) {
     open.world = {editor_.Deleted(restore->source)};
-    if (open.world.world == nullptr) return Reply(open, Refusal("no entity '" + restore->source + "' was deleted"));
+    if (open.world.world == nullptr) return Reply(open, BadInput("no entity '" + restore->source + "' was deleted"));
     // From here on a restored entity is a spawned one, with its description in place of a file. The recording has the
     // spawn.
     open.request = control::Spawn{.source = restore->source,
@@ -57,7 +53,7 @@ void RunControl::Execute(const control::Request& request, ControlReplyTo reply, 
       return ExecuteInput(std::move(open), now);
     case RequestKind::kQuestion:
       if (const auto* const query = std::get_if<control::Entities>(&request)) return Reply(open, Entities(*query));
-      return Reply(open, Refusal("the service cannot read files here"));
+      return Reply(open, BadInput("the service cannot read files here"));
     case RequestKind::kTime:
       break;
   }
@@ -70,7 +66,7 @@ void RunControl::Execute(const control::Request& request, ControlReplyTo reply, 
 }
 
 Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
-  if (!speed && run_.realtime()) return Refusal("mode realtime needs a speed");
+  if (!speed && run_.realtime()) return BadInput("mode realtime needs a speed");
   engine_.SetSpeed(speed, now);
   // A service that continues the run keeps its speed.
   if (run_.phase == RunPhase::kRunning) engine_.ReportProgress(now);
@@ -78,9 +74,9 @@ Status RunControl::SetSpeed(const std::optional<double>& speed, double now) {
 }
 
 Status RunControl::CommandRobot(const control::CommandRobot& request, double now) {
-  if (run_.phase == RunPhase::kGathering) return Refusal("the run has not begun; no robot can be commanded before");
+  if (run_.phase == RunPhase::kGathering) return BadInput("the run has not begun; no robot can be commanded before");
   const std::optional<RobotId> robot = FindRobot(run_.world(), request.name);
-  if (!robot) return Refusal("the world has no robot '" + request.name + "'");
+  if (!robot) return BadInput("the world has no robot '" + request.name + "'");
   RobotCommand command{*robot, request.twist, request.grippers, request.goal};
   // A goal without waypoints is a cancellation; the check below accepts none, so it is set aside for the check.
   const bool cancels_goal = command.goal && command.goal->waypoints.empty();
@@ -89,7 +85,7 @@ Status RunControl::CommandRobot(const control::CommandRobot& request, double now
   const std::string& controller = run_.world().robot(*robot).controller.name;
   const auto known = run_.accepts_goals.find(controller);
   if (command.goal && known != run_.accepts_goals.end() && !known->second) {
-    return Refusal("the controller of '" + request.name + "' (" + controller + ") accepts no goals");
+    return BadInput("the controller of '" + request.name + "' (" + controller + ") accepts no goals");
   }
   if (cancels_goal) command.goal.emplace();
   engine_.AddCommand(command, request.ticks);
@@ -98,7 +94,7 @@ Status RunControl::CommandRobot(const control::CommandRobot& request, double now
 }
 
 void RunControl::ExecuteInput(OpenRequest open, double now) {
-  if (!has_begun()) return Reply(open, Refusal("the run has not begun; nothing can be changed before"));
+  if (!has_begun()) return Reply(open, BadInput("the run has not begun; nothing can be changed before"));
   // A run that is continued: its inputs wait until the agents have rejoined, rather than being refused by chance.
   if (run_.phase == RunPhase::kGathering) return early_.push_back(std::move(open));
   ReplyWith(open, AddInput(open.request, now));
@@ -133,7 +129,7 @@ void RunControl::Pause(OpenRequest pause, double now) {
 
 void RunControl::Play(const OpenRequest& play, double now) {
   // Each request is answered once: those that waited for the pause would wait without end.
-  const Error superseded = Refusal("the run was set to play");
+  const Error superseded = BadInput("the run was set to play");
   for (const OpenRequest& waiting : std::exchange(awaiting_pause_, {})) Reply(waiting, superseded);
   std::erase_if(queue_, [&](const OpenRequest& waiting) {
     if (!control::Is<control::Step>(waiting.request)) return false;
@@ -152,13 +148,13 @@ void RunControl::Play(const OpenRequest& play, double now) {
 }
 
 void RunControl::EnqueueStep(OpenRequest step, double now) {
-  if (playing()) return Reply(step, Refusal("the run is playing; only a paused one can step"));
+  if (playing()) return Reply(step, BadInput("the run is playing; only a paused one can step"));
   Enqueue(std::move(step), now);
 }
 
 void RunControl::EnqueueEdit(OpenRequest edit, double now) {
   if (!has_begun()) {
-    return Reply(edit, Refusal("the run has not begun; nothing can be changed before"));
+    return Reply(edit, BadInput("the run has not begun; nothing can be changed before"));
   }
   if (!engine_.ticks_to_pause()) {
     engine_.SetPlayAfterEdits(true);
@@ -173,7 +169,7 @@ void RunControl::Enqueue(OpenRequest open, double now) {
 }
 
 void RunControl::Advance(double now) {
-  if (IsOver(run_)) return RefuseAll(Refusal("the run is over"));
+  if (IsOver(run_)) return RefuseAll(BadInput("the run is over"));
   if (run_.phase == RunPhase::kRunning) {
     for (const OpenRequest& open : std::exchange(early_, {})) ReplyWith(open, AddInput(open.request, now));
   }
@@ -190,7 +186,7 @@ void RunControl::ReplyToWaiting() {
     if (step != nullptr && made == step->ticks && !engine_.released()) {
       awaiting_pause_.push_back(std::move(open));  // its last tick is still awaited
     } else if (step != nullptr && made < step->ticks) {
-      Reply(open, Refusal("paused after " + std::to_string(made) + " of " + std::to_string(step->ticks) + " ticks"));
+      Reply(open, BadInput("paused after " + std::to_string(made) + " of " + std::to_string(step->ticks) + " ticks"));
     } else {
       Accept(open);
     }
@@ -233,11 +229,11 @@ void RunControl::StartStep(OpenRequest step, double now) {
 
 Status RunControl::CheckRewind(const control::Rewind& rewind) const {
   if (!run_.options.has_history) {
-    return Refusal("the run keeps no recording to be rewound by; start it with --record FILE.mcap");
+    return BadInput("the run keeps no recording to be rewound by; start it with --record FILE.mcap");
   }
   if (rewind.tick <= run_.frame.state.tick) return {};
-  return Refusal("found tick " + std::to_string(rewind.tick) + ", expected at most " +
-                 std::to_string(run_.frame.state.tick) + ", the tick of the run");
+  return BadInput("found tick " + std::to_string(rewind.tick) + ", expected at most " +
+                  std::to_string(run_.frame.state.tick) + ", the tick of the run");
 }
 
 void RunControl::AdvanceRewind(double now) {
