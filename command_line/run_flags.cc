@@ -150,11 +150,11 @@ void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& grou
       ->type_name("N")
       ->group(group);
   AddOverride(
-      app, "--mode", overrides.mode, [](const std::string& word) { return *ParseMode(word); },
+      app, "--mode", overrides.mode, [](const std::string& word) { return *FindByName<Mode>(word); },
       "lockstep (default): each tick waits for all robots, and every run gives the same result; realtime: no tick "
       "waits "
       "for a late robot")
-      ->check(OneOf({kModeWords.begin(), kModeWords.end()}))
+      ->check(OneOf(AllNames<Mode>()))
       ->type_name("MODE")
       ->group(group);
   AddOverride(
@@ -164,10 +164,11 @@ void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& grou
       ->type_name("X|max")
       ->group(group);
   AddOverride(
-      app, "--on-agent-loss", overrides.on_agent_loss, [](const std::string& word) { return *ParseOnAgentLoss(word); },
+      app, "--on-agent-loss", overrides.on_agent_loss,
+      [](const std::string& word) { return *FindByName<OnAgentLoss>(word); },
       "When a robot's process is lost: freeze the robot (default), pause the run until the robot rejoins, abort the "
       "run, or rebuild the memory of the robot's controller and continue as if nothing had happened")
-      ->check(OneOf({kOnAgentLossWords.begin(), kOnAgentLossWords.end()}))
+      ->check(OneOf(AllNames<OnAgentLoss>()))
       ->type_name("POLICY")
       ->group(group);
 }
@@ -175,10 +176,10 @@ void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& grou
 std::vector<std::string> RunArguments(const RunOverrides& overrides) {
   std::vector<std::string> arguments;
   if (overrides.ticks) arguments.push_back(fmt::format("--ticks={}", *overrides.ticks));
-  if (overrides.mode) arguments.push_back("--mode=" + ToString(*overrides.mode));
+  if (overrides.mode) arguments.push_back(std::string("--mode=") + NameOf(*overrides.mode));
   if (overrides.speed) arguments.push_back("--speed=" + ToString(*overrides.speed));
   if (overrides.is_watched) arguments.emplace_back("--watched");
-  if (overrides.on_agent_loss) arguments.push_back("--on-agent-loss=" + ToString(*overrides.on_agent_loss));
+  if (overrides.on_agent_loss) arguments.push_back(std::string("--on-agent-loss=") + NameOf(*overrides.on_agent_loss));
   if (overrides.robots_per_process) {
     arguments.push_back(fmt::format("--robots-per-process={}", *overrides.robots_per_process));
   }

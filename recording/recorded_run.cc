@@ -25,8 +25,8 @@ namespace {
 constexpr auto kEventLeaves = dds::WithoutFirst(kLeaves<Event>);  // the tick is that of the recorded tick
 
 Result<RunSettings> SettingsFromWire(const troupe_wire_RecordedRun& wire) {
-  // The bytes are of unknown origin: an enumerator indexes a table of words later.
-  if (wire.mode >= kModeWords.size() || wire.on_agent_loss >= kOnAgentLossWords.size()) {
+  if (static_cast<Mode>(wire.mode) > LastOf(Mode()) ||
+      static_cast<OnAgentLoss>(wire.on_agent_loss) > LastOf(OnAgentLoss())) {
     return BadInput("recorded run with an unknown mode or on_agent_loss");
   }
   if (!(std::isfinite(wire.speed) && wire.speed >= 0.0 && wire.agent_deadline >= 0.0)) {

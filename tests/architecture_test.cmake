@@ -3,7 +3,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 # The public headers that belong to a folder of the sources: its rules hold for them.
-set(public_headers_of_common/base check deterministic_math fields ids random result shared)
+set(public_headers_of_common/base check deterministic_math enum_names fields ids random result shared)
 set(public_headers_of_common/geometry polygon pose rectangle vec2 z_range)
 set(public_headers_of_common/bitmap bitmap dense_cover pixel_area rectangle_cover)
 set(public_headers_of_common/model

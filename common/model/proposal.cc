@@ -61,56 +61,6 @@ Status CheckParts(const WorldDescription& world, const RobotCommand& command) {
 
 }  // namespace
 
-const char* ToString(EventType type) {
-  switch (type) {
-    case EventType::kStallBegan:
-      return "stall_began";
-    case EventType::kStallEnded:
-      return "stall_ended";
-    case EventType::kJoined:
-      return "joined";
-    case EventType::kLeft:
-      return "left";
-    case EventType::kProposalRejected:
-      return "proposal_rejected";
-    case EventType::kBlocked:
-      return "blocked";
-    case EventType::kGripped:
-      return "gripped";
-    case EventType::kReleased:
-      return "released";
-    case EventType::kLanded:
-      return "landed";
-    case EventType::kUnstable:
-      return "unstable";
-    case EventType::kOutOfEnergy:
-      return "out_of_energy";
-    case EventType::kSaid:
-      return "said";
-    case EventType::kReported:
-      return "reported";
-    case EventType::kDoorOpened:
-      return "door_opened";
-    case EventType::kDoorClosed:
-      return "door_closed";
-    case EventType::kDoorBlocked:
-      return "door_blocked";
-    case EventType::kLiftLeft:
-      return "lift_left";
-    case EventType::kLiftArrived:
-      return "lift_arrived";
-    case EventType::kLiftBlocked:
-      return "lift_blocked";
-    case EventType::kPersonBoarded:
-      return "person_boarded";
-    case EventType::kPersonAlighted:
-      return "person_alighted";
-    case EventType::kPersonArrived:
-      return "person_arrived";
-  }
-  return "unknown";
-}
-
 Status CheckRobotCommand(const WorldDescription& world, const RobotCommand& command) {
   if (command.robot.index() >= world.robots.size() || !RobotExists(world, command.robot)) {
     return Error{{}, "found a command to a robot that the world does not have"};

@@ -109,22 +109,6 @@ bool HaveSameRows(const WorldState& a, const WorldState& b) {
   return same;
 }
 
-const char* NameOf(ObjectMode mode) {
-  switch (mode) {
-    case ObjectMode::kPlaced:
-      return "placed";
-    case ObjectMode::kResting:
-      return "resting";
-    case ObjectMode::kFalling:
-      return "falling";
-    case ObjectMode::kHeld:
-      return "held";
-    case ObjectMode::kMounted:
-      return "mounted";
-  }
-  return "";
-}
-
 std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object) {
   return object.holder ? world.gripper(*object.holder).model : object.support;
 }

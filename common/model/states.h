@@ -39,8 +39,6 @@ bool HaveSameRows(const WorldState& a, const WorldState& b);
 // hashes are the same at every tick.
 std::uint64_t StateHash(const WorldState& state);
 
-// "placed", "resting", "falling", "held" or "mounted".
-const char* NameOf(ObjectMode mode);
 // The model that holds or supports an object; nothing on the ground.
 std::optional<ModelId> CarrierOf(const WorldDescription& world, const ObjectState& object);
 

@@ -2,19 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 namespace troupe {
 namespace {
-
-template <typename Value, std::size_t kCount>
-std::optional<Value> Parse(const std::array<std::string_view, kCount>& words, std::string_view word) {
-  const auto found = std::find(words.begin(), words.end(), word);
-  if (found == words.end()) return std::nullopt;
-  return static_cast<Value>(found - words.begin());
-}
 
 template <typename T>
 void Replace(T& setting, const std::optional<T>& value) {
@@ -23,24 +15,8 @@ void Replace(T& setting, const std::optional<T>& value) {
 
 }  // namespace
 
-std::string ToString(Mode mode) {
-  return std::string(kModeWords.at(static_cast<std::size_t>(mode)));
-}
-
-std::string ToString(OnAgentLoss policy) {
-  return std::string(kOnAgentLossWords.at(static_cast<std::size_t>(policy)));
-}
-
 std::string ToString(const Speed& speed) {
   return speed ? fmt::format("{}", *speed) : "max";
-}
-
-std::optional<Mode> ParseMode(std::string_view word) {
-  return Parse<Mode>(kModeWords, word);
-}
-
-std::optional<OnAgentLoss> ParseOnAgentLoss(std::string_view word) {
-  return Parse<OnAgentLoss>(kOnAgentLossWords, word);
 }
 
 Result<Speed> ParseSpeed(std::string_view text) {

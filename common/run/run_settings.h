@@ -15,32 +15,33 @@
 #include <string_view>
 #include <vector>
 
+#include "troupe/enum_names.h"
 #include "troupe/result.h"
 
 namespace troupe {
 
 enum class Mode : std::uint8_t { kLockstep, kRealtime };
+constexpr auto NamesOf(Mode) {
+  return std::array{"lockstep", "realtime"};
+}
+
 enum class OnAgentLoss : std::uint8_t { kFreeze, kPause, kAbort, kRebuild };
+constexpr auto NamesOf(OnAgentLoss) {
+  return std::array{"freeze", "pause", "abort", "rebuild"};
+}
 
 // When the world service dies: another one continues the run, or the run ends.
 enum class OnServiceLoss : std::uint8_t { kRestart, kEnd };
-inline constexpr std::array<std::string_view, 2> kOnServiceLossWords = {"restart", "end"};
+constexpr auto NamesOf(OnServiceLoss) {
+  return std::array{"restart", "end"};
+}
 
 // A multiple of real time; nothing: as fast as possible.
 using Speed = std::optional<double>;
 
-// Their words in scenarios and on command lines, in the order of the values.
-inline constexpr std::array<std::string_view, 2> kModeWords = {"lockstep", "realtime"};
-inline constexpr std::array<std::string_view, 4> kOnAgentLossWords = {"freeze", "pause", "abort", "rebuild"};
-
-std::string ToString(Mode mode);
-std::string ToString(OnAgentLoss policy);
 // "max", or the shortest number that reads back as the same value.
 std::string ToString(const Speed& speed);
 
-// Nothing for any other word.
-std::optional<Mode> ParseMode(std::string_view word);
-std::optional<OnAgentLoss> ParseOnAgentLoss(std::string_view word);
 // Reads a finite number above 0, or "max". The message of the error states the text found and the text expected.
 Result<Speed> ParseSpeed(std::string_view text);
 

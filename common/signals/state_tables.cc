@@ -85,11 +85,7 @@ StateTable MakeTable(const Field<WorldState, std::vector<Row>>& table) {
       };
     }
     if constexpr (std::is_enum_v<Value>) {
-      signal.possible = [](const WorldDescription&) {
-        std::vector<std::string> texts;
-        for (int i = 0; i <= static_cast<int>(LastOf(Value())); ++i) texts.emplace_back(NameOf(static_cast<Value>(i)));
-        return texts;
-      };
+      signal.possible = [](const WorldDescription&) { return AllNames<Value>(); };
     }
     made.signals.push_back(std::move(signal));
   });

@@ -90,28 +90,6 @@ constexpr std::int64_t kOldest = 5'000'000'000;  // older windows say nothing ab
 
 }  // namespace
 
-const char* ToString(TickPhase phase) {
-  switch (phase) {
-    case TickPhase::kWait:
-      return "wait";
-    case TickPhase::kStep:
-      return "step";
-    case TickPhase::kPublish:
-      return "publish";
-    case TickPhase::kRecord:
-      return "record";
-    case TickPhase::kApply:
-      return "apply";
-    case TickPhase::kSense:
-      return "sense";
-    case TickPhase::kDecide:
-      return "decide";
-    case TickPhase::kSend:
-      return "send";
-  }
-  return "?";
-}
-
 Result<TraceOptions> ParseTraceTicks(const std::string& text) {
   TraceOptions options;
   const std::size_t colon = text.find(':');
@@ -164,7 +142,7 @@ TraceLane* TickTrace::AddLane() {
 void TickTrace::Write(std::size_t lane) {
   for (const TraceLane::Span& span : lanes_[lane]->done_) {
     const std::string robot = span.robot && span.robot->index() < robots_.size() ? robots_[span.robot->index()] : "";
-    file_.Write(ToString(span.phase), lane, span.begin, span.end, span.tick, robot);
+    file_.Write(NameOf(span.phase), lane, span.begin, span.end, span.tick, robot);
   }
   lanes_[lane]->done_.clear();
 }

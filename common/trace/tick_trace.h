@@ -69,7 +69,9 @@ enum class TickPhase : std::uint8_t {
   kDecide,   // agent: its controller, gripper and drive
   kSend,     // agent: sending the proposal
 };
-const char* ToString(TickPhase phase);
+constexpr auto NamesOf(TickPhase) {
+  return std::array{"wait", "step", "publish", "record", "apply", "sense", "decide", "send"};
+}
 
 struct TraceOptions {
   std::string file;  // empty: no trace

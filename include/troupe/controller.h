@@ -53,12 +53,18 @@ enum class FingerState : std::uint8_t {
   kClosed,  // they cannot close further: on an object, on another contact, or on each other; or they stay half open
   kOpening,
 };
+constexpr auto NamesOf(FingerState) {
+  return std::array{"open", "closing", "closed", "opening"};
+}
 
 enum class FingerCommand : std::uint8_t {
   kOpen,
   kClose,
   kStay,  // at their positions, with the object that they hold
 };
+constexpr auto NamesOf(FingerCommand) {
+  return std::array{"open", "close", "stay"};
+}
 
 struct GripperReading {
   FingerState fingers = FingerState::kOpen;

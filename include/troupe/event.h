@@ -3,9 +3,11 @@
 // Events tell, they decide nothing: a run without observers has the same states.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
+#include "troupe/enum_names.h"
 #include "troupe/fields.h"
 #include "troupe/ids.h"
 
@@ -40,8 +42,12 @@ enum class EventType : std::uint8_t {
 constexpr bool IsOfBuilding(EventType type) {
   return type >= EventType::kDoorOpened;
 }
-constexpr EventType LastOf(EventType) {
-  return EventType::kPersonArrived;
+constexpr auto NamesOf(EventType) {
+  return std::array{"stall_began",     "stall_ended",   "joined",       "left",         "proposal_rejected",
+                    "blocked",         "gripped",       "released",     "landed",       "unstable",
+                    "out_of_energy",   "said",          "reported",     "door_opened",  "door_closed",
+                    "door_blocked",    "lift_left",     "lift_arrived", "lift_blocked", "person_boarded",
+                    "person_alighted", "person_arrived"};
 }
 
 struct Event {
@@ -63,8 +69,5 @@ struct Event {
     };
   }
 };
-
-// "stall_began", ...
-const char* ToString(EventType type);
 
 }  // namespace troupe

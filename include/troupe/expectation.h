@@ -88,7 +88,9 @@ enum class Verdict : std::uint8_t {
   kTrue,
   kFalse,
 };
-const char* ToString(Verdict verdict);  // "undecided", "true", "false"
+constexpr auto NamesOf(Verdict) {
+  return std::array{"undecided", "true", "false"};
+}
 
 // The time that a monitor needs for a tick does not depend on the lengths of intervals or of the run, on average over
 // the ticks. Its memory grows with the longest interval, and with the run by a number for each tick (the history) and,

@@ -69,8 +69,8 @@ struct LaneDoor {
 };
 
 enum class LaneFacing : std::uint8_t { kAny = 0, kForward = 1, kBackward = 2 };
-constexpr LaneFacing LastOf(LaneFacing) {
-  return LaneFacing::kBackward;
+constexpr auto NamesOf(LaneFacing) {
+  return std::array{"any", "forward", "backward"};
 }
 
 struct Lane {

@@ -20,7 +20,7 @@ namespace troupe {
 
 // For the output of a failed test: the formula, the verdict, the tick and the robots that decide it.
 inline void PrintTo(const Monitor& monitor, std::ostream* out) {
-  *out << "\"" << monitor.expectation().formula() << "\", which is " << ToString(monitor.verdict());
+  *out << "\"" << monitor.expectation().formula() << "\", which is " << NameOf(monitor.verdict());
   if (const std::optional<Tick> tick = monitor.decided_at()) *out << " since tick " << *tick;
   const Interval bounds = monitor.robustness_bounds();
   *out << ", robustness " << bounds.min;
@@ -106,8 +106,8 @@ class VerdictMatcher {
   bool MatchAndExplain(const Result<Monitor>& result, std::ostream* out) const {
     return result.ok() && MatchAndExplain(result.value(), out);
   }
-  void DescribeTo(std::ostream* out) const { *out << "is an expectation that is " << ToString(verdict_); }
-  void DescribeNegationTo(std::ostream* out) const { *out << "is no expectation that is " << ToString(verdict_); }
+  void DescribeTo(std::ostream* out) const { *out << "is an expectation that is " << NameOf(verdict_); }
+  void DescribeNegationTo(std::ostream* out) const { *out << "is no expectation that is " << NameOf(verdict_); }
 
  private:
   Verdict verdict_;

@@ -207,8 +207,8 @@ enum class DriveType : std::uint8_t {
   kOmni,          // vx, vy, wz
   kCar,           // speed and steering angle; the twist is vx, wz
 };
-constexpr DriveType LastOf(DriveType) {
-  return DriveType::kCar;
+constexpr auto NamesOf(DriveType) {
+  return std::array{"differential", "omni", "car"};
 }
 
 // Bounds of each component of a twist (m/s, m/s, rad/s) or of its rate of change (m/s^2, m/s^2, rad/s^2).
@@ -247,8 +247,8 @@ enum class LocalizationType : std::uint8_t {
   kGps,       // the pose estimate is the true pose
   kOdometry,  // the pose estimate adds up motion, with errors
 };
-constexpr LocalizationType LastOf(LocalizationType) {
-  return LocalizationType::kOdometry;
+constexpr auto NamesOf(LocalizationType) {
+  return std::array{"gps", "odometry"};
 }
 
 struct LocalizationDescription {
@@ -274,8 +274,8 @@ enum class JointType : std::uint8_t {
   kPrismatic,  // shifts the model along the axis
   kRevolute,   // turns it about the vertical through its origin
 };
-constexpr JointType LastOf(JointType) {
-  return JointType::kRevolute;
+constexpr auto NamesOf(JointType) {
+  return std::array{"prismatic", "revolute"};
 }
 
 // One degree of freedom of a robot: its model, with everything below, moves relative to the parent. At position q the
@@ -500,8 +500,8 @@ enum class PersonReaction : std::uint8_t {
   kScared = 2,    // keeps away from it
   kCareless = 3,  // ignores it, and only stops at a contact
 };
-constexpr PersonReaction LastOf(PersonReaction) {
-  return PersonReaction::kCareless;
+constexpr auto NamesOf(PersonReaction) {
+  return std::array{"regular", "curious", "scared", "careless"};
 }
 
 // A goal set that may follow another one.

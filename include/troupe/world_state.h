@@ -67,8 +67,8 @@ enum class ObjectMode : std::uint8_t {
   kHeld = 3,
   kMounted = 4,  // a leaf of a door or the cabin of a lift: it neither falls nor can be held
 };
-constexpr ObjectMode LastOf(ObjectMode) {
-  return ObjectMode::kMounted;
+constexpr auto NamesOf(ObjectMode) {
+  return std::array{"placed", "resting", "falling", "held", "mounted"};
 }
 
 struct ObjectState {

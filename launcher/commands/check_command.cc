@@ -25,18 +25,6 @@
 namespace troupe {
 namespace {
 
-const char* NameOf(DriveType type) {
-  switch (type) {
-    case DriveType::kDifferential:
-      return "differential";
-    case DriveType::kOmni:
-      return "omnidirectional";
-    case DriveType::kCar:
-      return "car";
-  }
-  return "";
-}
-
 // "1 ray", "2 rays"
 std::string Count(std::size_t number, const char* noun) {
   return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
@@ -112,8 +100,8 @@ std::string DescribeSettings(const LoadedWorld& loaded) {
   if (settings.speed != settings.watched_speed)
     speed += fmt::format(", {} with a viewer", text(settings.watched_speed));
   return fmt::format("run: {}, {} s a tick, seed {}, {}, {}, on_agent_loss {}, {} per process\n", ticks,
-                     static_cast<double>(loaded.world.interval_ns) / 1e9, loaded.world.seed, ToString(settings.mode),
-                     speed, ToString(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));
+                     static_cast<double>(loaded.world.interval_ns) / 1e9, loaded.world.seed, NameOf(settings.mode),
+                     speed, NameOf(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));
 }
 
 std::string DescribeLevel(const SiteLevel& level) {

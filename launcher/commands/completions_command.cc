@@ -67,7 +67,7 @@ CommandInfo Describe(CLI::App& command, const std::string& around) {
 }
 
 // The last word of its path.
-std::string NameOf(const CommandInfo& command) {
+std::string WordOf(const CommandInfo& command) {
   return command.path.substr(command.path.rfind(' ') + 1);
 }
 
@@ -96,7 +96,7 @@ std::string Bash(const CommandInfo& troupe) {
   for (const CommandInfo* command : AllOf(troupe)) {
     if (command != &troupe) commands.push_back('"' + command->path + '"');
     std::vector<std::string> choices;
-    for (const CommandInfo& child : command->commands) choices.push_back(NameOf(child));
+    for (const CommandInfo& child : command->commands) choices.push_back(WordOf(child));
     for (const OptionInfo& option : command->options) {
       if (option.names.empty() && !option.words.empty()) choices.push_back(option.words);
       for (const std::string& name : option.names) {
@@ -162,7 +162,7 @@ std::string ZshFunction(const CommandInfo& command) {
   if (!command.commands.empty()) {
     text += "  local -a commands=(\n";
     for (const CommandInfo& child : command.commands) {
-      text += fmt::format("    '{}:{}'\n", NameOf(child), Quoted(child.help, kZshSpecial));
+      text += fmt::format("    '{}:{}'\n", WordOf(child), Quoted(child.help, kZshSpecial));
     }
     text += "  )\n";
   }
@@ -206,7 +206,7 @@ std::string FishCondition(const CommandInfo& command) {
   }
   if (command.commands.empty()) return condition;
   std::vector<std::string> names;
-  for (const CommandInfo& child : command.commands) names.push_back(NameOf(child));
+  for (const CommandInfo& child : command.commands) names.push_back(WordOf(child));
   return fmt::format("{}not __fish_seen_subcommand_from {}", condition.empty() ? "" : condition + "; and ",
                      fmt::join(names, " "));
 }
@@ -217,7 +217,7 @@ std::string Fish(const CommandInfo& troupe) {
   for (const CommandInfo* command : AllOf(troupe)) {
     const std::string condition = FishCondition(*command);
     for (const CommandInfo& child : command->commands) {
-      text += fmt::format("complete -c troupe -n '{}' -a {} -d '{}'\n", condition, NameOf(child), Quoted(child.help));
+      text += fmt::format("complete -c troupe -n '{}' -a {} -d '{}'\n", condition, WordOf(child), Quoted(child.help));
     }
     for (const OptionInfo& option : command->options) {
       if (option.names.empty()) {

@@ -25,18 +25,6 @@ struct CtlOptions {
   bool lists_agents = false;     // of the entities
 };
 
-const char* Word(EntityKind kind) {
-  switch (kind) {
-    case EntityKind::kRobot:
-      return "robot";
-    case EntityKind::kObject:
-      return "object";
-    case EntityKind::kModel:
-      return "model";
-  }
-  return "";
-}
-
 // The pose of the command line. Without a height an entity keeps the one that it has.
 Status SetPoseOfRequest(const CtlOptions& options, ControlClient& client, control::Request& request) {
   if (options.pose.empty()) return Status();
@@ -68,7 +56,7 @@ Result<ControlReply> SendRequest(const CtlOptions& options) {
 
 void Print(const EntityReport& entity) {
   const Pose& X_WE = entity.X_WE;
-  PrintPlain(stdout, "{:<6} {:<24} {:<12} {:.3f},{:.3f},{:.3f},{:.2f}\n", Word(entity.kind), entity.name, entity.type,
+  PrintPlain(stdout, "{:<6} {:<24} {:<12} {:.3f},{:.3f},{:.3f},{:.2f}\n", NameOf(entity.kind), entity.name, entity.type,
              X_WE.x, X_WE.y, X_WE.z, RadiansToDegrees(X_WE.heading));
 }
 
@@ -94,7 +82,7 @@ void Print(const control::Request& request, const ControlReply& reply) {
   }
   for (const EntityReport& entity : reply.entities) Print(entity);
   if (control::Is<control::Entities>(request)) return;
-  PrintPlain(stdout, "{} tick {} hash {:016x}", ToString(reply.state), reply.tick, reply.state_hash);
+  PrintPlain(stdout, "{} tick {} hash {:016x}", NameOf(reply.state), reply.tick, reply.state_hash);
   if (reply.edition > 0) PrintPlain(stdout, " edition {}", reply.edition);
   PrintPlain(stdout, "\n");
 }

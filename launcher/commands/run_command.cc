@@ -59,7 +59,7 @@ Status CheckRosOptions(const RunOptions& options) {
   if (clients && *clients != ros::ServiceClients::kCyclone && !ros::HasFastDds()) {
     return Error{{},
                  fmt::format("--ros-services: found '{}', expected cyclone: Troupe was built without Fast DDS",
-                             ros::ToString(*clients))};
+                             NameOf(*clients))};
   }
   const bool is_open = security.fault.empty() && security.strategy == ros::SecurityStrategy::kOff;
   const bool is_valid =

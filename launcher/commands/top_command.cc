@@ -96,21 +96,8 @@ int TopCommand(const TopOptions& options) {
 constexpr double kNoticeable = 1e-9;  // m/s and rad/s
 
 enum class State : std::uint8_t { kLost, kLate, kStalled, kMoving, kIdle };
-
-const char* ToString(State state) {
-  switch (state) {
-    case State::kLost:
-      return "no agent";
-    case State::kLate:
-      return "late";
-    case State::kStalled:
-      return "stalled";
-    case State::kMoving:
-      return "moving";
-    case State::kIdle:
-      return "idle";
-  }
-  return "";
+constexpr auto NamesOf(State) {
+  return std::array{"no agent", "late", "stalled", "moving", "idle"};
 }
 
 using Row = std::array<std::string, 8>;
@@ -264,7 +251,7 @@ std::string SessionTop::Text(std::size_t rows) {
     const auto& [state, index] = robots[i];
     const RobotState& robot = frame_->state.robots[index];
     text += fmt::format("{:<20} {:<9} {:>9.3f} {:>9.3f} {:>8.1f} {:>7.2f}  {}\n", world.robots[index].name,
-                        ToString(state), robot.X_WR.x, robot.X_WR.y, RadiansToDegrees(robot.X_WR.heading),
+                        NameOf(state), robot.X_WR.x, robot.X_WR.y, RadiansToDegrees(robot.X_WR.heading),
                         std::hypot(robot.twist.vx, robot.twist.vy), world.robots[index].controller.name);
   }
   return text;

@@ -167,7 +167,7 @@ class CsvExport final : public RunExport {
     };
     for (const Event& event : world.events()) {
       const std::string robot = event.robot ? description.robot(*event.robot).name : std::string();
-      Status status = events_->Add(time, event.tick, ToString(event.type), robot, name(event.object), name(event.other),
+      Status status = events_->Add(time, event.tick, NameOf(event.type), robot, name(event.object), name(event.other),
                                    event.detail);
       if (!status.ok()) return status;
     }

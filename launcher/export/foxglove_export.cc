@@ -65,8 +65,7 @@ class FoxgloveExport final : public RunExport {
 
   Status Write(const foxglove::Channel& channel, const std::string& text, std::uint64_t time) {
     const std::uint16_t topic = file_.FindTopic(channel.topic, [&]() -> McapFile::Topic {
-      return {
-          channel.topic, {foxglove::SchemaName(channel.kind), "jsonschema", foxglove::Schema(channel.kind)}, "json"};
+      return {channel.topic, {NameOf(channel.kind), "jsonschema", foxglove::Schema(channel.kind)}, "json"};
     });
     return file_.Write(topic, time, std::as_bytes(std::span(text)));
   }

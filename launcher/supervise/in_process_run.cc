@@ -132,7 +132,7 @@ class ProgressObserver : public RunObserver {
   }
   void OnStatus(const StatusMessage& status) override { progress_.Update(status); }
   void OnEvent(const Event& event, const std::string& text) override {
-    progress_.TellEvent(event.tick, ToString(event.type), text);
+    progress_.TellEvent(event.tick, NameOf(event.type), text);
   }
   void OnNotice(const std::string& text) override { progress_.Tell(text); }
 

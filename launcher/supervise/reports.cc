@@ -193,14 +193,12 @@ void Progress::Update(const StatusMessage& status) {
 }
 
 void Progress::TellEvent(Tick tick, const std::string& event, const std::string& text) {
-  bool is_frequent = event == ToString(EventType::kStallBegan) || event == ToString(EventType::kStallEnded);
-  for (int i = 0; i <= static_cast<int>(LastOf(EventType())); ++i) {
-    const auto type = static_cast<EventType>(i);
-    is_frequent = is_frequent || (IsOfBuilding(type) && event == ToString(type));
-  }
+  const std::optional<EventType> type = FindByName<EventType>(event);
+  const bool is_frequent =
+      type && (type == EventType::kStallBegan || type == EventType::kStallEnded || IsOfBuilding(*type));
   // Agents that join at tick 0 begin the run, unless one has been lost since.
-  const bool start = tick == 0 && event == ToString(EventType::kJoined) && !has_lost_agent_;
-  has_lost_agent_ = has_lost_agent_ || event == ToString(EventType::kLeft);
+  const bool start = tick == 0 && type == EventType::kJoined && !has_lost_agent_;
+  has_lost_agent_ = has_lost_agent_ || type == EventType::kLeft;
   if (!is_frequent && !start) Tell(text);
 }
 

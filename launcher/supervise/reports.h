@@ -50,7 +50,7 @@ struct StartedReport {};
 // "event" or "notice": a line for the user.
 struct EventReport {
   Tick tick = 0;
-  std::string event;  // as ToString(EventType); empty for a notice
+  std::string event;  // the name of the EventType; empty for a notice
   std::string text;   // one line
 };
 

@@ -59,11 +59,9 @@ void AddServiceLossFlags(CLI::App& command, RunOptions& options, const char* gro
   command
       .add_option_function<std::string>(
           "--on-service-loss",
-          [&options](const std::string& word) {
-            options.on_service_loss = word == kOnServiceLossWords[0] ? OnServiceLoss::kRestart : OnServiceLoss::kEnd;
-          },
+          [&options](const std::string& word) { options.on_service_loss = *FindByName<OnServiceLoss>(word); },
           "When the world service dies: restart it, so that the run continues (default), or end the run")
-      ->check(OneOf({kOnServiceLossWords.begin(), kOnServiceLossWords.end()}))
+      ->check(OneOf(AllNames<OnServiceLoss>()))
       ->type_name("POLICY")
       ->group(group);
   command

@@ -185,32 +185,6 @@ struct ReadingConverter {
   }
 };
 
-const char* NameOf(FingerState fingers) {
-  switch (fingers) {
-    case FingerState::kOpen:
-      return "open";
-    case FingerState::kClosing:
-      return "closing";
-    case FingerState::kClosed:
-      return "closed";
-    case FingerState::kOpening:
-      return "opening";
-  }
-  return "";
-}
-
-const char* NameOf(DriveType drive) {
-  switch (drive) {
-    case DriveType::kDifferential:
-      return "differential";
-    case DriveType::kOmni:
-      return "omni";
-    case DriveType::kCar:
-      return "car";
-  }
-  return "";
-}
-
 py::object Limits(const Interval& interval) {
   return py::make_tuple(interval.min, interval.max);
 }
@@ -248,9 +222,7 @@ bool ToBool(py::handle value, const char* what) {
 std::optional<FingerCommand> ToFingers(py::handle value) {
   if (value.is_none()) return std::nullopt;
   const std::string name = ToText(value, "fingers");
-  if (name == "open") return FingerCommand::kOpen;
-  if (name == "close") return FingerCommand::kClose;
-  if (name == "stay") return FingerCommand::kStay;
+  if (const auto command = FindByName<FingerCommand>(name)) return command;
   throw py::value_error(fmt::format("fingers: found '{}', expected 'open', 'close' or 'stay'", name));
 }
 
@@ -340,8 +312,8 @@ py::object ToRecord(const RobotInfo& info) {
                 ToRecord(sensor.X_RM));
   });
   py::tuple joints = ToTuple(info.joints, [](const JointDescription* joint) {
-    return Make("JointInfo", joint->name, joint->type == JointType::kPrismatic ? "prismatic" : "revolute",
-                joint->position.min, joint->position.max, joint->max_speed);
+    return Make("JointInfo", joint->name, NameOf(joint->type), joint->position.min, joint->position.max,
+                joint->max_speed);
   });
   py::tuple grippers = ToTuple(info.grippers, [](const GripperInfo& gripper) {
     return Make("GripperInfo", gripper.description->name, gripper.left, gripper.right, Optional(gripper.lift),

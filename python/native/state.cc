@@ -34,7 +34,7 @@ py::list ToList(const WorldDescription& world, const std::vector<Event>& events)
   py::list list;
   for (const Event& event : events) {
     const py::object robot = event.robot ? py::object(py::str(world.robot(*event.robot).name)) : py::none();
-    list.append(Record("Event")(event.tick, ToString(event.type), robot, ModelName(world, event.other),
+    list.append(Record("Event")(event.tick, NameOf(event.type), robot, ModelName(world, event.other),
                                 ModelName(world, event.object), event.detail));
   }
   return list;

@@ -48,17 +48,8 @@ struct ForageParameters {
 };
 
 enum class Variant : std::uint8_t { kOneTask, kTasks, kPlanning };
-
-const char* NameOf(Variant variant) {
-  switch (variant) {
-    case Variant::kOneTask:
-      return "fasr";
-    case Variant::kTasks:
-      return "fasr2";
-    case Variant::kPlanning:
-      return "fasr_plan";
-  }
-  return "";
+constexpr auto NamesOf(Variant) {
+  return std::array{"fasr", "fasr2", "fasr_plan"};
 }
 
 std::optional<UnitPlace> ParseUnitPlace(const nlohmann::json& value) {

@@ -360,7 +360,7 @@ std::optional<std::string> WriterWatch::JudgeDistribution(const dds_builtintopic
       "another program in the ROS domain is of {}, and this run is for {}: they cannot list each other's nodes; "
       "expected "
       "the same with --ros-distro, or another domain",
-      is_humble ? "Humble" : "Iron or later", ToString(own));
+      is_humble ? "Humble" : "Iron or later", NameOf(own));
 }
 
 std::optional<std::string> WriterWatch::JudgeClock(const dds_builtintopic_endpoint_t& writer) {

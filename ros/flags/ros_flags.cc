@@ -16,21 +16,21 @@ CLI::Option* AddText(CLI::App& app, const std::string& group, const std::string&
   return app.add_option_function<std::string>(name, set, help)->type_name("NAME")->check(OneOf(words))->group(group);
 }
 
-CommandType ParseCommandType(const std::string& word) {
-  if (word == "both") return CommandType::kBoth;
-  return word == "stamped" ? CommandType::kTwistStamped : CommandType::kTwist;
+// The value of an enumeration, by its name.
+template <NamedEnum Value>
+void AddChoice(CLI::App& app, const std::string& group, const std::string& name, const std::string& help,
+               const std::function<void(Value)>& set) {
+  AddText(app, group, name, help, AllNames<Value>(), [set](const std::string& word) { set(*FindByName<Value>(word)); });
 }
 
 void AddRosSecurityFlags(CLI::App& app, ros::RosSecurity& security, const std::string& group) {
-  AddText(app, group, "--ros-security",
-          "Security in ROS: off, permissive or enforce (default: by ROS_SECURITY_ENABLE and ROS_SECURITY_STRATEGY)",
-          {"off", "permissive", "enforce"}, [&security](const std::string& word) {
-            security.fault.clear();
-            for (const auto strategy :
-                 {ros::SecurityStrategy::kOff, ros::SecurityStrategy::kPermissive, ros::SecurityStrategy::kEnforce}) {
-              if (word == ToString(strategy)) security.strategy = strategy;
-            }
-          });
+  AddChoice<ros::SecurityStrategy>(
+      app, group, "--ros-security",
+      "Security in ROS: off, permissive or enforce (default: by ROS_SECURITY_ENABLE and ROS_SECURITY_STRATEGY)",
+      [&security](ros::SecurityStrategy strategy) {
+        security.fault.clear();
+        security.strategy = strategy;
+      });
   app.add_option("--ros-keystore", security.keystore,
                  "Keystore of ROS's security tools (default: ROS_SECURITY_KEYSTORE)")
       ->check(NotEmpty())
@@ -93,28 +93,30 @@ void AddRosNetworkFlags(CLI::App& app, ros::RosNetwork& network, ros::Environmen
                  "Network interface to ROS 2; auto: chosen by DDS (default), or lo if Humble stays on this host")
       ->type_name("NAME")
       ->group(group);
-  AddText(app, group, "--ros-discovery",
-          "Who discovers this run: off, localhost, subnet or system-default (default: as ROS_AUTOMATIC_DISCOVERY_RANGE "
-          "or ROS_LOCALHOST_ONLY says, or subnet)",
-          {"off", "localhost", "subnet", "system-default"}, [&network, &faults](const std::string& word) {
-            network.discovery = *ros::ParseDiscoveryRange(word);
-            faults.discovery.clear();
-          });
+  AddChoice<ros::DiscoveryRange>(
+      app, group, "--ros-discovery",
+      "Who discovers this run: off, localhost, subnet or system-default (default: as ROS_AUTOMATIC_DISCOVERY_RANGE "
+      "or ROS_LOCALHOST_ONLY says, or subnet)",
+      [&network, &faults](ros::DiscoveryRange range) {
+        network.discovery = range;
+        faults.discovery.clear();
+      });
   app.add_option("--ros-peers", network.static_peers,
                  "Other hosts to look for ROS 2 on, separated by commas (default: ROS_STATIC_PEERS)")
       ->delimiter(',')
       ->type_name("HOSTS")
       ->group(group);
-  AddText(app, group, "--ros-distro", "ROS 2 distribution to be compatible with (default: ROS_DISTRO, or jazzy)",
-          {"humble", "iron", "jazzy", "kilted", "lyrical", "rolling"}, [&network, &faults](const std::string& word) {
-            network.distribution = *ros::ParseDistribution(word);
-            faults.distribution.clear();
-          });
-  AddText(app, group, "--ros-services",
-          "Programs whose service calls are answered, by their RMW: cyclone, fastrtps or both (default: both where "
-          "Troupe was built with Fast DDS, else cyclone)",
-          {"cyclone", "fastrtps", "both"},
-          [&network](const std::string& word) { network.service_clients = *ros::ParseServiceClients(word); });
+  AddChoice<ros::Distribution>(app, group, "--ros-distro",
+                               "ROS 2 distribution to be compatible with (default: ROS_DISTRO, or jazzy)",
+                               [&network, &faults](ros::Distribution distribution) {
+                                 network.distribution = distribution;
+                                 faults.distribution.clear();
+                               });
+  AddChoice<ros::ServiceClients>(
+      app, group, "--ros-services",
+      "Programs whose service calls are answered, by their RMW: cyclone, fastrtps or both (default: both where "
+      "Troupe was built with Fast DDS, else cyclone)",
+      [&network](ros::ServiceClients clients) { network.service_clients = clients; });
   AddRosSecurityFlags(app, network.security, group);
 }
 
@@ -138,9 +140,9 @@ void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& option
 }
 
 void AddRobotTopicFlags(CLI::App& app, ros::RobotTopics& robots, const std::string& group) {
-  AddText(app, group, "--ros-cmd-vel", "Message types accepted on cmd_vel: twist (default), stamped or both",
-          {"twist", "stamped", "both"},
-          [&robots](const std::string& word) { robots.command_type = ParseCommandType(word); });
+  AddChoice<CommandType>(app, group, "--ros-cmd-vel",
+                         "Message types accepted on cmd_vel: twist (default), stamped or both",
+                         [&robots](CommandType type) { robots.command_type = type; });
   app.add_flag("--ros-reliable-commands", robots.reliable_commands,
                "Accept commands of reliable writers only, which can wait for acknowledgement")
       ->group(group);
@@ -242,7 +244,7 @@ std::vector<std::string> ServiceRosArguments(const ros::RosOptions& options) {
 std::vector<std::string> AgentRosArguments(const ros::RosOptions& options) {
   const ros::RobotTopics& robots = options.robots;
   std::vector<std::string> of_robots = {
-      std::string("--ros-cmd-vel=") + ToString(robots.command_type),
+      std::string("--ros-cmd-vel=") + NameOf(robots.command_type),
       "--ros-command-timeout=" + CLI::detail::to_string(robots.command_timeout),
   };
   if (robots.reliable_commands) of_robots.emplace_back("--ros-reliable-commands");

@@ -43,9 +43,8 @@ std::string MovingJoint(const MovingFrame& frame, const JointDescription& joint)
   return fmt::format(
       "  <joint name=\"{}\" type=\"{}\"><parent link=\"{}\"/><child link=\"{}\"/>{}<axis xyz=\"{:.6g} {:.6g} "
       "{:.6g}\"/><limit lower=\"{:.6g}\" upper=\"{:.6g}\" velocity=\"{:.6g}\" effort=\"0\"/></joint>\n",
-      frame.joint_name, joint.type == JointType::kPrismatic ? "prismatic" : "revolute", frame.parent, frame.frame,
-      Origin(frame.X_PF), joint.axis_xy.x(), joint.axis_xy.y(), joint.axis_z, joint.position.min, joint.position.max,
-      joint.max_speed);
+      frame.joint_name, NameOf(joint.type), frame.parent, frame.frame, Origin(frame.X_PF), joint.axis_xy.x(),
+      joint.axis_xy.y(), joint.axis_z, joint.position.min, joint.position.max, joint.max_speed);
 }
 
 }  // namespace

@@ -12,12 +12,6 @@
 namespace troupe::ros {
 namespace {
 
-constexpr Distribution kDistributions[] = {Distribution::kHumble, Distribution::kIron,    Distribution::kJazzy,
-                                           Distribution::kKilted, Distribution::kLyrical, Distribution::kRolling};
-constexpr DiscoveryRange kRanges[] = {DiscoveryRange::kOff, DiscoveryRange::kLocalhost, DiscoveryRange::kSubnet,
-                                      DiscoveryRange::kSystemDefault};
-constexpr ServiceClients kServiceClients[] = {ServiceClients::kCyclone, ServiceClients::kFastDds,
-                                              ServiceClients::kBoth};
 constexpr std::uint32_t kMaxDomain = 230;
 
 std::string_view Environment(const char* name) {
@@ -69,7 +63,7 @@ void SetDiscovery(RosNetwork& network, EnvironmentFaults& faults) {
   }
   const std::string_view range = Environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
   if (!range.empty()) {
-    const std::optional<DiscoveryRange> parsed = ParseDiscoveryRange(OptionWord(range));
+    const std::optional<DiscoveryRange> parsed = FindByName<DiscoveryRange>(OptionWord(range));
     network.discovery = parsed.value_or(DiscoveryRange::kLocalhost);
     if (!parsed) {
       faults.discovery =
@@ -103,7 +97,7 @@ RosOptions OptionsFromEnvironment() {
     faults.domain = Found("ROS_DOMAIN_ID", domain, "a number from 0 to 230");
   }
   const std::string_view name = Environment("ROS_DISTRO");
-  if (const auto distribution = ParseDistribution(std::string(name))) {
+  if (const auto distribution = FindByName<Distribution>(name)) {
     network.distribution = *distribution;
   } else if (!name.empty()) {
     faults.distribution =
@@ -123,94 +117,17 @@ std::vector<std::string> NetworkArguments(const RosNetwork& network) {
   std::vector<std::string> arguments = {
       "--ros-domain=" + std::to_string(network.domain),
       "--ros-interface=" + network.network_interface,
-      std::string("--ros-discovery=") + ToString(network.discovery),
-      std::string("--ros-distro=") + ToString(network.distribution),
-      std::string("--ros-security=") + ToString(network.security.strategy),
+      std::string("--ros-discovery=") + NameOf(network.discovery),
+      std::string("--ros-distro=") + NameOf(network.distribution),
+      std::string("--ros-security=") + NameOf(network.security.strategy),
   };
   if (!network.security.keystore.empty()) arguments.push_back("--ros-keystore=" + network.security.keystore);
   if (!network.security.enclave.empty()) arguments.push_back("--ros-enclave=" + network.security.enclave);
   for (const std::string& peer : network.static_peers) arguments.push_back("--ros-peers=" + peer);
   if (network.service_clients) {
-    arguments.push_back(std::string("--ros-services=") + ToString(*network.service_clients));
+    arguments.push_back(std::string("--ros-services=") + NameOf(*network.service_clients));
   }
   return arguments;
-}
-
-std::optional<Distribution> ParseDistribution(const std::string& name) {
-  for (const Distribution distribution : kDistributions) {
-    if (name == ToString(distribution)) return distribution;
-  }
-  return std::nullopt;
-}
-
-const char* ToString(Distribution distribution) {
-  switch (distribution) {
-    case Distribution::kHumble:
-      return "humble";
-    case Distribution::kIron:
-      return "iron";
-    case Distribution::kJazzy:
-      return "jazzy";
-    case Distribution::kKilted:
-      return "kilted";
-    case Distribution::kLyrical:
-      return "lyrical";
-    case Distribution::kRolling:
-      return "rolling";
-  }
-  return "";
-}
-
-std::optional<DiscoveryRange> ParseDiscoveryRange(const std::string& name) {
-  for (const DiscoveryRange range : kRanges) {
-    if (name == ToString(range)) return range;
-  }
-  return std::nullopt;
-}
-
-const char* ToString(DiscoveryRange range) {
-  switch (range) {
-    case DiscoveryRange::kOff:
-      return "off";
-    case DiscoveryRange::kLocalhost:
-      return "localhost";
-    case DiscoveryRange::kSubnet:
-      return "subnet";
-    case DiscoveryRange::kSystemDefault:
-      return "system-default";
-  }
-  return "";
-}
-
-const char* ToString(CommandType type) {
-  switch (type) {
-    case CommandType::kTwist:
-      return "twist";
-    case CommandType::kTwistStamped:
-      return "stamped";
-    case CommandType::kBoth:
-      return "both";
-  }
-  return "";
-}
-
-std::optional<ServiceClients> ParseServiceClients(const std::string& name) {
-  for (const ServiceClients clients : kServiceClients) {
-    if (name == ToString(clients)) return clients;
-  }
-  return std::nullopt;
-}
-
-const char* ToString(ServiceClients clients) {
-  switch (clients) {
-    case ServiceClients::kCyclone:
-      return "cyclone";
-    case ServiceClients::kFastDds:
-      return "fastrtps";
-    case ServiceClients::kBoth:
-      return "both";
-  }
-  return "";
 }
 
 bool HasFastDds() {
@@ -252,18 +169,6 @@ Result<Enclave> FindEnclave(const RosSecurity& security, const std::string& own_
   const Error error{keys.error().where, keys.error().message + " (enclave " + name + " of ROS 2)"};
   if (security.strategy == SecurityStrategy::kEnforce) return error;
   return Enclave{name, {}, Warning{error.where, error.message + "; continuing without security"}.ToString()};
-}
-
-const char* ToString(SecurityStrategy strategy) {
-  switch (strategy) {
-    case SecurityStrategy::kOff:
-      return "off";
-    case SecurityStrategy::kPermissive:
-      return "permissive";
-    case SecurityStrategy::kEnforce:
-      return "enforce";
-  }
-  return "";
 }
 
 }  // namespace troupe::ros

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/run/ros_lockstep.h"
+#include "troupe/enum_names.h"
 #include "troupe/result.h"
 
 namespace troupe::ros {
@@ -17,6 +18,9 @@ enum class SecurityStrategy : std::uint8_t {
   kPermissive,  // a participant without keys has no security
   kEnforce,     // a participant without keys is an error
 };
+constexpr auto NamesOf(SecurityStrategy) {
+  return std::array{"off", "permissive", "enforce"};
+}
 
 // RosSecurity: the keys of participants in a ROS domain, in a keystore as ROS 2's own tools (sros2) make it.
 struct RosSecurity {
@@ -43,18 +47,28 @@ inline constexpr const char* kWorldEnclave = "/world";
 // kEnforce, and for a fault of the environment.
 Result<Enclave> FindEnclave(const RosSecurity& security, const std::string& own_name);
 
-const char* ToString(SecurityStrategy strategy);  // "off", "permissive", "enforce"
-
 enum class Distribution : std::uint8_t { kHumble, kIron, kJazzy, kKilted, kLyrical, kRolling };
+constexpr auto NamesOf(Distribution) {
+  return std::array{"humble", "iron", "jazzy", "kilted", "lyrical", "rolling"};
+}
 
 // The message types of commands on cmd_vel.
 enum class CommandType : std::uint8_t { kTwist, kTwistStamped, kBoth };
+constexpr auto NamesOf(CommandType) {
+  return std::array{"twist", "stamped", "both"};
+}
 
 // The programs whose calls of services are answered, by their RMW.
 enum class ServiceClients : std::uint8_t { kCyclone, kFastDds, kBoth };
+constexpr auto NamesOf(ServiceClients) {
+  return std::array{"cyclone", "fastrtps", "both"};
+}
 
 // Which other participants are discovered, as ROS_AUTOMATIC_DISCOVERY_RANGE states it.
 enum class DiscoveryRange : std::uint8_t { kOff, kLocalhost, kSubnet, kSystemDefault };
+constexpr auto NamesOf(DiscoveryRange) {
+  return std::array{"off", "localhost", "subnet", "system-default"};
+}
 
 // Values of the environment that are not valid, as messages; empty: none.
 struct EnvironmentFaults {
@@ -129,15 +143,6 @@ std::vector<std::string> NetworkArguments(const RosNetwork& network);
 inline bool HasSimulationInterfaces2(Distribution distribution) {
   return distribution >= Distribution::kLyrical;
 }
-
-// `name`: in lower case.
-std::optional<Distribution> ParseDistribution(const std::string& name);
-std::optional<DiscoveryRange> ParseDiscoveryRange(const std::string& name);
-std::optional<ServiceClients> ParseServiceClients(const std::string& name);
-const char* ToString(Distribution distribution);
-const char* ToString(DiscoveryRange range);  // "system-default"
-const char* ToString(CommandType type);
-const char* ToString(ServiceClients clients);
 
 // Whether this build has Fast DDS.
 bool HasFastDds();

@@ -61,11 +61,6 @@ CaseOutcome ErrorOutcome(std::string error) {
 
 }  // namespace
 
-const char* ToString(CaseVerdict verdict) {
-  constexpr std::array<const char*, 4> kWords = {"passed", "failed", "error", "not run"};
-  return kWords[static_cast<std::size_t>(verdict)];
-}
-
 json NumberToJson(double number) {
   if (std::isfinite(number)) return number;
   return std::isnan(number) ? "nan" : number > 0.0 ? "inf" : "-inf";
@@ -107,7 +102,7 @@ json ToJson(const CaseOutcome& outcome) {
   json metrics = json::array();
   for (const std::optional<double>& metric : outcome.metrics)
     metrics.push_back(metric ? NumberToJson(*metric) : json(nullptr));
-  return {{"verdict", ToString(outcome.verdict)},
+  return {{"verdict", NameOf(outcome.verdict)},
           {"error", outcome.error},
           {"decided", outcome.decided},
           {"ticks", outcome.ticks},
@@ -120,10 +115,7 @@ json ToJson(const CaseOutcome& outcome) {
 
 CaseOutcome OutcomeFromJson(const json& value) {
   CaseOutcome outcome;
-  const std::string verdict = value.at("verdict");
-  for (const CaseVerdict each : {CaseVerdict::kPassed, CaseVerdict::kFailed, CaseVerdict::kError}) {
-    if (verdict == ToString(each)) outcome.verdict = each;
-  }
+  outcome.verdict = FindByName<CaseVerdict>(value.at("verdict").get<std::string>()).value_or(outcome.verdict);
   outcome.error = value.at("error").get<std::string>();
   outcome.decided = value.at("decided");
   outcome.ticks = value.at("ticks");

@@ -29,7 +29,9 @@ enum class CaseVerdict : std::uint8_t {
   kError,   // the case could not be run
   kNotRun,  // the tests were stopped before
 };
-const char* ToString(CaseVerdict verdict);
+constexpr auto NamesOf(CaseVerdict) {
+  return std::array{"passed", "failed", "error", "not run"};
+}
 
 // The end of one expectation in a case.
 struct ExpectationOutcome {

@@ -14,19 +14,8 @@ namespace troupe {
 namespace {
 
 enum class Type : unsigned char { kNumber, kText, kTruth, kAny };  // kAny: a draw, known when it is drawn
-
-const char* NameOf(Type type) {
-  switch (type) {
-    case Type::kNumber:
-      return "a number";
-    case Type::kText:
-      return "a text";
-    case Type::kTruth:
-      return "a condition";
-    case Type::kAny:
-      return "a draw";
-  }
-  return "";
+constexpr auto NamesOf(Type) {
+  return std::array{"a number", "a text", "a condition", "a draw"};
 }
 
 bool IsTruthConstant(const Syntax& syntax) {

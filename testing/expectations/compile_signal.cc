@@ -231,14 +231,12 @@ void Compiler::PlainArgument(const Syntax& argument, char parameter, SignalUse& 
 }
 
 void Compiler::EventArgument(const Syntax& argument, SignalUse& signal) {
-  std::vector<std::string> types;
-  for (int i = 0; i <= static_cast<int>(LastOf(EventType{})); ++i) {
-    types.emplace_back(ToString(static_cast<EventType>(i)));
-    if (argument.kind == SyntaxKind::kNumber || types.back() != argument.name) continue;
-    signal.event = static_cast<EventType>(i);
-    return;
+  const auto type = argument.kind == SyntaxKind::kNumber ? std::nullopt : FindByName<EventType>(argument.name);
+  if (type) {
+    signal.event = *type;
+  } else {
+    Fail(WorldNames::Unknown(argument, "a type of event", AllNames<EventType>()));
   }
-  Fail(WorldNames::Unknown(argument, "a type of event", types));
 }
 
 bool Compiler::IsWholeStaticModel(const Syntax& argument, ModelId model) {

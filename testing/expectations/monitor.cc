@@ -75,18 +75,6 @@ std::string Metric::unit() const {
   return ToString(program_->program->dimension);
 }
 
-const char* ToString(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kUndecided:
-      return "undecided";
-    case Verdict::kTrue:
-      return "true";
-    case Verdict::kFalse:
-      return "false";
-  }
-  return "undecided";
-}
-
 struct Monitor::State {
   explicit State(const Expectation& its_expectation)
       : expectation(its_expectation),

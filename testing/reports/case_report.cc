@@ -132,7 +132,7 @@ std::string CaseReport::Lines() const {
                    {"number", number},
                    {"kept", row.kept},
                    {"case", CaseToJson(row.draws)},
-                   {"verdict", ToString(row.verdict)},
+                   {"verdict", NameOf(row.verdict)},
                    {"ticks", row.ticks},
                    {"state_hash", fmt::format("{:016x}", row.state_hash)},
                    {"robustness", std::move(robustness)},
@@ -195,7 +195,7 @@ Status CaseReport::AddLines(const std::string& file) {
         reported.page = fault.value("page", std::string());  // older files have none
       } else {
         reported.outcome.verdict =
-            verdict == ToString(CaseVerdict::kPassed) ? CaseVerdict::kPassed : CaseVerdict::kNotRun;
+            verdict == NameOf(CaseVerdict::kPassed) ? CaseVerdict::kPassed : CaseVerdict::kNotRun;
         reported.outcome.ticks = value.at("ticks");
         reported.outcome.state_hash = std::stoull(value.at("state_hash").get<std::string>(), nullptr, 16);
         reported.outcome.covered = value.at("covered").get<std::vector<bool>>();
@@ -237,7 +237,7 @@ std::string CaseReport::Csv(const Entry& entry) const {
     csv += std::to_string(number);
     for (std::size_t i = 0; i < entry.test.vary.size(); ++i)
       csv += "," + (i < row.draws.size() ? CsvField(row.draws[i].value) : "");
-    csv += fmt::format(",{},{},{:016x}", ToString(row.verdict), row.ticks, row.state_hash);
+    csv += fmt::format(",{},{},{:016x}", NameOf(row.verdict), row.ticks, row.state_hash);
     for (std::size_t i = 0; i < entry.test.expect.size(); ++i) {
       csv += "," + (i < row.robustness.size() ? fmt::format("{}", row.robustness[i]) : "");
     }
@@ -299,7 +299,7 @@ std::string CaseReport::JUnit() const {
       tests, total(CaseVerdict::kFailed), total(CaseVerdict::kError), total(CaseVerdict::kNotRun), suites);
 }
 
-std::string CaseReport::NameOf(const Entry& entry) {
+std::string CaseReport::EntryName(const Entry& entry) {
   std::string name;
   for (const char c : entry.test.name) name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
   return name;
@@ -317,7 +317,7 @@ Status CaseReport::Write(const std::string& folder) const {
   };
   if (Status error = write("cases.jsonl", Lines()); !error.ok()) return error;
   for (const Entry& entry : entries_) {
-    const std::string csv = entries_.size() == 1 ? "cases.csv" : NameOf(entry) + ".csv";
+    const std::string csv = entries_.size() == 1 ? "cases.csv" : EntryName(entry) + ".csv";
     if (Status error = write(csv, Csv(entry)); !error.ok()) return error;
     for (const auto& [name, svg] : Plots(entry)) {
       if (Status error = write(name, svg); !error.ok()) return error;

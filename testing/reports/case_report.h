@@ -115,7 +115,7 @@ class CaseReport {
   std::string PageOf(const Entry& entry) const;
   static std::string MetricTable(const Entry& entry, std::size_t metric);
   static std::vector<std::pair<std::string, std::string>> Plots(const Entry& entry);  // file names and SVG
-  static std::string NameOf(const Entry& entry);
+  static std::string EntryName(const Entry& entry);
 
   const CaseDetail detail_;
   std::vector<Entry> entries_;

@@ -27,7 +27,7 @@ code{background:#f3f3f3;padding:.1em .3em;overflow-wrap:anywhere}
 details{border:1px solid #ddd;padding:.4em .8em;margin:.6em 0}summary{cursor:pointer}img,svg{max-width:100%})";
 
 std::string ClassOf(CaseVerdict verdict) {
-  return verdict == CaseVerdict::kNotRun ? "not-run" : ToString(verdict);
+  return verdict == CaseVerdict::kNotRun ? "not-run" : NameOf(verdict);
 }
 
 std::string Shown(double number) {
@@ -54,7 +54,7 @@ std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool 
   const CaseOutcome& outcome = fault.outcome;
   const std::string text = CaseText(fault.draws);
   std::string html = fmt::format("<details{}><summary><b class=\"{}\">{}</b> {}<code>{}</code></summary>\n",
-                                 open ? " open" : "", ClassOf(outcome.verdict), ToString(outcome.verdict),
+                                 open ? " open" : "", ClassOf(outcome.verdict), NameOf(outcome.verdict),
                                  fault.kept ? "kept " : "", Escaped(text.empty() ? "the only case" : text));
   if (!outcome.error.empty()) html += "<p>" + Escaped(outcome.error) + "</p>\n";
   if (!fault.command.empty()) html += "<p>Repeat: <code>" + Escaped(fault.command) + "</code></p>\n";
@@ -118,7 +118,7 @@ std::vector<std::pair<std::string, std::string>> CaseReport::Plots(const Entry& 
         points.push_back({x, statistics.mean(), statistics.confidence()});
       }
       std::sort(points.begin(), points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
-      plots.emplace_back(fmt::format("{}-metric{}-{}.svg", NameOf(entry), metric + 1, v + 1),
+      plots.emplace_back(fmt::format("{}-metric{}-{}.svg", EntryName(entry), metric + 1, v + 1),
                          MakePlot(points, settings));
     }
   }
@@ -229,8 +229,8 @@ std::string CaseReport::Page() const {
          {CaseVerdict::kPassed, CaseVerdict::kFailed, CaseVerdict::kError, CaseVerdict::kNotRun}) {
       const std::uint64_t count = count_of(verdict);
       if (count == 0 && verdict != CaseVerdict::kPassed) continue;
-      html += fmt::format("{}<span class=\"{}\">{} {}</span>", first ? "" : ", ", ClassOf(verdict), count,
-                          ToString(verdict));
+      html +=
+          fmt::format("{}<span class=\"{}\">{} {}</span>", first ? "" : ", ", ClassOf(verdict), count, NameOf(verdict));
       first = false;
     }
   };

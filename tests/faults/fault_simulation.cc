@@ -220,7 +220,7 @@ void FaultSimulation::ActAsService() {
   if (!coordinator_->error().ok()) return Violate("the run fails: " + coordinator_->error().error().message);
   const std::vector<Event> reports = coordinator_->DrainEvents();
   for (const Event& event : reports) {
-    Log("service: tick {}: {} {}", event.tick, ToString(event.type), event.detail);
+    Log("service: tick {}: {} {}", event.tick, NameOf(event.type), event.detail);
     if (event.type != EventType::kLeft) continue;
     ++lost_;
     if (plan_.gentle) return Violate("an agent is lost: " + event.detail);

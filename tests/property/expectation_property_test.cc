@@ -223,7 +223,7 @@ TEST(ExpectationPropertyTest, LiveReplayedAndBranchedRunsHaveTheSameResults) {
   ASSERT_TRUE(simulation.failures().empty());
   for (const EventType type : {EventType::kStallBegan, EventType::kGripped, EventType::kReleased, EventType::kLanded,
                                EventType::kOutOfEnergy, EventType::kSaid}) {
-    EXPECT_TRUE(events.contains(type)) << ToString(type);
+    EXPECT_TRUE(events.contains(type)) << NameOf(type);
   }
 
   for (Tick from = 9; from < kTicks; from += 9) {

@@ -149,7 +149,7 @@ class NaiveEvaluator {
     return sensors_[robot][sensor]->Measure({scene_, At(t).bodies, &At(t).state}, At(t).state.tick);
   }
   bool IsOf(const Event& event, const Syntax& f) const {
-    if (f.children[0].name != ToString(event.type)) return false;
+    if (f.children[0].name != NameOf(event.type)) return false;
     if (f.children.size() > 2 && !Matches(f.children[2].name, event.detail)) return false;
     if (f.children.size() == 1) return true;
     const std::size_t body = FindBody(f.children[1]).value();

@@ -225,7 +225,7 @@ std::vector<std::string> EventsOf(Simulation& simulation, int ticks) {
       if (!IsOfBuilding(event.type)) continue;
       EXPECT_EQ(event.tick, simulation.tick());
       const std::string detail = event.detail.empty() ? "" : " " + event.detail;
-      texts.push_back(ToString(event.type) + (" " + simulation.world().model(*event.object).name) + detail);
+      texts.push_back(NameOf(event.type) + (" " + simulation.world().model(*event.object).name) + detail);
     }
   }
   return texts;

@@ -53,7 +53,7 @@ class ManipulationScenario : public testing::Test {
   std::string Story() const {
     std::string text;
     for (const Event& event : run_->events()) {
-      text += std::to_string(event.tick) + " " + ToString(event.type) + " " +
+      text += std::to_string(event.tick) + " " + troupe::NameOf(event.type) + " " +
               (event.robot ? world().robot(*event.robot).name : "") + " " + event.detail + " " + NameOf(event.object) +
               " " + NameOf(event.other) + "\n";
     }

@@ -22,20 +22,6 @@ std::string AgentName(const std::vector<std::string>& robots) {
   return fmt::format("{:016x}", hash.value());
 }
 
-const char* ToString(RunState state) {
-  switch (state) {
-    case RunState::kStarting:
-      return "starting";
-    case RunState::kPlaying:
-      return "playing";
-    case RunState::kPaused:
-      return "paused";
-    case RunState::kOver:
-      return "over";
-  }
-  return "";
-}
-
 std::string WaitingText(const StatusMessage& status) {
   const std::vector<std::string>& names = status.waiting_for;
   if (names.empty()) return "";

@@ -1,4 +1,4 @@
-// Names and words that several programs print: of agents, of the states of a run, and of robots that it waits for.
+// Names and texts that several programs print: of agents, and of the robots that a run waits for.
 //
 // Pure functions. Agents are named by their robots, so that a restarted agent of the same robots has the same name,
 // keys and partition.
@@ -14,10 +14,6 @@ namespace troupe {
 // AgentName: the name of an agent in its keys and in the partition of its messages.
 // 16 digits of [0-9a-f] that depend on the names of its robots, not on their order.
 std::string AgentName(const std::vector<std::string>& robots);
-
-// The words for the states of a run, in the output of tools and the messages of the viewer.
-// "starting", "playing", "paused", "over".
-const char* ToString(RunState state);
 
 // WaitingText: the robots that a run waits for, for reports on a terminal.
 // "r3, r4 (1.2 s)": up to four names, the number of the others, and the time of waiting. Empty: the run waits for none.

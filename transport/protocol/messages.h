@@ -247,8 +247,8 @@ struct ControlRequest {
 };
 
 enum class RunState : std::uint8_t { kStarting = 0, kPlaying = 1, kPaused = 2, kOver = 3 };
-constexpr RunState LastOf(RunState) {
-  return RunState::kOver;
+constexpr auto NamesOf(RunState) {
+  return std::array{"starting", "playing", "paused", "over"};
 }
 
 enum class EntityKind : std::uint8_t {
@@ -256,8 +256,8 @@ enum class EntityKind : std::uint8_t {
   kObject = 1,  // grippers can hold it
   kModel = 2,   // never moves
 };
-constexpr EntityKind LastOf(EntityKind) {
-  return EntityKind::kModel;
+constexpr auto NamesOf(EntityKind) {
+  return std::array{"robot", "object", "model"};
 }
 constexpr ErrorCode LastOf(ErrorCode) {
   return ErrorCode::kOutputFailed;

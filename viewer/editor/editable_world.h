@@ -25,6 +25,9 @@ enum class EditedKind : std::uint8_t {
   kInclude,   // .inc: its models are shown side by side
   kScenario,  // .json
 };
+constexpr auto NamesOf(EditedKind) {
+  return std::array{"world", "include", "scenario"};
+}
 
 // The error names a file of another kind.
 Result<EditedKind> KindOf(const std::string& path);

@@ -23,10 +23,6 @@ using Json = nlohmann::json;
 constexpr std::size_t kMaxPictures = 300;  // of the palette
 constexpr std::size_t kMaxWarnings = 200;  // in a reply
 
-const char* KindText(EditedKind kind) {
-  return kind == EditedKind::kWorld ? "world" : kind == EditedKind::kInclude ? "include" : "scenario";
-}
-
 Json WhereJson(const SourceLocation& where) {
   return {{"file", where.file}, {"line", where.line}, {"column", where.column}};
 }
@@ -96,7 +92,7 @@ Result<Json> Editor::Execute(const edit::Help&) const {
 
 Result<Json> Editor::Execute(const edit::Document&) const {
   Json document = {{"file", path()},
-                   {"kind", KindText(kind_)},
+                   {"kind", NameOf(kind_)},
                    {"modified", is_modified()},
                    {"version", version_},
                    {"error", error_ ? error_->ToString() : ""}};

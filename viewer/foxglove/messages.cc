@@ -271,22 +271,6 @@ std::vector<Channel> ChannelsOf(const WorldDescription& world) {
   return channels;
 }
 
-const char* SchemaName(ChannelKind kind) {
-  switch (kind) {
-    case ChannelKind::kScene:
-      return "foxglove.SceneUpdate";
-    case ChannelKind::kTransforms:
-      return "foxglove.FrameTransforms";
-    case ChannelKind::kMap:
-      return "foxglove.Grid";
-    case ChannelKind::kEvents:
-      return "foxglove.Log";
-    case ChannelKind::kScan:
-      return "foxglove.LaserScan";
-  }
-  return "";
-}
-
 const char* Schema(ChannelKind kind) {
   switch (kind) {
     case ChannelKind::kScene:

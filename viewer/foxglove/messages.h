@@ -56,6 +56,11 @@ enum class ChannelKind : std::uint8_t {
   kEvents,      // foxglove.Log
   kScan,        // foxglove.LaserScan, of one ray sensor
 };
+// Of their schemas.
+constexpr auto NamesOf(ChannelKind) {
+  return std::array{"foxglove.SceneUpdate", "foxglove.FrameTransforms", "foxglove.Grid", "foxglove.Log",
+                    "foxglove.LaserScan"};
+}
 
 struct Channel {
   std::uint32_t id = 0;
@@ -73,7 +78,6 @@ inline constexpr std::size_t kMaxScanChannels = 500;
 std::vector<Channel> ChannelsOf(const WorldDescription& world);
 
 // "foxglove.SceneUpdate"
-const char* SchemaName(ChannelKind kind);
 // A JSON schema, as text.
 const char* Schema(ChannelKind kind);
 

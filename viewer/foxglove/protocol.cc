@@ -123,7 +123,7 @@ std::string AdvertiseText(const std::vector<Channel>& channels) {
     list.push_back({{"id", channel.id},
                     {"topic", channel.topic},
                     {"encoding", "json"},
-                    {"schemaName", SchemaName(channel.kind)},
+                    {"schemaName", NameOf(channel.kind)},
                     {"schemaEncoding", "jsonschema"},
                     {"schema", Schema(channel.kind)}});
   }

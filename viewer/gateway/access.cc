@@ -36,20 +36,6 @@ bool AreEqual(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-const char* ToString(Access access) {
-  switch (access) {
-    case Access::kGranted:
-      return "granted";
-    case Access::kWrongHost:
-      return "the address of this page is not one of the viewer";
-    case Access::kWrongOrigin:
-      return "the request comes from a page of another site";
-    case Access::kWrongToken:
-      return "the address lacks the token that troupe printed";
-  }
-  return "";
-}
-
 Access AccessRules::ForPage(std::string_view host, std::string_view given_token) const {
   const std::string name = NameIn(host);
   const bool known = name == "localhost" || (loopback_only ? IsLoopback(name) : IsAddress(name)) ||

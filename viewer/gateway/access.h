@@ -16,9 +16,12 @@
 namespace troupe {
 
 enum class Access : std::uint8_t { kGranted, kWrongHost, kWrongOrigin, kWrongToken };
-
 // One line for users.
-const char* ToString(Access access);
+// One line for the user.
+constexpr auto NamesOf(Access) {
+  return std::array{"granted", "the address of this page is not one of the viewer",
+                    "the request comes from a page of another site", "the address lacks the token that troupe printed"};
+}
 
 struct AccessRules {
   // The gateway listens on a loopback address: requests must be addressed to one.

@@ -174,7 +174,7 @@ Json ExpectationRows::Describe(const Row& row) const {
     add(position, static_cast<RowMark>(row.marks[i]));
   }
   if (row.decided_position) add(*row.decided_position, MarkOf(*row.monitor));
-  json["verdict"] = ToString(row.monitor->verdict());
+  json["verdict"] = NameOf(row.monitor->verdict());
   json["at_end"] = end.verdict() == Verdict::kTrue;
   json["decided"] = row.decided_position ? Json(*row.decided_position) : Json();
   json["cause"] = cause.tick ? Json(first_->position + (*cause.tick - first_->state->tick)) : Json();

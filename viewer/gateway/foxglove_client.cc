@@ -18,7 +18,7 @@ bool IsWarning(EventType type) {
 }
 
 std::string TextOf(const NumberedEvent& numbered) {
-  std::string text = ToString(numbered.event.type);
+  std::string text = NameOf(numbered.event.type);
   for (const std::string& name : {numbered.names.robot, numbered.names.object, numbered.names.other}) {
     if (!name.empty()) text += " " + name;
   }

@@ -327,7 +327,7 @@ PageReply ReplyToControl(std::uint64_t id, const Result<ControlReply>& reply) {
   const std::string& problem = reply.ok() ? reply.value().problem : reply.error().message;
   Json text = {{"type", "reply"}, {"id", id}, {"done", done}, {"problem", problem}};
   if (reply.ok()) {
-    text["state"] = ToString(reply.value().state);
+    text["state"] = NameOf(reply.value().state);
     text["tick"] = reply.value().tick;
     Json entities = Json::array();
     for (const EntityReport& entity : reply.value().entities) {

@@ -284,7 +284,7 @@ int WebServer::Implementation::ConfirmUpgrade(lws* socket, const char* protocol)
   if (access == Access::kGranted) std::erase(strangers_, socket);
   if (access == Access::kGranted && !full) return 0;
   const int written = full ? Refuse(socket, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many viewers")
-                           : Refuse(socket, HTTP_STATUS_FORBIDDEN, ToString(access));
+                           : Refuse(socket, HTTP_STATUS_FORBIDDEN, NameOf(access));
   return written < 0 ? -1 : 1;
 }
 
@@ -317,7 +317,7 @@ int WebServer::Implementation::ServeFile(lws* socket, Connection& connection, co
   const Access access = is_same_for_all   ? rules.ForPage(host, rules.token)
                         : file != nullptr ? rules.ForPage(host, TokenIn(socket))
                                           : rules.ForDownload(host, TokenIn(socket), BearerIn(socket));
-  if (access != Access::kGranted) return finish(HTTP_STATUS_FORBIDDEN, ToString(access));
+  if (access != Access::kGranted) return finish(HTTP_STATUS_FORBIDDEN, NameOf(access));
   if (!is_same_for_all) std::erase(strangers_, socket);
   if (file == nullptr) file = MakeDownload(socket, path);
   if (file == nullptr) return finish(HTTP_STATUS_NOT_FOUND, nullptr);

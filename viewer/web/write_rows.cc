@@ -62,9 +62,7 @@ void WriteRows(std::ostream& out) {
     out << "    for (const [i, row] of rows." << table << ") this." << table << "[i] = row;\n";
   });
   out << "  }\n}\n\nexport const enum EventType {\n";
-  for (int type = 0; type <= static_cast<int>(LastOf(EventType())); ++type) {
-    out << "  " << CamelCase(ToString(static_cast<EventType>(type)), true) << ",\n";
-  }
+  for (const char* const name : NamesOf(EventType())) out << "  " << CamelCase(name, true) << ",\n";
   out << "}\n\n// Of robot-agent/controller, sorted.\nexport const BUILT_IN_CONTROLLERS = [\n";
   for (const std::string& name : BuiltInControllers()) out << "  '" << name << "',\n";
   out << "];\n";

@@ -145,7 +145,7 @@ std::string EventText(const WorldDescription& world, const Event& event) {
 }
 
 nlohmann::json EventJson(const WorldDescription& world, const Event& event) {
-  nlohmann::json json = {{"event", ToString(event.type)}};
+  nlohmann::json json = {{"event", NameOf(event.type)}};
   if (event.robot) json["robot"] = world.robot(*event.robot).name;
   if (event.object) json["object"] = world.model(*event.object).name;
   if (event.other) json["other"] = world.model(*event.other).name;

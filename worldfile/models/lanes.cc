@@ -36,11 +36,6 @@ std::optional<double> CrossingAt(const Vec2& from, const Vec2& to, const Vec2& a
   return on_way * way.norm();
 }
 
-LaneFacing FacingOf(const std::string& orientation) {
-  if (orientation == "forward") return LaneFacing::kForward;
-  return orientation == "backward" ? LaneFacing::kBackward : LaneFacing::kAny;
-}
-
 class GraphMaker {
  public:
   GraphMaker(const Site& site, const WorldDescription& world) : site_(site), world_(world), names_(PlaceNames(site)) {
@@ -106,7 +101,7 @@ class GraphMaker {
     Lane made;
     made.is_bidirectional = lane.is_bidirectional;
     made.speed_limit = lane.speed_limit;
-    made.facing = FacingOf(lane.orientation);
+    made.facing = FindByName<LaneFacing>(lane.orientation).value_or(LaneFacing::kAny);
     made.mutex = lane.mutex;
     for (const SiteDoor& door : level.doors) {
       const std::optional<double> at =

@@ -49,12 +49,7 @@ Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
     if (!read.ok()) return read.error();
     *interval = read.value();
   }
-  if (const JsonNode* const found = object.Find("reaction")) {
-    rule.person.reaction = found->text == "curious"    ? PersonReaction::kCurious
-                           : found->text == "scared"   ? PersonReaction::kScared
-                           : found->text == "careless" ? PersonReaction::kCareless
-                                                       : PersonReaction::kRegular;
-  }
+  object.Read("reaction", rule.person.reaction);
   if (const JsonNode* const found = object.Find("order")) entry.in_turn = found->text == "in turn";
   for (const JsonNode& goal : object.ItemsOf("goals")) {
     if (goal.is_string()) {

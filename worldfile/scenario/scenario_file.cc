@@ -267,7 +267,7 @@ OverrideEntry Reader::ReadOverride(const JsonNode& object) {
 RunSettings Reader::ReadSettings(const JsonNode& root) {
   RunSettings settings;
   root.Read("ticks", settings.ticks);
-  if (const JsonNode* const found = root.Find("mode")) settings.mode = ParseMode(found->text).value_or(settings.mode);
+  root.Read("mode", settings.mode);
   if (const JsonNode* const speed = root.Find("speed")) {
     if (speed->is_number()) {
       settings.speed = speed->number;
@@ -276,9 +276,7 @@ RunSettings Reader::ReadSettings(const JsonNode& root) {
     }
     settings.watched_speed = settings.speed;
   }
-  if (const JsonNode* const loss = root.Find("on_agent_loss")) {
-    settings.on_agent_loss = ParseOnAgentLoss(loss->text).value_or(settings.on_agent_loss);
-  }
+  root.Read("on_agent_loss", settings.on_agent_loss);
   root.Read("robots_per_process", settings.robots_per_process);
   root.Read("restart_agents", settings.restart_agents);
   root.Read("agent_deadline", settings.agent_deadline_seconds);

@@ -32,19 +32,4 @@ inline constexpr std::pair<const char*, std::string SiteVertex::*> kVertexTexts[
 inline constexpr const char* kDispenserModel = "TeleportDispenser";
 inline constexpr const char* kIngestorModel = "TeleportIngestor";
 
-// The types of doors, as SiteTree names them to world files and building files name them, too.
-inline std::string DoorKindWord(SiteDoorKind kind) {
-  switch (kind) {
-    case SiteDoorKind::kHinged:
-      return "hinged";
-    case SiteDoorKind::kDoubleHinged:
-      return "double_hinged";
-    case SiteDoorKind::kSliding:
-      return "sliding";
-    case SiteDoorKind::kDoubleSliding:
-      break;
-  }
-  return "double_sliding";
-}
-
 }  // namespace troupe

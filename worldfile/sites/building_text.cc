@@ -69,7 +69,7 @@ std::string DoorText(const SiteDoor& door) {
   const double degrees = std::round(RadiansToDegrees(door.swing) * 1e9) / 1e9;
   ParameterList parameters;
   parameters.Text("name", door.name);
-  parameters.Text("type", DoorKindWord(door.kind));
+  parameters.Text("type", NameOf(door.kind));
   parameters.Number("motion_degrees", degrees);
   parameters.Whole("motion_direction", door.opens_clockwise ? 1 : -1);
   parameters.Text("motion_axis", door.hinge_at_end ? "end" : "start");

@@ -47,6 +47,10 @@ struct SiteEdge {
 };
 
 enum class SiteDoorKind : std::uint8_t { kHinged, kDoubleHinged, kSliding, kDoubleSliding };
+// As building files and world files name them.
+constexpr auto NamesOf(SiteDoorKind) {
+  return std::array{"hinged", "double_hinged", "sliding", "double_sliding"};
+}
 
 struct SiteDoor {
   SiteEdge edge;

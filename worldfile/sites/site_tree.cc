@@ -207,7 +207,7 @@ class TreeMaker {
     const Pose X_WD{middle.x(), middle.y(), level.elevation, Atan2(start.y() - end.y(), start.x() - end.x())};
     NodeMaker node = DoorNode(DoorName(level, door), X_WD, (end - start).norm(), kDoorHeight, door.is_operated,
                               door.is_operated, door.edge.where);
-    node.Text("kind", DoorKindWord(door.kind)).Text("side", door.hinge_at_end ? "left" : "right");
+    node.Text("kind", NameOf(door.kind)).Text("side", door.hinge_at_end ? "left" : "right");
     node.Number("swing", RadiansToDegrees(door.opens_clockwise ? door.swing : -door.swing));
     AddToWorld(std::move(node.Number("ratio", door.right_left_ratio).node));
   }
@@ -292,7 +292,7 @@ class TreeMaker {
       const Pose X_CD{at_end_of_x ? distance : along, at_end_of_x ? along : distance, 0.0, WrapAngle(door.heading)};
       const Pose X_WD = X_WC * X_CD;
       AddToWorld(std::move(DoorNode(name, X_WD, door.width, kCabinHeight, is_open, false, lift.where)
-                               .Text("kind", DoorKindWord(SiteDoorKind::kDoubleSliding))
+                               .Text("kind", NameOf(SiteDoorKind::kDoubleSliding))
                                .node));
     };
     const auto opens_at = [&](std::size_t level) {

@@ -23,6 +23,7 @@
 #include <utility>
 #include <vector>
 
+#include "troupe/enum_names.h"
 #include "troupe/result.h"
 #include "worldfile/text/text_file.h"
 
@@ -56,7 +57,7 @@ struct JsonNode {
 
   // Reads the member of that name into `value`, which keeps its value if there is no such member; whether there is one.
   // REQUIRES: the member is of the kind of Value, which is bool, std::string, a floating-point number, an integer,
-  // whose range the member is within, or an optional of one: a schema has been checked.
+  // whose range the member is within, an enumeration, which it names, or an optional of one: a schema has been checked.
   template <typename Value>
   bool Read(std::string_view name, Value& value) const;
 
@@ -81,6 +82,8 @@ bool JsonNode::Read(std::string_view name, Value& value) const {
     value = found->number;
   } else if constexpr (std::integral<Value>) {
     value = found->ToInteger<Value>();
+  } else if constexpr (NamedEnum<Value>) {
+    value = FindByName<Value>(found->text).value_or(value);
   } else {
     return Read(name, value.emplace());
   }

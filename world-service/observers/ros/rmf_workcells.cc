@@ -20,10 +20,6 @@ constexpr std::size_t kMaxNumber = 256;  // bytes
 
 enum class WorkcellMode : std::int32_t { kIdle = 0, kBusy = 1 };
 
-const char* Word(WorkcellKind kind) {
-  return kind == WorkcellKind::kDispenser ? "dispenser" : "ingestor";
-}
-
 }  // namespace
 
 class RmfWorkcells::Topics {
@@ -48,10 +44,10 @@ template <typename RequestMessage, typename ResultMessage, typename StateMessage
 class TopicsOfKind final : public RmfWorkcells::Topics {
  public:
   TopicsOfKind(const ros::RosNode& node, WorkcellKind kind, const std::function<void()>& notify)
-      : requests_(node, fmt::format("/{}_requests", Word(kind)), ros::Stream(kWorkcellRequestDepth),
+      : requests_(node, fmt::format("/{}_requests", NameOf(kind)), ros::Stream(kWorkcellRequestDepth),
                   ros::Part::kOnlyReader, notify),
-        results_(node, fmt::format("/{}_results", Word(kind)), ros::Stream(kWorkcellDepth)),
-        states_(node, fmt::format("/{}_states", Word(kind)), ros::Stream(kWorkcellDepth)) {}
+        results_(node, fmt::format("/{}_results", NameOf(kind)), ros::Stream(kWorkcellDepth)),
+        states_(node, fmt::format("/{}_states", NameOf(kind)), ros::Stream(kWorkcellDepth)) {}
 
   void Drain(const std::function<void(const RmfWorkcells::Request&)>& consume) override {
     requests_.Drain([&](const RequestMessage& message) {
@@ -127,8 +123,8 @@ void RmfWorkcells::Read() {
 void RmfWorkcells::Accept(WorkcellKind kind, const Request& request) {
   if (Find(kind, request.workcell) == nullptr) return;
   if (request.number.size() > kMaxNumber) {
-    report_(fmt::format("/{}_requests: {} '{}': found a request_guid of {} bytes, expected at most {}", Word(kind),
-                        Word(kind), request.workcell, request.number.size(), kMaxNumber));
+    report_(fmt::format("/{}_requests: {} '{}': found a request_guid of {} bytes, expected at most {}", NameOf(kind),
+                        NameOf(kind), request.workcell, request.number.size(), kMaxNumber));
     return;
   }
   const Move move{request.workcell, request.number, kind};
@@ -182,7 +178,7 @@ void RmfWorkcells::Finish(const std::string& item, bool is_done, const std::stri
 }
 
 void RmfWorkcells::Fail(const Move& move, const std::string& reason) {
-  report_(fmt::format("/{}_requests: {} '{}', request '{}': {}", Word(move.kind), Word(move.kind), move.workcell,
+  report_(fmt::format("/{}_requests: {} '{}', request '{}': {}", NameOf(move.kind), NameOf(move.kind), move.workcell,
                       move.number, reason));
   Answer(move, false);
 }
@@ -198,7 +194,7 @@ void RmfWorkcells::WriteResult(const Move& move, ResultStatus status) {
   if (results_ == Results::kAtOnce) return TopicsOf(move.kind).WriteResult(stamp_, move.workcell, move.number, status);
   if (late_results_.size() < kMaxLateResults) return late_results_.push_back({move, status, stamp_});
   report_(
-      fmt::format("/{}_results: the run is paused; left out a result of request '{}'", Word(move.kind), move.number));
+      fmt::format("/{}_results: the run is paused; left out a result of request '{}'", NameOf(move.kind), move.number));
 }
 
 void RmfWorkcells::OnTick(Tick tick, const ros::Time& stamp, bool is_due) {

@@ -18,6 +18,9 @@
 namespace troupe {
 
 enum class WorkcellKind : std::uint8_t { kDispenser, kIngestor };
+constexpr auto NamesOf(WorkcellKind) {
+  return std::array{"dispenser", "ingestor"};
+}
 
 // A dispenser or an ingestor: a place with the tag "dispenser:NAME" or "ingestor:NAME". Items are at the entity of that
 // name, which may move, or at the place.

@@ -100,7 +100,7 @@ class LauncherReporter final : public Reporter {
     Send(report);
   }
   void OnEvent(const Event& event, const std::string& text) override {
-    Send({{"type", "event"}, {"tick", event.tick}, {"event", ToString(event.type)}, {"text", text}});
+    Send({{"type", "event"}, {"tick", event.tick}, {"event", NameOf(event.type)}, {"text", text}});
   }
   void OnNotice(const std::string& text) override { Send({{"type", "notice"}, {"text", text}}); }
   void Ended(const RunSummary& summary) override {

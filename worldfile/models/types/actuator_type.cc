@@ -14,7 +14,7 @@ namespace {
 
 JointType ReadJointType(PropertyReader& reader) {
   constexpr std::string_view kTypes[] = {"linear", "rotational"};
-  return reader.Word("type", kTypes) == "rotational" ? JointType::kRevolute : JointType::kPrismatic;
+  return reader.Choice<JointType>("type", kTypes);
 }
 
 // A unit vector in the model's frame.

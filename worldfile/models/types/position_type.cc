@@ -41,8 +41,7 @@ TwistBounds ReadBounds(PropertyReader& reader, std::string_view name) {
 DriveDescription ReadDrive(PropertyReader& reader) {
   DriveDescription drive;
   constexpr std::string_view kTypes[] = {"diff", "omni", "car"};
-  const std::string type = reader.Word("drive", kTypes);
-  drive.type = type == "omni" ? DriveType::kOmni : type == "car" ? DriveType::kCar : DriveType::kDifferential;
+  drive.type = reader.Choice<DriveType>("drive", kTypes);
   constexpr double kShortest = 1e-6;  // m
   const double wheelbase = reader.Length("wheelbase", 1.0);
   drive.wheelbase = std::fabs(wheelbase) > kShortest ? std::fabs(wheelbase) : 1.0;
@@ -59,10 +58,10 @@ DriveDescription ReadDrive(PropertyReader& reader) {
 LocalizationDescription ReadLocalization(PropertyReader& reader, const Pose& X_WR, RobotId robot, std::uint64_t seed) {
   LocalizationDescription localization;
   constexpr std::string_view kTypes[] = {"gps", "odom"};
-  const std::string type = reader.Word("localization", kTypes);
+  localization.type = reader.Choice<LocalizationType>("localization", kTypes);
   const std::optional<Pose> X_WO = reader.ReadPose("localization_origin");
   const auto error = reader.Numbers("odom_error", 4);
-  if (type != "odom") {
+  if (localization.type == LocalizationType::kGps) {
     for (const char* name : {"localization_origin", "odom_error"}) {
       if (const Property* property = reader.node().Find(name)) {
         reader.diagnostics().Warn(property->where,
@@ -71,7 +70,6 @@ LocalizationDescription ReadLocalization(PropertyReader& reader, const Pose& X_W
     }
     return localization;
   }
-  localization.type = LocalizationType::kOdometry;
   localization.origin = X_WO ? Inverse(*X_WO) * X_WR : Pose{};
   // An odometry counts in the plane.
   localization.origin.z = 0.0;

@@ -311,12 +311,12 @@ TEST(Id, AnIndexOfMoreBitsIsNotCutToThatOfSomethingElse) {
 }
 
 TEST(Event, HasANameForEveryType) {
-  EXPECT_STREQ(ToString(EventType::kStallBegan), "stall_began");
-  EXPECT_STREQ(ToString(EventType::kStallEnded), "stall_ended");
-  EXPECT_STREQ(ToString(EventType::kJoined), "joined");
-  EXPECT_STREQ(ToString(EventType::kLeft), "left");
-  EXPECT_STREQ(ToString(EventType::kProposalRejected), "proposal_rejected");
-  EXPECT_STREQ(ToString(static_cast<EventType>(200)), "unknown");
+  EXPECT_STREQ(NameOf(EventType::kStallBegan), "stall_began");
+  EXPECT_STREQ(NameOf(EventType::kStallEnded), "stall_ended");
+  EXPECT_STREQ(NameOf(EventType::kJoined), "joined");
+  EXPECT_STREQ(NameOf(EventType::kLeft), "left");
+  EXPECT_STREQ(NameOf(EventType::kProposalRejected), "proposal_rejected");
+  EXPECT_STREQ(NameOf(static_cast<EventType>(200)), "unknown");
 }
 
 DriveDescription SomeDrive(DriveType type) {

@@ -6,16 +6,16 @@ namespace troupe {
 namespace {
 
 TEST(RunSettings, ConvertsEveryWordToItsValueAndBack) {
-  EXPECT_EQ(ParseMode("lockstep"), Mode::kLockstep);
-  EXPECT_EQ(ParseMode("realtime"), Mode::kRealtime);
-  EXPECT_EQ(ParseOnAgentLoss("freeze"), OnAgentLoss::kFreeze);
-  EXPECT_EQ(ParseOnAgentLoss("pause"), OnAgentLoss::kPause);
-  EXPECT_EQ(ParseOnAgentLoss("abort"), OnAgentLoss::kAbort);
-  for (const std::string_view word : kModeWords) EXPECT_EQ(ToString(*ParseMode(word)), word);
-  for (const std::string_view word : kOnAgentLossWords) EXPECT_EQ(ToString(*ParseOnAgentLoss(word)), word);
+  EXPECT_EQ(FindByName<Mode>("lockstep"), Mode::kLockstep);
+  EXPECT_EQ(FindByName<Mode>("realtime"), Mode::kRealtime);
+  EXPECT_EQ(FindByName<OnAgentLoss>("freeze"), OnAgentLoss::kFreeze);
+  EXPECT_EQ(FindByName<OnAgentLoss>("pause"), OnAgentLoss::kPause);
+  EXPECT_EQ(FindByName<OnAgentLoss>("abort"), OnAgentLoss::kAbort);
+  for (const std::string_view word : NamesOf(Mode())) EXPECT_EQ(NameOf(*FindByName<Mode>(word)), word);
+  for (const std::string_view word : NamesOf(OnAgentLoss())) EXPECT_EQ(NameOf(*FindByName<OnAgentLoss>(word)), word);
   for (const char* word : {"", "Lockstep", "fast", "lockstep "}) {
-    EXPECT_FALSE(ParseMode(word)) << word;
-    EXPECT_FALSE(ParseOnAgentLoss(word)) << word;
+    EXPECT_FALSE(FindByName<Mode>(word)) << word;
+    EXPECT_FALSE(FindByName<OnAgentLoss>(word)) << word;
   }
 }
 

@@ -88,7 +88,7 @@ TEST_P(Localhost, ToolsFindAllOfManyParticipants) {
 INSTANTIATE_TEST_SUITE_P(Distributions, Localhost,
                          testing::Values(Range{Distribution::kHumble, test::kHumbleLocalhost},
                                          Range{Distribution::kJazzy, test::kJazzyLocalhost}),
-                         [](const auto& range) { return ros::ToString(range.param.distribution); });
+                         [](const auto& range) { return NameOf(range.param.distribution); });
 
 TEST(RosNetwork, OffHidesAParticipant) {
   test::HasNetworkOfItsOwn();

@@ -259,7 +259,7 @@ TEST(ExpectationExamplesTest, TheExamplesOfTheDocumentationHaveTheirVerdicts) {
     const Result<std::vector<Monitor>> monitors = WatchAll(simulation.value(), 300, texts);
     ASSERT_TRUE(monitors.ok()) << monitors.error().ToString();
     for (std::size_t i = 0; i < formulas.size(); ++i) {
-      EXPECT_EQ(ToString(monitors.value()[i].verdict()), formulas[i].second)
+      EXPECT_EQ(NameOf(monitors.value()[i].verdict()), formulas[i].second)
           << ::testing::PrintToString(monitors.value()[i]);
     }
   }

@@ -70,7 +70,7 @@ double CoordinatorTest::Travel(std::size_t robot) const {
 std::vector<std::string> CoordinatorTest::Events() {
   std::vector<std::string> texts;
   for (const Event& event : coordinator->DrainEvents()) {
-    texts.push_back(ToString(event.type));
+    texts.push_back(NameOf(event.type));
     if (event.robot) texts.back() += " " + scene->world().robot(*event.robot).name;
   }
   return texts;
