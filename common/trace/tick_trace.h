@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "troupe/enum_names.h"
 #include "troupe/ids.h"
 #include "troupe/result.h"
 

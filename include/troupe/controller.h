@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "troupe/deterministic_math.h"
+#include "troupe/enum_names.h"
 #include "troupe/ids.h"
 #include "troupe/order.h"
 #include "troupe/parameters.h"

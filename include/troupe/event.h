@@ -3,7 +3,6 @@
 // Events tell, they decide nothing: a run without observers has the same states.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 

@@ -20,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "troupe/enum_names.h"
 #include "troupe/ids.h"
 #include "troupe/interval.h"
 #include "troupe/polygon.h"

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "troupe/enum_names.h"
 #include "troupe/fields.h"
 #include "troupe/pose.h"
 #include "troupe/vec2.h"

@@ -26,9 +26,12 @@
 #include <vector>
 
 #include "troupe/color.h"
+#include "troupe/door_description.h"
+#include "troupe/enum_names.h"
 #include "troupe/fields.h"
 #include "troupe/ids.h"
 #include "troupe/interval.h"
+#include "troupe/person_description.h"
 #include "troupe/pixel_area.h"
 #include "troupe/polygon.h"
 #include "troupe/pose.h"
@@ -358,85 +361,6 @@ bool NamesLibrary(const std::string& controller);
 // The path of that file: the name without the class.
 std::string ControllerFile(const std::string& controller);
 
-// A leaf of a door: an object that only its door moves.
-struct DoorLeaf {
-  ObjectId object;
-  Pose X_WH;
-  double turn = 0.0;
-  double shift = 0.0;
-  bool operator==(const DoorLeaf&) const = default;
-
-  // At an opening from 0, closed, to 1.
-  Pose X_WH_at(double opening) const { return X_WH * Pose{opening * shift, 0.0, 0.0, WrapAngle(opening * turn)}; }
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"object", &DoorLeaf::object},
-        Field{"closed", &DoorLeaf::X_WH, "of the object's root while the door is closed, in W"},
-        Field{"turn", &DoorLeaf::turn, "of a door that opens: the leaf turns about the origin of H"}.In("rad").Within(
-            -2 * kPi, 2 * kPi),
-        Field{"shift", &DoorLeaf::shift, "or slides along the x axis of H; one of both is 0"}.In("m"),
-    };
-  }
-};
-
-// One or more leaves that open and close together.
-struct DoorDescription {
-  ModelId model;
-  std::vector<DoorLeaf> leaves;
-  double seconds = 3.0;
-  double reach = 0.0;
-  double opening = 0.0;
-  bool is_operated = true;
-  bool operator==(const DoorDescription&) const = default;
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"model", &DoorDescription::model, "has no body; its name is the door's"},
-        Field{"leaves", &DoorDescription::leaves},
-        Field{"seconds", &DoorDescription::seconds, "from closed to open"}.In("s").AtLeast(1e-3),
-        Field{"reach", &DoorDescription::reach, "it opens for robots nearer to its model; 0: for none"}.In("m").AtLeast(
-            0),
-        Field{"opening", &DoorDescription::opening, "at load"}.Within(0, 1),
-        Field{"operated", &DoorDescription::is_operated, "false: it stays as it is"},
-    };
-  }
-};
-
-// A height at which a lift stops.
-struct LiftFloor {
-  std::string name;
-  double z = 0.0;
-  std::vector<std::size_t> doors;
-  bool operator==(const LiftFloor&) const = default;
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"name", &LiftFloor::name},
-        Field{"z", &LiftFloor::z, "of the cabin's floor"}.In("m"),
-        Field{"doors", &LiftFloor::doors, "of the cabin and of the shaft, open here; in WorldDescription::doors"},
-    };
-  }
-};
-
-// A cabin that moves along z, with its contents, while all of its doors are closed.
-struct LiftDescription {
-  ModelId model;
-  ObjectId cabin;
-  std::vector<std::size_t> cabin_doors;
-  std::vector<LiftFloor> floors;
-  std::uint32_t floor = 0;
-  double speed = 1.0;
-  bool operator==(const LiftDescription&) const = default;
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"model", &LiftDescription::model, "has no body; its name is the lift's"},
-        Field{"cabin", &LiftDescription::cabin, "moved by the lift alone; at the height of the floor at load"},
-        Field{"cabin_doors", &LiftDescription::cabin_doors, "moving with the cabin, in WorldDescription::doors"},
-        Field{"floors", &LiftDescription::floors},
-        Field{"floor", &LiftDescription::floor, "at load"},
-        Field{"speed", &LiftDescription::speed}.In("m/s").AtLeast(1e-3),
-    };
-  }
-};
-
 // The ports of a higher domain would exceed 65535.
 inline constexpr std::uint32_t kMaxRosDomain = 230;
 
@@ -489,80 +413,6 @@ struct RobotDescription {
         Field{"sensors", &RobotDescription::sensors, "in the order of the world file; break beams are their grippers'"},
         Field{"controller", &RobotDescription::controller},
         Field{"ros", &RobotDescription::ros},
-    };
-  }
-};
-
-// The reaction of a person to a robot.
-enum class PersonReaction : std::uint8_t {
-  kRegular = 0,   // avoids it like a walker who does not avoid in turn
-  kCurious = 1,   // walks up to it and watches it for a while
-  kScared = 2,    // keeps away from it
-  kCareless = 3,  // ignores it, and only stops at a contact
-};
-constexpr auto NamesOf(PersonReaction) {
-  return std::array{"regular", "curious", "scared", "careless"};
-}
-
-// A goal set that may follow another one.
-struct NextGoals {
-  std::uint32_t goals = 0;
-  double weight = 1.0;
-  bool operator==(const NextGoals&) const = default;
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"goals", &NextGoals::goals, "in WorldDescription::goal_sets"},
-        Field{"weight", &NextGoals::weight, "of the choice, relative to the others"}.Above(0),
-    };
-  }
-};
-
-// Goals of people: a person chooses one of the points, walks there, waits, and chooses among the next sets.
-struct GoalSet {
-  std::string name;
-  std::vector<Vec2> points;
-  double reach = 0.5;
-  Interval wait;
-  std::vector<NextGoals> next;
-  std::vector<double> heights = {};
-  bool operator==(const GoalSet&) const = default;
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"name", &GoalSet::name},
-        Field{"points", &GoalSet::points, "in W; none: the person stays where it is"}.In("m"),
-        Field{"reach", &GoalSet::reach, "distance at which the person has arrived"}.In("m").Above(0),
-        Field{"wait", &GoalSet::wait, "at the goal, drawn between these"}.In("s").AtLeast(0),
-        Field{"next", &GoalSet::next, "none: the person stays at its goal"},
-        Field{"heights", &GoalSet::heights, "of the points; none: on the level on which the person starts"}.In("m"),
-    };
-  }
-};
-
-inline constexpr double kMaxPersonRadius = 10.0;  // m
-inline constexpr double kMaxPersonSpeed = 100.0;  // m/s
-
-// A walker of the world: it is moved by the step, and is a body like all others.
-struct PersonDescription {
-  ModelId root;
-  double radius = 0.25;
-  double speed = 1.3;
-  double max_speed = 1.8;
-  PersonReaction reaction = PersonReaction::kRegular;
-  std::uint32_t goals = 0;
-  std::optional<PersonId> leader = {};
-  bool operator==(const PersonDescription&) const = default;
-  static constexpr auto Fields() {
-    return std::tuple{
-        Field{"root", &PersonDescription::root, "the body, without joints; its name is the person's"},
-        Field{"radius", &PersonDescription::radius, "no part of the body is farther from its axis"}
-            .In("m")
-            .Above(0)
-            .AtMost(kMaxPersonRadius),
-        Field{"speed", &PersonDescription::speed, "without an obstacle"}.In("m/s").Within(0, kMaxPersonSpeed),
-        Field{"max_speed", &PersonDescription::max_speed}.In("m/s").Within(0, kMaxPersonSpeed),
-        Field{"reaction", &PersonDescription::reaction, "to robots"},
-        Field{"goals", &PersonDescription::goals, "its first goal set"},
-        Field{"leader", &PersonDescription::leader, "with whom it walks, to the leader's goals"},
     };
   }
 };

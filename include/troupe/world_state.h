@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "troupe/enum_names.h"
 #include "troupe/fields.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"

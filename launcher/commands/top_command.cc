@@ -20,6 +20,7 @@
 #include "launcher/process/process.h"
 #include "transport/protocol/message_texts.h"
 #include "troupe/deterministic_math.h"
+#include "troupe/enum_names.h"
 
 namespace troupe {
 namespace {

@@ -18,6 +18,7 @@
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/mapped_route.h"
 #include "robot-agent/navigation/steering.h"
+#include "troupe/enum_names.h"
 
 namespace troupe {
 namespace {

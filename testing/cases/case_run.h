@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "testing/cases/test_file.h"
+#include "troupe/enum_names.h"
 #include "troupe/expectation.h"
 #include "troupe/simulation.h"
 #include "worldfile/scenario/scenario.h"

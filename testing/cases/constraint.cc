@@ -8,6 +8,7 @@
 #include "common/base/text.h"
 #include "testing/expectations/network.h"
 #include "testing/expectations/operators.h"
+#include "troupe/enum_names.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {

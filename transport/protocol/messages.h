@@ -20,6 +20,7 @@
 
 #include "common/model/proposal.h"
 #include "transport/protocol/control_request.h"
+#include "troupe/enum_names.h"
 #include "troupe/event.h"
 #include "troupe/fields.h"
 #include "troupe/ids.h"
@@ -259,6 +260,7 @@ enum class EntityKind : std::uint8_t {
 constexpr auto NamesOf(EntityKind) {
   return std::array{"robot", "object", "model"};
 }
+
 constexpr ErrorCode LastOf(ErrorCode) {
   return ErrorCode::kOutputFailed;
 }

@@ -14,6 +14,7 @@
 
 #include "common/base/paths.h"
 #include "common/image/image_file.h"
+#include "troupe/enum_names.h"
 #include "troupe/result.h"
 #include "worldfile/models/build_world.h"
 #include "worldfile/stage/world_tree.h"

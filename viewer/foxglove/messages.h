@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/spatial/scene.h"
+#include "troupe/enum_names.h"
 #include "troupe/event.h"
 #include "troupe/ids.h"
 #include "troupe/sensor.h"

@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include "troupe/enum_names.h"
+
 namespace troupe {
 
 enum class Access : std::uint8_t { kGranted, kWrongHost, kWrongOrigin, kWrongToken };

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "troupe/enum_names.h"
 #include "troupe/polygon.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/spatial/scene.h"
+#include "troupe/enum_names.h"
 #include "troupe/result.h"
 #include "troupe/world_state.h"
 

@@ -1,0 +1,94 @@
+// The doors and lifts of a WorldDescription: devices that the step moves, each at a model that never moves itself.
+// Leaves and cabins are objects; DoorState and LiftState (world_state.h) have their motion.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "troupe/fields.h"
+#include "troupe/ids.h"
+#include "troupe/pose.h"
+
+namespace troupe {
+
+// A leaf of a door: an object that only its door moves.
+struct DoorLeaf {
+  ObjectId object;
+  Pose X_WH;
+  double turn = 0.0;
+  double shift = 0.0;
+  bool operator==(const DoorLeaf&) const = default;
+
+  // At an opening from 0, closed, to 1.
+  Pose X_WH_at(double opening) const { return X_WH * Pose{opening * shift, 0.0, 0.0, WrapAngle(opening * turn)}; }
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"object", &DoorLeaf::object},
+        Field{"closed", &DoorLeaf::X_WH, "of the object's root while the door is closed, in W"},
+        Field{"turn", &DoorLeaf::turn, "of a door that opens: the leaf turns about the origin of H"}.In("rad").Within(
+            -2 * kPi, 2 * kPi),
+        Field{"shift", &DoorLeaf::shift, "or slides along the x axis of H; one of both is 0"}.In("m"),
+    };
+  }
+};
+
+// One or more leaves that open and close together.
+struct DoorDescription {
+  ModelId model;
+  std::vector<DoorLeaf> leaves;
+  double seconds = 3.0;
+  double reach = 0.0;
+  double opening = 0.0;
+  bool is_operated = true;
+  bool operator==(const DoorDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"model", &DoorDescription::model, "has no body; its name is the door's"},
+        Field{"leaves", &DoorDescription::leaves},
+        Field{"seconds", &DoorDescription::seconds, "from closed to open"}.In("s").AtLeast(1e-3),
+        Field{"reach", &DoorDescription::reach, "it opens for robots nearer to its model; 0: for none"}.In("m").AtLeast(
+            0),
+        Field{"opening", &DoorDescription::opening, "at load"}.Within(0, 1),
+        Field{"operated", &DoorDescription::is_operated, "false: it stays as it is"},
+    };
+  }
+};
+
+// A height at which a lift stops.
+struct LiftFloor {
+  std::string name;
+  double z = 0.0;
+  std::vector<std::size_t> doors;
+  bool operator==(const LiftFloor&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &LiftFloor::name},
+        Field{"z", &LiftFloor::z, "of the cabin's floor"}.In("m"),
+        Field{"doors", &LiftFloor::doors, "of the cabin and of the shaft, open here; in WorldDescription::doors"},
+    };
+  }
+};
+
+// A cabin that moves along z, with its contents, while all of its doors are closed.
+struct LiftDescription {
+  ModelId model;
+  ObjectId cabin;
+  std::vector<std::size_t> cabin_doors;
+  std::vector<LiftFloor> floors;
+  std::uint32_t floor = 0;
+  double speed = 1.0;
+  bool operator==(const LiftDescription&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"model", &LiftDescription::model, "has no body; its name is the lift's"},
+        Field{"cabin", &LiftDescription::cabin, "moved by the lift alone; at the height of the floor at load"},
+        Field{"cabin_doors", &LiftDescription::cabin_doors, "moving with the cabin, in WorldDescription::doors"},
+        Field{"floors", &LiftDescription::floors},
+        Field{"floor", &LiftDescription::floor, "at load"},
+        Field{"speed", &LiftDescription::speed}.In("m/s").AtLeast(1e-3),
+    };
+  }
+};
+
+}  // namespace troupe
