@@ -18,10 +18,6 @@ namespace {
 const std::set<std::string> kKeysOfTests = {"$schema", "scenario", "name",   "seed",  "ticks",  "vary",
                                             "where",   "design",   "expect", "cover", "metrics"};
 
-Error Placed(const JsonTree& tree, const JsonNode& node, const Error& error) {
-  return tree.ErrorAt(node, error.message);
-}
-
 // The offset in a JSON string's bytes, with its quotes, of byte `index` of the text that it stands for.
 std::size_t OffsetInString(std::string_view quoted, std::size_t index) {
   std::size_t offset = 1;
@@ -41,6 +37,25 @@ std::size_t OffsetInString(std::string_view quoted, std::size_t index) {
     }
   }
   return offset;
+}
+
+// `design`: null for the default.
+Result<DesignSettings> ReadDesignSettings(const JsonTree& tree, const JsonNode* design) {
+  DesignSettings settings;
+  if (design == nullptr || design->text == "product") return settings;
+  if (design->is_object()) {
+    settings.kind = DesignKind::kRandom;
+    settings.cases = design->Member("random").ToInteger<std::uint64_t>();
+    design->Read("seed", settings.seed);
+    return settings;
+  }
+  if (design->text == "pairwise") {
+    settings.kind = DesignKind::kPairwise;
+    return settings;
+  }
+  return tree.ErrorAt(*design,
+                      fmt::format("found {}, expected 'product', 'pairwise', or {{\"random\": the number of cases}}",
+                                  Quoted(design->text)));
 }
 
 }  // namespace
@@ -123,83 +138,82 @@ Status TestFile::ReadClauses(const JsonTree& tree) {
   return {};
 }
 
-Status TestFile::ReadDesign(const JsonTree& tree, const TestCase& fixed) {
-  const JsonNode& root = tree.root();
+Result<std::vector<Variation>> TestFile::ReadVariations(const JsonTree& tree) const {
   std::vector<Variation> variations;
-  std::vector<std::string> names;
-  if (const JsonNode* const vary = root.Find("vary")) {
-    for (const JsonNode& entry : vary->items) {
-      Result<ValuePath> path = ValuePath::Parse(entry.key);
-      if (!path.ok()) return Error{tree.WhereKey(entry), path.error().message};
-      if (const Result<const JsonNode*> found = scenario_->Find(path.value()); !found.ok()) {
-        return Error{tree.WhereKey(entry), found.error().message};
-      }
-      for (const Variation& other : variations) {
-        if (!other.value_path().Overlaps(path.value())) continue;
-        return Error{tree.WhereKey(entry),
-                     fmt::format("found the path {}, a value that {} varies too, expected one of the two",
-                                 Quoted(entry.key), Quoted(other.path()))};
-      }
-      Result<Variation> variation = Variation::Read(tree, entry, std::move(path).value());
-      if (!variation.ok()) return variation.error();
-      names.push_back(entry.key);
-      variations.push_back(std::move(variation).value());
+  for (const JsonNode& entry : tree.root().ItemsOf("vary")) {
+    const auto error_at_key = [&](std::string message) { return Error{tree.WhereKey(entry), std::move(message)}; };
+    Result<ValuePath> path = ValuePath::Parse(entry.key);
+    if (!path.ok()) return error_at_key(path.error().message);
+    if (const Result<const JsonNode*> found = scenario_->Find(path.value()); !found.ok()) {
+      return error_at_key(found.error().message);
     }
+    for (const Variation& other : variations) {
+      if (!other.value_path().Overlaps(path.value())) continue;
+      return error_at_key(fmt::format("found the path {}, a value that {} varies too, expected one of the two",
+                                      Quoted(entry.key), Quoted(other.path())));
+    }
+    Result<Variation> variation = Variation::Read(tree, entry, std::move(path).value());
+    if (!variation.ok()) return variation.error();
+    variations.push_back(std::move(variation).value());
   }
-  // --case
+  return variations;
+}
+
+Status TestFile::FixDraws(const TestCase& fixed, std::vector<Variation>& variations) const {
   for (const DrawnValue& draw : fixed) {
     const auto varied = std::find_if(variations.begin(), variations.end(),
                                      [&](const Variation& variation) { return variation.path() == draw.path; });
     if (varied != variations.end()) {
       if (!varied->Contains(draw.value)) {
-        return Error{{},
-                     fmt::format("--case: found {} as {}, expected {}", Quoted(draw.value), Quoted(draw.path, 200),
-                                 varied->Describe())};
+        return BadInput(fmt::format("--case: found {} as {}, expected {}", Quoted(draw.value), Quoted(draw.path, 200),
+                                    varied->Describe()));
       }
       *varied = Variation::Of(varied->value_path(), draw.value);
       continue;
     }
     const ValuePath path = ValuePath::Parse(draw.path).value();  // ParseCase has parsed it
     if (const Result<const JsonNode*> found = scenario_->Find(path); !found.ok()) {
-      return Error{{}, "--case: " + found.error().message};
+      return BadInput("--case: " + found.error().message);
     }
     for (const Variation& variation : variations) {
       if (!variation.value_path().Overlaps(path)) continue;
-      return Error{{},
-                   fmt::format("--case: found {}, a value that {} varies, expected the latter", Quoted(draw.path),
-                               Quoted(variation.path()))};
+      return BadInput(fmt::format("--case: found {}, a value that {} varies, expected the latter", Quoted(draw.path),
+                                  Quoted(variation.path())));
     }
-    names.push_back(draw.path);
     variations.push_back(Variation::Of(path, draw.value));
   }
+  return {};
+}
+
+Result<std::vector<Constraint>> TestFile::ReadConstraints(const JsonTree& tree,
+                                                          const std::vector<std::string>& names) const {
+  std::vector<Constraint> constraints;
+  for (const JsonNode& entry : tree.root().ItemsOf("where")) {
+    Result<Constraint> constraint = Constraint::Parse(entry.text, names);
+    if (!constraint.ok()) return At({"", entry.text, entry.span}, constraint.error());
+    constraints.push_back(std::move(constraint).value());
+  }
+  return constraints;
+}
+
+Status TestFile::ReadDesign(const JsonTree& tree, const TestCase& fixed) {
+  Result<std::vector<Variation>> variations = ReadVariations(tree);
+  if (!variations.ok()) return variations.error();
+  if (Status error = FixDraws(fixed, variations.value()); !error.ok()) return error;
+  std::vector<std::string> names;
+  for (const Variation& variation : variations.value()) names.push_back(variation.path());
   std::erase_if(
       common_, [&](const DrawnValue& draw) { return std::find(names.begin(), names.end(), draw.path) != names.end(); });
-
-  std::vector<Constraint> constraints;
-  if (const JsonNode* const where = root.Find("where")) {
-    for (const JsonNode& entry : where->items) {
-      Result<Constraint> constraint = Constraint::Parse(entry.text, names);
-      if (!constraint.ok()) return At({"", entry.text, entry.span}, constraint.error());
-      constraints.push_back(std::move(constraint).value());
-    }
-  }
-  DesignSettings settings;
-  const JsonNode* const design = root.Find("design");
-  if (design != nullptr && design->is_object()) {
-    settings.kind = DesignKind::kRandom;
-    settings.cases = design->Member("random").ToInteger<std::uint64_t>();
-    if (const JsonNode* const seed = design->Find("seed")) settings.seed = seed->ToInteger<std::uint64_t>();
-  } else if (design != nullptr && design->text == "pairwise") {
-    settings.kind = DesignKind::kPairwise;
-  } else if (design != nullptr && design->text != "product") {
-    return tree.ErrorAt(*design,
-                        fmt::format("found {}, expected 'product', 'pairwise', or {{\"random\": the number of cases}}",
-                                    Quoted(design->text)));
-  }
-  Result<CaseDesign> made = CaseDesign::Make(std::move(variations), std::move(constraints), settings);
+  Result<std::vector<Constraint>> constraints = ReadConstraints(tree, names);
+  if (!constraints.ok()) return constraints.error();
+  const JsonNode* const design = tree.root().Find("design");
+  const Result<DesignSettings> settings = ReadDesignSettings(tree, design);
+  if (!settings.ok()) return settings.error();
+  Result<CaseDesign> made =
+      CaseDesign::Make(std::move(variations).value(), std::move(constraints).value(), settings.value());
   if (!made.ok()) {
-    const JsonNode* const place = design != nullptr ? design : root.Find("vary");
-    return place != nullptr ? Placed(tree, *place, made.error()) : made.error();
+    const JsonNode* const place = design != nullptr ? design : tree.root().Find("vary");
+    return place != nullptr ? tree.ErrorAt(*place, made.error().message) : made.error();
   }
   design_ = std::move(made).value();
   return {};

@@ -57,6 +57,12 @@ class TestFile {
   TestFile() = default;
   Status ReadClauses(const JsonTree& tree);
   Status ReadDesign(const JsonTree& tree, const TestCase& fixed);
+  // `vary`.
+  Result<std::vector<Variation>> ReadVariations(const JsonTree& tree) const;
+  // Gives the draws of --case to the variations of their paths, and adds variations for the other ones.
+  Status FixDraws(const TestCase& fixed, std::vector<Variation>& variations) const;
+  // `where`; `names`: the paths of all variations.
+  Result<std::vector<Constraint>> ReadConstraints(const JsonTree& tree, const std::vector<std::string>& names) const;
 
   std::string path_;
   std::string text_;  // of the file
