@@ -263,66 +263,69 @@ Result<bool> CaseSession::Run() {
 
 Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::function<bool()>& stop,
                                   int stop_descriptor) {
-  std::vector<std::size_t> chosen;  // faults that failed, the first of each test
+  FaultWork work{pool, stop, stop_descriptor, {}, {}};
   std::map<std::size_t, std::size_t> of_test;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
-    const bool failed = faults_[i].second.outcome.verdict == CaseVerdict::kFailed;
-    if (failed && of_test[faults_[i].first]++ < kMaxExamined) chosen.push_back(i);
+    const auto& [test, fault] = faults_[i];
+    if (fault.outcome.verdict != CaseVerdict::kFailed || of_test[test]++ >= kMaxExamined) continue;
+    work.chosen.push_back(i);
+    work.smallest[i] = {fault.draws, fault.outcome};
   }
-  // Does one kind of work for each of these faults.
-  const auto for_each = [&](const auto& request_for, const auto& use) {
-    std::size_t place = 0;
-    const auto next = [&]() -> std::optional<std::string> {
-      if (place >= chosen.size()) return std::nullopt;
-      const std::size_t i = chosen[place++];
-      json request = request_for(i);
-      request["fault"] = i;
-      request["test"] = faults_[i].first;
-      return request.dump();
-    };
-    const auto done = [&](const std::string& request, const Result<std::string>& reply) {
-      auto& [test, fault] = faults_[json::parse(request).at("fault")];
-      std::string problem = reply.ok() ? "" : reply.error().message;
-      if (reply.ok()) problem = use(json::parse(request).at("fault"), json::parse(reply.value()));
-      if (!problem.empty()) PrintPlain(stderr, "warning: the case {}: {}\n", CaseText(fault.draws), problem);
-    };
-    return pool.Run(next, done, stop_descriptor, stop);
-  };
-  // The cases to be recorded: shrunk ones, where there are any.
-  std::map<std::size_t, std::pair<TestCase, CaseOutcome>> smallest;
-  for (const std::size_t i : chosen) smallest[i] = {faults_[i].second.draws, faults_[i].second.outcome};
   Result<bool> examined = going_on;
-  if (going_on && options_.shrink && options_.fixed.empty()) {
-    const auto request_for = [&](std::size_t i) {
-      const ReportedCase& fault = faults_[i].second;
-      const auto& list = fault.outcome.expectations;
-      const auto failed = std::find_if(list.begin(), list.end(), [](const auto& each) { return !each.holds; });
-      return json{{"kind", "shrink"}, {"case", CaseToJson(fault.draws)}, {"expectation", failed - list.begin()}};
-    };
-    const auto use = [&](std::size_t i, const json& answer) -> std::string {
-      auto& [test, fault] = faults_[i];
-      const TestCase draws = CaseFromJson(answer.at("case"));
-      CaseOutcome outcome = OutcomeFromJson(answer.at("outcome"));
-      if (outcome.verdict != CaseVerdict::kFailed) return "cannot shrink it: " + outcome.error;
-      if (draws == fault.draws) return "";
-      fault.shrunk =
-          fmt::format("{} ({}, {}, after {})", CommandOf(tests_[test], draws),
-                      CountText(answer.at("robots").get<std::size_t>(), "robot"), CountText(outcome.ticks, "tick"),
-                      CountText(answer.at("runs").get<std::size_t>(), "run"));
-      smallest[i] = {draws, std::move(outcome)};
-      return "";
-    };
-    examined = for_each(request_for, use);
-  }
+  if (going_on && options_.shrink && options_.fixed.empty()) examined = Shrink(work);
   if (options_.fixed.empty()) {
-    for (const auto& [i, small] : smallest) tests_[faults_[i].first].new_failing.push_back(small.first);
+    for (const auto& [i, small] : work.smallest) tests_[faults_[i].first].new_failing.push_back(small.first);
   }
-  if (!examined.ok() || !examined.value()) return examined;
-  if (options_.folder.empty()) return true;
+  if (!examined.ok() || !examined.value() || options_.folder.empty()) return examined;
+  return Keep(work);
+}
 
+Result<bool> CaseSession::ForEachChosen(FaultWork& work, const std::function<json(std::size_t)>& request_for,
+                                        const std::function<std::string(std::size_t, const json&)>& use) {
+  std::size_t place = 0;
+  const auto next = [&]() -> std::optional<std::string> {
+    if (place >= work.chosen.size()) return std::nullopt;
+    const std::size_t i = work.chosen[place++];
+    json request = request_for(i);
+    request["fault"] = i;
+    request["test"] = faults_[i].first;
+    return request.dump();
+  };
+  const auto done = [&](const std::string& request, const Result<std::string>& reply) {
+    const std::size_t i = json::parse(request).at("fault");
+    const std::string problem = reply.ok() ? use(i, json::parse(reply.value())) : reply.error().message;
+    if (!problem.empty()) PrintPlain(stderr, "warning: the case {}: {}\n", CaseText(faults_[i].second.draws), problem);
+  };
+  return work.pool.Run(next, done, work.stop_descriptor, work.stop);
+}
+
+Result<bool> CaseSession::Shrink(FaultWork& work) {
+  const auto request_for = [&](std::size_t i) {
+    const ReportedCase& fault = faults_[i].second;
+    const auto& list = fault.outcome.expectations;
+    const auto failed = std::find_if(list.begin(), list.end(), [](const auto& each) { return !each.holds; });
+    return json{{"kind", "shrink"}, {"case", CaseToJson(fault.draws)}, {"expectation", failed - list.begin()}};
+  };
+  const auto use = [&](std::size_t i, const json& answer) -> std::string {
+    auto& [test, fault] = faults_[i];
+    const TestCase draws = CaseFromJson(answer.at("case"));
+    CaseOutcome outcome = OutcomeFromJson(answer.at("outcome"));
+    if (outcome.verdict != CaseVerdict::kFailed) return "cannot shrink it: " + outcome.error;
+    if (draws == fault.draws) return "";
+    fault.shrunk =
+        fmt::format("{} ({}, {}, after {})", CommandOf(tests_[test], draws),
+                    CountText(answer.at("robots").get<std::size_t>(), "robot"), CountText(outcome.ticks, "tick"),
+                    CountText(answer.at("runs").get<std::size_t>(), "run"));
+    work.smallest[i] = {draws, std::move(outcome)};
+    return "";
+  };
+  return ForEachChosen(work, request_for, use);
+}
+
+Result<bool> CaseSession::Keep(FaultWork& work) {
   const auto request_for = [&](std::size_t i) {
     auto& [test, fault] = faults_[i];
-    const auto& [draws, outcome] = smallest[i];
+    const auto& [draws, outcome] = work.smallest[i];
     fault.folder =
         fmt::format("{}-{}", std::filesystem::path(tests_[test].file->path()).stem().stem().string(), fault.number);
     return json{{"kind", "keep"},
@@ -339,7 +342,7 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::fu
     const std::string problem = answer.at("problem");
     return problem.empty() ? "" : "cannot keep it: " + problem;
   };
-  return for_each(request_for, use);
+  return ForEachChosen(work, request_for, use);
 }
 
 void CaseSession::Print(const ReportedCase& fault, const LoadedTest& test) const {

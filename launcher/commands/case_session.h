@@ -12,10 +12,14 @@
 
 #include <chrono>
 #include <deque>
+#include <functional>
+#include <map>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "testing/cases/case_run.h"
@@ -34,6 +38,8 @@ struct Shard {
 };
 // "2/4"; nothing for any other text.
 std::optional<Shard> ParseShard(const std::string& text);
+
+class WorkerPool;
 
 struct CaseSessionOptions {
   std::size_t jobs = 1;
@@ -87,7 +93,20 @@ class CaseSession {
   void Finish(const Job& job, CaseOutcome outcome);
   // The smallest cases, recordings and pictures of the first faults, unless it was interrupted (`going_on` is false);
   // the cases are kept all the same. False: interrupted.
-  Result<bool> Examine(class WorkerPool& pool, bool going_on, const std::function<bool()>& stop, int stop_descriptor);
+  Result<bool> Examine(WorkerPool& pool, bool going_on, const std::function<bool()>& stop, int stop_descriptor);
+  struct FaultWork {
+    WorkerPool& pool;
+    const std::function<bool()>& stop;
+    int stop_descriptor;
+    std::vector<std::size_t> chosen;  // faults that failed, the first of each test
+    // By fault; the cases to be recorded: shrunk ones, where there are any.
+    std::map<std::size_t, std::pair<TestCase, CaseOutcome>> smallest;
+  };
+  // Gives workers a request for each chosen fault, and uses their answers. `use` returns a problem, or "".
+  Result<bool> ForEachChosen(FaultWork& work, const std::function<nlohmann::json(std::size_t)>& request_for,
+                             const std::function<std::string(std::size_t, const nlohmann::json&)>& use);
+  Result<bool> Shrink(FaultWork& work);
+  Result<bool> Keep(FaultWork& work);
   void Print(const ReportedCase& fault, const LoadedTest& test) const;
   std::string CommandOf(const LoadedTest& test, const TestCase& draws) const;
   void ShowProgress(bool end);

@@ -284,6 +284,38 @@ int ViewCommand(ViewOptions options) {
   }
 }
 
+// For programs that start this one: no help lists them.
+void AddOptionsOfPrograms(CLI::App& command, const std::shared_ptr<ViewOptions>& options, CLI::Option* journal) {
+  // The options of a launcher: its journals have no names, and its scenario need not have expectations.
+  command.add_option("--scenario", options->scenario, "")->group("");
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--journal-tail",
+          [options](const std::vector<std::string>& files) {
+            options->journal->tail = {files[0], files[1]};
+          },
+          "")
+      ->expected(2)
+      ->needs(journal)
+      ->group("");
+  // The words of its command, as JSON.
+  command
+      .add_option_function<std::string>(
+          "--run-command",
+          [options](const std::string& text) {
+            const nlohmann::json words = nlohmann::json::parse(text, nullptr, false);
+            if (!words.is_array()) return;
+            for (const nlohmann::json& word : words) {
+              if (word.is_string()) options->run_command.push_back(word.get<std::string>());
+            }
+          },
+          "")
+      ->group("");
+  command.add_flag("--runs-again", options->runs_again, "")->group("");
+  // Of a library, which starts the program (include/troupe/simulation_page.h).
+  command.add_flag("--states", options->states, "")->group("");
+}
+
 }  // namespace
 
 void AddViewCommand(CLI::App& app, int& exit_status) {
@@ -315,34 +347,7 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
                    "Test or scenario whose expectations the page judges (default: those of the run's scenario)")
       ->check(NotEmpty())
       ->type_name("FILE");
-  // The options of a launcher: its journals have no names, and its scenario need not have expectations.
-  command->add_option("--scenario", options->scenario, "")->group("");
-  command
-      ->add_option_function<std::vector<std::string>>(
-          "--journal-tail",
-          [options](const std::vector<std::string>& files) {
-            options->journal->tail = {files[0], files[1]};
-          },
-          "")
-      ->expected(2)
-      ->needs(journal)
-      ->group("");
-  // The words of its command, as JSON.
-  command
-      ->add_option_function<std::string>(
-          "--run-command",
-          [options](const std::string& text) {
-            const nlohmann::json words = nlohmann::json::parse(text, nullptr, false);
-            if (!words.is_array()) return;
-            for (const nlohmann::json& word : words) {
-              if (word.is_string()) options->run_command.push_back(word.get<std::string>());
-            }
-          },
-          "")
-      ->group("");
-  command->add_flag("--runs-again", options->runs_again, "")->group("");
-  // Of a library, which starts the program (include/troupe/simulation_page.h).
-  command->add_flag("--states", options->states, "")->group("");
+  AddOptionsOfPrograms(*command, options, journal);
   command->add_flag("--view-only", options->view_only, "Refuse requests that change the run");
   CLI::Option* const is_static = command->add_flag("--static", options->is_static,
                                                    "Write a page that needs no server: one file with the simulation, "

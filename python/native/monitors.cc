@@ -149,9 +149,7 @@ void DefineCommon(py::class_<Type, std::shared_ptr<Type>>& type) {
           "The run has ended: decides what has been open. ValueError without a tick.");
 }
 
-}  // namespace
-
-void DefineMonitors(py::module_& module) {
+void DefineMonitor(py::module_& module) {
   using Use = ExpectationMonitor::Use;
   using Self = std::shared_ptr<ExpectationMonitor>;
   py::class_<ExpectationMonitor, Self> monitor(module, "Monitor", R"(Judges an expectation, tick by tick.
@@ -205,27 +203,36 @@ regions: {name: [(x, y), ...]}, m in W, simple polygons.)")
             return moments;
           },
           "A list of (tick, robustness) of the formula below the outermost temporal operator.");
+}
 
-  py::class_<NumberMonitor, std::shared_ptr<NumberMonitor>> metric(
+void DefineMetric(py::module_& module) {
+  using Use = NumberMonitor::Use;
+  using Self = std::shared_ptr<NumberMonitor>;
+  py::class_<NumberMonitor, Self> metric(
       module, "Metric", "A number of a run: `max of speed(r)`, `time of first at(r, dock)`. docs/testing.md has all.");
   DefineCommon(metric);
   metric
       .def(py::init(&Make<Metric, NumberMonitor>), py::arg("simulation").none(false), "text"_a,
            "regions"_a = py::none(), "As of Monitor.")
       .def_property_readonly(
-          "text", [](const std::shared_ptr<NumberMonitor>& self) { return NumberMonitor::Use(*self)->metric().text(); },
-          "The metric as written.")
+          "text", [](const Self& self) { return Use(*self)->metric().text(); }, "The metric as written.")
       .def_property_readonly(
-          "unit", [](const std::shared_ptr<NumberMonitor>& self) { return NumberMonitor::Use(*self)->metric().unit(); },
+          "unit", [](const Self& self) { return Use(*self)->metric().unit(); },
           "The unit of `value`: 's', 'm/s', '' for a count or ratio.")
       .def_property_readonly(
           "value",
-          [](const std::shared_ptr<NumberMonitor>& self) {
-            const NumberMonitor::Use use(*self);
+          [](const Self& self) {
+            const Use use(*self);
             return self->finished() ? use->value() : std::nullopt;
           },
           "After `finish`, in SI units; None if it does not exist: the time of what never happened.");
+}
 
+}  // namespace
+
+void DefineMonitors(py::module_& module) {
+  DefineMonitor(module);
+  DefineMetric(module);
   module.def("watch", Watch, py::arg("simulation").none(false), "ticks"_a, "monitors"_a, "stop"_a = false,
              R"(Steps by `ticks`, and adds each tick to the monitors, the present one first; they are not finished.
 

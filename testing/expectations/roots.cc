@@ -77,20 +77,12 @@ void Roots::UpdateRoot(const Network& network, const RootNode& root, State& stat
   }
   const std::size_t node = root.inputs[0].node;
   const std::span<const double> values = network.values(node);
-  const auto decide = [&](std::size_t lane, std::size_t from_node, std::size_t from_lane, double value) {
-    state.best[lane] = value;
-    state.when[lane] = time;
-    changed_ = true;
-    if (state.things.empty()) return;
-    state.things[lane].clear();
-    network.FindCause(from_node, from_lane, state.things[lane]);
-  };
   switch (root.op) {
     case RootOp::kValue:
     case RootOp::kFinally:
       for (std::size_t i = 0; i < root.lanes; ++i) {
         const std::size_t lane = LaneOf(root.inputs[0], i, values.size());
-        decide(i, node, lane, values[lane]);
+        Decide(network, state, i, {node, lane, values[lane], time});
       }
       state.complete = root.op == RootOp::kValue;
       break;
@@ -106,39 +98,50 @@ void Roots::UpdateRoot(const Network& network, const RootNode& root, State& stat
         const bool is_better = is_always ? value < best : value > best;
         if (!is_better && !is_first && (value != 0.0 || best != 0.0)) continue;
         if (is_first || !IsSame(is_always ? Least(value, best) : Greatest(value, best), best))
-          decide(i, node, lane, value);
+          Decide(network, state, i, {node, lane, value, time});
       }
       break;
     }
-    default: {  // until
-      const std::size_t right_node = root.inputs[1].node;
-      const std::span<const double> right = network.values(right_node);
-      for (std::size_t i = 0; i < root.lanes; ++i) {
-        const std::size_t left_lane = LaneOf(root.inputs[0], i, values.size());
-        const std::size_t right_lane = LaneOf(root.inputs[1], i, right.size());
-        if (time >= root.window.from) {
-          const double value = Least(state.way[i], right[right_lane]);
-          if (!IsSame(Greatest(value, state.best[i]), state.best[i])) {
-            const bool is_right = right[right_lane] < state.way[i];
-            const Tick way_when = state.way_when[i];
-            decide(i, right_node, right_lane, value);
-            if (!is_right) state.when[i] = way_when;
-          }
-        }
-        const double way = Least(state.way[i], values[left_lane]);
-        if (!IsSame(way, state.way[i])) {
-          state.way[i] = way;
-          state.way_when[i] = time;
-          changed_ = true;
-        }
-      }
-    }
+    default:
+      UpdateUntil(network, root, state, time);
   }
   if (root.window.has_end() && time == root.window.to) {
     state.complete = true;
     changed_ = true;
   }
   if (changed_) SetBounds(root, state);
+}
+
+void Roots::UpdateUntil(const Network& network, const RootNode& root, State& state, Tick time) {
+  const std::span<const double> left = network.values(root.inputs[0].node);
+  const std::size_t right_node = root.inputs[1].node;
+  const std::span<const double> right = network.values(right_node);
+  for (std::size_t i = 0; i < root.lanes; ++i) {
+    const std::size_t left_lane = LaneOf(root.inputs[0], i, left.size());
+    const std::size_t right_lane = LaneOf(root.inputs[1], i, right.size());
+    if (time >= root.window.from) {
+      const double value = Least(state.way[i], right[right_lane]);
+      if (!IsSame(Greatest(value, state.best[i]), state.best[i])) {
+        const bool is_right = right[right_lane] < state.way[i];
+        Decide(network, state, i, {right_node, right_lane, value, is_right ? time : state.way_when[i]});
+      }
+    }
+    const double way = Least(state.way[i], left[left_lane]);
+    if (!IsSame(way, state.way[i])) {
+      state.way[i] = way;
+      state.way_when[i] = time;
+      changed_ = true;
+    }
+  }
+}
+
+void Roots::Decide(const Network& network, State& state, std::size_t lane, const Decision& decision) {
+  state.best[lane] = decision.value;
+  state.when[lane] = decision.time;
+  changed_ = true;
+  if (state.things.empty()) return;
+  state.things[lane].clear();
+  network.FindCause(decision.node, decision.lane, state.things[lane]);
 }
 
 void Roots::SetBounds(const RootNode& root, State& state) const {

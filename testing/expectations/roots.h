@@ -49,7 +49,17 @@ class Roots {
     bool complete = false;
   };
 
+  // The value of a node that becomes the best of a window.
+  struct Decision {
+    std::size_t node = 0;
+    std::size_t lane = 0;  // of the node
+    double value = 0.0;
+    Tick time = 0;
+  };
+
   void UpdateRoot(const Network& network, const RootNode& root, State& state, Tick time);
+  void UpdateUntil(const Network& network, const RootNode& root, State& state, Tick time);
+  void Decide(const Network& network, State& state, std::size_t lane, const Decision& decision);
   void SetBounds(const RootNode& root, State& state) const;
   void Combine(const MonitorProgram& program);
   void AddCause(const MonitorProgram& program, std::size_t root, std::size_t lane, Cause& cause) const;

@@ -41,6 +41,54 @@ std::string Problem(const ReportedTest& test, const ReportedCase& fault) {
   return text;
 }
 
+// The inverses of the functions below, for the lines of a report. They throw json::exception.
+
+ReportedTest TestFromJson(const json& value) {
+  return {value.at("test").get<std::string>(),
+          value.at("name").get<std::string>(),
+          value.at("vary").get<std::vector<std::string>>(),
+          value.at("expect").get<std::vector<std::string>>(),
+          value.at("formulas").get<std::vector<std::string>>(),
+          value.at("cover").get<std::vector<std::string>>(),
+          value.at("metrics").get<std::vector<std::string>>(),
+          value.at("units").get<std::vector<std::string>>(),
+          value.at("cases")};
+}
+
+// `report`: the folder of the report, from which the fault names its own one.
+ReportedCase FaultFromJson(const json& fault, const std::filesystem::path& report) {
+  ReportedCase reported;
+  reported.outcome = OutcomeFromJson(fault.at("outcome"));
+  reported.command = fault.at("command").get<std::string>();
+  reported.shrunk = fault.at("shrunk").get<std::string>();
+  const std::string folder = fault.at("folder");
+  if (!folder.empty()) reported.folder = (std::filesystem::absolute(report) / folder).lexically_normal().string();
+  reported.recording = fault.at("recording").get<std::string>();
+  reported.picture = fault.at("picture").get<std::string>();
+  reported.page = fault.value("page", std::string());  // older files have none
+  return reported;
+}
+
+// Of a case without a fault: it has passed, or was not run.
+CaseOutcome PassedFromJson(const json& value) {
+  CaseOutcome outcome;
+  const bool passed = value.at("verdict") == NameOf(CaseVerdict::kPassed);
+  outcome.verdict = passed ? CaseVerdict::kPassed : CaseVerdict::kNotRun;
+  outcome.ticks = value.at("ticks");
+  outcome.state_hash = std::stoull(value.at("state_hash").get<std::string>(), nullptr, 16);
+  outcome.covered = value.at("covered").get<std::vector<bool>>();
+  for (const json& each : value.at("robustness")) {
+    ExpectationOutcome expectation;
+    expectation.holds = true;
+    expectation.robustness = NumberFromJson(each);
+    outcome.expectations.push_back(std::move(expectation));
+  }
+  for (const json& metric : value.at("metrics")) {
+    outcome.metrics.push_back(metric.is_null() ? std::nullopt : std::optional(NumberFromJson(metric)));
+  }
+  return outcome;
+}
+
 }  // namespace
 
 json ToJson(const ReportedTest& test) {
@@ -152,72 +200,45 @@ Status CaseReport::AddLines(const std::string& file) {
   std::istringstream stream(text.value());
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    const SourceLocation where{file, number, 1};
+    Error error{{file, number, 1}, "found no line of a report, expected one as 'troupe test' and 'troupe sweep' write"};
     try {
-      const json value = json::parse(line);
-      const std::string path = value.at("test");
-      auto entry =
-          std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.test.path == path; });
-      if (!value.contains("number")) {
-        const ReportedTest test{path,
-                                value.at("name").get<std::string>(),
-                                value.at("vary").get<std::vector<std::string>>(),
-                                value.at("expect").get<std::vector<std::string>>(),
-                                value.at("formulas").get<std::vector<std::string>>(),
-                                value.at("cover").get<std::vector<std::string>>(),
-                                value.at("metrics").get<std::vector<std::string>>(),
-                                value.at("units").get<std::vector<std::string>>(),
-                                value.at("cases")};
-        if (entry == entries_.end()) {
-          AddTest(test);
-        } else if (entry->test != test) {
-          return Error{
-              where, fmt::format("found another test {} than in the folders before, expected the same", Quoted(path))};
-        }
-        continue;
-      }
-      if (entry == entries_.end()) return Error{where, "found a case of an unknown test, expected its test before it"};
-      ReportedCase reported;
-      reported.number = value.at("number");
-      reported.kept = value.at("kept");
-      reported.draws = CaseFromJson(value.at("case"));
-      const std::string verdict = value.at("verdict");
-      if (value.contains("fault")) {
-        const json& fault = value.at("fault");
-        reported.outcome = OutcomeFromJson(fault.at("outcome"));
-        reported.command = fault.at("command").get<std::string>();
-        reported.shrunk = fault.at("shrunk").get<std::string>();
-        const std::string folder = fault.at("folder");
-        const auto from = std::filesystem::absolute(std::filesystem::path(file).parent_path());
-        reported.folder = folder.empty() ? "" : (from / folder).lexically_normal().string();
-        reported.recording = fault.at("recording").get<std::string>();
-        reported.picture = fault.at("picture").get<std::string>();
-        reported.page = fault.value("page", std::string());  // older files have none
-      } else {
-        reported.outcome.verdict =
-            verdict == NameOf(CaseVerdict::kPassed) ? CaseVerdict::kPassed : CaseVerdict::kNotRun;
-        reported.outcome.ticks = value.at("ticks");
-        reported.outcome.state_hash = std::stoull(value.at("state_hash").get<std::string>(), nullptr, 16);
-        reported.outcome.covered = value.at("covered").get<std::vector<bool>>();
-        for (const json& each : value.at("robustness")) {
-          ExpectationOutcome expectation;
-          expectation.holds = true;
-          expectation.robustness = NumberFromJson(each);
-          reported.outcome.expectations.push_back(std::move(expectation));
-        }
-        for (const json& metric : value.at("metrics")) {
-          reported.outcome.metrics.push_back(metric.is_null() ? std::nullopt : std::optional(NumberFromJson(metric)));
-        }
-      }
-      if (entry->rows.contains(reported.number)) {
-        return Error{where,
-                     fmt::format("found case {} of {} again, expected each case once", reported.number, Quoted(path))};
-      }
-      AddCase(static_cast<std::size_t>(entry - entries_.begin()), std::move(reported));
-    } catch (const std::exception&) {
-      return Error{where, "found no line of a report, expected one as 'troupe test' and 'troupe sweep' write"};
+      const Status added = AddLine(json::parse(line), std::filesystem::path(file).parent_path());
+      if (added.ok()) continue;
+      error.message = added.error().message;
+    } catch (const std::exception&) {  // error has the message
     }
+    return error;
   }
+  return {};
+}
+
+Status CaseReport::AddLine(const json& value, const std::filesystem::path& folder) {
+  const std::string path = value.at("test");
+  const auto entry =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.test.path == path; });
+  if (!value.contains("number")) {
+    const ReportedTest test = TestFromJson(value);
+    if (entry == entries_.end()) {
+      AddTest(test);
+    } else if (entry->test != test) {
+      return BadInput(fmt::format("found another test {} than in the folders before, expected the same", Quoted(path)));
+    }
+    return {};
+  }
+  if (entry == entries_.end()) return BadInput("found a case of an unknown test, expected its test before it");
+  ReportedCase reported;
+  if (value.contains("fault")) {
+    reported = FaultFromJson(value.at("fault"), folder);
+  } else {
+    reported.outcome = PassedFromJson(value);
+  }
+  reported.number = value.at("number");
+  reported.kept = value.at("kept");
+  reported.draws = CaseFromJson(value.at("case"));
+  if (entry->rows.contains(reported.number)) {
+    return BadInput(fmt::format("found case {} of {} again, expected each case once", reported.number, Quoted(path)));
+  }
+  AddCase(static_cast<std::size_t>(entry - entries_.begin()), std::move(reported));
   return {};
 }
 

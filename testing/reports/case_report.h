@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -115,6 +116,8 @@ class CaseReport {
   std::string PageOf(const Entry& entry) const;
   static std::string MetricTable(const Entry& entry, std::size_t metric);
   static std::vector<std::pair<std::string, std::string>> Plots(const Entry& entry);  // file names and SVG
+  // Of a report in `folder`. Throws std::exception for another object.
+  Status AddLine(const nlohmann::json& value, const std::filesystem::path& folder);
   static std::string EntryName(const Entry& entry);
 
   const CaseDetail detail_;
