@@ -11,6 +11,7 @@
 #include "worldfile/sites/building_keys.h"
 #include "worldfile/sites/building_yaml.h"
 #include "worldfile/sites/lif_json.h"
+#include "worldfile/sites/node_maker.h"
 #include "worldfile/sites/site_robots.h"
 #include "worldfile/stage/stage_world.h"
 #include "worldfile/text/text_file.h"
@@ -37,39 +38,6 @@ struct SiteBlock {
   std::vector<Vec2> outline;
   double min_z = 0.0;
   double max_z = 0.0;
-};
-
-class NodeMaker {
- public:
-  NodeMaker(std::string type, const SourceLocation& where) {
-    node.type = std::move(type);
-    node.where = where;
-  }
-
-  NodeMaker& Text(const std::string& name, const std::string& text) { return Add(name, text); }
-  NodeMaker& Number(const std::string& name, double value) { return Add(name, NumberOf(value)); }
-  NodeMaker& Numbers(const std::string& name, const std::vector<double>& values) {
-    Value::Tuple tuple;
-    for (const double value : values) tuple.push_back(NumberOf(value));
-    return Add(name, std::move(tuple));
-  }
-  NodeMaker& Texts(const std::string& name, const std::vector<std::string>& texts) {
-    return Add(name, Value::Tuple(texts.begin(), texts.end()));
-  }
-  NodeMaker& At(const Pose& pose) { return Numbers("pose", {pose.x, pose.y, pose.z, RadiansToDegrees(pose.heading)}); }
-  NodeMaker& Child(WorldNode child) {
-    node.children.Add(std::move(child));
-    return *this;
-  }
-
-  WorldNode node;
-
- private:
-  static Value::Number NumberOf(double value) { return {value, NumberText(value)}; }
-  NodeMaker& Add(const std::string& name, decltype(Value::content) content) {
-    node.Set({name, {std::move(content), node.where}, node.where});
-    return *this;
-  }
 };
 
 // A model whose blocks are in its parent's frame.
@@ -384,17 +352,17 @@ std::vector<std::string> RolesOf(const SiteVertex& vertex) {
 }  // namespace
 
 Result<WorldTree> SiteTree(std::shared_ptr<const Site> site) {
-  Result<WorldTree> tree = ParseStageText(kSiteRobots, site->file);
-  if (!tree.ok()) return tree;
-  WorldTree& made = tree.value();
+  WorldTree made;
+  made.world.type = "world";
   made.world.where = {site->file, 1, 1};
+  made.defines = SiteRobots(made.world.where);
   made.files = {site->file};
   made.directory = DirectoryOf(site->file);
   made.warnings = site->warnings;
   made.world.Set({"name", {site->name, made.world.where}, made.world.where});
   if (Status error = TreeMaker(*site, made).Make(); !error.ok()) return error.error();
   made.site = std::move(site);
-  return tree;
+  return made;
 }
 
 Result<WorldTree> ReadSiteTree(const std::string& path, const AllowedPaths& allowed) {
