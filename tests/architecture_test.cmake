@@ -167,7 +167,7 @@ set(may_include_python/native common/base common/model include/troupe/controller
 
 # The gateway of the viewer knows a run by the transport's interface only; the page is a table of files.
 set(may_include_viewer/foxglove
-  common/base common/geometry common/model common/spatial include/troupe/sensor.h)
+  common/base common/geometry common/model common/signals common/spatial include/troupe/sensor.h)
 set(may_include_viewer/gateway
   common/base common/geometry common/model common/picture transport/protocol common/sensing common/signals common/spatial
   recording/timeline testing/expectations viewer/foxglove worldfile/edit worldfile/text)

@@ -35,11 +35,7 @@ template <typename Height>
 void AddLevel(StateTable& table, Height height) {
   Signal signal{"level", "", "the level of the building nearest to its height", ValueType::kText, {}};
   signal.number = [height](const SignalView& view, std::size_t row) {
-    const std::vector<LevelDescription>& levels = view.world.levels;
-    const std::string name = LevelAt(levels, height(view.state, row));
-    const auto found =
-        std::find_if(levels.begin(), levels.end(), [&](const LevelDescription& level) { return level.name == name; });
-    return levels.empty() ? 0.0 : static_cast<double>(found - levels.begin());
+    return static_cast<double>(LevelNumberAt(view.world.levels, height(view.state, row)));
   };
   signal.text = [height](const SignalView& view, std::size_t row) {
     return LevelAt(view.world.levels, height(view.state, row));
@@ -61,15 +57,26 @@ double SumOfStores(const SignalView& view, std::size_t robot, double StoreState:
   return sum;
 }
 
+const PowerDescription& PowerOf(const SignalView& view, std::size_t store) {
+  static const std::size_t kStores = KindOf("stores");
+  const ThingId thing = view.things.first(kStores) + static_cast<ThingId>(store);
+  return view.world.model(view.things.model(thing).value()).power;
+}
+
 double Capacity(const SignalView& view, std::size_t robot) {
   const std::vector<std::size_t>& stores = view.things.stores_of(RobotId(robot));
   if (stores.empty()) return kNoNumber;
   double sum = 0.0;
-  for (const std::size_t store : stores) {
-    const ThingId thing = view.things.first(KindOf("stores")) + static_cast<ThingId>(store);
-    sum += view.world.model(view.things.model(thing).value()).power.capacity;
-  }
+  for (const std::size_t store : stores) sum += PowerOf(view, store).capacity;
   return sum;
+}
+
+void AddOfStores(StateTable& table) {
+  AddNumber(table, "capacity", "J", "the most that it can have; none of an endless store",
+            [](const SignalView& view, std::size_t row) {
+              const PowerDescription& power = PowerOf(view, row);
+              return power.endless ? kNoNumber : power.capacity;
+            });
 }
 
 void AddOfRobots(StateTable& table) {
@@ -191,6 +198,7 @@ void AddOfPeople(StateTable& table) {
 void AddDerivedSignals(StateTable& table) {
   if (table.name == "robots") AddOfRobots(table);
   if (table.name == "objects") AddOfObjects(table);
+  if (table.name == "stores") AddOfStores(table);
   if (table.name == "doors") AddOfDoors(table);
   if (table.name == "lifts") AddOfLifts(table);
   if (table.name == "people") AddOfPeople(table);

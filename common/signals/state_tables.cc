@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "common/base/json_writer.h"
 #include "common/model/states.h"
 #include "troupe/check.h"
 
@@ -69,10 +70,13 @@ std::string SingularOf(std::string_view table) {
 
 template <typename Row>
 constexpr bool kVaries = std::is_same_v<Row, RadioTransmission>;
+template <typename Row>
+constexpr bool kIsOfRobots = std::is_same_v<Row, JointState> || std::is_same_v<Row, GripperState> ||
+                             std::is_same_v<Row, ImuState> || std::is_same_v<Row, CameraState>;
 
 template <typename Row>
 StateTable MakeTable(const Field<WorldState, std::vector<Row>>& table) {
-  StateTable made{std::string(table.name), SingularOf(table.name), kVaries<Row>, {}, nullptr};
+  StateTable made{std::string(table.name), SingularOf(table.name), kVaries<Row>, kIsOfRobots<Row>, {}, nullptr};
   ForEachLeaf<Row>([&]<typename Leaf>(const Leaf& leaf) {
     using Value = typename Leaf::Part;
     Signal signal{std::string(leaf.name), std::string(leaf.unit), std::string(leaf.documentation), Cell<Value>::kType,
@@ -123,14 +127,16 @@ Names NamesOfModels(const WorldDescription& world, const Parts& parts) {
 template <typename Parts>
 Names NamesOfParts(const WorldDescription& world, const Parts& parts) {
   Names names;
-  for (const auto& part : parts) names.push_back({world.robot(part.robot).name + "." + part.name, part.model});
+  for (const auto& part : parts) {
+    names.push_back({world.robot(part.robot).name + "." + part.name, part.model, part.robot});
+  }
   return names;
 }
 Names NamesOfSensors(const WorldDescription& world, const std::vector<SensorPlace>& places) {
   Names names;
   for (const SensorPlace& place : places) {
     const RobotDescription& robot = world.robot(place.robot);
-    names.push_back({robot.name + "." + robot.sensors[place.sensor].name, robot.root});
+    names.push_back({robot.name + "." + robot.sensors[place.sensor].name, robot.root, place.robot});
   }
   return names;
 }
@@ -181,7 +187,7 @@ std::span<const StateTable> StateTables() {
     std::vector<StateTable> tables = MakeTables();
     std::size_t number = 0;
     ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>&) {
-      tables[number++].rows = [](const WorldState& state) {
+      tables[number++].rows = [](const WorldDescription&, const WorldState& state) {
         std::size_t rows = 0;
         ForEachTable([&]<typename Other>(const Field<WorldState, std::vector<Other>>& table) {
           if constexpr (std::is_same_v<Row, Other>) rows = table.Of(state).size();
@@ -189,6 +195,7 @@ std::span<const StateTable> StateTables() {
         return rows;
       };
     });
+    for (StateTable& table : MakeDescriptionTables()) tables.push_back(std::move(table));
     return tables;
   }();
   return kTables;
@@ -224,7 +231,36 @@ std::vector<std::vector<ThingName>> NameThings(const WorldDescription& world) {
       }
     }
   });
+  for (Names& its : NameDescribedThings(world)) names.push_back(std::move(its));
   return names;
+}
+
+void WriteCell(const Signal& signal, const SignalView& view, std::size_t row, JsonWriter& json) {
+  if (signal.type == ValueType::kText) {
+    const std::string text = signal.text(view, row);
+    text.empty() ? json.Null() : json.Value(text);
+  } else if (signal.type == ValueType::kTruth) {
+    json.Value(signal.number(view, row) != 0.0 ? 1 : 0);
+  } else {
+    json.Value(signal.number(view, row));
+  }
+}
+
+void WriteRows(const StateTable& table, const SignalView& view, JsonWriter& json) {
+  const std::size_t kind = KindOf(table.name);
+  json.BeginList();
+  for (std::size_t row = 0; row < table.rows(view.world, view.state); ++row) {
+    const ThingId thing = view.things.first(kind) + static_cast<ThingId>(row);
+    if (!table.varies && !view.things.exists(thing)) continue;
+    json.BeginObject();
+    if (!table.varies) json.Member("name", view.things.name(thing));
+    for (const Signal& signal : table.signals) {
+      json.Key(signal.name);
+      WriteCell(signal, view, row, json);
+    }
+    json.EndObject();
+  }
+  json.EndList();
 }
 
 std::string TextOf(const WorldDescription& world, ModelId model) {

@@ -3,6 +3,9 @@
 //
 // The tables are made once in a process, from the lists of fields at compile time, and never change; any thread reads
 // them. A signal's name is part of the language of expectations and of exported files: renaming a field renames it.
+// The tables of things with their signals. Those of a state are made from the fields of their rows: a new table or
+// field of the state is a table or signal here, and so in expectations, exported tables, plots and Python. Behind them
+// are those of what only the description has (description_tables.cc): levels, lanes and sensors.
 #pragma once
 
 #include <cstddef>
@@ -17,18 +20,21 @@
 
 namespace troupe {
 
+class JsonWriter;
+
 // One kind of things.
 struct StateTable {
-  std::string name;      // of the member of WorldState: "doors"
-  std::string singular;  // "door"
-  bool varies = false;   // its rows come and go: they are no things
-  std::vector<Signal> signals;
-  std::size_t (*rows)(const WorldState& state) = nullptr;
+  std::string name;        // of the member of WorldState: "doors"
+  std::string singular;    // "door"
+  bool varies = false;     // its rows come and go: they are no things
+  bool of_robots = false;  // its things are parts of robots: "ROBOT.PART"
+  std::vector<Signal> signals = {};
+  std::size_t (*rows)(const WorldDescription& world, const WorldState& state) = nullptr;
 
   const Signal* Find(std::string_view signal) const;  // null: it has none of that name
 };
 
-// In the order of WorldState. Constant.
+// In the order of WorldState, then those of the description. Constant.
 std::span<const StateTable> StateTables();
 // The place of a table, by its name. REQUIRES: it exists
 std::size_t KindOf(std::string_view table);
@@ -38,13 +44,20 @@ inline std::size_t RobotKind() {
 std::size_t ObjectKind();
 std::size_t PersonKind();
 
-// The model of the row of a table and its name.
+// What Things knows of a row of a table.
 struct ThingName {
   std::string name;
   std::optional<ModelId> model = {};
+  std::optional<RobotId> robot = {};  // that it is a part of
 };
-// The names of the rows of the state's tables, by table. Those of a table that varies: none.
+// The names of the rows of all tables, by table. Those of a table that varies: none.
 std::vector<std::vector<ThingName>> NameThings(const WorldDescription& world);
+
+// The value of a signal in JSON: a number, 0 or 1 of a truth, or a text; null if it has none.
+void WriteCell(const Signal& signal, const SignalView& view, std::size_t row, JsonWriter& json);
+// The rows of a table: [{"name": "lobby_door", "opening": 0.5, ...}, ...]; things that do not exist are left out. The
+// rows of a table that varies have no name.
+void WriteRows(const StateTable& table, const SignalView& view, JsonWriter& json);
 
 // The texts of cells: names of models and their parts; empty for none.
 std::string TextOf(const WorldDescription& world, ModelId model);
@@ -56,5 +69,11 @@ std::string TextOf(const WorldDescription& world, GripperId gripper);
 
 // Adds what follows from the fields of a row. One of the name of a field replaces it.
 void AddDerivedSignals(StateTable& table);
+
+// The tables of what only the description has, and the names of their rows.
+std::vector<StateTable> MakeDescriptionTables();
+std::vector<std::vector<ThingName>> NameDescribedThings(const WorldDescription& world);
+// The place among `levels` of the one that LevelAt names; 0 without levels.
+std::size_t LevelNumberAt(std::span<const LevelDescription> levels, double z);
 
 }  // namespace troupe

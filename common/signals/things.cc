@@ -6,7 +6,8 @@
 
 namespace troupe {
 
-Things::Things(const WorldDescription& world) : ranges_(StateTables().size()) {
+Things::Things(const WorldDescription& world)
+    : ranges_(StateTables().size()), sensors_(FindSensors(world)), lanes_(FindLanes(world)) {
   std::vector<std::vector<ThingName>> names = NameThings(world);
   std::vector<std::size_t> order{RobotKind(), ObjectKind(), PersonKind()};
   for (std::size_t kind = 0; kind < names.size(); ++kind) {
@@ -17,6 +18,7 @@ Things::Things(const WorldDescription& world) : ranges_(StateTables().size()) {
     for (ThingName& name : names[kind]) {
       names_.push_back(std::move(name.name));
       models_.push_back(name.model);
+      robots_.push_back(name.robot);
       exists_.push_back(!name.model || !world.model(*name.model).removed);
     }
   }

@@ -1,4 +1,4 @@
-// Things: the rows of the tables of a state, as users know them: their kinds, names and numbers.
+// Things: the rows of the tables of a state and its world, as users know them: their kinds, names and numbers.
 //
 // The kind of a thing is the table that it is a row of, by its place in StateTables(). All things of a world are
 // numbered: robots, objects and people first, by which they have the numbers of their bodies (BodyId), then the other
@@ -21,6 +21,15 @@ namespace troupe {
 
 using ThingId = std::uint32_t;
 
+// A lane, by the places in WorldDescription::lane_graphs and LaneGraph::lanes.
+struct LanePlace {
+  std::size_t graph = 0;
+  std::size_t lane = 0;
+};
+// The lanes of all graphs and the sensors of all robots, in the orders of their tables.
+std::vector<LanePlace> FindLanes(const WorldDescription& world);
+std::vector<SensorPlace> FindSensors(const WorldDescription& world);
+
 class Things {
  public:
   explicit Things(const WorldDescription& world);  // valid
@@ -32,17 +41,23 @@ class Things {
   std::size_t row_of(ThingId thing) const { return thing - first(kind_of(thing)); }
 
   // The name of the model of a robot, object, person, door, lift, light or store; "ROBOT.PART" of a joint, gripper,
-  // camera or inertial measurement unit; "KIND NUMBER" of any other thing.
+  // camera, inertial measurement unit or other sensor; the own name of a level; "GRAPH: START - END" of a lane; "KIND
+  // NUMBER" of any other thing.
   const std::string& name(ThingId thing) const { return names_[thing]; }
   const std::vector<std::string>& names() const { return names_; }
   // The model that the thing is or is mounted on; nothing if it has none.
   std::optional<ModelId> model(ThingId thing) const { return models_[thing]; }
+  // The robot that the thing is a part of.
+  std::optional<RobotId> robot(ThingId thing) const { return robots_[thing]; }
   bool exists(ThingId thing) const { return exists_[thing]; }  // false: its model was removed
   // The first one of that name and kind that exists.
   std::optional<ThingId> Find(std::string_view name, std::size_t kind) const;
 
   // The stores of energy of a robot that can become empty: rows of WorldState::stores.
   const std::vector<std::size_t>& stores_of(RobotId robot) const { return stores_[robot.index()]; }
+  // Of the rows of the tables of sensors and lanes.
+  const std::vector<SensorPlace>& sensors() const { return sensors_; }
+  const std::vector<LanePlace>& lanes() const { return lanes_; }
 
  private:
   struct Range {
@@ -53,10 +68,13 @@ class Things {
   void FindStoresOfRobots(const WorldDescription& world);
 
   std::vector<Range> ranges_;       // by kind
-  std::vector<std::string> names_;  // by ThingId, like the next two
+  std::vector<std::string> names_;  // by ThingId, like the next three
   std::vector<std::optional<ModelId>> models_;
+  std::vector<std::optional<RobotId>> robots_;
   std::vector<bool> exists_;
   std::vector<std::vector<std::size_t>> stores_;  // by RobotId
+  std::vector<SensorPlace> sensors_;
+  std::vector<LanePlace> lanes_;
 };
 
 }  // namespace troupe

@@ -146,7 +146,7 @@ class CsvExport final : public RunExport {
     const SignalView view{*things_, world.world(), world.state()};
     const StateTable& table = rows.table;
     const std::size_t kind = KindOf(table.name);
-    for (std::size_t row = 0; row < table.rows(view.state); ++row) {
+    for (std::size_t row = 0; row < table.rows(view.world, view.state); ++row) {
       std::string name;
       if (!table.varies) {
         const ThingId thing = things_->first(kind) + static_cast<ThingId>(row);

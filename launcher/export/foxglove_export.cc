@@ -25,6 +25,7 @@ class FoxgloveExport final : public RunExport {
     const bool is_new = scene_ != world.scene();
     if (is_new) {
       scene_ = world.scene();
+      things_.emplace(world.world());
       channels_ = foxglove::ChannelsOf(world.world());
     }
     for (const foxglove::Channel& channel : channels_) {
@@ -52,6 +53,9 @@ class FoxgloveExport final : public RunExport {
         return {};
       case foxglove::ChannelKind::kScan:
         return AddScan(channel, time);
+      case foxglove::ChannelKind::kTable:
+        return Write(channel, foxglove::TableText(*channel.table, {*things_, world.world(), world.state()}, time),
+                     time);
     }
     return {};
   }
@@ -65,7 +69,7 @@ class FoxgloveExport final : public RunExport {
 
   Status Write(const foxglove::Channel& channel, const std::string& text, std::uint64_t time) {
     const std::uint16_t topic = file_.FindTopic(channel.topic, [&]() -> McapFile::Topic {
-      return {channel.topic, {NameOf(channel.kind), "jsonschema", foxglove::Schema(channel.kind)}, "json"};
+      return {channel.topic, {foxglove::SchemaName(channel), "jsonschema", foxglove::Schema(channel)}, "json"};
     });
     return file_.Write(topic, time, std::as_bytes(std::span(text)));
   }
@@ -73,6 +77,7 @@ class FoxgloveExport final : public RunExport {
   McapFile file_;
   std::shared_ptr<const Scene> scene_;
   std::vector<foxglove::Channel> channels_;
+  std::optional<Things> things_;  // of the scene
   RunReadings readings_;
 };
 

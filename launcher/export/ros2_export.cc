@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "common/base/file.h"
+#include "common/base/json_writer.h"
+#include "common/signals/state_tables.h"
 #include "common/spatial/occupancy_grid.h"
 #include "launcher/export/mcap_file.h"
 #include "launcher/export/run_export.h"
@@ -96,6 +98,7 @@ class Ros2Export final : public RunExport {
       Write("/objects", ros::MakeObjectMarkers(*scene_, world.state(), arena), true);
     }
     for (Robot& robot : robots_) AddRobot(robot);
+    AddTables();
     return std::exchange(status_, Status());
   }
 
@@ -118,6 +121,7 @@ class Ros2Export final : public RunExport {
 
   void ChangeWorld() {
     scene_ = world_->scene();
+    things_.emplace(description());
     robots_.clear();
     const std::vector<std::string> names = ros::RobotNames(description());
     std::vector<std::vector<std::string>> links(description().robots.size());
@@ -157,6 +161,19 @@ class Ros2Export final : public RunExport {
       }
     }
     if (!transforms.empty()) Write("/tf", ros::MakeTfMessage(transforms, arena));
+  }
+
+  // ROS has no type of message for a table: texts of JSON, as the rows of Foxglove's tables.
+  void AddTables() {
+    const SignalView view{*things_, description(), world_->state()};
+    for (const StateTable& table : StateTables()) {
+      if (!table.varies && things_->count(KindOf(table.name)) == 0) continue;
+      dds::WireArena arena;
+      text_.clear();
+      JsonWriter json(text_);
+      WriteRows(table, view, json);
+      Write("/tables/" + table.name, ros::String{arena.Copy(text_)});
+    }
   }
 
   void AddRobot(const Robot& robot) {
@@ -262,6 +279,8 @@ class Ros2Export final : public RunExport {
   std::shared_ptr<const Scene> scene_;
   bool has_world_ = false;
   std::vector<Robot> robots_;
+  std::optional<Things> things_;  // of scene_
+  std::string text_;              // of a table, while it is written
   RunReadings readings_;
   std::uint64_t time_ = 0;
   ros::Time stamp_ = {};

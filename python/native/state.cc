@@ -130,7 +130,7 @@ py::tuple NamesOfThings(const Things& things, std::size_t kind) {
 
 py::tuple NamesOfTable(const WorldPointer& world, std::string_view table) {
   const World::Use use(*world);
-  return NamesOfThings(Things(use->world()), KindOf(table));
+  return NamesOfThings(world->things(), KindOf(table));
 }
 
 // The values of a signal for all rows.
@@ -151,22 +151,15 @@ py::object ColumnOf(const Signal& signal, const SignalView& view, std::size_t ro
 }
 
 py::dict TableOf(const WorldPointer& world, const std::string& name) {
+  const StateTable& table = FindTable(name);
   const World::Use use(*world);
-  for (std::size_t kind = 0; kind < StateTables().size(); ++kind) {
-    const StateTable& table = StateTables()[kind];
-    if (table.name != name) continue;
-    const Things things(use->world());
-    const SignalView view{things, use->world(), use->state()};
-    py::dict columns;
-    if (!table.varies) columns["name"] = NamesOfThings(things, kind);
-    for (const Signal& signal : table.signals) {
-      columns[py::str(signal.name)] = ColumnOf(signal, view, table.rows(view.state));
-    }
-    return columns;
+  const SignalView view = world->view();
+  py::dict columns;
+  if (!table.varies) columns["name"] = NamesOfThings(view.things, KindOf(name));
+  for (const Signal& signal : table.signals) {
+    columns[py::str(signal.name)] = ColumnOf(signal, view, table.rows(view.world, view.state));
   }
-  std::vector<std::string> names;
-  for (const StateTable& table : StateTables()) names.push_back(table.name);
-  throw py::value_error(fmt::format("found table '{}', expected one of: {}", name, fmt::join(names, ", ")));
+  return columns;
 }
 
 using StateClass = py::class_<World, WorldPointer>;
@@ -222,9 +215,9 @@ void DefineTables(StateClass& state) {
             for (std::size_t i = 0; i < names.size(); ++i) names[i] = py::str(StateTables()[i].name);
             return names;
           },
-          "The names of the tables of the state, a tuple: robots, joints, doors, people ...")
+          "The names of the tables of things, a tuple: robots, joints, doors, people, levels ...")
       .def("table", TableOf, "name"_a,
-           R"(A table of the state, such as "doors": a dict from the names of its columns to their values.
+           R"(A table of things, such as "doors": a dict from the names of its columns to their values.
 
 "name" is a tuple of the names of the things, in the order of their numbers; the other columns are the signals of
 docs/testing.md: arrays of float64 or bool, and tuples for texts. A number that a thing does not have is nan, a text
@@ -316,6 +309,15 @@ world, a place (x, y) in m and a length along x. format: "png" or "svg".)")
 }
 
 }  // namespace
+
+const StateTable& FindTable(const std::string& name) {
+  std::vector<std::string> names;
+  for (const StateTable& table : StateTables()) {
+    if (table.name == name) return table;
+    names.push_back(table.name);
+  }
+  throw py::value_error(fmt::format("found table '{}', expected one of: {}", name, fmt::join(names, ", ")));
+}
 
 void DefineState(py::module_& module) {
   DefineSnapshot(module);

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "common/base/thread_pool.h"
+#include "common/signals/state_tables.h"
 #include "python/native/convert.h"
 #include "python/native/world.h"
 
@@ -171,6 +172,41 @@ class Worlds {
     return FillRows(out, rays, "out", [&](World& world, auto* row) { world.CopyRanges(sensors, rays, row); });
   }
 
+  // The columns of a table of things, each with the worlds as its first axis.
+  py::dict Table(const std::string& name) {
+    const StateTable& table = FindTable(name);
+    const Uses uses(worlds_);
+    std::vector<SignalView> views;
+    py::array_t<std::int64_t> rows(static_cast<py::ssize_t>(size()));
+    std::size_t most = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      views.push_back(worlds_[i]->view());
+      const std::size_t count = table.rows(views[i].world, views[i].state);
+      rows.mutable_data()[i] = static_cast<std::int64_t>(count);
+      most = std::max(most, count);
+    }
+    py::dict columns;
+    columns["rows"] = rows;
+    if (!table.varies) {
+      columns["name"] = TextsOf(rows, [&, kind = KindOf(name)](std::size_t world, std::size_t row) {
+        const Things& things = views[world].things;
+        return things.name(things.first(kind) + static_cast<ThingId>(row));
+      });
+    }
+    for (const Signal& signal : table.signals) {
+      const py::str column(signal.name);
+      if (signal.type == ValueType::kText) {
+        columns[column] =
+            TextsOf(rows, [&](std::size_t world, std::size_t row) { return signal.text(views[world], row); });
+      } else if (signal.type == ValueType::kTruth) {
+        columns[column] = NumbersOf<bool>(signal, views, rows, most);
+      } else {
+        columns[column] = NumbersOf<double>(signal, views, rows, most);
+      }
+    }
+    return columns;
+  }
+
   std::shared_ptr<World> At(py::ssize_t index) const {
     if (index < 0) index += static_cast<py::ssize_t>(size());
     if (index < 0 || index >= static_cast<py::ssize_t>(size())) {
@@ -180,6 +216,40 @@ class Worlds {
   }
 
  private:
+  // A tuple of texts for each world: text(world, row).
+  template <typename Text>
+  static py::tuple TextsOf(const py::array_t<std::int64_t>& rows, const Text& text) {
+    py::tuple worlds(static_cast<std::size_t>(rows.size()));
+    for (std::size_t world = 0; world < worlds.size(); ++world) {
+      py::tuple texts(static_cast<std::size_t>(rows.data()[world]));
+      for (std::size_t row = 0; row < texts.size(); ++row) texts[row] = py::str(text(world, row));
+      worlds[world] = std::move(texts);
+    }
+    return worlds;
+  }
+
+  // (worlds, most): the rows that a world has not are nan, or false.
+  template <typename Number>
+  py::array NumbersOf(const Signal& signal, const std::vector<SignalView>& views, const py::array_t<std::int64_t>& rows,
+                      std::size_t most) {
+    py::array_t<Number> numbers({static_cast<py::ssize_t>(size()), static_cast<py::ssize_t>(most)});
+    Number* const data = numbers.mutable_data();
+    const std::int64_t* const counts = rows.data();
+    ForEachWorldByIndex([&](std::size_t world, const std::atomic<bool>&) {
+      const auto count = static_cast<std::size_t>(counts[world]);
+      for (std::size_t row = 0; row < most; ++row) {
+        const double number = row < count ? signal.number(views[world], row) : kNoNumber;
+        Number& cell = data[world * most + row];
+        if constexpr (std::is_same_v<Number, bool>) {
+          cell = row < count && number != 0.0;
+        } else {
+          cell = number;
+        }
+      }
+    });
+    return numbers;
+  }
+
   // Opening and lift of each gripper of each world, percent; not a number: it keeps its last command.
   void CommandGrippers(const py::object& percents) {
     const auto rows = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(percents);
@@ -427,6 +497,12 @@ which: a mask (worlds,) or numbers of worlds; None: all. snapshots: one for all,
            "out"_a = py::none(), "(worlds, stores): J, in the order of the file.")
       .def("ranges", Held(&Worlds::Ranges), "sensor"_a = "ranger", "out"_a = py::none(),
            "(worlds, robots, rays): the ranges of a ranger of each robot, m; see Simulation.ranges.")
+      .def("table", Held(&Worlds::Table), "name"_a,
+           R"(A table of things of all worlds, such as "doors": a dict with the columns of Simulation.table.
+
+The worlds are the first axis. Numbers and truths are arrays (worlds, rows) of float64 and bool. "rows", int64 (worlds,),
+says how many rows each world has; where one has fewer than others, the rest of its numbers is nan and of its truths
+False. "name" and the other texts are a tuple for each world, as long as it has rows. Raises ValueError for another name.)")
       .def_property_readonly(
           "state_hashes",
           [](const WorldsPointer& worlds) {

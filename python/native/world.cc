@@ -90,6 +90,7 @@ void World::Prepare() {
   if (prepared_ == &simulation_.world()) return;
   // By the address of the world: a restored snapshot of another world has another.
   prepared_ = &simulation_.world();
+  things_.reset();
   sensor_counts_.clear();
   named_sensors_.clear();
   calls_python_ = false;
@@ -98,6 +99,11 @@ void World::Prepare() {
     // A controller is FILE.py:CLASS.
     calls_python_ |= prepared_->robots[i].controller.name.find(".py:") != std::string::npos;
   }
+}
+
+const Things& World::things() {
+  if (!things_) things_.emplace(simulation_.world());
+  return *things_;
 }
 
 World::Use::Use(World& world) : world_(world) {

@@ -23,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "common/signals/state_tables.h"
 #include "troupe/simulation.h"
 #include "troupe/simulation_page.h"
 
@@ -108,6 +109,8 @@ class World {
   std::vector<std::size_t> FindSensors(py::handle sensor);
 
   Simulation& simulation() { return simulation_; }
+  const Things& things();  // of its world; REQUIRES: as FindSensor
+  SignalView view() { return {things(), simulation_.world(), simulation_.state()}; }
   bool calls_python() const { return calls_python_; }
 
  private:
@@ -117,6 +120,7 @@ class World {
   Simulation simulation_;
   std::atomic<bool> used_ = false;
   const WorldDescription* prepared_ = nullptr;
+  std::optional<Things> things_;                                   // of prepared_, once they were needed
   std::vector<std::size_t> sensor_counts_;                         // by robot
   std::map<std::string, std::vector<std::size_t>> named_sensors_;  // of FindSensors, by name: it is slow
   bool calls_python_ = false;                                      // a robot's controller does
@@ -128,6 +132,9 @@ class SteppedWorld final : public World {
  public:
   using World::World;
 };
+
+// The error names the tables.
+const StateTable& FindTable(const std::string& name);
 
 // DefineState first: the other classes are made of its.
 void DefineState(py::module_& module);

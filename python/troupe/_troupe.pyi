@@ -66,10 +66,16 @@ class State:
     @property
     def cameras(self) -> Tuple[str, ...]: ...
     @property
+    def levels(self) -> Tuple[str, ...]: ...
+    @property
+    def lanes(self) -> Tuple[str, ...]: ...
+    @property
+    def sensors(self) -> Tuple[str, ...]: ...
+    @property
     def tables(self) -> Tuple[str, ...]:
-        """The names of the tables of the state: robots, joints, doors, people ..."""
+        """The names of the tables of things: robots, joints, doors, people, levels ..."""
     def table(self, name: str) -> Dict[str, Union[numpy.ndarray, Tuple[str, ...]]]:
-        """A table of the state: "name" and the signals of docs/testing.md, each an array or a tuple of texts."""
+        """A table of things: "name" and the signals of docs/testing.md, each an array or a tuple of texts."""
     def robot(self, robot: _Robot) -> RobotInfo: ...
     @property
     def poses(self) -> _Array:
@@ -192,6 +198,11 @@ class VectorSimulation:
         """(worlds, stores): J."""
     def ranges(self, sensor: _Robot = "ranger", out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
         """(worlds, robots, rays), m."""
+    def table(self, name: str) -> Dict[str, Union[numpy.ndarray, Tuple[Tuple[str, ...], ...]]]:
+        """As Simulation.table, with the worlds as first axis: arrays (worlds, rows), and a tuple of texts for each world.
+
+        "rows", int64 (worlds,): how many each world has; a world with fewer has nan or False in the others.
+        """
     @property
     def state_hashes(self) -> NDArray[numpy.uint64]: ...
     @property

@@ -112,7 +112,8 @@ void Compiler::FindFreeVariables(const Syntax& syntax, std::vector<std::string>&
     }
     free.variables.push_back(child.name);
     const std::vector<std::size_t> kinds = KindsWith(syntax.name);
-    const bool is_of_robots = kinds.empty() || kinds.front() == RobotKind() || FindRunSignal(syntax.name) != nullptr;
+    // position(r, "NAME") is of a robot.
+    const bool is_of_robots = kinds.empty() || kinds.front() == RobotKind() || syntax.children.size() == 2;
     // "max of opening(d)" is about doors: the first variable's signal says of which table.
     if (!is_of_robots && free.variables.size() == 1) free.domain = StateTables()[kinds.front()].name;
   }

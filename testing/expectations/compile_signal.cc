@@ -9,11 +9,13 @@ namespace troupe {
 namespace {
 
 // Signals that have other names now.
-constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {{"turn_rate", "wz"}};
+constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {
+    {"turn_rate", "wz"}, {"joint", "position"}, {"joint_speed", "velocity"}};
 
 std::vector<std::size_t> KindsOf(char parameter) {
   if (parameter == 'r') return {RobotKind()};
   if (parameter == 'o') return {ObjectKind()};
+  if (parameter == 'm') return {RobotKind(), KindOf("sensors")};
   if (parameter != 't') return {RobotKind(), ObjectKind(), PersonKind()};
   std::vector<std::size_t> kinds;
   for (std::size_t kind = 0; kind < StateTables().size(); ++kind) {
@@ -22,21 +24,18 @@ std::vector<std::size_t> KindsOf(char parameter) {
   return kinds;
 }
 
-// The field of joints that a signal of a robot's joint reads.
-const char* FieldOf(SignalKind kind) {
-  if (kind == SignalKind::kJoint) return "position";
-  return kind == SignalKind::kJointSpeed ? "velocity" : "blocked";
+// Those of parts of robots.
+std::vector<std::size_t> KindsOfParts(std::vector<std::size_t> kinds) {
+  std::erase_if(kinds, [](std::size_t kind) { return !StateTables()[kind].of_robots; });
+  return kinds;
 }
 
 }  // namespace
 
 TypedValue Compiler::Call(const Syntax& syntax) {
   if (syntax.kind == SyntaxKind::kCall && IsFunction(syntax.name)) return Function(syntax);
-  const SignalInfo* const run_signal = FindRunSignal(syntax.name);
-  const std::vector<std::size_t> kinds = KindsWith(syntax.name);
-  // A robot's joint is named by a second argument.
-  const bool is_of_run = run_signal != nullptr && (kinds.empty() || syntax.children.size() == run_signal->most());
-  if (is_of_run) return RunSignal(syntax, *run_signal);
+  if (const SignalInfo* const run_signal = FindRunSignal(syntax.name)) return RunSignal(syntax, *run_signal);
+  const Kinds kinds = KindsWith(syntax.name);
   return kinds.empty() ? UnknownName(syntax) : TableSignal(syntax, kinds);
 }
 
@@ -124,28 +123,31 @@ TypedValue Compiler::Count(const Syntax& argument) {
 
 TypedValue Compiler::TableSignal(const Syntax& syntax, const Kinds& kinds) {
   const std::string& name = syntax.name;
-  if (syntax.children.size() != 1) {
+  const Kinds kinds_of_parts = KindsOfParts(kinds);
+  const bool names_part = syntax.children.size() == 2 && !kinds_of_parts.empty();
+  if (syntax.children.size() != 1 && !names_part) {
     return Fail(syntax, "found " + std::to_string(syntax.children.size()) + " arguments of '" + name + "', expected " +
                             name + "(" + StateTables()[kinds.front()].singular + ")");
   }
-  const ThingArgument thing = Thing(syntax.children[0], kinds);
+  ThingArgument thing = Thing(syntax.children[0], names_part ? Kinds{RobotKind()} : kinds);
   if (error_) return {};
-  const StateTable& table = StateTables()[thing.kind];
-  const troupe::Signal& column = *table.Find(name);
   Node node;
   node.op = Op::kSignal;
   node.signal.kind = SignalKind::kTable;
+  SetLanes({thing}, node);
+  if (!error_ && names_part) thing.kind = FindParts(syntax.children[1], kinds_of_parts, node.signal.subjects);
+  if (error_) return {};
+  const StateTable& table = StateTables()[thing.kind];
+  const troupe::Signal& column = *table.Find(name);
   node.signal.column = &column;
   node.signal.first = names_.things().first(thing.kind);
-  SetLanes({thing}, node);
-  if (error_) return {};
   TypedValue value{0, column.type, DimensionOf(column.unit)};
   if (column.type == ValueType::kText) {
     if (column.possible) value.possible = column.possible(names_.world());
     value.read = std::make_shared<const Node>(std::move(node));
     return value;
   }
-  if (table.name == "joints") SetUnitOfJoints(syntax.children[0], node.signal.subjects, value.dimension);
+  if (table.name == "joints") SetUnitOfJoints(syntax.children.back(), node.signal.subjects, value.dimension);
   const SignalView view{names_.things(), names_.world(), names_.placed()};
   for (const ThingId subject : node.signal.subjects) {
     if (error_ || !std::isnan(column.number(view, subject - node.signal.first))) continue;
@@ -307,25 +309,23 @@ TypedValue Compiler::RunSignal(const Syntax& syntax, const SignalInfo& info) {
   }
   if (info.kind == SignalKind::kAt) node.signal.number = 0.2;
   std::vector<ThingArgument> things;
-  const Syntax* part = nullptr;
+  const Syntax* sensor = nullptr;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const char parameter = parameters[i + (i >= optional ? 1 : 0)];
     if (parameter == 'd') {
       if (const std::optional<ThingArgument> body = DistanceTarget(arguments[i], node.signal)) things.push_back(*body);
-    } else if (std::string_view("robt").find(parameter) != std::string_view::npos) {
+    } else if (std::string_view("robmt").find(parameter) != std::string_view::npos) {
       things.push_back(Thing(arguments[i], KindsOf(parameter)));
     } else {
       PlainArgument(arguments[i], parameter, node.signal);
-      if (parameter == 'j' || parameter == 's') part = &arguments[i];
+      if (parameter == 's') sensor = &arguments[i];
     }
     if (error_) return {};
   }
   SetLanes(things, node);
-  TypedValue value{0, info.type, info.dimension};
-  if (!error_) FindParts(syntax, info, part, node.signal, value.dimension);
+  if (!error_) FindDevices(syntax, info, sensor, node.signal);
   if (error_) return {};
-  value.node = Add(std::move(node));
-  return value;
+  return {Add(std::move(node)), info.type, info.dimension};
 }
 
 void Compiler::SetLanes(const std::vector<ThingArgument>& things, Node& node) {
@@ -347,40 +347,40 @@ void Compiler::SetLanes(const std::vector<ThingArgument>& things, Node& node) {
   }
 }
 
-// Joints, stores and sensors of the robots, by lane.
-void Compiler::FindParts(const Syntax& syntax, const SignalInfo& info, const Syntax* part, SignalUse& signal,
-                         Dimension& dimension) {
-  switch (info.kind) {
-    case SignalKind::kJoint:
-    case SignalKind::kJointSpeed:
-    case SignalKind::kJointBlocked:
-      return FindJoints(info, *part, signal, dimension);
-    case SignalKind::kAlive:
-      for (const ThingId robot : signal.subjects) signal.parts.push_back(names_.FindFiniteStore(robot));
-      return;
-    case SignalKind::kRange:
-    case SignalKind::kMeanRange:
-    case SignalKind::kPressed:
-    case SignalKind::kHeard:
-      for (const ThingId robot : signal.subjects) {
-        signal.parts.push_back(Checked(names_.FindSensor(robot, info.kind, part, syntax)));
-        if (error_) return;
-      }
-      return;
-    default:
-      return;
+std::size_t Compiler::FindParts(const Syntax& part, const Kinds& kinds, std::vector<ThingId>& robots) {
+  if (part.kind != SyntaxKind::kText) {
+    Fail(part, "found something else, expected the name of " + NameOfKinds(kinds) + " in quotes");
+    return kinds.front();
   }
+  std::optional<std::size_t> kind;
+  for (ThingId& thing : robots) {
+    thing = Checked(names_.FindPart(thing, kind ? Kinds{*kind} : kinds, part));
+    if (error_) break;
+    kind = names_.things().kind_of(thing);
+  }
+  return kind.value_or(kinds.front());
 }
 
-void Compiler::FindJoints(const SignalInfo& info, const Syntax& part, SignalUse& signal, Dimension& dimension) {
-  const std::size_t kind = KindOf("joints");
+void Compiler::FindDevices(const Syntax& syntax, const SignalInfo& info, const Syntax* sensor, SignalUse& signal) {
+  const bool is_of_sensors = info.kind == SignalKind::kRange || info.kind == SignalKind::kMeanRange ||
+                             info.kind == SignalKind::kPressed || info.kind == SignalKind::kHeard;
+  if (info.kind != SignalKind::kAlive && !is_of_sensors) return;
+  const Things& things = names_.things();
   for (ThingId& subject : signal.subjects) {
-    subject = Checked(names_.FindJoint(subject, part));
     if (error_) return;
+    if (info.kind == SignalKind::kAlive) {
+      signal.parts.push_back(names_.FindFiniteStore(subject));
+    } else if (things.kind_of(subject) == RobotKind()) {
+      signal.parts.push_back(Checked(names_.FindSensor(subject, info.kind, sensor, syntax)));
+    } else if (sensor != nullptr) {
+      Fail(*sensor,
+           "found the name of a sensor behind sensor " + things.name(subject) + ", expected it behind a robot");
+    } else {
+      const SensorPlace place = Checked(names_.FindSensor(subject, info.kind, syntax));
+      subject = static_cast<ThingId>(place.robot.index());
+      signal.parts.push_back(static_cast<std::uint32_t>(place.sensor));
+    }
   }
-  signal.first = names_.things().first(kind);
-  signal.column = StateTables()[kind].Find(FieldOf(info.kind));
-  if (info.kind != SignalKind::kJointBlocked) SetUnitOfJoints(part, signal.subjects, dimension);
 }
 
 void Compiler::SetUnitOfJoints(const Syntax& at, const std::vector<ThingId>& joints, Dimension& dimension) {

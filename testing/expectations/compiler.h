@@ -109,9 +109,10 @@ class Compiler : private ProgramBuilder {
   bool IsWholeStaticModel(const Syntax& argument, ModelId model);
   // Sets the variables and lanes of a signal's node, and its things by lane.
   void SetLanes(const std::vector<ThingArgument>& things, Node& node);
-  void FindParts(const Syntax& syntax, const SignalInfo& info, const Syntax* part, SignalUse& signal,
-                 Dimension& dimension);
-  void FindJoints(const SignalInfo& info, const Syntax& part, SignalUse& signal, Dimension& dimension);
+  // Replaces robots by their parts of one of these kinds that `part` names; the kind of these parts.
+  std::size_t FindParts(const Syntax& part, const Kinds& kinds, std::vector<ThingId>& robots);
+  // Sets the stores and sensors of a signal of the run, by lane.
+  void FindDevices(const Syntax& syntax, const SignalInfo& info, const Syntax* sensor, SignalUse& signal);
   // The unit of a position or speed of joints: that of a turn if all of them turn.
   void SetUnitOfJoints(const Syntax& at, const std::vector<ThingId>& joints, Dimension& dimension);
 

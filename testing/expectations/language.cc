@@ -26,13 +26,19 @@ std::string ResultOf(const Signal& signal) {
   return signal.unit.empty() ? "number" : signal.unit;
 }
 
-// The signals of the state's tables. Those of one name and meaning are one row.
+std::string UpperCase(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+// The signals of the tables of things. Those of one name and meaning are one row.
 void AddTableSignals(std::vector<LanguageEntry>& entries) {
   std::map<std::tuple<std::string, std::string, std::string>, std::size_t> known;
   for (const StateTable& table : StateTables()) {
     if (table.varies) continue;
     for (const Signal& signal : table.signals) {
-      const std::string usage = signal.name + "(" + table.singular + ")";
+      std::string usage = signal.name + "(" + table.singular + ")";
+      if (table.of_robots) usage += ", " + signal.name + "(r, \"" + UpperCase(table.singular) + "\")";
       LanguageEntry entry{usage, ResultOf(signal), Sentence(signal)};
       const auto [row, is_new] = known.try_emplace({signal.name, entry.result, entry.meaning}, entries.size());
       if (is_new) {
@@ -54,13 +60,11 @@ std::vector<LanguageEntry> ListSignals() {
     if (info.type == ValueType::kTruth) result = "condition";
     if (info.type == ValueType::kText) result = "text";
     if (info.type == ValueType::kNumber && result.empty()) result = "number";
-    if (info.kind == SignalKind::kJoint) result = "m, rad";
-    if (info.kind == SignalKind::kJointSpeed) result = "m/s, rad/s";
     entries.push_back({info.usage, result, info.meaning});
   }
   entries.push_back({"count(event(...))", "number", "Number of such events so far."});
-  entries.push_back({"count(TABLE)", "number",
-                     "Number of rows of a table of the state, such as transmissions: radio messages on their way."});
+  entries.push_back(
+      {"count(TABLE)", "number", "Number of rows of a table, such as transmissions: radio messages on their way."});
   entries.push_back({"abs(X)", "as X", "Absolute value."});
   entries.push_back({"sqrt(X)", "root of X", "Square root: m of m^2."});
   entries.push_back({"min(X, Y), max(X, Y)", "as X", "The lesser or greater of two numbers."});
@@ -90,7 +94,8 @@ std::vector<LanguageEntry> ListOperators() {
       {"forall r in \"scout*\": P", "condition", "For robots with names like that: * any characters, ? one."},
       {"forall o in objects: P, in objects \"can*\": P", "condition", "For movable objects."},
       {"forall d in doors: P, exists p in people: P", "condition",
-       "For doors, people, lifts, joints, grippers and the other tables of the state, with names or without."},
+       "For doors, people, lifts, joints, sensors, levels, lanes and the things of all other tables, with names or "
+       "without."},
       {"min r: X, max r: X, sum r: X, mean r: X", "as X", "Over the robots, at one tick."},
       {"count r: P", "number", "Number of robots for which P holds, at one tick."},
       {"true, false", "condition", "Constants."},

@@ -26,7 +26,7 @@ Status CheckTick(const MonitorProgram& program, const TickView& tick, std::optio
   bool fits = tick.scene.world().interval_ns == program.interval_ns;
   for (std::size_t kind = 0; kind < StateTables().size(); ++kind) {
     const StateTable& table = StateTables()[kind];
-    fits = fits && (table.varies || table.rows(tick.state) == program.things->count(kind));
+    fits = fits && (table.varies || table.rows(tick.scene.world(), tick.state) == program.things->count(kind));
   }
   if (!fits) return Error{{}, "found a tick of another world, expected the world of the expectation"};
   return {};

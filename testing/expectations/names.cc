@@ -19,6 +19,10 @@ bool Measures(const SensorParameters& parameters, SignalKind kind) {
   }
 }
 
+const char* NameOfSensor(SignalKind kind) {
+  return kind == SignalKind::kPressed ? "bumper" : kind == SignalKind::kHeard ? "radio" : "ranger";
+}
+
 }  // namespace
 
 std::string WorldNames::Listing(const std::vector<std::string>& names) {
@@ -141,17 +145,21 @@ std::vector<std::string> WorldNames::RegionNames() const {
   return names;
 }
 
-Result<ThingId> WorldNames::FindJoint(ThingId robot, const Syntax& at) const {
+Result<ThingId> WorldNames::FindPart(ThingId robot, const std::vector<std::size_t>& kinds, const Syntax& at) const {
+  const std::string& robot_name = things_->name(robot);
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < world().joints.size(); ++i) {
-    const JointDescription& joint = world().joints[i];
-    if (joint.robot != RobotId(robot)) continue;
-    if (joint.name == at.name) return things_->first(KindOf("joints")) + static_cast<ThingId>(i);
-    names.push_back(joint.name);
+  for (const std::size_t kind : kinds) {
+    for (ThingId thing = things_->first(kind); thing < things_->first(kind) + things_->count(kind); ++thing) {
+      if (things_->robot(thing) != RobotId(robot)) continue;
+      names.push_back(things_->name(thing).substr(robot_name.size() + 1));
+      if (names.back() == at.name) return thing;
+    }
   }
-  return Unknown(
-      at, (names.empty() ? "no joint, because there is none on robot " : "a joint of robot ") + things_->name(robot),
-      names);
+  const std::string part = NameOfKinds(kinds);
+  return Unknown(at,
+                 (names.empty() ? "no part of robot " + robot_name + ", because it is without " : "") + part +
+                     (names.empty() ? "" : " of robot " + robot_name),
+                 names);
 }
 
 std::uint32_t WorldNames::FindFiniteStore(ThingId robot) const {
@@ -161,6 +169,14 @@ std::uint32_t WorldNames::FindFiniteStore(ThingId robot) const {
     return world().model(stores[i]).power.endless ? SignalUse::kNone : static_cast<std::uint32_t>(i);
   }
   return SignalUse::kNone;
+}
+
+Result<SensorPlace> WorldNames::FindSensor(ThingId sensor, SignalKind kind, const Syntax& at) const {
+  const SensorPlace place = things_->sensors()[things_->row_of(sensor)];
+  if (Measures(world().robot(place.robot).sensors[place.sensor].parameters, kind)) return place;
+  return TextError(
+      at.offset, "found '" + at.name + "' of sensor " + things_->name(sensor) + ", which is no " + NameOfSensor(kind) +
+                     ", expected sensors that are, as with a pattern: in sensors \"*." + NameOfSensor(kind) + "*\"");
 }
 
 Result<std::uint32_t> WorldNames::FindSensor(ThingId robot, SignalKind kind, const Syntax* name,
@@ -173,7 +189,7 @@ Result<std::uint32_t> WorldNames::FindSensor(ThingId robot, SignalKind kind, con
     names.push_back(sensors[i].name);
   }
   const std::string& robot_name = things_->name(robot);
-  const std::string sensor = kind == SignalKind::kPressed ? "bumper" : kind == SignalKind::kHeard ? "radio" : "ranger";
+  const std::string sensor = NameOfSensor(kind);
   if (name != nullptr && !names.empty()) return Unknown(*name, "a " + sensor + " of robot " + robot_name, names);
   return TextError(at.offset, "found '" + at.name + "' of robot " + robot_name + ", which has no " + sensor +
                                   ", expected robots that have one");

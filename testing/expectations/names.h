@@ -52,10 +52,13 @@ class WorldNames {
   std::vector<std::string> PlaceNames() const;
   std::vector<std::string> RegionNames() const;
 
-  // The joint or the sensor of a robot; an error at `at` if it has none. `name`: of the joint or sensor; nothing: its
-  // first sensor of the kind.
-  Result<ThingId> FindJoint(ThingId robot, const Syntax& at) const;
+  // The part of a robot that `at` names, of one of these kinds.
+  Result<ThingId> FindPart(ThingId robot, const std::vector<std::size_t>& kinds, const Syntax& at) const;
+  // The sensor of a robot that makes readings of a signal; an error at `at` if it has none. `name`: of the sensor;
+  // nothing: its first one.
   Result<std::uint32_t> FindSensor(ThingId robot, SignalKind kind, const Syntax* name, const Syntax& at) const;
+  // The same of a thing that is a sensor.
+  Result<SensorPlace> FindSensor(ThingId sensor, SignalKind kind, const Syntax& at) const;
   // The first store of energy of the robot, a row of WorldState::stores; SignalUse::kNone if it cannot become empty, or
   // there is none.
   std::uint32_t FindFiniteStore(ThingId robot) const;

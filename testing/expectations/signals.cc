@@ -15,7 +15,6 @@ namespace {
 
 constexpr Dimension kMetre{1, 0, 0, 0};
 constexpr Dimension kSecond{0, 1, 0, 0};
-constexpr Dimension kMetrePerSecond{1, -1, 0, 0};
 constexpr Dimension kRatio{};
 
 constexpr std::array<const char*, 5> kFunctions{"abs", "sqrt", "min", "max", "count"};
@@ -34,19 +33,13 @@ constexpr std::array kRunSignals{
                "A gripper of the robot holds the object, or any object."},
     SignalInfo{SignalKind::kAlive, "alive", "r", ValueType::kTruth, kRatio, "alive(r)",
                "The robot's agent has not left or been lost, or has rejoined, and its store of energy is not empty."},
-    SignalInfo{SignalKind::kJoint, "joint", "rj", ValueType::kNumber, kMetre, "joint(r, \"NAME\")",
-               "Position of a joint of the robot, such as \"gripper.lift\": m, or rad of a joint that turns."},
-    SignalInfo{SignalKind::kJointSpeed, "joint_speed", "rj", ValueType::kNumber, kMetrePerSecond,
-               "joint_speed(r, \"NAME\")", "Its velocity, m/s or rad/s."},
-    SignalInfo{SignalKind::kJointBlocked, "blocked", "rj", ValueType::kTruth, kRatio, "blocked(r, \"NAME\")",
-               "A contact has cut the joint's last commanded motion short."},
-    SignalInfo{SignalKind::kRange, "range", "r?s", ValueType::kNumber, kMetre, "range(r[, \"SENSOR\"])",
+    SignalInfo{SignalKind::kRange, "range", "m?s", ValueType::kNumber, kMetre, "range(sensor), range(r[, \"SENSOR\"])",
                "Least range that a ranger reads, with its noise; the robot's first ranger if none is named."},
-    SignalInfo{SignalKind::kMeanRange, "mean_range", "r?s", ValueType::kNumber, kMetre, "mean_range(r[, \"SENSOR\"])",
-               "Mean of the ranges that it reads."},
-    SignalInfo{SignalKind::kPressed, "pressed", "r?s", ValueType::kTruth, kRatio, "pressed(r[, \"SENSOR\"])",
-               "A segment of a bumper is pressed."},
-    SignalInfo{SignalKind::kHeard, "heard", "r?s", ValueType::kNumber, kRatio, "heard(r[, \"SENSOR\"])",
+    SignalInfo{SignalKind::kMeanRange, "mean_range", "m?s", ValueType::kNumber, kMetre,
+               "mean_range(sensor), mean_range(r[, \"SENSOR\"])", "Mean of the ranges that it reads."},
+    SignalInfo{SignalKind::kPressed, "pressed", "m?s", ValueType::kTruth, kRatio,
+               "pressed(sensor), pressed(r[, \"SENSOR\"])", "A segment of a bumper is pressed."},
+    SignalInfo{SignalKind::kHeard, "heard", "m?s", ValueType::kNumber, kRatio, "heard(sensor), heard(r[, \"SENSOR\"])",
                "Number of messages that a radio receives at this tick."},
     SignalInfo{SignalKind::kPersonDistance, "person_distance", "r", ValueType::kNumber, kMetre, "person_distance(r)",
                "Exact shortest distance in the plane between the solid parts of the robot and of a person that share a "
@@ -420,9 +413,6 @@ void ReadSignal(const SignalUse& signal, const Things& things, const TickView& t
   };
   switch (signal.kind) {
     case SignalKind::kTable:
-    case SignalKind::kJoint:
-    case SignalKind::kJointSpeed:
-    case SignalKind::kJointBlocked:
       return ReadTable(signal, things, tick, values);
     case SignalKind::kDistance:
       return ReadDistances(signal, tick, memory, values);
@@ -463,7 +453,7 @@ void ReadSignal(const SignalUse& signal, const Things& things, const TickView& t
       values[0] = static_cast<double>(state.tick) * static_cast<double>(tick.scene.world().interval_ns) / 1e9;
       return;
     case SignalKind::kRows:
-      values[0] = static_cast<double>(StateTables()[signal.table].rows(state));
+      values[0] = static_cast<double>(StateTables()[signal.table].rows(tick.scene.world(), state));
       return;
     case SignalKind::kHash:
       values[0] = ReadHash(signal, tick);

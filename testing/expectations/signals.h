@@ -39,9 +39,6 @@ enum class SignalKind : std::uint8_t {
   kIn,
   kHolds,
   kAlive,
-  kJoint,
-  kJointSpeed,
-  kJointBlocked,
   kRange,
   kMeanRange,
   kPressed,
@@ -60,9 +57,9 @@ enum class SignalKind : std::uint8_t {
 
 // A signal that no table of the state has: of several things, of readings, of events or of the whole run.
 //
-// A parameter is one letter: r robot, o object, b robot, object or person, d body, static model or place, p place, g
-// region, s sensor, j joint, e type of event, t any thing, x pattern of a text, l length. Those behind "?" may be left
-// out.
+// A parameter is one letter: r robot, o object, b robot, object or person, m robot or sensor, d body, static model or
+// place, p place, g region, s sensor of the robot, e type of event, t any thing, x pattern of a text, l length. Those
+// behind "?" may be left out.
 struct SignalInfo {
   SignalKind kind;
   const char* name;

@@ -25,6 +25,7 @@ using testing::SizeIs;
 using testing::StartsWith;
 
 constexpr int kTicks = 60;
+constexpr const char* kTables[] = {"/tables/robots", "/tables/joints", "/tables/grippers", "/tables/objects"};
 
 // A recording of a robot that grips a box.
 class ExportTest : public testing::Test {
@@ -79,6 +80,10 @@ TEST_F(ExportTest, ForFoxgloveHasTheSceneAndTheFramesOfEachTick) {
   EXPECT_EQ(topics.at("/scene").encoding, "json jsonschema");
   EXPECT_THAT(topics.at("/scene").messages, SizeIs(1));
   EXPECT_THAT(topics.at("/tf").messages, SizeIs(kTicks + 1));
+  for (const char* const name : kTables) EXPECT_THAT(topics.at(name).messages, SizeIs(kTicks + 1)) << name;
+  const nlohmann::json robots = nlohmann::json::parse(topics.at("/tables/robots").messages.back());
+  EXPECT_EQ(robots["timestamp"]["sec"], 6);
+  EXPECT_EQ(robots["rows"][0]["name"], "r");
   for (const auto& [name, topic] : topics) {
     EXPECT_TRUE(nlohmann::json::accept(topic.definition)) << name;
     for (const std::string& message : topic.messages) EXPECT_TRUE(nlohmann::json::accept(message)) << name;
@@ -104,6 +109,8 @@ TEST_F(ExportTest, ForRosIsABag) {
                            "/r/robot_description", "/events"}) {
     EXPECT_THAT(topics, Contains(Key(name)));
   }
+  for (const char* const name : kTables) EXPECT_THAT(topics.at(name).messages, SizeIs(kTicks + 1)) << name;
+  EXPECT_THAT(topics.at("/tables/objects").messages.back(), HasSubstr("{\"name\":\"box\",\"x\":"));
   EXPECT_THAT(topics.at("/tf").messages, SizeIs(kTicks + 1));
   EXPECT_THAT(topics.at("/tf").definition,
               HasSubstr("geometry_msgs/TransformStamped[] transforms\n" + std::string(80, '=') +

@@ -150,7 +150,7 @@ class RandomFormula {
       case 0:
         return {of("heading", variable), of("heading", "r0")};
       case 1:
-        return {of("speed", variable), "joint_speed(" + variable + ", \"gripper.lift\")"};
+        return {of("speed", variable), "velocity(" + variable + ", \"gripper.lift\")"};
       case 2:
         return {of("wz", variable), of("wz", "r2")};
       case 3:
@@ -158,7 +158,7 @@ class RandomFormula {
       case 4:
         return {of("charging", variable), of("charging", "r2")};
       case 5:
-        return {"joint(" + variable + ", \"gripper.lift\")", of("z", Some(variables))};
+        return {"position(" + variable + ", \"gripper.lift\")", of("z", Some(variables))};
       case 6:
         return {of("range", variable), Some({of("mean_range", variable), "range(" + variable + ", \"scan\")"})};
       case 7:

@@ -162,6 +162,24 @@ constexpr const char* kScanSchema = R"({"title":"foxglove.LaserScan","type":"obj
 "end_angle":{"type":"number"},"ranges":{"type":"array","items":{"type":"number"}},
 "intensities":{"type":"array","items":{"type":"number"}}}})";
 
+// Of a table: a number, 0 or 1 of a truth, or a text by each signal's name.
+std::string SchemaOf(const StateTable& table) {
+  Json properties = {{"name", {{"type", "string"}}}};
+  for (const Signal& signal : table.signals) {
+    const char* type = signal.type == ValueType::kText    ? "string"
+                       : signal.type == ValueType::kTruth ? "integer"
+                                                          : "number";
+    properties[signal.name] = {{"type", type}, {"description", signal.documentation}};
+    if (!signal.unit.empty()) properties[signal.name]["unit"] = signal.unit;
+  }
+  const Json integer = {{"type", "integer"}};
+  const Json rows = {{"type", "array"}, {"items", {{"type", "object"}, {"properties", std::move(properties)}}}};
+  const Json timestamp = {{"type", "object"}, {"properties", {{"sec", integer}, {"nsec", integer}}}};
+  return Dump({{"title", "troupe." + table.name},
+               {"type", "object"},
+               {"properties", {{"timestamp", timestamp}, {"rows", rows}}}});
+}
+
 void AddScans(const WorldDescription& world, RobotId robot, std::vector<Channel>& channels) {
   const RobotDescription& description = world.robot(robot);
   for (std::size_t i = 0; i < description.sensors.size(); ++i) {
@@ -260,6 +278,17 @@ std::string ScanText(const RangeScan& scan, const std::string& frame, Time time)
                {"intensities", scan.intensities}});
 }
 
+std::string TableText(const StateTable& table, const SignalView& view, Time time) {
+  std::string text;
+  JsonWriter json(text);
+  json.BeginObject().Key("timestamp").BeginObject();
+  json.Member("sec", time / kSecond).Member("nsec", time % kSecond).EndObject();
+  json.Key("rows");
+  WriteRows(table, view, json);
+  json.EndObject();
+  return text;
+}
+
 std::vector<Channel> ChannelsOf(const WorldDescription& world) {
   std::vector<Channel> channels = {{.id = 1, .kind = ChannelKind::kScene, .topic = "/scene"},
                                    {.id = 2, .kind = ChannelKind::kTransforms, .topic = "/tf"},
@@ -268,11 +297,37 @@ std::vector<Channel> ChannelsOf(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (RobotExists(world, RobotId(i))) AddScans(world, RobotId(i), channels);
   }
+  const Things things(world);
+  for (const StateTable& table : StateTables()) {
+    if (!table.varies && things.count(KindOf(table.name)) == 0) continue;
+    channels.push_back({.id = static_cast<std::uint32_t>(channels.size() + 1),
+                        .kind = ChannelKind::kTable,
+                        .topic = "/tables/" + table.name,
+                        .table = &table});
+  }
   return channels;
 }
 
-const char* Schema(ChannelKind kind) {
-  switch (kind) {
+std::string SchemaName(const Channel& channel) {
+  switch (channel.kind) {
+    case ChannelKind::kScene:
+      return "foxglove.SceneUpdate";
+    case ChannelKind::kTransforms:
+      return "foxglove.FrameTransforms";
+    case ChannelKind::kMap:
+      return "foxglove.Grid";
+    case ChannelKind::kEvents:
+      return "foxglove.Log";
+    case ChannelKind::kScan:
+      return "foxglove.LaserScan";
+    case ChannelKind::kTable:
+      return "troupe." + channel.table->name;
+  }
+  return "";
+}
+
+std::string Schema(const Channel& channel) {
+  switch (channel.kind) {
     case ChannelKind::kScene:
       return kSceneSchema;
     case ChannelKind::kTransforms:
@@ -283,6 +338,8 @@ const char* Schema(ChannelKind kind) {
       return kLogSchema;
     case ChannelKind::kScan:
       return kScanSchema;
+    case ChannelKind::kTable:
+      return SchemaOf(*channel.table);
   }
   return "";
 }

@@ -1,4 +1,5 @@
-// The messages of the channels for Foxglove, as JSON text. Frames: `map` is W; NAME is a robot's or an object's root
+// The messages of the channels for Foxglove, as JSON text: those of its own schemas, and the tables of things
+// (common/signals) with a schema each, "troupe.doors". Frames: `map` is W; NAME is a robot's or an object's root
 // model, NAME/JOINT the link that a joint moves.
 //
 // JSON with schemas, because Foxglove reads it without a plug-in, and it is used for a few clients at a few updates a
@@ -11,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "common/signals/state_tables.h"
 #include "common/spatial/scene.h"
-#include "troupe/enum_names.h"
 #include "troupe/event.h"
 #include "troupe/ids.h"
 #include "troupe/sensor.h"
@@ -32,6 +33,10 @@ std::string MapText(const Scene& scene, Time time);
 std::string EventText(const std::string& text, bool warning, Time time);
 // `frame`: of the robot.
 std::string ScanText(const RangeScan& scan, const std::string& frame, Time time);
+
+// {"timestamp", "rows": [{"name": "lobby_door", "opening": 0.5, ...}, ...]}: the things that exist, with their signals.
+// A signal that a thing has not is null.
+std::string TableText(const StateTable& table, const SignalView& view, Time time);
 
 // JSON in the form of Foxglove's schemas.
 
@@ -56,30 +61,29 @@ enum class ChannelKind : std::uint8_t {
   kMap,         // foxglove.Grid: the static map; once for each world
   kEvents,      // foxglove.Log
   kScan,        // foxglove.LaserScan, of one ray sensor
+  kTable,       // troupe.TABLE: the rows of a table of things
 };
-// Of their schemas.
-constexpr auto NamesOf(ChannelKind) {
-  return std::array{"foxglove.SceneUpdate", "foxglove.FrameTransforms", "foxglove.Grid", "foxglove.Log",
-                    "foxglove.LaserScan"};
-}
 
 struct Channel {
   std::uint32_t id = 0;
   ChannelKind kind = ChannelKind::kScene;
   std::string topic;
-  RobotId robot = {};      // kScan
-  std::size_t sensor = 0;  // kScan: of the robot
-  std::size_t scan = 0;    // kScan: of the sensor
-  std::string frame = {};  // kScan: of the ray sensor
+  RobotId robot = {};                 // kScan
+  std::size_t sensor = 0;             // kScan: of the robot
+  std::size_t scan = 0;               // kScan: of the sensor
+  std::string frame = {};             // kScan: of the ray sensor
+  const StateTable* table = nullptr;  // kTable
 };
 
 inline constexpr std::size_t kMaxScanChannels = 500;
 
-// Ids count from 1. Scans have a topic for each ray sensor with several rays: /NAME/RANGER or /NAME/RANGER.1.
+// Ids count from 1. Scans have a topic for each ray sensor with several rays: /NAME/RANGER or /NAME/RANGER.1. Each
+// table that has things in the world, and each whose rows come and go, has a topic: /tables/doors.
 std::vector<Channel> ChannelsOf(const WorldDescription& world);
 
 // "foxglove.SceneUpdate"
+std::string SchemaName(const Channel& channel);
 // A JSON schema, as text.
-const char* Schema(ChannelKind kind);
+std::string Schema(const Channel& channel);
 
 }  // namespace troupe::foxglove

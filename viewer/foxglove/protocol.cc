@@ -123,9 +123,9 @@ std::string AdvertiseText(const std::vector<Channel>& channels) {
     list.push_back({{"id", channel.id},
                     {"topic", channel.topic},
                     {"encoding", "json"},
-                    {"schemaName", NameOf(channel.kind)},
+                    {"schemaName", SchemaName(channel)},
                     {"schemaEncoding", "jsonschema"},
-                    {"schema", Schema(channel.kind)}});
+                    {"schema", Schema(channel)}});
   }
   return Dump({{"op", "advertise"}, {"channels", std::move(list)}});
 }

@@ -77,6 +77,7 @@ void FoxgloveClient::ChangeWorld() {
   suites_.clear();
   const TimelineWorld& world = *shown()->world;
   bodies_.emplace(*world.scene);
+  things_.emplace(world.description());
   std::vector<foxglove::Channel> channels = foxglove::ChannelsOf(world.description());
   for (foxglove::Channel& channel : channels) {
     channel.id = next_channel_++;
@@ -202,6 +203,9 @@ void FoxgloveClient::SendState() {
       case foxglove::ChannelKind::kScan:
         if (!std::exchange(bodies_known, true)) bodies_->Assign(*shown()->state);
         SendScan(subscription, channel);
+        break;
+      case foxglove::ChannelKind::kTable:
+        send(foxglove::TableText(*channel.table, {*things_, scene.world(), *shown()->state}, time));
         break;
     }
   }

@@ -72,6 +72,7 @@ class FoxgloveClient final : public Viewer {
   std::map<std::uint64_t, Call> calls_;
   std::map<RobotId, SensorSuite> suites_;  // of world_
   std::optional<BodyIndex> bodies_;
+  std::optional<Things> things_;
 
   bool playing_ = false;
   float speed_ = 1.0F;

@@ -82,7 +82,7 @@ double SignalReader::Value(const SignalName& name) {
   if (source.range) return Range(*source.range);
   if (source.table == nullptr) return kNone;
   const WorldState& state = *state_->state;
-  if (source.signal == nullptr) return static_cast<double>(source.table->rows(state));
+  if (source.signal == nullptr) return static_cast<double>(source.table->rows(state_->world->description(), state));
   return source.signal->number({*things_, state_->world->description(), state}, source.row);
 }
 

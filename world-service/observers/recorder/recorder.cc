@@ -22,8 +22,10 @@ nlohmann::json RecordedEvent(const WorldDescription& world, const Event& event) 
 }
 
 // Whether lines have a format of their own for the table's rows; those of the others are the table's signals.
+// Sensors have it in the lines of --scans.
 bool HasOwnFormat(const StateTable& table) {
-  return table.name == "robots" || table.name == "joints" || table.name == "grippers" || table.name == "objects";
+  return table.name == "robots" || table.name == "joints" || table.name == "grippers" || table.name == "objects" ||
+         table.name == "sensors";
 }
 
 // Nothing for an empty path.
@@ -76,7 +78,7 @@ void Recorder::OnWorldChange(const std::shared_ptr<const Scene>& scene, Edition 
 }
 
 Status Recorder::WritePosesHeading() {
-  wide_poses_ = manipulates();
+  wide_poses_ = manipulates() || !world_->people.empty();
   poses_->Append("tick,robot,x,y,z,heading,stalled");
   if (wide_poses_) poses_->Append(",kind,position,mode,on");
   return poses_->EndLine();
@@ -149,6 +151,7 @@ Status Recorder::WritePoses(const FrameMessage& frame) {
   }
   if (!wide_poses_) return error;
   if (error.ok()) error = WriteObjectPoses(frame.state);
+  if (error.ok()) error = WritePeoplePoses(frame.state);
   if (error.ok()) error = WriteJointPoses(frame.state);
   return error;
 }
@@ -175,6 +178,18 @@ Status Recorder::WriteObjectPoses(const WorldState& state) {
     poses_->Append(",");
     const std::optional<ModelId> on = CarrierOf(*world_, object);
     if (on) poses_->Append(csv_names_[on->index()]);
+    error = poses_->EndLine();
+  }
+  return error;
+}
+
+Status Recorder::WritePeoplePoses(const WorldState& state) {
+  Status error;
+  for (std::size_t i = 0; i < state.people.size() && error.ok(); ++i) {
+    const ModelId root = world_->person(PersonId(i)).root;
+    if (world_->model(root).removed) continue;
+    AppendPose(state.tick, root, state.people[i].X_WP, false);
+    poses_->Append(",person,,,");
     error = poses_->EndLine();
   }
   return error;
@@ -265,7 +280,7 @@ void Recorder::WriteObjects(const WorldState& state, JsonWriter& json) const {
 void Recorder::WriteTables(const WorldState& state, JsonWriter& json) const {
   const SignalView view{*things_, *world_, state};
   for (const StateTable& table : StateTables()) {
-    const std::size_t rows = table.rows(state);
+    const std::size_t rows = table.rows(*world_, state);
     if (HasOwnFormat(table) || table.varies || rows == 0) continue;
     json.Key(table.name).BeginList();
     for (std::size_t row = 0; row < rows; ++row) {
@@ -274,17 +289,6 @@ void Recorder::WriteTables(const WorldState& state, JsonWriter& json) const {
       json.EndList();
     }
     json.EndList();
-  }
-}
-
-void Recorder::WriteCell(const Signal& signal, const SignalView& view, std::size_t row, JsonWriter& json) {
-  if (signal.type == ValueType::kText) {
-    const std::string text = signal.text(view, row);
-    text.empty() ? json.Null() : json.Value(text);
-  } else if (signal.type == ValueType::kTruth) {
-    json.Value(signal.number(view, row) != 0.0 ? 1 : 0);
-  } else {
-    json.Value(signal.number(view, row));
   }
 }
 

@@ -35,7 +35,7 @@ struct RecordedStart;
 
 struct OutputFiles {
   std::string hash_log = {};  // "tick hash" a line
-  std::string poses = {};     // CSV: tick,robot,x,y,z,heading,stalled; with more columns for joints and objects
+  std::string poses = {};     // CSV: tick,robot,x,y,z,heading,stalled; with more columns for objects, people and joints
   std::string record = {};    // a recording if it ends in .mcap; else JSON lines: header, then a line for each tick
   std::uint64_t keyframe_interval = kDefaultKeyframeInterval;  // of a recording
   std::shared_ptr<const RecordedStart> begin = {};  // of the recording and the journal; null: they begin with the run
@@ -67,6 +67,7 @@ class Recorder final : public RunObserver {
   Status WritePosesHeading();
   Status WritePoses(const FrameMessage& frame);
   Status WriteObjectPoses(const WorldState& state);
+  Status WritePeoplePoses(const WorldState& state);
   Status WriteJointPoses(const WorldState& state);
   // tick,name,x,y,z,heading,flag
   void AppendPose(Tick tick, ModelId model, const Pose& X_WM, bool flag);
@@ -77,13 +78,12 @@ class Recorder final : public RunObserver {
   void WriteObjects(const WorldState& state, JsonWriter& json) const;
   // The other tables of the state that have things: "doors":[[...],...].
   void WriteTables(const WorldState& state, JsonWriter& json) const;
-  static void WriteCell(const Signal& signal, const SignalView& view, std::size_t row, JsonWriter& json);
   // Whether the files contain joints and objects: the record if the world has any, the poses if the first world had.
   bool manipulates() const { return !world_->joints.empty() || !world_->objects.empty(); }
 
   const WorldDescription* world_;
   std::shared_ptr<const Scene> scene_;  // of world_, after an edit
-  bool wide_poses_ = false;             // with the columns for joints and objects
+  bool wide_poses_ = false;             // with the columns for objects, people and joints
   std::vector<std::string> csv_names_;  // by model, quoted where CSV needs it
   std::string line_;                    // of the record, while it is written
   std::optional<Things> things_;        // of world_, for a record

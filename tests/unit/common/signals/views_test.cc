@@ -1,12 +1,14 @@
-// Every table of the state is in every view of users: expectations, exported tables and plots. The view of Python is in
-// tests/python/test_tables.py.
+// Every table of things is in every view of users: expectations, exported tables, recorded lines, Foxglove and plots.
+// The views of Python are in tests/python/test_tables.py, that of ROS in tests/process/export_test.cc.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "common/model/states.h"
 #include "common/signals/state_tables.h"
@@ -16,54 +18,119 @@
 #include "tests/support/values.h"
 #include "transport/protocol/messages.h"
 #include "troupe/expectation.h"
+#include "viewer/foxglove/messages.h"
 #include "viewer/gateway/signals.h"
+#include "world-service/observers/recorder/recorder.h"
+#include "worldfile/load_world.h"
 
 namespace troupe {
 namespace {
 
-using testing::HasSubstr;
+// A building with doors, a lift, people, lanes, and robots with sensors.
+WorldDescription Guesthouse() {
+  const char* const source = std::getenv("TROUPE_SOURCE_DIR");
+  return test::ValueOf(
+             LoadWorld(std::string(source == nullptr ? "." : source) + "/worlds/sites/guesthouse_guests.json"))
+      .world;
+}
 
-// Calls visit(table, names of its fields) for all tables of a state.
-template <typename Visit>
-void ForEachTableByName(const Visit& visit) {
+std::vector<std::string> ColumnsOf(const StateTable& table) {
+  std::vector<std::string> columns;
+  for (const Signal& signal : table.signals) columns.push_back(signal.name);
+  return columns;
+}
+
+// The tables that have things in the world.
+std::vector<const StateTable*> TablesOf(const WorldDescription& world) {
+  const Things things(world);
+  std::vector<const StateTable*> tables;
+  for (std::size_t kind = 0; kind < StateTables().size(); ++kind) {
+    if (things.count(kind) > 0) tables.push_back(&StateTables()[kind]);
+  }
+  return tables;
+}
+
+TEST(SignalViews, EveryFieldOfEveryRowOfTheStateIsASignal) {
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
-    std::vector<std::string> fields;
-    ForEachLeaf<Row>([&](const auto& leaf) { fields.emplace_back(leaf.name); });
-    visit(std::string(table.name), fields);
+    const std::size_t kind = KindOf(table.name);
+    ForEachLeaf<Row>([&](const auto& leaf) {
+      EXPECT_NE(StateTables()[kind].Find(leaf.name), nullptr) << table.name << "." << leaf.name;
+    });
   });
+  for (const char* const described : {"levels", "lanes", "sensors"}) {
+    EXPECT_FALSE(StateTables()[KindOf(described)].signals.empty()) << described;
+  }
 }
 
 TEST(SignalViews, EveryTableIsInExpectations) {
   const WorldDescription world;
   const ExpectationScope scope{world};
-  ForEachTableByName([&](const std::string& name, const std::vector<std::string>& fields) {
-    EXPECT_TRUE(Expectation::Parse("always count(" + name + ") >= 0", scope).ok()) << name;
-    const StateTable& table = StateTables()[KindOf(name)];
-    if (table.varies) return;
-    for (const std::string& field : fields) {
-      const Signal* const signal = table.Find(field);
-      ASSERT_NE(signal, nullptr) << name << "." << field;
-      const std::string read = field + "(v)";
-      const std::string condition = signal->type == ValueType::kTruth    ? read
-                                    : signal->type == ValueType::kNumber ? read + " == " + read
-                                                                         : read + " == 'a'";
-      const Result<Expectation> result = Expectation::Parse("forall v in " + name + ": always " + condition, scope);
+  for (const StateTable& table : StateTables()) {
+    EXPECT_TRUE(Expectation::Parse("always count(" + table.name + ") >= 0", scope).ok()) << table.name;
+    if (table.varies) continue;
+    for (const Signal& signal : table.signals) {
+      const std::string read = signal.name + "(v)";
+      const std::string condition = signal.type == ValueType::kTruth    ? read
+                                    : signal.type == ValueType::kNumber ? read + " == " + read
+                                                                        : read + " == 'a'";
+      const Result<Expectation> result =
+          Expectation::Parse("forall v in " + table.name + ": always " + condition, scope);
       const bool lacks_value = !result.ok() && result.error().message.find("expected one of") != std::string::npos;
       EXPECT_TRUE(result.ok() || lacks_value) << condition << ": " << result.error().message;
     }
-  });
+  }
 }
 
 TEST(SignalViews, EveryTableIsInTheExportedTables) {
   test::TemporaryFolder folder;
   const std::string path = folder.path() + "/tables";
   ASSERT_TRUE(test::ValueOf(MakeCsvExport(path))->Close().ok());
-  ForEachTableByName([&](const std::string& name, const std::vector<std::string>& fields) {
-    std::ifstream file(path + "/" + (name == "robots" ? "poses" : name) + ".csv");
+  for (const StateTable& table : StateTables()) {
+    std::ifstream file(path + "/" + (table.name == "robots" ? "poses" : table.name) + ".csv");
     std::string head;
-    ASSERT_TRUE(std::getline(file, head)) << name;
-    for (const std::string& field : fields) EXPECT_THAT(head + ",", HasSubstr("," + field + ",")) << name;
-  });
+    ASSERT_TRUE(std::getline(file, head)) << table.name;
+    std::string columns = "time,tick," + table.singular;
+    for (const std::string& column : ColumnsOf(table)) columns += "," + column;
+    EXPECT_EQ(head, columns);
+  }
+}
+
+// Robots, joints, grippers, objects and sensors have lines of their own (docs/running.md).
+TEST(SignalViews, EveryOtherTableIsInTheRecordedLines) {
+  const WorldDescription world = Guesthouse();
+  test::TemporaryFolder folder;
+  const std::string path = folder.path() + "/run.jsonl";
+  ASSERT_TRUE(test::ValueOf(Recorder::Create(world, {.record = path}))->OnEnd().ok());
+  const nlohmann::json head = nlohmann::json::parse(folder.Read("run.jsonl"));
+  std::size_t found = 0;
+  for (const StateTable* const table : TablesOf(world)) {
+    if (head.contains(table->name) || table->name == "sensors") continue;
+    ASSERT_TRUE(head["tables"].contains(table->name)) << table->name;
+    EXPECT_EQ(head["tables"][table->name]["columns"], ColumnsOf(*table)) << table->name;
+    ++found;
+  }
+  EXPECT_GE(found, 5u);  // doors, lifts, people, levels, lanes
+}
+
+// The topics of the export for ROS have the same rows: tests/process/export_test.cc.
+TEST(SignalViews, EveryTableIsAChannelOfFoxglove) {
+  const WorldDescription world = Guesthouse();
+  const WorldState state = PlacedState(world);
+  const Things things(world);
+  const std::vector<foxglove::Channel> channels = foxglove::ChannelsOf(world);
+  for (const StateTable* const table : TablesOf(world)) {
+    const auto channel = std::find_if(channels.begin(), channels.end(),
+                                      [&](const foxglove::Channel& c) { return c.topic == "/tables/" + table->name; });
+    ASSERT_NE(channel, channels.end()) << table->name;
+    const nlohmann::json schema = nlohmann::json::parse(foxglove::Schema(*channel));
+    const nlohmann::json rows =
+        nlohmann::json::parse(foxglove::TableText(*table, {things, world, state}, 0)).at("rows");
+    ASSERT_EQ(rows.size(), things.count(KindOf(table->name))) << table->name;
+    for (const std::string& column : ColumnsOf(*table)) {
+      EXPECT_TRUE(rows[0].contains(column)) << table->name << "." << column;
+      EXPECT_TRUE(schema["properties"]["rows"]["items"]["properties"].contains(column)) << table->name;
+    }
+  }
 }
 
 TEST(SignalViews, EveryTableIsInThePlots) {
@@ -74,24 +141,45 @@ TEST(SignalViews, EveryTableIsInThePlots) {
   WorldCache worlds;
   reader.SetState(std::make_shared<const TimelineState>(TimelineState{
       .world = worlds.Of(SessionMessage{.world = world.world()}), .state = std::make_shared<const WorldState>(state)}));
-  const nlohmann::json tables = reader.Describe();
-  ForEachTableByName([&](const std::string& name, const std::vector<std::string>& fields) {
-    const auto table =
-        std::find_if(tables.begin(), tables.end(), [&](const nlohmann::json& t) { return t["name"] == name; });
-    ASSERT_NE(table, tables.end()) << name;
-    if (StateTables()[KindOf(name)].varies) {
-      EXPECT_EQ(reader.Value({name, "count"}), 0.0);
-      return;
-    }
-    for (const std::string& field : fields) {
-      const auto& signals = (*table)["signals"];
-      const bool has_field = std::any_of(signals.begin(), signals.end(),
-                                         [&](const nlohmann::json& signal) { return signal["name"] == field; });
-      EXPECT_TRUE(has_field) << name << "." << field;
-    }
-  });
+  const nlohmann::json described = reader.Describe();
+  ASSERT_EQ(described.size(), StateTables().size());
+  for (std::size_t kind = 0; kind < described.size(); ++kind) {
+    const StateTable& table = StateTables()[kind];
+    EXPECT_EQ(described[kind]["name"], table.name);
+    EXPECT_EQ(reader.Value({table.name, "count"}), table.name == "robots" ? 1.0 : 0.0) << table.name;
+    if (table.varies) continue;
+    std::vector<std::string> names;
+    for (const nlohmann::json& signal : described[kind]["signals"]) names.push_back(signal["name"]);
+    EXPECT_EQ(names, ColumnsOf(table)) << table.name;
+  }
   EXPECT_EQ(reader.Value({"anna", "y"}), 2.0);
-  EXPECT_EQ(reader.Value({"robots", "count"}), 1.0);
+}
+
+// Two levels, and on the upper one a lane of 4 m without a door.
+TEST(SignalViews, LevelsAndLanesCountTheBodiesOnThem) {
+  SmallWorld world;
+  const Pose poses[] = {{0.0, 0.0, 0.0, 0.0}, {1.0, 0.4, 3.0, 0.0}, {1.0, 0.6, 3.0, 0.0}, {4.4, 0.0, 3.0, 0.0}};
+  for (std::size_t i = 0; i < std::size(poses); ++i) world.AddRobot("r" + std::to_string(i), poses[i]);
+  world.world().levels = {{"ground", 0.0}, {"upper", 3.0}};
+  LaneGraph graph;
+  for (const double x : {0.0, 4.0}) graph.vertices.push_back({.position = {x, 0.0}, .z = 3.0});
+  graph.vertices[0].name = "dock";
+  graph.lanes.push_back({.start = 0, .end = 1});
+  world.world().lane_graphs.push_back(graph);
+  const WorldState state = PlacedState(world.world());
+  const Things things(world.world());
+  const SignalView view{things, world.world(), state};
+  const auto number = [&](const char* table, const char* signal, std::size_t row) {
+    return StateTables()[KindOf(table)].Find(signal)->number(view, row);
+  };
+  EXPECT_EQ(number("levels", "robots", 0), 1.0);
+  EXPECT_EQ(number("levels", "robots", 1), 3.0);
+  EXPECT_EQ(number("levels", "people", 1), 0.0);
+  EXPECT_EQ(number("lanes", "robots", 0), 2.0);  // 0.4 m beside it, and 0.4 m behind its end
+  EXPECT_EQ(number("lanes", "length", 0), 4.0);
+  EXPECT_EQ(number("lanes", "open", 0), 1.0);
+  EXPECT_TRUE(things.Find("upper", KindOf("levels")));
+  EXPECT_TRUE(things.Find("0: dock - vertex 1", KindOf("lanes")));
 }
 
 TEST(SignalViews, ThingsHaveTheNumbersOfTheirBodies) {

@@ -1,0 +1,193 @@
+// The tables of what only the description has: levels, lanes and sensors. Their signals are functions of a state, like
+// those of its own tables: how many bodies are on a level or a lane, whether a sensor measures at this tick. What a
+// sensor reads is not among them: a reading is measured, which costs a search of the world, so each view measures only
+// the sensors that it needs.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "common/model/states.h"
+#include "common/signals/state_tables.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kLaneHalf = 0.5;  // m: a body is on a lane within it, as in the traffic of robots on lanes
+
+template <typename Number>
+void AddNumber(StateTable& table, const char* name, const char* unit, const char* documentation, Number number) {
+  table.signals.push_back({name, unit, documentation, ValueType::kNumber, std::move(number)});
+}
+template <typename Truth>
+void AddTruth(StateTable& table, const char* name, const char* documentation, Truth truth) {
+  table.signals.push_back({name, "", documentation, ValueType::kTruth,
+                           [truth](const SignalView& view, std::size_t row) { return truth(view, row) ? 1.0 : 0.0; }});
+}
+
+// Adds the numbers of robots, objects and people for whose poses is_there(view, row of the table, X_WB) is true.
+template <typename IsThere>
+void AddCounts(StateTable& table, const char* documentation, IsThere is_there) {
+  const auto add = [&](const char* name, std::size_t (*kind)(), auto bodies, auto pose) {
+    AddNumber(table, name, "", documentation, [=](const SignalView& view, std::size_t row) {
+      double count = 0.0;
+      ThingId thing = view.things.first(kind());
+      for (const auto& body : view.state.*bodies) {
+        if (view.things.exists(thing++) && is_there(view, row, body.*pose)) count += 1.0;
+      }
+      return count;
+    });
+  };
+  add("robots", &RobotKind, &WorldState::robots, &RobotState::X_WR);
+  add("objects", &ObjectKind, &WorldState::objects, &ObjectState::X_WO);
+  add("people", &PersonKind, &WorldState::people, &PersonState::X_WP);
+}
+
+StateTable MakeLevels() {
+  StateTable table{"levels", "level"};
+  table.rows = [](const WorldDescription& world, const WorldState&) { return world.levels.size(); };
+  AddNumber(table, "z", "m", "of its floor",
+            [](const SignalView& view, std::size_t row) { return view.world.levels[row].z; });
+  AddCounts(table, "number of them whose nearest level it is",
+            [](const SignalView& view, std::size_t row, const Pose& X_WB) {
+              return LevelNumberAt(view.world.levels, X_WB.z) == row;
+            });
+  return table;
+}
+
+const LaneGraph& GraphOf(const SignalView& view, std::size_t row) {
+  return view.world.lane_graphs[view.things.lanes()[row].graph];
+}
+const Lane& LaneOf(const SignalView& view, std::size_t row) {
+  return GraphOf(view, row).lanes[view.things.lanes()[row].lane];
+}
+
+bool IsOnLane(const SignalView& view, std::size_t row, const Pose& X_WB) {
+  const LaneGraph& graph = GraphOf(view, row);
+  const Lane& lane = LaneOf(view, row);
+  const LaneVertex& start = graph.vertices[lane.start];
+  const Vec2 way = graph.Way(lane.start, lane.end);
+  const Vec2 to = X_WB.translation() - start.position;
+  const double squared = way.x() * way.x() + way.y() * way.y();
+  const double share = squared > 0.0 ? std::clamp((to.x() * way.x() + to.y() * way.y()) / squared, 0.0, 1.0) : 0.0;
+  const double dx = to.x() - share * way.x();
+  const double dy = to.y() - share * way.y();
+  if (dx * dx + dy * dy > kLaneHalf * kLaneHalf) return false;
+  return LevelNumberAt(view.world.levels, X_WB.z) == LevelNumberAt(view.world.levels, start.z);
+}
+
+StateTable MakeLanes() {
+  StateTable table{"lanes", "lane"};
+  table.rows = [](const WorldDescription& world, const WorldState&) {
+    std::size_t rows = 0;
+    for (const LaneGraph& graph : world.lane_graphs) rows += graph.lanes.size();
+    return rows;
+  };
+  AddNumber(table, "length", "m", "from its start to its end", [](const SignalView& view, std::size_t row) {
+    const Lane& lane = LaneOf(view, row);
+    return GraphOf(view, row).Way(lane.start, lane.end).norm();
+  });
+  AddCounts(table, "number of them on its level with the origin within 0.5 m of its line", IsOnLane);
+  AddTruth(table, "open", "all doors that it passes are as far open as they can be",
+           [](const SignalView& view, std::size_t row) {
+             const std::vector<LaneDoor>& doors = LaneOf(view, row).doors;
+             return std::all_of(doors.begin(), doors.end(),
+                                [&](const LaneDoor& door) { return view.state.doors[door.door].opening == 1.0; });
+           });
+  return table;
+}
+
+const SensorDescription& SensorOf(const SignalView& view, std::size_t row) {
+  const SensorPlace& place = view.things.sensors()[row];
+  return view.world.robot(place.robot).sensors[place.sensor];
+}
+
+StateTable MakeSensors() {
+  StateTable table{"sensors", "sensor"};
+  table.of_robots = true;
+  table.rows = [](const WorldDescription& world, const WorldState&) {
+    std::size_t rows = 0;
+    for (const RobotDescription& robot : world.robots) rows += robot.sensors.size();
+    return rows;
+  };
+  Signal type{"type", "", "of sensor, such as ranger or bumper", ValueType::kText, {}};
+  type.number = [](const SignalView& view, std::size_t row) {
+    return static_cast<double>(SensorOf(view, row).parameters.index());
+  };
+  type.text = [](const SignalView& view, std::size_t row) {
+    return std::string(TypeOf(SensorOf(view, row).parameters));
+  };
+  type.possible = [](const WorldDescription&) {
+    return []<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
+      return std::vector<std::string>{std::string(std::variant_alternative_t<kIndex, SensorParameters>::kType)...};
+    }
+    (std::make_index_sequence<std::variant_size_v<SensorParameters>>());
+  };
+  table.signals.push_back(std::move(type));
+  AddNumber(table, "period", "tick", "from one measurement to the next", [](const SignalView& view, std::size_t row) {
+    return static_cast<double>(SensorOf(view, row).period_ticks);
+  });
+  AddTruth(table, "due", "it measures at this tick", [](const SignalView& view, std::size_t row) {
+    return view.state.tick % SensorOf(view, row).period_ticks == 0;
+  });
+  return table;
+}
+
+// "dock", or "vertex 3" of one without a name.
+std::string NameOfVertex(const LaneGraph& graph, std::uint32_t vertex) {
+  const std::string& name = graph.vertices[vertex].name;
+  return name.empty() ? "vertex " + std::to_string(vertex) : name;
+}
+
+}  // namespace
+
+std::size_t LevelNumberAt(std::span<const LevelDescription> levels, double z) {
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    if (std::fabs(levels[i].z - z) < std::fabs(levels[nearest].z - z)) nearest = i;
+  }
+  return nearest;
+}
+
+std::vector<LanePlace> FindLanes(const WorldDescription& world) {
+  std::vector<LanePlace> lanes;
+  for (std::size_t graph = 0; graph < world.lane_graphs.size(); ++graph) {
+    for (std::size_t lane = 0; lane < world.lane_graphs[graph].lanes.size(); ++lane) lanes.push_back({graph, lane});
+  }
+  return lanes;
+}
+
+std::vector<SensorPlace> FindSensors(const WorldDescription& world) {
+  std::vector<SensorPlace> sensors;
+  for (std::size_t robot = 0; robot < world.robots.size(); ++robot) {
+    for (std::size_t i = 0; i < world.robots[robot].sensors.size(); ++i) sensors.push_back({RobotId(robot), i});
+  }
+  return sensors;
+}
+
+std::vector<StateTable> MakeDescriptionTables() {
+  std::vector<StateTable> tables;
+  tables.push_back(MakeLevels());
+  tables.push_back(MakeLanes());
+  tables.push_back(MakeSensors());
+  return tables;
+}
+
+std::vector<std::vector<ThingName>> NameDescribedThings(const WorldDescription& world) {
+  std::vector<std::vector<ThingName>> names(3);
+  for (const LevelDescription& level : world.levels) names[0].push_back({level.name});
+  for (const LanePlace& place : FindLanes(world)) {
+    const LaneGraph& graph = world.lane_graphs[place.graph];
+    const Lane& lane = graph.lanes[place.lane];
+    names[1].push_back({std::to_string(graph.number) + ": " + NameOfVertex(graph, lane.start) + " - " +
+                        NameOfVertex(graph, lane.end)});
+  }
+  for (const SensorPlace& place : FindSensors(world)) {
+    const RobotDescription& robot = world.robot(place.robot);
+    names[2].push_back({robot.name + "." + robot.sensors[place.sensor].name, robot.root, place.robot});
+  }
+  return names;
+}
+
+}  // namespace troupe
