@@ -1,11 +1,9 @@
-// The tables of a state with their signals, from the fields of their rows: a new table or field of the state is a
-// table or signal here, and so in expectations, exported tables, plots and Python.
+// The tables of things with their signals. The tables of a state are made from the fields of their rows: a new table or
+// field of the state is a table or signal here, and so in expectations, exported tables, plots and Python. Behind them
+// are the tables of things that only the description has (description_tables.cc): levels, lanes and sensors.
 //
 // The tables are made once in a process, from the lists of fields at compile time, and never change; any thread reads
 // them. A signal's name is part of the language of expectations and of exported files: renaming a field renames it.
-// The tables of things with their signals. Those of a state are made from the fields of their rows: a new table or
-// field of the state is a table or signal here, and so in expectations, exported tables, plots and Python. Behind them
-// are those of what only the description has (description_tables.cc): levels, lanes and sensors.
 #pragma once
 
 #include <cstddef>
