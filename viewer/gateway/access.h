@@ -18,7 +18,6 @@
 namespace troupe {
 
 enum class Access : std::uint8_t { kGranted, kWrongHost, kWrongOrigin, kWrongToken };
-// One line for users.
 // One line for the user.
 constexpr auto NamesOf(Access) {
   return std::array{"granted", "the address of this page is not one of the viewer",
