@@ -1,3 +1,9 @@
+// Reading a recording by states, not by messages. A position counts states from the first one on; log times lead from a
+// position to the chunk that has it, because the summary of an MCAP file has times only. An edit may change the length
+// of a tick or go back in simulated time, hence the spans and the clocks: within a span positions and log times are
+// linear.
+//
+// Only chunks with edits are read when a file is opened; all others are read when their ticks are asked for.
 #include "recording/recording.h"
 
 #include <fmt/format.h>
@@ -80,6 +86,7 @@ Result<Recording> Recording::Open(std::unique_ptr<const mcap::ByteSource> source
         {file.name()},
         fmt::format("found an MCAP file of profile {:?}, expected a recording of Troupe", CutUtf8(file.profile(), 40))};
   }
+  // The first chunk has the run alone.
   if (file.chunks().size() < (ticks == Ticks::kAtLeastOne ? 2 : 1)) {
     return Error{
         {file.name()},
@@ -178,6 +185,7 @@ std::uint64_t Recording::LogTimeOf(std::uint64_t position) const {
 
 std::size_t Recording::KeyframeUpTo(std::uint64_t position) const {
   const std::uint64_t log_time = LogTimeOf(position);
+  // Backwards: the newest keyframe not behind the position leaves the fewest states to step.
   for (std::size_t i = keyframe_chunks_.size(); i-- > 0;) {
     const std::size_t chunk = keyframe_chunks_[i];
     if (file_.chunks()[chunk + 1].start_time > log_time) continue;

@@ -104,6 +104,7 @@ Result<std::unique_ptr<Replica>> Replica::Create(std::shared_ptr<const Scene> sc
   if (Status status = replica->MakeRobots(ids.value()); !status.ok()) return status.error();
   // Lines of a scan log are in the order of robots: one thread.
   const std::size_t most = pool != nullptr && options.scan_log == nullptr ? pool->size() : 1;
+  // The number of threads changes no result: each robot decides from the same state, into its own place.
   const std::size_t threads = std::clamp<std::size_t>(replica->robots_.size() / kRobotsPerThread, 1, most);
   replica->ResetIndices(threads);
   if (threads > 1) replica->pool_ = std::move(pool);
@@ -159,6 +160,7 @@ Status Replica::ChangeWorld(std::shared_ptr<const Scene> scene, bool fresh, Edit
                  [&](RobotId id) { return RobotExists(world, id); });
   }
   std::sort(ids.begin(), ids.end());
+  // Alive until FollowWorld has compared the controllers.
   const std::shared_ptr<const Scene> before_scene = scene_;
   scene_ = std::move(scene);
   ResetIndices(indices_.size());
@@ -283,6 +285,7 @@ ProposalMessage Replica::Decide(const WorldState& state, std::span<const RobotCo
   answer.proposals = std::move(memory);
   answer.proposals.resize(count);
   // Before the threads: a gateway need not be safe for several.
+  // An empty list in most ticks: nothing to allocate for a swarm without commands.
   std::vector<ExternalCommand> external(gateway_ || !commands.empty() ? count : 0);
   for (std::size_t i = 0; i < count && gateway_; ++i) external[i] = gateway_->CommandFor(robots_[i]->id(), state);
   if (!commands.empty()) AddCommands(commands, external, answer.reports);
@@ -320,6 +323,7 @@ void Replica::DecideAll(const WorldState& state, const DecideOne& decide) {
     if (thread != 0 && next >= robots_.size()) return;
     BodyIndex& bodies = indices_[thread];
     Enter(lanes_[thread], TickPhase::kApply, state.tick + 1);
+    // Each thread has an index of its own, because an index computes poses when they are first read.
     bodies.Assign(state);
     for (std::size_t first = next.fetch_add(kShare); first < robots_.size(); first = next.fetch_add(kShare)) {
       const std::size_t end = std::min(first + kShare, robots_.size());

@@ -41,6 +41,7 @@ Result<SlotcarParameters> ReadSlotcarParameters(const std::string& text) {
 double SpeedFor(double way, double most, double braking, double seconds) {
   const double a = std::clamp(braking, 1e-3, kMaxBraking);
   // For whole ticks: v such that after this tick at v, braking by a in each further tick ends within the way.
+  // The positive root of v (v / a + seconds) / 2 = way: the speed falls in steps of ticks, not continuously.
   const double half = 0.5 * a * seconds;
   return std::max(std::min({most, way / seconds, std::sqrt(half * half + 2.0 * a * way) - half}), 0.0);
 }
@@ -104,6 +105,7 @@ Twist PathFollower::Update(const Pose& X_WR, double time, double interval, bool 
   state_ = State::kStands;
   if (path_.empty()) return {};
   const double reached = drive_.type == DriveType::kCar ? kReachedByCar : was_held ? kReachedHeld : kReached;
+  // Several points may be reached at once: paths of fleets repeat a point to wait or to turn there.
   while (next_ < path_.size() && (path_[next_].position - X_WR.translation()).norm() < reached) {
     if (Holds(path_[next_], time)) {
       was_held_ = true;

@@ -1,3 +1,10 @@
+// Frames as columns: a list for each field of each table, so that equal types are packed without padding and a frame of
+// changes sends the columns and rows that have changed. A frame of changes refers to the state one tick earlier of the
+// same run and edition; the receiver must have exactly this one (CanRead).
+//
+// The lists of fields (troupe/fields.h) pair with the members of the IDL structures in order, checked by static_assert:
+// a new field without a column does not compile. Everything from the wire is checked: row numbers, lengths of columns,
+// enumerators, ids of robots.
 #include <algorithm>
 #include <bit>
 #include <string>
@@ -163,6 +170,7 @@ const WorldState* BaseOf(const HistoryEntry& entry, const HistoryEntry* before) 
       entry.frame.state.tick != before->frame.state.tick + 1 || entry.frame.run != before->frame.run) {
     return nullptr;
   }
+  // A table with another number of rows has no base row by row.
   const WorldState& a = entry.frame.state;
   const WorldState& b = before->frame.state;
   return HaveSameRows(a, b) ? &b : nullptr;
