@@ -27,7 +27,7 @@ struct OptionInfo {
 struct CommandInfo {
   std::string path;  // "troupe ctl spawn"
   std::string help;
-  std::vector<OptionInfo> options;    // also those of the commands around it
+  std::vector<OptionInfo> options;    // also the options of the commands around it
   std::vector<CommandInfo> commands;  // its subcommands
 };
 

@@ -50,7 +50,7 @@ struct ViewOptions {
   std::string file;         // a recording, with is_static also a world; empty: a live run
   std::string listen;       // text for ParseListen; empty: the default
   std::string token_file;   // empty: the run's token, or a random one
-  std::string expect;       // file with the expectations to show; empty: those of the run's scenario
+  std::string expect;       // file with the expectations to show; empty: the run's scenario
   std::string scenario;     // of the run; empty: it is not known
   std::optional<JournalFiles> journal;
   std::vector<std::string> run_command;  // for the page
@@ -86,7 +86,7 @@ class DdsRunLink : public RunLink {
   }
 
   Result<std::unique_ptr<RunObservation>> Observe(ObserverHandler& handler) override {
-    Result<ParticipantKeys> keys = KeysOf(network_);  // before: those of the observer are no older
+    Result<ParticipantKeys> keys = KeysOf(network_);  // first: the observer's keys are no older
     if (!keys.ok()) return keys.error();
     Result<std::unique_ptr<SessionObserver>> observer = ObserveSession(network_, handler);
     if (!observer.ok()) return observer.error();

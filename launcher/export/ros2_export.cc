@@ -50,7 +50,7 @@ std::string FieldText(const ros::DescribedField& field) {
   return text + " " + field.name + "\n";
 }
 
-// The text of a .msg file, with those of the types in it.
+// The text of a .msg file, followed by the texts of the types in it.
 std::string MessageDefinition(const std::string& ros_type) {
   std::string text;
   for (const ros::DescribedType& type : ros::DescribeType(ros_type)) {

@@ -141,7 +141,7 @@ std::string FillIn(const std::string& text, const std::map<std::string, std::str
 // HostFolder: the temporary folder of `troupe host`, for keys and for files of its processes: troupe-host-PID-XXXXXX.
 class HostFolder {
  public:
-  // Makes it, and deletes those of this user's hosts that were killed.
+  // Makes it, and deletes the folders of this user's hosts that were killed.
   HostFolder();
   ~HostFolder();
   HostFolder(const HostFolder&) = delete;

@@ -60,7 +60,7 @@ class AgentFleet {
   // Starts agents for new robots of the run, all at once. REQUIRES: Start was called.
   Status Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot);
 
-  // Starts the agent of this number again, for the same robots. Its scans follow those of its predecessor; it writes no
+  // Starts the agent of this number again, for the same robots. Its scans follow its predecessor's; it writes no
   // trace. On a host that was connected again it has new keys, and a new file of scans. REQUIRES: PollEnded has
   // returned it.
   Status Restart(std::size_t number);

@@ -183,7 +183,7 @@ void DistributedRun::PrintOutput() {
   for (const auto& host : hosts_.all()) {
     for (const std::string& line : host->ReadOutput()) {
       if (NoteOutputFailure(line, *host) || NotePage(line, *host)) continue;
-      // Before the start, one error represents those of all agents, which usually have the same cause.
+      // Before the start, one error represents the errors of all agents, which usually have the same cause.
       const bool error = line.starts_with("error: ") || line.find(": error: ") != std::string::npos;
       if (error && error_printed_ && !started_) continue;
       error_printed_ = error_printed_ || error;

@@ -143,7 +143,7 @@ Status CheckDistinct(const std::vector<NamedFile>& outputs) {
   return Status();
 }
 
-// The files that the run reads. Only those of the world file if that is faulty: the run reports the fault.
+// The files that the run reads. Only the files of the world file if that is faulty: the run reports the fault.
 std::vector<std::string> InputsOf(const RunOptions& options) {
   std::vector<std::string> inputs = {options.file};
   if (options.load.controller) inputs.push_back(*options.load.controller);

@@ -1,7 +1,7 @@
 // The reports of a run: from its service to the launcher, its progress on standard error, and its summary.
 //
 // A report is parsed field by field with defaults, and a line that is none is no error: the service may be of another
-// build on another host, and prints of libraries may get into the pipe. Exit statuses are those of docs/running.md.
+// build on another host, and prints of libraries may get into the pipe. Exit statuses: docs/running.md.
 #pragma once
 
 #include <chrono>

@@ -104,7 +104,7 @@ class ServiceProcess {
  private:
   // The options with the paths and the network interface of the service's host.
   RunOptions OptionsThere() const;
-  // The paths of its output files there, with those of the user.
+  // The paths of its output files there, with the user's paths.
   std::vector<std::pair<std::string, std::string>> Outputs() const;
 
   const RunOptions& options_;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kTopic = "cmd_vel";
 
-constexpr std::int32_t kDepth = 100;  // messages; a radio receives those of many robots in one tick
+constexpr std::int32_t kDepth = 100;  // messages; a radio receives messages of many robots in one tick
 
 }  // namespace
 

@@ -17,7 +17,7 @@ namespace {
 constexpr std::int32_t kStateDepth = 10;
 constexpr double kPercent = 100.0;
 
-// The index of a joint among those of its robot, as in a Command.
+// The index of a joint among its robot's joints, as in a Command.
 std::size_t NumberOf(std::span<const JointId> joints, JointId joint) {
   return static_cast<std::size_t>(std::find(joints.begin(), joints.end(), joint) - joints.begin());
 }

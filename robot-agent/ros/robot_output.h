@@ -28,7 +28,7 @@ class SensorOutput {
   SensorOutput(const ros::RosNode& node, const Scene& scene, RobotId robot, const ros::FrameNames& frames);
 
   void Publish(const ros::Time& stamp, Tick tick, const RobotView& robot);
-  // Adds the transforms of the frames of images on those of their cameras.
+  // Adds the transforms of the frames of images on the frames of their cameras.
   void AddOpticalTransforms(const ros::Time& stamp, std::vector<ros::TransformStamped>& transforms,
                             dds::WireArena& arena) const;
 
@@ -78,7 +78,7 @@ class RobotOutput {
   void Publish(Tick tick, const RobotView& robot);
 
   // The transforms of the robot in its odometry frame, and of the links that its joints move.
-  // Empty if they are those of the last call, as after an edit that left the robot as it was: tf2 takes a repeated
+  // Empty if they are equal to the last call's, as after an edit that left the robot as it was: tf2 takes a repeated
   // stamp for an error.
   std::vector<ros::TransformStamped> MovingTransforms(Tick tick, const RobotView& robot, dds::WireArena& arena);
   // The transforms of the sensors on their links; with plain names, of base_footprint; if the settings ask for it, of

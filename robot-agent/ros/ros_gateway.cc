@@ -329,7 +329,7 @@ class RosGateway final : public Gateway {
 
  private:
   std::vector<std::unique_ptr<RobotGroup>> groups_;  // by ROS domain
-  std::vector<RobotGroup*> group_of_;                // by robot; null for those of other agents
+  std::vector<RobotGroup*> group_of_;                // by robot; null for robots of other agents
 };
 
 }  // namespace

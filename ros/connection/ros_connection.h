@@ -192,7 +192,7 @@ class RosConnection {
   std::atomic<std::uint64_t> lost_ = 0;
 };
 
-// In place of the index of a node, for endpoints that are listed as those of no node.
+// In place of the index of a node, for endpoints that no node lists.
 inline constexpr std::size_t kNoNode = 0xffffffff;
 
 // A node of a connection.

@@ -24,8 +24,9 @@ dds::DomainConfig NetworkConfig(const RosNetwork& network);
 // Whether participants of this machine announce themselves on its loopback interface.
 bool AnnouncesOnLoopback(const RosNetwork& network);
 
-// Whether participants use no interface but the loopback one. In the range `localhost` those of Humble do; from Iron on
-// they listen on the usual interface too, and Fast DDS announces its address, not that of the loopback interface.
+// Whether participants use no interface but the loopback one. In the range `localhost` participants of Humble do; from
+// Iron on they listen on the usual interface too, and Fast DDS announces its address, not that of the loopback
+// interface.
 bool UsesLoopbackOnly(const RosNetwork& network);
 
 // At the ports of how many participant indices the tools of a distribution look for others on a machine.

@@ -23,7 +23,7 @@
 
 namespace troupe::ros {
 
-// A participant on Fast DDS in a ROS domain, in no partition, as those of ROS.
+// A participant on Fast DDS in a ROS domain, in no partition, as participants of ROS are.
 class FastDomain {
  public:
   // Throws std::runtime_error if it cannot be made.

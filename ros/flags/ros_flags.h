@@ -1,4 +1,4 @@
-// The options about ROS 2. Each program has those of the settings that it uses; `troupe run` has all.
+// The options about ROS 2. Each program has the options of the settings that it uses; `troupe run` has all.
 // One definition of each option for all programs: the launcher passes them on by name, and its man page must not differ
 // from theirs.
 #pragma once
@@ -18,7 +18,8 @@ namespace troupe {
 // The variables must outlive the parsing, as those of the functions below.
 void AddRosNetworkFlags(CLI::App& app, ros::RosNetwork& network, ros::EnvironmentFaults& faults,
                         const std::string& group);
-// Adds the options of a process with nodes in ROS: --ros, --no-ros, and those of the network and of names. Without
+// Adds the options of a process with nodes in ROS: --ros, --no-ros, and the options of the network and of names.
+// Without
 // --ros and --no-ros `on` keeps its value.
 void AddRosFlags(CLI::App& app, std::optional<bool>& on, ros::RosOptions& options, const std::string& group);
 void AddRobotTopicFlags(CLI::App& app, ros::RobotTopics& robots, const std::string& group);

@@ -9,7 +9,7 @@
 
 namespace troupe::ros {
 
-// The numbers are those of action_msgs.
+// The numbers of action_msgs.
 enum class GoalStatus : std::int8_t {
   kUnknown = 0,
   kAccepted = 1,

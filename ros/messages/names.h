@@ -91,7 +91,7 @@ struct JointName {
   std::string name;   // without the robot's prefix, like the frame
   std::string frame;  // "<name>_link"
 };
-// In id order. The names differ from those of the sensors' mounts ("<frame>_mount"), the frames from the sensors'.
+// In id order. The names differ from the names of the sensors' mounts ("<frame>_mount"), the frames from the sensors'.
 std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot);
 
 // The name of a gripper in topics, as in "<name>/command". No joint of the robot has the same name.

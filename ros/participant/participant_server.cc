@@ -16,7 +16,7 @@
 namespace troupe::ros {
 namespace {
 
-// The list of all nodes is one sample, so those of agents that start together are announced together, and the more
+// The list of all nodes is one sample, so the nodes of agents that start together are announced together, and the more
 // agents there are the more of them.
 constexpr auto kAnnounceDelay = std::chrono::milliseconds(20);
 constexpr auto kAnnounceDelayOfAgent = std::chrono::microseconds(200);

@@ -27,7 +27,7 @@ struct ShrinkBudget {
 };
 
 struct ShrunkCase {
-  TestCase draws;       // those of the test's `vary`, then "ticks" and "without"
+  TestCase draws;       // of the test's `vary`, then "ticks" and "without"
   CaseOutcome outcome;  // of a whole run
   std::size_t runs = 0;
   std::size_t robots = 0;  // that are left

@@ -14,7 +14,7 @@
 namespace troupe {
 namespace {
 
-// Keys that a test of another file may have beside those of tests.
+// Keys that a test of another scenario may have.
 const std::set<std::string> kKeysOfTests = {"$schema", "scenario", "name",   "seed",  "ticks",  "vary",
                                             "where",   "design",   "expect", "cover", "metrics"};
 

@@ -98,7 +98,7 @@ class Compiler : private ProgramBuilder {
   TypedValue Function(const Syntax& syntax);
   TypedValue Count(const Syntax& argument);
   TypedValue SquareRoot(const Syntax& syntax, TypedValue value);
-  // A signal of the state's tables: `kinds` are those of which it is one.
+  // A signal of the state's tables: `kinds`: the tables that have it.
   TypedValue TableSignal(const Syntax& syntax, const Kinds& kinds);
   TypedValue RunSignal(const Syntax& syntax, const SignalInfo& info);
   std::optional<ThingArgument> FindThing(const Syntax& argument, const Kinds& kinds);

@@ -432,7 +432,7 @@ void Network::LoadSeries(const Node& node, State& state) {
       }
     }
   }
-  // From window.from on: the values of later ticks, and beyond the end those of nothing.
+  // From window.from on: the values of later ticks, and beyond the end the values of an empty window.
   const Tick from = node.window.from;
   if (from == 0) return;
   for (Tick t = 0; t < ticks_; ++t) {

@@ -26,7 +26,7 @@ constexpr std::size_t kMaxRectangles = 64;       // of a model that is shown as 
 constexpr double kProbeSpeed = 0.4;              // m/s
 constexpr std::uint64_t kMaxStepsAtOnce = 1000;  // of a request
 
-// With the static models as objects; not those of maps, which the scene draws in another way.
+// With the static models as objects; without models of maps, which the scene draws in another way.
 WorldDescription WithAllAsObjects(WorldDescription world) {
   std::vector<bool> is_robot(world.models.size(), false);
   for (const RobotDescription& robot : world.robots) is_robot[robot.root.index()] = true;

@@ -57,7 +57,7 @@ class EditLink final : public RunLink {
   void StepTest();
   Status Drive(const control::CommandRobot& request);
   Status Apply(const control::Request& request, ControlReply& reply);
-  // The requests of the page of an editor: those of a test, then those of the file.
+  // The requests of the page of an editor: about a test, then about the file.
   struct RequestOfPage;
   Result<nlohmann::json> Execute(const edit::Test& operation);
   Result<nlohmann::json> Execute(const edit::EndTest&);

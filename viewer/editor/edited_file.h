@@ -92,7 +92,7 @@ class EditedFile {
   void Undo() { --at_; }
   void Redo() { ++at_; }
 
-  // Writes the text, and those of the `named` images that are changed. No file is replaced before all are written. The
+  // Writes the text, and the changed ones of the `named` images. No file is replaced before all are written. The
   // error's code is kNoRoom if one has changed on disk since it was read or saved, unless `overwrite`.
   Status Save(bool overwrite, const std::set<std::string>& named);
   // Reads the file and the edited images again, as an edit.

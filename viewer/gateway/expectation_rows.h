@@ -4,7 +4,7 @@
 //
 // States are judged in order and once each, by the monitors of `troupe test` (testing/expectations). A row keeps at
 // most 256 marks: when they are full every second one is dropped and the stride doubles, so memory and messages do not
-// grow with the length of the run. After an edit later states are not judged: they are those of another run.
+// grow with the length of the run. After an edit later states are not judged: they belong to another run.
 //
 // Threads: one at a time, that of Timeline::At.
 #pragma once

@@ -98,7 +98,7 @@ struct ExpectationsRequest {
 struct RunAgainRequest {
   std::uint64_t id = 0;  // repeated in the reply
   std::optional<std::uint64_t> seed = {};
-  // Of the scenario, by their paths (testing/cases/value_path.h), as JSON; nothing: those of the run before.
+  // Of the scenario, by their paths (testing/cases/value_path.h), as JSON; nothing: as in the previous run.
   std::optional<std::vector<std::pair<std::string, std::string>>> values = {};
   bool operator==(const RunAgainRequest&) const = default;
 };
@@ -120,7 +120,7 @@ struct PageReply {
   bool has_totals = false;  // of the whole past
 };
 PageReply ReplyToControl(std::uint64_t id, const Result<ControlReply>& reply);
-// The members of the object, if there is one, are those of the reply.
+// The members of the object, if there is one, become members of the reply.
 PageReply ReplyToEdit(std::uint64_t id, const Result<nlohmann::json>& reply);
 
 }  // namespace troupe

@@ -65,7 +65,7 @@ void PageViewer::Answer(PageReply reply) {
 
 void PageViewer::ReturnToLive() {
   Viewer::ReturnToLive();
-  update_ = 0;  // its rows are those of the past
+  update_ = 0;  // its rows belong to the past
 }
 
 bool PageViewer::NeedsMessage() const {

@@ -63,7 +63,7 @@ struct PageReadings {
 
   RobotReadings live;
   RobotReadings past;
-  bool measures_all = true;  // in this period: those of all robots are measured less often if that takes long
+  bool measures_all = true;  // in this period: all robots are measured less often if that takes long
   Clock::time_point next_all;
 
   void BeginPeriod() { measures_all = Clock::now() >= next_all; }

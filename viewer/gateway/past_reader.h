@@ -50,7 +50,7 @@ class PastReader {
     bool has_store = false;
   };
   void Add(const SharedState& state);
-  // Whether the totals are those of the past as it is now.
+  // Whether the totals belong to the past as it is now.
   bool TotalsContinue(const TimeSpans& spans);
 
   Timeline& past_;

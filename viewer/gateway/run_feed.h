@@ -99,7 +99,7 @@ class RunFeed : public ObserverHandler, public Timeline {
   // Appends a state. Returns it, with its position.
   SharedState Keep(const SharedFrame& frame);
   void CountLosses(const FrameMessage& frame);
-  // The list of events begins with those of the recording; returns the position of its last state.
+  // The list of events begins with the recording's; returns the position of its last state.
   std::uint64_t CompleteEvents(const RecordedTimeline& recorded);
 
   const std::shared_ptr<SceneCache> scenes_;

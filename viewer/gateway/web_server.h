@@ -86,7 +86,7 @@ class WebHandler {
 
 class WebServer {
  public:
-  // The page's, then those of other programs (viewer/foxglove/protocol.h).
+  // The page's protocol, then the protocols of other programs (viewer/foxglove/protocol.h).
   static constexpr const char* kProtocols[] = {"troupe", "foxglove.sdk.v1", "foxglove.websocket.v1"};
   static constexpr int kMaxConnections = 100;
   static constexpr int kMaxViewers = 40;

@@ -282,13 +282,13 @@ class PageHost {
   // Of a run.
   std::optional<ScenarioText> scenario_;  // as in the page's file; nothing: it is a world
   std::optional<std::uint64_t> seed_;     // nothing: the file's
-  std::vector<DrawnValue> values_;        // in place of those of the scenario
+  std::vector<DrawnValue> values_;        // in place of the scenario's
   std::unique_ptr<PageRun> run_;
 
   std::optional<PastAnswers> answers_;
   std::optional<PageViewer> viewer_;
   std::optional<std::uint64_t> wanted_;  // position to show
-  std::deque<std::string> messages_;     // before those of the viewer
+  std::deque<std::string> messages_;     // before messages of the viewer
   WebMessage message_;
 };
 

@@ -29,7 +29,7 @@ namespace troupe {
 class PageRun {
  public:
   // Starts the run of a world or a scenario, with its own seed or another one, at real time or the speed that it has
-  // for viewers. Adds its scenes to those of the page. The observer, which outlives the run, receives all sessions,
+  // for viewers. Adds its scenes to the page's. The observer, which outlives the run, receives all sessions,
   // frames and statuses. The error is one of the file, or a world that cannot run in a page.
   static Result<std::unique_ptr<PageRun>> Start(const std::string& file, std::optional<std::uint64_t> seed,
                                                 const std::shared_ptr<SceneCache>& scenes, ObserverHandler& observer);

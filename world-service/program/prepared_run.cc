@@ -57,7 +57,7 @@ Result<PreparedRun> Branch(const RunSource& source) {
   run.options.world_file = branch.value().resumed.world_file.value_or("");
   run.options.resumed = std::move(branch.value().resumed);
   if (run.options.settings.ros && source.ros.lockstep.names.empty()) {
-    // Ticks wait for those of the scenario, if it is still here.
+    // Ticks wait for the topics of the scenario, if it is still here.
     Result<LoadedWorld> file = LoadWorld(run.options.world_file);
     if (file.ok()) run.ros_lockstep = std::move(file.value().ros_lockstep);
   }

@@ -246,7 +246,7 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   resumed.scene = branch.scene;
   resumed.frame = std::move(frame);
   if (options.paused) resumed.progress.ticks_to_pause = 0;
-  // Text files of the branch begin with its first own state, not with those of the source.
+  // Text files of the branch begin with its first own state, without states of the source.
   resumed.progress.first_number = resumed.next_number - 1;
   resumed.world_file = recording->run().file;
   return branch;

@@ -97,7 +97,7 @@ class JournalRewind final : public RewindStates {
   // The edit that restores the first state.
   RecordedTick FirstTick() const;
   Status WriteTo(RunRecorder& recording) const;
-  // The editions of the copies follow those of the run.
+  // The editions of the copies follow the run's.
   Edition Shift(Edition edition) const { return std::max(edition, first_edition_) - first_edition_ + shifted_; }
   void Shift(FrameMessage& frame) const;
   FrameMessage CopiedFrame() const;

@@ -146,7 +146,7 @@ Status CheckStepVersion(const Recording& recording);
 // A recording that this version of the step can step again.
 Result<Recording> OpenToReplay(const std::string& path);
 Error NoSuchTick(const Recording& recording, Tick tick);
-// The events of a tick that a step or an edit repeats, without those of agents.
+// The events of a tick that a step or an edit repeats, without events of agents.
 std::vector<Event> StepEventsOf(const std::vector<Event>& events);
 
 // The first difference between two states of one world, for messages.

@@ -47,7 +47,7 @@ class ScanWriter {
 
 struct ReplayOptions {
   // The first and the last tick. Of a tick with several states, because of edits, `from` is the first and `to` the
-  // last. Nothing: those of the recording.
+  // last. Nothing: the recording's.
   std::optional<Tick> from;
   std::optional<Tick> to;
   bool compare_events = false;

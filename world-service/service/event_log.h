@@ -39,7 +39,7 @@ class EventLog {
   // peer may send any number in a tick.
   void Report(Tick tick, std::optional<RobotId> robot, std::string_view text);
 
-  // Returns the events of frame `tick`: those since the frame before, by robot, then those of the step.
+  // Returns the events of frame `tick`: the events since the previous frame, by robot, then the events of the step.
   std::vector<Event> CompleteFrame(Tick tick, std::vector<Event> of_step);
 
   // The events that were not returned before, in their order.

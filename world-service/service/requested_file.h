@@ -59,9 +59,9 @@ struct OwnerPermissions {
 };
 
 // Restricts the requests of a run: they may name the permitted files, those below the folder of the run's own file,
-// those that it has read, and the installed worlds; as controllers the permitted libraries and those of its own robots.
-// `world`, `files`: that of the run, and those that were read for it. REQUIRES: world_file and overrides of the options
-// are set.
+// those that it has read, and the installed worlds; as controllers the permitted libraries and its own robots'
+// libraries. `world`, `files`: that of the run, and those that were read for it. REQUIRES: world_file and overrides of
+// the options are set.
 void RestrictRequests(const OwnerPermissions& permissions, const WorldDescription& world,
                       const std::vector<std::string>& files, ServiceOptions& options);
 

@@ -197,7 +197,7 @@ bool TickCoordinator::all_have_joined() const {
          std::includes(absent_before.begin(), absent_before.end(), absent.begin(), absent.end());
 }
 
-// Agents that do not rejoin in time are lost, as those of a service that was not restarted.
+// Agents that do not rejoin in time are lost, as with a service that was not restarted.
 void TickCoordinator::PollRejoining(double now) {
   if (now >= announced_at_ + kAnnouncePeriod) {
     announced_at_ = now;

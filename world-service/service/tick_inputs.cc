@@ -22,7 +22,8 @@ void ProposalCollector::ChangeWorld(const Scene& scene) {
 std::span<const Rejection> ProposalCollector::Collect(const Member& member, const ProposalMessage& message,
                                                       const WorldState& state, const SharedProposal& shared) {
   rejections_.clear();
-  // The first message of a tick releases those of the tick before, to which no proposal of a step refers any more.
+  // The first message of a tick releases the messages of the previous tick, to which no proposal of a step refers any
+  // more.
   if (std::exchange(tick_, message.tick) != message.tick) {
     kept_.clear();
     messages_ = 0;

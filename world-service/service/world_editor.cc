@@ -68,7 +68,7 @@ Result<control::Request> WorldEditor::Apply(control::Request request, const Requ
   std::optional<WorldDescription> with_domain;
   if (spawn != nullptr) {
     spawn->name = SpawnName(run_.world(), *spawn);
-    // The spawned robot has a domain as those of a spawn rule have.
+    // The spawned robot has a domain as robots of a spawn rule have.
     const bool needs_domain = requested.ros_domains_from && world != nullptr && world->robots.size() == 1 &&
                               !world->robots.front().ros.domain;
     if (needs_domain) {

@@ -138,7 +138,7 @@ export class Connection {
     return this.ask({type: 'expectations'}) as Promise<unknown> as Promise<ExpectationsReply>;
   }
 
-  // `seed`, `values`: null: those of the run before. Values are those of a scenario, by their paths.
+  // `seed`, `values`: null: as in the previous run. Values of a scenario, by their paths.
   runAgain(seed: number | null, values: Array<[string, number | boolean]> | null = null): Promise<Reply> {
     return this.ask({type: 'run_again', ...(seed === null ? {} : {seed}), ...(values === null ? {} : {values})});
   }

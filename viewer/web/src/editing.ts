@@ -57,7 +57,7 @@ export interface EditingHost {
   driveTo(point: [number, number]): void;  // the selected robot
 }
 
-// The edits of a file, in place of those of a run.
+// The edits of a file, in place of edits of a run.
 export interface FileEdits {
   undo(): Promise<void>;
   redo(): Promise<void>;

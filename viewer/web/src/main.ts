@@ -253,7 +253,7 @@ class Viewer {
       if (this.wantedLevels) this.scene.chooseLevels(this.wantedLevels);
       this.wantedLevels = '';
       this.file?.worldChanged();
-      this.timeBar.show(this.run);  // its buttons are those of this run, not of one that is over
+      this.timeBar.show(this.run);  // its buttons belong to this run, not to one that is over
       return;
     }
     if (!this.run || message.update.world !== this.run.world.number) return;

@@ -1,4 +1,4 @@
-// Plots: signals of robots, doors, people and all other things of a run over simulated time, those of one unit in one
+// Plots: signals of robots, doors, people and all other things of a run over simulated time, signals of one unit in one
 // chart. The gateway says which signals there are, and computes the values from the states of the past
 // (viewer/gateway/signals.h), so that they are there at once, also after a seek and in recordings; only the times in
 // which agents answer are those that the page has seen. A click goes to a moment; all values are saved as CSV.

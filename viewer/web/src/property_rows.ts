@@ -22,7 +22,7 @@ export interface PropertyTarget {
   set(name: string, value: string | null): Promise<void>;  // null: remove it
 }
 
-// The groups of the properties that all models have; those of a type are a group of its own.
+// The groups of the properties that all models have; the properties of a type are a group of its own.
 const GROUPS: Array<[string, string[]]> = [
   ['Place', ['name', 'pose', 'size']],
   ['Look', ['color', 'color_rgba', 'gui_nose']],

@@ -205,7 +205,7 @@ export interface Update extends StateRows {
   first: number;
   lastPosition: number;
   events: RunEvent[];
-  allEvents: boolean;  // the events replace those of before
+  allEvents: boolean;  // the events replace all earlier ones
   readings: RobotReadings[] | null;  // null: the ones before still count
 }
 

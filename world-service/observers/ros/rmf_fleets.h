@@ -28,7 +28,7 @@ class RmfFleets {
   // Whether the reader of /robot_state is to be made or ended, by Follow. Not on a thread that receives its samples.
   bool IsToFollow() const;
   void Follow();
-  // Receives states, and writes those of all fleets if they are due.
+  // Receives states, and writes the states of all fleets if they are due.
   void OnTick(bool is_due);
 
   // The topics in the layout of one distribution.

@@ -59,7 +59,7 @@ class RmfWorkcells {
   std::optional<control::SetPose> Plan(const Result<ItemMove>& planned);
   // The edit that moves the item has been answered.
   void Finish(const std::string& item, bool is_done, const std::string& problem);
-  // Writes the states, if they are due, and those of workcells that have become busy or idle.
+  // Writes the states, if they are due, and the states of workcells that have become busy or idle.
   void OnTick(Tick tick, const ros::Time& stamp, bool is_due);
 
   class Topics;

@@ -127,7 +127,7 @@ using ros::RosCaller;
 
 TROUPE_ACTION_TYPES(SimulateStepsTypes, simulation_interfaces_action_dds__SimulateSteps);
 
-// The values are those of a goal that is not known.
+// The values of a goal that is not known.
 struct StepGoal : ros::ActionGoal {
   std::uint64_t steps = 0;
   std::uint64_t completed = 0;

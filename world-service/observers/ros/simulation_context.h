@@ -83,7 +83,7 @@ class SimulationContext : public std::enable_shared_from_this<SimulationContext>
   // False after the world was unloaded, until another one is loaded.
   bool has_world() const { return !scene()->world().models.empty(); }
 
-  // A robot's name in ROS is its namespace; the names of all other entities are those of the world.
+  // A robot's name in ROS is its namespace; all other entities have their names of the world.
   std::string RosNameOf(const EntityReport& entity) const;
 
   // As SetInfo has set it; otherwise by the kind and type of the entity, without tags.
