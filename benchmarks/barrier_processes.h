@@ -1,4 +1,8 @@
-// The processes of a barrier benchmark, and their cost.
+// The processes of a barrier benchmark, and their cost. The barrier benchmarks measure what lockstep costs at least
+// over a way of communication (shared memory, UDP, DDS) with processes that only answer: what the simulator adds is the
+// difference to these.
+//
+// Times are processor time per robot and tick where possible: wall time on a busy machine measures the neighbours.
 #pragma once
 
 #include <sys/prctl.h>

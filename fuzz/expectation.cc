@@ -89,6 +89,7 @@ void Expectation(Bytes bytes) {
   Check(!again.ok() || ToString(again.value()) == formula);
   Monitor monitor(expectation.value());
   ticks.PushTo(monitor);
+  // After the end every expectation is decided, and its bounds have met: whatever the text.
   Check(monitor.verdict() != Verdict::kUndecided);
   const Interval bounds = monitor.robustness_bounds();
   Check(bounds.min == bounds.max);

@@ -19,6 +19,7 @@ std::optional<Message> Read(Bytes bytes) {
     Check(!message.error().message.empty());
     return std::nullopt;
   }
+  // Reading and writing are inverse: what a receiver accepts it would pass on unchanged.
   const std::vector<std::byte> own = wire::ToBytes(message.value());
   const Result<Message> again = wire::FromBytes<Message>(own);
   Check(again.ok());

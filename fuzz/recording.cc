@@ -60,6 +60,7 @@ void Recording(Bytes bytes) {
     Check(!recording.error().message.empty());
     return;
   }
+  // Its verdict is not judged: a replay must be safe whether or not it was asked before.
   static_cast<void>(recording.value().CheckData());
   Replay(recording.value(), std::nullopt);
   const TimeSpans& spans = recording.value().spans();

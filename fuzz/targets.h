@@ -7,6 +7,9 @@
 #include <span>
 #include <string>
 
+// The targets share a rule: any bytes end in a value or in one error with a text and a place, never in a crash, a hang
+// or a value that Validate would refuse. Check aborts, which the fuzzer reports with its input. Work is bounded by
+// limits on sizes, so that executions stay short.
 namespace troupe::fuzz {
 
 using Bytes = std::span<const std::byte>;

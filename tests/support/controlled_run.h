@@ -1,5 +1,8 @@
 // ControlledRun: a whole run in one process over the memory transport, paused from the start, for tests that step it
 // and edit its world. Agents for new robots are started as the launcher does.
+// The world service, its agents and the tool are the real ones; only the network is replaced by memory. A test steps
+// the run and sees each frame before the next request, so that it needs no sleeps. Agents run on threads of their own,
+// and all of them end in the destructor.
 #pragma once
 
 #include <gtest/gtest.h>

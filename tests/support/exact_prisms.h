@@ -1,5 +1,7 @@
 // ExactPrisms: all bodies of a world as prisms in its frame, with more digits than the code under test, and without
 // convex pieces, half planes or indices. For brute-force computations.
+// The point of it is independence: it shares no geometry with the code under test, so that an error there is not
+// repeated here. It is slow, with a cost of all bodies for each question.
 #pragma once
 
 #include <algorithm>

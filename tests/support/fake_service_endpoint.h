@@ -1,4 +1,5 @@
 // FakeServiceEndpoint: records the messages that a world service sends, and delivers none.
+// Tests of the service's parts look at what would be sent; a test of the protocol uses the memory transport instead.
 #pragma once
 
 #include <vector>

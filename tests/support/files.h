@@ -1,4 +1,5 @@
 // Files that tests write and read.
+// Each test has a folder of its own, since tests run in parallel, and leaves none behind.
 #pragma once
 
 #include <stdlib.h>

@@ -1,5 +1,7 @@
 // Packets to the discovery ports of a domain on the loopback interface: well-formed down to the submessage of an
 // announcement, then random.
+// Purely random bytes would be dropped at the header: these reach the parser of parameters, where faults are. The
+// packets are a function of their number, so that a finding can be repeated.
 #pragma once
 
 #include <arpa/inet.h>

@@ -1,4 +1,5 @@
 // Worlds with grippers for tests: robots with a lift and two fingers, boxes, and a driver for their joints.
+// Made without a file, so that a test of the step does not depend on the readers of worlds.
 #pragma once
 
 #include <string>

@@ -1,4 +1,6 @@
 // The participants of a host in ROS, as the program ros-participant has them, on a thread of the test.
+// On a thread instead of a process: a test can end it and start it again at a known moment, and sanitizers see both
+// sides.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,5 @@
 // A house for tests: halls above each other, each with a wall across it that has a door, and a lift beside them.
+// Heights follow from kStorey.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,5 @@
 // The memory that a process maps, as /proc tells it.
+// With it tests prove that processes share frames instead of copying them, which no output of theirs would show.
 #pragma once
 
 #include <sys/types.h>

@@ -1,4 +1,6 @@
 // A network of this process' own.
+// For tests of interfaces, multicast and lost links, which must not touch the machine's network nor depend on it. Where
+// the kernel forbids it, these tests are skipped.
 #pragma once
 
 #include <fcntl.h>

@@ -1,4 +1,5 @@
 // Steps of a world with people.
+// The step alone, without a service: people are a part of the state, so that nothing else is needed.
 #pragma once
 
 #include <memory>

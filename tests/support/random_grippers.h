@@ -1,4 +1,5 @@
 // Random scenes with robots that grip, lift, carry and drop any object.
+// Boxes are placed before the fingers: uniformly random ones would hardly ever lie between them.
 #pragma once
 
 #include "tests/support/gripper_world.h"

@@ -1,4 +1,6 @@
 // RandomRows: rows (troupe/fields.h) with every field filled in at random, within its limits.
+// It is driven by the list of fields: a field that is added to a row is at once part of every test of forms and
+// messages.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,6 @@
 // Seeded random worlds for property tests.
+// A world is a function of its seed and of nothing else (troupe/random.h has no state): the seed in the message of a
+// failure is enough to repeat it.
 #pragma once
 
 #include <algorithm>

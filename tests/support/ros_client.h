@@ -1,4 +1,6 @@
 // A client of a ROS service, for tests, and what its messages have.
+// It writes the header of rmw_cyclonedds by itself, so that the format on the wire is tested and not only a library's
+// agreement with itself.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 // ROS domains on the loopback interface.
+// The loopback interface keeps tests from robots and tools on the network of the machine.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,6 @@
 // RosGraph: the nodes and topics of a ROS domain, as tools of ROS list them.
+// It reads ros_discovery_info and the built-in topics of DDS, as `ros2 node list` does, so that no installation of ROS
+// is needed.
 #pragma once
 
 #include <algorithm>
