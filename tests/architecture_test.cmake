@@ -170,7 +170,7 @@ set(may_include_viewer/foxglove
   common/base common/geometry common/model common/signals common/spatial include/troupe/sensor.h)
 set(may_include_viewer/gateway
   common/base common/geometry common/model common/picture transport/protocol common/sensing common/signals common/spatial
-  recording/timeline testing/expectations viewer/foxglove worldfile/edit worldfile/text)
+  include/troupe/sensor.h recording/timeline testing/expectations viewer/foxglove worldfile/edit worldfile/text)
 
 # The assembly of all that a page without a server needs.
 set(may_include_viewer/module

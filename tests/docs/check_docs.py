@@ -184,7 +184,7 @@ def check_versions(root):
 
 # The classes with the state of a run of the world service, and their files.
 STATEFUL = {
-    "RunProgress": "transport/protocol/messages.h",
+    "RunProgress": "transport/protocol/run_progress.h",
     "LiveRun": "world-service/service/live_run.h",
     "Membership": "world-service/service/membership.h",
     "TickCoordinator": "world-service/service/tick_coordinator.h",
