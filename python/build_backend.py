@@ -66,6 +66,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
                                 f"Tag: {tag}-{tag}-{platform}\n").encode()
     content[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     content[f"{info}/entry_points.txt"] = b"[pytest11]\ntroupe = troupe.pytest_plugin\n"
+    # Each file with its digest, as the format of wheels (PEP 427) demands; RECORD itself has none.
     record = "".join(f"{path},sha256={_digest(data)},{len(data)}\n" for path, data in content.items())
     content[f"{info}/RECORD"] = (record + f"{info}/RECORD,,\n").encode()
     with zipfile.ZipFile(os.path.join(wheel_directory, name), "w", zipfile.ZIP_DEFLATED) as wheel:

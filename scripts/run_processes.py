@@ -67,6 +67,7 @@ def memory(pid):
 def reserve_domain(first):
     """A DDS domain from `first` on that no test and no other script uses, and the socket whose name reserves it until it is
     closed; as in tests/support/dds_domain.h."""
+    # A name in the abstract namespace: it ends with its process, so that no lock file can be left behind.
     holder = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     for domain in range(first, LAST_DOMAIN + 1):
         try:

@@ -23,6 +23,7 @@ class Runner:
         if self.verbose:
             print(" ".join(command), file=sys.stderr)
         with open(log, "w") as output:
+            # No input: the launcher must not read keys of the terminal that this script runs in.
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output,
                                             stderr=subprocess.STDOUT)
             while watch and self.process.poll() is None:

@@ -69,6 +69,8 @@ class Network:
 
     def build(self):
         self.add_space(self.bridge)
+        # Without snooping: the bridge would forget groups that no router asks for, and discovery by multicast would
+        # stop.
         ip("-n", self.bridge, "link", "add", "bridge", "type", "bridge", "mcast_snooping", "0")
         ip("-n", self.bridge, "link", "set", "bridge", "up")
         for host in self.hosts:
@@ -159,5 +161,6 @@ class Network:
                     os.kill(int(pid), signal.SIGKILL)
                 except ProcessLookupError:
                     pass
+            # Its processes first: a namespace with a process lives on without a name.
             ip("netns", "del", space, check=False)  # with its interfaces
         self.spaces = []

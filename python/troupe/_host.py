@@ -1,4 +1,9 @@
-"""What the library python_controllers.so calls: makes and copies controllers, and describes their exceptions."""
+"""What the library python_controllers.so calls: makes and copies controllers, and describes their exceptions.
+
+It is Python and not C++, because loading modules, copying objects and reading tracebacks are Python's own. All functions are
+called with the interpreter's lock. A file is loaded once for all robots, and again after it has changed; robots share the
+classes of its module, never instances.
+"""
 
 from __future__ import annotations
 
@@ -57,6 +62,7 @@ def accepts_goals(controller: Any) -> bool:
 
 
 def clone(controller: Any) -> Any:
+    # The whole memory of a controller: a snapshot and its original must not share a list.
     return copy.deepcopy(controller)
 
 

@@ -1,4 +1,8 @@
-"""Errors: what troupe raises, beside Python's own errors for wrong arguments (TypeError, ValueError, IndexError)."""
+"""Errors: what troupe raises, beside Python's own errors for wrong arguments (TypeError, ValueError, IndexError).
+
+The two kinds are the exit statuses 2 and 3 of the programs: input that its author must change, and work that failed. The
+arguments of an exception are all that it has, so that it can be pickled, from a worker process for instance.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Picture: the bytes of a picture, which a notebook shows."""
+"""Picture: the bytes of a picture, which a notebook shows.
+
+It is a `bytes`, so that it can be written, sent and compared like any; equal states give equal bytes.
+"""
 
 from __future__ import annotations
 

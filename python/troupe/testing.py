@@ -67,6 +67,7 @@ def run(world: Union[str, "os.PathLike[str]", Simulation], expectations: Union[s
     texts = [expectations] if isinstance(expectations, str) else list(expectations)
     monitors = [Monitor(sim, text, regions) for text in texts]
     numbers = {name: Metric(sim, text, regions) for name, text in (metrics or {}).items()}
+    # A given simulation may be at any tick.
     begin = sim.tick
     watch(sim, ticks, [*monitors, *numbers.values()], stop=stop)
     for monitor in (*monitors, *numbers.values()):

@@ -1,4 +1,11 @@
-"""Environments: a task as PettingZoo's ParallelEnv and as Gymnasium's VectorEnv, by their conventions alone."""
+"""Environments: a task as PettingZoo's ParallelEnv and as Gymnasium's VectorEnv, by their conventions alone.
+
+Neither package has to be installed; where one is, its class is the base, since its wrappers accept no other. Both are thin:
+`Episodes` has the worlds, and works on arrays over all worlds and robots, without a loop in Python for each robot. Arrays of a
+Situation are reused from step to step: a task that keeps one copies it.
+
+The same seed and actions give the same observations and state hashes: all chance comes from a generator for each world.
+"""
 
 from __future__ import annotations
 
@@ -111,6 +118,8 @@ class Episodes:
 
         Returns rewards (worlds, robots), ended (worlds, robots) and truncated (worlds,).
         """
+        # A policy that diverges makes NaN: a robot stands still then, instead of ending the training with an error of
+        # the drive.
         actions = numpy.clip(numpy.nan_to_num(numpy.asarray(actions, float)), -1.0, 1.0)
         if frozen is not None:
             actions = numpy.where(frozen[..., None], 0.0, actions)
@@ -119,6 +128,7 @@ class Episodes:
         self.worlds.step(self.task.ticks_per_step)
         self._steps += 1
         seen = self._look()
+        # A contact is remembered and fades: in a single step a policy could not learn to back off.
         self._contacts[:] = numpy.where(self._stalls > 0, numpy.where(actions[..., 0] < 0, -1.0, 1.0), 0.85 * self._contacts)
         return self.task.reward(seen), self.task.ended(seen), self._steps >= self.task.max_steps
 
@@ -299,6 +309,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
         truncations = truncated & ~terminations
         totals = rewards.mean(axis=1)
         if again.any():  # the action of a world that was over does not count: it begins again
+            # Gymnasium's "next_step": the step after the end begins the next episode and returns its first observation.
             self._begin(again)
             totals[again], terminations[again], truncations[again] = 0.0, False, False
         self._over = terminations | truncations
@@ -308,6 +319,7 @@ class VectorEnv(_base("gymnasium.vector", "VectorEnv")):  # type: ignore[misc]
             for i in numpy.nonzero(self._over)[0]:
                 final[i] = observations[i]
             infos = {"final_obs": final, "_final_obs": self._over.copy()}
+            # A copy: the beginning clears the mask while it is read.
             self._begin(self._over.copy())
             observations = self._episodes.observe()
         return observations, totals, terminations, truncations, infos

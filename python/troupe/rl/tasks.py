@@ -136,6 +136,7 @@ class Navigation(Task):
     far = 5.0  # m
 
     def begin(self, which, starts, generators, seen):
+        # A task object may be used for another number of worlds, by an evaluation for instance.
         if not hasattr(self, "goals") or self.goals.shape[:2] != seen.stalls.shape:
             self.goals = numpy.zeros((*seen.stalls.shape, 2))
             self.left = numpy.zeros(seen.stalls.shape)
