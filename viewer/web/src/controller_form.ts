@@ -1,5 +1,7 @@
 // The controller of a robot: chosen from a list, with its parameters. A Stage file has it as a text, `ctrl "wander
 // speed=0.5"`, a scenario as an object; both are one ControllerTarget here.
+// A form writes nothing by itself: each change becomes one edit of the file by its target, so that it can be undone as
+// one.
 import {make, toast} from './dom';
 import type {ControllerHelp, EditorHelp, ParameterHelp} from './file_client';
 import {numberField} from './property_fields';

@@ -1,4 +1,5 @@
 // Dock: the column beside the picture, with its tabs. On a phone held upright it is a sheet whose height is dragged.
+// Tabs follow the ARIA pattern: arrows move, one tab is in the order of the Tab key.
 import {byId} from './dom';
 
 const TABS = ['robots', 'state', 'sensors', 'events'] as const;

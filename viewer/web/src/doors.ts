@@ -1,4 +1,5 @@
 // The buttons of the door or lift whose leaf or cabin is selected, and how far it is.
+// They send requests as `troupe ctl` does, and show a refusal; the state changes by the run's next update alone.
 import type {Connection} from './connection';
 import {allow, byId, make, setText, toast} from './dom';
 import type {Entity, Run} from './run';

@@ -1,4 +1,7 @@
-// The panel of the selected robot or object.
+// The panel of the selected robot, object or person: its facts, joints, agent and scans.
+//
+// It shows what the newest update has. `show` runs again and again, so that texts of elements change and the elements
+// themselves stay, with the user's selection and focus.
 import {color} from './colors';
 import type {AgentInfo, Connection} from './connection';
 import {byId, fixed, make, setText} from './dom';

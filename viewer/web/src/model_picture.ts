@@ -1,4 +1,6 @@
 // A small picture of a model, drawn from behind and above: its blocks from the lowest and farthest on.
+// The painter's algorithm on a flat canvas: a list of models would need as many WebGL contexts, of which browsers allow
+// few.
 import type {PictureBlock} from './file_client';
 
 export function drawPicture(canvas: HTMLCanvasElement, blocks: PictureBlock[]): void {

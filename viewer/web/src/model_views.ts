@@ -1,5 +1,7 @@
 // The two views of the model editor: outlines of blocks from above, heights from the side, and the parts in both.
 // Metres; x to the right, y or z up.
+// A motion of the pointer changes only what is drawn; the model changes once, at the end of a drag, so that undo has
+// one step.
 import type {PictureBlock} from './file_client';
 import {snapTo} from './part_geometry';
 import {PartViews, type PartViewsHost} from './part_views';

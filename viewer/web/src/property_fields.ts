@@ -1,5 +1,7 @@
 // Fields for the values of properties, by the forms of the table in worldfile/edit: numbers with units, tuples element by
 // element, choices, flags, colours. Each shows the value as the file has it, and reports its change as text of a file.
+// What a field reports is text of a file and not a number, because the file is edited as text: 0.10 stays 0.10 until a
+// user changes it.
 import {make} from './dom';
 import type {HelpRow} from './file_client';
 

@@ -1,4 +1,5 @@
 // The list of robots with their states.
+// Rows are rebuilt only when the world, the searched name or the colours change; each frame sets their texts and marks.
 import {isDark, robotColor} from './colors';
 import {byId, fixed, make, setText} from './dom';
 import type {Run} from './run';

@@ -1,5 +1,7 @@
 // The readings of the selected robot's sensors in its panel, a view for each: pictures, numbers and lists. Ranges have
 // the polar plot.
+// Each view keeps its elements and canvas while readings of its sensor arrive: one that was rebuilt in each frame would
+// lose its scroll position and the user's selection.
 import {fixed, make, setText} from './dom';
 import type {Content} from '../generated/rows';
 import type {BumperSegment, ContentOf, Reading, Reception} from './protocol';

@@ -1,4 +1,6 @@
 // TextPane: the whole text of the file beside its picture. The text is edited in a TextView, which is loaded at first use.
+// The text and the picture are two views of one document at the server: a typed text counts once it is applied. When the
+// file changes elsewhere, an unchanged text follows it, and a changed one stays, so that nothing that was typed is lost.
 import {byId, setText, toast} from './dom';
 import type {EditorHelp, FileClient, FileDocument, PaletteRow} from './file_client';
 import type {TextView} from './text_view';

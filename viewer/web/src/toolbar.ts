@@ -1,4 +1,5 @@
 // Toolbar: the tools in groups. Groups that have no place are behind the button "More". Popup: a box that a button opens.
+// Groups move as a whole, the last ones first, so that tools keep their neighbours at every width.
 import {byId} from './dom';
 
 // One is open at a time; Escape, and a press elsewhere, close it.
