@@ -95,7 +95,7 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
       return BadInput("found a radio message of a sensor that is no radio");
     }
     if (transmission.due < state.tick || transmission.sent > state.tick) {
-      return BadInput("found a radio message that is not on its way");
+      return BadInput("found a radio message outside the ticks from its sending to its arrival");
     }
   }
   return {};

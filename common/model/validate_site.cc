@@ -45,7 +45,7 @@ Status CheckGraph(const WorldDescription& world, const LaneGraph& graph) {
 Status ValidateSite(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.levels.size(); ++i) {
     if (i == 0 || world.levels[i].z > world.levels[i - 1].z) continue;
-    return Error{{}, "level " + std::to_string(i) + ": it is not above the one before it"};
+    return Error{{}, "level " + std::to_string(i) + ": it is not above level " + std::to_string(i - 1)};
   }
   for (std::size_t i = 0; i < world.lane_graphs.size(); ++i) {
     const LaneGraph& graph = world.lane_graphs[i];

@@ -38,7 +38,7 @@ struct DoorDescription {
   ModelId model;
   std::vector<DoorLeaf> leaves;
   double seconds = 3.0;
-  double reach = 0.0;
+  double detection_radius = 0.0;
   double opening = 0.0;
   bool is_operated = true;
   bool operator==(const DoorDescription&) const = default;
@@ -47,8 +47,9 @@ struct DoorDescription {
         Field{"model", &DoorDescription::model, "has no body; its name is the door's"},
         Field{"leaves", &DoorDescription::leaves},
         Field{"seconds", &DoorDescription::seconds, "from closed to open"}.In("s").AtLeast(1e-3),
-        Field{"reach", &DoorDescription::reach, "it opens for robots nearer to its model; 0: for none"}.In("m").AtLeast(
-            0),
+        Field{"reach", &DoorDescription::detection_radius, "it opens for robots nearer to its model; 0: for none"}
+            .In("m")
+            .AtLeast(0),
         Field{"opening", &DoorDescription::opening, "at load"}.Within(0, 1),
         Field{"operated", &DoorDescription::is_operated, "false: it stays as it is"},
     };

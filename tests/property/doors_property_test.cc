@@ -50,7 +50,7 @@ class DoorWorld {
       door.leaves.push_back(made);
     }
     door.seconds = random_.Uniform(0.3, 2.0);
-    if (random_.Chance(0.3)) door.reach = 1.5;
+    if (random_.Chance(0.3)) door.detection_radius = 1.5;
     door.opening = random_.Chance(0.5) ? 1.0 : random_.Uniform(0.0, 1.0);
     world_.world().doors.push_back(door);
   }

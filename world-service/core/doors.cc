@@ -29,8 +29,8 @@ class DoorTurn {
 
   void Act() {
     // Else nothing opens the door but its target, and `held` stays as it is: false.
-    if (door_.reach > 0.0 || is_asked_for_) {
-      state_.held = is_asked_for_.value_or(false) || (door_.reach > 0.0 && HasRobotInReach());
+    if (door_.detection_radius > 0.0 || is_asked_for_) {
+      state_.held = is_asked_for_.value_or(false) || (door_.detection_radius > 0.0 && HasRobotInReach());
     }
     state_.blocked = false;
     const double way = state_.commanded_opening() - state_.opening;
@@ -56,11 +56,11 @@ class DoorTurn {
     const Vec2 middle = workspace_.scene.X_LM(door_.model).translation();
     const ZRange heights = Heights();
     bool found = false;
-    workspace_.bodies.ForEachNear(Rectangle::Around(middle, door_.reach), [&](BodyId id) {
+    workspace_.bodies.ForEachNear(Rectangle::Around(middle, door_.detection_radius), [&](BodyId id) {
       // Bodies of robots come first. Doors open for robots by themselves; people ask for them.
       if (found || id.index() >= workspace_.next.robots.size()) return;
       const Pose& X_WR = workspace_.bodies.X_WB(id);
-      found = (X_WR.translation() - middle).norm() < door_.reach &&
+      found = (X_WR.translation() - middle).norm() < door_.detection_radius &&
               heights.Overlaps(workspace_.scene.body(id).z + X_WR.z) &&
               RobotExists(workspace_.world(), RobotId(id.index()));
     });

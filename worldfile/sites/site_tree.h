@@ -1,6 +1,6 @@
 // From a Site to the models of a world, and to its named places.
 //
-// A tree, not a world: scenarios override the properties of buildings like the properties of any file, and Stage
+// A tree, not a world: scenarios override the properties of buildings like the properties of any file, and
 // defines are available for robots to be added. Models: a group for each level with floors, lanes and walls, with its
 // doors behind it, then the doors and the cabin of each lift, then robots, in the order of the file. Heights,
 // thicknesses and names follow the worlds that Open-RMF generates, so that its tools find doors and lifts by name.

@@ -68,7 +68,7 @@ class DoorReader : public ModelReader {
     }
     door_.seconds = reader.Number("seconds", 3.0, 1e-3, 1e6);
     // 0, the default, switches the automatic opening off.
-    door_.reach = std::max(0.0, reader.Length("reach", 0.0));
+    door_.detection_radius = std::max(0.0, reader.Length("reach", 0.0));
     door_.opening = reader.Number("opening", 0.0, 0.0, 1.0);
     door_.is_operated = reader.Flag("operated", true);
     if (draft.robot || draft.model.gripper_return) {

@@ -97,7 +97,7 @@ class LiftReader : public ModelReader {
     for (LiftFloor& floor : lift_.floors) {
       for (const std::size_t door : floor.doors) {
         context.world.doors[door].is_operated = false;
-        context.world.doors[door].reach = 0.0;
+        context.world.doors[door].detection_radius = 0.0;
       }
     }
     context.world.lifts.push_back(std::move(lift_));

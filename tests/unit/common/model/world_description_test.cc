@@ -279,8 +279,8 @@ const Fault kFaults[] = {
 // The lanes of a peer.
 TEST(Validate, NamesTheFaultOfASite) {
   const Fault faults[] = {
-      {[](auto& w) { w.levels[1].z = -1.0; }, "level 1: it is not above the one before it"},
-      {[](auto& w) { w.levels[1].z = 0.0; }, "level 1: it is not above the one before it"},
+      {[](auto& w) { w.levels[1].z = -1.0; }, "level 1: it is not above level 0"},
+      {[](auto& w) { w.levels[1].z = 0.0; }, "level 1: it is not above level 0"},
       {[](auto& w) { w.levels[0].z = kNan; }, "levels.0.z: found nan, expected at most 1e+06 in size"},
       {[](auto& w) { w.lane_graphs.push_back(w.lane_graphs[0]); },
        "lanes 0: they are not in the order of their numbers"},
