@@ -89,7 +89,7 @@ bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands, std::ve
 void AddProgress(ByteWriter<>& out, const RunProgress& progress) {
   // All members: a new one does not compile without a place here, and one in ReadProgress.
   const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands, inputs,
-               first_number] = progress;
+               first_number, is_rewinding] = progress;
   out.Write(incarnation);
   out.Write(ticks_to_pause.value_or(kNoPause));
   out.Write(stalls);
@@ -100,6 +100,7 @@ void AddProgress(ByteWriter<>& out, const RunProgress& progress) {
   out.Write(speed.value_or(kNoSpeed));
   AddCommands(out, commands, inputs);
   out.Write(first_number);
+  out.Write(static_cast<std::uint8_t>(is_rewinding));
 }
 
 // False: it is damaged.
@@ -116,6 +117,7 @@ bool ReadProgress(ByteReader& in, RunProgress& progress) {
   if (speed > kNoSpeed) progress.speed = speed;
   if (!ReadCommands(in, progress.commands, progress.inputs)) return false;
   progress.first_number = in.Read<std::uint64_t>();
+  progress.is_rewinding = in.Read<std::uint8_t>() != 0;
   return in.ok();
 }
 

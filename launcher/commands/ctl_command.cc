@@ -84,6 +84,7 @@ void Print(const control::Request& request, const ControlReply& reply) {
   if (control::Is<control::Entities>(request)) return;
   PrintPlain(stdout, "{} tick {} hash {:016x}", NameOf(reply.state), reply.tick, reply.state_hash);
   if (reply.edition > 0) PrintPlain(stdout, " edition {}", reply.edition);
+  if (reply.open_requests > 0) PrintPlain(stdout, " open-requests {}", reply.open_requests);
   PrintPlain(stdout, "\n");
 }
 

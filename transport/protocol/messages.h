@@ -327,6 +327,8 @@ struct ControlReply {
   Tick tick = 0;
   std::uint64_t state_hash = 0;
   Edition edition = 0;
+  // Other requests that have no reply yet: one whose reply was lost is perhaps among them, and must not be repeated.
+  std::uint32_t open_requests = 0;
   std::vector<EntityReport> entities = {};  // of Entities; of Spawn the new one; of Spawnables name and type only
   bool operator==(const ControlReply&) const = default;
   static constexpr auto Fields() {
@@ -340,6 +342,7 @@ struct ControlReply {
         Field{"tick", &ControlReply::tick},
         Field{"state_hash", &ControlReply::state_hash},
         Field{"edition", &ControlReply::edition},
+        Field{"open_requests", &ControlReply::open_requests},
         Field{"entities", &ControlReply::entities},
     };
   }

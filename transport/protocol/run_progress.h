@@ -34,6 +34,9 @@ struct RunProgress {
   std::vector<Input> inputs = {};  // that enter the next step, in the sequence of their arrival
   // Of the state that the run began with: its journal has the earlier states, too, if it continues another run.
   std::uint64_t first_number = 0;
+  // The newest ticks are those of a rewind that has not ended: the other members, without commands and inputs, are of
+  // the state before it.
+  bool is_rewinding = false;
   bool operator==(const RunProgress&) const = default;
 };
 

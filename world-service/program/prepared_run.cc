@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <utility>
@@ -65,7 +66,28 @@ Result<PreparedRun> Branch(const RunSource& source) {
   return run;
 }
 
-// Writes the rest of a rewind within which the service before died.
+// The progress of a run behind a rewind, as WorldEditor and TickEngine make it: robots that were not there before need
+// an agent. Its recorder has dropped the commands and inputs.
+void RewindProgress(const WorldDescription& before, ResumedRun& run) {
+  const WorldDescription& world = run.scene->world();
+  RunProgress& progress = run.progress;
+  std::vector<RobotId> absent;
+  for (const RobotId robot : std::exchange(progress.absent, {})) {
+    const std::optional<RobotId> now = FindRobot(world, before.robot(robot).name);
+    if (now && RobotExists(world, *now)) absent.push_back(*now);
+  }
+  std::sort(absent.begin(), absent.end());
+  progress.absent = std::move(absent);
+  progress.newcomers.clear();
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (RobotExists(world, RobotId(i)) && !FindRobot(before, world.robots[i].name)) {
+      progress.newcomers.emplace_back(i);
+    }
+  }
+  progress.is_rewinding = false;
+}
+
+// Writes the rest of a rewind whose end the service before did not commit, and commits it.
 Status FinishRewind(ResumedRun& run, RunRecorder& recorder, RunObservers observers) {
   const UnfinishedRewind rewind = *std::exchange(run.rewind, std::nullopt);
   recorder.StartWriting();
@@ -85,12 +107,14 @@ Status FinishRewind(ResumedRun& run, RunRecorder& recorder, RunObservers observe
   run.original = end.value().original;
   run.previous = end.value().previous;
   run.next_number = rewind.number + rewind.copies + 1;
-  run.progress.commands.clear();  // as after any rewind
+  if (rewind.scene_before != nullptr) RewindProgress(rewind.scene_before->world(), run);
+  run.progress.incarnation = run.incarnation;
   const AppliedEdit edit{rewind.request};
   const CommittedTick tick{.frame = *run.frame, .proposals = {}, .edit = &edit, .before = &before, .is_recorded = true};
   observers.push_back(&recorder);
   for (RunObserver* observer : observers) {
     observer->OnWorldChange(run.scene, run.frame->edition);
+    if (Status failure = observer->OnCommit(tick, run.progress); !failure.ok()) return failure;
     if (Status failure = observer->OnTick(tick); !failure.ok()) return failure;
   }
   return {};

@@ -58,7 +58,9 @@ class Restoration {
     const Recording& recording = journal_.recording;
     if (Status version = CheckStepVersion(recording); !version.ok()) return version.error();
     // Observers get every tick of the run; without them the newest keyframe is enough.
-    const std::size_t chunk = make_observers_ == nullptr ? recording.KeyframeUpTo(Recording::kEnd) : 0;
+    const Result<std::size_t> first = FirstChunk();
+    if (!first.ok()) return first.error();
+    const std::size_t chunk = first.value();
     Result<ReplayCursor> cursor = ReplayCursor::At(recording, chunk);
     if (!cursor.ok()) return cursor.error();
     cursor_.emplace(std::move(cursor).value());
@@ -84,6 +86,29 @@ class Restoration {
     WorldState before;
   };
 
+  // The chunk to step from: before a rewind that has not ended, whose scene_before is needed.
+  Result<std::size_t> FirstChunk() const {
+    const Recording& recording = journal_.recording;
+    if (make_observers_ != nullptr) return 0;
+    std::uint64_t position = Recording::kEnd;
+    if (journal_.progress.is_rewinding) {
+      const Status visited = recording.VisitEdits(recording.chunks(), [&](std::uint64_t number, const auto& edit) {
+        if (control::Is<control::Rewind>(edit.request)) position = number - 1;
+        return Status();
+      });
+      if (!visited.ok()) return visited.error();
+    }
+    return recording.KeyframeUpTo(position);
+  }
+
+  // The state is one of a rewind whose end was not committed.
+  bool IsOfUnfinishedRewind() {
+    if (world().in_rewind()) return true;
+    if (!journal_.progress.is_rewinding || !rewind_) return false;
+    const Result<const RecordedTick*> next = cursor_->Next();
+    return next.ok() && next.value() == nullptr;
+  }
+
   Status Advance(const RecordedTick& next) {
     const bool was_in_rewind = world().in_rewind();
     // The edits within a rewind are parts of it.
@@ -93,7 +118,10 @@ class Restoration {
         edit_ = ReportedEdit{next.edit->request, next.edit->world, world().state()};
       }
     }
-    if (next.edit) Note(next.number, *next.edit);
+    if (next.edit) {
+      Note(next.number, *next.edit);
+      if (rewind_ && rewind_->number == next.number) rewind_->scene_before = world().scene();
+    }
     if (Status problem = cursor_->Advance(); !problem.ok()) {
       return Error{{journal_.recording.name()}, problem.error().message, ErrorCode::kFailure};
     }
@@ -101,7 +129,7 @@ class Restoration {
     frame_ = world().Frame();
     // Recorded frames have no run id; agents ignore a frame without that of theirs.
     frame_->run = journal_.recording.run().run;
-    if (world().in_rewind()) return {};
+    if (IsOfUnfinishedRewind()) return {};
     rewind_.reset();
     if (!was_in_rewind) frame_->events = tick.events;
     return Tell(tick, was_in_rewind ? std::span<const Proposal>() : tick.proposals);
@@ -110,7 +138,7 @@ class Restoration {
   // Edits whose effect is more than the state, also those before the keyframe.
   void Note(std::uint64_t number, const RecordedEdit& edit) {
     if (const auto* const rewind = std::get_if<control::Rewind>(&edit.request)) {
-      rewind_ = UnfinishedRewind{*rewind, number, edit.copied_from, edit.copies};
+      rewind_ = UnfinishedRewind{*rewind, number, edit.copied_from, edit.copies, nullptr};
       last_copy_ = number + edit.copies;
     }
     // A copy of an edit within a rewind: it had its effect when it was made first.

@@ -274,7 +274,7 @@ Status JournalRewind::WriteTo(RunRecorder& recording) const {
   TickReader reader(*recording_, first_chunk_);
   bool has_begun = !first_tick_;
   std::uint64_t newest = first_ + written_;
-  return recording.Append([&](RecordedTick& tick) -> Result<bool> {
+  return recording.AppendRewind([&](RecordedTick& tick) -> Result<bool> {
     if (!std::exchange(has_begun, true)) {
       tick = *first_tick_;
       return true;

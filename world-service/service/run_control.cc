@@ -24,9 +24,11 @@ void RunControl::Execute(const control::Request& request, ControlReplyTo reply, 
   // Also when the run is over or too many requests are open: a tool can always ask.
   if (control::Is<control::GetStatus>(request)) return Accept(open);
   if (IsOver(run_)) return Reply(open, BadInput("the run is over"));
-  if (early_.size() + engine_.waiting_inputs() + queue_.size() + awaiting_pause_.size() >= kMaxOpen) {
+  if (open_requests() + engine_.waiting_inputs() >= kMaxOpen) {
     return Reply(open, BadInput("too many requests are waiting"));
   }
+  // What a request changes is that of the state before the rewind until it has ended.
+  if (rewind_.is_running() && !control::Is<control::Entities>(request)) return early_.push_back(std::move(open));
   if (const Status malformed = control::CheckRequest(request); !malformed.ok()) return Reply(open, malformed.error());
   if (control::Is<control::Change>(request)) {
     return Reply(open, BadInput("controllers are changed when a run continues from a recording"));
@@ -170,8 +172,10 @@ void RunControl::Enqueue(OpenRequest open, double now) {
 
 void RunControl::Advance(double now) {
   if (IsOver(run_)) return RefuseAll(BadInput("the run is over"));
-  if (run_.phase == RunPhase::kRunning) {
-    for (const OpenRequest& open : std::exchange(early_, {})) ReplyWith(open, AddInput(open.request, now));
+  if (run_.phase == RunPhase::kRunning && !rewind_.is_running()) {
+    for (OpenRequest& open : std::exchange(early_, {})) {
+      Execute(open.request, std::move(open.reply), std::move(open.world), now);
+    }
   }
   if (!quiescent()) return;
   ReplyToWaiting();
@@ -303,6 +307,7 @@ void RunControl::Reply(const ControlReplyTo& reply, const Result<std::vector<Ent
   content.tick = run_.frame.state.tick;
   content.state_hash = run_.frame.state_hash;
   content.edition = run_.frame.edition;
+  content.open_requests = static_cast<std::uint32_t>(open_requests());
   content.state = State();
   reply(content);
 }

@@ -65,6 +65,7 @@ class RunControl {
     return engine_.pause_answered() && !engine_.holding() && editor_.robots_without_agent().empty() &&
            !rewind_.is_running();
   }
+  std::size_t open_requests() const { return early_.size() + queue_.size() + awaiting_pause_.size() + (edit_ ? 1 : 0); }
   // Also of a run that is continued, before its agents are back.
   bool has_begun() const { return run_.started_at || run_.continues(); }
   Status CheckRewind(const control::Rewind& rewind) const;
@@ -93,7 +94,7 @@ class RunControl {
   const LiveRun& run_;
   TickEngine& engine_;
   WorldEditor& editor_;
-  std::vector<OpenRequest> early_;           // inputs that wait until a continued run has its agents back
+  std::vector<OpenRequest> early_;           // until a continued run has its agents back, or a rewind has ended
   std::deque<OpenRequest> queue_;            // steps and edits that wait for the pause before them
   std::vector<OpenRequest> awaiting_pause_;  // for a reply in the next quiescent pause
   Tick step_begun_ = 0;                      // the tick at which the step among them began

@@ -98,12 +98,13 @@ class RobotMemories {
   std::map<std::string, Edition> spawned_;        // robots that were added since, and when
 };
 
-// A rewind within which a service died: some of its states are missing.
+// A rewind that a service has begun to write, and died before it committed the end: some of its states may be missing.
 struct UnfinishedRewind {
   control::Rewind request;
-  std::uint64_t number = 0;  // of the state with which the robots begin again
-  Edition copied_from = 0;   // of that state, when the robots began with it the first time
-  std::uint64_t copies = 0;  // number of the states that follow, copies of earlier ones
+  std::uint64_t number = 0;                        // of the state with which the robots begin again
+  Edition copied_from = 0;                         // of that state, when the robots began with it the first time
+  std::uint64_t copies = 0;                        // number of the states that follow, copies of earlier ones
+  std::shared_ptr<const Scene> scene_before = {};  // of the state that the run was set back from; null: unknown
 };
 
 // An entity that a request has deleted, and another one may restore.

@@ -160,6 +160,13 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   void Accept(AskedRequest asked) {
+    if (control::Is<control::GetStatus>(asked.request)) {
+      const auto with_files = [&](ControlReply content) {
+        content.open_requests += static_cast<std::uint32_t>(file_requests_.size());
+        asked.reply(content);
+      };
+      return coordinator_.Control(asked.request, with_files, Now());
+    }
     if (control::Is<control::World>(asked.request)) {
       return coordinator_.Reply(asked.reply, LoadedFile());
     }
@@ -190,11 +197,11 @@ class Driver final : public WorldControl, private ServiceHandler {
 
   void ReadFiles(std::unique_lock<std::mutex>& lock) {
     while (!file_requests_.empty()) {
-      const AskedRequest open = std::move(file_requests_.front());
-      file_requests_.pop_front();
+      const AskedRequest open = file_requests_.front();  // it is open while its file is read
       lock.unlock();
       const Result<RequestedFile> file = ReadRequestedFile(service_, open.request);
       lock.lock();
+      file_requests_.pop_front();
       Act([&] { Execute(open, file); });
     }
   }

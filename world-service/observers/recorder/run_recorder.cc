@@ -162,7 +162,7 @@ Status RunRecorder::OnTick(const CommittedTick& tick) {
   return Reported(Write(Convert(tick)));
 }
 
-Status RunRecorder::Append(const TickSource& next) {
+Status RunRecorder::AppendRewind(const TickSource& next) {
   Status outcome = OrFailure([&]() -> Status {
     for (;;) {
       RecordedTick tick;
@@ -175,6 +175,9 @@ Status RunRecorder::Append(const TickSource& next) {
       }
       const std::lock_guard lock(mutex_);
       tick.number = committed_.next_number++;
+      committed_.progress.is_rewinding = true;
+      committed_.progress.commands.clear();
+      committed_.progress.inputs.clear();
       if (Status failure = Write(std::move(tick)); !failure.ok()) return failure;
     }
   });

@@ -39,6 +39,7 @@ TEST_F(EditTest, ResetsInAPauseOfItsOwnAndPlaysOn) {
   EXPECT_EQ(tick(), 2u);
   EXPECT_EQ(newest().edition, 0u);
   AnswerPaused(1);
+  EXPECT_EQ(CoordinatorTest::Ask(control::GetStatus()).open_requests, 1u);
   EXPECT_EQ(newest().edition, 1u);
   EXPECT_EQ(newest().fresh_edition, 1u);
   EXPECT_EQ(newest().world_edition, 0u) << "the world is the same";

@@ -97,6 +97,47 @@ TEST_F(RewindTest, AnExceptionIsItsOutcome) {
   EXPECT_EQ(outcome->error().message, "the disk is broken");
 }
 
+// Requests to a run that is being rewound wait for the end of the rewind, and are open until then.
+class RequestsInARewindTest : public test::CoordinatorTest, protected RunHistory {
+ protected:
+  void Ask(const control::Request& request) {
+    coordinator->Control(
+        request, [this](const ControlReply& reply) { replies_.push_back(reply); }, now);
+  }
+  Result<std::vector<HistoryEntry>> Read(const HistoryRequest&) override { return Failure("not asked for"); }
+  Result<std::unique_ptr<RewindStates>> StartRewind(const control::Rewind&, const FrameMessage&) override {
+    return Failure("a state cannot be read");
+  }
+
+  std::vector<ControlReply> replies_;
+};
+
+TEST_F(RequestsInARewindTest, TheyWaitAndAreOpen) {
+  options.has_history = true;
+  options.start_paused = true;
+  MakeAndStart(1);
+  ProposalMessage paused = ProposalOf(1, 0.0);
+  paused.proposals.clear();
+  paused.paused = true;
+  coordinator->OnProposal(paused, now);
+  Ask(control::Rewind{.tick = 0});
+  ASSERT_TRUE(coordinator->rewind().is_running());
+  Ask(control::Speed{2.0});
+  Ask(control::Pause());
+  EXPECT_TRUE(replies_.empty());
+  Ask(control::GetStatus());
+  ASSERT_EQ(replies_.size(), 1u);
+  EXPECT_EQ(replies_[0].open_requests, 3u);
+
+  coordinator->rewind().Work(*this);
+  coordinator->AdvanceRewind(now);
+  ASSERT_EQ(replies_.size(), 4u);
+  EXPECT_EQ(replies_[1].problem, "a state cannot be read");
+  EXPECT_TRUE(replies_[2].done);
+  EXPECT_TRUE(replies_[3].done);
+  EXPECT_EQ(replies_[3].open_requests, 0u);
+}
+
 // Agents whose robots do not remember the run: they are sent its history before they are admitted.
 
 using test::CoordinatorTest;
