@@ -229,7 +229,7 @@ void AddEditActions(CLI::App* command, const SharedOptions& options) {
       ->required();
 }
 
-void AddDoorActions(CLI::App* command, const SharedOptions& options) {
+void AddDeviceActions(CLI::App* command, const SharedOptions& options) {
   const auto door = AddAction<control::Door>(command, options, "door", "Open or close a door");
   AddName(door, "Its name");
   door.app
@@ -243,6 +243,14 @@ void AddDoorActions(CLI::App* command, const SharedOptions& options) {
   const auto lift = AddAction<control::Lift>(command, options, "lift", "Call a lift to a floor");
   AddName(lift, "Its name");
   lift.app->add_option("FLOOR", lift.request->floor, "The name of the floor")->required();
+  const auto light = AddAction<control::Light>(command, options, "light", "Switch a light of a robot on or off");
+  AddName(light, "Its name, with that of the robot: r0.beacon");
+  light.app
+      ->add_option_function<std::string>(
+          "ACTION", [request = light.request](const std::string& action) { request->on = action == "on"; }, "on or off")
+      ->required()
+      ->check(CLI::IsMember({"on", "off"}))
+      ->type_name("on|off");
 }
 
 void AddListActions(CLI::App* command, const SharedOptions& options) {
@@ -271,7 +279,7 @@ void AddCtlCommand(CLI::App& app, int& exit_status) {
       ->type_name("SECONDS");
   AddTimeActions(command, options);
   AddEditActions(command, options);
-  AddDoorActions(command, options);
+  AddDeviceActions(command, options);
   AddListActions(command, options);
   command->final_callback([options, &exit_status] { exit_status = CtlCommand(*options); });
 }

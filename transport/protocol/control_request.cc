@@ -31,6 +31,7 @@ struct Check {
   Status operator()(const Restore& restore) const { return CheckName(restore.source); }
   Status operator()(const SetTwist& turn) const { return CheckName(turn.name); }
   Status operator()(const Lift& call) const { return CheckName(call.name); }
+  Status operator()(const Light& light) const { return CheckName(light.name); }
   Status operator()(const Door& door) const {
     if (!(door.opening >= 0.0 && door.opening <= 1.0)) return Malformed("an opening of a door", "0 to 1");
     return CheckName(door.name);

@@ -285,10 +285,24 @@ struct Lift {
   }
 };
 
+struct Light {
+  static constexpr std::string_view kName = "light";
+  static constexpr RequestKind kKind = RequestKind::kInput;
+  std::string name = {};  // of its model: "r0.beacon"
+  bool on = true;
+  bool operator==(const Light&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"name", &Light::name},
+        Field{"on", &Light::on},
+    };
+  }
+};
+
 // The number of the alternative is that on the wire.
 using Request =
     std::variant<GetStatus, Pause, Play, Step, Reset, LoadWorld, Spawn, Delete, SetPose, Entities, Spawnables, Speed,
-                 CommandRobot, Restore, Rewind, Change, World, Worlds, SetTwist, Door, Lift>;
+                 CommandRobot, Restore, Rewind, Change, World, Worlds, SetTwist, Door, Lift, Light>;
 
 inline RequestKind KindOf(const Request& request) {
   return std::visit([](const auto& each) { return each.kKind; }, request);

@@ -11,6 +11,7 @@
 //   "grippers": [{"gripper": 0, "opening": percent, "lift": percent}], "goal": {"waypoints": [[x, y], ...], "heading":
 //   h}}: each part may be missing, as may opening, lift and heading; a goal without waypoints cancels the goal
 // - {"type": "control", "id": 9, "command": "door", "name": "gate", "opening": 1}: from 0, closed, to 1
+// - {"type": "control", "id": 9, "command": "light", "name": "r0.beacon", "on": true}
 // - {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until {"type": "live"}
 // - {"type": "series", "id": 11, "signals": [["r0", "x"], ...], "from": 0, "to": 500, "every": 1}: of signals
 //   (signals.h) between two positions; without signals the reply names all that exist

@@ -95,7 +95,8 @@ class EditApplication {
 
 // Finds what an input is for.
 struct InputSearch {
-  const WorldDescription& world;
+  const Scene& scene;
+  const WorldDescription& world = scene.world();
 
   template <typename Request>
   Result<Input> operator()(const Request&) const {
@@ -124,6 +125,15 @@ struct InputSearch {
     }
     return Error{{}, "lift '" + call.name + "' has no floor '" + call.floor + "', expected " + names};
   }
+  Result<Input> operator()(const control::Light& light) const {
+    const std::span<const LightPlace> lights = scene.lights();
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      const ModelDescription& model = world.model(lights[i].model);
+      if (model.removed || model.name != light.name) continue;
+      return Input{lights[i].robot, LightOrder{i - scene.first_light_of(lights[i].robot), light.on}};
+    }
+    return Error{{}, "the world has no light '" + light.name + "' on a robot"};
+  }
 };
 
 }  // namespace
@@ -135,7 +145,7 @@ Result<EditedWorld> ApplyEdit(const AppliedEdit& edit, const std::shared_ptr<con
 }
 
 Result<Input> InputOf(const Scene& scene, const control::Request& request) {
-  Result<Input> input = std::visit(InputSearch{scene.world()}, request);
+  Result<Input> input = std::visit(InputSearch{scene}, request);
   if (!input.ok()) return input;
   if (Status problem = CheckInput(scene, input.value()); !problem.ok()) return problem.error();
   return input;

@@ -48,6 +48,9 @@ struct Notice {
   std::string operator()(const control::Lift& call) const {
     return "lift '" + call.name + "' is called to '" + call.floor + "'";
   }
+  std::string operator()(const control::Light& light) const {
+    return "light '" + light.name + (light.on ? "' is switched on" : "' is switched off");
+  }
 };
 
 }  // namespace

@@ -47,6 +47,9 @@ TEST(PageRequestTest, CommandsBecomeRequestsOfTheRun) {
   EXPECT_EQ(door.request, control::Request(control::Door{"gate", 0.5}));
   const PageControl lift = Control(R"({"type": "control", "id": 1, "command": "lift", "name": "up", "floor": "L2"})");
   EXPECT_EQ(lift.request, control::Request(control::Lift{"up", "L2"}));
+  const PageControl light =
+      Control(R"({"type": "control", "id": 1, "command": "light", "name": "r0.lamp", "on": false})");
+  EXPECT_EQ(light.request, control::Request(control::Light{"r0.lamp", false}));
 }
 
 TEST(PageRequestTest, AsksForSignals) {

@@ -10,6 +10,7 @@
 #include "tests/support/controlled_run.h"
 #include "tests/support/edits.h"
 #include "tests/support/files.h"
+#include "tests/support/small_world.h"
 #include "tests/unit/world-service/service/coordinator_fixture.h"
 #include "world-service/replay/replayed_world.h"
 
@@ -94,6 +95,28 @@ TEST_F(InputTest, IsForgottenByAResetAndByTheEndOfItsRobot) {
   answer();
   Ask(control::Reset());
   EXPECT_TRUE(log_.waiting.empty());
+}
+
+TEST(InputsOfARun, SwitchTheLightsOfRobots) {
+  SmallWorld world;
+  for (const char* name : {"r0", "r1"}) {
+    const RobotId robot = world.AddRobot(name, {0.0, name[1] == '0' ? 0.0 : 2.0, 0.0, 0.0});
+    world.SetController(robot, "wander");
+    for (const char* light : {"left", "right"}) {
+      world.AddPart(robot, light, {0.0, 0.0, 0.4, 0.0}, 0.1, 0.1, {0.0, 0.1}).blinking = {2'000, 1'000, false};
+    }
+  }
+  ControlledRun run(world.world(), {});
+  run.Step(1);
+  EXPECT_TRUE(run.Ask(control::Light{.name = "r1.right", .on = true}).done);
+  run.Step(1);
+  const auto only_last = std::vector<LightState>{{false}, {false}, {false}, {true}};
+  EXPECT_EQ(run.frame().state.lights, only_last);
+  EXPECT_EQ(run.frame().edition, 0u);
+  EXPECT_THAT(run.Ask(control::Light{.name = "r1"}).problem, HasSubstr("no light 'r1'"));
+  EXPECT_TRUE(run.Ask(control::Light{.name = "r1.right", .on = false}).done);
+  run.Step(1);
+  EXPECT_EQ(run.frame().state.lights, std::vector<LightState>(4, {false}));
 }
 
 // Doors of a building, requested in a run whose agents are threads. The recording steps to the same hashes.
