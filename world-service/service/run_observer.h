@@ -2,7 +2,9 @@
 // them can change a result. An observer overrides the calls that it needs.
 //
 // Threads: OnBegin, OnEnd and the progress reports are called on the thread of RunService, one at a time. OnTick and
-// OnWorldChange are called on any thread, one at a time, between OnBegin and OnEnd.
+// OnWorldChange are called on any thread, one at a time, between OnBegin and OnEnd, and so are all calls but the
+// reports. Each is in a turn of the run, which has its lock: a delivery or the passing of time, then the requests made
+// meanwhile with their replies, until none is left.
 //
 // An observer influences when the next tick is made (IsReady, IsPrepared, ShowsTick, Release), never what it contains:
 // its only way into a state is WorldControl, by requests that are recorded as any others. So a run has the same hashes
@@ -39,7 +41,8 @@ class WorldControl {
  public:
   virtual ~WorldControl() = default;
   virtual void Request(const control::Request& request, ControlReplyTo reply) = 0;
-  // Asks the observers again whether the run can continue: what one of them waited for has come.
+  // Makes a turn of the run, in which the observers are called (OnWake) and asked again whether it can continue: what
+  // one of them waited for has come. In a turn it returns at once, and the next turn follows. It locks the run.
   virtual void Wake() {}
 };
 
@@ -106,6 +109,8 @@ class RunObserver {
   virtual bool IsReady() { return true; }
   // The same for a wait of less than a tick's time, after which the observer calls WorldControl::Wake.
   virtual bool IsPrepared() { return true; }
+  // A call of WorldControl::Wake, in any pause, too. As OnTick.
+  virtual Status OnWake() { return {}; }
   // Whether the agents are to publish this tick before they decide on it: the frame is then sent as in a pause first,
   // and the run resumes once the tick is released. Hashes change by inputs from outside alone.
   virtual bool ShowsTick(Tick /*tick*/) { return false; }

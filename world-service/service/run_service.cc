@@ -117,7 +117,11 @@ class Driver final : public WorldControl, private ServiceHandler {
   }
 
   void Wake() override {
-    Deliver([&](double now) { coordinator_.Poll(now); });
+    if (acting_ == std::this_thread::get_id()) {
+      is_woken_ = true;
+      return;
+    }
+    Deliver([&](double now) { coordinator_.Wake(now); });
   }
 
   // REQUIRES: Run has returned.
@@ -142,11 +146,14 @@ class Driver final : public WorldControl, private ServiceHandler {
     acting_ = std::this_thread::get_id();
     const Status outcome = OrFailure([&] {
       call();
-      while (!asked_meanwhile_.empty()) {
-        AskedRequest next = std::move(asked_meanwhile_.front());
-        asked_meanwhile_.pop_front();
-        Accept(std::move(next));
-      }
+      do {
+        while (!asked_meanwhile_.empty()) {
+          AskedRequest next = std::move(asked_meanwhile_.front());
+          asked_meanwhile_.pop_front();
+          Accept(std::move(next));
+        }
+        if (std::exchange(is_woken_, false)) coordinator_.Wake(Now());
+      } while (!asked_meanwhile_.empty() || is_woken_);
       return Status();
     });
     if (!outcome.ok()) {
@@ -343,6 +350,7 @@ class Driver final : public WorldControl, private ServiceHandler {
   double wake_at_ = 0.0;             // when Run wakes up by itself
   std::deque<AskedRequest> file_requests_;
   std::deque<AskedRequest> asked_meanwhile_;
+  bool is_woken_ = false;  // from inside a call of the coordinator: another one follows
   std::atomic<std::thread::id> acting_ = std::thread::id();  // the thread that is inside the coordinator
   TickCoordinator coordinator_;
   std::unique_ptr<ServiceEndpoint> endpoint_;  // last: it ends before the members that its deliveries use

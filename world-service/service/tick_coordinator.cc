@@ -175,6 +175,11 @@ void TickCoordinator::Poll(double now) {
   control_.Advance(now);
 }
 
+void TickCoordinator::Wake(double now) {
+  engine_.Wake(now);
+  Poll(now);
+}
+
 void TickCoordinator::PollGathering(double now) {
   if (all_have_joined()) return Begin(now);
   if (run_.takes_over()) return PollRejoining(now);

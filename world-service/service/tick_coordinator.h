@@ -76,6 +76,8 @@ class TickCoordinator {
   // Acts on the time that has passed; call at NextPoll(), or earlier.
   void Poll(double now);
   double NextPoll() const;
+  // Calls the observers, and then as Poll.
+  void Wake(double now);
 
   // Executes a tool's request; see RunControl.
   void Control(const control::Request& request, ControlReplyTo reply, double now, RequestedWorld world = {});

@@ -83,6 +83,12 @@ TickEngine::TickEngine(LiveRun& run, double now)
   run_.frame.incarnation = run_.options.incarnation;
 }
 
+void TickEngine::Wake(double now) {
+  if (run_.phase != RunPhase::kRunning) return;
+  const Status outcome = CallObservers(run_.observers, [](RunObserver& observer) { return observer.OnWake(); });
+  if (!outcome.ok()) Fail(outcome.error(), now);
+}
+
 bool TickEngine::halted() const {
   if (run_.members.all_robots_present()) return false;
   const OnAgentLoss policy = run_.options.settings.on_agent_loss;

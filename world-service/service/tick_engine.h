@@ -65,6 +65,8 @@ class TickEngine {
 
   // Time that passes, in the phases after kGathering: call both at NextPoll(), or earlier.
   void LoseSilentMembers(double now);
+  // Calls the observers, which have asked for it.
+  void Wake(double now);
   void Poll(double now);
   double NextPoll() const;
 

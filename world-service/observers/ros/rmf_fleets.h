@@ -4,10 +4,10 @@
 // The agents publish /robot_state, each for its own robots; none of them knows the others. The world's gateway is the
 // one place that sees all, so it does what the fleet adapter of rmf_simulation does. It measures nothing: a robot whose
 // agent is lost keeps its last state.
+//
+// RmfTopics calls it, in turns of the run.
 #pragma once
 
-#include <atomic>
-#include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
@@ -25,10 +25,7 @@ class RmfFleets {
   RmfFleets& operator=(const RmfFleets&) = delete;
 
   void ChangeWorld(const WorldDescription& world);
-  // Whether the reader of /robot_state is to be made or ended, by Follow. Not on a thread that receives its samples.
-  bool IsToFollow() const;
-  void Follow();
-  // Receives states, and writes the states of all fleets if they are due.
+  // Reads the states of robots, and writes the states of all fleets if they are due.
   void OnTick(bool is_due);
 
   // The topics in the layout of one distribution.
@@ -37,7 +34,6 @@ class RmfFleets {
  private:
   const std::unique_ptr<Topics> topics_;
   std::map<std::string, std::string> fleets_;    // by robot
-  std::atomic<std::size_t> robot_count_ = 0;     // Follow has a thread of its own
   std::map<std::string, ros::RmfRobot> robots_;  // by name: the newest states
 };
 

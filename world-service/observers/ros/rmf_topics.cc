@@ -3,14 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <exception>
-#include <mutex>
-#include <new>
 #include <optional>
 #include <utility>
 
-#include "common/base/or_failure.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/topic_types.h"
@@ -22,85 +17,13 @@ namespace {
 constexpr std::int32_t kDepth = 100;  // as of the plugins of Open-RMF
 constexpr std::size_t kMaxRefusals = 1000;
 
-// Of the entity, door or lift that a request of this file is for.
+// Of the door or lift that a request is for.
 const std::string& NameOf(const control::Request& request) {
   if (const auto* const door = std::get_if<control::Door>(&request)) return door->name;
-  if (const auto* const lift = std::get_if<control::Lift>(&request)) return lift->name;
-  return std::get<control::SetPose>(request).name;
+  return std::get<control::Lift>(request).name;
 }
 
-// The pending work of the thread. Its lock is the innermost one: a caller of Add may hold any other lock, and no other
-// lock is requested while it is held.
-class Duties {
- public:
-  struct Due {
-    bool stop = false;
-    bool follow = false;    // the scene is new
-    bool arrived = false;   // a sample
-    bool answered = false;  // an edit
-    bool any() const { return stop || follow || arrived || answered; }
-  };
-
-  void Add(bool Due::*duty) {
-    const std::lock_guard lock(mutex_);
-    due_.*duty = true;
-    changed_.notify_one();
-  }
-  Due Await() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return due_.any(); });
-    return std::exchange(due_, {});
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  Due due_;
-};
-
 }  // namespace
-
-// The state that replies to requests use: they may arrive after the end of the object, so they share its ownership.
-struct RmfTopics::Shared {
-  Duties duties;
-  std::mutex mutex;      // guards the members below
-  std::size_t open = 0;  // edits without a reply
-  // The newest request to a door or a lift, until the state has it.
-  struct Wanted {
-    control::Request request;
-    std::optional<Tick> answered_at = {};  // an input of the tick after this one; nothing: not answered yet
-  };
-  std::map<std::string, Wanted> wanted;  // by door or lift
-  struct Moved {
-    std::string item;
-    bool is_done = false;
-    std::string problem;
-  };
-  std::vector<Moved> moved;  // replies to edits of workcells, with room for those of open ones
-
-  // The reply to a request. A pose has no name any more then.
-  void Finish(control::Request& edit, bool is_done, Tick tick, const std::string& problem) noexcept {
-    const std::lock_guard lock(mutex);
-    --open;
-    const auto found = wanted.find(NameOf(edit));
-    if (found != wanted.end() && found->second.request == edit) {
-      if (is_done) {
-        found->second.answered_at = tick;
-      } else {
-        wanted.erase(found);
-      }
-    }
-    if (auto* const move = std::get_if<control::SetPose>(&edit)) {
-      moved.push_back({std::move(move->name), is_done, {}});
-      try {
-        moved.back().problem = problem;
-        // A reply must not throw: the run would fail for a line of text.
-      } catch (const std::bad_alloc&) {  // the report has no reason
-      }
-    }
-    duties.Add(&Duties::Due::answered);
-  }
-};
 
 struct RmfTopics::Topics {
   Topics(const ros::RosNode& node, const std::function<void()>& notify)
@@ -120,136 +43,64 @@ RmfTopics::RmfTopics(const ros::RosNode& node, std::shared_ptr<const Scene> scen
     : node_(node),
       control_(control),
       results_(results),
-      reports_(std::make_shared<FloodLimiter>(std::move(report))),
-      shared_(std::make_shared<Shared>()),
-      scene_(std::move(scene)),
-      has_workcells_(!FindWorkcells(scene_->world()).empty()),
-      doors_(ros::DoorsOf(scene_->world())) {
-  shared_->duties.Add(&Duties::Due::follow);
-  thread_ = std::thread([this] { Run(); });
+      reports_(std::move(report)),
+      self_(std::make_shared<RmfTopics*>(this)),
+      scene_(std::move(scene)) {
+  FollowWorld();
 }
 
-RmfTopics::~RmfTopics() {
-  shared_->duties.Add(&Duties::Due::stop);
-  thread_.join();
-}
+RmfTopics::~RmfTopics() = default;
 
 void RmfTopics::ChangeWorld(std::shared_ptr<const Scene> scene) {
-  const std::lock_guard lock(shared_->mutex);
   scene_ = std::move(scene);
-  doors_ = ros::DoorsOf(scene_->world());
-  has_workcells_ = !FindWorkcells(scene_->world()).empty();
-  state_ = {};
-  if (workcells_) workcells_->ChangeWorld(scene_);
-  if (fleets_) fleets_->ChangeWorld(scene_->world());
-  shared_->duties.Add(&Duties::Due::follow);
+  intake_ = Intake::kAwaitsState;
+  FollowWorld();
 }
 
-void RmfTopics::Run() {
-  for (;;) {
-    const Duties::Due due = shared_->duties.Await();
-    if (due.stop) break;
-    bool wakes = due.answered;
-    try {
-      if (due.follow) Follow();
-      {
-        const std::lock_guard lock(shared_->mutex);
-        FinishMoves();
-        has_held_ |= holds_;
-        if (!holds_) ReadRequests();
-      }
-      SendEdits();
-      wakes = PlanMoves() || wakes;
-    } catch (const std::exception& exception) {  // of DDS, as without memory
-      reports_->Add(exception.what());
-      wakes = true;
-    }
-    if (wakes) control_.Wake();
-  }
-  // Without the mutex: the thread of the connection may wait for it.
-  topics_.reset();
-  workcells_.reset();
-  fleets_.reset();
-}
-
-// Only this thread changes the pointers. The mutex is not held while a part is made or ends.
-template <typename Part, typename Make, typename Enter>
-bool RmfTopics::FollowPart(std::unique_ptr<Part>& part, bool is_needed, const Make& make, const Enter& enter) {
-  if (is_needed == (part != nullptr)) return false;
-  std::unique_ptr<Part> other;  // the one before ends after the lock
-  if (is_needed) other = make();
-  const std::lock_guard lock(shared_->mutex);
-  if (other) enter(*other);  // its world may be newer than the one that needs it
-  other.swap(part);
-  return true;
-}
-
-void RmfTopics::Follow() {
-  std::unique_lock lock(shared_->mutex);
-  const std::shared_ptr<const Scene> scene = scene_;
-  const bool has_workcells = has_workcells_;
-  lock.unlock();
-  const WorldDescription& world = scene->world();
-  const auto notify = [this] { shared_->duties.Add(&Duties::Due::arrived); };
-  bool has_changed = FollowPart(
-      topics_, !world.doors.empty() || !world.lifts.empty(), [&] { return std::make_unique<Topics>(node_, notify); },
-      [](Topics&) {});
-  has_changed |= FollowPart(
-      workcells_, has_workcells,
-      [&] {
-        const auto report = [reports = reports_](const std::string& line) { reports->Add(line); };
-        return std::make_unique<RmfWorkcells>(node_, notify, results_, report);
-      },
-      [this](RmfWorkcells& workcells) { workcells.ChangeWorld(scene_); });
-  has_changed |= FollowPart(
-      fleets_, ros::HasRmf(world), [&] { return std::make_unique<RmfFleets>(node_); },
-      [this](RmfFleets& fleets) { fleets.ChangeWorld(scene_->world()); });
-  if (fleets_ && fleets_->IsToFollow()) {
-    fleets_->Follow();
+void RmfTopics::FollowWorld() {
+  const WorldDescription& world = scene_->world();
+  doors_ = ros::DoorsOf(world);
+  const auto notify = [this] { has_arrived_ = true; };
+  bool has_changed = false;
+  // Makes or ends one of them.
+  const auto follow = [&has_changed](auto& part, bool is_needed, const auto& make) {
+    if (is_needed == (part != nullptr)) return;
+    part = is_needed ? make() : nullptr;
     has_changed = true;
-  }
+  };
+  follow(topics_, !world.doors.empty() || !world.lifts.empty(),
+         [&] { return std::make_unique<Topics>(node_, notify); });
+  follow(workcells_, !FindWorkcells(world).empty(), [&] {
+    return std::make_unique<RmfWorkcells>(node_, notify, results_,
+                                          [this](const std::string& line) { reports_.Add(line); });
+  });
+  follow(fleets_, ros::HasRmf(world), [&] { return std::make_unique<RmfFleets>(node_); });
+  if (workcells_) workcells_->ChangeWorld(world);
+  if (fleets_) fleets_->ChangeWorld(world);
   if (has_changed) node_.connection->Announce();
 }
 
-bool RmfTopics::PlanMoves() {
-  for (bool has_planned = false;; has_planned = true) {
-    std::unique_lock lock(shared_->mutex);
-    if (!workcells_ || !KnowsState()) return has_planned;
-    if (!holds_) workcells_->Read();
-    const std::optional<RmfWorkcells::Question> question = workcells_->NextQuestion();
-    if (!question) return has_planned;
-    ReserveEdit();
-    const std::shared_ptr<const Scene> scene = scene_;
-    const WorldState state = state_;
-    lock.unlock();
-    const Result<ItemMove> planned =
-        OrFailure([&] { return PlanMove(scene, state, question->workcell, question->order, question->moving); });
-    lock.lock();
-    if (scene != scene_) continue;  // it is planned again
-    if (std::optional<control::SetPose> edit = workcells_->Plan(planned)) AddEdit(std::move(*edit));
-    lock.unlock();
-    SendEdits();
-  }
-}
-
-void RmfTopics::OnCommit(const FrameMessage& frame) {
-  const std::lock_guard lock(shared_->mutex);
-  const WorldDescription& world = scene_->world();
-  if (!KnowsState()) shared_->duties.Add(&Duties::Due::arrived);  // the samples have waited for it
-  if (has_workcells_) {
+void RmfTopics::OnCommit(const FrameMessage& frame, bool awaits_nodes) {
+  intake_ = awaits_nodes ? Intake::kCollecting : Intake::kOpen;
+  if (workcells_) {
     state_ = frame.state;
   } else {
     state_.doors = frame.state.doors;
     state_.lifts = frame.state.lifts;
   }
-  std::erase_if(shared_->wanted, [&](const auto& entry) {
+  std::erase_if(wanted_, [&](const auto& entry) {
     return entry.second.answered_at && *entry.second.answered_at != frame.state.tick;
   });
+  AdvanceLifts();
+}
+
+void RmfTopics::AdvanceLifts() {
+  const WorldDescription& world = scene_->world();
   for (std::size_t i = 0; i < state_.lifts.size(); ++i) {
     const LiftDescription& lift = world.lifts[i];
     const std::string& name = world.model(lift.model).name;
     const auto task = tasks_.find(name);
-    if (task == tasks_.end() || task->second.is_done || shared_->wanted.contains(name)) continue;
+    if (task == tasks_.end() || task->second.is_done || wanted_.contains(name)) continue;
     const LiftState& state = state_.lifts[i];
     // Another tool may have called the lift meanwhile: then it is free, too.
     const bool is_called = lift.floors[state.floor].name == task->second.floor;
@@ -258,23 +109,41 @@ void RmfTopics::OnCommit(const FrameMessage& frame) {
   }
 }
 
+void RmfTopics::OnWake() {
+  if (intake_ == Intake::kOpen) ExecuteRequests();
+}
+
+// Late requests wait for the next tick: the nodes that sent them have answered this one.
+bool RmfTopics::Settle() {
+  if (intake_ == Intake::kCollecting) {
+    intake_ = Intake::kSettling;
+    ExecuteRequests();
+  }
+  if (intake_ != Intake::kSettling) return true;
+  if (open_ > 0) return false;
+  intake_ = Intake::kOpen;
+  return true;
+}
+
 void RmfTopics::OnTick(const FrameMessage& frame) {
-  const std::lock_guard lock(shared_->mutex);
   const WorldDescription& world = scene_->world();
   const ros::Time stamp = ros::ToTime(frame.state.tick, world.interval_ns);
   const auto is_due_by = [&](double period) {
     return frame.paused || ros::IsDue(frame.state.tick, world.interval_ns, period);
   };
-  if (fleets_) {
-    if (fleets_->IsToFollow()) shared_->duties.Add(&Duties::Due::follow);
-    fleets_->OnTick(is_due_by(ros::kRobotStatePeriod));
-  }
+  if (fleets_) fleets_->OnTick(is_due_by(ros::kRobotStatePeriod));
   if (workcells_) workcells_->OnTick(frame.state.tick, stamp, is_due_by(ros::kWorkcellStatePeriod));
-  if (!topics_ || frame.state.doors.size() != world.doors.size() || frame.state.lifts.size() != world.lifts.size()) {
-    return;
+  if (topics_) {
+    const bool is_due = is_due_by(ros::kDoorStatePeriod);
+    if (topics_->door_states.wanted()) WriteDoors(frame, stamp, is_due);
+    if (topics_->lift_states.wanted()) WriteLifts(frame, stamp, is_due);
   }
-  const bool is_due = is_due_by(ros::kDoorStatePeriod);
-  for (const std::size_t i : topics_->door_states.wanted() ? doors_ : std::vector<std::size_t>()) {
+  if (intake_ == Intake::kOpen) ExecuteRequests();
+}
+
+void RmfTopics::WriteDoors(const FrameMessage& frame, const ros::Time& stamp, bool is_due) {
+  const WorldDescription& world = scene_->world();
+  for (const std::size_t i : doors_) {
     const std::string& name = world.model(world.doors[i].model).name;
     const ros::DoorMode mode = ros::ModeOf(frame.state.doors[i]);
     const auto [shown, is_new] = shown_doors_.emplace(name, mode);
@@ -283,7 +152,10 @@ void RmfTopics::OnTick(const FrameMessage& frame) {
     dds::WireArena arena;
     topics_->door_states.Write(ros::MakeDoorState(stamp, name, frame.state.doors[i], arena));
   }
-  if (!topics_->lift_states.wanted()) return;
+}
+
+void RmfTopics::WriteLifts(const FrameMessage& frame, const ros::Time& stamp, bool is_due) {
+  const WorldDescription& world = scene_->world();
   for (std::size_t i = 0; i < world.lifts.size(); ++i) {
     const LiftDescription& lift = world.lifts[i];
     const std::string& name = world.model(lift.model).name;
@@ -301,37 +173,7 @@ void RmfTopics::OnTick(const FrameMessage& frame) {
   }
 }
 
-void RmfTopics::Hold() {
-  const std::lock_guard lock(shared_->mutex);
-  holds_ = true;
-}
-
-bool RmfTopics::Settle() {
-  {
-    const std::lock_guard lock(shared_->mutex);
-    has_held_ = false;
-    ReadRequests();
-  }
-  SendEdits();
-  const std::lock_guard lock(shared_->mutex);
-  FinishMoves();
-  const bool is_to_plan = workcells_ && workcells_->has_requests();
-  if (is_to_plan) shared_->duties.Add(&Duties::Due::arrived);
-  if (is_to_plan || shared_->open > 0) return false;
-  holds_ = false;
-  if (std::exchange(has_held_, false)) shared_->duties.Add(&Duties::Due::arrived);
-  return true;
-}
-
-bool RmfTopics::KnowsState() const {
-  const WorldDescription& world = scene_->world();
-  return state_.doors.size() == world.doors.size() && state_.lifts.size() == world.lifts.size() &&
-         (!has_workcells_ ||
-          (state_.robots.size() == world.robots.size() && state_.objects.size() == world.objects.size()));
-}
-
-void RmfTopics::ReadRequests() {
-  if (!KnowsState()) return;
+void RmfTopics::ExecuteRequests() {
   if (topics_) {
     std::vector<DoorAsk> doors;
     topics_->door_requests.Drain([&](const ros::DoorRequest& request) {
@@ -352,14 +194,9 @@ void RmfTopics::ReadRequests() {
     for (const DoorAsk& ask : doors) OperateDoor(ask);
     for (const LiftAsk& ask : lifts) CallLift(ask);
   }
-  if (workcells_) workcells_->Read();
-}
-
-void RmfTopics::FinishMoves() {
-  for (const Shared::Moved& moved : shared_->moved) {
-    if (workcells_) workcells_->Finish(moved.item, moved.is_done, moved.problem);
-  }
-  shared_->moved.clear();
+  if (!workcells_) return;
+  workcells_->Read();
+  while (const std::optional<control::SetPose> move = workcells_->PlanNext(scene_, state_)) Send(*move);
 }
 
 void RmfTopics::OperateDoor(const DoorAsk& ask) {
@@ -409,26 +246,39 @@ void RmfTopics::CallLift(const LiftAsk& ask) {
 
 template <typename Request>
 void RmfTopics::Ask(const Request& request, bool already_there) {
-  const auto wanted = shared_->wanted.find(request.name);
-  if (wanted != shared_->wanted.end() ? wanted->second.request == control::Request(request) : already_there) return;
-  ReserveEdit();
-  shared_->wanted[request.name] = {request};
-  AddEdit(request);
+  const auto wanted = wanted_.find(request.name);
+  if (wanted != wanted_.end() ? wanted->second.request == control::Request(request) : already_there) return;
+  wanted_[request.name] = {request};
+  Send(request);
 }
 
-void RmfTopics::ReserveEdit() {
-  edits_.reserve(edits_.size() + 1);
-  shared_->moved.reserve(shared_->moved.size() + shared_->open + 1);
+void RmfTopics::Send(const control::Request& request) {
+  ++open_;
+  control_.Request(request, [self = std::weak_ptr(self_), request](const ControlReply& reply) {
+    if (const auto alive = self.lock()) (*alive)->OnReply(request, reply);
+  });
 }
 
-void RmfTopics::AddEdit(control::Request edit) {
-  edits_.push_back(std::move(edit));
-  ++shared_->open;
+void RmfTopics::OnReply(const control::Request& request, const ControlReply& reply) {
+  --open_;
+  if (const auto* const move = std::get_if<control::SetPose>(&request)) {
+    if (workcells_) workcells_->Finish(move->name, reply.done, reply.problem);
+  } else {
+    const auto wanted = std::find_if(wanted_.begin(), wanted_.end(),
+                                     [&](const auto& entry) { return entry.second.request == request; });
+    if (!reply.done) reports_.Add(NameOf(request) + ": " + reply.problem);
+    if (wanted != wanted_.end() && reply.done) {
+      wanted->second.answered_at = reply.tick;
+    } else if (wanted != wanted_.end()) {
+      wanted_.erase(wanted);
+    }
+  }
+  if (intake_ == Intake::kSettling && open_ == 0) control_.Wake();
 }
 
 void RmfTopics::Refuse(const std::string& line) {
   if (refused_.size() >= kMaxRefusals) refused_.clear();
-  if (refused_.insert(line).second) reports_->Add(line);
+  if (refused_.insert(line).second) reports_.Add(line);
 }
 
 // That of a robot of the world, or that of the newest request.
@@ -438,29 +288,6 @@ std::string RmfTopics::SessionOf(std::size_t lift, const LiftState& state) const
   const auto task = tasks_.find(world.model(world.lifts[lift].model).name);
   if (task == tasks_.end() || task->second.type == ros::LiftRequestType::kEndSession) return "";
   return task->second.session;
-}
-
-void RmfTopics::SendEdits() {
-  std::vector<control::Request> edits;
-  {
-    const std::lock_guard lock(shared_->mutex);
-    edits.swap(edits_);
-  }
-  for (control::Request& edit : edits) {
-    try {
-      control_.Request(edit, [shared = shared_, reports = reports_,
-                              sent = std::make_shared<control::Request>(edit)](const ControlReply& reply) {
-        try {
-          if (!reply.done && !control::Is<control::SetPose>(*sent)) reports->Add(NameOf(*sent) + ": " + reply.problem);
-        } catch (const std::bad_alloc&) {  // the line is missing
-        }
-        shared->Finish(*sent, reply.done, reply.tick, reply.problem);
-      });
-    } catch (const std::exception& exception) {  // as without memory
-      reports_->Add(exception.what());
-      shared_->Finish(edit, false, 0, {});
-    }
-  }
 }
 
 }  // namespace troupe

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include "ros/connection/ros_endpoints.h"
@@ -95,8 +97,8 @@ RmfWorkcells::RmfWorkcells(const ros::RosNode& node, const std::function<void()>
 
 RmfWorkcells::~RmfWorkcells() = default;
 
-void RmfWorkcells::ChangeWorld(const std::shared_ptr<const Scene>& scene) {
-  workcells_ = FindWorkcells(scene->world());
+void RmfWorkcells::ChangeWorld(const WorldDescription& world) {
+  workcells_ = FindWorkcells(world);
 }
 
 const Workcell* RmfWorkcells::Find(WorkcellKind kind, const std::string& name) const {
@@ -106,7 +108,6 @@ const Workcell* RmfWorkcells::Find(WorkcellKind kind, const std::string& name) c
 }
 
 void RmfWorkcells::Read() {
-  if (has_requests()) return;
   for (const WorkcellKind kind : {WorkcellKind::kDispenser, WorkcellKind::kIngestor}) {
     std::vector<Request> requests;
     TopicsOf(kind).Drain([&](const Request& request) { requests.push_back(request); });
@@ -127,89 +128,91 @@ void RmfWorkcells::Accept(WorkcellKind kind, const Request& request) {
                         NameOf(kind), request.workcell, request.number.size(), kMaxNumber));
     return;
   }
-  const Move move{request.workcell, request.number, kind};
-  if (const auto past = past_.find({kind, request.workcell, request.number}); past != past_.end())
-    return Answer(move, past->second);
-  if (IsOpen(move)) return;
-  WriteResult(move, ResultStatus::kAcknowledged);
-  requests_.push_back({move, request.order});
+  const RequestId id{kind, request.workcell, request.number};
+  if (const auto past = past_.find(id); past != past_.end()) return Answer(id, past->second);
+  if (IsOpen(id)) return;
+  WriteResult(id, ResultStatus::kAcknowledged);
+  open_.push_back({id, request.order});
 }
 
-bool RmfWorkcells::IsOpen(const Move& move) const {
-  return std::any_of(requests_.begin(), requests_.end(),
-                     [&](const Waiting& waiting) { return waiting.move == move; }) ||
-         std::any_of(moves_.begin(), moves_.end(), [&](const auto& open) { return open.second == move; });
+bool RmfWorkcells::IsOpen(const RequestId& id) const {
+  return std::any_of(open_.begin(), open_.end(), [&](const OpenRequest& open) { return open.id == id; });
 }
 
-std::optional<RmfWorkcells::Question> RmfWorkcells::NextQuestion() {
-  while (has_requests()) {
-    const Waiting& oldest = requests_.front();
-    if (const Workcell* const workcell = Find(oldest.move.kind, oldest.move.workcell)) {
-      Question question{*workcell, oldest.order, {}};
-      for (const auto& [item, move] : moves_) question.moving.insert(item);
-      return question;
+std::optional<control::SetPose> RmfWorkcells::PlanNext(const std::shared_ptr<const Scene>& scene,
+                                                       const WorldState& state) {
+  std::set<std::string> moving;
+  for (const OpenRequest& open : open_) {
+    if (open.stage == Stage::kMoving) moving.insert(open.item);
+  }
+  const auto is_accepted = [](const OpenRequest& open) { return open.stage == Stage::kAccepted; };
+  for (auto next = open_.begin(); (next = std::find_if(next, open_.end(), is_accepted)) != open_.end();) {
+    const Workcell* const workcell = Find(next->id.kind, next->id.workcell);
+    if (workcell == nullptr) {  // another world has come, without it
+      next = open_.erase(next);
+      continue;
     }
-    requests_.pop_front();  // another world has come, without the workcell
+    const Result<ItemMove> planned = PlanMove(scene, state, *workcell, next->order, moving);
+    if (!planned.ok()) {
+      const RequestId id = next->id;
+      next = open_.erase(next);
+      Fail(id, planned.error().message);
+      continue;
+    }
+    next->stage = Stage::kMoving;
+    next->item = planned.value().item;
+    return control::SetPose{planned.value().item, planned.value().X_WO};
   }
   return std::nullopt;
 }
 
-std::optional<control::SetPose> RmfWorkcells::Plan(const Result<ItemMove>& planned) {
-  const Move move = requests_.front().move;
-  requests_.pop_front();
-  if (!planned.ok()) {
-    Fail(move, planned.error().message);
-    return std::nullopt;
-  }
-  moves_.emplace(planned.value().item, move);
-  return control::SetPose{planned.value().item, planned.value().X_WO};
-}
-
 void RmfWorkcells::Finish(const std::string& item, bool is_done, const std::string& problem) {
-  const auto found = moves_.find(item);
-  if (found == moves_.end()) return;
-  const Move move = found->second;
-  moves_.erase(found);
+  const auto found = std::find_if(open_.begin(), open_.end(), [&](const OpenRequest& open) {
+    return open.stage == Stage::kMoving && open.item == item;
+  });
+  if (found == open_.end()) return;
+  const RequestId id = found->id;
+  open_.erase(found);
   if (is_done) {
-    Answer(move, true);
+    Answer(id, true);
   } else {
-    Fail(move, problem);
+    Fail(id, problem);
   }
 }
 
-void RmfWorkcells::Fail(const Move& move, const std::string& reason) {
-  report_(fmt::format("/{}_requests: {} '{}', request '{}': {}", NameOf(move.kind), NameOf(move.kind), move.workcell,
-                      move.number, reason));
-  Answer(move, false);
+void RmfWorkcells::Fail(const RequestId& id, const std::string& reason) {
+  report_(fmt::format("/{}_requests: {} '{}', request '{}': {}", NameOf(id.kind), NameOf(id.kind), id.workcell,
+                      id.number, reason));
+  Answer(id, false);
 }
 
-void RmfWorkcells::Answer(const Move& move, bool is_done) {
+void RmfWorkcells::Answer(const RequestId& id, bool is_done) {
   // Forgetting all at once costs at most a second move for a request that is repeated after 10,000 others.
   if (past_.size() >= kMaxPast) past_.clear();
-  past_[{move.kind, move.workcell, move.number}] = is_done;
-  WriteResult(move, is_done ? ResultStatus::kFulfilled : ResultStatus::kRefused);
+  past_[id] = is_done;
+  WriteResult(id, is_done ? ResultStatus::kFulfilled : ResultStatus::kRefused);
 }
 
-void RmfWorkcells::WriteResult(const Move& move, ResultStatus status) {
-  if (results_ == Results::kAtOnce) return TopicsOf(move.kind).WriteResult(stamp_, move.workcell, move.number, status);
-  if (late_results_.size() < kMaxLateResults) return late_results_.push_back({move, status, stamp_});
-  report_(
-      fmt::format("/{}_results: the run is paused; left out a result of request '{}'", NameOf(move.kind), move.number));
+void RmfWorkcells::WriteResult(const RequestId& id, ResultStatus status) {
+  if (results_ == Results::kAtOnce) return TopicsOf(id.kind).WriteResult(stamp_, id.workcell, id.number, status);
+  if (late_results_.size() < kMaxLateResults) return late_results_.push_back({id, status, stamp_});
+  report_(fmt::format("/{}_results: the run is paused; left out a result of request '{}'", NameOf(id.kind), id.number));
 }
 
 void RmfWorkcells::OnTick(Tick tick, const ros::Time& stamp, bool is_due) {
   // An edit shows its tick again.
   if (std::exchange(tick_, tick) != tick) {
     for (const LateResult& late : std::exchange(late_results_, {})) {
-      TopicsOf(late.move.kind).WriteResult(late.stamp, late.move.workcell, late.move.number, late.status);
+      TopicsOf(late.id.kind).WriteResult(late.stamp, late.id.workcell, late.id.number, late.status);
     }
   }
   stamp_ = stamp;
   for (const Workcell& workcell : workcells_) {
     if (!TopicsOf(workcell.kind).wants_states()) continue;
     std::vector<std::string> numbers;
-    for (const auto& [item, move] : moves_) {
-      if (move.kind == workcell.kind && move.workcell == workcell.name) numbers.push_back(move.number);
+    for (const OpenRequest& open : open_) {
+      const bool is_here = open.id.kind == workcell.kind && open.id.workcell == workcell.name;
+      if (is_here && open.stage == Stage::kMoving) numbers.push_back(open.id.number);
     }
     const auto [shown, is_new] = busy_.emplace(std::pair(workcell.kind, workcell.name), false);
     if (!is_due && !is_new && shown->second == !numbers.empty()) continue;

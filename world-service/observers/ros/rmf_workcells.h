@@ -2,22 +2,26 @@
 // and /ingestor_states; a request moves an item by an edit of the run, whose outcome is on /dispenser_results and
 // /ingestor_results. A repeated request has the same result again, and moves nothing.
 //
-// RmfTopics calls it, one call at a time; it makes and ends it on its own thread. What a request moves is planned
-// between two calls (NextQuestion, Plan), because that may take long.
+// A request that is no repetition goes through these stages (Stage):
 //
-// A request goes through: acknowledged, planned against the newest state, executed as a set-pose edit, answered.
+//   kAccepted: acknowledged; its move is not planned yet ──PlanNext──► kMoving, or answered as refused
+//   kMoving: an edit moves the item ──Finish──► answered
+//
 // Clients repeat requests until they see the result, so results are remembered (kMaxPast of them) by workcell and
 // request number.
+//
+// RmfTopics calls it, in turns of the run, and makes and ends it. A move is planned in such a turn, by a search with at
+// most 25 trials of an edit; the edit itself, which pauses the run, costs more.
 #pragma once
 
+#include <compare>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -42,21 +46,12 @@ class RmfWorkcells {
   RmfWorkcells(const RmfWorkcells&) = delete;
   RmfWorkcells& operator=(const RmfWorkcells&) = delete;
 
-  void ChangeWorld(const std::shared_ptr<const Scene>& scene);
-  // Reads the requests that have arrived, unless some are not planned yet: those stay in the readers, which have a
-  // bound. With kWithTicks in the order of their numbers.
+  void ChangeWorld(const WorldDescription& world);
+  // Reads the requests that have arrived; with kWithTicks in the order of their numbers.
   void Read();
-  bool has_requests() const { return !requests_.empty(); }
-  // Arguments of PlanMove.
-  struct Question {
-    Workcell workcell;
-    WorkcellOrder order;
-    std::set<std::string> moving;
-  };
-  // Of the oldest request; nothing if there is none.
-  std::optional<Question> NextQuestion();
-  // The answer to that. Returns the edit that moves the item, if there is one. REQUIRES: the world is the same.
-  std::optional<control::SetPose> Plan(const Result<ItemMove>& planned);
+  // The edit that moves the item of the oldest accepted request that can be fulfilled; answers those before it.
+  // Nothing: no accepted request is left.
+  std::optional<control::SetPose> PlanNext(const std::shared_ptr<const Scene>& scene, const WorldState& state);
   // The edit that moves the item has been answered.
   void Finish(const std::string& item, bool is_done, const std::string& problem);
   // Writes the states, if they are due, and the states of workcells that have become busy or idle.
@@ -72,38 +67,40 @@ class RmfWorkcells {
   };
 
  private:
-  struct Move {
-    std::string workcell;
-    std::string number;  // of the request
+  // The name of a request, which a repetition has, too.
+  struct RequestId {
     WorkcellKind kind = WorkcellKind::kDispenser;
-    bool operator==(const Move&) const = default;
+    std::string workcell;
+    std::string number;
+    auto operator<=>(const RequestId&) const = default;
   };
-  struct Waiting {
-    Move move;
+  enum class Stage : std::uint8_t { kAccepted, kMoving };
+  struct OpenRequest {
+    RequestId id;
     WorkcellOrder order;
+    Stage stage = Stage::kAccepted;
+    std::string item = {};  // that moves
   };
 
   Topics& TopicsOf(WorkcellKind kind) { return *topics_[static_cast<std::size_t>(kind)]; }
   const Workcell* Find(WorkcellKind kind, const std::string& name) const;
   void Accept(WorkcellKind kind, const Request& request);
-  bool IsOpen(const Move& move) const;
-  void Answer(const Move& move, bool is_done);
-  void Fail(const Move& move, const std::string& reason);
-  void WriteResult(const Move& move, ResultStatus status);
+  bool IsOpen(const RequestId& id) const;
+  void Answer(const RequestId& id, bool is_done);
+  void Fail(const RequestId& id, const std::string& reason);
+  void WriteResult(const RequestId& id, ResultStatus status);
 
   const Results results_;
   const std::function<void(const std::string&)> report_;
   std::vector<std::unique_ptr<Topics>> topics_;  // by kind
   std::vector<Workcell> workcells_;
-  std::deque<Waiting> requests_;       // without a plan
-  std::map<std::string, Move> moves_;  // by item: those without an answer
-  // By request, with the workcell and number: whether it was fulfilled.
-  std::map<std::tuple<WorkcellKind, std::string, std::string>, bool> past_;
+  std::deque<OpenRequest> open_;                               // in the sequence of their arrival
+  std::map<RequestId, bool> past_;                             // whether it was fulfilled
   std::map<std::pair<WorkcellKind, std::string>, bool> busy_;  // by workcell: as it was shown last
   Tick tick_ = 0;                                              // the newest, and its time
   ros::Time stamp_ = {};
   struct LateResult {
-    Move move;
+    RequestId id;
     ResultStatus status;
     ros::Time stamp;
   };

@@ -71,7 +71,10 @@ RosLockstepWait::RosLockstepWait(ros::HostConnection& of_run, const ros::RosOpti
       hooks_(std::move(hooks)),
       reports_(hooks_.report),
       scene_(std::move(scene)) {
-  of_run_.WatchTopics([this] { OnArrival(); });
+  of_run_.WatchTopics([this] {
+    OnArrival();
+    hooks_.on_arrival();
+  });
   thread_ = std::thread([this] { Run(); });
 }
 

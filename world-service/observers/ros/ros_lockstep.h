@@ -41,6 +41,7 @@ class RosLockstepWait {
     std::function<void(Tick tick, std::int64_t interval_ns)>
         show_clock;                                       // writes /clock of the run's domain; one call at a time
     std::function<void(const std::string& line)> report;  // for users; on any thread
+    std::function<void()> on_arrival;                     // of the run's domain; on the thread of its connection
   };
 
   // `of_run`: the connection in the domain of the run; its WatchTopics has no other user. All outlive this.

@@ -212,19 +212,25 @@ class RosWorldGateway final : public RunObserver {
     rmf_.emplace(node_, scene_, start.control,
                  waits ? RmfWorkcells::Results::kWithTicks : RmfWorkcells::Results::kAtOnce,
                  [this](const std::string& text) { Warn(text); });
-    if (waits) {
-      lockstep_.emplace(
-          connection_, options_, scene_, start.run, start.control,
-          RosLockstepWait::Hooks{[this](Tick tick, std::int64_t interval_ns) { clock_.Show(tick, interval_ns, true); },
-                                 [this](const std::string& line) { Warn(line); }});
+    const auto on_arrival = [this, &control = start.control] {
+      if (rmf_->ConsumeArrival()) control.Wake();
+    };
+    if (!waits) {
+      connection_.WatchTopics(on_arrival);
+      return Status();
     }
+    lockstep_.emplace(
+        connection_, options_, scene_, start.run, start.control,
+        RosLockstepWait::Hooks{[this](Tick tick, std::int64_t interval_ns) { clock_.Show(tick, interval_ns, true); },
+                               [this](const std::string& line) { Warn(line); }, on_arrival});
     return Status();
   }
   Status OnEnd() override {
     poses_.reset();
-    rmf_.reset();
     if (lockstep_) slowest_awaited_ = lockstep_->SlowestAwaited();
     lockstep_.reset();
+    connection_.WatchTopics({});
+    rmf_.reset();
     ExchangeServices(nullptr);
     return Status();
   }
@@ -246,14 +252,17 @@ class RosWorldGateway final : public RunObserver {
 
   bool ShowsTick(Tick tick) override { return lockstep_ && lockstep_->ShowsTick(tick); }
   Status OnCommit(const CommittedTick& tick, const RunProgress&) override {
-    if (rmf_) rmf_->OnCommit(tick.frame);
+    const bool awaits_nodes = tick.frame.paused && ShowsTick(tick.frame.state.tick);
+    if (rmf_) rmf_->OnCommit(tick.frame, awaits_nodes);
     if (lockstep_) lockstep_->OnCommit(tick.frame);
     return Status();
   }
   Status OnShown(const FrameMessage& frame) override {
-    if (!lockstep_) return Status();
-    if (rmf_) rmf_->Hold();
-    lockstep_->OnShown(frame);
+    if (lockstep_) lockstep_->OnShown(frame);
+    return Status();
+  }
+  Status OnWake() override {
+    if (rmf_) rmf_->OnWake();
     return Status();
   }
   // The requests that came before the last answer are edits of the shown tick.
