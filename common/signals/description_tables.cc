@@ -150,8 +150,8 @@ std::size_t LevelNumberAt(std::span<const LevelDescription> levels, double z) {
   return nearest;
 }
 
-std::vector<LanePlace> FindLanes(const WorldDescription& world) {
-  std::vector<LanePlace> lanes;
+std::vector<LaneRow> FindLanes(const WorldDescription& world) {
+  std::vector<LaneRow> lanes;
   for (std::size_t graph = 0; graph < world.lane_graphs.size(); ++graph) {
     for (std::size_t lane = 0; lane < world.lane_graphs[graph].lanes.size(); ++lane) lanes.push_back({graph, lane});
   }
@@ -177,7 +177,7 @@ std::vector<StateTable> MakeDescriptionTables() {
 std::vector<std::vector<ThingName>> NameDescribedThings(const WorldDescription& world) {
   std::vector<std::vector<ThingName>> names(3);
   for (const LevelDescription& level : world.levels) names[0].push_back({level.name});
-  for (const LanePlace& place : FindLanes(world)) {
+  for (const LaneRow& place : FindLanes(world)) {
     const LaneGraph& graph = world.lane_graphs[place.graph];
     const Lane& lane = graph.lanes[place.lane];
     names[1].push_back({std::to_string(graph.number) + ": " + NameOfVertex(graph, lane.start) + " - " +

@@ -22,12 +22,12 @@ namespace troupe {
 using ThingId = std::uint32_t;
 
 // A lane, by the places in WorldDescription::lane_graphs and LaneGraph::lanes.
-struct LanePlace {
+struct LaneRow {
   std::size_t graph = 0;
   std::size_t lane = 0;
 };
 // The lanes of all graphs and the sensors of all robots, in the orders of their tables.
-std::vector<LanePlace> FindLanes(const WorldDescription& world);
+std::vector<LaneRow> FindLanes(const WorldDescription& world);
 std::vector<SensorPlace> FindSensors(const WorldDescription& world);
 
 class Things {
@@ -57,7 +57,7 @@ class Things {
   const std::vector<std::size_t>& stores_of(RobotId robot) const { return stores_[robot.index()]; }
   // Of the rows of the tables of sensors and lanes.
   const std::vector<SensorPlace>& sensors() const { return sensors_; }
-  const std::vector<LanePlace>& lanes() const { return lanes_; }
+  const std::vector<LaneRow>& lanes() const { return lanes_; }
 
  private:
   struct Range {
@@ -74,7 +74,7 @@ class Things {
   std::vector<bool> exists_;
   std::vector<std::vector<std::size_t>> stores_;  // by RobotId
   std::vector<SensorPlace> sensors_;
-  std::vector<LanePlace> lanes_;
+  std::vector<LaneRow> lanes_;
 };
 
 }  // namespace troupe
