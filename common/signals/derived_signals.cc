@@ -10,26 +10,6 @@
 namespace troupe {
 namespace {
 
-void Add(StateTable& table, Signal signal) {
-  const auto same =
-      std::find_if(table.signals.begin(), table.signals.end(), [&](const Signal& s) { return s.name == signal.name; });
-  if (same != table.signals.end()) {
-    *same = std::move(signal);
-  } else {
-    table.signals.push_back(std::move(signal));
-  }
-}
-
-template <typename Number>
-void AddNumber(StateTable& table, const char* name, const char* unit, const char* documentation, Number number) {
-  Add(table, {name, unit, documentation, ValueType::kNumber, std::move(number)});
-}
-template <typename Truth>
-void AddTruth(StateTable& table, const char* name, const char* documentation, Truth truth) {
-  Add(table, {name, "", documentation, ValueType::kTruth,
-              [truth](const SignalView& view, std::size_t row) { return truth(view, row) ? 1.0 : 0.0; }});
-}
-
 // The level of a height, by its number and by its name.
 template <typename Height>
 void AddLevel(StateTable& table, Height height) {
@@ -46,7 +26,7 @@ void AddLevel(StateTable& table, Height height) {
     if (names.empty()) names.push_back(LevelAt({}, 0.0));
     return names;
   };
-  Add(table, std::move(signal));
+  table.Add(std::move(signal));
 }
 
 double SumOfStores(const SignalView& view, std::size_t robot, double StoreState::*part) {
@@ -72,31 +52,32 @@ double Capacity(const SignalView& view, std::size_t robot) {
 }
 
 void AddOfStores(StateTable& table) {
-  AddNumber(table, "capacity", "J", "the most that it can have; none of an endless store",
-            [](const SignalView& view, std::size_t row) {
-              const PowerDescription& power = PowerOf(view, row);
-              return power.endless ? kNoNumber : power.capacity;
-            });
+  table.AddNumber("capacity", "J", "the most that it can have; none of an endless store",
+                  [](const SignalView& view, std::size_t row) {
+                    const PowerDescription& power = PowerOf(view, row);
+                    return power.endless ? kNoNumber : power.capacity;
+                  });
 }
 
 void AddOfRobots(StateTable& table) {
-  AddNumber(table, "speed", "m/s", "over the ground during the tick that ended, never negative",
-            [](const SignalView& view, std::size_t row) {
-              const Twist& twist = view.state.robots[row].twist;
-              return std::sqrt(twist.vx * twist.vx + twist.vy * twist.vy);
-            });
+  table.AddNumber("speed", "m/s", "over the ground during the tick that ended, never negative",
+                  [](const SignalView& view, std::size_t row) {
+                    const Twist& twist = view.state.robots[row].twist;
+                    return std::sqrt(twist.vx * twist.vx + twist.vy * twist.vy);
+                  });
   AddLevel(table, [](const WorldState& state, std::size_t row) { return state.robots[row].X_WR.z; });
-  AddNumber(table, "energy", "J", "in its stores of energy that can become empty",
-            [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::joules); });
-  AddNumber(table, "capacity", "J", "the most that its stores can have", Capacity);
-  AddNumber(table, "charging", "W", "power that its stores have received during the tick that ended",
-            [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::charge_watts); });
+  table.AddNumber("energy", "J", "in its stores of energy that can become empty",
+                  [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::joules); });
+  table.AddNumber("capacity", "J", "the most that its stores can have", Capacity);
+  table.AddNumber(
+      "charging", "W", "power that its stores have received during the tick that ended",
+      [](const SignalView& view, std::size_t row) { return SumOfStores(view, row, &StoreState::charge_watts); });
 }
 
 void AddOfObjects(StateTable& table) {
   const auto add_mode = [&](const char* name, const char* documentation, ObjectMode mode) {
-    AddTruth(table, name, documentation,
-             [mode](const SignalView& view, std::size_t row) { return view.state.objects[row].mode == mode; });
+    table.AddTruth(name, documentation,
+                   [mode](const SignalView& view, std::size_t row) { return view.state.objects[row].mode == mode; });
   };
   add_mode("falling", "it falls", ObjectMode::kFalling);
   add_mode("resting", "it has come to rest on a support or on the ground after a fall or a motion",
@@ -111,14 +92,14 @@ void AddOfObjects(StateTable& table) {
     const std::optional<ModelId> carrier = CarrierOf(view.world, view.state.objects[row]);
     return carrier ? view.world.model(*carrier).name : std::string();
   };
-  Add(table, std::move(on));
+  table.Add(std::move(on));
 }
 
 void AddOfDoors(StateTable& table) {
-  AddTruth(table, "open", "it is as far open as it can be",
-           [](const SignalView& view, std::size_t row) { return view.state.doors[row].opening == 1.0; });
-  AddTruth(table, "closed", "it is closed",
-           [](const SignalView& view, std::size_t row) { return view.state.doors[row].opening == 0.0; });
+  table.AddTruth("open", "it is as far open as it can be",
+                 [](const SignalView& view, std::size_t row) { return view.state.doors[row].opening == 1.0; });
+  table.AddTruth("closed", "it is closed",
+                 [](const SignalView& view, std::size_t row) { return view.state.doors[row].opening == 0.0; });
 }
 
 // The name of a floor of a lift, and its number: `lift` is from 1 on; 0: none.
@@ -149,30 +130,30 @@ bool StandsAtFloor(const SignalView& view, std::size_t row) {
 }
 
 void AddOfLifts(StateTable& table) {
-  Add(table, FloorSignal("the floor that it moves to or stands at", [](const WorldState& state, std::size_t row) {
-        return std::pair(row + 1, state.lifts[row].floor);
-      }));
-  AddTruth(table, "stands", "its cabin stands at its floor", StandsAtFloor);
-  AddTruth(table, "open", "its cabin stands at its floor, and all doors there are open",
-           [](const SignalView& view, std::size_t row) {
-             if (!StandsAtFloor(view, row)) return false;
-             const LiftFloor& floor = view.world.lifts[row].floors[view.state.lifts[row].floor];
-             return std::all_of(floor.doors.begin(), floor.doors.end(),
-                                [&](std::size_t door) { return view.state.doors[door].opening == 1.0; });
-           });
+  table.Add(FloorSignal("the floor that it moves to or stands at", [](const WorldState& state, std::size_t row) {
+    return std::pair(row + 1, state.lifts[row].floor);
+  }));
+  table.AddTruth("stands", "its cabin stands at its floor", StandsAtFloor);
+  table.AddTruth("open", "its cabin stands at its floor, and all doors there are open",
+                 [](const SignalView& view, std::size_t row) {
+                   if (!StandsAtFloor(view, row)) return false;
+                   const LiftFloor& floor = view.world.lifts[row].floors[view.state.lifts[row].floor];
+                   return std::all_of(floor.doors.begin(), floor.doors.end(),
+                                      [&](std::size_t door) { return view.state.doors[door].opening == 1.0; });
+                 });
   AddLevel(table, [](const WorldState& state, std::size_t row) { return state.lifts[row].z; });
 }
 
 void AddOfPeople(StateTable& table) {
-  AddNumber(table, "speed", "m/s", "over the ground during the tick that ended, never negative",
-            [](const SignalView& view, std::size_t row) {
-              const PersonState& person = view.state.people[row];
-              return std::sqrt(person.vx * person.vx + person.vy * person.vy);
-            });
+  table.AddNumber("speed", "m/s", "over the ground during the tick that ended, never negative",
+                  [](const SignalView& view, std::size_t row) {
+                    const PersonState& person = view.state.people[row];
+                    return std::sqrt(person.vx * person.vx + person.vy * person.vy);
+                  });
   AddLevel(table, [](const WorldState& state, std::size_t row) { return state.people[row].X_WP.z; });
-  Add(table, FloorSignal("the floor to which it rides", [](const WorldState& state, std::size_t row) {
-        return std::pair(std::size_t{state.people[row].lift}, state.people[row].floor);
-      }));
+  table.Add(FloorSignal("the floor to which it rides", [](const WorldState& state, std::size_t row) {
+    return std::pair(std::size_t{state.people[row].lift}, state.people[row].floor);
+  }));
   // The field counts from 1 on.
   const auto add_part = [&](const char* name, const char* documentation, std::uint32_t PersonState::*part,
                             const auto& model_of) {
@@ -185,7 +166,7 @@ void AddOfPeople(StateTable& table) {
       const std::uint32_t number = view.state.people[row].*part;
       return number == 0 ? std::string() : view.world.model(model_of(view.world, number - 1)).name;
     };
-    Add(table, std::move(signal));
+    table.Add(std::move(signal));
   };
   add_part("door", "the door that it asks for", &PersonState::door,
            [](const WorldDescription& world, std::size_t door) { return world.doors[door].model; });

@@ -16,21 +16,11 @@ namespace {
 
 constexpr double kLaneHalf = 0.5;  // m: a body is on a lane within it, as in the traffic of robots on lanes
 
-template <typename Number>
-void AddNumber(StateTable& table, const char* name, const char* unit, const char* documentation, Number number) {
-  table.signals.push_back({name, unit, documentation, ValueType::kNumber, std::move(number)});
-}
-template <typename Truth>
-void AddTruth(StateTable& table, const char* name, const char* documentation, Truth truth) {
-  table.signals.push_back({name, "", documentation, ValueType::kTruth,
-                           [truth](const SignalView& view, std::size_t row) { return truth(view, row) ? 1.0 : 0.0; }});
-}
-
 // Adds the numbers of robots, objects and people for whose poses is_there(view, row of the table, X_WB) is true.
 template <typename IsThere>
 void AddCounts(StateTable& table, const char* documentation, IsThere is_there) {
   const auto add = [&](const char* name, std::size_t (*kind)(), auto bodies, auto pose) {
-    AddNumber(table, name, "", documentation, [=](const SignalView& view, std::size_t row) {
+    table.AddNumber(name, "", documentation, [=](const SignalView& view, std::size_t row) {
       double count = 0.0;
       ThingId thing = view.things.first(kind());
       for (const auto& body : view.state.*bodies) {
@@ -47,8 +37,8 @@ void AddCounts(StateTable& table, const char* documentation, IsThere is_there) {
 StateTable MakeLevels() {
   StateTable table{"levels", "level"};
   table.rows = [](const WorldDescription& world, const WorldState&) { return world.levels.size(); };
-  AddNumber(table, "z", "m", "of its floor",
-            [](const SignalView& view, std::size_t row) { return view.world.levels[row].z; });
+  table.AddNumber("z", "m", "of its floor",
+                  [](const SignalView& view, std::size_t row) { return view.world.levels[row].z; });
   AddCounts(table, "number of them whose nearest level it is",
             [](const SignalView& view, std::size_t row, const Pose& X_WB) {
               return LevelNumberAt(view.world.levels, X_WB.z) == row;
@@ -84,17 +74,17 @@ StateTable MakeLanes() {
     for (const LaneGraph& graph : world.lane_graphs) rows += graph.lanes.size();
     return rows;
   };
-  AddNumber(table, "length", "m", "from its start to its end", [](const SignalView& view, std::size_t row) {
+  table.AddNumber("length", "m", "from its start to its end", [](const SignalView& view, std::size_t row) {
     const Lane& lane = LaneOf(view, row);
     return GraphOf(view, row).Way(lane.start, lane.end).norm();
   });
   AddCounts(table, "number of them on its level with the origin within 0.5 m of its line", IsOnLane);
-  AddTruth(table, "open", "all doors that it passes are as far open as they can be",
-           [](const SignalView& view, std::size_t row) {
-             const std::vector<LaneDoor>& doors = LaneOf(view, row).doors;
-             return std::all_of(doors.begin(), doors.end(),
-                                [&](const LaneDoor& door) { return view.state.doors[door.door].opening == 1.0; });
-           });
+  table.AddTruth("open", "all doors that it passes are as far open as they can be",
+                 [](const SignalView& view, std::size_t row) {
+                   const std::vector<LaneDoor>& doors = LaneOf(view, row).doors;
+                   return std::all_of(doors.begin(), doors.end(),
+                                      [&](const LaneDoor& door) { return view.state.doors[door.door].opening == 1.0; });
+                 });
   return table;
 }
 
@@ -125,10 +115,10 @@ StateTable MakeSensors() {
     (std::make_index_sequence<std::variant_size_v<SensorParameters>>());
   };
   table.signals.push_back(std::move(type));
-  AddNumber(table, "period", "tick", "from one measurement to the next", [](const SignalView& view, std::size_t row) {
+  table.AddNumber("period", "tick", "from one measurement to the next", [](const SignalView& view, std::size_t row) {
     return static_cast<double>(SensorOf(view, row).period_ticks);
   });
-  AddTruth(table, "due", "it measures at this tick", [](const SignalView& view, std::size_t row) {
+  table.AddTruth("due", "it measures at this tick", [](const SignalView& view, std::size_t row) {
     return view.state.tick % SensorOf(view, row).period_ticks == 0;
   });
   return table;

@@ -177,6 +177,16 @@ Names NamesOf(const WorldDescription& world, const std::vector<PersonState>&) {
 
 }  // namespace
 
+void StateTable::Add(Signal signal) {
+  const auto same =
+      std::find_if(signals.begin(), signals.end(), [&](const Signal& s) { return s.name == signal.name; });
+  if (same != signals.end()) {
+    *same = std::move(signal);
+  } else {
+    signals.push_back(std::move(signal));
+  }
+}
+
 const Signal* StateTable::Find(std::string_view signal) const {
   const auto found = std::find_if(signals.begin(), signals.end(), [&](const Signal& s) { return s.name == signal; });
   return found == signals.end() ? nullptr : &*found;

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/signals/signal.h"
@@ -30,6 +31,18 @@ struct StateTable {
   std::size_t (*rows)(const WorldDescription& world, const WorldState& state) = nullptr;
 
   const Signal* Find(std::string_view signal) const;  // null: it has none of that name
+  // Adds a signal. It replaces one of the same name: what follows from the fields of a row may replace a field.
+  void Add(Signal signal);
+  // `number(view, row)` and `truth(view, row)` are the signal's value of a row.
+  template <typename Number>
+  void AddNumber(const char* signal, const char* unit, const char* documentation, Number number) {
+    Add({signal, unit, documentation, ValueType::kNumber, std::move(number)});
+  }
+  template <typename Truth>
+  void AddTruth(const char* signal, const char* documentation, Truth truth) {
+    Add({signal, "", documentation, ValueType::kTruth,
+         [truth](const SignalView& view, std::size_t row) { return truth(view, row) ? 1.0 : 0.0; }});
+  }
 };
 
 // In the order of WorldState, then those of the description. Constant.
@@ -65,7 +78,7 @@ std::string TextOf(const WorldDescription& world, PersonId person);
 std::string TextOf(const WorldDescription& world, JointId joint);
 std::string TextOf(const WorldDescription& world, GripperId gripper);
 
-// Adds what follows from the fields of a row. One of the name of a field replaces it.
+// Adds the signals that follow from the fields of a row.
 void AddDerivedSignals(StateTable& table);
 
 // The tables of what only the description has, and the names of their rows.
