@@ -150,17 +150,17 @@ std::string TokenOf(const NetworkSettings& network) {
 
 // A token that its owner has made, so that a scraper can have it, too. It has to stay a token in a URL.
 Result<std::string> ReadToken(const std::string& file) {
-  constexpr std::size_t kShortest = 16;
-  constexpr std::size_t kLongest = 100;
+  constexpr std::size_t kMinLength = 16;
+  constexpr std::size_t kMaxLength = 100;
   const std::string_view allowed = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ-._~";
-  Result<std::string> token = ReadWholeFile(file, kLongest + 2);
+  Result<std::string> token = ReadWholeFile(file, kMaxLength + 2);
   if (!token.ok()) return Error{{file}, "cannot read: " + token.error().message};
   std::string& text = token.value();
   while (text.ends_with('\n') || text.ends_with('\r')) text.pop_back();
-  if (text.size() < kShortest || text.size() > kLongest || text.find_first_not_of(allowed) != std::string::npos) {
+  if (text.size() < kMinLength || text.size() > kMaxLength || text.find_first_not_of(allowed) != std::string::npos) {
     return Error{{file},
                  fmt::format("found {} bytes, expected a token of {} to {} letters, digits and -._~", text.size(),
-                             kShortest, kLongest)};
+                             kMinLength, kMaxLength)};
   }
   return token;
 }

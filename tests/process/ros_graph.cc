@@ -23,11 +23,11 @@ using Clock = std::chrono::steady_clock;
 
 // The topics with a writer, of those that end in `ending`.
 void AddTopics(const dds::Entity& reader, std::string_view ending, std::set<std::string>& topics) {
-  constexpr std::size_t kMost = 1000;
+  constexpr std::size_t kMaxSamples = 1000;
   for (;;) {
-    std::vector<void*> samples(kMost, nullptr);
-    std::vector<dds_sample_info_t> infos(kMost);
-    const dds_return_t count = dds_take(reader.handle(), samples.data(), infos.data(), kMost, kMost);
+    std::vector<void*> samples(kMaxSamples, nullptr);
+    std::vector<dds_sample_info_t> infos(kMaxSamples);
+    const dds_return_t count = dds_take(reader.handle(), samples.data(), infos.data(), kMaxSamples, kMaxSamples);
     if (count <= 0) return;
     for (dds_return_t i = 0; i < count; ++i) {
       const auto index = static_cast<std::size_t>(i);

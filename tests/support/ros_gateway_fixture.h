@@ -64,7 +64,7 @@ inline std::map<std::string, std::string> UserDataOf(dds_entity_t participant, d
   std::vector<void*> samples(kMaxEndpoints, nullptr);
   std::vector<dds_sample_info_t> infos(kMaxEndpoints);
   std::map<std::string, std::string> all;
-  const dds_return_t count = dds_read(endpoints.handle(), samples.data(), infos.data(), kMaxEndpoints, kMost);
+  const dds_return_t count = dds_read(endpoints.handle(), samples.data(), infos.data(), kMaxEndpoints, kMaxEndpoints);
   for (dds_return_t i = 0; i < count; ++i) {
     const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[static_cast<std::size_t>(i)]);
     void* bytes = nullptr;

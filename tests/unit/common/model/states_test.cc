@@ -303,9 +303,9 @@ TEST(Id, ADefaultOneIsThatOfNothing) {
 }
 
 TEST(Id, AnIndexOfMoreBitsIsNotCutToThatOfSomethingElse) {
-  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
-  EXPECT_EQ(RobotId(kMost - 1).index(), kMost - 1);
-  for (const std::size_t index : {kMost, kMost + 1, kMost + 4, std::numeric_limits<std::size_t>::max()}) {
+  constexpr std::size_t kMax = std::numeric_limits<std::uint32_t>::max();
+  EXPECT_EQ(RobotId(kMax - 1).index(), kMax - 1);
+  for (const std::size_t index : {kMax, kMax + 1, kMax + 4, std::numeric_limits<std::size_t>::max()}) {
     EXPECT_EQ(RobotId(index), RobotId()) << index;
   }
 }

@@ -9,8 +9,8 @@ namespace {
 
 TEST(SceneCacheTest, FindsTheSceneOfADescriptionWhileItIsInUse) {
   SceneCache scenes;
-  auto scene = std::make_shared<const Scene>(test::Yard(1));
-  const Shared<WorldDescription> equal = test::Yard(1);
+  auto scene = std::make_shared<const Scene>(Yard(1));
+  const Shared<WorldDescription> equal = Yard(1);
   const Scene* const made = scene.get();
   EXPECT_EQ(scenes.Find(WorldOf(scene)), nullptr);
   scenes.Add(scene);
