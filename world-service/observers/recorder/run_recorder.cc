@@ -26,6 +26,14 @@ FrameMessage HeadOf(const FrameMessage& frame) {
   return head;
 }
 
+// The progress of a run that is being rewound.
+RunProgress WithinRewind(RunProgress progress) {
+  progress.is_rewinding = true;
+  progress.commands.clear();
+  progress.inputs.clear();
+  return progress;
+}
+
 using Clock = std::chrono::steady_clock;
 
 // A run that is killed loses no more than the ticks of about this time.
@@ -152,7 +160,7 @@ Status RunRecorder::OnCommit(const CommittedTick& tick, const RunProgress& progr
 
 Status RunRecorder::OnProgress(const RunProgress& progress) {
   const std::lock_guard lock(mutex_);
-  return WriteProgress(progress);
+  return WriteProgress(committed_.progress.is_rewinding ? WithinRewind(progress) : progress);
 }
 
 Status RunRecorder::OnTick(const CommittedTick& tick) {
@@ -175,9 +183,7 @@ Status RunRecorder::AppendRewind(const TickSource& next) {
       }
       const std::lock_guard lock(mutex_);
       tick.number = committed_.next_number++;
-      committed_.progress.is_rewinding = true;
-      committed_.progress.commands.clear();
-      committed_.progress.inputs.clear();
+      committed_.progress = WithinRewind(std::move(committed_.progress));
       if (Status failure = Write(std::move(tick)); !failure.ok()) return failure;
     }
   });

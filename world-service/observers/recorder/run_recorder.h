@@ -151,7 +151,7 @@ class RunRecorder final : public RunObserver {
   // Appends the states of a rewind that `next` makes, until it returns false, as if they had followed the newest; their
   // numbers are computed here. All of them, or after an error no other state: the recording then ends, and the run that
   // is recorded, too. May wait for the disk. The journal says that the run is being rewound from the first of them
-  // until the next OnCommit. REQUIRES: the run commits no tick and has no progress meanwhile.
+  // until the next OnCommit. REQUIRES: the run commits no tick meanwhile.
   using TickSource = std::function<Result<bool>(RecordedTick&)>;
   Status AppendRewind(const TickSource& next);
   // Writes from now on; OnBegin does it, too. REQUIRES: the recorder continues a journal.

@@ -151,7 +151,7 @@ TEST_F(RunRecorderTest, ProgressThatIsReportedWithinARewindTearsNoRecordOfTheJou
     });
     both.arrive_and_wait();
     std::uint64_t made = 0;
-    const Status written = recorder->Append([&](RecordedTick& tick) -> Result<bool> {
+    const Status written = recorder->AppendRewind([&](RecordedTick& tick) -> Result<bool> {
       if (made == kStates) return false;
       tick.tick = made++;
       return true;
@@ -161,6 +161,7 @@ TEST_F(RunRecorderTest, ProgressThatIsReportedWithinARewindTearsNoRecordOfTheJou
     const JournalTailContent tail = ReadJournalTail(files, 7, 0).value();
     EXPECT_EQ(tail.ticks.size(), kStates);
     EXPECT_EQ(tail.next_serial, 2 * kStates);
+    EXPECT_TRUE(tail.progress->is_rewinding) << "until its end is committed";
     EXPECT_TRUE(recorder->OnEnd().ok());
   }
   std::filesystem::remove_all(folder);
