@@ -253,9 +253,9 @@ std::string Variation::Describe() const {
   switch (kind_) {
     case Kind::kValues: {
       std::string list;
-      constexpr std::size_t kMost = 8;
-      for (std::size_t i = 0; i < std::min(values_.size(), kMost); ++i) list += (i > 0 ? ", " : "") + values_[i];
-      if (values_.size() > kMost) list += fmt::format(", ... ({} values)", values_.size());
+      constexpr std::size_t kMax = 8;
+      for (std::size_t i = 0; i < std::min(values_.size(), kMax); ++i) list += (i > 0 ? ", " : "") + values_[i];
+      if (values_.size() > kMax) list += fmt::format(", ... ({} values)", values_.size());
       return "one of " + list;
     }
     case Kind::kRange: {

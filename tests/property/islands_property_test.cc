@@ -13,7 +13,7 @@ using test::GripperDemand;
 using test::GripperWorld;
 using test::RandomStream;
 
-constexpr std::size_t kFewest = 1;  // robots, for threads
+constexpr std::size_t kMin = 1;  // robots, for threads
 
 struct Counts {
   std::size_t islands = 0;
@@ -28,8 +28,8 @@ class Comparison {
   explicit Comparison(const WorldDescription& world)
       : scene(world),
         state(InitialState(scene)),
-        two_(scene, std::make_shared<ThreadPool>(2), kFewest),
-        five_(scene, std::make_shared<ThreadPool>(5), kFewest),
+        two_(scene, std::make_shared<ThreadPool>(2), kMin),
+        five_(scene, std::make_shared<ThreadPool>(5), kMin),
         bodies_(scene) {}
 
   void Step(const std::vector<Proposal>& proposals, Counts& counts) {

@@ -94,7 +94,7 @@ bool IsOnALevelOrInTheCabin(const Scene& scene, const WorldState& state, std::si
 }
 
 TEST(RidesProperty, AllReachTheOtherLevelsAndNoneIsInAnotherBody) {
-  constexpr Tick kLongest = 4000;
+  constexpr Tick kMaxLength = 4000;
   Tick longest_trip = 0;
   Tick longest_call = 0;
   int served = 0;
@@ -127,7 +127,7 @@ TEST(RidesProperty, AllReachTheOtherLevelsAndNoneIsInAnotherBody) {
             level[i] = now;
           }
         }
-        ASSERT_LT(state.tick - changed[i], kLongest) << "person " << i << " does not reach another level";
+        ASSERT_LT(state.tick - changed[i], kMaxLength) << "person " << i << " does not reach another level";
       }
     }
     longest_call = std::max(longest_call, robot.longest);

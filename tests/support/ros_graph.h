@@ -130,9 +130,9 @@ class RosGraph {
   static void ForEachAlive(const dds::Entity& reader, const Visit& visit) {
     std::vector<void*> samples(kMaxSamples, nullptr);
     std::vector<dds_sample_info_t> infos(kMaxSamples);
-    const dds_return_t count = dds::Check(
-        dds_read_mask(reader.handle(), samples.data(), infos.data(), kMaxSamples, kMaxSamples, DDS_ALIVE_INSTANCE_STATE),
-        "reading");
+    const dds_return_t count = dds::Check(dds_read_mask(reader.handle(), samples.data(), infos.data(), kMaxSamples,
+                                                        kMaxSamples, DDS_ALIVE_INSTANCE_STATE),
+                                          "reading");
     for (dds_return_t i = 0; i < count; ++i) {
       const auto index = static_cast<std::size_t>(i);
       if (infos[index].valid_data) visit(*static_cast<const Sample*>(samples[index]));

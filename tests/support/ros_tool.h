@@ -41,12 +41,12 @@ class RosTool {
 
   // "/r0/odom": the topics with a writer.
   std::set<std::string> Topics() {
-    constexpr std::uint32_t kMost = 10000;
-    std::vector<void*> samples(kMost, nullptr);
-    std::vector<dds_sample_info_t> infos(kMost);
+    constexpr std::uint32_t kMax = 10000;
+    std::vector<void*> samples(kMax, nullptr);
+    std::vector<dds_sample_info_t> infos(kMax);
     std::set<std::string> topics;
     const dds_return_t count = dds::Check(
-        dds_read_mask(publications_.handle(), samples.data(), infos.data(), kMost, kMost, DDS_ALIVE_INSTANCE_STATE),
+        dds_read_mask(publications_.handle(), samples.data(), infos.data(), kMax, kMax, DDS_ALIVE_INSTANCE_STATE),
         "reading the graph");
     for (dds_return_t i = 0; i < count; ++i) {
       const auto index = static_cast<std::size_t>(i);

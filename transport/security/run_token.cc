@@ -156,8 +156,8 @@ Status WritePrivateFolder(const std::string& folder, const std::vector<PrivateFi
 }
 
 Result<std::string> ReadFileOfKeys(const std::string& path) {
-  constexpr std::size_t kMost = 1'000'000;  // bytes
-  Result<std::string> content = ReadWholeFile(path, kMost);
+  constexpr std::size_t kMax = 1'000'000;  // bytes
+  Result<std::string> content = ReadWholeFile(path, kMax);
   if (content.ok()) return content;
   return Error{{path}, "cannot read: " + content.error().message};
 }

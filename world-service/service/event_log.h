@@ -78,17 +78,17 @@ class EventLog {
 class NoticeList {
  public:
   void Add(std::string text) { notices_.push_back(std::move(text)); }
-  // A plain line of at most kLongest bytes. Drops the notice when many are waiting: a hostile peer may cause any number
-  // between two reports.
+  // A plain line of at most kMaxLength bytes. Drops the notice when many are waiting: a hostile peer may cause any
+  // number between two reports.
   void AddFromPeer(std::string_view text) {
-    if (notices_.size() < kMost) Add(PlainLine(text, kLongest));
+    if (notices_.size() < kMax) Add(PlainLine(text, kMaxLength));
   }
   // The notices that were not returned before.
   std::vector<std::string> Drain() { return std::exchange(notices_, {}); }
 
  private:
-  static constexpr std::size_t kMost = 100;
-  static constexpr std::size_t kLongest = 1000;
+  static constexpr std::size_t kMax = 100;
+  static constexpr std::size_t kMaxLength = 1000;
 
   std::vector<std::string> notices_;
 };

@@ -61,11 +61,11 @@ class Crowd {
 
   // An error if the ways of the people would not fit into the memory of most machines.
   Status CheckWays(const SourceLocation& where) const {
-    constexpr std::uint64_t kMost = 8;  // GiB
+    constexpr std::uint64_t kMax = 8;  // GiB
     const double size = std::ceil(WalkRoutes::MostBytes(scene_, world_) / (1 << 30));
-    if (size <= static_cast<double>(kMost)) return Status();
+    if (size <= static_cast<double>(kMax)) return Status();
     return Error{where, "found people whose ways may take " + std::to_string(static_cast<std::uint64_t>(size)) +
-                            " GiB of memory, expected at most " + std::to_string(kMost) +
+                            " GiB of memory, expected at most " + std::to_string(kMax) +
                             ": each goal takes a grid of the whole ground for each size of people"};
   }
 

@@ -131,11 +131,11 @@ class Overrider {
   }
 
   static std::string List(const std::vector<std::string>& words) {
-    constexpr std::size_t kMost = 12;
+    constexpr std::size_t kMax = 12;
     if (words.empty()) return "(there are none)";
     std::string list;
-    for (std::size_t i = 0; i < words.size() && i < kMost; ++i) list += (i > 0 ? ", " : "") + Quoted(words[i]);
-    if (words.size() > kMost) list += " and " + std::to_string(words.size() - kMost) + " more";
+    for (std::size_t i = 0; i < words.size() && i < kMax; ++i) list += (i > 0 ? ", " : "") + Quoted(words[i]);
+    if (words.size() > kMax) list += " and " + std::to_string(words.size() - kMax) + " more";
     return list;
   }
 

@@ -91,12 +91,12 @@ class FrameStream {
 // join again. Of too many the oldest is forgotten.
 class LostAgents {
  public:
-  static constexpr std::size_t kMost = 1024;
+  static constexpr std::size_t kMax = 1024;
 
   // Returns the agent that is forgotten for it, if any.
   std::optional<AgentId> Add(AgentId agent, const GuidPrefix& participant) {
     std::optional<AgentId> forgotten;
-    if (agents_.size() == kMost && !agents_.contains(agent)) {
+    if (agents_.size() == kMax && !agents_.contains(agent)) {
       const auto oldest = std::min_element(agents_.begin(), agents_.end(), [](const auto& a, const auto& b) {
         return a.second.number < b.second.number;
       });

@@ -433,8 +433,8 @@ const RangerParameters* KnownRangers::Find(const WorldNode& node) const {
 }
 
 const RangerParameters& KnownRangers::Add(const WorldNode& node, RangerParameters ranger) {
-  constexpr std::size_t kMost = 16;  // a world has few types of robots
-  if (entries_.size() == kMost) entries_.pop_front();
+  constexpr std::size_t kMax = 16;  // a world has few types of robots
+  if (entries_.size() == kMax) entries_.pop_front();
   return entries_.emplace_back(Entry{&node, std::move(ranger)}).ranger;
 }
 

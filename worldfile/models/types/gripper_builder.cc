@@ -259,10 +259,10 @@ ModelId GripperBuilder::Mount(ModelId left, ModelId right) const {
 }
 
 std::vector<std::string> GripperBuilder::NamesBelow(const GripperDraft& draft) const {
-  constexpr std::size_t kMost = 12;
+  constexpr std::size_t kMax = 12;
   const std::string prefix = world_.model(draft.model).name + ".";
   std::vector<std::string> names;
-  for (std::size_t i = draft.model.index() + 1; i < world_.models.size() && names.size() < kMost; ++i) {
+  for (std::size_t i = draft.model.index() + 1; i < world_.models.size() && names.size() < kMax; ++i) {
     if (!IsInTree(world_, ModelId(i), draft.model)) break;
     const std::string& name = world_.models[i].name;
     names.push_back(name.starts_with(prefix) ? name.substr(prefix.size()) : "/" + name);

@@ -42,9 +42,9 @@ DriveDescription ReadDrive(PropertyReader& reader) {
   DriveDescription drive;
   constexpr std::string_view kTypes[] = {"diff", "omni", "car"};
   drive.type = reader.Choice<DriveType>("drive", kTypes);
-  constexpr double kShortest = 1e-6;  // m
+  constexpr double kMinLength = 1e-6;  // m
   const double wheelbase = reader.Length("wheelbase", 1.0);
-  drive.wheelbase = std::fabs(wheelbase) > kShortest ? std::fabs(wheelbase) : 1.0;
+  drive.wheelbase = std::fabs(wheelbase) > kMinLength ? std::fabs(wheelbase) : 1.0;
   if (drive.wheelbase != wheelbase) {
     reader.WarnOfValue(*reader.Use("wheelbase"), NumberText(wheelbase) + " m", "more than 0",
                        NumberText(drive.wheelbase) + " m");

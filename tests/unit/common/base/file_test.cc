@@ -23,7 +23,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr std::size_t kMost = 1'000'000;
+constexpr std::size_t kMaxBytes = 1'000'000;
 
 class FileTest : public testing::Test {
  protected:
@@ -82,13 +82,13 @@ class FullDisk {
 TEST_F(FileTest, ReadsAWholeFile) {
   const std::string text(300'000, 'x');
   Write("text", text + "end");
-  EXPECT_EQ(ReadWholeFile(Path("text"), kMost).value(), text + "end");
+  EXPECT_EQ(ReadWholeFile(Path("text"), kMaxBytes).value(), text + "end");
   Write("empty", "");
-  EXPECT_EQ(ReadWholeFile(Path("empty"), kMost).value(), "");
+  EXPECT_EQ(ReadWholeFile(Path("empty"), kMaxBytes).value(), "");
 }
 
 TEST_F(FileTest, ReadsAFileWhoseSizeIsSaidToBeZero) {
-  const Result<std::string> text = ReadWholeFile("/proc/self/status", kMost);
+  const Result<std::string> text = ReadWholeFile("/proc/self/status", kMaxBytes);
   ASSERT_TRUE(text.ok());
   EXPECT_THAT(text.value(), HasSubstr("\nVmRSS:"));
 }

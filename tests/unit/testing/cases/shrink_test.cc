@@ -64,26 +64,26 @@ class RareFault : public testing::Test {
                                                 R"(}, "expect": ["always (max r: abs(x(r) - 3 m)) > 0.66 m"]})"))
         .value();
   }
-  static constexpr std::uint64_t kMost = 100'000;  // runs
+  static constexpr std::uint64_t kMax = 100'000;  // runs
 
   // The runs that a search needs, and those of random cases.
   static std::uint64_t RunsOfSearch(const TestFile& test) {
     const CaseWorlds worlds(test);
     CaseSearch search(test.design());
-    for (std::uint64_t runs = 1; runs < kMost; ++runs) {
+    for (std::uint64_t runs = 1; runs < kMax; ++runs) {
       const TestCase draws = search.Next();
       const CaseOutcome outcome = RunCase(worlds, draws);
       if (outcome.verdict == CaseVerdict::kFailed) return runs;
       search.Add(draws, outcome);
     }
-    return kMost;
+    return kMax;
   }
   static std::uint64_t RunsOfRandomCases(const TestFile& test) {
     const CaseWorlds worlds(test);
-    for (std::uint64_t runs = 1; runs < kMost; ++runs) {
+    for (std::uint64_t runs = 1; runs < kMax; ++runs) {
       if (RunCase(worlds, test.design().At(runs - 1)).verdict == CaseVerdict::kFailed) return runs;
     }
-    return kMost;
+    return kMax;
   }
   template <typename Runs>
   std::uint64_t MedianOfTen(const Runs& runs) {

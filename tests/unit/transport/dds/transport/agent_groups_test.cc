@@ -148,7 +148,7 @@ constexpr AgentId kIds = 1'000'000;
 TEST(LostAgents, ForgetsTheOldestOfTooMany) {
   LostAgents lost;
   const GuidPrefix participant{{1}};
-  for (AgentId i = 0; i < LostAgents::kMost; ++i) EXPECT_EQ(lost.Add(kIds - i, participant), std::nullopt);
+  for (AgentId i = 0; i < LostAgents::kMax; ++i) EXPECT_EQ(lost.Add(kIds - i, participant), std::nullopt);
   EXPECT_EQ(lost.Add(kIds - 1, participant), std::nullopt) << "lost again, so it is the newest";
   EXPECT_EQ(lost.Add(1, participant), kIds);
   EXPECT_EQ(lost.Add(kIds, participant), kIds - 2);
