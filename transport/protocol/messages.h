@@ -57,7 +57,22 @@ struct SessionMessage {
   Shared<WorldDescription> world;
   Edition world_edition = 0;  // that made this world
   Incarnation incarnation = 0;
+  bool ended = false;  // the last one of a service, from its transport to that of the others: only the run counts
   bool operator==(const SessionMessage&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"run", &SessionMessage::run},
+        Field{"protocol_version", &SessionMessage::protocol_version},
+        Field{"host", &SessionMessage::host},
+        Field{"pid", &SessionMessage::pid},
+        Field{"lease_seconds", &SessionMessage::lease_seconds},
+        Field{"begun", &SessionMessage::begun},
+        Field{"world", &SessionMessage::world},
+        Field{"world_edition", &SessionMessage::world_edition},
+        Field{"incarnation", &SessionMessage::incarnation},
+        Field{"ended", &SessionMessage::ended},
+    };
+  }
 };
 
 // How far the memory of robots reaches: the newest state that they have processed.

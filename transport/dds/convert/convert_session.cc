@@ -1,38 +1,17 @@
-#include <utility>
-
 #include "transport/dds/convert/convert.h"
 #include "transport/dds/convert/structs.h"
 
 namespace troupe::dds {
 
 troupe_wire_Session ToWire(const SessionMessage& message, WireArena& arena) {
-  troupe_wire_Session wire{};
-  wire.run = message.run;
-  wire.protocol_version = message.protocol_version;
-  wire.host = arena.Copy(message.host);
-  wire.pid = message.pid;
-  wire.lease = message.lease_seconds;
-  wire.begun = message.begun;
-  wire.world = ToWire(*message.world, arena);
-  wire.world_edition = message.world_edition;
-  wire.incarnation = message.incarnation;
-  return wire;
+  return WriteStruct<troupe_wire_Session>(message, arena);
 }
 
 Result<SessionMessage> FromWire(const troupe_wire_Session& wire) {
-  SessionMessage message;
-  message.run = wire.run;
-  message.protocol_version = wire.protocol_version;
-  message.host = Text(wire.host);
-  message.pid = wire.pid;
-  message.lease_seconds = wire.lease;
-  message.begun = wire.begun;
-  message.world_edition = wire.world_edition;
-  message.incarnation = wire.incarnation;
-  if (!(wire.lease >= 0.0)) return Error{{}, "session with a lease that is negative or not a number"};
-  Result<WorldDescription> world = FromWire(wire.world);
-  if (!world.ok()) return world.error();
-  message.world = std::move(world.value());
+  Result<SessionMessage> message = ReadStruct<SessionMessage>(wire);
+  if (message.ok() && !(message.value().lease_seconds >= 0.0)) {
+    return Error{{}, "session with a lease that is negative or not a number"};
+  }
   return message;
 }
 

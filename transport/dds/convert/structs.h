@@ -23,6 +23,7 @@
 #include "troupe/rectangle.h"
 #include "troupe/result.h"
 #include "troupe/sensor_description.h"
+#include "troupe/shared.h"
 #include "troupe/vec2.h"
 
 namespace troupe::dds {
@@ -146,6 +147,8 @@ class StructWriter {
   void WriteValue(const Value& value, Wire& wire) {
     if constexpr (HasFields<Value>) {
       Write(value, wire);
+    } else if constexpr (std::is_same_v<Value, Shared<WorldDescription>>) {
+      Write(*value, wire);
     } else if constexpr (std::is_same_v<Value, std::vector<HistoryEntry>>) {
       ToWire(value, wire, arena_);
     } else if constexpr (std::is_same_v<Value, PixelArea>) {
@@ -220,6 +223,8 @@ class StructReader {
   bool ReadValue(const Wire& wire, Value& value) {
     if constexpr (HasFields<Value>) {
       return ReadRow(wire, value);
+    } else if constexpr (std::is_same_v<Value, Shared<WorldDescription>>) {
+      return Fits(FromWire(wire), value);  // as a whole, to be valid
     } else if constexpr (std::is_same_v<Value, std::vector<HistoryEntry>>) {
       return Fits(FromWire(wire), value);
     } else if constexpr (!structs_internal::kIsSequence<Wire>) {
