@@ -313,8 +313,9 @@ bool Is(const Request& request) {
   return std::holds_alternative<Kind>(request);
 }
 
-// A request of its own type has no parameters beyond these bounds: names are there, numbers finite and in range. What
-// the world has is for the service to check. The error is for people.
+// Checks what a request alone can tell: that its names are there, and its counts and numbers of ticks in range. Poses,
+// twists, goals and what the world has are checked where they are applied (CheckPose, CheckInput, CheckRobotCommand).
+// The error is for the user.
 Status CheckRequest(const Request& request);
 
 }  // namespace control

@@ -77,7 +77,7 @@ void StateRows::Assign(std::shared_ptr<const WorldState> state, std::uint64_t nu
   std::size_t table_number = 0;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
     std::vector<std::uint64_t>& changed = changed_[table_number++];
-    if (!kIsOnPage<Row>) return;
+    if (!kIsShownTable<Row>) return;
     const std::vector<Row>& before = table.Of(*state_);
     const std::vector<Row>& now = table.Of(*state);
     changed.resize(now.size(), number);
@@ -92,7 +92,7 @@ void StateRows::Write(PageWriter& writer, std::uint64_t since) const {
   std::size_t table_number = 0;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
     const std::vector<std::uint64_t>& changed = changed_[table_number++];
-    if constexpr (kIsOnPage<Row>) {
+    if constexpr (kIsShownTable<Row>) {
       const std::vector<Row>& rows = table.Of(*state_);
       const std::size_t place = writer.ReserveCount();
       std::size_t count = 0;

@@ -26,7 +26,7 @@ namespace troupe {
 
 // The rows that the page shows. Of the others, transmissions are no rows by id, and former velocities explain nothing.
 template <typename Row>
-inline constexpr bool kIsOnPage = !std::is_same_v<Row, ImuState> && !std::is_same_v<Row, RadioTransmission>;
+inline constexpr bool kIsShownTable = !std::is_same_v<Row, ImuState> && !std::is_same_v<Row, RadioTransmission>;
 
 // StateRows: the newest state of a world, row by row, with the number of the update that changed each row last. So the
 // difference from any earlier update is known without keeping that state, for viewers that skip updates. Costs one
@@ -36,7 +36,7 @@ class StateRows {
   // `number` grows with each call. `fresh`: another world; all rows have changed.
   void Assign(std::shared_ptr<const WorldState> state, std::uint64_t number, bool fresh);
 
-  // Writes the rows that are on the page (kIsOnPage) and have changed after update `since`; 0: all.
+  // Writes the rows that are on the page (kIsShownTable) and have changed after update `since`; 0: all.
   void Write(PageWriter& writer, std::uint64_t since) const;
 
  private:

@@ -56,11 +56,12 @@ class FieldReader {
  private:
   template <typename Part>
   static constexpr bool kIsNumbers = std::is_same_v<Part, Pose> || std::is_same_v<Part, Twist>;
-  // A goal is numbered by the service.
+  // A goal is numbered by the service. A light is switched on or off by no default.
   template <typename Row, typename Part>
-  static constexpr bool kIsRequired = kIsNumbers<Part> || std::is_same_v<Part, double> ||
-                                      std::is_same_v<Part, std::uint64_t> ||
-                                      (std::is_same_v<Part, std::size_t> && !std::is_same_v<Row, Goal>);
+  static constexpr bool kIsRequired =
+      kIsNumbers<Part> || std::is_same_v<Part, double> ||
+      (std::is_same_v<Part, bool> && std::is_same_v<Row, control::Light>) || std::is_same_v<Part, std::uint64_t> ||
+      (std::is_same_v<Part, std::size_t> && !std::is_same_v<Row, Goal>);
 
   template <typename Row>
   bool ReadMembers(const Json& object, Row& row) {
@@ -133,16 +134,26 @@ class FieldReader {
   std::string expected_;
 };
 
-// What the page may ask for: no files, and no libraries, which only the owner of the run names.
+template <typename Request, typename... Listed>
+constexpr bool kIsAmong = (... || std::is_same_v<Request, Listed>);
+
+// The requests that the page may send: none that names files or libraries, which only the owner of the run does. A new
+// request is not of the page until it stands here.
 template <typename Request>
-constexpr bool kIsOfPage = !std::is_same_v<Request, control::LoadWorld> && !std::is_same_v<Request, control::Change> &&
-                           !std::is_same_v<Request, control::World> && !std::is_same_v<Request, control::Worlds>;
+constexpr bool kMayPageSend =
+    kIsAmong<Request, control::GetStatus, control::Pause, control::Play, control::Step, control::Reset, control::Spawn,
+             control::Delete, control::SetPose, control::Entities, control::Spawnables, control::Speed,
+             control::CommandRobot, control::Restore, control::Rewind, control::Door, control::Lift, control::Light>;
 
 Status RestrictToPage(control::Spawn& spawn) {
   if (!IsModelName(spawn.source)) return Malformed("source '" + spawn.source + "'", "a model of the world file");
   if (NamesLibrary(spawn.controller)) return Malformed("a library as controller", "the name of a built-in one");
-  spawn.text.clear();
-  spawn.rename = true;
+  // The name and the identity in ROS are those of the source.
+  spawn = {.source = spawn.source, .pose = spawn.pose, .rename = true, .controller = spawn.controller};
+  return {};
+}
+Status RestrictToPage(control::Reset& reset) {
+  reset.scopes = kResetAll;
   return {};
 }
 Status RestrictToPage(control::Restore& restore) {
@@ -177,7 +188,7 @@ template <std::size_t... I>
 Status ReadNamed(const std::string& name, const Json& object, control::Request& request, std::index_sequence<I...>) {
   Status outcome = Malformed("command '" + name + "'", "a command of the page");
   const auto read_if = [&]<typename Request>(std::type_identity<Request>) {
-    if constexpr (kIsOfPage<Request>) {
+    if constexpr (kMayPageSend<Request>) {
       if (name != Request::kName) return;
       outcome = ReadRequest(object, request.emplace<Request>());
       if (outcome.ok()) outcome = control::CheckRequest(request);

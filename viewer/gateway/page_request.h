@@ -21,10 +21,10 @@
 //   that runs its scenario itself starts it at any time, and with other values: "values": [["spawn[0].count", 20], ...]
 // - {"type": "edit", "id": 10, "op": "rename", ...}: of the page of an editor (edit_operation.h)
 //
-// The commands are those of `troupe ctl`, but for those that name files. A text that is no request closes the
-// connection: the page sends none, so its sender is another program. A request of the right form with a wrong value is
-// answered with the error. Numbers must be finite, lists are bounded; ids are chosen by the page, and repeated in the
-// reply.
+// The commands are listed in page_request.cc: those of `troupe ctl` that name no files. A text that is no request
+// closes the connection: the page sends none, so its sender is another program. A request of the right form with a
+// wrong value is answered with the error. Numbers must be finite, lists are bounded; ids are chosen by the page, and
+// repeated in the reply.
 #pragma once
 
 #include <cstdint>

@@ -55,7 +55,7 @@ inline std::string CamelCase(std::string_view name, bool starts_upper = false) {
 
 // The fields that the page shows. Others are most of the bytes of their readings.
 template <typename Row>
-constexpr bool IsOnPage([[maybe_unused]] std::string_view field) {
+constexpr bool IsShownField([[maybe_unused]] std::string_view field) {
   if constexpr (std::is_same_v<Row, RangerReading>) return field != "intensities";
   if constexpr (std::is_same_v<Row, CameraReading>) return field != "depths" && field != "models";
   return true;
@@ -99,7 +99,7 @@ struct PageValue {
   static void ForEachOnPage(const Visit& visit) {
     if constexpr (HasFields<Value>) {
       ForEachField<Value>([&](const auto& field) {
-        if (IsOnPage<Value>(field.name)) visit(field);
+        if (IsShownField<Value>(field.name)) visit(field);
       });
     }
   }

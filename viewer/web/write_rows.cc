@@ -26,7 +26,7 @@ std::string RowName(std::string_view table) {
 template <typename Visit>
 void ForEachTableOnPage(const Visit& visit) {
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
-    if constexpr (kIsOnPage<Row>) visit(table, std::string(table.name), RowName(table.name));
+    if constexpr (kIsShownTable<Row>) visit(table, std::string(table.name), RowName(table.name));
   });
 }
 

@@ -165,9 +165,8 @@ Result<std::shared_ptr<const RequestedText>> RequestedText::Write(const std::str
   std::error_code no_folder;
   std::string folder = (std::filesystem::temp_directory_path(no_folder) / "troupe-text-XXXXXX").string();
   std::shared_ptr<RequestedText> file(new RequestedText());  // before the folder, which it removes
-  if (no_folder || mkdtemp(folder.data()) == nullptr) {
-    return SystemError("cannot make a folder for the text");
-  }
+  if (no_folder) return Error{{}, "cannot make a folder for the text: " + no_folder.message()};
+  if (mkdtemp(folder.data()) == nullptr) return SystemError("cannot make a folder for the text");
   file->folder_ = std::move(folder);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   const bool is_scenario = first != std::string::npos && text[first] == '{';
