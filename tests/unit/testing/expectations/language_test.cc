@@ -137,7 +137,7 @@ constexpr Mistake kMistakes[] = {
     {"x(anna) > 1e999", 11, "too large"},
     {"x(anna) > .", 11, "found '.'"},
     {"turn_rate(anna) > 1", 1, "found 'turn_rate', expected its present name 'wz'"},
-    {"open(anna)", 6, "which is a robot, expected a door or lift"},
+    {"open(anna)", 6, "which is a robot, expected a door, lift or lane"},
     {"forall d in doors: stalled(d)", 28, "which is a door, expected a robot"},
     {"count(roboots) > 1", 7, "found no event"},
     {"level(anna) == \"L9\"", 13, "expected one of L1"},
