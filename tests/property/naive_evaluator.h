@@ -228,8 +228,8 @@ class NaiveEvaluator {
     if (f.name == "z") return PoseOf(body, t).z;
     if (f.name == "heading") return PoseOf(body, t).heading;
     if (f.name == "distance") return Distance(body, f.children[1], t);
-    if (f.name == "joint") return state.joints[JointOf(body, f.children[1].name)].position;
-    if (f.name == "joint_speed") return state.joints[JointOf(body, f.children[1].name)].velocity;
+    if (f.name == "position") return state.joints[JointOf(body, f.children[1].name)].position;
+    if (f.name == "velocity") return state.joints[JointOf(body, f.children[1].name)].velocity;
     if (f.name == "energy") return state.stores[StoreOf(body)].joules;
     if (f.name == "capacity") return world().model(world().robots[body].root).power.capacity;
     if (f.name == "charging") return state.stores[StoreOf(body)].charge_watts;
