@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "testing/expectations/tick_view.h"
-#include "viewer/gateway/past_reader.h"
 
 namespace troupe {
 namespace {

@@ -350,4 +350,8 @@ PageReply ReplyToControl(std::uint64_t id, const Result<ControlReply>& reply) {
   return {id, done, problem, JsonText(text)};
 }
 
+Json NumberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
 }  // namespace troupe

@@ -15,7 +15,7 @@
 // - {"type": "seek", "position": 12} or {"type": "seek", "tick": 120}: shows a past state, until {"type": "live"}
 // - {"type": "series", "id": 11, "signals": [["r0", "x"], ...], "from": 0, "to": 500, "every": 1}: of signals
 //   (signals.h) between two positions; without signals the reply names all that exist
-// - {"type": "totals", "id": 12}: of robots (past_reader.h); {"type": "expectations", "id": 14}: their verdicts
+// - {"type": "totals", "id": 12}: of robots (past_answers.h); {"type": "expectations", "id": 14}: their verdicts
 //   (expectation_rows.h)
 // - {"type": "run_again", "id": 13, "seed": 5}: starts a run that is over again; without a seed with its own. A page
 //   that runs its scenario itself starts it at any time, and with other values: "values": [["spawn[0].count", 20], ...]
@@ -27,6 +27,7 @@
 // repeated in the reply.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -120,6 +121,12 @@ struct PageReply {
   std::string text;         // the whole reply as JSON, for the page
   bool has_totals = false;  // of the whole past
 };
+// JSON has no infinite numbers.
+nlohmann::json NumberOrNull(double value);
+
+// Of the answer to one question about the past: seeks wait for it.
+inline constexpr auto kMaxPastAnswer = std::chrono::milliseconds(40);
+
 PageReply ReplyToControl(std::uint64_t id, const Result<ControlReply>& reply);
 // The members of the object, if there is one, become members of the reply.
 PageReply ReplyToEdit(std::uint64_t id, const Result<nlohmann::json>& reply);
