@@ -42,7 +42,8 @@ class WorldControl {
   virtual ~WorldControl() = default;
   virtual void Request(const control::Request& request, ControlReplyTo reply) = 0;
   // Makes a turn of the run, in which the observers are called (OnWake) and asked again whether it can continue: what
-  // one of them waited for has come. In a turn it returns at once, and the next turn follows. It locks the run.
+  // one of them waited for has come. In a turn it returns at once, and a turn follows, before which
+  // deliveries may come. It locks the run.
   virtual void Wake() {}
 };
 

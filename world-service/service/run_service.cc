@@ -27,6 +27,7 @@ using Phase = TickCoordinator::Phase;
 
 // Wall times, s.
 constexpr double kStatusPeriod = 0.5;
+constexpr double kTurnGap = 1e-4;  // for deliveries, between turns that ask for the next one
 constexpr double kMaxWait = 0.05;  // so that `stop` and progress reports need not wait for longer
 // For the last frame and replies to leave the process; peers that do not acknowledge them delay the end by no more.
 constexpr double kFlushTime = 0.5;
@@ -74,7 +75,11 @@ class Driver final : public WorldControl, private ServiceHandler {
       Act([&] {
         coordinator_.AdvanceRewind(now);
         if (stop) coordinator_.Stop(now);
-        coordinator_.Poll(now);
+        if (std::exchange(is_woken_, false)) {
+          coordinator_.Wake(now);
+        } else {
+          coordinator_.Poll(now);
+        }
       });
       if (trace_ != nullptr) {
         const Status& written = trace_->WriteSome();
@@ -95,7 +100,7 @@ class Driver final : public WorldControl, private ServiceHandler {
         continue;
       }
       // Deliver compares with it, so that a delivery wakes this thread only if it has to act earlier than planned.
-      wake_at_ = std::clamp(coordinator_.NextPoll(), now, now + kMaxWait);
+      wake_at_ = is_woken_ ? Now() + kTurnGap : std::clamp(coordinator_.NextPoll(), now, now + kMaxWait);
       if (file_requests_.empty()) wake_.wait_until(lock, TimePoint(wake_at_));
     }
     Report(true, lock);
@@ -146,14 +151,11 @@ class Driver final : public WorldControl, private ServiceHandler {
     acting_ = std::this_thread::get_id();
     const Status outcome = OrFailure([&] {
       call();
-      do {
-        while (!asked_meanwhile_.empty()) {
-          AskedRequest next = std::move(asked_meanwhile_.front());
-          asked_meanwhile_.pop_front();
-          Accept(std::move(next));
-        }
-        if (std::exchange(is_woken_, false)) coordinator_.Wake(Now());
-      } while (!asked_meanwhile_.empty() || is_woken_);
+      while (!asked_meanwhile_.empty()) {
+        AskedRequest next = std::move(asked_meanwhile_.front());
+        asked_meanwhile_.pop_front();
+        Accept(std::move(next));
+      }
       return Status();
     });
     if (!outcome.ok()) {
@@ -280,8 +282,8 @@ class Driver final : public WorldControl, private ServiceHandler {
       const std::lock_guard lock(mutex_);
       Act([&] { call(Now()); });
       // Under the lock: otherwise Run could compute wake_at_ from the state before this delivery, and sleep too long.
-      wake = coordinator_.NextPoll() < wake_at_ || !file_requests_.empty() || coordinator_.rewind().is_running() ||
-             AgentsHaveJoined();
+      wake = coordinator_.NextPoll() < wake_at_ || is_woken_ || !file_requests_.empty() ||
+             coordinator_.rewind().is_running() || AgentsHaveJoined();
     }
     if (wake) wake_.notify_one();
   }
@@ -350,7 +352,7 @@ class Driver final : public WorldControl, private ServiceHandler {
   double wake_at_ = 0.0;             // when Run wakes up by itself
   std::deque<AskedRequest> file_requests_;
   std::deque<AskedRequest> asked_meanwhile_;
-  bool is_woken_ = false;  // from inside a call of the coordinator: another one follows
+  bool is_woken_ = false;  // from inside a call of the coordinator: Run makes another one
   std::atomic<std::thread::id> acting_ = std::thread::id();  // the thread that is inside the coordinator
   TickCoordinator coordinator_;
   std::unique_ptr<ServiceEndpoint> endpoint_;  // last: it ends before the members that its deliveries use
