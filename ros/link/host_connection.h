@@ -57,10 +57,10 @@ class HostConnection final : public RosConnection {
   // Waits until all that was written has been passed to the program, or for a second: it may be dead.
   void AwaitSent();
 
-  // For a process whose ticks wait for ROS. `changed` is called on the thread of the connection after messages have
-  // arrived: watched() may have changed, and readers may have samples. Call it first; with {} it returns after the last
-  // call of the one before.
+  // `changed` is called on the thread of the connection after messages have arrived: readers may have samples, and
+  // watched() may have changed. It replaces the one before; with {} it returns after that one's last call.
   void WatchTopics(std::function<void()> changed);
+  // The calls below are for a process whose ticks wait for ROS; WatchTopics comes before them.
   // Notes messages of any type on the topic ("rt/anna/cmd_vel") from the next Arm on. Returns its id, for Unwatch.
   std::uint32_t Watch(const std::string& topic);
   void Unwatch(std::uint32_t watch);

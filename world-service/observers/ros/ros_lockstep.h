@@ -44,7 +44,8 @@ class RosLockstepWait {
     std::function<void()> on_arrival;                     // of the run's domain; on the thread of its connection
   };
 
-  // `of_run`: the connection in the domain of the run; its WatchTopics has no other user. All outlive this.
+  // `of_run`: the connection in the domain of the run; while this exists, it has the connection's WatchTopics,
+  // with `on_arrival` for others. All outlive this.
   RosLockstepWait(ros::HostConnection& of_run, const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
                   RunId run, WorldControl& control, Hooks hooks);
   // After it no call into the control runs.
