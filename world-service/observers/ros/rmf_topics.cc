@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -51,6 +52,17 @@ RmfTopics::RmfTopics(const ros::RosNode& node, std::shared_ptr<const Scene> scen
 
 RmfTopics::~RmfTopics() = default;
 
+template <typename Call>
+bool RmfTopics::Attempt(const Call& call) {
+  try {
+    call();
+    return true;
+  } catch (const std::exception& exception) {
+    reports_.Add(exception.what());
+    return false;
+  }
+}
+
 void RmfTopics::ChangeWorld(std::shared_ptr<const Scene> scene) {
   scene_ = std::move(scene);
   intake_ = Intake::kAwaitsState;
@@ -58,6 +70,14 @@ void RmfTopics::ChangeWorld(std::shared_ptr<const Scene> scene) {
 }
 
 void RmfTopics::FollowWorld() {
+  if (Attempt([this] { ExchangeTopics(); })) return;
+  // They may refer to the world before.
+  topics_.reset();
+  workcells_.reset();
+  fleets_.reset();
+}
+
+void RmfTopics::ExchangeTopics() {
   const WorldDescription& world = scene_->world();
   doors_ = ros::DoorsOf(world);
   const auto notify = [this] { has_arrived_ = true; };
@@ -111,21 +131,32 @@ void RmfTopics::AdvanceLifts() {
 
 void RmfTopics::OnWake() {
   if (intake_ == Intake::kOpen) ExecuteRequests();
+  if (intake_ != Intake::kSettling) return;
+  has_late_ = true;
+  PlanMove();
 }
 
-// Late requests wait for the next tick: the nodes that sent them have answered this one.
+// Late requests, which arrive in kSettling, are not of this tick, whose nodes have all answered: they are read after
+// it, in a turn of their own, since a paused run may have no next tick.
 bool RmfTopics::Settle() {
   if (intake_ == Intake::kCollecting) {
     intake_ = Intake::kSettling;
+    has_late_ = false;
     ExecuteRequests();
   }
   if (intake_ != Intake::kSettling) return true;
-  if (open_ > 0) return false;
+  if (open_ > 0 || (workcells_ && workcells_->has_accepted())) return false;
   intake_ = Intake::kOpen;
+  if (has_late_) control_.Wake();
   return true;
 }
 
 void RmfTopics::OnTick(const FrameMessage& frame) {
+  Attempt([&] { WriteStates(frame); });
+  if (intake_ == Intake::kOpen) ExecuteRequests();
+}
+
+void RmfTopics::WriteStates(const FrameMessage& frame) {
   const WorldDescription& world = scene_->world();
   const ros::Time stamp = ros::ToTime(frame.state.tick, world.interval_ns);
   const auto is_due_by = [&](double period) {
@@ -138,7 +169,6 @@ void RmfTopics::OnTick(const FrameMessage& frame) {
     if (topics_->door_states.wanted()) WriteDoors(frame, stamp, is_due);
     if (topics_->lift_states.wanted()) WriteLifts(frame, stamp, is_due);
   }
-  if (intake_ == Intake::kOpen) ExecuteRequests();
 }
 
 void RmfTopics::WriteDoors(const FrameMessage& frame, const ros::Time& stamp, bool is_due) {
@@ -174,6 +204,19 @@ void RmfTopics::WriteLifts(const FrameMessage& frame, const ros::Time& stamp, bo
 }
 
 void RmfTopics::ExecuteRequests() {
+  Attempt([this] { ReadRequests(); });
+  PlanMove();
+}
+
+void RmfTopics::PlanMove() {
+  if (!workcells_) return;
+  Attempt([this] {
+    if (const std::optional<control::SetPose> move = workcells_->PlanNext(scene_, state_)) Send(*move);
+  });
+  if (workcells_->has_accepted()) control_.Wake();
+}
+
+void RmfTopics::ReadRequests() {
   if (topics_) {
     std::vector<DoorAsk> doors;
     topics_->door_requests.Drain([&](const ros::DoorRequest& request) {
@@ -194,9 +237,7 @@ void RmfTopics::ExecuteRequests() {
     for (const DoorAsk& ask : doors) OperateDoor(ask);
     for (const LiftAsk& ask : lifts) CallLift(ask);
   }
-  if (!workcells_) return;
-  workcells_->Read();
-  while (const std::optional<control::SetPose> move = workcells_->PlanNext(scene_, state_)) Send(*move);
+  if (workcells_) workcells_->Read();
 }
 
 void RmfTopics::OperateDoor(const DoorAsk& ask) {
@@ -254,26 +295,33 @@ void RmfTopics::Ask(const Request& request, bool already_there) {
 
 void RmfTopics::Send(const control::Request& request) {
   ++open_;
-  control_.Request(request, [self = std::weak_ptr(self_), request](const ControlReply& reply) {
-    if (const auto alive = self.lock()) (*alive)->OnReply(request, reply);
+  const bool is_sent = Attempt([&] {
+    control_.Request(request, [self = std::weak_ptr(self_), request](const ControlReply& reply) {
+      if (const auto alive = self.lock()) (*alive)->OnReply(request, reply);
+    });
   });
+  if (!is_sent) OnReply(request, {.problem = "it was not sent"});
 }
 
 void RmfTopics::OnReply(const control::Request& request, const ControlReply& reply) {
   --open_;
+  Attempt([&] { Finish(request, reply); });
+  if (intake_ == Intake::kSettling && open_ == 0) control_.Wake();
+}
+
+void RmfTopics::Finish(const control::Request& request, const ControlReply& reply) {
   if (const auto* const move = std::get_if<control::SetPose>(&request)) {
     if (workcells_) workcells_->Finish(move->name, reply.done, reply.problem);
   } else {
     const auto wanted = std::find_if(wanted_.begin(), wanted_.end(),
                                      [&](const auto& entry) { return entry.second.request == request; });
-    if (!reply.done) reports_.Add(NameOf(request) + ": " + reply.problem);
     if (wanted != wanted_.end() && reply.done) {
       wanted->second.answered_at = reply.tick;
     } else if (wanted != wanted_.end()) {
       wanted_.erase(wanted);
     }
+    if (!reply.done) reports_.Add(NameOf(request) + ": " + reply.problem);
   }
-  if (intake_ == Intake::kSettling && open_ == 0) control_.Wake();
 }
 
 void RmfTopics::Refuse(const std::string& line) {

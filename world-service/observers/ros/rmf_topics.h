@@ -3,20 +3,25 @@
 // It acts as the plugins of rmf_simulation: a door follows the newest request; a lift finishes a request before it
 // accepts another. It also has the dispensers, ingestors and fleets of the world (RmfWorkcells, RmfFleets).
 //
-// Threads: all calls, and the replies to its requests, are in turns of the run (run_observer.h), one at a time: it has
-// no lock and no thread. Only the notice that a sample has arrived comes on the thread of the connection, and sets a
-// flag. So the connection has to be one whose readers may end on any thread: HostConnection.
+// Threads: it has no lock and no thread. All calls between constructor and destructor, and the replies to its requests,
+// are in turns of the run (run_observer.h), one at a time. The notice that a sample has arrived comes on the thread of
+// the connection, and sets a flag; so the connection has to be one whose readers may end on any thread: HostConnection.
+// Constructor and destructor are in OnBegin and OnEnd, without the lock of the run. No turn needs it then: every path
+// to the end of a run refuses the open requests in its last turn, and WatchTopics({}) comes before the destructor.
+//
+// No exception leaves a turn but those of OnCommit: as for lack of memory, it is a line for users, and the run goes on.
 //
 // When requests are read (Intake):
 //
 //   kAwaitsState ──frame──► kOpen, or kCollecting if nodes of ROS have to answer the tick (RosLockstepWait)
 //   kOpen: requests are read as they arrive
 //   kCollecting: they stay in the readers ──Settle: all nodes have answered──► kSettling
-//   kSettling: they were read, and are executed ──none is open──► kOpen
+//   kSettling: they were read, and are executed ──none is open or without a plan──► kOpen
 //
 // A frame leads from any of them to kOpen or kCollecting, and a new world to kAwaitsState. In kCollecting the sequence
 // of requests would depend on threads; Settle reads them sorted, so that equal answers of nodes make equal runs.
 // A request for a door or a lift is answered in its turn; a move of an item is an edit of the run, which needs a pause.
+// A turn plans one move, and asks for another turn while accepted requests are left, so that no message waits for all.
 #pragma once
 
 #include <atomic>
@@ -97,11 +102,17 @@ class RmfTopics {
     std::optional<Tick> answered_at = {};  // an input of the tick after this one; nothing: not answered yet
   };
 
-  // Makes or ends the topics, as the world needs.
+  // False: it has thrown, which is reported.
+  template <typename Call>
+  bool Attempt(const Call& call);
+  // Makes or ends the topics, as the world needs; none exists after a failure.
   void FollowWorld();
-  // Reads the requests that have arrived, and executes them. Where ticks wait for nodes, those of one requester after
-  // those of another, by name.
+  void ExchangeTopics();
+  // Reads the requests that have arrived, and executes them, but only one move.
   void ExecuteRequests();
+  // Where ticks wait for nodes, those of one requester after those of another, by name.
+  void ReadRequests();
+  void PlanMove();
   void OperateDoor(const DoorAsk& ask);
   void CallLift(const LiftAsk& ask);
   // Sends the request to a door or a lift, unless the newest one, which the state may not have yet, is the same.
@@ -110,10 +121,12 @@ class RmfTopics {
   void Ask(const Request& request, bool already_there);
   void Send(const control::Request& request);
   void OnReply(const control::Request& request, const ControlReply& reply);
+  void Finish(const control::Request& request, const ControlReply& reply);
   // Once for each line.
   void Refuse(const std::string& line);
   // Ends the tasks of lifts that have arrived.
   void AdvanceLifts();
+  void WriteStates(const FrameMessage& frame);
   void WriteDoors(const FrameMessage& frame, const ros::Time& stamp, bool is_due);
   void WriteLifts(const FrameMessage& frame, const ros::Time& stamp, bool is_due);
   std::string SessionOf(std::size_t lift, const LiftState& state) const;
@@ -126,6 +139,7 @@ class RmfTopics {
   std::atomic<bool> has_arrived_ = false;
   std::shared_ptr<const Scene> scene_;
   Intake intake_ = Intake::kAwaitsState;
+  bool has_late_ = false;                             // requests may have arrived in kSettling
   WorldState state_;                                  // of the newest frame; not in kAwaitsState
   std::size_t open_ = 0;                              // requests without a reply
   std::vector<std::size_t> doors_;                    // with requests of their own

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "common/base/or_failure.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/topic_types.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::int32_t kWorkcellDepth = 10;          // as of the plugins of Open-RMF
 constexpr std::int32_t kWorkcellRequestDepth = 100;  // of all workcells
+constexpr std::size_t kMaxOpen = 1000;
 constexpr std::size_t kMaxPast = 10'000;
 constexpr std::size_t kMaxLateResults = 10'000;
 constexpr std::size_t kMaxNumber = 256;  // bytes
@@ -130,7 +132,7 @@ void RmfWorkcells::Accept(WorkcellKind kind, const Request& request) {
   }
   const RequestId id{kind, request.workcell, request.number};
   if (const auto past = past_.find(id); past != past_.end()) return Answer(id, past->second);
-  if (IsOpen(id)) return;
+  if (IsOpen(id) || open_.size() >= kMaxOpen) return;  // without an acknowledgement it is repeated
   WriteResult(id, ResultStatus::kAcknowledged);
   open_.push_back({id, request.order});
 }
@@ -139,31 +141,34 @@ bool RmfWorkcells::IsOpen(const RequestId& id) const {
   return std::any_of(open_.begin(), open_.end(), [&](const OpenRequest& open) { return open.id == id; });
 }
 
+bool RmfWorkcells::has_accepted() const {
+  return std::any_of(open_.begin(), open_.end(), IsAccepted);
+}
+
 std::optional<control::SetPose> RmfWorkcells::PlanNext(const std::shared_ptr<const Scene>& scene,
                                                        const WorldState& state) {
   std::set<std::string> moving;
   for (const OpenRequest& open : open_) {
     if (open.stage == Stage::kMoving) moving.insert(open.item);
   }
-  const auto is_accepted = [](const OpenRequest& open) { return open.stage == Stage::kAccepted; };
-  for (auto next = open_.begin(); (next = std::find_if(next, open_.end(), is_accepted)) != open_.end();) {
-    const Workcell* const workcell = Find(next->id.kind, next->id.workcell);
-    if (workcell == nullptr) {  // another world has come, without it
-      next = open_.erase(next);
-      continue;
-    }
-    const Result<ItemMove> planned = PlanMove(scene, state, *workcell, next->order, moving);
-    if (!planned.ok()) {
-      const RequestId id = next->id;
-      next = open_.erase(next);
-      Fail(id, planned.error().message);
-      continue;
-    }
-    next->stage = Stage::kMoving;
-    next->item = planned.value().item;
-    return control::SetPose{planned.value().item, planned.value().X_WO};
+  const auto next = std::find_if(open_.begin(), open_.end(), IsAccepted);
+  if (next == open_.end()) return std::nullopt;
+  const Workcell* const workcell = Find(next->id.kind, next->id.workcell);
+  if (workcell == nullptr) {  // another world has come, without it
+    open_.erase(next);
+    return std::nullopt;
   }
-  return std::nullopt;
+  const Result<ItemMove> planned = OrFailure([&] { return PlanMove(scene, state, *workcell, next->order, moving); });
+  if (!planned.ok()) {
+    const RequestId id = std::move(next->id);
+    open_.erase(next);
+    Fail(id, planned.error().message);
+    return std::nullopt;
+  }
+  control::SetPose move{planned.value().item, planned.value().X_WO};
+  next->item = move.name;
+  next->stage = Stage::kMoving;
+  return move;
 }
 
 void RmfWorkcells::Finish(const std::string& item, bool is_done, const std::string& problem) {
@@ -171,7 +176,7 @@ void RmfWorkcells::Finish(const std::string& item, bool is_done, const std::stri
     return open.stage == Stage::kMoving && open.item == item;
   });
   if (found == open_.end()) return;
-  const RequestId id = found->id;
+  const RequestId id = std::move(found->id);
   open_.erase(found);
   if (is_done) {
     Answer(id, true);

@@ -10,8 +10,8 @@
 // Clients repeat requests until they see the result, so results are remembered (kMaxPast of them) by workcell and
 // request number.
 //
-// RmfTopics calls it, in turns of the run, and makes and ends it. A move is planned in such a turn, by a search with at
-// most 25 trials of an edit; the edit itself, which pauses the run, costs more.
+// RmfTopics calls it, in turns of the run, and makes and ends it. PlanNext is the slow call: a search with at most 25
+// trials of an edit, each with a step's memory of the whole world. So a turn calls it once.
 #pragma once
 
 #include <compare>
@@ -49,8 +49,8 @@ class RmfWorkcells {
   void ChangeWorld(const WorldDescription& world);
   // Reads the requests that have arrived; with kWithTicks in the order of their numbers.
   void Read();
-  // The edit that moves the item of the oldest accepted request that can be fulfilled; answers those before it.
-  // Nothing: no accepted request is left.
+  bool has_accepted() const;
+  // The edit that moves the item of the oldest accepted request. Nothing: there is none, or it was answered as refused.
   std::optional<control::SetPose> PlanNext(const std::shared_ptr<const Scene>& scene, const WorldState& state);
   // The edit that moves the item has been answered.
   void Finish(const std::string& item, bool is_done, const std::string& problem);
@@ -81,6 +81,7 @@ class RmfWorkcells {
     Stage stage = Stage::kAccepted;
     std::string item = {};  // that moves
   };
+  static bool IsAccepted(const OpenRequest& open) { return open.stage == Stage::kAccepted; }
 
   Topics& TopicsOf(WorkcellKind kind) { return *topics_[static_cast<std::size_t>(kind)]; }
   const Workcell* Find(WorkcellKind kind, const std::string& name) const;
