@@ -437,16 +437,49 @@ WorldsPointer Load(const py::object& file, std::int64_t count, const py::object&
                                   threads == 0 ? cores : static_cast<std::size_t>(threads));
 }
 
+// The functions that write the states of all worlds into arrays.
+void DefineArrays(py::class_<Worlds, WorldsPointer>& simulation) {
+  simulation
+      .def("poses", Rows<&WorldState::robots>(4, [](const RobotState& robot) { return PartsOf(robot.X_WR); }),
+           "out"_a = py::none(), "(worlds, robots, 4): x, y, z (m), heading (rad).")
+      .def("twists",
+           Rows<&WorldState::robots>(3,
+                                     [](const RobotState& robot) {
+                                       return std::array{robot.twist.vx, robot.twist.vy, robot.twist.wz};
+                                     }),
+           "out"_a = py::none(), "(worlds, robots, 3): vx, vy (m/s), wz (rad/s), executed in the last tick.")
+      .def("stalls",
+           Rows<&WorldState::robots>(0, [](const RobotState& robot) { return std::array{robot.stalled ? 1.0 : 0.0}; }),
+           "out"_a = py::none(), "(worlds, robots): 1 where a contact ended the last motion, else 0.")
+      .def("object_poses",
+           Rows<&WorldState::objects>(4, [](const ObjectState& object) { return PartsOf(object.X_WO); }),
+           "out"_a = py::none(), "(worlds, objects, 4): as `poses`.")
+      .def("joint_positions",
+           Rows<&WorldState::joints>(0, [](const JointState& joint) { return std::array{joint.position}; }),
+           "out"_a = py::none(), "(worlds, joints): m or rad.")
+      .def("energy", Rows<&WorldState::stores>(0, [](const StoreState& store) { return std::array{store.joules}; }),
+           "out"_a = py::none(), "(worlds, stores): J, in the order of the file.")
+      .def("ranges", Held(&Worlds::Ranges), "sensor"_a = "ranger", "out"_a = py::none(),
+           "(worlds, robots, rays): the ranges of a ranger of each robot, m; see Simulation.ranges.")
+      .def("table", Held(&Worlds::Table), "name"_a,
+           R"(A table of things of all worlds, such as "doors": a dict with the columns of Simulation.table.
+
+The worlds are the first axis. Numbers and truths are arrays (worlds, rows) of float64 and bool. "rows", int64 (worlds,),
+says how many rows each world has; where one has fewer than others, the rest of its numbers is nan and of its truths
+False. "name" and the other texts are a tuple for each world, as long as it has rows. Raises ValueError for another name.)");
+}
+
 }  // namespace
 
 void DefineVectorSimulation(py::module_& module) {
-  py::class_<Worlds, WorldsPointer>(module, "VectorSimulation",
-                                    R"(Many copies of one world, stepped together by all cores.
+  py::class_<Worlds, WorldsPointer> simulation(module, "VectorSimulation",
+                                               R"(Many copies of one world, stepped together by all cores.
 
 Each has a seed of its own, and the state hashes of a Simulation with that seed. Copies with equal seeds share all
 constant parts of the world, the others the map. `vector[i]` is copy i as a Simulation. Arrays have the shape
 (worlds, robots, ...); they are written into `out`, if it is given: a writable array of float32 or float64 in one piece.
-Every array supports DLPack, as numpy's do. As of a Simulation, one thread at a time may use it.)")
+Every array supports DLPack, as numpy's do. As of a Simulation, one thread at a time may use it.)");
+  simulation
       .def(py::init(&Load), "file"_a, "num_envs"_a, py::kw_only(), "seeds"_a = py::none(), "threads"_a = 0,
            "controller"_a = py::none(), "run_controllers"_a = true,
            R"(Loads a file `num_envs` times; the arguments are as those of Simulation.
@@ -476,33 +509,6 @@ grippers: (worlds, grippers, 2): opening, 0 to 100 percent, where 0 closes, and 
 
 which: a mask (worlds,) or numbers of worlds; None: all. snapshots: one for all, or one for each world of `which`.)")
       .def("save", Held(&Worlds::Save), "A list of a Snapshot of each world.")
-      .def("poses", Rows<&WorldState::robots>(4, [](const RobotState& robot) { return PartsOf(robot.X_WR); }),
-           "out"_a = py::none(), "(worlds, robots, 4): x, y, z (m), heading (rad).")
-      .def("twists",
-           Rows<&WorldState::robots>(3,
-                                     [](const RobotState& robot) {
-                                       return std::array{robot.twist.vx, robot.twist.vy, robot.twist.wz};
-                                     }),
-           "out"_a = py::none(), "(worlds, robots, 3): vx, vy (m/s), wz (rad/s), executed in the last tick.")
-      .def("stalls",
-           Rows<&WorldState::robots>(0, [](const RobotState& robot) { return std::array{robot.stalled ? 1.0 : 0.0}; }),
-           "out"_a = py::none(), "(worlds, robots): 1 where a contact ended the last motion, else 0.")
-      .def("object_poses",
-           Rows<&WorldState::objects>(4, [](const ObjectState& object) { return PartsOf(object.X_WO); }),
-           "out"_a = py::none(), "(worlds, objects, 4): as `poses`.")
-      .def("joint_positions",
-           Rows<&WorldState::joints>(0, [](const JointState& joint) { return std::array{joint.position}; }),
-           "out"_a = py::none(), "(worlds, joints): m or rad.")
-      .def("energy", Rows<&WorldState::stores>(0, [](const StoreState& store) { return std::array{store.joules}; }),
-           "out"_a = py::none(), "(worlds, stores): J, in the order of the file.")
-      .def("ranges", Held(&Worlds::Ranges), "sensor"_a = "ranger", "out"_a = py::none(),
-           "(worlds, robots, rays): the ranges of a ranger of each robot, m; see Simulation.ranges.")
-      .def("table", Held(&Worlds::Table), "name"_a,
-           R"(A table of things of all worlds, such as "doors": a dict with the columns of Simulation.table.
-
-The worlds are the first axis. Numbers and truths are arrays (worlds, rows) of float64 and bool. "rows", int64 (worlds,),
-says how many rows each world has; where one has fewer than others, the rest of its numbers is nan and of its truths
-False. "name" and the other texts are a tuple for each world, as long as it has rows. Raises ValueError for another name.)")
       .def_property_readonly(
           "state_hashes",
           [](const WorldsPointer& worlds) {
@@ -521,6 +527,7 @@ False. "name" and the other texts are a tuple for each world, as long as it has 
             return ticks;
           },
           "int64 (worlds,).");
+  DefineArrays(simulation);
 }
 
 }  // namespace troupe::python

@@ -179,6 +179,22 @@ TEST(ExpectationPropertyTest, RobustnessHasTheValueAndSignOfTheDefinitions) {
   ExpectAllSignals(signals);
 }
 
+// Pushes the states of a recording, which have these hashes, into the monitors.
+void PushRecording(const std::string& path, const std::vector<std::uint64_t>& hashes, std::vector<Monitor>& monitors) {
+  const Recording recording = Recording::Open(path).value();
+  ReplayCursor cursor = ReplayCursor::At(recording).value();
+  const ReplayedWorld& replay = cursor.world();
+  std::size_t states = 0;
+  for (; cursor.Next().value() != nullptr; ++states) {
+    ASSERT_TRUE(cursor.Advance().ok());
+    ASSERT_EQ(replay.state_hash(), hashes.at(states));
+    const std::span<const Event> of_step = states == 0 ? std::span<const Event>() : cursor.tick().events;
+    const TickView view{*replay.scene(), replay.bodies(), replay.state(), of_step};
+    for (Monitor& monitor : monitors) ASSERT_TRUE(monitor.Push(view).ok());
+  }
+  EXPECT_EQ(states, hashes.size());
+}
+
 TEST(ExpectationPropertyTest, LiveReplayedAndBranchedRunsHaveTheSameResults) {
   constexpr Tick kTicks = 60;
   const TemporaryFolder folder;
@@ -238,18 +254,7 @@ TEST(ExpectationPropertyTest, LiveReplayedAndBranchedRunsHaveTheSameResults) {
     EXPECT_EQ(branch.state_hash(), hashes.back());
   }
 
-  const Recording recording = Recording::Open(folder.Path("run.mcap")).value();
-  ReplayCursor cursor = ReplayCursor::At(recording).value();
-  const ReplayedWorld& replay = cursor.world();
-  std::size_t states = 0;
-  for (; cursor.Next().value() != nullptr; ++states) {
-    ASSERT_TRUE(cursor.Advance().ok());
-    ASSERT_EQ(replay.state_hash(), hashes.at(states));
-    const std::span<const Event> of_step = states == 0 ? std::span<const Event>() : cursor.tick().events;
-    const TickView view{*replay.scene(), replay.bodies(), replay.state(), of_step};
-    for (Monitor& monitor : replayed) ASSERT_TRUE(monitor.Push(view).ok());
-  }
-  EXPECT_EQ(states, hashes.size());
+  PushRecording(folder.Path("run.mcap"), hashes, replayed);
 
   int holding = 0;
   std::set<double> robustness;
