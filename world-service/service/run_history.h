@@ -138,6 +138,14 @@ struct ResumedRun {
 //                       +-----------------------> kNone: the run is as before, and so is its recording
 //
 // So a recording has a whole rewind or nothing of it, and a run that is stopped waits for no more than the writing.
+//
+// A service that dies leaves this in the journal, and the next one does:
+//   kMaking                          nothing: the run is as before, and the request is unknown
+//   kWriting, before the first state likewise
+//   kWriting, or until the commit    RunProgress::is_rewinding, without commands and inputs, and the states so far: it
+//   of the end (WorldEditor::Rewind) writes the rest and commits the end, before its agents join (UnfinishedRewind)
+//   after the commit                 an edit like others; agents are sent the states since the robots began again
+// Other requests wait from Start to the end (RunControl), so that none changes what is dropped.
 class Rewind {
  public:
   enum class Stage : std::uint8_t {
