@@ -127,7 +127,7 @@ export interface SignalTable {
   signals: Array<{name: string, unit: string, documentation: string}>;
 }
 
-// What the robots have done since the first state (viewer/gateway/past_reader.h).
+// What the robots have done since the first state (viewer/gateway/past_answers.h).
 export interface TotalsReply {
   done: boolean;
   problem: string;
