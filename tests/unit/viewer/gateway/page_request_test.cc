@@ -382,7 +382,7 @@ TEST(FoxgloveProtocolTest, BodiesAreInFramesThatTransformsMove) {
   std::vector<std::string> topics;
   for (const Channel& channel : channels) topics.push_back(channel.topic);
   EXPECT_THAT(topics, testing::ElementsAre("/scene", "/tf", "/map", "/events", "/r0/ranger:0", "/tables/robots",
-                                           "/tables/objects", "/tables/sensors"))
+                                           "/tables/transmissions", "/tables/sensors"))
       << "single rays have no scan";
 
   const auto text = nlohmann::json::parse(SceneText(scene, 1'500'000'000));
