@@ -44,22 +44,22 @@ function readLog(name) {
 
 // The content of the page as the scan log has it. `names`: of models and robots.
 const asLogged = {
-  fiducials: ({fiducials}, names) => ({
+  fiducial: ({fiducials}, names) => ({
     fiducials: fiducials.map(({id, model, range, bearing}) => ({id, model: names.models[model], range, bearing})),
   }),
   bumper: ({segments}, names) => ({pressed_by: segments.map(({pressedBy}) => names.models[pressedBy] ?? null)}),
-  contacts: ({contacts}, names) => ({
-    contacts: contacts.map(({part, other, x, y, bottom, top}) => ({
-      part: names.models[part], other: names.models[other], point: [x, y], z: [bottom, top],
+  contact: ({contacts}, names) => ({
+    contacts: contacts.map(({part, other, point, zMin, zMax}) => ({
+      part: names.models[part], other: names.models[other], point: [point.x, point.y], z: [zMin, zMax],
     })),
   }),
-  blobs: ({blobs}) => ({blobs}),
+  blobfinder: ({blobs}) => ({blobs: blobs.map(({color, ...blob}) => ({color: color.slice(0, 3), ...blob}))}),
   camera: ({width, height, colors}) => ({width, height, colors}),
   radio: ({receptions}, names) => ({
     received: receptions.map(({from, toAll, bytes, rssi, tick, place}) => (
       {from: names.robots[from], to_all: toAll, bytes, rssi, tick, ...place})),
   }),
-  imu: ({heading, turn, force}) => ({heading, turn, force}),
+  imu: ({heading, turn, force, forceZ}) => ({heading, turn, force: [force.x, force.y, forceZ]}),
 };
 
 // Only the members that the page has as well.
@@ -75,7 +75,8 @@ function checkContents({tick, contents}, robot, log, names) {
     const what = `${sensor} of ${robot} at tick ${tick}`;
     kinds.add(content.kind);
     if (content.kind === 'ranger') {
-      content.scans.forEach(({ranges}, i) => assert.deepEqual(ranges, log.get(`${tick} ${robot} ${sensor}.${i}`).ranges, what));
+      const ranges = content.geometry.flatMap((_, i) => log.get(`${tick} ${robot} ${sensor}.${i}`).ranges);
+      assert.deepEqual(content.ranges, ranges, what);
       continue;
     }
     const shown = asLogged[content.kind](content, names);
@@ -149,12 +150,12 @@ async function showsAllKindsOfSensors() {
   await page.click('#rays');
   const all = await until('all readings arrive', () => contentsOf(page, 'scout'));
   assert.equal(all.eye.content.kind, 'none');
-  assert.equal(all.finder.content.kind, 'fiducials');
+  assert.equal(all.finder.content.kind, 'fiducial');
   await end(page, run, 'the run of all kinds');
 
   const log = readLog('all.jsonl');
   const kinds = new Set(samples.flatMap(sample => [...checkContents(sample, 'scout', log, names)]));
-  assert.deepEqual([...kinds].sort(), ['blobs', 'bumper', 'camera', 'contacts', 'fiducials', 'imu', 'ranger']);
+  assert.deepEqual([...kinds].sort(), ['blobfinder', 'bumper', 'camera', 'contact', 'fiducial', 'imu', 'ranger']);
 }
 
 async function showsRadioMessages() {
