@@ -1,6 +1,7 @@
 #include "common/signals/state_tables.h"
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <limits>
@@ -175,6 +176,11 @@ Names NamesOf(const WorldDescription& world, const std::vector<PersonState>&) {
   return NamesOfModels(world, world.people);
 }
 
+bool HasValue(const Signal& signal, const SignalView& view, std::size_t row) {
+  if (signal.type == ValueType::kText) return !signal.text(view, row).empty();
+  return !std::isnan(signal.number(view, row));
+}
+
 }  // namespace
 
 void StateTable::Add(Signal signal) {
@@ -265,6 +271,7 @@ void WriteRows(const StateTable& table, const SignalView& view, JsonWriter& json
     json.BeginObject();
     if (!table.varies) json.Member("name", view.things.name(thing));
     for (const Signal& signal : table.signals) {
+      if (!HasValue(signal, view, row)) continue;
       json.Key(signal.name);
       WriteCell(signal, view, row, json);
     }

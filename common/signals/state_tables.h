@@ -66,8 +66,9 @@ std::vector<std::vector<ThingName>> NameThings(const WorldDescription& world);
 
 // The value of a signal in JSON: a number, 0 or 1 of a truth, or a text; null if it has none.
 void WriteCell(const Signal& signal, const SignalView& view, std::size_t row, JsonWriter& json);
-// The rows of a table: [{"name": "lobby_door", "opening": 0.5, ...}, ...]; things that do not exist are left out. The
-// rows of a table that varies have no name.
+// The rows of a table: [{"name": "lobby_door", "opening": 0.5, ...}, ...]; things that do not exist are left out,
+// and so are signals that a thing does not have: a schema gives each member one type. The rows of a table that varies
+// have no name.
 void WriteRows(const StateTable& table, const SignalView& view, JsonWriter& json);
 
 // The texts of cells: names of models and their parts; empty for none.
