@@ -223,10 +223,9 @@ class StructReader {
   bool ReadValue(const Wire& wire, Value& value) {
     if constexpr (HasFields<Value>) {
       return ReadRow(wire, value);
-    } else if constexpr (std::is_same_v<Value, Shared<WorldDescription>>) {
+    } else if constexpr (std::is_same_v<Value, Shared<WorldDescription>> ||
+                         std::is_same_v<Value, std::vector<HistoryEntry>>) {
       return Fits(FromWire(wire), value);  // as a whole, to be valid
-    } else if constexpr (std::is_same_v<Value, std::vector<HistoryEntry>>) {
-      return Fits(FromWire(wire), value);
     } else if constexpr (!structs_internal::kIsSequence<Wire>) {
       return FromCell(wire, value);
     } else if constexpr (kIsOptional<Value>) {
