@@ -163,13 +163,13 @@ inline constexpr MadeKind kLastMadeKind = MadeKind::kDistributionWatch;
 struct MadeText {
   MadeKind kind = MadeKind::kNode;
   std::uint32_t node = kNothing;  // of an endpoint: its id; kNothing: it is listed as one of no node
-  std::string name;               // "/anna/robot" of a node, "/anna/robot/get_parameters" of a service; else of a topic
+  std::string name = {};          // "/anna/robot" of a node, "/anna/robot/get_parameters" of a service; else of a topic
                                   // on DDS: "rt/anna/scan"
-  std::string type;               // of an endpoint: its name on DDS; of requests
-  std::string response_type;      // of a service
-  TopicQos qos;                   // of an endpoint
-  Part part = Part::kOnlyReader;  // of a reader
-  std::uint32_t domain = 0;       // of a service that Fast DDS serves
+  std::string type = {};          // of an endpoint: its name on DDS; of requests
+  std::string response_type = {};  // of a service
+  TopicQos qos = {};               // of an endpoint
+  Part part = Part::kOnlyReader;   // of a reader
+  std::uint32_t domain = 0;        // of a service that Fast DDS serves
 
   static constexpr auto Fields() {
     return std::tuple{
