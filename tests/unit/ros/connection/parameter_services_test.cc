@@ -6,6 +6,7 @@
 #include "tests/support/host_participant.h"
 #include "tests/support/ros_client.h"
 #include "tests/support/ros_domain.h"
+#include "transport/dds/binding/wire.h"
 
 namespace troupe::ros {
 namespace {
