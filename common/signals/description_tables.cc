@@ -14,8 +14,6 @@
 namespace troupe {
 namespace {
 
-constexpr double kLaneHalf = 0.5;  // m: a body is on a lane within it, as in the traffic of robots on lanes
-
 // Adds the numbers of robots, objects and people for whose poses is_there(view, row of the table, X_WB) is true.
 template <typename IsThere>
 void AddCounts(StateTable& table, const char* documentation, IsThere is_there) {
@@ -63,7 +61,7 @@ bool IsOnLane(const SignalView& view, std::size_t row, const Pose& X_WB) {
   const double share = squared > 0.0 ? std::clamp((to.x() * way.x() + to.y() * way.y()) / squared, 0.0, 1.0) : 0.0;
   const double dx = to.x() - share * way.x();
   const double dy = to.y() - share * way.y();
-  if (dx * dx + dy * dy > kLaneHalf * kLaneHalf) return false;
+  if (dx * dx + dy * dy > kLaneHalfWidth * kLaneHalfWidth) return false;
   return LevelNumberAt(view.world.levels, X_WB.z) == LevelNumberAt(view.world.levels, start.z);
 }
 

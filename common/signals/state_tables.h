@@ -23,7 +23,7 @@ class JsonWriter;
 
 // One kind of things.
 struct StateTable {
-  std::string name;        // of the member of WorldState: "doors"
+  std::string name;        // "doors": of the member of WorldState, or of the description
   std::string singular;    // "door"
   bool varies = false;     // its rows come and go: they are no things
   bool of_robots = false;  // its things are parts of robots: "ROBOT.PART"

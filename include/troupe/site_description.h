@@ -69,6 +69,9 @@ struct LaneDoor {
   }
 };
 
+// Half the width of a lane: a body is on it whose origin is within that distance of its line, on its level.
+inline constexpr double kLaneHalfWidth = 0.5;  // m
+
 enum class LaneFacing : std::uint8_t { kAny = 0, kForward = 1, kBackward = 2 };
 constexpr auto NamesOf(LaneFacing) {
   return std::array{"any", "forward", "backward"};

@@ -7,10 +7,9 @@
 namespace troupe {
 namespace {
 
-constexpr double kStill = 1e-3;    // m/s and rad/s
-constexpr double kZone = 0.6;      // m: a robot is at a vertex within it
-constexpr double kLaneHalf = 0.5;  // m: a robot is on a lane within it
-constexpr double kSlack = 0.02;    // m, of bodies that pass each other
+constexpr double kStill = 1e-3;  // m/s and rad/s
+constexpr double kZone = 0.6;    // m: a robot is at a vertex within it
+constexpr double kSlack = 0.02;  // m, of bodies that pass each other
 
 bool IsAt(const LaneVertex& vertex, const SeenRobot& robot) {
   return std::fabs(robot.z - vertex.z) < kLevelGap && (robot.position - vertex.position).norm() < kZone;
@@ -76,7 +75,7 @@ bool MutexGroup::Contains(const LaneGraph& graph, const SeenRobot& robot) const 
     const double beside = std::fabs(along.x() * offset.y() - along.y() * offset.x());
     const double from = start.mutex == name_ ? 0.0 : std::min(kZone, 0.5 * length);
     const double to = length - (end.mutex == name_ ? 0.0 : std::min(kZone, 0.5 * length));
-    if (beside < kLaneHalf && at >= from && at <= to) return true;
+    if (beside < kLaneHalfWidth && at >= from && at <= to) return true;
   }
   return false;
 }

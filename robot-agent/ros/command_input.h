@@ -1,4 +1,4 @@
-// What ROS asks of one robot: commands of motion (cmd_vel), messages to send by radio, and reports of what was refused.
+// The input of one robot from ROS: commands of motion (cmd_vel), messages to send by radio, and reports of refusals.
 //
 // Commands are applied at a tick and not when they arrive: between two ticks the newest counts. A command lasts for a
 // time of the simulation (command_timeout), so that a run at ten times real time stops its robots after the same

@@ -4,7 +4,7 @@
 // tool busy.
 //
 // The endpoints exist here at once, and there as soon as that program accepts the connection. When it ends, they are
-// made again in the next one from the list of what was made, with the last samples of latched topics: the owner notices
+// made again in the next one from the list of made parts, with the last samples of latched topics: the owner notices
 // nothing but a gap. Writers never wait for it: beyond a limit of unsent bytes a stream keeps its newest sample only,
 // since an old pose is of no use.
 //
@@ -128,7 +128,7 @@ class HostConnection final : public RosConnection {
   std::mutex mutex_;            // guards all below
   std::unique_ptr<Link> link_;  // null: not connected. Only the thread replaces it
   bool broken_ = false;         // the thread is to close the link
-  std::uint32_t next_id_ = 0;   // of what is made
+  std::uint32_t next_id_ = 0;   // of the next part
   std::vector<Made> made_;      // in the sequence of making; a new participant is sent all of it
   bool announced_ = false;
   std::map<std::uint32_t, Writer*> writers_;

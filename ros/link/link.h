@@ -7,7 +7,7 @@
 // The agent chooses the id of what it makes: a node, an endpoint or a watch. All later messages about it have this id.
 //
 // A message is 12 bytes (length, kind, id) in the byte order of the host, and its content: a sample as CDR, or a short
-// JSON text for what is rare. Add and Flush may be called from any thread and never wait: what the socket does not
+// JSON text for rare messages. Add and Flush may be called from any thread and never wait: what the socket does not
 // accept stays in memory, and `pending` lets the owner drop streams. Receive is for one thread. Only peers of the same
 // user are accepted (SO_PEERCRED).
 #pragma once

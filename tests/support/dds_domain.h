@@ -1,6 +1,6 @@
 // A DDS domain and sessions that only this test process uses, and a wait for the asynchronous effects of DDS.
-// Tests run in parallel, also of several checkouts on one machine: whoever finds another's participants would join its
-// run.
+// Tests run in parallel, also of several checkouts on one machine: a test that finds another's participants would join
+// its run.
 #pragma once
 
 #include <sys/socket.h>

@@ -20,7 +20,7 @@
 // next state is the same to the last bit for any number of threads, on every processor, and after any snapshot.
 // docs/determinism.md has the rules.
 //
-// Cost: linear in the robots, objects and people that move, with searches in indices of space for what is near. A Step
+// Cost: linear in the robots, objects and people that move, with searches of neighbours in spatial indices. A Step
 // copies the state once.
 #pragma once
 

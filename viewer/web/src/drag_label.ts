@@ -1,4 +1,4 @@
-// DragLabel: the numbers of what is dragged in the picture, beside the pointer.
+// DragLabel: the numbers of a drag in the picture, beside the pointer.
 import {fixed, make, setText} from './dom';
 
 export class DragLabel {

@@ -5,7 +5,7 @@
 //
 // A message is trusted, because it comes from the server of the page: a truncated one throws a RangeError and ends its
 // handling. The order of reads is the layout: each function reads what the function of the same content writes. A
-// change of what is written by hand needs another kPageProtocol.
+// change of a part written by hand needs another kPageProtocol.
 import {
   LAYOUT, readContent, readDescription, readStateRows, type Content, type EventType, type StateRows, type WorldDescription,
 } from '../generated/rows';
