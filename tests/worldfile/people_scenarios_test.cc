@@ -88,6 +88,40 @@ TEST(PeopleScenario, NoPersonStartsInAnythingAndTheSeedDecides) {
   EXPECT_NE(load(2).model(load(2).people[0].root).X_PM, world.model(world.people[0].root).X_PM);
 }
 
+TEST(PeopleScenario, PeopleStayWhenARobotIsLeftOut) {
+  const auto load = [](const std::string& without) {
+    return LoadPeople(R"({"include": ["../include/robots.inc"], "without": [)" + without + R"(],
+      "places": [{"name": "desk", "pose": [1, 1, 0]}],
+      "robots": [{"name": "a", "model": "scout", "pose": [0, 0, 0]}, {"name": "b", "model": "porter", "pose": [1, 0, 0]},
+                 {"name": "c", "model": "scout", "pose": [0, 1, 0]}],
+      "people": [{"count": 6, "region": [-1, -1, 2, 2], "goals": ["desk", [2, 2]], "group": 2},
+                 {"count": 2, "region": [-1, -1, 2, 2], "height": 1.6}]})")
+        .world;
+  };
+  const WorldDescription whole = load("");
+  const WorldDescription reduced = load(R"("b", "a")");
+  ASSERT_TRUE(Validate(reduced).ok());
+  EXPECT_EQ(reduced.robots.size(), 1u);
+  EXPECT_EQ(reduced.goal_sets, whole.goal_sets);
+  ASSERT_EQ(reduced.people.size(), whole.people.size());
+  for (std::size_t i = 0; i < whole.people.size(); ++i) {
+    const PersonDescription& person = reduced.people[i];
+    const std::size_t before = whole.people[i].root.index();
+    for (std::size_t part = 0; part < 2; ++part) {  // trunk and head
+      const ModelDescription& model = reduced.model(ModelId(person.root.index() + part));
+      const ModelDescription& same = whole.model(ModelId(before + part));
+      EXPECT_EQ(model.name, same.name);
+      EXPECT_EQ(model.X_PM, same.X_PM);
+      EXPECT_EQ(model.color, same.color);
+      EXPECT_EQ(reduced.shape(model.shape), whole.shape(same.shape));
+    }
+    EXPECT_EQ(reduced.model(ModelId(person.root.index() + 1)).parent, person.root);
+    EXPECT_EQ(person.leader, whole.people[i].leader);
+    EXPECT_EQ(person.goals, whole.people[i].goals);
+    EXPECT_EQ(person.speed, whole.people[i].speed);
+  }
+}
+
 TEST(PeopleScenario, PeopleOfTheShowsWalk) {
   for (const char* name : {"people.json", "hall.json"}) {
     SCOPED_TRACE(name);

@@ -206,6 +206,28 @@ void CopyPlaces(const WorldDescription& from, WorldDescription& to) {
   }
 }
 
+// Appends the people of `from`, with their goals, to a world without people.
+void CopyPeople(const WorldDescription& from, WorldDescription& to) {
+  std::map<ShapeId, ShapeId> shapes;
+  const auto shape_in = [&](ShapeId shape) {
+    const auto [place, is_new] = shapes.emplace(shape, ShapeId(to.shapes.size()));
+    if (is_new) to.shapes.push_back(from.shape(shape));
+    return place->second;
+  };
+  to.goal_sets = from.goal_sets;
+  for (PersonDescription person : from.people) {
+    const std::size_t first = person.root.index();
+    person.root = ModelId(to.models.size());
+    for (std::size_t i = first; i < from.models.size() && IsInTree(from, ModelId(i), ModelId(first)); ++i) {
+      ModelDescription part = from.models[i];
+      part.shape = shape_in(part.shape);
+      if (part.parent) part.parent = ModelId(part.parent->index() - first + person.root.index());
+      to.models.push_back(std::move(part));
+    }
+    to.people.push_back(person);
+  }
+}
+
 }  // namespace
 
 Result<WorldTree> ReadWorldTree(const std::string& path, const AllowedPaths& allowed) {
@@ -288,27 +310,27 @@ Result<LoadedWorld> LoadScenarioText(const std::string& text, const std::string&
   Result<LoadedWorld> built = BuildWorld(plan.value().tree, build, tools.build);
   if (!built.ok()) return built;
   Complete(built.value(), file, plan.value());
-  // Spawned models get their places before the `without` models are removed: leaving out one robot does not move the
-  // others, and a comparison of runs with and without it is fair.
+  // Spawned models and people get their places before the `without` models are removed: leaving out one robot does not
+  // move the others, and a comparison of runs with and without it is fair.
   const std::uint64_t seed = built.value().world.seed;
   built = PlaceSpawns(std::move(built).value(), plan.value().spawns, seed, tools.max_spawn_draws);
   if (!built.ok()) return built;
-  const auto completed = [&](LoadedWorld loaded) -> Result<LoadedWorld> {
-    Result<LoadedWorld> crowded = AddCrowd(std::move(loaded));
-    if (crowded.ok()) crowded = AddPeople(std::move(crowded).value(), file.people);
-    if (!crowded.ok()) return crowded;
-    if (Status error = CheckControllersInWorld(crowded.value(), path, overrides); !error.ok()) return error.error();
-    return crowded;
-  };
-  if (file.without.empty()) return completed(std::move(built).value());
-  if (Status error = RemoveEntities(plan.value().tree, file.without); !error.ok()) return error.error();
-  // Built again instead of erased from the built world: ids of models, robots and shapes are dense, and references
-  // between them are many.
-  Result<LoadedWorld> reduced = BuildWorld(plan.value().tree, build, tools.build);
-  if (!reduced.ok()) return reduced;
-  Complete(reduced.value(), file, plan.value());
-  CopyPlaces(built.value().world, reduced.value().world);
-  return completed(std::move(reduced).value());
+  built = AddCrowd(std::move(built).value());
+  if (built.ok()) built = AddPeople(std::move(built).value(), file.people);
+  if (!built.ok()) return built;
+  if (!file.without.empty()) {
+    if (Status error = RemoveEntities(plan.value().tree, file.without); !error.ok()) return error.error();
+    // Built again instead of erased from the built world: ids of models, robots and shapes are dense, and references
+    // between them are many.
+    Result<LoadedWorld> reduced = BuildWorld(plan.value().tree, build, tools.build);
+    if (!reduced.ok()) return reduced;
+    Complete(reduced.value(), file, plan.value());
+    CopyPlaces(built.value().world, reduced.value().world);
+    CopyPeople(built.value().world, reduced.value().world);
+    built = std::move(reduced);
+  }
+  if (Status error = CheckControllersInWorld(built.value(), path, overrides); !error.ok()) return error.error();
+  return built;
 }
 
 Result<WorldNode> ApplyOverride(const OverrideEntry& rule, WorldNode world) {
