@@ -35,7 +35,8 @@ struct TickView;  // testing/expectations/tick_view.h: a tick without a Simulati
 // An area that an expectation names: in(r, door).
 struct NamedRegion {
   std::string name;
-  Polygon outline;  // m, in W; simple
+  Polygon outline;               // m, in W; simple
+  std::optional<double> z = {};  // m, of its floor: a region of one level of a building; nothing: at any height
 };
 
 // What names in expectations refer to: the robots, objects, places and sensors of a world, and regions.

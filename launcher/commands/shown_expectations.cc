@@ -26,7 +26,9 @@ Result<ShownExpectations> ReadExpectations(const std::string& file) {
   const CaseWorlds worlds(test.value());
   const Result<LoadedWorld> loaded = worlds.Load(test.value().design().At(0));
   if (!loaded.ok()) return loaded.error();
-  for (const RegionOfScenario& region : loaded.value().regions) shown.regions.push_back({region.name, region.outline});
+  for (const RegionOfScenario& region : loaded.value().regions) {
+    shown.regions.push_back({region.name, region.outline, region.z});
+  }
   return shown;
 }
 

@@ -73,11 +73,17 @@ using AnyMonitor = std::variant<std::shared_ptr<ExpectationMonitor>, std::shared
 std::vector<NamedRegion> RegionsOf(const py::object& regions) {
   std::vector<NamedRegion> named;
   if (regions.is_none()) return named;
-  for (const auto& [name, outline] : regions.cast<std::map<std::string, std::vector<std::pair<double, double>>>>()) {
+  using Outline = std::vector<std::pair<double, double>>;
+  using OnLevel = std::pair<Outline, double>;  // with the height of its floor
+  for (const auto& [name, region] : regions.cast<std::map<std::string, std::variant<Outline, OnLevel>>>()) {
+    const OnLevel* const on_level = std::get_if<OnLevel>(&region);
     Polygon polygon;
-    for (const auto& [x, y] : outline) polygon.emplace_back(x, y);
+    for (const auto& [x, y] : on_level != nullptr ? on_level->first : std::get<Outline>(region)) {
+      polygon.emplace_back(x, y);
+    }
     if (polygon.size() < 3) throw py::value_error(fmt::format("region {}: expected three or more points", name));
     named.push_back({name, std::move(polygon)});
+    if (on_level != nullptr) named.back().z = on_level->second;
   }
   return named;
 }

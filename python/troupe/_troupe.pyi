@@ -208,7 +208,8 @@ class VectorSimulation:
     @property
     def ticks(self) -> NDArray[numpy.int64]: ...
 
-_Regions = Optional[Mapping[str, Sequence[Tuple[float, float]]]]
+_Outline = Sequence[Tuple[float, float]]
+_Regions = Optional[Mapping[str, Union[_Outline, Tuple[_Outline, float]]]]
 
 class Monitor:
     """Judges an expectation, tick by tick: docs/testing.md."""

@@ -18,7 +18,8 @@ from ._troupe import Metric, Monitor, Simulation, watch
 
 __all__ = ["Failure", "Metric", "Monitor", "Outcome", "Run", "check", "run", "watch"]
 
-_Regions = Optional[Mapping[str, Sequence[Tuple[float, float]]]]
+_Outline = Sequence[Tuple[float, float]]
+_Regions = Optional[Mapping[str, Union[_Outline, Tuple[_Outline, float]]]]
 
 
 class Outcome(NamedTuple):
@@ -60,7 +61,8 @@ def run(world: Union[str, "os.PathLike[str]", Simulation], expectations: Union[s
         seed: Optional[int] = None, controller: Optional[str] = None, stop: bool = False) -> Run:
     """Steps a world, or a simulation from its present tick on, and judges each tick.
 
-    ticks: of the run; the present one counts, too. metrics: {name: metric}. regions: {name: [(x, y), ...]}, m in W.
+    ticks: of the run; the present one counts, too. metrics: {name: metric}. regions: {name: [(x, y), ...]}, or
+    {name: ([(x, y), ...], z)} of one level of a building, m in W.
     stop: no further than the tick at which an expectation is false. InputError for a wrong file or expectation.
     """
     sim = world if isinstance(world, Simulation) else Simulation(world, seed=seed, controller=controller)

@@ -182,7 +182,7 @@ Status CaseWorlds::Check(const TestCase& draws) const {
 Result<CaseMonitors> CaseMonitors::Make(const TestFile& test, const WorldDescription& world,
                                         const std::vector<RegionOfScenario>& regions, std::optional<std::size_t> only) {
   std::vector<NamedRegion> named;
-  for (const RegionOfScenario& region : regions) named.push_back({region.name, region.outline});
+  for (const RegionOfScenario& region : regions) named.push_back({region.name, region.outline, region.z});
   const ExpectationScope scope{world, named};
   CaseMonitors monitors;
   const auto add = [&](const std::vector<TestClause>& clauses, std::vector<Monitor>& list) -> Status {

@@ -210,6 +210,7 @@ void Compiler::PlainArgument(const Syntax& argument, char parameter, SignalUse& 
       return;
     }
     signal.point = place->X_WN.translation();
+    signal.floor = names_.FloorAt(place->X_WN.z);
     return;
   }
   if (parameter == 'g') {
@@ -219,6 +220,7 @@ void Compiler::PlainArgument(const Syntax& argument, char parameter, SignalUse& 
       return;
     }
     signal.region = region->outline;
+    if (region->z) signal.floor = names_.FloorAt(*region->z);
     return;
   }
   if (parameter == 'e') {
@@ -275,6 +277,7 @@ std::optional<Compiler::ThingArgument> Compiler::DistanceTarget(const Syntax& ar
     }
     if (const NamedPlace* const place = names_.FindPlace(argument.name)) {
       signal.point = place->X_WN.translation();
+      signal.floor = names_.FloorAt(place->X_WN.z);
       return std::nullopt;
     }
     if (const std::optional<ModelId> model = names_.FindStaticModel(argument.name)) {

@@ -106,6 +106,12 @@ const NamedRegion* WorldNames::FindRegion(const std::string& name) const {
   return nullptr;
 }
 
+std::optional<double> WorldNames::FloorAt(double z) const {
+  const std::vector<LevelDescription>& levels = world().levels;
+  if (levels.empty()) return std::nullopt;
+  return levels[LevelNumberAt(levels, z)].z;
+}
+
 bool WorldNames::IsName(const std::string& name) const {
   for (std::size_t kind = 0; kind < StateTables().size(); ++kind) {
     if (things_->Find(name, kind)) return true;

@@ -40,6 +40,8 @@ class WorldNames {
   std::optional<ModelId> FindStaticModel(const std::string& name) const;
   const NamedPlace* FindPlace(const std::string& name) const;
   const NamedRegion* FindRegion(const std::string& name) const;
+  // The height of the level that is nearest to `z`; nothing in a world without levels.
+  std::optional<double> FloorAt(double z) const;
   // True for any name of the world. The compiler uses it to tell a free variable of a metric ("r") from a robot that is
   // called so.
   bool IsName(const std::string& name) const;

@@ -23,12 +23,15 @@ constexpr std::array kRunSignals{
     SignalInfo{
         SignalKind::kDistance, "distance", "bd", ValueType::kNumber, kMetre, "distance(r, WHAT)",
         "Exact shortest distance in the plane between the solid parts of two robots, objects, people or static models "
-        "that share a height, infinite if none do; to a place from the parts at any height."},
-    SignalInfo{SignalKind::kAt, "at", "bp?l", ValueType::kTruth, kRatio, "at(r, PLACE[, RADIUS])",
-               "The origin of the robot, object or person is within RADIUS of the place, 0.2 m if none is given. "
-               "Robustness: m."},
+        "that share a height, infinite if none do; to a place from the parts at any height, infinite from another "
+        "level of a building."},
+    SignalInfo{
+        SignalKind::kAt, "at", "bp?l", ValueType::kTruth, kRatio, "at(r, PLACE[, RADIUS])",
+        "The origin of the robot, object or person is within RADIUS of the place, 0.2 m if none is given, on its "
+        "level. Robustness: m."},
     SignalInfo{SignalKind::kIn, "in", "bg", ValueType::kTruth, kRatio, "in(r, REGION)",
-               "Its origin is in the region or on its edge. Robustness: distance from the edge, m."},
+               "Its origin is in the region or on its edge, on its level if it has one. Robustness: distance from the "
+               "edge, m."},
     SignalInfo{SignalKind::kHolds, "holds", "r?o", ValueType::kTruth, kRatio, "holds(r[, o])",
                "A gripper of the robot holds the object, or any object."},
     SignalInfo{SignalKind::kAlive, "alive", "r", ValueType::kTruth, kRatio, "alive(r)",
@@ -88,6 +91,19 @@ double DistanceOf(std::span<const ConvexPiece> a, std::span<const ConvexPiece> b
   return least;
 }
 
+// How far the level of a height is above or below that of the signal's place or region, m; 0 without levels.
+double LevelsAway(const SignalUse& signal, const TickView& tick, double z) {
+  if (!signal.floor) return 0.0;
+  const std::vector<LevelDescription>& levels = tick.scene.world().levels;
+  return std::fabs(levels[LevelNumberAt(levels, z)].z - *signal.floor);
+}
+
+// A robustness in the plane, of a body at height z.
+double OnLevel(const SignalUse& signal, const TickView& tick, double z, double robustness) {
+  const double away = LevelsAway(signal, tick, z);
+  return away > 0.0 ? std::min(robustness, -away) : robustness;
+}
+
 double DistanceOf(std::span<const ConvexPiece> pieces, const Vec2& point) {
   double least = kInfinity;
   for (const ConvexPiece& piece : pieces) {
@@ -129,7 +145,8 @@ void ReadDistances(const SignalUse& signal, const TickView& tick, SignalMemory& 
     } else if (signal.model) {
       values[i] = DistanceOf(pieces, memory.pieces);
     } else {
-      values[i] = DistanceOf(pieces, signal.point);
+      const bool is_on_level = LevelsAway(signal, tick, PoseOf(tick.state, signal.subjects[i]).z) == 0.0;
+      values[i] = is_on_level ? DistanceOf(pieces, signal.point) : kInfinity;
     }
   }
 }
@@ -429,10 +446,14 @@ void ReadSignal(const SignalUse& signal, const Things& things, const TickView& t
     case SignalKind::kAt:
       return for_each([&](ThingId body) {
         const Pose& X_WB = PoseOf(state, body);
-        return signal.number - Norm(X_WB.x - signal.point.x(), X_WB.y - signal.point.y());
+        const double beyond = Norm(X_WB.x - signal.point.x(), X_WB.y - signal.point.y());
+        return OnLevel(signal, tick, X_WB.z, signal.number - beyond);
       });
     case SignalKind::kIn:
-      return for_each([&](ThingId body) { return DepthIn(signal.region, PoseOf(state, body).translation()); });
+      return for_each([&](ThingId body) {
+        const Pose& X_WB = PoseOf(state, body);
+        return OnLevel(signal, tick, X_WB.z, DepthIn(signal.region, X_WB.translation()));
+      });
     case SignalKind::kHolds:
       for (std::size_t i = 0; i < values.size(); ++i) {
         const std::size_t held = signal.others.empty() ? kAnyObject : signal.others[i] - state.robots.size();

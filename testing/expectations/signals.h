@@ -97,6 +97,8 @@ struct SignalUse {
   Vec2 point{0.0, 0.0};                   // m, in W: a place
   std::optional<ModelId> model = {};      // the root of a static tree
   Polygon region = {};
+  // m: the height of the level of the place or region, among the world's levels; nothing: it is at all heights
+  std::optional<double> floor = {};
   double number = 0.0;    // m, radius of kAt, reach of kPeopleNear and of intrusions
   std::size_t table = 0;  // of kRows
   std::string text = {};  // that a text is compared with; the pattern of an event's detail

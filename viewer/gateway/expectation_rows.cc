@@ -40,7 +40,7 @@ Json ToJson(const ShownExpectations& expectations) {
   for (const NamedRegion& region : expectations.regions) {
     Json outline = Json::array();
     for (const Vec2& vertex : region.outline) outline.push_back({vertex.x(), vertex.y()});
-    regions.push_back({region.name, std::move(outline)});
+    regions.push_back({region.name, std::move(outline), region.z ? Json(*region.z) : Json(nullptr)});
   }
   return {{"list", std::move(list)}, {"regions", std::move(regions)}};
 }
@@ -53,7 +53,9 @@ ShownExpectations ShownExpectationsFromJson(const Json& json) {
   for (const Json& each : json.at("regions")) {
     Polygon outline;
     for (const Json& vertex : each.at(1)) outline.emplace_back(vertex.at(0).get<double>(), vertex.at(1).get<double>());
-    expectations.regions.push_back({each.at(0).get<std::string>(), std::move(outline)});
+    NamedRegion region{each.at(0).get<std::string>(), std::move(outline)};
+    if (!each.at(2).is_null()) region.z = each.at(2).get<double>();
+    expectations.regions.push_back(std::move(region));
   }
   return expectations;
 }

@@ -39,7 +39,8 @@ namespace troupe {
 // An area of the plane that a scenario names, for tests.
 struct RegionOfScenario {
   std::string name;
-  Polygon outline;  // normalized, m, frame W
+  Polygon outline;               // normalized, m, frame W
+  std::optional<double> z = {};  // m, of its floor; nothing: at any height
 };
 
 // LoadedWorld: the result of reading a file that names a world.

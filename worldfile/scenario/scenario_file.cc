@@ -168,6 +168,7 @@ std::vector<RegionOfScenario> Reader::ReadRegions(const JsonNode& root) {
   std::vector<RegionOfScenario> regions;
   for (const JsonNode& entry : root.ItemsOf("regions")) {
     RegionOfScenario region{entry.Member("name").text, ReadRegion(entry.Member("region"))};
+    if (const JsonNode* const z = entry.Find("z")) region.z = z->number;
     const auto same = [&](const RegionOfScenario& other) { return other.name == region.name; };
     if (std::any_of(regions.begin(), regions.end(), same)) {
       Fail(entry.Member("name"), "found the region '" + region.name + "' again, expected another name");

@@ -94,6 +94,31 @@ TEST_F(MonitorTest, VerdictsAreKnownAsSoonAsNothingCanChangeThem) {
   EXPECT_EQ(Run("exists r: eventually at(r, dock, 22 cm)", 40).decided_at(), 16u);  // at 0.8 m
 }
 
+TEST_F(MonitorTest, PlacesAndRegionsOfABuildingAreOnTheirLevel) {
+  WorldDescription& world = world_.world();
+  world.places.push_back({"above", {}, {}, {1.0, 0.0, 2.6, 0.0}});
+  world.places.push_back({"stand", {}, {}, {1.0, 0.0, 0.8, 0.0}});
+  // Without levels a height means nothing.
+  EXPECT_EQ(Run("eventually at(anna, above)", 40).verdict(), Verdict::kTrue);
+  world.levels = {{"L1", 0.0}, {"L2", 3.0}};
+  EXPECT_EQ(Run("eventually at(anna, dock)", 40).verdict(), Verdict::kTrue);
+  EXPECT_EQ(Run("eventually at(anna, stand)", 40).verdict(), Verdict::kTrue) << "nearer to L1";
+  const Monitor above = Run("eventually at(anna, above, 5 m)", 40);
+  EXPECT_EQ(above.verdict(), Verdict::kFalse);
+  EXPECT_EQ(above.robustness(), -3.0) << "the levels are so far apart";
+  EXPECT_EQ(Run("exists r: eventually at(r, above)", 40).verdict(), Verdict::kFalse);
+  EXPECT_EQ(Run("reached(above, 10 s, 1 m)", 40).verdict(), Verdict::kFalse);
+  EXPECT_EQ(Measure("time of first at(anna, above)", 40), std::nullopt);
+  EXPECT_EQ(Measure("min of distance(anna, above)", 40), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(Measure("min of distance(anna, dock)", 40), 0.0);
+  EXPECT_EQ(Run("always in(bob, yard)", 2).verdict(), Verdict::kTrue) << "a flat region is on all levels";
+  yard_.z = 2.9;
+  EXPECT_EQ(Run("eventually in(bob, yard)", 2).robustness(), -3.0);
+  EXPECT_EQ(Run("within(yard)", 2).verdict(), Verdict::kFalse);
+  yard_.z = 0.0;
+  EXPECT_EQ(Run("always in(bob, yard)", 2).verdict(), Verdict::kTrue);
+}
+
 TEST_F(MonitorTest, PeopleAreMeasured) {
   EXPECT_EQ(Measure("min of person_distance(anna)", 5), std::numeric_limits<double>::infinity());
   // One who stands beside anna's way, 0.55 m from her side as she passes.
