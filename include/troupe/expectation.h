@@ -166,8 +166,11 @@ class MetricMonitor {
   Status Push(const TickView& tick);
   void Finish();  // REQUIRES: Push has been called
 
-  // After Finish, in SI units, times from tick 0; nothing if it does not exist: the time of what never happened.
+  // After Finish, in SI units, times from tick 0; nothing if it does not exist: the time of what never happened (for
+  // "time of last": to one of the robots), or a number that no tick has.
   std::optional<double> value() const;
+  // Values of ticks that were no numbers, such as 0 / 0, and are left out.
+  std::uint64_t undefined() const;
 
  private:
   struct State;

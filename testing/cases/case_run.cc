@@ -110,7 +110,8 @@ json ToJson(const CaseOutcome& outcome) {
           {"tick_seconds", outcome.tick_seconds},
           {"expectations", std::move(expectations)},
           {"covered", outcome.covered},
-          {"metrics", std::move(metrics)}};
+          {"metrics", std::move(metrics)},
+          {"undefined", outcome.undefined}};
 }
 
 CaseOutcome OutcomeFromJson(const json& value) {
@@ -137,6 +138,7 @@ CaseOutcome OutcomeFromJson(const json& value) {
   for (const json& metric : value.at("metrics")) {
     outcome.metrics.push_back(metric.is_null() ? std::nullopt : std::optional(NumberFromJson(metric)));
   }
+  outcome.undefined = value.at("undefined").get<std::vector<std::uint64_t>>();
   return outcome;
 }
 
@@ -228,7 +230,10 @@ void CaseMonitors::Finish(CaseOutcome& outcome) {
   for (MetricMonitor& monitor : metrics_) {
     monitor.Finish();
     outcome.metrics.push_back(monitor.value());
+    outcome.undefined.push_back(monitor.undefined());
   }
+  const auto is_none = [](std::uint64_t count) { return count == 0; };
+  if (std::all_of(outcome.undefined.begin(), outcome.undefined.end(), is_none)) outcome.undefined.clear();
 }
 
 CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseRunOptions& options) {

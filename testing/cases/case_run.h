@@ -57,6 +57,7 @@ struct CaseOutcome {
   std::vector<ExpectationOutcome> expectations;  // in the order of the test
   std::vector<bool> covered;                     // as above
   std::vector<std::optional<double>> metrics;    // as above; nothing: it does not exist in this run
+  std::vector<std::uint64_t> undefined;          // as above: values of ticks that were no numbers; empty: none was
 
   bool operator==(const CaseOutcome&) const = default;
 };

@@ -186,9 +186,18 @@ struct MetricMonitor::State {
     if (program.nodes[node].level != level || !network.IsValid(node, now)) return;
     const std::span<const double> values = network.values(node);
     const Tick tick = first.value_or(0) + network.TimeOf(node, now);
-    if (held.empty()) held.assign(values.size(), false);
+    const bool is_time = program.metric == MetricKind::kFirst || program.metric == MetricKind::kLast;
+    if (held.empty()) {
+      held.assign(values.size(), false);
+      begun.assign(values.size(), false);
+    }
+    if (program.metric == MetricKind::kFinal) count = 0.0;
     const auto add = [&](std::size_t lane) {
       const double value = values[lane];
+      if (!is_time && std::isnan(value)) {
+        ++undefined;
+        return;
+      }
       const bool holds = !std::signbit(value);
       switch (program.metric) {
         case MetricKind::kFirst:
@@ -200,6 +209,7 @@ struct MetricMonitor::State {
             count += 1.0;
           }
           held[lane] = holds;
+          begun[lane] = begun[lane] || holds;
           break;
         case MetricKind::kMin:
           result = count == 0.0 || value < result ? value : result;
@@ -214,12 +224,18 @@ struct MetricMonitor::State {
           result = value;
           break;
       }
-      if (program.metric != MetricKind::kFirst && program.metric != MetricKind::kLast) count += 1.0;
+      if (!is_time) count += 1.0;
     };
-    if (program.counted.empty()) {
-      for (std::size_t lane = 0; lane < values.size(); ++lane) add(lane);
-    } else if (program.counted[0] != SignalUse::kNone) {
-      for (const std::uint32_t lane : program.counted) add(lane);
+    ForEachLane(values.size(), add);
+  }
+
+  template <typename Visit>
+  void ForEachLane(std::size_t lanes, const Visit& visit) const {
+    const std::vector<std::uint32_t>& counted = network.program().counted;
+    if (counted.empty()) {
+      for (std::size_t lane = 0; lane < lanes; ++lane) visit(lane);
+    } else if (counted[0] != SignalUse::kNone) {
+      for (const std::uint32_t lane : counted) visit(lane);
     }
   }
 
@@ -227,7 +243,9 @@ struct MetricMonitor::State {
   Network network;
   std::optional<Tick> first = {};
   bool finished = false;
-  std::vector<bool> held = {};  // by lane: of "time of"
+  std::vector<bool> held = {};   // by lane, of "time of": at the last tick
+  std::vector<bool> begun = {};  // and at any tick so far
+  std::uint64_t undefined = 0;   // values that are no numbers
   double result = 0.0;
   double count = 0.0;  // of the values in it
 };
@@ -266,8 +284,18 @@ void MetricMonitor::Finish() {
 std::optional<double> MetricMonitor::value() const {
   const State& state = *state_;
   if (!state.finished || state.count == 0.0) return std::nullopt;
-  const bool is_mean = state.network.program().metric == MetricKind::kMean;
-  return is_mean ? state.result / state.count : state.result;
+  const MetricKind kind = state.network.program().metric;
+  bool is_whole = true;
+  // The last arrival does not exist while one robot has not arrived: that of the others would look better than it is.
+  if (kind == MetricKind::kLast) {
+    state.ForEachLane(state.begun.size(), [&](std::size_t lane) { is_whole = is_whole && state.begun[lane]; });
+  }
+  if (!is_whole) return std::nullopt;
+  return kind == MetricKind::kMean ? state.result / state.count : state.result;
+}
+
+std::uint64_t MetricMonitor::undefined() const {
+  return state_->undefined;
 }
 
 }  // namespace troupe

@@ -86,6 +86,7 @@ CaseOutcome PassedFromJson(const json& value) {
   for (const json& metric : value.at("metrics")) {
     outcome.metrics.push_back(metric.is_null() ? std::nullopt : std::optional(NumberFromJson(metric)));
   }
+  outcome.undefined = value.at("undefined").get<std::vector<std::uint64_t>>();
   return outcome;
 }
 
@@ -120,8 +121,8 @@ void CaseReport::AddCase(std::size_t test, ReportedCase reported, std::optional<
     if (outcome.covered[i]) entry.covered[i] = true;
   }
   if (detail_ == CaseDetail::kCounts) return;
-  Row row{reported.kept,   reported.draws,  outcome.verdict, outcome.ticks, outcome.state_hash, {},
-          outcome.covered, outcome.metrics, seconds};
+  Row row{reported.kept,   reported.draws,  outcome.verdict,   outcome.ticks, outcome.state_hash, {},
+          outcome.covered, outcome.metrics, outcome.undefined, seconds};
   for (const ExpectationOutcome& each : outcome.expectations) row.robustness.push_back(each.robustness);
   entry.rows[reported.number] = std::move(row);
   if (outcome.verdict == CaseVerdict::kFailed || outcome.verdict == CaseVerdict::kError) {
@@ -185,7 +186,8 @@ std::string CaseReport::Lines() const {
                    {"state_hash", fmt::format("{:016x}", row.state_hash)},
                    {"robustness", std::move(robustness)},
                    {"covered", row.covered},
-                   {"metrics", std::move(metrics)}};
+                   {"metrics", std::move(metrics)},
+                   {"undefined", row.undefined}};
       if (const auto fault = entry.faults.find(number); fault != entry.faults.end())
         line["fault"] = ToJson(fault->second);
       lines += line.dump() + "\n";

@@ -97,6 +97,7 @@ class CaseReport {
     std::vector<double> robustness;
     std::vector<bool> covered;
     std::vector<std::optional<double>> metrics;
+    std::vector<std::uint64_t> undefined;
     std::optional<double> seconds;
   };
   using Counts = std::array<std::uint64_t, 4>;  // by verdict

@@ -126,21 +126,29 @@ std::vector<std::pair<std::string, std::string>> CaseReport::Plots(const Entry& 
 }
 
 std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
-  std::map<std::string, Statistics> groups;
+  struct Group {
+    std::uint64_t runs = 0;
+    Statistics statistics;  // of those in which the metric exists
+  };
+  std::map<std::string, Group> groups;
   std::vector<std::string> names;  // in the order of the cases
+  std::uint64_t undefined = 0;
   for (const auto& [number, row] : entry.rows) {
-    if (row.kept || metric >= row.metrics.size() || !row.metrics[metric]) continue;
-    const std::string group = GroupOf(row.draws);
-    if (!groups.contains(group)) names.push_back(group);
-    groups[group].Add(*row.metrics[metric]);
+    if (row.kept || row.verdict == CaseVerdict::kNotRun) continue;
+    const std::string name = GroupOf(row.draws);
+    if (!groups.contains(name)) names.push_back(name);
+    Group& group = groups[name];
+    ++group.runs;
+    if (metric < row.metrics.size() && row.metrics[metric]) group.statistics.Add(*row.metrics[metric]);
+    if (metric < row.undefined.size()) undefined += row.undefined[metric];
   }
   std::string html = fmt::format(
       "<h3>{}</h3>\n<table><tr><th>case</th><th>runs</th><th>mean</th><th>95 % confidence</th>"
       "<th>deviation</th><th>least</th><th>greatest</th></tr>\n",
       Escaped(WithUnit(entry.test.metrics[metric], entry.test.units[metric])));
   std::size_t shown = 0;
-  for (const std::string& group : names) {
-    const Statistics& statistics = groups.at(group);
+  for (const std::string& name : names) {
+    const auto& [runs, statistics] = groups.at(name);
     if (++shown > kMaxGroups) {
       html += fmt::format("<tr><td colspan=\"7\">{} more: see the CSV file</td></tr>\n", groups.size() - kMaxGroups);
       break;
@@ -148,11 +156,19 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
     html += fmt::format(
         "<tr><td><code>{}</code></td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
         "<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
-        Escaped(group.empty() ? "all" : group), statistics.count(), Shown(statistics.mean()),
-        statistics.count() < 2 ? "" : "± " + Shown(statistics.confidence()), Shown(statistics.deviation()),
-        Shown(statistics.min()), Shown(statistics.max()));
+        Escaped(name.empty() ? "all" : name),
+        statistics.count() == runs ? std::to_string(runs) : fmt::format("{} of {}", statistics.count(), runs),
+        statistics.count() == 0 ? "none" : Shown(statistics.mean()),
+        statistics.count() < 2 ? "" : "± " + Shown(statistics.confidence()),
+        statistics.count() == 0 ? "" : Shown(statistics.deviation()),
+        statistics.count() == 0 ? "" : Shown(statistics.min()), statistics.count() == 0 ? "" : Shown(statistics.max()));
   }
-  return html + "</table>\n";
+  html += "</table>\n";
+  if (undefined > 0) {
+    html += fmt::format("<p>{} no number, as 0 / 0, and left out</p>\n",
+                        undefined == 1 ? "1 value of a tick was" : fmt::format("{} values of ticks were", undefined));
+  }
+  return html;
 }
 
 std::string CaseReport::PageOf(const Entry& entry) const {

@@ -176,13 +176,32 @@ TEST_F(MonitorTest, SignalsAreThoseOfTheWorld) {
 
 TEST_F(MonitorTest, MetricsAreNumbersOfTheRun) {
   EXPECT_NEAR(Measure("time of first at(anna, dock, 22 cm)", 60).value(), 1.6, 1e-9);
-  EXPECT_NEAR(Measure("time of last at(r, dock, 22 cm)", 60).value(), 1.6, 1e-9);
+  EXPECT_EQ(Measure("time of last at(r, dock, 22 cm)", 60), std::nullopt) << "bob never arrives";
+  EXPECT_NEAR(Measure("time of last exists r: at(r, dock, 22 cm)", 60).value(), 1.6, 1e-9);
+  EXPECT_NEAR(Measure("time of last x(r) + 2 * y(r) > -2 m", 60).value(), 0.0, 1e-9) << "both";
   EXPECT_EQ(Measure("time of first at(bob, dock)", 60), std::nullopt);
   EXPECT_NEAR(Measure("min of distance(a, b)", 20).value(), 0.6, 1e-9);
   EXPECT_NEAR(Measure("max of x(r)", 20).value(), 1.0, 1e-9);
   EXPECT_NEAR(Measure("mean of x(anna)", 20).value(), 0.5, 1e-9);
   EXPECT_NEAR(Measure("mean of x(r)", 20).value(), -0.25, 1e-9);
   EXPECT_NEAR(Measure("x(anna) - x(bob)", 20).value(), 2.0, 1e-9);
+}
+
+TEST_F(MonitorTest, ValuesThatAreNoNumbersAreLeftOutAndCounted) {
+  Simulation simulation = Start();
+  MetricMonitor least(Metric::Parse("min of x(anna) / speed(anna)", {simulation.world()}).value());
+  MetricMonitor last(Metric::Parse("final of y(bob) / speed(bob)", {simulation.world()}).value());
+  for (Tick i = 0; i <= 5; ++i) {
+    if (i > 0) simulation.Step();
+    ASSERT_TRUE(least.Push(simulation).ok());
+    ASSERT_TRUE(last.Push(simulation).ok());
+  }
+  least.Finish();
+  last.Finish();
+  EXPECT_NEAR(least.value().value_or(-1.0), 0.1, 1e-9) << "at tick 1";
+  EXPECT_EQ(least.undefined(), 1u);
+  EXPECT_EQ(last.value(), std::nullopt) << "bob stands";
+  EXPECT_EQ(last.undefined(), 6u);
 }
 
 TEST_F(MonitorTest, ABranchContinuesWithACopy) {

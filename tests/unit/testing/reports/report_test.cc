@@ -142,6 +142,28 @@ TEST(CaseReport, TheMergedReportIsThatOfAllCases) {
   EXPECT_THAT(again.error().message, HasSubstr("found case 0 of 'a<b.test.json' again"));
 }
 
+TEST(CaseReport, SaysOfHowManyRunsAMetricIs) {
+  CaseReport report = ExampleReport(0, 1);  // one of n = 5 has failed without the metric, one of n = 10 is an error
+  report.AddTest({"other.test.json", "other", {"seed", "n"}, {}, {}, {}, {"time"}, {"s"}, 2});
+  for (const std::uint64_t number : {0U, 1U}) {
+    ReportedCase none = ExampleCase(number, CaseVerdict::kPassed);
+    none.outcome.metrics = {std::nullopt};
+    none.outcome.undefined = {3};
+    report.AddCase(1, none);
+  }
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(report.Write(folder / "report").ok());
+  const std::string page = folder.Read("report/index.html");
+  EXPECT_THAT(page, HasSubstr("<code>n=5</code></td><td class=\"n\">1 of 2</td><td class=\"n\">3</td>"));
+  EXPECT_THAT(page, HasSubstr("<code>n=10</code></td><td class=\"n\">1 of 2</td><td class=\"n\">4.5</td>"));
+  EXPECT_THAT(page, HasSubstr("<code>n=5</code></td><td class=\"n\">0 of 1</td><td class=\"n\">none</td>"));
+  EXPECT_THAT(page, HasSubstr("6 values of ticks were no number"));
+  CaseReport read;
+  ASSERT_TRUE(read.AddLines(folder / "report/cases.jsonl").ok());
+  ASSERT_TRUE(read.Write(folder / "read").ok());
+  EXPECT_EQ(folder.Read("read/index.html"), page);
+}
+
 TEST(CaseReport, RefusesFilesThatAreNone) {
   const test::TemporaryFolder folder;
   for (const char* const text : {"x", "{}", "{\"test\": 3}", "{\"test\": \"a\", \"number\": 1}"}) {
