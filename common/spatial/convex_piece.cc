@@ -91,6 +91,48 @@ bool EdgesCross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, Vec2
   return true;
 }
 
+// Two polygons as seen along the line between their middles: where each begins and ends there, in m from a's first
+// vertex. If they are apart on that line, only the vertices and edges that face each other can have the nearest points.
+class Facing {
+ public:
+  Facing(std::span<const Vec2> a, std::span<const Vec2> b) : origin_(a.front()) {
+    if (a.size() < 3 || b.size() < 3) return;  // so few pairs of parts cost no more than a look along a line
+    Vec2 middle_a(0.0, 0.0);
+    Vec2 middle_b(0.0, 0.0);
+    for (const Vec2& vertex : a) middle_a += vertex - origin_;
+    for (const Vec2& vertex : b) middle_b += vertex - origin_;
+    along_ = middle_b / static_cast<double>(b.size()) - middle_a / static_cast<double>(a.size());
+    const double length = along_.norm();
+    if (!(length > 0.0)) return;
+    along_ /= length;
+    const auto last_of_a =
+        std::max_element(a.begin(), a.end(), [&](const Vec2& p, const Vec2& q) { return At(p) < At(q); });
+    const auto first_of_b =
+        std::min_element(b.begin(), b.end(), [&](const Vec2& p, const Vec2& q) { return At(p) < At(q); });
+    end_of_a_ = At(*last_of_a);
+    begin_of_b_ = At(*first_of_b);
+    // Rounding is far below the margin, so that the nearest points are never passed over.
+    reach_ = (*first_of_b - *last_of_a).norm() * (1.0 + kMargin) + kMargin;
+    are_apart_ = begin_of_b_ - end_of_a_ > kMargin;
+  }
+
+  bool are_apart() const { return are_apart_; }
+  // Whether a part of `a` that ends at `end_of_a` can be near enough to one of `b` that begins at `begin_of_b`.
+  bool CanBeNearest(double end_of_a, double begin_of_b) const { return !are_apart_ || begin_of_b - end_of_a <= reach_; }
+  double At(const Vec2& point) const { return (point - origin_).dot(along_); }
+  double begin_of_b() const { return begin_of_b_; }
+
+ private:
+  static constexpr double kMargin = 1e-9;  // m, and as a part of the reach
+
+  Vec2 origin_;
+  Vec2 along_{0.0, 0.0};
+  double end_of_a_ = 0.0;
+  double begin_of_b_ = 0.0;
+  double reach_ = 0.0;  // m, an upper bound of the distance
+  bool are_apart_ = false;
+};
+
 }  // namespace
 
 bool HasHeight(const ZRange& z) {
@@ -176,9 +218,10 @@ bool OverlapBy(const ConvexPiece& a, const ConvexPiece& b, double depth) {
 }
 
 NearestPoints FindNearestPoints(std::span<const Vec2> a, std::span<const Vec2> b) {
+  const Facing facing(a, b);
   // One polygon inside the other: no edges cross.
-  if (IsInside(b, a.front())) return {0.0, a.front(), a.front()};
-  if (IsInside(a, b.front())) return {0.0, b.front(), b.front()};
+  if (!facing.are_apart() && IsInside(b, a.front())) return {0.0, a.front(), a.front()};
+  if (!facing.are_apart() && IsInside(a, b.front())) return {0.0, b.front(), b.front()};
   NearestPoints nearest{std::numeric_limits<double>::infinity(), a.front(), b.front()};
   const auto keep = [&](const Vec2& of_a, const Vec2& of_b) {
     const double distance = (of_a - of_b).norm();
@@ -186,12 +229,15 @@ NearestPoints FindNearestPoints(std::span<const Vec2> a, std::span<const Vec2> b
   };
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Vec2& a_from = a[i];
-    const Vec2& a_to = a[(i + 1) % a.size()];
+    const Vec2& a_to = a[i + 1 < a.size() ? i + 1 : 0];
+    const double end_of_edge = std::max(facing.At(a_from), facing.At(a_to));
+    if (!facing.CanBeNearest(end_of_edge, facing.begin_of_b())) continue;
     for (std::size_t k = 0; k < b.size(); ++k) {
       const Vec2& b_from = b[k];
-      const Vec2& b_to = b[(k + 1) % b.size()];
+      const Vec2& b_to = b[k + 1 < b.size() ? k + 1 : 0];
+      if (!facing.CanBeNearest(end_of_edge, std::min(facing.At(b_from), facing.At(b_to)))) continue;
       Vec2 at;
-      if (EdgesCross(a_from, a_to, b_from, b_to, at)) return {0.0, at, at};
+      if (!facing.are_apart() && EdgesCross(a_from, a_to, b_from, b_to, at)) return {0.0, at, at};
       keep(a_from, NearestOnEdge(a_from, b_from, b_to));
       keep(NearestOnEdge(b_from, a_from, a_to), b_from);
     }

@@ -69,7 +69,7 @@ struct NearestPoints {
 
 // The nearest points of two convex polygons, counter-clockwise. Two vertices are a segment, one is a point. REQUIRES:
 // each has a vertex
-// Cost: the product of the numbers of vertices, which are mostly four.
+// Cost: of two that are apart about the sum of the numbers of vertices, of others their product.
 NearestPoints FindNearestPoints(std::span<const Vec2> a, std::span<const Vec2> b);
 
 }  // namespace troupe

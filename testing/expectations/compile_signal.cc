@@ -117,8 +117,10 @@ TypedValue Compiler::Count(const Syntax& argument) {
   }
   const TypedValue value = Call(argument);
   if (error_) return {};
-  Now(value.node).signal.kind = SignalKind::kEventCount;
-  return {value.node, ValueType::kNumber};
+  Node counting = Now(value.node);  // the formula may name the event itself, too
+  counting.signal.kind = SignalKind::kEventCount;
+  counting.recorded = false;
+  return {Add(std::move(counting)), ValueType::kNumber};
 }
 
 TypedValue Compiler::TableSignal(const Syntax& syntax, const Kinds& kinds) {

@@ -1,5 +1,6 @@
 #include "testing/expectations/program_builder.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace troupe {
@@ -53,6 +54,13 @@ std::size_t ProgramBuilder::Add(Node node) {
   }
   // Node 0 exists from here on, so that results after an error are valid indices.
   if (error_ && !program_.nodes.empty()) return 0;
+  if (node.op == Op::kSignal) {
+    // A signal that a formula names twice is read once.
+    const auto same = std::find_if(program_.nodes.begin(), program_.nodes.end(), [&](const Node& other) {
+      return other.op == Op::kSignal && other.variables == node.variables && other.signal == node.signal;
+    });
+    if (same != program_.nodes.end()) return static_cast<std::size_t>(same - program_.nodes.begin());
+  }
   program_.nodes.push_back(std::move(node));
   return program_.nodes.size() - 1;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <tuple>
 
 #include "common/base/glob.h"
 #include "common/model/states.h"
@@ -127,6 +128,23 @@ double DepthIn(const Polygon& region, const Vec2& point) {
   return Contains(region, point) ? least : -least;
 }
 
+// By lane: the first one with the same two bodies. A distance is the same from both sides, bit by bit.
+std::vector<std::uint32_t> FirstLanes(const SignalUse& signal) {
+  std::vector<std::tuple<ThingId, ThingId, std::uint32_t>> pairs;
+  for (std::size_t i = 0; i < signal.subjects.size(); ++i) {
+    const auto [less, greater] = std::minmax(signal.subjects[i], signal.others[i]);
+    pairs.emplace_back(less, greater, static_cast<std::uint32_t>(i));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  std::vector<std::uint32_t> first(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto& [less, greater, lane] = pairs[i];
+    const bool is_again = i > 0 && std::get<0>(pairs[i - 1]) == less && std::get<1>(pairs[i - 1]) == greater;
+    first[lane] = is_again ? first[std::get<2>(pairs[i - 1])] : lane;
+  }
+  return first;
+}
+
 void ReadDistances(const SignalUse& signal, const TickView& tick, SignalMemory& memory, std::span<double> values) {
   if (signal.model && memory.pieces.empty()) {
     const WorldDescription& world = tick.scene.world();
@@ -136,13 +154,26 @@ void ReadDistances(const SignalUse& signal, const TickView& tick, SignalMemory& 
       for (ConvexPiece& piece : pieces) memory.pieces.push_back(std::move(piece));
     }
   }
+  if (!signal.others.empty()) {
+    if (!memory.first_lanes) {
+      memory.first_lanes = std::make_shared<const std::vector<std::uint32_t>>(FirstLanes(signal));
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::size_t first = (*memory.first_lanes)[i];
+      if (first < i) {
+        values[i] = values[first];
+      } else {
+        values[i] = signal.others[i] == signal.subjects[i]
+                        ? 0.0
+                        : DistanceOf(tick.bodies.pieces_in_world(BodyId(signal.subjects[i])),
+                                     tick.bodies.pieces_in_world(BodyId(signal.others[i])));
+      }
+    }
+    return;
+  }
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::vector<ConvexPiece>& pieces = tick.bodies.pieces_in_world(BodyId(signal.subjects[i]));
-    if (!signal.others.empty()) {
-      values[i] = signal.others[i] == signal.subjects[i]
-                      ? 0.0
-                      : DistanceOf(pieces, tick.bodies.pieces_in_world(BodyId(signal.others[i])));
-    } else if (signal.model) {
+    if (signal.model) {
       values[i] = DistanceOf(pieces, memory.pieces);
     } else {
       const bool is_on_level = LevelsAway(signal, tick, PoseOf(tick.state, signal.subjects[i]).z) == 0.0;

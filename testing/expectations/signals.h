@@ -104,6 +104,7 @@ struct SignalUse {
   std::string text = {};  // that a text is compared with; the pattern of an event's detail
   bool negated = false;   // of a text: !=
   EventType event = EventType::kStallBegan;
+  bool operator==(const SignalUse&) const = default;
 };
 
 // What a monitor remembers of a signal between ticks: counts, and data that is costly to make and constant (pieces of
@@ -112,6 +113,8 @@ struct SignalMemory {
   std::vector<double> numbers = {};      // counts of events; 1.0 of robots that have left; seconds; intrusions
   std::vector<bool> before = {};         // by lane: people were near at the last tick
   std::vector<ConvexPiece> pieces = {};  // of a static tree
+  // By lane of a distance: the first lane with the same two bodies, in any order.
+  std::shared_ptr<const std::vector<std::uint32_t>> first_lanes = {};
   std::shared_ptr<const std::vector<std::unique_ptr<const Sensor>>> sensors = {};  // by lane
   SensorReading reading = {};
   std::pair<std::uint32_t, std::uint32_t> pair = {0, 0};  // the bodies of kClosestPair

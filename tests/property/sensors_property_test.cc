@@ -1,7 +1,9 @@
 // Every kind of sensor against an independent computation over random worlds.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "common/sensing/contact.h"
@@ -298,6 +300,12 @@ double SampledDistance(const Polygon& a, const Polygon& b, double step) {
   return least;
 }
 
+double DistanceToEdge(const Vec2& point, const Vec2& from, const Vec2& to) {
+  const Vec2 along = to - from;
+  const double part = std::clamp((point - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (point - (from + part * along)).norm();
+}
+
 TEST(SensorsProperty, NearestPointsAreAsNearAsSampledOnes) {
   RandomStream random(77);
   std::size_t apart = 0;
@@ -305,17 +313,27 @@ TEST(SensorsProperty, NearestPointsAreAsNearAsSampledOnes) {
     Polygon a = RandomConvex(random, 0.1, 0.6);
     Polygon b = RandomConvex(random, 0.1, 0.6);
     if (random.Chance(0.3)) a.resize(2);
-    const Vec2 shift(random.Uniform(-1.5, 1.5), random.Uniform(-1.5, 1.5));
+    const double far = random.Chance(0.2) ? 30.0 : 1.0;
+    const Vec2 shift(far * random.Uniform(-1.5, 1.5), far * random.Uniform(-1.5, 1.5));
     for (Vec2& vertex : b) vertex += shift;
     const NearestPoints nearest = FindNearestPoints(a, b);
     EXPECT_NEAR((nearest.a - nearest.b).norm(), nearest.distance, 1e-12);
     if (nearest.distance == 0.0) continue;
     ++apart;
+    // Of all pairs of a vertex and an edge, bit by bit: none that counts is passed over.
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      for (std::size_t m = 0; m < b.size(); ++m) {
+        least = std::min(least, DistanceToEdge(a[k], b[m], b[(m + 1) % b.size()]));
+        least = std::min(least, DistanceToEdge(b[m], a[k], a[(k + 1) % a.size()]));
+      }
+    }
+    EXPECT_EQ(nearest.distance, least);
     const double sampled = SampledDistance(a, b, 0.01);
     EXPECT_LE(nearest.distance, sampled + 1e-9);
     EXPECT_GE(nearest.distance, sampled - 0.011);
     const NearestPoints swapped = FindNearestPoints(b, a);
-    EXPECT_NEAR(swapped.distance, nearest.distance, 1e-12);
+    EXPECT_EQ(swapped.distance, nearest.distance);
   }
   EXPECT_GT(apart, 100u);
 }
