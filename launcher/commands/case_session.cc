@@ -18,6 +18,7 @@
 #include "launcher/hosts/host.h"
 #include "launcher/process/process.h"
 #include "testing/cases/worker_pool.h"
+#include "world-service/service/requested_file.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
@@ -96,6 +97,18 @@ Status CaseSession::LoadTest(const std::string& path) {
   }
   tests_.push_back(std::move(test));
   return {};
+}
+
+std::vector<std::string> CaseSession::InputFiles() const {
+  std::vector<std::string> files;
+  for (const LoadedTest& test : tests_) {
+    files.insert(files.end(), {test.file->path(), test.file->scenario_path(), KeptCases::PathOf(*test.file)});
+    const Result<LoadedWorld> loaded = test.worlds->Load(test.file->design().At(0));
+    if (!loaded.ok()) continue;
+    const std::vector<std::string> named = InputFilesOf(loaded.value());
+    files.insert(files.end(), named.begin(), named.end());
+  }
+  return files;
 }
 
 // A kept case of the design is run once, in the shard that has it; the first shard runs those beside the design.

@@ -59,6 +59,8 @@ class CaseSession {
 
   // Reads and checks the tests. The error is the first one; all are printed.
   Status Load(const std::vector<std::string>& paths);
+  // The files that the tests read, of worlds those of the first case.
+  std::vector<std::string> InputFiles() const;
   // Runs the cases, and prints those that do not pass. False: it was interrupted; the cases until then are reported.
   Result<bool> Run();
 

@@ -5,14 +5,15 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "command_line/parse_command_line.h"
 #include "command_line/terminal.h"
+#include "common/base/distinct_files.h"
 #include "launcher/commands/commands.h"
 #include "launcher/export/run_export.h"
 #include "recording/recording.h"
@@ -72,11 +73,17 @@ Status AddStates(const Recording& recording, const ExportArguments& arguments, R
   return recording.damage() ? Status(Failure(recording.damage()->problem)) : Status();
 }
 
+Status CheckOutputs(const ExportArguments& arguments) {
+  std::vector<std::string> files = {arguments.output};
+  if (arguments.format == "ros2") files = FilesOfRos2Export(arguments.output);
+  if (arguments.format == "csv") files = FilesOfCsvExport(arguments.output);
+  std::vector<OutputName> outputs;
+  for (const std::string& file : files) outputs.push_back({"-o", file});
+  return CheckDistinct(outputs, [&] { return std::vector{arguments.file}; });
+}
+
 int ExportCommand(const ExportArguments& arguments) {
-  std::error_code failure;
-  if (std::filesystem::equivalent(arguments.output, arguments.file, failure)) {
-    return Fail({{arguments.output}, "found the recording itself, expected another file to write"});
-  }
+  if (const Status problem = CheckOutputs(arguments); !problem.ok()) return Fail(problem.error());
   const Result<Recording> recording = OpenToReplay(arguments.file);
   if (!recording.ok()) return Fail(recording.error());
   Result<std::unique_ptr<RunExport>> target = MakeExport(arguments);

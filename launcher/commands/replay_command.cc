@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
@@ -17,6 +16,7 @@
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
+#include "common/base/distinct_files.h"
 #include "common/base/file.h"
 #include "common/base/text.h"
 #include "common/base/thread_pool.h"
@@ -243,14 +243,14 @@ class ReplayProgress {
 };
 
 Status CheckOutputs(const ReplayArguments& arguments) {
-  for (const std::string* output : {&arguments.outputs.hash_log, &arguments.outputs.poses, &arguments.scans}) {
-    std::error_code failure;
-    if (output->empty()) continue;
-    if (std::filesystem::equivalent(*output, arguments.file, failure)) {
-      return Error{{*output}, "found the recording itself, expected another file to write"};
-    }
-    if (const Status status = CheckWritable(*output); !status.ok()) {
-      return Error{{*output}, "cannot write: " + status.error().message};
+  const std::vector<OutputName> outputs = {
+      {"--hash-log", arguments.outputs.hash_log}, {"--poses", arguments.outputs.poses}, {"--scans", arguments.scans}};
+  const auto inputs = [&] { return std::vector{arguments.file}; };
+  if (const Status problem = CheckDistinct(outputs, inputs); !problem.ok()) return problem;
+  for (const auto& [option, path] : outputs) {
+    if (path.empty()) continue;
+    if (const Status status = CheckWritable(path); !status.ok()) {
+      return Error{{path}, "cannot write: " + status.error().message};
     }
   }
   return {};

@@ -11,9 +11,11 @@
 #include <limits>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
+#include "common/base/distinct_files.h"
 #include "common/base/file.h"
 #include "common/base/print.h"
 #include "common/sensing/sensor_suite.h"
@@ -25,6 +27,7 @@
 #include "troupe/picture_options.h"
 #include "troupe/simulation.h"
 #include "world-service/replay/replayed_world.h"
+#include "world-service/service/requested_file.h"
 #include "worldfile/load_world.h"
 #include "worldfile/sites/building_text.h"
 #include "worldfile/sites/lif_json.h"
@@ -33,9 +36,13 @@ namespace troupe {
 namespace {
 
 // Before the run: an older picture is not changed by one that fails.
-Status CheckPicture(const std::string& path) {
-  const Status status = CheckWritable(path);
-  return status.ok() ? status : Error{{path, 0, 0}, "cannot write: " + status.error().message};
+Status CheckPicture(const SnapshotOptions& options) {
+  LoadOverrides overrides;
+  overrides.controller = options.controller;
+  const auto inputs = [&] { return InputFilesOf(options.file, overrides); };
+  if (const Status problem = CheckDistinct({{"-o", options.output}}, inputs); !problem.ok()) return problem;
+  const Status status = CheckWritable(options.output);
+  return status.ok() ? status : Error{{options.output, 0, 0}, "cannot write: " + status.error().message};
 }
 
 PictureOptions ToPictureOptions(const SnapshotOptions& options) {
@@ -159,7 +166,7 @@ int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& pict
       return Fail(found.error());
     }
   }
-  if (const Status problem = CheckPicture(options.output); !problem.ok()) return Fail(problem.error());
+  if (const Status problem = CheckPicture(options); !problem.ok()) return Fail(problem.error());
   if (const Status problem = SaveState(*world.scene(), world.bodies(), world.state(), options, picture, rays);
       !problem.ok()) {
     return Fail(problem.error());
@@ -168,6 +175,11 @@ int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& pict
 }
 
 constexpr std::uint64_t kMaxCells = 400'000'000;
+// Of the files of a map, behind its name.
+constexpr const char* kImageEnding = ".pgm";
+constexpr const char* kMapEnding = ".yaml";
+constexpr const char* kLanesEnding = ".lif.json";
+constexpr const char* kBuildingEnding = ".building.yaml";
 
 struct ExportMapOptions {
   std::string file;
@@ -182,7 +194,7 @@ struct ExportMapOptions {
 Status WriteLanes(const ExportMapOptions& options, const Site* site) {
   if (site == nullptr) return Error{{options.file}, "found no lanes, expected a building (.building.yaml) or a layout"};
   const std::string now = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  return WriteWholeFile(options.output + ".lif.json", LayoutText(*site, now));
+  return WriteWholeFile(options.output + kLanesEnding, LayoutText(*site, now));
 }
 
 // The whole site, beside its map.
@@ -190,7 +202,7 @@ Status WriteBuilding(const ExportMapOptions& options, const Site* site) {
   if (site == nullptr) {
     return Error{{options.file}, "found no building, expected one (.building.yaml), a layout, or a scenario in one"};
   }
-  return WriteWholeFile(options.output + ".building.yaml", BuildingText(*site));
+  return WriteWholeFile(options.output + kBuildingEnding, BuildingText(*site));
 }
 
 // Both or none: the image of one map beside the scale of another would be a wrong map.
@@ -226,6 +238,12 @@ std::string Yaml(const OccupancyGrid& grid, const std::string& image) {
 }
 
 int ExportMapCommand(const ExportMapOptions& options) {
+  std::vector<OutputName> outputs;
+  for (const char* ending : {kImageEnding, kMapEnding}) outputs.push_back({"-o", options.output + ending});
+  if (options.lanes) outputs.push_back({"--lanes", options.output + kLanesEnding});
+  if (options.building) outputs.push_back({"--building", options.output + kBuildingEnding});
+  const auto inputs = [&] { return InputFilesOf(options.file, {}); };
+  if (const Status problem = CheckDistinct(outputs, inputs); !problem.ok()) return Fail(problem.error());
   Result<LoadedWorld> loaded = LoadWorld(options.file, {});
   if (!loaded.ok()) return Fail(loaded.error());
   if (options.building) {
@@ -238,9 +256,9 @@ int ExportMapCommand(const ExportMapOptions& options) {
   const double height = options.height.value_or(UsualMapHeight(scene));
   const OccupancyGrid grid = MakeOccupancyGrid(scene, options.resolution, height, kMaxCells);
   if (grid.empty()) return Fail({{}, options.file + ": found no static model and no ROS map, so it has no map"});
-  const std::string image = options.output + ".pgm";
+  const std::string image = options.output + kImageEnding;
   const std::string name = std::filesystem::path(image).filename().string();
-  if (Status failure = WriteBoth(image, Pgm(grid), options.output + ".yaml", Yaml(grid, name)); !failure.ok()) {
+  if (Status failure = WriteBoth(image, Pgm(grid), options.output + kMapEnding, Yaml(grid, name)); !failure.ok()) {
     return Fail(failure.error());
   }
   PrintPlain(stdout, "{} x {} cells of {} m, at a height of {:.3g} m: {}.yaml\n", grid.width, grid.height,
@@ -330,7 +348,7 @@ int SnapshotCommand(const SnapshotOptions& options) {
     camera = found.value();
   }
   for (const Warning& warning : simulation.warnings()) PrintPlain(stderr, "{}\n", warning.ToString());
-  if (const Status problem = CheckPicture(options.output); !problem.ok()) return Fail(problem.error());
+  if (const Status problem = CheckPicture(options); !problem.ok()) return Fail(problem.error());
 
   simulation.Step(options.tick);
   for (const std::string& failure : simulation.failures()) PrintPlain(stderr, "warning: {}\n", failure);

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <thread>
 
 #include "command_line/parse_command_line.h"
+#include "common/base/distinct_files.h"
 #include "common/base/file.h"
 #include "common/base/print.h"
 #include "launcher/commands/case_session.h"
@@ -60,8 +62,23 @@ Result<CaseSessionOptions> SessionOptions(const TestArguments& arguments) {
   return options;
 }
 
-// Before the run: hours of cases must not end in a file that cannot be written.
-Status CheckOutputs(const TestArguments& arguments) {
+// The file of --junit, and those of a report, as far as they are there: the others overwrite nothing.
+std::vector<OutputName> OutputsOf(const TestArguments& arguments) {
+  std::vector<OutputName> outputs = {{"--junit", arguments.junit}};
+  if (arguments.report.empty()) return outputs;
+  const std::filesystem::path folder = arguments.report;
+  for (const char* name : {"index.html", "cases.jsonl"}) outputs.push_back({"the report", (folder / name).string()});
+  std::error_code failure;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, failure)) {
+    const std::string ending = entry.path().extension().string();
+    if (ending == ".csv" || ending == ".svg") outputs.push_back({"the report", entry.path().string()});
+  }
+  return outputs;
+}
+
+// Before the run: hours of cases must not end in a file that cannot be written, or overwrite a file that they read.
+Status CheckOutputs(const TestArguments& arguments, const std::function<std::vector<std::string>()>& inputs) {
+  if (const Status problem = CheckDistinct(OutputsOf(arguments), inputs); !problem.ok()) return problem;
   if (!arguments.junit.empty()) {
     if (const Status status = CheckWritable(arguments.junit); !status.ok()) {
       return Error{{arguments.junit}, "cannot write: " + status.error().message};
@@ -153,11 +170,12 @@ enum class Purpose : bool { kTest, kSweep };
 int RunCases(const TestArguments& arguments, Purpose purpose) {
   Result<CaseSessionOptions> options = SessionOptions(arguments);
   if (!options.ok()) return Fail(options.error());
-  if (const Status status = CheckOutputs(arguments); !status.ok()) return Fail(status.error());
   options.value().keep_failing = purpose == Purpose::kTest;
   if (arguments.junit.empty() && arguments.report.empty()) options.value().detail = CaseDetail::kCounts;
   CaseSession session(std::move(options).value());
   if (const Status status = session.Load(arguments.files); !status.ok()) return ExitStatusOf(status.error());
+  const Status outputs = CheckOutputs(arguments, [&] { return session.InputFiles(); });
+  if (!outputs.ok()) return Fail(outputs.error());
   const Result<bool> whole = session.Run();
   if (!whole.ok()) return Fail(whole.error());
   for (const std::string& name : session.report().Uncovered()) PrintPlain(stdout, "not covered: {}\n", name);
@@ -173,8 +191,14 @@ int RunCases(const TestArguments& arguments, Purpose purpose) {
 
 int Merge(const TestArguments& arguments) {
   CaseReport report;
+  std::vector<std::string> inputs;
   for (const std::string& folder : arguments.merged) {
-    if (const Status status = report.AddLines((std::filesystem::path(folder) / "cases.jsonl").string()); !status.ok()) {
+    inputs.push_back((std::filesystem::path(folder) / "cases.jsonl").string());
+  }
+  const Status outputs = CheckOutputs(arguments, [&] { return inputs; });
+  if (!outputs.ok()) return Fail(outputs.error());
+  for (const std::string& input : inputs) {
+    if (const Status status = report.AddLines(input); !status.ok()) {
       return Fail(status.error());
     }
   }

@@ -18,6 +18,7 @@
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
 #include "command_line/terminal.h"
+#include "common/base/distinct_files.h"
 #include "common/base/file.h"
 #include "common/base/print.h"
 #include "launcher/commands/commands.h"
@@ -35,6 +36,7 @@
 #include "viewer/gateway/page_messages.h"
 #include "viewer/gateway/viewer_gateway.h"
 #include "world-service/replay/stepped_timeline.h"
+#include "world-service/service/requested_file.h"
 
 namespace troupe {
 namespace {
@@ -246,6 +248,14 @@ int WriteFile(const ViewOptions& options) {
   if (options.file.empty()) {
     fmt::print(stderr, "error: --static: found no file, expected a recording, a world or a scenario\n");
     return kExitBadInput;
+  }
+  const auto inputs = [&] {
+    std::vector<std::string> files = InputFilesOf(options.file, {});
+    if (!options.expect.empty()) files.push_back(options.expect);
+    return files;
+  };
+  if (const Status problem = CheckDistinct({{"-o", options.page.output}}, inputs); !problem.ok()) {
+    return Fail(problem.error());
   }
   Result<ShownExpectations> expectations = ShownExpectations();
   if (!options.expect.empty()) expectations = ReadExpectations(options.expect);

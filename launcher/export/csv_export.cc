@@ -73,6 +73,8 @@ class Table {
 std::string FileOf(const StateTable& table) {
   return (table.name == "robots" ? "poses" : table.name) + ".csv";
 }
+constexpr const char* kEventsFile = "events.csv";
+constexpr const char* kReadingsFile = "readings.csv";
 
 class CsvExport final : public RunExport {
  public:
@@ -98,8 +100,8 @@ class CsvExport final : public RunExport {
     }
     if (is_file) return std::unique_ptr<RunExport>(std::move(csv));
     for (auto [table, file, columns] :
-         {std::tuple(&csv->events_, "events.csv", "event,robot,object,other,detail"),
-          std::tuple(&csv->readings_, "readings.csv", "robot,sensor,scan,ray,bearing,elevation,range,intensity")}) {
+         {std::tuple(&csv->events_, kEventsFile, "event,robot,object,other,detail"),
+          std::tuple(&csv->readings_, kReadingsFile, "robot,sensor,scan,ray,bearing,elevation,range,intensity")}) {
       Result<Table> made = make(file, columns);
       if (!made.ok()) return made.error();
       *table = std::move(made).value();
@@ -210,6 +212,13 @@ class CsvExport final : public RunExport {
 };
 
 }  // namespace
+
+std::vector<std::string> FilesOfCsvExport(const std::string& path) {
+  if (path.ends_with(".csv")) return {path};
+  std::vector<std::string> files = {path + "/" + kEventsFile, path + "/" + kReadingsFile};
+  for (const StateTable& table : StateTables()) files.push_back(path + "/" + FileOf(table));
+  return files;
+}
 
 Result<std::unique_ptr<RunExport>> MakeCsvExport(const std::string& path) {
   return CsvExport::Create(path);

@@ -323,21 +323,24 @@ std::string Ros2Export::MetadataText() const {
 
 }  // namespace
 
+std::vector<std::string> FilesOfRos2Export(const std::string& path) {
+  if (path.ends_with(".mcap")) return {path};
+  const std::filesystem::path folder = std::filesystem::absolute(path).lexically_normal();
+  const std::string name = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
+  return {path + "/" + name + "_0.mcap", path + "/metadata.yaml"};
+}
+
 Result<std::unique_ptr<RunExport>> MakeRos2Export(const std::string& path) {
-  const bool is_file = path.ends_with(".mcap");
-  std::string file = path;
-  if (!is_file) {
+  const std::vector<std::string> files = FilesOfRos2Export(path);
+  if (files.size() > 1) {
     std::error_code failure;
     std::filesystem::create_directories(path, failure);
     if (failure) return Error{{path}, "cannot make the folder: " + failure.message(), ErrorCode::kFailure};
-    const std::filesystem::path folder = std::filesystem::absolute(path).lexically_normal();
-    const std::string name = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
-    file = path + "/" + name + "_0.mcap";
   }
-  Result<McapFile> mcap = McapFile::Create(file, "ros2");
+  Result<McapFile> mcap = McapFile::Create(files.front(), "ros2");
   if (!mcap.ok()) return mcap.error();
   return std::unique_ptr<RunExport>(std::make_unique<Ros2Export>(
-      std::move(mcap).value(), std::filesystem::path(file).filename(), is_file ? "" : path + "/metadata.yaml"));
+      std::move(mcap).value(), std::filesystem::path(files.front()).filename(), files.size() > 1 ? files.back() : ""));
 }
 
 }  // namespace troupe

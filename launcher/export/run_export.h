@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/sensing/sensor_suite.h"
 #include "common/spatial/scene.h"
@@ -34,9 +35,13 @@ Result<std::unique_ptr<RunExport>> MakeFoxgloveExport(const std::string& file);
 // For `ros2 bag`: a bag, which is a folder with an MCAP file and its metadata.yaml; or, with a name that ends in .mcap,
 // that file alone.
 Result<std::unique_ptr<RunExport>> MakeRos2Export(const std::string& path);
+// The files that it writes, that of the messages first.
+std::vector<std::string> FilesOfRos2Export(const std::string& path);
 
 // For tables: a folder with a file for each kind of row; or, with a name that ends in .csv, the poses alone.
 Result<std::unique_ptr<RunExport>> MakeCsvExport(const std::string& path);
+// The files that it writes.
+std::vector<std::string> FilesOfCsvExport(const std::string& path);
 
 // RunReadings: the readings of all sensors of a run that are due at a state.
 // Suites of sensors are made per robot when first needed, and all again in another world.

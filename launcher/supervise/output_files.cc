@@ -17,9 +17,11 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/distinct_files.h"
 #include "common/base/file.h"
 #include "common/base/output_file.h"
 #include "common/base/system_error.h"
+#include "world-service/service/requested_file.h"
 
 namespace troupe {
 namespace {
@@ -90,87 +92,27 @@ Status WriteTick(Part& part, const When& when, OutputFile& file) {
   return Status();
 }
 
-namespace fs = std::filesystem;
-
-using NamedFile = std::pair<const char*, const std::string*>;
-
-std::vector<NamedFile> OutputsOf(const RunOptions& options) {
-  std::vector<NamedFile> outputs = {{"--hash-log", &options.hash_log}, {"--poses", &options.poses},
-                                    {"--scans", &options.scans},       {"--summary", &options.summary},
-                                    {"--record", &options.record},     {"--trace", &options.trace.file},
-                                    {"--journal", &options.journal}};
-  std::erase_if(outputs, [](const NamedFile& output) { return output.second->empty(); });
+std::vector<OutputName> OutputsOf(const RunOptions& options) {
+  std::vector<OutputName> outputs = {{"--hash-log", options.hash_log}, {"--poses", options.poses},
+                                     {"--scans", options.scans},       {"--summary", options.summary},
+                                     {"--record", options.record},     {"--trace", options.trace.file},
+                                     {"--journal", options.journal}};
+  std::erase_if(outputs, [](const OutputName& output) { return output.path.empty(); });
   return outputs;
 }
 
-bool IsDevice(const std::string& path) {
-  std::error_code failure;
-  return fs::exists(path, failure) && !fs::is_regular_file(path, failure);
-}
-
 // A recording is a journal, too, which is cut where the run continues, and has files beside it.
-bool IsJournal(const NamedFile& output) {
-  return output.first == std::string_view("--journal") || output.second->ends_with(".mcap");
+bool IsJournal(const OutputName& output) {
+  return output.option == "--journal" || output.path.ends_with(".mcap");
 }
 
-Status CheckOutput(const NamedFile& output) {
-  const std::string& path = *output.second;
-  Status status = IsJournal(output) && IsDevice(path) && !fs::is_directory(path)
+Status CheckOutput(const OutputName& output) {
+  const std::string& path = output.path;
+  Status status = IsJournal(output) && IsDevice(path) && !std::filesystem::is_directory(path)
                       ? Failure("it is not a file, expected a regular file")
                       : CheckWritable(path);
   if (status.ok()) return status;
-  return Error{{}, std::string(output.first) + ": cannot write " + path + ": " + status.error().message};
-}
-
-// Two links to one file are the same file, too.
-bool IsSameFile(const std::string& a, const std::string& b) {
-  std::error_code failure;
-  if (fs::equivalent(a, b, failure)) return true;
-  const fs::path resolved_a = fs::weakly_canonical(fs::absolute(a, failure), failure);
-  const fs::path resolved_b = fs::weakly_canonical(fs::absolute(b, failure), failure);
-  return !resolved_a.empty() && resolved_a == resolved_b;
-}
-
-// Two outputs in one file would be mixed up. Devices may be shared.
-Status CheckDistinct(const std::vector<NamedFile>& outputs) {
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    for (std::size_t j = i + 1; j < outputs.size(); ++j) {
-      const std::string& path = *outputs[i].second;
-      if (IsDevice(path) || !IsSameFile(path, *outputs[j].second)) continue;
-      return Error{{}, std::string(outputs[i].first) + " and " + outputs[j].first + " name the same file, " + path};
-    }
-  }
-  return Status();
-}
-
-// The files that the run reads. Only the files of the world file if that is faulty: the run reports the fault.
-std::vector<std::string> InputsOf(const RunOptions& options) {
-  std::vector<std::string> inputs = {options.file};
-  if (options.load.controller) inputs.push_back(*options.load.controller);
-  const Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
-  if (!loaded.ok()) return inputs;
-  inputs.insert(inputs.end(), loaded.value().files.begin(), loaded.value().files.end());
-  const std::vector<std::string> libraries = LibrariesOf(loaded.value().world);
-  inputs.insert(inputs.end(), libraries.begin(), libraries.end());
-  return inputs;
-}
-
-Status CheckNotRead(const RunOptions& options, std::vector<NamedFile> outputs) {
-  // A file that does not exist, or is empty, is no input; mostly there is no other, and the world need not be read.
-  std::erase_if(outputs, [](const NamedFile& output) {
-    std::error_code failure;
-    return !fs::is_regular_file(*output.second, failure) || fs::file_size(*output.second, failure) == 0;
-  });
-  if (outputs.empty()) return Status();
-  for (const std::string& input : InputsOf(options)) {
-    for (const NamedFile& output : outputs) {
-      if (!IsSameFile(*output.second, input)) continue;
-      return Error{{},
-                   std::string(output.first) + ": found " + *output.second + ", which the run reads" +
-                       (input == *output.second ? "" : " as " + input) + ", expected another file"};
-    }
-  }
-  return Status();
+  return Error{{}, output.option + ": cannot write " + path + ": " + status.error().message};
 }
 
 }  // namespace
@@ -240,10 +182,18 @@ Status CheckOutputs(const RunOptions& options) {
   if (!options.journal.empty() && options.record.ends_with(".mcap")) {
     return Error{{}, "found --journal and a recording (--record), expected one of them: a recording is a journal, too"};
   }
-  const std::vector<NamedFile> outputs = OutputsOf(options);
-  if (Status failure = CheckDistinct(outputs); !failure.ok()) return failure;
-  if (Status failure = CheckNotRead(options, outputs); !failure.ok()) return failure;
-  for (const NamedFile& output : outputs) {
+  const std::vector<OutputName> outputs = OutputsOf(options);
+  const auto inputs = [&options] {
+    std::vector<std::string> files = InputFilesOf(options.file, options.load);
+    for (const std::string& change : options.branch.controllers) {  // ROBOT=CONTROLLER:{...}
+      std::string controller = change.substr(change.find('=') + 1);
+      controller.resize(std::min(controller.find(":{"), controller.size()));
+      if (NamesLibrary(controller)) files.push_back(ControllerFile(controller));
+    }
+    return files;
+  };
+  if (Status failure = CheckDistinct(outputs, inputs); !failure.ok()) return failure;
+  for (const OutputName& output : outputs) {
     if (Status failure = CheckOutput(output); !failure.ok()) return failure;
   }
   return Status();

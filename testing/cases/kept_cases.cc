@@ -15,11 +15,11 @@ namespace {
 constexpr std::size_t kMaxKeptCases = 100;
 constexpr std::size_t kMaxFileBytes = 10'000'000;
 
-std::string PathOf(const TestFile& test) {
+}  // namespace
+
+std::string KeptCases::PathOf(const TestFile& test) {
   return std::filesystem::path(test.path()).replace_extension(".failing").string();
 }
-
-}  // namespace
 
 Result<KeptCases> KeptCases::Read(const TestFile& test, std::vector<std::string>& warnings) {
   KeptCases kept;

@@ -28,6 +28,8 @@ class KeptCases {
   // more) are left out, and named in `warnings`.
   static Result<KeptCases> Read(const TestFile& test, std::vector<std::string>& warnings);
 
+  static std::string PathOf(const TestFile& test);
+
   const std::vector<KeptCase>& cases() const { return cases_; }
   // Adds `failing`, without those that are there, up to a hundred cases, and writes the file.
   Status Write(const TestFile& test, const std::vector<TestCase>& failing) const;

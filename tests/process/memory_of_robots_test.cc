@@ -158,7 +158,7 @@ TEST_F(MemoryOfRobotsTest, ABadBranchIsRefused) {
        "option --controller: found robot 'r9', which the world does not have at that tick"},
       {{"--controller", "r1=wonder"}, "unknown controller 'wonder'"},
       {{"--from-tick", "50", "--ticks", "50"}, "option --ticks: found 50, expected more than 50"},
-      {{"--record", Path("whole.mcap")}, "which the run reads"}};
+      {{"--record", Path("whole.mcap")}, "which the command reads"}};
   for (const auto& [arguments, problem] : bad) {
     for (const char* mode : {"--in-process", "--headless"}) {
       std::vector<std::string> all = arguments;

@@ -234,7 +234,7 @@ TEST(Usage, AnOutputIsNeverAFileThatTheRunReads) {
       const std::string run =
           OutputOf(Troupe({"run", folder.Path("own.json"), option, folder.Path(name), "--in-process"}), 2);
       EXPECT_THAT(
-          run, HasSubstr(std::string("error: ") + option + ": found " + folder.Path(name) + ", which the run reads"));
+          run, HasSubstr(std::string("error: ") + option + ": found " + folder.Path(name) + ", which the command reads"));
       EXPECT_EQ(std::count(run.begin(), run.end(), '\n'), 1);
     }
   }

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "common/base/distinct_files.h"
 #include "common/base/identity.h"
 #include "common/base/system_error.h"
 #include "recording/journal.h"
@@ -211,6 +212,26 @@ Status CheckLockstep(const RunSource& source, const RunSettings& settings, const
   return {};
 }
 
+// A service that is started by hand has no launcher that has looked at its files.
+Status CheckOutputs(const RunSource& source, const PreparedRun& run) {
+  if (source.resume) return {};
+  const OutputFiles& files = source.outputs;
+  // A recording is a journal, too.
+  const bool has_journal = files.journal && files.journal->recording != files.record;
+  const std::vector<OutputName> outputs = {{"--hash-log", files.hash_log},
+                                           {"--poses", files.poses},
+                                           {"--record", files.record},
+                                           {"--trace", source.service.trace.file},
+                                           {"--journal", has_journal ? files.journal->recording : ""}};
+  return CheckDistinct(outputs, [&] {
+    std::vector<std::string> inputs = run.files;
+    inputs.push_back(source.file);
+    const std::vector<std::string> libraries = LibrariesOf(run.world());
+    inputs.insert(inputs.end(), libraries.begin(), libraries.end());
+    return inputs;
+  });
+}
+
 }  // namespace
 
 Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
@@ -219,6 +240,7 @@ Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
   source.overrides.check_in_world = CheckControllerInWorld;
   Result<PreparedRun> run = Prepare(source);
   if (!run.ok()) return run;
+  if (Status problem = CheckOutputs(source, run.value()); !problem.ok()) return problem.error();
   ServiceOptions& options = run.value().options;
   options.overrides = source.overrides;
   RestrictRequests(source.permissions, run.value().world(), run.value().files, options);

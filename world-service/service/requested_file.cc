@@ -213,6 +213,25 @@ std::vector<std::string> LibrariesOf(const WorldDescription& world) {
   return libraries;
 }
 
+std::vector<std::string> InputFilesOf(const std::string& file, const LoadOverrides& overrides) {
+  std::vector<std::string> files = {file};
+  if (overrides.controller && NamesLibrary(*overrides.controller)) {
+    files.push_back(ControllerFile(*overrides.controller));
+  }
+  const Result<LoadedWorld> loaded = LoadWorld(file, overrides);
+  if (!loaded.ok()) return files;
+  const std::vector<std::string> named = InputFilesOf(loaded.value());
+  files.insert(files.end(), named.begin(), named.end());
+  return files;
+}
+
+std::vector<std::string> InputFilesOf(const LoadedWorld& loaded) {
+  std::vector<std::string> files = loaded.files;
+  const std::vector<std::string> libraries = LibrariesOf(loaded.world);
+  files.insert(files.end(), libraries.begin(), libraries.end());
+  return files;
+}
+
 Status CheckLibraries(const WorldDescription& world, const AllowedPaths& libraries) {
   for (const RobotDescription& robot : world.robots) {
     const std::string& name = robot.controller.name;

@@ -68,6 +68,11 @@ void RestrictRequests(const OwnerPermissions& permissions, const WorldDescriptio
 // The names of controllers of `world` that are libraries, each once, in the order of the robots.
 std::vector<std::string> LibrariesOf(const WorldDescription& world);
 
+// The files that are read for a run of `file`: itself, those that it names, and the libraries of its controllers. Of a
+// recording, or of a file that does not load: itself.
+std::vector<std::string> InputFilesOf(const std::string& file, const LoadOverrides& overrides);
+std::vector<std::string> InputFilesOf(const LoadedWorld& loaded);  // without the file itself
+
 // The error names the first robot of a requested world that has a library for a controller that is not allowed.
 Status CheckLibraries(const WorldDescription& world, const AllowedPaths& libraries);
 
