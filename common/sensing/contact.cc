@@ -155,14 +155,15 @@ std::optional<ObjectId> FindObject(const Scene& scene, const BodyIndex& bodies, 
   std::optional<ObjectId> nearest;
   double nearest_at = 0.0;
   for (BodyId body : near) {
-    // Bodies are numbered robots first.
-    if (body.index() < scene.world().robots.size()) continue;
+    // Robots, people, leaves of doors and cabins do not break a beam, nor hide the object behind them.
+    const std::optional<ObjectId> object = scene.object_of(body);
+    if (!object) continue;
     for (const ConvexPiece& piece : bodies.pieces_in_world(body)) {
       if (!piece.z.Contains(segment.z)) continue;
       const std::optional<double> at = EntryOf(segment, piece.vertices);
       // Not replaced by an equal one: bodies come in the order of their ids.
       if (!at || (nearest && *at >= nearest_at)) continue;
-      nearest = scene.object_of(piece.model);
+      nearest = object;
       nearest_at = *at;
     }
   }

@@ -170,6 +170,13 @@ TEST_F(BreakBeamTest, OnlyObjectsBreakIt) {
   EXPECT_EQ(Measure(), Broken{std::nullopt});
 }
 
+TEST_F(BreakBeamTest, APersonNearerDoesNotHideAnObject) {
+  const ObjectId box = world_.AddObject({1.35, 1.9, 0.0, 0.0}, 0.05);
+  const ModelId root = world_.AddModel(Square(0.05), {0.0, 1.75}, {1.35, 2.1, 0.0, 0.0});
+  world_.world.people.push_back({.root = root, .radius = 0.05});
+  EXPECT_EQ(Measure(), Broken{box});
+}
+
 TEST_F(BreakBeamTest, TheNearestToTheFirstEndBreaksIt) {
   world_.AddObject({1.35, 1.95, 0.0, 0.0}, 0.05);
   const ObjectId left = world_.AddObject({1.35, 2.05, 0.0, 0.0}, 0.05);
