@@ -59,8 +59,7 @@ Status WriteScenario(const TestFile& test, const TestCase& draws, const std::str
     parsed = ScenarioText::Parse(std::move(with).value(), test.scenario_path());
     if (!parsed.ok()) return parsed.error();
   }
-  const std::string folder = std::filesystem::absolute(test.scenario_path()).parent_path().string();
-  return WriteWholeFile(path, parsed.value().WithAbsolutePaths(folder));
+  return WriteWholeFile(path, parsed.value().WithAbsolutePaths(test.scenario_path()));
 }
 
 // The case in processes has the hashes of the case in this one.

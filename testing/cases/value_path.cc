@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/text.h"
+#include "troupe/world_description.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
@@ -168,16 +170,29 @@ Result<std::string> ScenarioText::With(const std::vector<DrawnValue>& draws) con
   return edits.Apply(text_);
 }
 
-std::string ScenarioText::WithAbsolutePaths(const std::string& directory) const {
+std::string ScenarioText::WithAbsolutePaths(const std::string& path) const {
+  const std::string directory = DirectoryOf(path);
+  const auto beside = [&](const std::string& name) {
+    return (std::filesystem::path(directory) / name).lexically_normal().string();  // `name` itself if it is absolute
+  };
+  const JsonNode& root = tree_.root();
+  const JsonNode* const world = root.Find("world");
+  const std::string directory_of_world = world != nullptr ? DirectoryOf(beside(world->text)) : directory;
+  const auto found = [&](const std::string& name) { return FindFile(name, directory_of_world, path); };
   TextEdits edits;
-  const std::filesystem::path base = std::filesystem::absolute(directory);
-  const auto replace = [&](const JsonNode& name) {
-    if (!name.is_string() || std::filesystem::path(name.text).is_absolute()) return;
-    edits.Replace(name.span, nlohmann::json((base / name.text).lexically_normal().string()).dump());
+  const auto replace = [&](const JsonNode& name, const std::string& file) {
+    std::error_code ignored;
+    const std::string absolute = std::filesystem::absolute(file, ignored).lexically_normal().string();
+    if (absolute != name.text) edits.Replace(name.span, nlohmann::json(absolute).dump());
   };
   const auto controller = [&](const JsonNode& name) {
-    // Other names of controllers are registered ones, no files.
-    if (name.text.find('/') != std::string::npos || name.text.ends_with(".so")) replace(name);
+    if (NamesLibrary(name.text)) replace(name, beside(name.text));
+  };
+  const auto properties = [&](const JsonNode& object) {
+    const JsonNode* const bitmap = object.is_object() ? object.Find("bitmap") : nullptr;
+    if (bitmap != nullptr && bitmap->is_string()) replace(*bitmap, found(beside(bitmap->text)));
+    const JsonNode* const map = object.is_object() ? object.Find("map_yaml") : nullptr;
+    if (map != nullptr && map->is_string()) replace(*map, found(map->text));
   };
   const std::function<void(const JsonNode&)> visit = [&](const JsonNode& node) {
     for (const JsonNode& item : node.items) {
@@ -185,19 +200,18 @@ std::string ScenarioText::WithAbsolutePaths(const std::string& directory) const 
         if (item.is_string()) controller(item);
         if (const JsonNode* const name = item.is_object() ? item.Find("name") : nullptr) controller(*name);
       } else if (item.key == "properties") {
-        if (const JsonNode* const bitmap = item.is_object() ? item.Find("bitmap") : nullptr) replace(*bitmap);
+        properties(item);
       } else {
         visit(item);
       }
     }
   };
-  const JsonNode& root = tree_.root();
   visit(root);
   for (const char* key : {"world", "scenario"}) {
-    if (const JsonNode* const file = root.Find(key)) replace(*file);
+    if (const JsonNode* const file = root.Find(key)) replace(*file, beside(file->text));
   }
-  if (const JsonNode* const includes = root.Find("include")) {
-    for (const JsonNode& include : includes->items) replace(include);
+  for (const JsonNode& include : root.ItemsOf("include")) {
+    replace(include, FindFile(include.text, directory, path));
   }
   return edits.Apply(text_);
 }

@@ -63,8 +63,10 @@ class ScenarioText {
   // The text with all these values; the lines of all others stay. A key that an object lacks is added to it. REQUIRES:
   // the paths do not overlap. The error says which part of a path is not in the scenario, without a place.
   Result<std::string> With(const std::vector<DrawnValue>& draws) const;
-  // The text with absolute paths of all files that it names, for a scenario in another folder than `directory`.
-  std::string WithAbsolutePaths(const std::string& directory) const;
+  // The text with absolute paths of all files that it names, for a scenario in another folder than that of `path`. Each
+  // is the file that a load of the text at `path` finds: in the scenario's folder, in STAGEPATH or in the installed
+  // models.
+  std::string WithAbsolutePaths(const std::string& path) const;
 
  private:
   ScenarioText(std::string text, JsonTree tree) : text_(std::move(text)), tree_(std::move(tree)) {}

@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "testing/cases/variation.h"
+#include "tests/support/files.h"
 #include "worldfile/text/json_tree.h"
 
 namespace troupe {
@@ -66,10 +69,27 @@ TEST(ValuePath, OverlapsWithThePathsInsideIt) {
 
 TEST(ScenarioText, NamesFilesByAbsolutePaths) {
   const std::string text = R"({"world": "a.world", "include": ["/b.inc"], "controller": "wander",
-    "robots": [{"controller": {"name": "own.so"}, "properties": {"bitmap": "c.png"}}]})";
-  EXPECT_EQ(ScenarioText::Parse(text, "s.json").value().WithAbsolutePaths("/folder"),
+    "robots": [{"controller": {"name": "own.so"}, "properties": {"bitmap": "c.png"}}, {"controller": "p.py:Patrol"}]})";
+  EXPECT_EQ(ScenarioText::Parse(text, "s.json").value().WithAbsolutePaths("/folder/s.json"),
             R"({"world": "/folder/a.world", "include": ["/b.inc"], "controller": "wander",
-    "robots": [{"controller": {"name": "/folder/own.so"}, "properties": {"bitmap": "/folder/c.png"}}]})");
+    "robots": [{"controller": {"name": "/folder/own.so"}, "properties": {"bitmap": "/folder/c.png"}}, {"controller": "/folder/p.py:Patrol"}]})");
+}
+
+TEST(ScenarioText, NamesTheFilesThatALoadFinds) {
+  const test::TemporaryFolder folder;
+  folder.Write("models/shared.inc", "");
+  folder.Write("models/map.yaml", "");
+  folder.Write("test/own.inc", "");
+  const char* const before = std::getenv("STAGEPATH");
+  const std::string restored = before != nullptr ? before : "";
+  setenv("STAGEPATH", (folder / "models").c_str(), 1);
+  const std::string text =
+      R"({"include": ["own.inc", "shared.inc", "none.inc"], "models": [{"properties": {"map_yaml": "map.yaml"}}]})";
+  const std::string absolute = ScenarioText::Parse(text, "s.json").value().WithAbsolutePaths(folder / "test/s.json");
+  setenv("STAGEPATH", restored.c_str(), 1);
+  EXPECT_EQ(absolute, R"({"include": [")" + (folder / "test/own.inc") + R"(", ")" + (folder / "models/shared.inc") +
+                          R"(", ")" + (folder / "test/none.inc") + R"("], "models": [{"properties": {"map_yaml": ")" +
+                          (folder / "models/map.yaml") + R"("}}]})");
 }
 
 TEST(CaseText, IsReadAsItWasWritten) {
