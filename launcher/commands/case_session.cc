@@ -336,11 +336,13 @@ Result<bool> CaseSession::Shrink(FaultWork& work) {
 }
 
 Result<bool> CaseSession::Keep(FaultWork& work) {
+  std::vector<std::string> paths;
+  for (const LoadedTest& test : tests_) paths.push_back(test.file->path());
+  const std::vector<std::string> names = FileNamesOf(paths);
   const auto request_for = [&](std::size_t i) {
     auto& [test, fault] = faults_[i];
     const auto& [draws, outcome] = work.smallest[i];
-    fault.folder =
-        fmt::format("{}-{}", std::filesystem::path(tests_[test].file->path()).stem().stem().string(), fault.number);
+    fault.folder = fmt::format("{}-{}", names[test], fault.number);
     return json{{"kind", "keep"},
                 {"case", CaseToJson(draws)},
                 {"outcome", ToJson(outcome)},

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "common/base/text.h"
 #include "worldfile/scenario/scenario_schema.h"
@@ -268,6 +271,50 @@ Result<std::vector<std::string>> FindTests(const std::vector<std::string>& paths
     tests.insert(tests.end(), found.begin(), found.end());
   }
   return tests;
+}
+
+std::vector<std::string> FileNamesOf(const std::vector<std::string>& tests) {
+  struct Named {
+    std::vector<std::string> parts;  // of the path, the last one first
+    std::size_t used = 1;
+
+    std::string Name() const {
+      std::string name;
+      for (std::size_t i = used; i-- > 0;) name += parts[i] + (i > 0 ? "-" : "");
+      for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
+      return name;
+    }
+  };
+  std::vector<Named> named;
+  for (const std::string& test : tests) {
+    const std::filesystem::path path = std::filesystem::path(test).lexically_normal();
+    Named each{{path.stem().string()}};
+    if (each.parts[0].ends_with(".test")) each.parts[0].resize(each.parts[0].size() - 5);
+    for (std::filesystem::path folder = path.parent_path(); folder.has_filename(); folder = folder.parent_path()) {
+      each.parts.push_back(folder.filename().string());
+    }
+    named.push_back(std::move(each));
+  }
+  std::map<std::string, std::size_t> count;
+  for (bool changed = true; std::exchange(changed, false);) {
+    count.clear();
+    for (const Named& each : named) ++count[each.Name()];
+    for (Named& each : named) {
+      if (count[each.Name()] == 1 || each.used == each.parts.size()) continue;
+      ++each.used;
+      changed = true;
+    }
+  }
+  std::vector<std::string> names;
+  for (const Named& each : named) {
+    std::string name = each.Name();
+    // One test twice, or folders that differ in other characters.
+    for (std::size_t i = 2; std::find(names.begin(), names.end(), name) != names.end(); ++i) {
+      name = fmt::format("{}-{}", each.Name(), i);
+    }
+    names.push_back(std::move(name));
+  }
+  return names;
 }
 
 }  // namespace troupe

@@ -79,4 +79,9 @@ class TestFile {
 // The tests that a command line names: files, and in folders all *.test.json, at any depth, by name.
 Result<std::vector<std::string>> FindTests(const std::vector<std::string>& paths);
 
+// Names for the files that a session makes of these tests, in their order: "dock" of dock.test.json, with the folders
+// above it as far as another test has the same name: "hall-dock". All are different, and have letters, digits, '-' and
+// '_' alone.
+std::vector<std::string> FileNamesOf(const std::vector<std::string>& tests);
+
 }  // namespace troupe

@@ -322,12 +322,6 @@ std::string CaseReport::JUnit() const {
       tests, total(CaseVerdict::kFailed), total(CaseVerdict::kError), total(CaseVerdict::kNotRun), suites);
 }
 
-std::string CaseReport::EntryName(const Entry& entry) {
-  std::string name;
-  for (const char c : entry.test.name) name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
-  return name;
-}
-
 Status CaseReport::Write(const std::string& folder) const {
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
@@ -339,11 +333,14 @@ Status CaseReport::Write(const std::string& folder) const {
     return Error{{(base / name).string()}, "cannot write: " + status.error().message, ErrorCode::kOutputFailed};
   };
   if (Status error = write("cases.jsonl", Lines()); !error.ok()) return error;
-  for (const Entry& entry : entries_) {
-    const std::string csv = entries_.size() == 1 ? "cases.csv" : EntryName(entry) + ".csv";
-    if (Status error = write(csv, Csv(entry)); !error.ok()) return error;
-    for (const auto& [name, svg] : Plots(entry)) {
-      if (Status error = write(name, svg); !error.ok()) return error;
+  std::vector<std::string> tests;
+  for (const Entry& entry : entries_) tests.push_back(entry.test.path);
+  const std::vector<std::string> names = FileNamesOf(tests);
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const std::string csv = entries_.size() == 1 ? "cases.csv" : names[i] + ".csv";
+    if (Status error = write(csv, Csv(entries_[i])); !error.ok()) return error;
+    for (const auto& [name, svg] : Plots(entries_[i])) {
+      if (Status error = write(names[i] + name, svg); !error.ok()) return error;
     }
   }
   return write("index.html", Page());

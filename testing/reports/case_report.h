@@ -116,11 +116,10 @@ class CaseReport {
   std::string Page() const;
   std::string PageOf(const Entry& entry) const;
   static std::string MetricTable(const Entry& entry, std::size_t metric);
-  static std::vector<std::pair<std::string, std::string>> Plots(const Entry& entry);  // file names and SVG
+  // File names, behind the name of the test, and SVG.
+  static std::vector<std::pair<std::string, std::string>> Plots(const Entry& entry);
   // Of a report in `folder`. Throws std::exception for another object.
   Status AddLine(const nlohmann::json& value, const std::filesystem::path& folder);
-  static std::string EntryName(const Entry& entry);
-
   const CaseDetail detail_;
   std::vector<Entry> entries_;
 };

@@ -118,8 +118,7 @@ std::vector<std::pair<std::string, std::string>> CaseReport::Plots(const Entry& 
         points.push_back({x, statistics.mean(), statistics.confidence()});
       }
       std::sort(points.begin(), points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
-      plots.emplace_back(fmt::format("{}-metric{}-{}.svg", EntryName(entry), metric + 1, v + 1),
-                         MakePlot(points, settings));
+      plots.emplace_back(fmt::format("-metric{}-{}.svg", metric + 1, v + 1), MakePlot(points, settings));
     }
   }
   return plots;

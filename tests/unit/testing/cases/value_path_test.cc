@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 
+#include "testing/cases/test_file.h"
 #include "testing/cases/variation.h"
 #include "tests/support/files.h"
 #include "worldfile/text/json_tree.h"
@@ -90,6 +91,15 @@ TEST(ScenarioText, NamesTheFilesThatALoadFinds) {
   EXPECT_EQ(absolute, R"({"include": [")" + (folder / "test/own.inc") + R"(", ")" + (folder / "models/shared.inc") +
                           R"(", ")" + (folder / "test/none.inc") + R"("], "models": [{"properties": {"map_yaml": ")" +
                           (folder / "models/map.yaml") + R"("}}]})");
+}
+
+TEST(FileNames, AreDifferentForTestsOfOneName) {
+  EXPECT_THAT(FileNamesOf({"dock.test.json"}), ElementsAre("dock"));
+  EXPECT_THAT(FileNamesOf({"hall/dock.test.json", "./yard/dock.test.json", "yard/gate.json"}),
+              ElementsAre("hall-dock", "yard-dock", "gate"));
+  EXPECT_THAT(FileNamesOf({"/a/b/x.test.json", "/c/b/x.test.json", "x.test.json"}), ElementsAre("a-b-x", "c-b-x", "x"));
+  EXPECT_THAT(FileNamesOf({"a/x.json", "a/./x.json", "ä/x y.json", "b/x y.json"}),
+              ElementsAre("a-x", "a-x-2", "__-x_y", "b-x_y"));
 }
 
 TEST(CaseText, IsReadAsItWasWritten) {
