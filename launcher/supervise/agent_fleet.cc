@@ -65,7 +65,7 @@ Status AgentFleet::Start(const ReadyReport& ready, const std::vector<std::string
   sites_ = sites;
   ready_ = ready;
   service_addresses_ = service_addresses;
-  if (Status failure = Plan(ready.robots, site_of_robot); !failure.ok()) return failure;
+  if (Status failure = Plan(ready.robots, site_of_robot, Occasion::kAtBegin); !failure.ok()) return failure;
   return StartAfterJoins(0);
 }
 
@@ -78,11 +78,12 @@ Status AgentFleet::StartAfterJoins(std::size_t agents) {
 }
 
 Status AgentFleet::Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
-  if (Status failure = Plan(robots, site_of_robot); !failure.ok()) return failure;
+  if (Status failure = Plan(robots, site_of_robot, Occasion::kOfNewRobots); !failure.ok()) return failure;
   return StartUpTo(size());
 }
 
-Status AgentFleet::Plan(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
+Status AgentFleet::Plan(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot,
+                        Occasion occasion) {
   const std::size_t packing = std::max(1u, ready_.robots_per_process);
   std::vector<Group> groups = MakeGroups(robots, site_of_robot, packing);
   const std::size_t first = group_sites_.size();
@@ -91,7 +92,7 @@ Status AgentFleet::Plan(const std::vector<std::string>& robots, const std::vecto
   if (Status status = scans_.AddParts(groups.size()); !status.ok()) return status;
   if (Status status = traces_.AddParts(groups.size()); !status.ok()) return status;
   for (const std::size_t index : StartOrder(groups.size(), options_.shuffle_start)) {
-    waiting_.push_back({first + index, std::move(groups[index].robots)});
+    waiting_.push_back({first + index, std::move(groups[index].robots), occasion});
     if (options_.shuffle_start) {
       waiting_.back().delay = kMaxStartDelay * RandomUniform({*options_.shuffle_start, 1, index});
     }
@@ -109,7 +110,7 @@ Status AgentFleet::StartUpTo(std::size_t agents) {
 }
 
 Result<std::vector<std::string>> AgentFleet::ArgumentsOf(std::size_t group, const std::vector<std::string>& robots,
-                                                         bool again) const {
+                                                         Occasion occasion) const {
   const AgentSite& site = *group_sites_[group];
   RunOptions options = options_;
   options.network.network_interface = site.network_interface;
@@ -125,14 +126,16 @@ Result<std::vector<std::string>> AgentFleet::ArgumentsOf(std::size_t group, cons
   std::vector<std::string> arguments =
       AgentArguments(options, service_addresses_[served_by], robots, ready_.libraries, ready_.ros);
   if (!scans_.empty()) arguments.push_back("--scans=" + scans_.PathOn(*site.host, group));
-  if (again) arguments.emplace_back("--skip-deleted");
-  if (again && !scans_.empty()) arguments.emplace_back("--keep-scans");
+  // A robot may have been deleted before its agent is there; and one that was deleted and has returned has another
+  // agent than the process that it began with, which keeps its name (AgentName) with all robots that it ever had.
+  if (occasion != Occasion::kAtBegin) arguments.emplace_back("--skip-unavailable");
+  if (occasion == Occasion::kAgain && !scans_.empty()) arguments.emplace_back("--keep-scans");
   return arguments;
 }
 
 Status AgentFleet::StartAgent(WaitingAgent agent) {
   const AgentSite& site = *group_sites_[agent.group];
-  Result<std::vector<std::string>> made = ArgumentsOf(agent.group, agent.robots, false);
+  Result<std::vector<std::string>> made = ArgumentsOf(agent.group, agent.robots, agent.occasion);
   if (!made.ok()) return made.error();
   std::vector<std::string> arguments = std::move(made).value();
   // Not for a restart: the file has the trace of the lost agent.
@@ -152,7 +155,7 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
 Status AgentFleet::Restart(std::size_t number) {
   AgentProcess& agent = agents_.at(number);
   TROUPE_CHECK(!agent.process->running());
-  const Result<std::vector<std::string>> arguments = ArgumentsOf(agent.group, agent.robots, true);
+  const Result<std::vector<std::string>> arguments = ArgumentsOf(agent.group, agent.robots, Occasion::kAgain);
   if (!arguments.ok()) return arguments.error();
   Result<std::unique_ptr<Child>> process = agent.host->Start("robot-agent", arguments.value(), false);
   if (!process.ok()) return process.error();
@@ -164,7 +167,7 @@ Status AgentFleet::Restart(std::size_t number) {
 
 Result<std::string> AgentFleet::RestartCommand(std::size_t number) const {
   const AgentProcess& agent = agents_.at(number);
-  const Result<std::vector<std::string>> arguments = ArgumentsOf(agent.group, agent.robots, true);
+  const Result<std::vector<std::string>> arguments = ArgumentsOf(agent.group, agent.robots, Occasion::kAgain);
   if (!arguments.ok()) return arguments.error();
   return ShellQuoted(agent.host->ProgramPath("robot-agent")) + " " + ShellQuoted(arguments.value());
 }

@@ -99,21 +99,27 @@ class AgentFleet {
   const std::vector<std::string>& trace_files() const { return traces_.files(); }
 
  private:
+  enum class Occasion : std::uint8_t {
+    kAtBegin,
+    kOfNewRobots,  // of an edit, while the run goes on
+    kAgain,
+  };
   // An agent that is still to be started.
   struct WaitingAgent {
     std::size_t group;  // in the order of robots
     std::vector<std::string> robots;
+    Occasion occasion;
     double delay = 0.0;  // s
   };
 
   // Queues agents for the robots.
-  Status Plan(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot);
+  Status Plan(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot, Occasion occasion);
   // Starts waiting agents until `agents` have been started in all.
   Status StartUpTo(std::size_t agents);
   Status StartAgent(WaitingAgent agent);
   // Of the program robot-agent, without a trace.
   Result<std::vector<std::string>> ArgumentsOf(std::size_t group, const std::vector<std::string>& robots,
-                                               bool again) const;
+                                               Occasion occasion) const;
 
   const RunOptions& options_;
   const RunKeys& keys_;

@@ -55,6 +55,7 @@ class NewAgents {
     AgentOptions options = options_;
     options.agent = ++options_.agent;
     options.robots = robots;
+    options.skip_unavailable = true;  // they may be deleted before the agent has joined
     if (!options.scan_log.empty()) {
       const Result<std::string> file = scan_parts_.Add();
       if (!file.ok()) return Tell(file.error().ToString());

@@ -33,10 +33,11 @@ namespace troupe {
 struct AgentOptions {
   AgentId agent = 0;
   std::vector<std::string> robots;  // names; empty: every robot of the world
-  bool skip_deleted = false;        // leave out the robots that the world does not have; without any, the run is over
-  std::string scan_log;             // file for the readings of all sensors; empty: none
-  bool keep_scan_log = false;       // append to the file
-  AllowedPaths libraries = {};      // that may be a robot's controller
+  // Leave out the robots that the world does not have, or that have another agent; without any, the run is over for it.
+  bool skip_unavailable = false;
+  std::string scan_log;         // file for the readings of all sensors; empty: none
+  bool keep_scan_log = false;   // append to the file
+  AllowedPaths libraries = {};  // that may be a robot's controller
   TraceOptions trace = {};
   // Threads that divide the robots; null, and with a scan log, for the order of its lines: one.
   std::shared_ptr<ThreadPool> pool = {};
@@ -48,7 +49,7 @@ struct AgentOptions {
 };
 
 enum class AgentEnd : std::uint8_t {
-  kRunOver,  // the service ended the run, or an edit removed all robots of the agent
+  kRunOver,  // the service ended the run, or an edit removed all robots of the agent, or others have them
   kStopped,  // by a stop request
 };
 

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <limits>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "common/base/identity.h"
@@ -133,6 +134,7 @@ JoinMessage AgentProtocol::MakeJoin() {
                    .host = HostName(),
                    .pid = static_cast<std::uint32_t>(getpid()),
                    .robots = robots_.names,
+                   .process_robots = {},
                    .world_edition = robots_.world_edition,
                    .incarnation = run_.incarnation,
                    .accept_goals = robots_.replica->NamesThatAcceptGoals(),
@@ -144,6 +146,7 @@ JoinMessage AgentProtocol::MakeJoin() {
     join.world_edition = edited->world_edition;
     join.robots = NamesThatExist(edited->world, join.robots);
   }
+  if (join.robots.size() < options_.robots.size()) join.process_robots = options_.robots;
   return join;
 }
 
@@ -178,7 +181,7 @@ void AgentProtocol::FinishTask(ReplicaTask& task) {
   if (!task.outcome.ok()) return Fail(task.outcome.error());
   robots_ = std::move(task.robots);
   if (past != nullptr) return FinishRetracing(*past);
-  if (robots_.replica == nullptr || !robots_.replica->has_robots()) {
+  if (robots_.replica == nullptr || robots_.names.empty()) {
     state_ = Ended{};
     return;
   }
@@ -225,13 +228,26 @@ void AgentProtocol::OnAdmission(const AdmissionMessage& admission) {
   if (Is<Running>() && !admission.admitted && admission.reason.empty()) return Rejoin();
   if (!Is<Joining>()) return;
   if (!admission.admitted) {
-    if (!admission.reason.empty()) Fail({{}, "the world service refused: " + PlainLine(admission.reason, kMaxReason)});
+    if (!admission.reason.empty()) OnRefusal(admission);
     return;
   }
   run_.was_member = true;
   if (std::exchange(run_.notes_return, false)) notices_.emplace_back("joined the run again");
   state_ = Running{};
   ProcessKept();
+}
+
+void AgentProtocol::OnRefusal(const AdmissionMessage& admission) {
+  // Whoever starts the first agents of a run chooses their robots; later a robot that was deleted and has returned may
+  // have got another agent while the earlier one was dead or lost.
+  const bool may_leave = (options_.skip_unavailable || run_.was_member) && !admission.taken.empty();
+  if (!may_leave) return Fail({{}, "the world service refused: " + PlainLine(admission.reason, kMaxReason)});
+  std::set<std::string> left;
+  for (const std::string& name : admission.taken) {
+    if (std::find(robots_.names.begin(), robots_.names.end(), name) != robots_.names.end()) left.insert(name);
+  }
+  if (left.empty()) return;  // a late answer
+  state_ = Changing{std::make_unique<ReplicaTask::Work>(ReplicaTask::Leaving{std::move(left)}), true};
 }
 
 void AgentProtocol::OnFrame(const FrameMessage& frame, double now) {

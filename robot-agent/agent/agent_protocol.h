@@ -13,15 +13,16 @@
 //              none of the robots is in the world any more       Ended
 //   Joining    the admission                                     Running
 //              a history that follows the memory of the robots   Retracing
-//              a refusal                                         Ended, failed
+//              a refusal, as others have some of the robots      Changing, to leave them
+//              another refusal                                   Ended, failed
 //              none of the robots is in the world any more       Ended
 //   Retracing  the robots have processed the history             Joining
 //   Running    a frame of an edited world or of a fresh start    Changing
 //              a frame that needs memory that the robots lack    Joining
 //              the agent is unknown, the service is lost, or     Joining
 //              another one continues the run
-//   Changing   the replica is changed                            Running, or Joining after a loss meanwhile
-//              none of the robots is in the world any more       Ended
+//   Changing   the replica is changed                            Running, or Joining after a loss or a refusal
+//              none of the robots is left                        Ended
 //   before the first admission
 //              another session, or a newer world of it           Preparing
 //              the service is gone or lost                       Waiting
@@ -114,7 +115,7 @@ class AgentProtocol {
     bool rejoins = false;  // the agent is no longer a member, and has to join again
   };
   struct Ended {
-    Status failure = {};  // ok: the service ended the run, or all robots were removed
+    Status failure = {};  // ok: the service ended the run, or the agent has no robots left
   };
   // The states are a variant, so that data of one state cannot be read in another.
   template <typename State>
@@ -156,6 +157,8 @@ class AgentProtocol {
   bool IsCurrent(Incarnation incarnation);
   // The run of which the agent was a member has to admit it again.
   void Rejoin();
+  // Leaves the robots that others have to them, or ends the agent.
+  void OnRefusal(const AdmissionMessage& admission);
   double GiveUpAt() const;  // time, unless the lost service returns
   double NextJoin() const;
   double NextRepeat() const;

@@ -209,6 +209,12 @@ Status Replica::AddRobots(const std::vector<std::string>& names) {
   return MakeNewGateway();
 }
 
+Status Replica::RemoveRobots(const std::set<std::string>& names) {
+  const std::size_t removed = std::erase_if(
+      robots_, [&](const auto& robot) { return names.contains(scene_->world().robot(robot->id()).name); });
+  return removed > 0 ? MakeNewGateway() : Status();
+}
+
 Status Replica::Renew(Edition edition) {
   if (options_.scan_log != nullptr) options_.scan_log->Restart(edition);
   if (Status status = MakeRobots(Ids()); !status.ok()) return status;

@@ -15,6 +15,7 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -52,6 +53,8 @@ class Replica {
 
   // Makes the named robots that the world has and the replica lacks. The error is as above.
   Status AddRobots(const std::vector<std::string>& names);
+  // Ends the named robots, as far as it has them. The error is a gateway that cannot be made.
+  Status RemoveRobots(const std::set<std::string>& names);
 
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
   bool has_robots() const { return !robots_.empty(); }

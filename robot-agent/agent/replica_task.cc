@@ -32,6 +32,9 @@ void ReplicaTask::Perform(const AgentOptions& options, const AgentResources& res
       outcome = Make(*making->session, options, resources);
     } else if (auto* const change = std::get_if<Changing>(&work)) {
       outcome = Change(*change, resources);
+    } else if (const auto* const left = std::get_if<Leaving>(&work)) {
+      std::erase_if(robots.names, [&](const std::string& name) { return left->robots.contains(name); });
+      outcome = robots.replica->RemoveRobots(left->robots);
     } else {
       // The lines of the past are in the log already, or in the log of the previous agent.
       if (resources.scan_log != nullptr) resources.scan_log->Mute(true);
@@ -54,7 +57,7 @@ Status ReplicaTask::Make(const SessionMessage& session, const AgentOptions& opti
     return Failure(fmt::format("the world service on {} sent a bad world: {}", session.host, scene.error().message));
   }
   std::vector<std::string> names = options.robots;
-  if (options.skip_deleted) {
+  if (options.skip_unavailable) {
     names = NamesThatExist(session.world, names);
     if (names.empty()) return {};
   }

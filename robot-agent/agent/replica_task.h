@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -33,7 +34,7 @@ struct AgentResources {
 
 // The robots of an agent, in their replica of the world.
 struct AgentRobots {
-  std::unique_ptr<Replica> replica;            // null: not made yet, or all robots of the agent are deleted
+  std::unique_ptr<Replica> replica;            // null: not made yet, or the agent has no robots left
   std::vector<std::string> names;              // the world of a history may lack some of them
   std::uint64_t world_hash = 0;                // of the replica's world
   Edition world_edition = 0;                   // of the replica's world
@@ -54,12 +55,16 @@ struct ReplicaTask {
     bool fresh = false;
     Edition fresh_edition = 0;  // of the newest fresh start
   };
+  // Leaves robots to another agent.
+  struct Leaving {
+    std::set<std::string> robots;
+  };
   // The robots process the states that follow their memory.
   struct Retracing {
     std::unique_ptr<HistoryMessage> history;
     std::unique_ptr<SessionMessage> later_world = {};  // result: the replica's world, if the history has an older one
   };
-  using Work = std::variant<Making, Changing, Retracing>;
+  using Work = std::variant<Making, Changing, Leaving, Retracing>;
 
   Work work;
   AgentRobots robots;  // before the task; after a success the result

@@ -36,8 +36,9 @@ void AddOptions(CLI::App& app, AgentCommandLine& line, std::string& faults) {
   AddScansFlag(app, line.agent.scan_log);
   app.add_flag("--keep-scans", line.agent.keep_scan_log,
                "Append to the file of --scans, for a robot whose agent is started again");
-  app.add_flag("--skip-deleted", line.agent.skip_deleted,
-               "Leave out the robots that were deleted, for an agent that is started again");
+  app.add_flag("--skip-unavailable", line.agent.skip_unavailable,
+               "Leave out the robots that were deleted or have another agent, for an agent that is started while the "
+               "run goes on");
   AddTraceFlags(app, line.agent.trace);
   AddRosFlags(app, line.ros_on, line.ros, "ROS 2");
   AddRobotTopicFlags(app, line.ros.robots, "ROS 2");

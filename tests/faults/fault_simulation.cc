@@ -333,7 +333,7 @@ void FaultSimulation::Launch(const std::vector<std::string>& robots, double long
   for (std::size_t i = 0; i < robots.size(); i += plan_.packing) {
     const auto begin = robots.begin() + static_cast<std::ptrdiff_t>(i);
     const auto count = static_cast<std::ptrdiff_t>(std::min(plan_.packing, robots.size() - i));
-    groups_.push_back({.robots = {begin, begin + count}});
+    groups_.push_back({.robots = {begin, begin + count}, .joins_late = launched_edition_ > 0});
     const std::size_t group = groups_.size() - 1;
     ++launching_;
     events_.After(random_.Uniform(0.0, longest_delay), [this, group] {
@@ -347,6 +347,7 @@ void FaultSimulation::StartAgent(std::size_t group) {
   if (!run_goes_on()) return;
   const ProcessId id = NewProcess();
   AgentOptions options{.agent = id, .robots = groups_[group].robots};
+  options.skip_unavailable = std::exchange(groups_[group].joins_late, true);
   options.libraries.Add(kCountingController);
   options.session_timeout_seconds = plan_.session_timeout;
   Log("agent {}: starts for {}", id, fmt::join(options.robots, ", "));

@@ -85,6 +85,7 @@ class FaultSimulation final : private ServiceEndpoint {
   // A group of robots for which the launcher keeps an agent.
   struct Group {
     std::vector<std::string> robots;
+    bool joins_late = false;  // the run goes on
   };
   struct SentRequest {
     std::size_t kind = 0;  // index of the alternative of control::Request

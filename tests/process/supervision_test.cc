@@ -7,10 +7,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -334,6 +337,60 @@ TEST(AgentLoss, AnAgentIsStartedAgainForTheRobotsThatWereNotDeleted) {
   run.WaitForLine("r1 has an agent");
   run.Interrupt();
   EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
+}
+
+// A robot is deleted and returns by `back`, so that it has another agent than at first. Then agents die, and the
+// service.
+void ExpectToSurviveDeathsAfterAReturn(const std::vector<std::string>& more, const control::Request& back) {
+  const std::string session = TestSession("returned");
+  std::vector<std::string> arguments = Words("--paused --speed max --ticks 40 --lease 0.5 --robots-per-process 2", {});
+  arguments.insert(arguments.end(), {"--session", session});
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  Program run = RunPen(arguments);
+  run.WaitForLine("4 robots in 2 agent processes, ready");
+  const auto ask = [&](const control::Request& request) {
+    const ControlReply reply = CallRun(session, request);
+    EXPECT_TRUE(reply.done) << reply.problem << run.output();
+  };
+  ask(control::Step{.ticks = 3});
+  ask(control::Delete{.name = "r0"});
+  ask(control::Step{.ticks = 2});
+  ask(back);
+  for (const char* program : {"--robot=r1", "--robot=r0", "world-service", "--robot=r0"}) {
+    SCOPED_TRACE(program);
+    const std::vector<pid_t> children = ChildrenWith(run, program);
+    ASSERT_FALSE(children.empty()) << run.output();
+    std::set<std::uint32_t> dead;
+    for (const pid_t child : children) {
+      kill(child, SIGKILL);
+      dead.insert(static_cast<std::uint32_t>(child));
+    }
+    EXPECT_TRUE(Eventually([&] {
+      const ControlReply reply = CallRun(session, control::Entities());
+      return 4 == std::count_if(reply.entities.begin(), reply.entities.end(), [&](const EntityReport& entity) {
+               return entity.agent && entity.agent->present && !dead.contains(entity.agent->pid);
+             });
+    })) << run.output();
+    ask(control::Step{.ticks = 2});
+  }
+  ask(control::Play());
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("has an agent already")));
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent at the end")));
+}
+
+TEST(AgentLoss, ARobotThatWasDeletedAndResetHasAnAgentAfterAnyDeath) {
+  ExpectToSurviveDeathsAfterAReturn({"--on-agent-loss", "rebuild"}, control::Reset());
+}
+
+TEST(AgentLoss, ARobotThatWasDeletedAndRestoredHasAnAgentAfterAnyDeath) {
+  // Between the death and the return of an agent its robot stands still.
+  ExpectToSurviveDeathsAfterAReturn({"--on-agent-loss", "freeze"},
+                                    control::Restore{.source = "r0", .name = "r0", .pose = {.x = -2.0, .y = -2.0}});
+}
+
+TEST(AgentLoss, WithKeysARobotThatWasDeletedAndRewoundHasAnAgentAfterAnyDeath) {
+  ExpectToSurviveDeathsAfterAReturn({"--on-agent-loss", "rebuild", "--security", "on"}, control::Rewind{.tick = 1});
 }
 
 TEST(AgentLoss, AnAgentThatWasStoppedInOrderIsNotStartedAgain) {

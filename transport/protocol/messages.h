@@ -99,6 +99,8 @@ struct JoinMessage {
   std::string host;
   std::uint32_t pid = 0;
   std::vector<std::string> robots;
+  // All robots that the process was started for, of which its keys have the name; empty: `robots` is all of them.
+  std::vector<std::string> process_robots = {};
   Edition world_edition = 0;    // of the agent's description
   Incarnation incarnation = 0;  // of the newest service that the agent knows
   // The names of the robots whose controllers accept goals.
@@ -115,6 +117,7 @@ struct JoinMessage {
         Field{"host", &JoinMessage::host},
         Field{"pid", &JoinMessage::pid},
         Field{"robots", &JoinMessage::robots},
+        Field{"process_robots", &JoinMessage::process_robots},
         Field{"accept_goals", &JoinMessage::accept_goals},
         Field{"world_edition", &JoinMessage::world_edition},
         Field{"incarnation", &JoinMessage::incarnation},
@@ -132,15 +135,15 @@ struct AdmissionMessage {
   // The reason of a refusal. Empty when admitted, and when the agent is not admitted because it has to join again: its
   // proposal has arrived, but it is unknown (any more).
   std::string reason = {};
+  // Of a refusal: those of the agent's robots that have another agent. Without them it would be admitted.
+  std::vector<std::string> taken = {};
   Incarnation incarnation = 0;
   bool operator==(const AdmissionMessage&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"agent", &AdmissionMessage::agent},
-        Field{"run", &AdmissionMessage::run},
-        Field{"admitted", &AdmissionMessage::admitted},
-        Field{"reason", &AdmissionMessage::reason},
-        Field{"incarnation", &AdmissionMessage::incarnation},
+        Field{"agent", &AdmissionMessage::agent},       Field{"run", &AdmissionMessage::run},
+        Field{"admitted", &AdmissionMessage::admitted}, Field{"reason", &AdmissionMessage::reason},
+        Field{"taken", &AdmissionMessage::taken},       Field{"incarnation", &AdmissionMessage::incarnation},
     };
   }
 };

@@ -41,8 +41,9 @@ FrameMessage SuccessorOf(const FrameMessage& frame) {
   return next;
 }
 
-AdmissionMessage MakeAdmission(const LiveRun& run, AgentId agent, bool admitted, std::string reason) {
-  return {run.options.run, agent, admitted, std::move(reason), run.options.incarnation};
+AdmissionMessage MakeAdmission(const LiveRun& run, AgentId agent, bool admitted, std::string reason,
+                               std::vector<std::string> taken) {
+  return {run.options.run, agent, admitted, std::move(reason), std::move(taken), run.options.incarnation};
 }
 
 std::string ListNames(const WorldDescription& world, const std::vector<RobotId>& robots) {

@@ -118,7 +118,9 @@ void AnnounceSession(const LiveRun& run);
 // The frame that follows another one, without its state and what belongs to that.
 FrameMessage SuccessorOf(const FrameMessage& frame);
 
-AdmissionMessage MakeAdmission(const LiveRun& run, AgentId agent, bool admitted, std::string reason = {});
+// `taken`: as AdmissionMessage::taken.
+AdmissionMessage MakeAdmission(const LiveRun& run, AgentId agent, bool admitted, std::string reason = {},
+                               std::vector<std::string> taken = {});
 
 // "r0, r1 and 5 more": the names of at most ten robots.
 std::string ListNames(const WorldDescription& world, const std::vector<RobotId>& robots);

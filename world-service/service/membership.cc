@@ -118,10 +118,24 @@ JoinDecision Membership::Join(const JoinMessage& join, const StatePlace& next, d
   if (const auto twice = std::adjacent_find(robots.begin(), robots.end()); twice != robots.end()) {
     return Refuse("the agent names robot \"" + world_->robot(*twice).name + "\" twice");
   }
+  // All of them are contested at once: an agent that has been away may find several others in its place.
+  JoinDecision contested;
+  bool is_decided = true;
   for (RobotId robot : robots) {
-    const std::optional<AgentId> owner = owners_[robot.index()];
-    if (owner && members_.at(*owner).present) return Contend(robot, join.agent, next, now);
+    const Member* const owner = MemberOf(robot);
+    if (owner == nullptr || !owner->present) continue;
+    if (!OwnerLives(robot, join.agent, next, now)) {
+      is_decided = false;
+      continue;
+    }
+    const std::string& name = world_->robot(robot).name;
+    if (contested.taken.empty()) {
+      contested.reason = "robot \"" + name + "\" has an agent already (" + Describe(*owner) + ")";
+    }
+    contested.taken.push_back(name);
   }
+  if (!is_decided) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
+  if (!contested.taken.empty()) return contested;
 
   if (behind) return {JoinDecision::Outcome::kBehind, nullptr, {}};
   for (RobotId robot : robots) {
@@ -141,14 +155,12 @@ JoinDecision Membership::Join(const JoinMessage& join, const StatePlace& next, d
 
 // The death of an agent is known only after its lease. Until then its replacement must not be refused; once the old
 // agent has answered, or the lease would long have expired, it must.
-JoinDecision Membership::Contend(RobotId robot, AgentId contender, const StatePlace& next, double now) {
-  const Member& owner = members_.at(*owners_[robot.index()]);
+bool Membership::OwnerLives(RobotId robot, AgentId contender, const StatePlace& next, double now) {
+  const Member& owner = *MemberOf(robot);
   Contest& contest = contests_[robot.index()];
   // A third agent that joins begins a contest of its own, which gives the owner its time again.
   if (contest.contender != contender) contest = {contender, next, now};
-  const bool owner_lives = owner.last_answered > contest.next || now - contest.since > 2.0 * lease_seconds_;
-  if (!owner_lives) return {JoinDecision::Outcome::kUndecided, nullptr, {}};
-  return Refuse("robot \"" + world_->robot(robot).name + "\" has an agent already (" + Describe(owner) + ")");
+  return owner.last_answered > contest.next || now - contest.since > 2.0 * lease_seconds_;
 }
 
 Member* Membership::Find(AgentId agent) {

@@ -57,6 +57,7 @@ struct JoinDecision {
   Outcome outcome = Outcome::kRefused;
   Member* member = nullptr;  // kAdmitted, kRepeated
   std::string reason;
+  std::vector<std::string> taken = {};  // kRefused: the robots that have another agent, if this is the reason
 };
 
 class Membership {
@@ -110,7 +111,8 @@ class Membership {
     double since = 0.0;  // time of its first join
   };
 
-  JoinDecision Contend(RobotId robot, AgentId contender, const StatePlace& next, double now);
+  // A join for a robot that has a present agent: that agent lives. False: it may be dead.
+  bool OwnerLives(RobotId robot, AgentId contender, const StatePlace& next, double now);
   void Forget(AgentId agent);
   void ResetForWorld(const WorldDescription& world);
   static void AddWaits(const Member& member, std::vector<Waits>& waits);

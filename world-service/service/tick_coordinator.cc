@@ -75,11 +75,10 @@ void TickCoordinator::OnJoin(const JoinMessage& join, double now) {
     case JoinDecision::Outcome::kBehind:
       return DemandHistory(join, *missing, now);
     case JoinDecision::Outcome::kRefused:
-      return AnswerJoin(join, false, decision.reason);
     case JoinDecision::Outcome::kRepeated:
-      return AnswerJoin(join, true, {});
+      return AnswerJoin(join, decision);
     case JoinDecision::Outcome::kAdmitted:
-      AnswerJoin(join, true, {});
+      AnswerJoin(join, decision);
       engine_.AddMember(*decision.member, now);
       editor_.OnJoined(decision.member->robots);
       NoteGoals(join);
@@ -121,9 +120,10 @@ std::vector<TickCoordinator::HistoryDemand> TickCoordinator::DrainHistoryDemands
 }
 
 // Agents that join before the run begins are admitted together when it does.
-void TickCoordinator::AnswerJoin(const JoinMessage& join, bool admitted, const std::string& reason) {
+void TickCoordinator::AnswerJoin(const JoinMessage& join, const JoinDecision& decision) {
+  const bool admitted = decision.outcome != JoinDecision::Outcome::kRefused;
   if (admitted && run_.phase == Phase::kGathering) return;
-  run_.endpoint.SendAdmissions({MakeAdmission(run_, join.agent, admitted, reason)});
+  run_.endpoint.SendAdmissions({MakeAdmission(run_, join.agent, admitted, decision.reason, decision.taken)});
 }
 
 void TickCoordinator::Begin(double now) {

@@ -127,7 +127,7 @@ class TickCoordinator {
   void OnOtherService(const SessionMessage& other, double now);
   void NoteGoals(const JoinMessage& join);
   void DemandHistory(const JoinMessage& join, const HistoryRequest& request, double now);
-  void AnswerJoin(const JoinMessage& join, bool admitted, const std::string& reason);
+  void AnswerJoin(const JoinMessage& join, const JoinDecision& decision);
 
   LiveRun run_;
   TickEngine engine_;

@@ -146,7 +146,7 @@ void DdsServiceEndpoint::DrainJoins(AgentGroup& group) {
           Leave(join.agent, sender);
           return false;
         }
-        if (!MayJoinFor(Strings(join.robots), sender)) {
+        if (!MayJoinFor(join, sender)) {
           group.joins.Refuse(sender, "its keys are those of an agent of other robots");
           return false;
         }
@@ -169,18 +169,17 @@ bool DdsServiceEndpoint::Bind(AgentId agent, const Sender& sender) {
   return true;
 }
 
-bool DdsServiceEndpoint::MayJoinFor(const std::vector<std::string>& robots, const Sender& sender) {
+bool DdsServiceEndpoint::MayJoinFor(const troupe_wire_Join& join, const Sender& sender) const {
   if (!secured_) return true;
-  // The permissions of its keys have the name, and so has the partition, which DDS Security has compared with them.
+  const std::vector<std::string> robots = Strings(join.robots);
+  const std::vector<std::string> of_process = Strings(join.process_robots);
+  // The permissions of its keys have the name, which is a hash of the robots' names (message_texts.h), and so has the
+  // partition, which DDS Security has compared with them. After an edit the agent joins for some of these robots.
   const std::string name = qos_profiles::AgentOfPartition(sender.partition);
-  // The name is a hash of the robots' names (message_texts.h): the first complete list defines the robots that the
-  // agent may join for.
-  if (AgentName(robots) == name) robots_of_agents_[name] = {robots.begin(), robots.end()};
-  // After an edit it may join for those that are left.
-  const auto known = robots_of_agents_.find(name);
-  return known != robots_of_agents_.end() && std::all_of(robots.begin(), robots.end(), [&](const std::string& robot) {
-           return known->second.contains(robot);
-         });
+  if (of_process.empty()) return AgentName(robots) == name;
+  const std::set<std::string> allowed(of_process.begin(), of_process.end());
+  return AgentName(of_process) == name &&
+         std::all_of(robots.begin(), robots.end(), [&](const std::string& robot) { return allowed.contains(robot); });
 }
 
 void DdsServiceEndpoint::Leave(AgentId agent, const Sender& sender) {

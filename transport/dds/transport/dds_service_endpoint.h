@@ -149,8 +149,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   void DrainJoins(AgentGroup& group);
   // Binds the agent to its first writer; false for any other one.
   bool Bind(AgentId agent, const Sender& sender);
-  // Whether the sender's keys are for an agent of these robots.
-  bool MayJoinFor(const std::vector<std::string>& robots, const Sender& sender);
+  // Whether the sender's keys are for an agent of the robots of the join.
+  bool MayJoinFor(const troupe_wire_Join& join, const Sender& sender) const;
   void Leave(AgentId agent, const Sender& sender);
   void LoseAgentsOf(const Sender& ended);
   // Whether the sender of a proposal is the agent that it names, or was until its lease expired.
@@ -180,8 +180,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   std::mutex mutex_;  // locked while a handler runs; guards the members below it
   ServiceHandler* handler_ = nullptr;
   const bool secured_;
-  const bool proven_;                                              // all senders whose samples pass are of the run
-  std::map<std::string, std::set<std::string>> robots_of_agents_;  // by the names of the agents
+  const bool proven_;                 // all senders whose samples pass are of the run
   std::map<AgentId, Sender> agents_;  // that have sent a join and are alive: the writer of their joins
   std::map<dds_instance_handle_t, std::set<AgentId>> agents_of_writer_;  // the same, by the writer
   LostAgents lost_agents_;

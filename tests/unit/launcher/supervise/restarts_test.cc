@@ -207,6 +207,8 @@ TEST_F(AgentFleetTest, StartsAgentsOfNewRobotsAtOnce) {
   Start(2);
   ASSERT_TRUE(fleet_.Add(std::vector<std::string>(40, "late"), std::vector<std::size_t>(40, 0)).ok());
   EXPECT_EQ(host_.started.size(), 42u);
+  EXPECT_THAT(host_.started.front(), testing::Not(testing::Contains("--skip-unavailable")));
+  EXPECT_THAT(host_.started.back(), testing::Contains("--skip-unavailable")) << "they may be deleted again";
 }
 
 TEST_F(AgentFleetTest, DividesTheAgentsAmongTheParticipantsOfTheService) {
@@ -232,7 +234,7 @@ TEST_F(AgentFleetTest, StartsADeadAgentAgainInItsPlace) {
   ASSERT_TRUE(fleet_.Restart(1).ok());
   ASSERT_EQ(host_.started.size(), 4u);
   std::vector<std::string> arguments = host_.started[1];
-  arguments.emplace_back("--skip-deleted");
+  arguments.emplace_back("--skip-unavailable");
   EXPECT_EQ(host_.started[3], arguments);
   EXPECT_EQ(fleet_.size(), 3u);
   EXPECT_TRUE(fleet_.PollEnded().empty());

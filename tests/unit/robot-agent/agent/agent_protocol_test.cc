@@ -14,6 +14,7 @@ namespace troupe {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
@@ -71,6 +72,10 @@ class AgentProtocolTest : public testing::Test {
   void SendFrame(Tick tick, Edition edition = 0) { protocol_.OnFrame(Frame(tick, edition), now_); }
   void Answer(bool admitted, const std::string& reason = {}) {
     protocol_.OnAdmission({kRun, kAgent, admitted, reason});
+  }
+  void RefuseFor(const std::vector<std::string>& taken) {
+    protocol_.OnAdmission(
+        {.run = kRun, .agent = kAgent, .reason = "robot has an agent already", .taken = taken, .incarnation = 0});
   }
   std::optional<JoinMessage> PollAfter(double seconds) {
     now_ += seconds;
@@ -370,11 +375,51 @@ TEST_F(AgentProtocolTest, AnAgentWhoseRobotsWereDeletedMeanwhileEnds) {
 
 TEST_F(AgentProtocolTest, AnAgentThatIsStartedAgainAfterItsRobotsWereDeletedEnds) {
   options_.robots = {"r0"};
-  options_.skip_deleted = true;
+  options_.skip_unavailable = true;
   SendSession(1, Without({"r0"}));
   PerformTask();
   EXPECT_TRUE(protocol_.over());
   EXPECT_TRUE(protocol_.failure().ok());
+}
+
+TEST_F(AgentProtocolTest, AMemberThatWasLostLeavesRobotsWithAnotherAgentAndKeepsTheMemoryOfTheRest) {
+  options_.robots = {"r0", "r1"};
+  JoinAndRun();
+  protocol_.OnServiceLost(now_);
+  Joined();
+  RefuseFor({"r1"});
+  EXPECT_FALSE(protocol_.over());
+  PerformTask();
+  const JoinMessage join = Joined();
+  EXPECT_THAT(join.robots, ElementsAre("r0"));
+  EXPECT_THAT(join.process_robots, ElementsAre("r0", "r1")) << "its keys have the name of both";
+  EXPECT_EQ(join.memory, (ControllerCheckpoint{0, 0, true}));
+  RefuseFor({"r1"});  // late
+  EXPECT_FALSE(protocol_.has_task());
+  Answer(true);
+  SendFrame(1);
+  ASSERT_THAT(endpoint_.sent, SizeIs(2));
+  EXPECT_THAT(endpoint_.sent.back().proposals, SizeIs(1));
+}
+
+TEST_F(AgentProtocolTest, AnAgentThatIsStartedWhileTheRunGoesOnLeavesAllItsRobotsToOthers) {
+  options_.skip_unavailable = true;
+  SendSession();
+  PerformTask();
+  Joined();
+  RefuseFor({"r0", "r1"});
+  PerformTask();
+  EXPECT_TRUE(protocol_.over());
+  EXPECT_TRUE(protocol_.failure().ok());
+}
+
+TEST_F(AgentProtocolTest, AFirstAgentWhoseRobotHasAnotherOneFails) {
+  SendSession();
+  PerformTask();
+  Joined();
+  RefuseFor({"r1"});
+  EXPECT_TRUE(protocol_.over());
+  EXPECT_THAT(protocol_.failure().error().message, HasSubstr("has an agent already"));
 }
 
 TEST_F(AgentProtocolTest, AServiceThatIsLostDuringAChangeIsJoinedAfterIt) {

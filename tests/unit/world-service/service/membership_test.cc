@@ -60,6 +60,22 @@ TEST_F(MembershipTest, AReplacementOfAnAgentThatAnsweredBeforeAResetIsNotRefused
   EXPECT_EQ(join(2, 1.0), Outcome::kRefused);
 }
 
+TEST_F(MembershipTest, ARefusalNamesAllRobotsThatHaveAnotherAgentThatLives) {
+  Join(1, {"r0"});
+  Join(2, {"r1"});
+  Join(3, {"r2"});
+  const auto join = [&](double now) { return members_.Join(JoinOf(4, {"r0", "r1", "r2"}), {0, 1}, now); };
+  EXPECT_EQ(join(0.0).outcome, Outcome::kUndecided);
+  for (const AgentId agent : {1, 2}) members_.Find(agent)->last_answered = {0, 2};
+  EXPECT_EQ(join(0.1).outcome, Outcome::kUndecided) << "the agent of r2 may be dead";
+  members_.Lose(*members_.Find(3));
+  const JoinDecision refused = join(0.2);
+  EXPECT_EQ(refused.outcome, Outcome::kRefused);
+  EXPECT_THAT(refused.taken, ElementsAre("r0", "r1"));
+  EXPECT_THAT(refused.reason, HasSubstr("robot \"r0\" has an agent already (host, pid 7)"));
+  EXPECT_EQ(members_.Join(JoinOf(4, {"r2"}), {0, 1}, 0.3).outcome, Outcome::kAdmitted);
+}
+
 TEST_F(MembershipTest, TheHostOfAPeerIsAPlainLine) {
   JoinMessage join = JoinOf(1, {"r0"});
   join.host = "a\x1b[2J\n" + std::string(1000, 'x');
