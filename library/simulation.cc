@@ -163,11 +163,9 @@ void Simulation::StepOnce() {
     Robot& robot = *now.robots[i];
     const bool worked = robot.failure().empty();
     Proposal proposal = robot.Decide(state, impl_->bodies, now.commands[i]);
-    // These four are executed once; the motion lasts until another command.
-    now.commands[i].command.grippers.clear();
-    now.commands[i].command.joints.clear();
-    now.commands[i].command.messages.clear();
-    now.commands[i].command.orders.clear();
+    // The motion lasts until another command; all else of a command is executed once.
+    Command& given = now.commands[i].command;
+    if (now.commands[i].drives) given = {.twist = given.twist, .speed = given.speed, .steering = given.steering};
     if (worked && !robot.failure().empty()) now.failures.push_back(robot.failure());
     if (!robot.report().empty()) impl_->reports.push_back(robot.report());
     // As the world service does it: a refused proposal is an event, and the step has none of that robot.

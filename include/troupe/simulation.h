@@ -117,9 +117,9 @@ class Simulation {
   TickView View() const;
 
   // Drives a robot from outside, from the next tick on. The motion of `command` replaces that of the robot's controller
-  // until the next Drive or Release; the commands to grippers and joints and the orders are executed once, after the
-  // controller's. The error is a number that is not finite, or a command to a gripper or joint that the robot cannot
-  // execute.
+  // until the next Drive or Release. All else of it is executed once, after the controller's: commands to grippers and
+  // joints, messages, orders, and the text to say; `report` has no effect. The error is a number that is not finite, or
+  // a command to a gripper or joint that the robot cannot execute.
   Status Drive(RobotId robot, Command command);
   // The same with a motion alone, in R; a car turns its wheels so that it follows the twist as far as it can.
   Status DriveBy(RobotId robot, const Twist& twist);

@@ -96,7 +96,8 @@ Raises InputError with file, line and column.)")
            R"(Drives robots in place of their controllers, until `release`.
 
 motion: for one robot (vx, wz), (vx, vy, wz) or a Command; for all an array (robots, 3) of vx, vy (m/s), wz (rad/s) in R,
-or (robots, 2) of vx, wz. The drive bounds it. A car follows the twist as far as it can. Commands to grippers and joints are executed once.)")
+or (robots, 2) of vx, wz. The drive bounds it. A car follows the twist as far as it can. All
+else of a Command is executed once: grippers, joints, messages, orders, and the text to say.)")
       .def("release", Release, "robot"_a = py::none(), "Returns a robot, or all, to its controller.")
       .def(
           "save", [](const WorldPointer& world) { return ValueOf(World::Use(*world)->Save()); },

@@ -98,6 +98,22 @@ TEST_F(SimulationTest, ACommandFromOutsideReplacesTheControllersUntilItIsRelease
   EXPECT_NEAR(simulation.pose(robot_).x, 0.3, 1e-9);
 }
 
+TEST_F(SimulationTest, ATextOfACommandFromOutsideIsSaidOnce) {
+  Simulation simulation = Create(world_.world());
+  Tick said = 0;
+  const auto step = [&] {
+    simulation.Step();
+    for (const Event& event : simulation.events()) said += event.type == EventType::kSaid && event.detail == "here";
+  };
+  ASSERT_TRUE(simulation.Drive(robot_, {.twist = {-0.2, 0.0, 0.0}, .say = "here"}).ok());
+  for (int i = 0; i < 10; ++i) step();
+  EXPECT_EQ(said, 1u);
+  EXPECT_NEAR(simulation.pose(robot_).x, -0.2, 1e-9) << "the motion lasts";
+  ASSERT_TRUE(simulation.Drive(robot_, {.say = "here"}).ok());
+  for (int i = 0; i < 3; ++i) step();
+  EXPECT_EQ(said, 2u);
+}
+
 TEST_F(SimulationTest, RejectsCommandsThatTheRobotCannotExecute) {
   Simulation simulation = Create(world_.world());
   const double nan = std::numeric_limits<double>::quiet_NaN();
