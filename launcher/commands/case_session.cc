@@ -29,6 +29,15 @@ using std::chrono::steady_clock;
 
 constexpr std::size_t kMaxExamined = 10;  // faults of a test that are shrunk and recorded
 constexpr std::size_t kMaxPrinted = 20;   // faults of a test that are printed
+constexpr double kTickTimeout = 60.0;     // s: a controller that takes longer does not return
+
+double SecondsSince(steady_clock::time_point time) {
+  return std::chrono::duration<double>(steady_clock::now() - time).count();
+}
+
+std::string NameOfCase(const TestCase& draws) {
+  return draws.empty() ? "the only case" : CaseText(draws);
+}
 
 }  // namespace
 
@@ -194,7 +203,7 @@ void CaseSession::ShowProgress(bool end) {
 void CaseSession::Finish(const Job& job, CaseOutcome outcome) {
   LoadedTest& test = tests_[job.test];
   ++done_;
-  const double seconds = std::chrono::duration<double>(steady_clock::now() - job.began).count();
+  const double seconds = SecondsSince(job.began);
   if (test.search) test.search->Add(job.draws, outcome);
   ReportedCase reported{job.number, job.kept, job.draws, std::move(outcome)};
   if (reported.outcome.verdict != CaseVerdict::kPassed) {
@@ -205,9 +214,8 @@ void CaseSession::Finish(const Job& job, CaseOutcome outcome) {
   ShowProgress(false);
 }
 
-Result<bool> CaseSession::Run() {
+Result<bool> CaseSession::Run(SignalWatch& signals) {
   began_ = steady_clock::now();
-  SignalWatch signals;
   const auto stop = [&signals] {
     signals.ReadStopRequest();
     return signals.stop_requested();
@@ -217,9 +225,10 @@ Result<bool> CaseSession::Run() {
     scratch.emplace();
     if (scratch->path().empty()) return Failure("cannot make a folder for temporary files");
   }
-  WorkerPool pool(options_.jobs, [this](const std::string& text) {
+  WorkerPool pool(options_.jobs, [this](const std::string& text, const ProgressFunction& progress) {
     const json request = json::parse(text);
-    return PerformCaseWork(*tests_[request.at("test")].worlds, request).dump();
+    const json reply = PerformCaseWork(*tests_[request.at("test")].worlds, request, progress);
+    return reply.dump(-1, ' ', false, json::error_handler_t::replace);
   });
   std::map<std::string, Job> jobs;  // by request
   const auto next = [&]() -> std::optional<std::string> {
@@ -246,9 +255,15 @@ Result<bool> CaseSession::Run() {
     Finish(job->second, std::move(outcome));
     jobs.erase(job);
   };
-  const Result<bool> ran = pool.Run(next, done, signals.descriptor(), stop);
+  const Result<bool> ran = pool.Run(next, done, Limits(), signals.descriptor(), stop);
   ShowProgress(true);
   if (!ran.ok()) return ran.error();
+  // Of a run without an end this is all that there is to see.
+  for (const auto& [request, job] : jobs) {
+    const TestFile& test = *tests_[job.test].file;
+    PrintPlain(stdout, "NOT RUN {}: {}\n  stopped after {:.1f} s\n  repeat: {}\n", test.name(), NameOfCase(job.draws),
+               SecondsSince(job.began), CommandOf(tests_[job.test], job.draws));
+  }
   if (!ran.value() && options_.search == 0) {
     const auto leave = [&](const Job& job) { report_.AddCase(job.test, {job.number, job.kept, job.draws}); };
     for (const auto& [request, job] : jobs) leave(job);
@@ -274,6 +289,13 @@ Result<bool> CaseSession::Run() {
   return examined;
 }
 
+WorkLimits CaseSession::Limits() const {
+  WorkLimits limits;
+  limits.part = options_.case_timeout;
+  if (!options_.case_timeout) limits.step = kTickTimeout;
+  return limits;
+}
+
 Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::function<bool()>& stop,
                                   int stop_descriptor) {
   FaultWork work{pool, stop, stop_descriptor, {}, {}};
@@ -293,7 +315,8 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::fu
   return Keep(work);
 }
 
-Result<bool> CaseSession::ForEachChosen(FaultWork& work, const std::function<json(std::size_t)>& request_for,
+Result<bool> CaseSession::ForEachChosen(FaultWork& work, const WorkLimits& limits,
+                                        const std::function<json(std::size_t)>& request_for,
                                         const std::function<std::string(std::size_t, const json&)>& use) {
   std::size_t place = 0;
   const auto next = [&]() -> std::optional<std::string> {
@@ -309,7 +332,7 @@ Result<bool> CaseSession::ForEachChosen(FaultWork& work, const std::function<jso
     const std::string problem = reply.ok() ? use(i, json::parse(reply.value())) : reply.error().message;
     if (!problem.empty()) PrintPlain(stderr, "warning: the case {}: {}\n", CaseText(faults_[i].second.draws), problem);
   };
-  return work.pool.Run(next, done, work.stop_descriptor, work.stop);
+  return work.pool.Run(next, done, limits, work.stop_descriptor, work.stop);
 }
 
 Result<bool> CaseSession::Shrink(FaultWork& work) {
@@ -332,7 +355,7 @@ Result<bool> CaseSession::Shrink(FaultWork& work) {
     work.smallest[i] = {draws, std::move(outcome)};
     return "";
   };
-  return ForEachChosen(work, request_for, use);
+  return ForEachChosen(work, Limits(), request_for, use);
 }
 
 Result<bool> CaseSession::Keep(FaultWork& work) {
@@ -357,14 +380,14 @@ Result<bool> CaseSession::Keep(FaultWork& work) {
     const std::string problem = answer.at("problem");
     return problem.empty() ? "" : "cannot keep it: " + problem;
   };
-  return ForEachChosen(work, request_for, use);
+  // Without limits: the case has ended before, and its recording and page take their time without a word.
+  return ForEachChosen(work, {}, request_for, use);
 }
 
 void CaseSession::Print(const ReportedCase& fault, const LoadedTest& test) const {
   const CaseOutcome& outcome = fault.outcome;
-  const std::string text = CaseText(fault.draws);
   PrintPlain(stdout, "{} {}: {}\n", outcome.verdict == CaseVerdict::kFailed ? "FAILED" : "ERROR", test.file->name(),
-             text.empty() ? "the only case" : text);
+             NameOfCase(fault.draws));
   if (!outcome.error.empty()) PrintPlain(stdout, "  {}\n", outcome.error);
   for (std::size_t i = 0; i < outcome.expectations.size(); ++i) {
     const ExpectationOutcome& each = outcome.expectations[i];
@@ -383,7 +406,7 @@ void CaseSession::Print(const ReportedCase& fault, const LoadedTest& test) const
 }
 
 std::vector<std::string> CaseSession::Summary() const {
-  const double seconds = std::chrono::duration<double>(steady_clock::now() - began_).count();
+  const double seconds = SecondsSince(began_);
   const auto counts = [](const auto& count) {
     return fmt::format("{} passed, {} failed, {} errors", count(CaseVerdict::kPassed), count(CaseVerdict::kFailed),
                        count(CaseVerdict::kError));

@@ -39,7 +39,7 @@ struct Shard {
 // "2/4"; nothing for any other text.
 std::optional<Shard> ParseShard(const std::string& text);
 
-class WorkerPool;
+class SignalWatch;
 
 struct CaseSessionOptions {
   std::size_t jobs = 1;
@@ -49,7 +49,8 @@ struct CaseSessionOptions {
   bool shrink = true;
   bool keep_failing = true;  // reads and writes the files of failing cases, runs those first, and makes artifacts
   bool processes = false;    // each case is run by processes, too, and has to have the same hashes
-  std::string folder;        // of recordings and pictures; empty: none are made
+  std::optional<double> case_timeout;      // s, of wall time, of a case; nothing: none but that of each tick
+  std::string folder;                      // of recordings and pictures; empty: none are made
   CaseDetail detail = CaseDetail::kCases;  // of the report
 };
 
@@ -61,8 +62,9 @@ class CaseSession {
   Status Load(const std::vector<std::string>& paths);
   // The files that the tests read, of worlds those of the first case.
   std::vector<std::string> InputFiles() const;
-  // Runs the cases, and prints those that do not pass. False: it was interrupted; the cases until then are reported.
-  Result<bool> Run();
+  // Runs the cases, and prints those that do not pass. False: it was interrupted by one of the signals; the cases until
+  // then are reported.
+  Result<bool> Run(SignalWatch& signals);
 
   const CaseReport& report() const { return report_; }
   // "198 passed, 2 failed, 0 errors, 0 not run in 3.2 s", behind a line of the kept cases, if any.
@@ -104,8 +106,11 @@ class CaseSession {
     // By fault; the cases to be recorded: shrunk ones, where there are any.
     std::map<std::size_t, std::pair<TestCase, CaseOutcome>> smallest;
   };
+  // Of a case.
+  WorkLimits Limits() const;
   // Gives workers a request for each chosen fault, and uses their answers. `use` returns a problem, or "".
-  Result<bool> ForEachChosen(FaultWork& work, const std::function<nlohmann::json(std::size_t)>& request_for,
+  Result<bool> ForEachChosen(FaultWork& work, const WorkLimits& limits,
+                             const std::function<nlohmann::json(std::size_t)>& request_for,
                              const std::function<std::string(std::size_t, const nlohmann::json&)>& use);
   Result<bool> Shrink(FaultWork& work);
   Result<bool> Keep(FaultWork& work);

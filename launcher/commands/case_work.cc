@@ -25,7 +25,7 @@ using nlohmann::json;
 constexpr double kSecondsAfter = 2.0;  // simulated, of a recording after the tick that decides
 
 // Runs `troupe` with these arguments to its end. The error has the last line that it printed.
-Status RunTroupe(const std::vector<std::string>& arguments) {
+Status RunTroupe(const std::vector<std::string>& arguments, const ProgressFunction& progress) {
   Result<std::string> program = FindProgram("troupe");
   if (!program.ok()) return program.error();
   std::vector<std::string> command = {program.value()};
@@ -37,7 +37,9 @@ Status RunTroupe(const std::vector<std::string>& arguments) {
   std::string last;
   while (!output.at_end()) {
     pollfd waited{output.reading_end(), POLLIN, 0};
-    poll(&waited, 1, -1);
+    constexpr int kAliveMilliseconds = 1000;
+    poll(&waited, 1, kAliveMilliseconds);
+    progress(Progress::kStep);  // of its ticks nothing is known here
     for (const std::string& line : output.Read()) last = line;
   }
   while (!process.value().Poll()) poll(nullptr, 0, 1);  // its pipe has ended
@@ -64,14 +66,15 @@ Status WriteScenario(const TestFile& test, const TestCase& draws, const std::str
 
 // The case in processes has the hashes of the case in this one.
 Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::vector<std::uint64_t>& hashes,
-                        const std::string& scratch) {
+                        const std::string& scratch, const ProgressFunction& progress) {
   const std::string base = fmt::format("{}/{}", scratch, getpid());
   const std::string scenario = base + ".json";
   const std::string log = base + ".hashes";
   if (Status error = WriteScenario(test, draws, scenario); !error.ok()) return error;
   const std::string ticks = std::to_string(hashes.size() - 1);
   if (Status error = RunTroupe({"run", scenario, "--headless", "--no-ros", "--mode", "lockstep", "--speed", "max",
-                                "--ticks", ticks, "--hash-log", log});
+                                "--ticks", ticks, "--hash-log", log},
+                               progress);
       !error.ok()) {
     return error;
   }
@@ -94,20 +97,16 @@ Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::
   return Failure(fmt::format("the run in processes has {} states, the run in one {}", compared, hashes.size()));
 }
 
-json Run(const CaseWorlds& worlds, const json& request) {
+json Run(const CaseWorlds& worlds, const json& request, const ProgressFunction& progress) {
   const TestCase draws = CaseFromJson(request.at("case"));
   const std::string scratch = request.at("scratch");
   CaseRunOptions options;
-  std::vector<std::uint64_t> hashes;
-  if (!scratch.empty()) {
-    options.on_tick = [&](const Simulation& simulation) {
-      hashes.push_back(simulation.state_hash());
-      return true;
-    };
-  }
+  options.hashes = !scratch.empty();
+  options.progress = progress;
   CaseOutcome outcome = RunCase(worlds, draws, options);
+  const std::vector<std::uint64_t> hashes = std::exchange(outcome.hashes, {});
   if (!scratch.empty() && outcome.verdict != CaseVerdict::kError) {
-    if (const Status same = CompareProcesses(worlds.test(), draws, hashes, scratch); !same.ok()) {
+    if (const Status same = CompareProcesses(worlds.test(), draws, hashes, scratch, progress); !same.ok()) {
       outcome.verdict = CaseVerdict::kError;
       outcome.error = same.error().message;
     }
@@ -118,8 +117,9 @@ json Run(const CaseWorlds& worlds, const json& request) {
   return ToJson(outcome);
 }
 
-json Shrink(const CaseWorlds& worlds, const json& request) {
-  const ShrunkCase shrunk = ShrinkCase(worlds, CaseFromJson(request.at("case")), request.at("expectation"));
+json Shrink(const CaseWorlds& worlds, const json& request, const ProgressFunction& progress) {
+  const ShrunkCase shrunk =
+      ShrinkCase(worlds, CaseFromJson(request.at("case")), request.at("expectation"), {}, progress);
   return {{"case", CaseToJson(shrunk.draws)},
           {"runs", shrunk.runs},
           {"robots", shrunk.robots},
@@ -132,7 +132,7 @@ Status WriteCasePage(const std::string& file, const StaticPageOptions& page) {
   return WriteStaticPage(recording.value(), ExpectationsOf(recording.value()), page);
 }
 
-json Keep(const CaseWorlds& worlds, const json& request) {
+json Keep(const CaseWorlds& worlds, const json& request, const ProgressFunction& progress) {
   const TestCase draws = CaseFromJson(request.at("case"));
   const std::filesystem::path folder(request.at("folder").get<std::string>());
   const CaseOutcome outcome = OutcomeFromJson(request.at("outcome"));
@@ -149,7 +149,8 @@ json Keep(const CaseWorlds& worlds, const json& request) {
   if (status.ok()) {
     status =
         RunTroupe({"run", scenario, "--in-process", "--headless", "--no-ros", "--mode", "lockstep", "--speed", "max",
-                   "--ticks", std::to_string(std::max<Tick>(last, 1)), "--record", (folder / "run.mcap").string()});
+                   "--ticks", std::to_string(std::max<Tick>(last, 1)), "--record", (folder / "run.mcap").string()},
+                  progress);
     if (status.ok()) reply["recording"] = "run.mcap";
   }
   Status written;
@@ -158,14 +159,11 @@ json Keep(const CaseWorlds& worlds, const json& request) {
     written = WriteCasePage((folder / "run.mcap").string(), page);
     if (written.ok()) reply["page"] = "run.html";
   }
-  Status saved;
   CaseRunOptions options;
-  options.on_tick = [&](const Simulation& simulation) {
-    if (simulation.tick() < tick) return true;
-    saved = simulation.SavePicture((folder / "violation.png").string());
-    return false;
-  };
-  RunCase(worlds, draws, options);
+  options.picture = {tick, (folder / "violation.png").string()};
+  options.progress = progress;
+  const CaseOutcome shown = RunCase(worlds, draws, options);
+  const Status saved = shown.verdict == CaseVerdict::kError ? Status(Failure(shown.error)) : Status();
   if (saved.ok()) reply["picture"] = "violation.png";
   for (const Status& each : {status, written, saved}) {
     if (!each.ok()) reply["problem"] = each.error().message;
@@ -175,10 +173,10 @@ json Keep(const CaseWorlds& worlds, const json& request) {
 
 }  // namespace
 
-json PerformCaseWork(const CaseWorlds& worlds, const json& request) {
+json PerformCaseWork(const CaseWorlds& worlds, const json& request, const ProgressFunction& progress) {
   const std::string kind = request.at("kind");
-  if (kind == "shrink") return Shrink(worlds, request);
-  return kind == "keep" ? Keep(worlds, request) : Run(worlds, request);
+  if (kind == "shrink") return Shrink(worlds, request, progress);
+  return kind == "keep" ? Keep(worlds, request, progress) : Run(worlds, request, progress);
 }
 
 }  // namespace troupe

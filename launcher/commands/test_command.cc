@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "command_line/parse_command_line.h"
@@ -15,6 +16,7 @@
 #include "common/base/print.h"
 #include "launcher/commands/case_session.h"
 #include "launcher/commands/commands.h"
+#include "launcher/process/process.h"
 #include "recording/recording.h"
 #include "testing/expectations/tick_view.h"
 #include "world-service/replay/replayed_world.h"
@@ -36,7 +38,8 @@ struct TestArguments {
   std::uint64_t search = 0;
   bool no_shrink = false;
   bool processes = false;
-  std::string recording;  // --on
+  std::optional<double> case_timeout;  // s
+  std::string recording;               // --on
 
   std::vector<std::string> merged;  // folders, of sweep
 };
@@ -55,6 +58,7 @@ Result<CaseSessionOptions> SessionOptions(const TestArguments& arguments) {
   options.search = arguments.search;
   options.shrink = !arguments.no_shrink;
   options.processes = arguments.processes;
+  options.case_timeout = arguments.case_timeout;
   // A case that is repeated leaves no files that were not asked for.
   if (!arguments.report.empty() || arguments.fixed.empty()) {
     options.folder = arguments.report.empty() ? kDefaultFolder : arguments.report;
@@ -176,11 +180,15 @@ int RunCases(const TestArguments& arguments, Purpose purpose) {
   if (const Status status = session.Load(arguments.files); !status.ok()) return ExitStatusOf(status.error());
   const Status outputs = CheckOutputs(arguments, [&] { return session.InputFiles(); });
   if (!outputs.ok()) return Fail(outputs.error());
-  const Result<bool> whole = session.Run();
+  // Until all files are written: a second Ctrl-C, or the second signal of `timeout`, costs no report.
+  SignalWatch signals;
+  const Result<bool> whole = session.Run(signals);
   if (!whole.ok()) return Fail(whole.error());
   for (const std::string& name : session.report().Uncovered()) PrintPlain(stdout, "not covered: {}\n", name);
   if (const Status status = WriteReports(session.report(), arguments); !status.ok()) return Fail(status.error());
   for (const std::string& line : session.Summary()) PrintPlain(stdout, "{}\n", line);
+  std::fflush(stdout);
+  signals.ReadStopRequest();  // one that has come meanwhile must not end this process without its exit status
   if (!whole.value()) return kExitInterrupted;
   const auto any = [&](CaseVerdict verdict) {
     return session.report().Count(verdict) + session.report().CountKept(verdict) > 0;
@@ -224,6 +232,11 @@ void AddCommonOptions(CLI::App& command, TestArguments& arguments) {
                   "Run only each N-th case, beginning with case I: N machines, each with another I, run all")
       ->check(CLI::Validator(CheckShard, ""))
       ->type_name("I/N");
+  command
+      .add_option("--case-timeout", arguments.case_timeout,
+                  "End a case that takes longer, as an error (default: one that takes 60 s for a tick)")
+      ->check(PositiveNumber())
+      ->type_name("SECONDS");
 }
 
 }  // namespace

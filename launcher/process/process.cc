@@ -38,7 +38,7 @@ void Connect(int from, int to) {
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  signal(SIGPIPE, SIG_DFL);
+  for (const int each : {SIGINT, SIGPIPE, SIGTERM}) signal(each, SIG_DFL);
   Connect(streams.output, STDOUT_FILENO);
   Connect(streams.error, STDERR_FILENO);
   if (streams.input >= 0) {

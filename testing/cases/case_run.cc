@@ -111,7 +111,8 @@ json ToJson(const CaseOutcome& outcome) {
           {"expectations", std::move(expectations)},
           {"covered", outcome.covered},
           {"metrics", std::move(metrics)},
-          {"undefined", outcome.undefined}};
+          {"undefined", outcome.undefined},
+          {"hashes", outcome.hashes}};
 }
 
 CaseOutcome OutcomeFromJson(const json& value) {
@@ -139,6 +140,7 @@ CaseOutcome OutcomeFromJson(const json& value) {
     outcome.metrics.push_back(metric.is_null() ? std::nullopt : std::optional(NumberFromJson(metric)));
   }
   outcome.undefined = value.at("undefined").get<std::vector<std::uint64_t>>();
+  outcome.hashes = value.at("hashes").get<std::vector<std::uint64_t>>();
   return outcome;
 }
 
@@ -236,33 +238,58 @@ void CaseMonitors::Finish(CaseOutcome& outcome) {
   if (std::all_of(outcome.undefined.begin(), outcome.undefined.end(), is_none)) outcome.undefined.clear();
 }
 
-CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseRunOptions& options) {
-  Result<LoadedWorld> loaded = worlds.Load(draws);
-  if (!loaded.ok()) return ErrorOutcome(loaded.error().ToString());
-  // A test without an end would run for ever; Check reports it before any case, this is for cases of later draws.
-  const std::optional<std::uint64_t> ticks = loaded.value().settings.ticks;
-  if (!ticks) return ErrorOutcome("found no 'ticks', expected the number of ticks of each case");
-  const std::vector<RegionOfScenario> regions = std::move(loaded.value().regions);
-  Result<Simulation> created = Simulation::Create(std::move(loaded.value().world));
+namespace {
+
+CaseOutcome Simulate(const CaseWorlds& worlds, LoadedWorld loaded, const CaseRunOptions& options) {
+  const Tick ticks = *loaded.settings.ticks;
+  Result<Simulation> created = Simulation::Create(std::move(loaded.world));
   if (!created.ok()) return ErrorOutcome(created.error().ToString());
   Simulation& simulation = created.value();
-  Result<CaseMonitors> made = CaseMonitors::Make(worlds.test(), simulation.world(), regions, options.only);
+  Result<CaseMonitors> made = CaseMonitors::Make(worlds.test(), simulation.world(), loaded.regions, options.only);
   if (!made.ok()) return ErrorOutcome(made.error().ToString());
   CaseMonitors& monitors = made.value();
+  CaseOutcome outcome;
   for (;;) {
+    if (options.progress) options.progress(Progress::kStep);
     // Tick 0 is judged, too: a world can violate an expectation before anything moves.
     if (const Status error = monitors.Push(simulation); !error.ok()) return ErrorOutcome(error.error().ToString());
-    const bool ended = options.on_tick && !options.on_tick(simulation);
-    if (ended || simulation.tick() >= *ticks || (options.only && monitors.decided())) break;
+    if (options.hashes) outcome.hashes.push_back(simulation.state_hash());
+    if (options.picture && simulation.tick() >= options.picture->tick) {
+      if (const Status saved = simulation.SavePicture(options.picture->file); !saved.ok()) {
+        return ErrorOutcome(saved.error().message);
+      }
+      break;
+    }
+    if (simulation.tick() >= ticks || (options.only && monitors.decided())) break;
     simulation.Step();
     if (!simulation.failures().empty()) return ErrorOutcome(simulation.failures().front());
   }
-  CaseOutcome outcome;
   outcome.ticks = simulation.tick();
   outcome.state_hash = simulation.state_hash();
   outcome.tick_seconds = simulation.world().interval_seconds();
   monitors.Finish(outcome);
   return outcome;
+}
+
+}  // namespace
+
+CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseRunOptions& options) {
+  if (options.progress) options.progress(Progress::kPart);
+  Result<LoadedWorld> loaded = worlds.Load(draws);
+  if (!loaded.ok()) return ErrorOutcome(loaded.error().ToString());
+  // A test without an end would run for ever; Check reports it before any case, this is for cases of later draws.
+  if (!loaded.value().settings.ticks)
+    return ErrorOutcome("found no 'ticks', expected the number of ticks of each case");
+  const std::vector<RobotDescription>& robots = loaded.value().world.robots;
+  if (std::none_of(robots.begin(), robots.end(),
+                   [](const auto& robot) { return NamesLibrary(robot.controller.name); })) {
+    return Simulate(worlds, std::move(loaded).value(), options);
+  }
+  const Result<std::string> reply = RunInCopy([&] {
+    return ToJson(Simulate(worlds, std::move(loaded).value(), options))
+        .dump(-1, ' ', false, json::error_handler_t::replace);
+  });
+  return reply.ok() ? OutcomeFromJson(json::parse(reply.value())) : ErrorOutcome(reply.error().message);
 }
 
 }  // namespace troupe

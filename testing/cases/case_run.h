@@ -6,6 +6,10 @@
 //
 // A world that cannot be loaded or a controller that fails is the verdict kError, not an error of the caller: one bad
 // case must not end a session of thousands. Cost: loading the world, then the simulation with its monitors.
+//
+// Built-in controllers leave nothing behind. Of a library or a class in Python this is not known: a global variable
+// that one case sets would change the next one, so that results would depend on the number of jobs. A case with such a
+// controller therefore runs in a copy of the process, in which no other case has run.
 #pragma once
 
 #include <functional>
@@ -17,6 +21,7 @@
 #include <vector>
 
 #include "testing/cases/test_file.h"
+#include "testing/cases/worker_pool.h"
 #include "troupe/enum_names.h"
 #include "troupe/expectation.h"
 #include "troupe/simulation.h"
@@ -58,6 +63,7 @@ struct CaseOutcome {
   std::vector<bool> covered;                     // as above
   std::vector<std::optional<double>> metrics;    // as above; nothing: it does not exist in this run
   std::vector<std::uint64_t> undefined;          // as above: values of ticks that were no numbers; empty: none was
+  std::vector<std::uint64_t> hashes;             // of each state, if CaseRunOptions asks for them
 
   bool operator==(const CaseOutcome&) const = default;
 };
@@ -91,10 +97,17 @@ class CaseWorlds {
 struct CaseRunOptions {
   // Monitors this expectation alone, and ends when its verdict is known: for shrinking. Nothing: all clauses.
   std::optional<std::size_t> only = {};
-  // Called with each state, from tick 0 on; returns false to end the run. May be null.
-  std::function<bool(const Simulation& simulation)> on_tick = nullptr;
+  bool hashes = false;  // keeps them in the outcome
+  // Saves a picture of this tick, at which the run ends. The verdict is kError if it cannot be saved.
+  struct Picture {
+    Tick tick = 0;
+    std::string file;
+  };
+  std::optional<Picture> picture = {};
+  ProgressFunction progress = nullptr;  // told of the run and of each tick; may be null
 };
 
+// REQUIRES: this process has no other thread, if a controller is a library
 CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseRunOptions& options = {});
 
 // The clauses of a test on one run: for simulations and recordings.

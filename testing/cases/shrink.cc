@@ -27,8 +27,9 @@ std::vector<std::string> EntitiesOf(const WorldDescription& world) {
 
 class Shrinker {
  public:
-  Shrinker(const CaseWorlds& worlds, const TestCase& draws, std::size_t expectation, const ShrinkBudget& budget)
-      : worlds_(worlds), expectation_(expectation), budget_(budget), draws_(draws) {}
+  Shrinker(const CaseWorlds& worlds, const TestCase& draws, std::size_t expectation, const ShrinkBudget& budget,
+           const ProgressFunction& progress)
+      : worlds_(worlds), expectation_(expectation), budget_(budget), progress_(progress), draws_(draws) {}
 
   ShrunkCase Run() {
     ReadStart();
@@ -41,7 +42,9 @@ class Shrinker {
     }
     ShrunkCase shrunk;
     shrunk.draws = CaseOf(draws_, removed_);
-    shrunk.outcome = RunCase(worlds_, shrunk.draws);
+    CaseRunOptions whole;
+    whole.progress = progress_;
+    shrunk.outcome = RunCase(worlds_, shrunk.draws, whole);
     shrunk.runs = runs_;
     if (const Result<LoadedWorld> world = worlds_.Load(shrunk.draws); world.ok())
       shrunk.robots = world.value().world.robots.size();
@@ -99,6 +102,7 @@ class Shrinker {
     ++runs_;
     CaseRunOptions options;
     options.only = expectation_;
+    options.progress = progress_;
     const CaseOutcome outcome = RunCase(worlds_, CaseOf(draws, removed), options);
     // A case whose verdict was known early must not become one that fails only because its run ends: that would be
     // another fault.
@@ -174,6 +178,7 @@ class Shrinker {
   const CaseWorlds& worlds_;
   const std::size_t expectation_;
   const ShrinkBudget budget_;
+  const ProgressFunction& progress_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::size_t runs_ = 0;
   bool may_remove_ = true;
@@ -193,8 +198,8 @@ class Shrinker {
 }  // namespace
 
 ShrunkCase ShrinkCase(const CaseWorlds& worlds, const TestCase& draws, std::size_t expectation,
-                      const ShrinkBudget& budget) {
-  return Shrinker(worlds, draws, expectation, budget).Run();
+                      const ShrinkBudget& budget, const ProgressFunction& progress) {
+  return Shrinker(worlds, draws, expectation, budget, progress).Run();
 }
 
 TestCase CaseSearch::Propose() {

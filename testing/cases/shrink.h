@@ -36,9 +36,10 @@ struct ShrunkCase {
 // The smallest case found in which the same expectation does not hold: with fewer robots and objects (which "without"
 // names), fewer ticks, and simpler values of each draw. Each candidate is one that the test could have: draws are
 // values of their variations and meet the constraints, and robots keep the places of the whole case. An outcome that
-// depends on the end of the run keeps its ticks. REQUIRES: the expectation does not hold in the case.
+// depends on the end of the run keeps its ticks. `progress`: as of CaseRunOptions. REQUIRES: the expectation does not
+// hold in the case.
 ShrunkCase ShrinkCase(const CaseWorlds& worlds, const TestCase& draws, std::size_t expectation,
-                      const ShrinkBudget& budget = {});
+                      const ShrinkBudget& budget = {}, const ProgressFunction& progress = nullptr);
 
 // CaseSearch: proposes cases near those that came nearest to failing, and random ones between them. For each
 // expectation by itself, since robustness has its unit. The same outcomes give the same proposals.
