@@ -172,7 +172,9 @@ TEST(SiteDoors, OpenToTheSideThatTheFileSays) {
   ExpectNear(OpenEndOf(hinged), {10.0, 10.0}, 0.006);
   ExpectNear(OpenEndOf(hinged + ", motion_direction: [2, -1]"), {10.0, -10.0}, 0.006);
   ExpectNear(OpenEndOf(hinged + ", motion_degrees: [2, -90]"), {10.0, -10.0}, 0.006);
-  ExpectNear(OpenEndOf(hinged + ", motion_axis: [1, end]"), {0.0, 10.0}, 0.006);
+  // As traffic_editor draws it: the leaf turns clockwise about either end.
+  ExpectNear(OpenEndOf(hinged + ", motion_axis: [1, end]"), {0.0, -10.0}, 0.006);
+  ExpectNear(OpenEndOf(hinged + ", motion_axis: [1, end], motion_direction: [2, -1]"), {0.0, 10.0}, 0.006);
   EXPECT_LT(OpenEndOf("type: [1, sliding], motion_axis: [1, end]").x(), -4.0);
 }
 

@@ -58,7 +58,7 @@ struct SiteDoor {
   std::string name;
   SiteDoorKind kind = SiteDoorKind::kHinged;
   double swing = 1.5707963267948966;  // rad, of hinged ones
-  bool opens_clockwise = true;        // the leaf whose hinge is at the start
+  bool opens_clockwise = true;        // a single leaf about its hinge; of two the leaf at the start
   bool hinge_at_end = false;          // of a single leaf: it turns about the end, or slides towards it
   double right_left_ratio = 1.0;      // widths of the leaves at the start and at the end
   bool is_operated = true;            // false: nothing moves it

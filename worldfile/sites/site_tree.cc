@@ -176,7 +176,10 @@ class TreeMaker {
     NodeMaker node = DoorNode(DoorName(level, door), X_WD, (end - start).norm(), kDoorHeight, door.is_operated,
                               door.is_operated, door.edge.where);
     node.Text("kind", NameOf(door.kind)).Text("side", door.hinge_at_end ? "left" : "right");
-    node.Number("swing", RadiansToDegrees(door.opens_clockwise ? door.swing : -door.swing));
+    // The direction is that in which the leaf turns about its own hinge, as traffic_editor draws it; a positive swing
+    // is clockwise for a right leaf and counter-clockwise for a left one.
+    const bool is_left_leaf = door.kind == SiteDoorKind::kHinged && door.hinge_at_end;
+    node.Number("swing", RadiansToDegrees(door.opens_clockwise != is_left_leaf ? door.swing : -door.swing));
     AddToWorld(std::move(node.Number("ratio", door.right_left_ratio).node));
   }
 
