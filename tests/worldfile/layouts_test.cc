@@ -119,6 +119,36 @@ TEST(Layouts, FaultsHaveTheirPlace) {
   EXPECT_THAT(error("{"), HasSubstr("l.json:1:"));
 }
 
+TEST(Layouts, OtherVersionsOfTheFormatAreNamed) {
+  test::TemporaryFolder folder;
+  const auto error = [&](const std::string& text) {
+    const Result<LoadedWorld> loaded = LoadWorld(folder.Write("l.json", text));
+    return loaded.ok() ? "" : loaded.error().ToString();
+  };
+  EXPECT_THAT(error(R"({"metaInformation": {"lifVersion": "2.0.0"}, "origins": []})"),
+              HasSubstr("l.json:1:36: error: found the string '2.0.0' for 'lifVersion', expected version 1 of LIF"));
+  EXPECT_THAT(error(R"({"metaInformation": {"lifVersion": 3}, "layouts": []})"),
+              HasSubstr("found the number 3 for 'lifVersion', expected version 1 of LIF"));
+  EXPECT_THAT(
+      error(R"({"origins": [{"originId": "O", "layouts": []}]})"),
+      HasSubstr("l.json:1:2: error: found the key 'origins' of version 2 of LIF, expected 'layouts' of version 1"));
+  EXPECT_THAT(error(R"({"metaInformation": {"lifVersion": "1.0.0"}})"),
+              HasSubstr("found nothing for 'layouts', expected a list"));
+  const std::string nodes =
+      R"({"nodeId": "a", "nodePosition": {"x": 0, "y": 0}}, {"nodeId": "b", "nodePosition": {"x": 1, "y": 0}})";
+  EXPECT_THAT(error(LayoutFile(
+                  R"({"layoutId": "l", "nodes": [)" + nodes +
+                  R"(], "edges": [{"startNodeId": "a", "endNodeId": "b", "mobileRobotTypeEdgeProperties": []}]})")),
+              HasSubstr("found the key 'mobileRobotTypeEdgeProperties' of version 2 of LIF, expected "
+                        "'vehicleTypeEdgeProperties' of version 1"));
+  for (const char* const version : {"1.0.0", "1", "0.11.0"}) {
+    EXPECT_EQ(error(R"({"metaInformation": {"lifVersion": ")" + std::string(version) + R"("}, "layouts": [)" +
+                    LayoutOf("") + "]}"),
+              "")
+        << version;
+  }
+}
+
 TEST(Layouts, WhatIsNotFollowedIsNamedOnce) {
   const std::string curve =
       R"({"vehicleTypeId": "t", "trajectory": {"degree": 2, "knotVector": [0, 0, 0, 1, 1, 1], "controlPoints": [

@@ -1,6 +1,7 @@
 #include "worldfile/sites/lif_json.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,9 @@
 namespace troupe {
 namespace {
 
+// At the top of a layout, of any version, and of no scenario.
+constexpr std::array kKeys = {"metaInformation", "layouts", "origins"};
+
 // Angles beyond a turn are degrees: many writers give them so, against the standard.
 double AngleOf(double value) {
   return WrapAngle(std::fabs(value) > 2.0 * kPi + 0.01 ? DegreesToRadians(value) : value);
@@ -34,9 +38,12 @@ class LayoutReader {
     const JsonNode& root = tree_.root();
     if (!root.is_object()) return tree_.ErrorAt(root, "found " + Describe(root) + ", expected an object");
     if (const JsonNode* const about = root.Find("metaInformation")) {
+      CheckVersion(*about);
       const std::string name = Text(*about, "projectIdentification", false);
       if (!name.empty()) site_.name = name;
     }
+    RefuseKey(root, "origins", "layouts");
+    if (faults_.failed()) return *faults_.error();
     const std::vector<JsonNode>& layouts = List(root, "layouts", true);
     // Edges and stations may name nodes of other layouts.
     for (const JsonNode& layout : layouts) ReadNodes(layout);
@@ -63,6 +70,24 @@ class LayoutReader {
     const JsonNode* const found = node.Find(key);
     Fail(found != nullptr ? *found : node, "found " + (found != nullptr ? Describe(*found) : std::string("nothing")) +
                                                " for '" + key + "', expected " + expected);
+  }
+
+  // Files without a version, and drafts before version 1, have the keys of version 1.
+  void CheckVersion(const JsonNode& about) {
+    const JsonNode* const version = about.Find("lifVersion");
+    if (version == nullptr) return;
+    const std::string& text = version->text;
+    const bool is_known =
+        version->is_string() && (text == "0" || text == "1" || text.starts_with("0.") || text.starts_with("1."));
+    if (!is_known) Fail(*version, "found " + Describe(*version) + " for 'lifVersion', expected version 1 of LIF");
+  }
+
+  // A key of version 2 of the format, or of a draft of that, in place of the one of version 1.
+  void RefuseKey(const JsonNode& node, const char* key, const char* expected) {
+    const JsonNode* const found = node.Find(key);
+    if (found == nullptr || node.Find(expected) != nullptr) return;
+    faults_.Fail(tree_.WhereKey(*found), "found the key " + Quoted(key) + " of version 2 of LIF, expected " +
+                                             Quoted(expected) + " of version 1");
   }
 
   // Values of an object; a fault gives a default.
@@ -125,6 +150,7 @@ class LayoutReader {
       const std::optional<double> y = position != nullptr ? Number(*position, "y", -kMaxMagnitude) : std::nullopt;
       if (!x || !y) return FailAt(node, "nodePosition", "an object with the numbers x and y");
       vertex.position = Rounded({*x, *y});
+      RefuseKey(node, "mobileRobotTypeNodeProperties", "vehicleTypeNodeProperties");
       for (const JsonNode& properties : List(node, "vehicleTypeNodeProperties", false)) {
         for (const JsonNode& action : List(properties, "actions", false)) {
           vertex.is_charger = vertex.is_charger || Text(action, "actionType", false) == "startCharging";
@@ -176,6 +202,7 @@ class LayoutReader {
     }
     SiteLane lane;
     lane.edge = {start->vertex, end->vertex, tree_.Where(edge)};
+    RefuseKey(edge, "mobileRobotTypeEdgeProperties", "vehicleTypeEdgeProperties");
     const std::vector<JsonNode>& types = List(edge, "vehicleTypeEdgeProperties", false);
     if (types.empty()) return AddLane(start->level, lane);
     for (const JsonNode& properties : types) {
@@ -308,12 +335,15 @@ std::string LayoutText(const Site& site, const std::string& timestamp) {
 bool IsLayoutPath(const std::string& path, const AllowedPaths& allowed) {
   if (!path.ends_with(".json")) return false;
   const Result<std::string> text = ReadTextFile(path, {path}, allowed);
+  if (!text.ok()) return false;
   // A cheap test before the parse: every scenario passes through here.
-  if (!text.ok() || text.value().find("\"layouts\"") == std::string::npos) return false;
+  const auto has = [&](const std::string& key) { return text.value().find('"' + key + '"') != std::string::npos; };
+  if (std::none_of(kKeys.begin(), kKeys.end(), has)) return false;
   const Result<JsonTree> tree = JsonTree::Parse(text.value(), path);
   // One that cannot be parsed is still none of the other kinds.
   if (!tree.ok()) return path.ends_with(".lif.json");
-  return tree.value().root().Find("layouts") != nullptr && tree.value().root().Find("metaInformation") != nullptr;
+  return std::any_of(kKeys.begin(), kKeys.end(),
+                     [&](const char* key) { return tree.value().root().Find(key) != nullptr; });
 }
 
 Result<Site> ReadLayoutText(const std::string& text, const std::string& path) {

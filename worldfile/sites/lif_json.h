@@ -3,7 +3,7 @@
 // A layout is a graph for vehicles, without walls, doors or heights: the world that comes of it is a floorless plan
 // with lanes and places. Angles are radians by the standard, degrees in many files (see AngleOf). The reader is strict
 // about references and types, and lenient about everything optional; unknown keys are ignored, because vendors add
-// their own.
+// their own. Another version, and keys of version 2, which would be ignored in silence, are errors.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace troupe {
 
-// True if a file is one: JSON with the keys `metaInformation` and `layouts`.
+// True if a file is one, of any version: JSON with one of the keys `metaInformation`, `layouts` and `origins`.
 bool IsLayoutPath(const std::string& path, const AllowedPaths& allowed = AllowedPaths::All());
 
 // Layouts of one `layoutLevelId` are a level, and levels are kLayoutStorey apart, in the order of the file. Nodes are
