@@ -408,15 +408,69 @@ TEST(Lifts, ServeOneSessionAtATime) {
   EXPECT_EQ(LiftOf(run).session, RobotId(1));
 }
 
-TEST(Lifts, WaitForARobotInTheirDoorway) {
-  Simulation run = Simulate(kLift);
-  Do(run, "r", Motion(1.0), 10);  // at x = -1, between the leaves
-  Do(run, "r", Call(1), 50);
-  EXPECT_EQ(LiftOf(run).z, 0.0);
-  EXPECT_TRUE(run.state().doors[1].blocked);
-  ExpectNoOverlap(run);
-  Do(run, "r", Motion(-1.0), 60);
-  EXPECT_EQ(LiftOf(run).z, 3.0);
+TEST(Lifts, OpenBothDoorsAgainForWhatIsInTheDoorwayOfOne) {
+  // Between the leaves of both doors, and of the landing alone.
+  for (const double x : {-1.0, -1.25}) {
+    Simulation run = Simulate(kLift);
+    Do(run, "r", Motion(1.0), x == -1.0 ? 10 : 0);
+    Do(run, "r", Motion(1.5), x == -1.0 ? 0 : 5);
+    ASSERT_NEAR(run.state().robots[0].X_WR.x, x, 1e-9);
+    int opened = 0;
+    Do(run, "r", Call(1), 1);
+    for (int i = 0; i < 100; ++i) {
+      const bool was_open = run.state().doors[0].opening == 1.0;
+      run.Step();
+      ExpectNoOverlap(run);
+      EXPECT_GT(run.state().doors[0].opening, 0.1) << "the door of the cabin closes before the other one";
+      opened += !was_open && run.state().doors[0].opening == 1.0 && run.state().doors[1].opening == 1.0 ? 1 : 0;
+    }
+    EXPECT_GE(opened, 2);
+    EXPECT_EQ(LiftOf(run).z, 0.0);
+    EXPECT_EQ(run.state().doors[2].opening, 0.0) << "there is no cabin behind it";
+    Do(run, "r", Motion(-1.0), 60);
+    EXPECT_EQ(LiftOf(run).z, 3.0);
+    EXPECT_FALSE(run.state().doors[0].held);
+  }
+}
+
+TEST(Lifts, EndTheSessionOfARobotThatProposesNothing) {
+  const Scene scene(LoadDoors(kLift + "cart ( name \"other\" pose [-3 2 3 0] )"));
+  Proposal own{.robot = RobotId(0)};
+  own.orders = {LiftOrder{.lift = 0, .floor = 1}};
+  WorldState state = Step(scene, InitialState(scene), std::span(&own, 1)).state;
+  own.orders.clear();
+  state = Step(scene, state, std::span(&own, 1)).state;
+  ASSERT_EQ(state.lifts[0].session, RobotId(0)) << "kept without an order";
+  Proposal other{.robot = RobotId(1)};
+  other.orders = {LiftOrder{.lift = 0, .floor = 0}};
+  state = Step(scene, state, std::span(&other, 1)).state;
+  EXPECT_EQ(state.lifts[0].session, RobotId(1));
+  state = Step(scene, state, {}).state;
+  EXPECT_FALSE(state.lifts[0].session);
+  EXPECT_EQ(state.lifts[0].floor, 0u) << "the last call is still executed";
+}
+
+// A platform without doors, with a wall above its edge.
+TEST(Lifts, StopWhereARobotSticksOutUnderAWall) {
+  for (const double y : {0.85, 0.75}) {
+    Simulation run = Simulate(R"(
+      model ( name "wall" pose [0 1.06 1.5 0] size [6 0.1 2] )
+      lift ( name "li" size [2 2 0.1] floors ["G" "U"] heights [0 3] speed 1
+        block ( points 4 point[0] [0 0] point[1] [2 0] point[2] [2 2] point[3] [0 2] z [0 0.05] ) )
+      cart ( name "r" pose [0 )" +
+                              std::to_string(y) + " 0.05 0] )");
+    for (int i = 0; i < 50; ++i) {
+      Do(run, "r", Call(1), 1);
+      ExpectNoOverlap(run);
+    }
+    const bool sticks_out = y > 0.8;
+    EXPECT_EQ(LiftOf(run).blocked, sticks_out);
+    EXPECT_NEAR(LiftOf(run).z, sticks_out ? 0.95 : 3.0, 1e-6);
+    if (!sticks_out) continue;
+    Do(run, "r", {.twist = {0.0, -0.3, 0.0}}, 10);
+    Do(run, "r", Motion(0.0), 30);
+    EXPECT_NEAR(LiftOf(run).z, 3.0, 1e-9) << "it goes on once the robot is within";
+  }
 }
 
 TEST(Lifts, StopAboveWhatIsUnderTheCabin) {

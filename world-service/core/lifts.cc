@@ -6,8 +6,12 @@
 // doors are told to be open only at the floor where the cabin stands. So no order of robots, tools or people can move a
 // cabin with an open door.
 //
+// The doors that open at a floor are coupled: where a body stops a leaf that closes, all of them open again, all the
+// way, before they close once more. `held` of their states keeps that between ticks.
+//
 // A cabin carries all bodies whose origin is in it, with their payloads, and stops at the first contact of any of these
-// with a body outside; it tries again in each tick, with `blocked` set.
+// with a body outside; it tries again in each tick, with `blocked` set. The cabin itself passes through static models,
+// because floors of a building have no holes at shafts; what sticks out beside it does not.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -24,9 +28,9 @@ namespace {
 constexpr double kFloorSlack = 1e-3;  // m
 
 // A call of a tool ends the session. A robot that has the session is the only one whose orders count, until it ends the
-// session or is removed.
-void ExecuteCalls(const WorldDescription& world, std::size_t lift, const TickOrders& orders, LiftState& state) {
-  if (state.session && !RobotExists(world, *state.session)) state.session.reset();
+// session or proposes nothing: it is deleted, has lost its agent or its energy, and would keep the lift for ever.
+void ExecuteCalls(std::size_t lift, const TickOrders& orders, LiftState& state) {
+  if (state.session && orders.proposals[state.session->index()] == nullptr) state.session.reset();
   // Tools before robots, as for all orders of a tick.
   orders.ForEachInput<LiftOrder>([&](const std::optional<RobotId>&, const LiftOrder& order) {
     if (order.lift != lift) return;
@@ -66,6 +70,13 @@ class CabinMotion {
  private:
   BodyId Cabin() const { return workspace_.scene.body_of(lift_.cabin); }
 
+  // Around the cabin, in its frame C.
+  Rectangle Outline() const {
+    Rectangle outline = Rectangle::Nothing();
+    for (const ConvexPiece& piece : workspace_.scene.body(Cabin()).pieces) outline.Extend(BoundingBox(piece.vertices));
+    return outline;
+  }
+
   // The origin of a body is within the outline of the cabin, and not below its floor or above its top.
   bool IsInside(const Pose& X_WB) const {
     const Body& cabin = workspace_.scene.body(Cabin());
@@ -73,8 +84,7 @@ class CabinMotion {
     const Vec2 p_C = Transform2(X_WC).InverseTransform(X_WB.translation());
     const double above = X_WB.z - X_WC.z;
     if (!(above >= -kFloorSlack && above <= cabin.z.max + kFloorSlack)) return false;
-    Rectangle outline = Rectangle::Nothing();
-    for (const ConvexPiece& piece : cabin.pieces) outline.Extend(BoundingBox(piece.vertices));
+    const Rectangle outline = Outline();
     return p_C.x() > outline.min_x && p_C.x() < outline.max_x && p_C.y() > outline.min_y && p_C.y() < outline.max_y;
   }
 
@@ -111,25 +121,67 @@ class CabinMotion {
   }
 
   std::optional<double> FirstContactOf(const Motion& motion) const {
-    // The cabin and its contents move as one body, in the frame of the cabin: swept once, as a stack of them is.
-    std::vector<ConvexPiece> moving = workspace_.bodies.pieces_in_world(Cabin());
-    for (const BodyId body : carried_) {
-      const std::vector<ConvexPiece>& pieces = workspace_.bodies.pieces_in_world(body);
-      moving.insert(moving.end(), pieces.begin(), pieces.end());
-    }
     const Pose X_CW = Inverse(motion.X_WF);
+    // The cabin and its contents move as one body, in the frame of the cabin: swept once, as a stack of them is.
+    std::vector<ConvexPiece> moving;
+    std::vector<ConvexPiece> beside;
     Rectangle box = Rectangle::Nothing();
-    Mover mover;
-    for (std::size_t i = 0; i < moving.size(); ++i) {
-      box.Extend(BoundingBox(moving[i].vertices));
-      moving[i] = Transformed(moving[i], X_CW);
-      mover.z.min = i == 0 ? moving[i].z.min : std::min(mover.z.min, moving[i].z.min);
-      mover.z.max = i == 0 ? moving[i].z.max : std::max(mover.z.max, moving[i].z.max);
-      for (const Vec2& vertex : moving[i].vertices) mover.radius = std::max(mover.radius, vertex.norm());
+    const auto add = [&](BodyId body) {
+      for (const ConvexPiece& piece : workspace_.bodies.pieces_in_world(body)) {
+        box.Extend(BoundingBox(piece.vertices));
+        moving.push_back(Transformed(piece, X_CW));
+      }
+    };
+    add(Cabin());
+    const std::size_t of_cabin = moving.size();
+    for (const BodyId body : carried_) add(body);
+    const Rectangle outline = Outline();
+    for (std::size_t i = of_cabin; i < moving.size(); ++i) AppendPartsBeside(outline, moving[i], beside);
+    std::optional<double> first = FirstContactOf(moving, workspace_.PiecesNear(box, carried_), motion);
+    if (beside.empty()) return first;
+    std::vector<ConvexPiece> walls;
+    NearPieces near;
+    workspace_.scene.static_index().Query(box, near);
+    for (const ConvexPiece* const piece : near) walls.push_back(*piece);
+    const std::optional<double> with_wall = FirstContactOf(beside, walls, motion);
+    if (with_wall && (!first || *with_wall < *first)) first = with_wall;
+    return first;
+  }
+
+  // The convex parts of a piece beyond each side of a box in its frame.
+  static void AppendPartsBeside(const Rectangle& box, const ConvexPiece& piece, std::vector<ConvexPiece>& parts) {
+    const struct {
+      Vec2 outwards;
+      double reach;  // m along `outwards`
+    } sides[] = {
+        {{1.0, 0.0}, box.max_x}, {{-1.0, 0.0}, -box.min_x}, {{0.0, 1.0}, box.max_y}, {{0.0, -1.0}, -box.min_y}};
+    for (const auto& side : sides) {
+      ConvexPiece part = piece;
+      part.vertices.clear();
+      double deepest = 0.0;  // m beyond the side
+      for (std::size_t i = 0; i < piece.vertices.size(); ++i) {
+        const Vec2& a = piece.vertices[i];
+        const Vec2& b = piece.vertices[(i + 1) % piece.vertices.size()];
+        const double at_a = a.dot(side.outwards) - side.reach;
+        const double at_b = b.dot(side.outwards) - side.reach;
+        deepest = std::max(deepest, at_a);
+        if (at_a > 0.0) part.vertices.push_back(a);
+        if ((at_a > 0.0) != (at_b > 0.0)) part.vertices.push_back(a + at_a / (at_a - at_b) * (b - a));
+      }
+      // A body that touches the side sticks out by rounding only.
+      if (deepest > kNoticeableDepth) parts.push_back(std::move(part));
     }
-    mover.pieces = moving;
-    const std::vector<ConvexPiece> obstacles = workspace_.PiecesNear(box, carried_);
-    if (obstacles.empty()) return std::nullopt;
+  }
+
+  // s; of pieces in the frame of the cabin with obstacles in W.
+  static std::optional<double> FirstContactOf(const std::vector<ConvexPiece>& pieces,
+                                              const std::vector<ConvexPiece>& obstacles, const Motion& motion) {
+    if (pieces.empty() || obstacles.empty()) return std::nullopt;
+    Mover mover{.pieces = pieces, .z = pieces.front().z};
+    for (const ConvexPiece& piece : pieces) {
+      mover.z = {std::min(mover.z.min, piece.z.min), std::max(mover.z.max, piece.z.max)};
+      for (const Vec2& vertex : piece.vertices) mover.radius = std::max(mover.radius, vertex.norm());
+    }
     const std::optional<Contact> contact = FirstContactWith(obstacles, mover, motion);
     return contact ? std::optional(contact->time) : std::nullopt;
   }
@@ -174,23 +226,43 @@ class CabinMotion {
   std::vector<BodyId> carried_;  // ascending
 };
 
+// Opens the doors of the floor at which the lift stands, and closes all others.
+void OperateDoors(const LiftDescription& lift, const LiftState& state, std::vector<DoorState>& doors) {
+  const auto is_at = [&](const LiftFloor& floor) { return floor.z == state.z; };
+  const bool stands = is_at(lift.floors[state.floor]);
+  const auto at =
+      stands ? lift.floors.begin() + state.floor : std::find_if(lift.floors.begin(), lift.floors.end(), is_at);
+  bool reopens = false;
+  if (!stands && at != lift.floors.end()) {
+    const auto has = [&](auto is) {
+      return std::any_of(at->doors.begin(), at->doors.end(), [&](std::size_t door) { return is(doors[door]); });
+    };
+    const bool is_held = has([](const DoorState& door) { return door.held; });
+    const bool is_blocked = has([](const DoorState& door) { return door.blocked; });
+    // From a contact while they close until they are open, or cannot open further.
+    reopens = is_held ? !is_blocked && has([](const DoorState& door) { return door.opening != 1.0; }) : is_blocked;
+  }
+  for (const LiftFloor& floor : lift.floors) {
+    for (const std::size_t door : floor.doors) {
+      doors[door].target = 0.0;
+      doors[door].held = false;
+    }
+  }
+  // After the others: a door may serve several floors.
+  if (at == lift.floors.end()) return;
+  for (const std::size_t door : at->doors) {
+    doors[door].target = stands ? 1.0 : 0.0;
+    doors[door].held = reopens;
+  }
+}
+
 }  // namespace
 
 void CallLifts(const TickOrders& orders, StepWorkspace& workspace) {
   const std::vector<LiftDescription>& lifts = workspace.world().lifts;
-  for (std::size_t i = 0; i < lifts.size(); ++i) ExecuteCalls(workspace.world(), i, orders, workspace.next.lifts[i]);
+  for (std::size_t i = 0; i < lifts.size(); ++i) ExecuteCalls(i, orders, workspace.next.lifts[i]);
   ServePeople(workspace);
-  for (std::size_t i = 0; i < lifts.size(); ++i) {
-    LiftState& state = workspace.next.lifts[i];
-    const bool stands = state.z == lifts[i].floors[state.floor].z;
-    for (const LiftFloor& floor : lifts[i].floors) {
-      // All closed first, then the doors of the cabin's floor open again: a door that serves two floors
-      // stays open.
-      for (const std::size_t door : floor.doors) workspace.next.doors[door].target = 0.0;
-    }
-    if (!stands) continue;
-    for (const std::size_t door : lifts[i].floors[state.floor].doors) workspace.next.doors[door].target = 1.0;
-  }
+  for (std::size_t i = 0; i < lifts.size(); ++i) OperateDoors(lifts[i], workspace.next.lifts[i], workspace.next.doors);
 }
 
 void MoveLifts(StepWorkspace& workspace) {
