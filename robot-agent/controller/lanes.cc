@@ -188,10 +188,40 @@ class LanesController final : public Controller, public RobotWatcher {
       }
       if (settings_.close_doors) controls_.Note(lane(*leg.lane));
     }
-    Drive(leg);
+    if (KeepsLift(leg)) Drive(leg);
+  }
+
+  // A user may call the lift away while the robot is on its leg into or out of the cabin, and another robot may get the
+  // session then: it calls the lift again, and does not drive at closing doors. False: it has no way in this tick.
+  bool KeepsLift(const Leg& leg) {
+    if (!leg.lane || vertex(leg.from).lift == vertex(leg.to).lift) return true;
+    const bool enters = vertex(leg.to).lift.has_value();
+    const std::size_t in = enters ? leg.to : leg.from;
+    const bool is_own = controls_.CallLift(in);
+    if (controls_.StandsOpenAt(in)) return true;
+    switch (controls_.PlaceAt(in, position(), radius_)) {
+      case SiteControls::AtCabin::kInside:
+        return enters;
+      case SiteControls::AtCabin::kOutside:
+        return !enters;
+      case SiteControls::AtCabin::kInDoorway:
+        if (!enters) return true;
+        if (!is_own) BackOut(leg);
+        return false;  // the doors open again
+    }
+    return true;
+  }
+
+  // Out of a doorway that another robot's call closes, to the start of the leg.
+  void BackOut(const Leg& leg) {
+    legs_ = {{leg.from, leg.from, {}}};
+    is_on_leg_ = true;
+    backs_out_ = true;
+    held_.clear();  // it asks again for what it needs
   }
 
   void Finish(const Leg& leg) {
+    backs_out_ = false;
     at_ = leg.to;
     legs_.erase(legs_.begin());
     is_on_leg_ = false;
@@ -230,7 +260,7 @@ class LanesController final : public Controller, public RobotWatcher {
     for (std::size_t i = 0; i < std::min<std::size_t>(legs_.size(), 2); ++i) {
       const std::size_t to = legs_[i].to;
       if (!vertex(to).lift || vertex(to).lift == lift || !legs_[i].lane) continue;
-      if (!controls_.AwaitLift(to)) return false;
+      if (!controls_.AwaitLift(to, others_)) return false;
       if (i == 0 && (!controls_.StandsOpenAt(to) || IsTaken(vertex(to), others_, radius_))) return false;
     }
     for (const SiteControls::DoorAhead& ahead : controls_.DoorsAhead(legs_, position(), 0.0, radius_)) {
@@ -296,7 +326,8 @@ class LanesController final : public Controller, public RobotWatcher {
   }
 
   bool DrivesBackward(const Leg& leg) const {
-    if (!leg.lane || !can_turn() || drive_.velocity.x.min >= 0.0) return false;
+    if (!can_turn() || drive_.velocity.x.min >= 0.0) return false;
+    if (!leg.lane) return backs_out_;
     const LaneFacing facing = lane(*leg.lane).facing;
     if (facing == LaneFacing::kAny) return false;
     return (facing == LaneFacing::kBackward) == (leg.from == lane(*leg.lane).start);
@@ -364,6 +395,7 @@ class LanesController final : public Controller, public RobotWatcher {
   std::size_t at_ = 0;      // the vertex that it was at last
   std::vector<Leg> legs_;   // to do, the present one first
   bool is_on_leg_ = false;  // false: it waits at the start
+  bool backs_out_ = false;  // the present leg leads back out of a doorway
   std::optional<std::size_t> target_;
   bool is_unreachable_ = false;
   std::vector<std::string> held_;  // mutex groups of the present leg

@@ -51,9 +51,30 @@ bool SiteControls::CallLift(std::size_t vertex) {
   return session.has_value();
 }
 
-bool SiteControls::AwaitLift(std::size_t vertex) {
+// At whatever height the cabin is.
+bool SiteControls::HasInCabin(std::size_t vertex, const SeenRobot& robot) const {
+  const std::uint32_t number = *LiftOf(vertex);
+  const LiftInfo& lift = lifts_[number];
+  if (std::fabs(robot.z - now_->lifts[number].z) >= kLevelGap) return false;
+  double farthest = 0.0;  // m, of a door from the middle
+  for (const std::size_t door : lift.doors[graph_->vertices[vertex].floor]) {
+    farthest = std::max(farthest, (doors_[door].middle - lift.middle).norm());
+  }
+  return (robot.position - lift.middle).norm() < farthest && PlaceAt(vertex, robot.position, 0.0) != AtCabin::kOutside;
+}
+
+bool SiteControls::AwaitLift(std::size_t vertex, const std::vector<SeenRobot>& others) {
   const std::optional<std::uint32_t> lift = LiftOf(vertex);
   if (!lift) return true;
+  const std::optional<RobotId>& session = now_->lifts[*lift].session;
+  // A robot in the cabin may have lost its session to a user: it calls the lift again once this one leaves it free.
+  const bool is_used = std::any_of(others.begin(), others.end(), [&](const SeenRobot& other) {
+    return session != other.id && HasInCabin(vertex, other);
+  });
+  if (is_used) {
+    if (session == id_) command_->orders.push_back(LiftOrder{*lift, 0, true});
+    return false;
+  }
   const std::vector<std::size_t>& doors = lifts_[*lift].doors[graph_->vertices[vertex].floor];
   const bool is_blocked = StandsAt(*lift, vertex) && std::any_of(doors.begin(), doors.end(), [&](std::size_t door) {
                             return now_->doors[door].blocked;
@@ -62,7 +83,7 @@ bool SiteControls::AwaitLift(std::size_t vertex) {
   since = is_blocked ? std::optional(since.value_or(now_->time)) : std::nullopt;
   // A landing door that is blocked for a moment is no reason to give the lift away.
   if (!since || now_->time - *since < kPatience) return CallLift(vertex);
-  if (now_->lifts[*lift].session == id_) command_->orders.push_back(LiftOrder{*lift, 0, true});
+  if (session == id_) command_->orders.push_back(LiftOrder{*lift, 0, true});
   return false;
 }
 
@@ -78,6 +99,23 @@ bool SiteControls::StandsOpenAt(std::size_t vertex) const {
   if (!StandsAt(*lift, vertex)) return false;
   const std::vector<std::size_t>& doors = lifts_[*lift].doors[graph_->vertices[vertex].floor];
   return std::all_of(doors.begin(), doors.end(), [&](std::size_t door) { return now_->doors[door].opening >= kOpen; });
+}
+
+SiteControls::AtCabin SiteControls::PlaceAt(std::size_t vertex, const Vec2& position, double radius) const {
+  constexpr double kLeaf = 0.05;  // m, half the thickness of a leaf and more
+  const LiftInfo& lift = lifts_[*LiftOf(vertex)];
+  AtCabin place = AtCabin::kInside;
+  for (const std::size_t door : lift.doors[graph_->vertices[vertex].floor]) {
+    const Vec2 outwards = doors_[door].middle - lift.middle;
+    const double distance = outwards.norm();
+    if (distance == 0.0) continue;
+    const double beyond = (position - lift.middle).dot(outwards) / distance - distance;  // m
+    // A closed door has the robot on one side of it.
+    const double reach = now_->doors[door].opening == 0.0 ? 0.0 : radius + kLeaf;
+    if (beyond >= reach) return AtCabin::kOutside;
+    if (beyond > -reach) place = AtCabin::kInDoorway;
+  }
+  return place;
 }
 
 void SiteControls::EndSessions(const std::vector<std::size_t>& needed) {

@@ -30,11 +30,14 @@ class SiteControls {
 
   // Calls the lift of a vertex to its floor. True while the session is the robot's own, or there is no lift.
   bool CallLift(std::size_t vertex);
-  // As CallLift, for a robot that waits outside. A landing door that a body has blocked for a while does not keep the
-  // lift from others: until the door is free, the session is not the robot's own.
-  bool AwaitLift(std::size_t vertex);
+  // As CallLift, for a robot that waits outside. The lift is left to others, and the session is not the
+  // robot's own, while another robot is in its cabin, or after a body has blocked the landing door for a while.
+  bool AwaitLift(std::size_t vertex, const std::vector<SeenRobot>& others);
   // The lift of the vertex is there with open doors, or there is no lift.
   bool StandsOpenAt(std::size_t vertex) const;
+  // Where a robot of that radius is, of the doors of a lift at the vertex in its cabin.
+  enum class AtCabin : std::uint8_t { kOutside, kInDoorway, kInside };
+  AtCabin PlaceAt(std::size_t vertex, const Vec2& position, double radius) const;
   // Ends the sessions of lifts that the robot has and that no vertex of `needed` is in.
   void EndSessions(const std::vector<std::size_t>& needed);
 
@@ -70,6 +73,7 @@ class SiteControls {
   // Whether a body of that radius may touch the leaves on their way.
   static bool IsNearLeaves(const DoorInfo& door, const Vec2& position, double radius);
   bool StandsAt(std::uint32_t lift, std::size_t vertex) const;
+  bool HasInCabin(std::size_t vertex, const SeenRobot& robot) const;
   std::optional<std::uint32_t> LiftOf(std::size_t vertex) const { return graph_->vertices[vertex].lift; }
 
   RobotId id_;

@@ -7,6 +7,7 @@
 
 #include "common/model/states.h"
 #include "robot-agent/controller/create_controller.h"
+#include "robot-agent/robot/robot.h"
 #include "tests/support/values.h"
 #include "tests/worldfile/scenario_run.h"
 #include "tests/worldfile/world_folder.h"
@@ -302,6 +303,49 @@ TEST(Lanes, AreThoseOfTheWorldForSpawnedRobots) {
   ScenarioRun run(edited.scene->world());
   run.Run(900);
   EXPECT_TRUE(IsNearPlace(run["late"], 7, -3.75));
+}
+
+// The robots of a world with their controllers, and a user who operates its lifts.
+class OperatedRun {
+ public:
+  explicit OperatedRun(WorldDescription world) : scene_(world), state_(InitialState(scene_)), bodies_(scene_) {
+    for (std::size_t i = 0; i < scene_.world().robots.size(); ++i) {
+      robots_.push_back(ValueOf(Robot::Create(scene_, RobotId(i))));
+    }
+  }
+  void Run(int ticks, const std::vector<Input>& inputs = {}) {
+    for (int i = 0; i < ticks; ++i) {
+      bodies_.Assign(state_);
+      std::vector<Proposal> proposals;
+      for (const std::unique_ptr<Robot>& robot : robots_) proposals.push_back(robot->Decide(state_, bodies_));
+      state_ = Step(scene_, state_, proposals, i == 0 ? std::span(inputs) : std::span<const Input>()).state;
+    }
+  }
+  const WorldState& state() const { return state_; }
+
+ private:
+  Scene scene_;
+  WorldState state_;
+  BodyIndex bodies_;
+  std::vector<std::unique_ptr<Robot>> robots_;
+};
+
+// On its way to the lift, through its doors, in it and out of it: each time a user calls the lift to the other floor.
+TEST(Lanes, RobotsCallALiftAgainThatAUserHasCalledAway) {
+  test::TemporaryFolder folder;
+  const std::string scenario =
+      folder.Write("s.json", R"({"world": ")" + LaneSites() + R"(guesthouse.building.yaml", "people": [], "robots": [
+        {"name": "tiny_1", "controller": {"name": "lanes", "parameters": {"places": ["room_1"], "repeat": false}}},
+        {"name": "delivery_1", "pose": [2, -5, 0], "controller": "idle"}]})");
+  const WorldDescription world = ValueOf(LoadWorld(scenario)).world;
+  const std::size_t robot = FindRobot(world, "tiny_1")->index();
+  for (const int call_at : {200, 250, 270, 280, 284, 288, 292, 296, 300, 310, 330, 400}) {
+    OperatedRun run(world);
+    run.Run(call_at);
+    const bool is_below = run.state().lifts[0].z < 2.0;
+    run.Run(900 - call_at, {{{}, LiftOrder{0, is_below ? 1u : 0u}}});
+    EXPECT_TRUE(IsNearPlace(run.state().robots[robot], 3, -5.5, 4)) << "called at tick " << call_at;
+  }
 }
 
 // A controller that continues from the middle of a run is the same.
