@@ -6,7 +6,7 @@
 
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/models/build_world.h"
-#include "worldfile/models/people.h"
+#include "worldfile/models/crowd.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/sites/building_yaml.h"

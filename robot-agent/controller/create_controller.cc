@@ -265,6 +265,11 @@ Status CheckControllerInWorld(const WorldDescription& world, RobotId robot) {
     RobotInfo info{.id = robot, .robot = &description, .parameters = description.controller.parameters};
     info.start = world.model(description.root).X_PM;
     info.lane_graphs = world.lane_graphs;
+    for (const DoorDescription& door : world.doors) info.doors.push_back({.name = world.model(door.model).name});
+    for (const LiftDescription& lift : world.lifts) {
+      info.lifts.push_back({.name = world.model(lift.model).name});
+      for (const LiftFloor& floor : lift.floors) info.lifts.back().floors.push_back(floor.name);
+    }
     if (Status status = built_in.check_in_world(info); !status.ok()) {
       return Error{{}, fmt::format("robot '{}': {}", description.name, status.error().message)};
     }

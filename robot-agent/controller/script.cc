@@ -195,7 +195,23 @@ Result<Order> ResolveLift(const RobotInfo& info, const std::string& name, const 
                               Names(info.lifts, [](const LiftInfo& lift) { return lift.name; })));
 }
 
-// The error is something that the robot does not have.
+// The orders to doors and lifts.
+Result<std::vector<Order>> ResolveBuilding(const RobotInfo& info, const ScriptCommand& command) {
+  std::vector<Order> orders;
+  for (const auto& [name, opening] : command.doors) {
+    const Result<Order> found = ResolveDoor(info, name, opening);
+    if (!found.ok()) return found.error();
+    orders.push_back(found.value());
+  }
+  for (const auto& [name, floor] : command.lifts) {
+    const Result<Order> found = ResolveLift(info, name, floor);
+    if (!found.ok()) return found.error();
+    orders.push_back(found.value());
+  }
+  return orders;
+}
+
+// The error is something that the robot or the world does not have.
 Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& command) {
   ResolvedCommand resolved{command.at, command.motion};
   if (Status status = CheckMotion(info.robot->drive.type, command); !status.ok()) return status.error();
@@ -225,18 +241,15 @@ Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& comm
     if (!found.ok()) return found.error();
     resolved.command.orders.push_back(found.value());
   }
-  for (const auto& [name, opening] : command.doors) {
-    const Result<Order> found = ResolveDoor(info, name, opening);
-    if (!found.ok()) return found.error();
-    resolved.command.orders.push_back(found.value());
-  }
-  for (const auto& [name, floor] : command.lifts) {
-    const Result<Order> found = ResolveLift(info, name, floor);
-    if (!found.ok()) return found.error();
-    resolved.command.orders.push_back(found.value());
-  }
+  Result<std::vector<Order>> of_building = ResolveBuilding(info, command);
+  if (!of_building.ok()) return of_building.error();
+  for (Order& order : of_building.value()) resolved.command.orders.push_back(std::move(order));
   resolved.command.say = command.say.value_or("");
   return resolved;
+}
+
+Error InCommand(std::size_t index, const Error& error) {
+  return BadInput(fmt::format("script: command {}: {}", index + 1, error.message));
 }
 
 Result<std::unique_ptr<Controller>> CreateScript(const RobotInfo& info) {
@@ -245,18 +258,28 @@ Result<std::unique_ptr<Controller>> CreateScript(const RobotInfo& info) {
   std::vector<ResolvedCommand> commands;
   for (const ScriptCommand& command : script.value().commands) {
     Result<ResolvedCommand> resolved = Resolve(info, command);
-    if (!resolved.ok()) {
-      return BadInput(fmt::format("script: command {}: {}", commands.size() + 1, resolved.error().message));
-    }
+    if (!resolved.ok()) return InCommand(commands.size(), resolved.error());
     commands.push_back(std::move(resolved).value());
   }
   return std::unique_ptr<Controller>(std::make_unique<ScriptController>(std::move(commands), script.value().period));
 }
 
+// A door or a lift that the world does not have.
+Status CheckScriptInWorld(const RobotInfo& info) {
+  const Result<ScriptParameters> script = ParseScript(info.parameters);
+  if (!script.ok()) return script.error();
+  const std::vector<ScriptCommand>& commands = script.value().commands;
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const Result<std::vector<Order>> orders = ResolveBuilding(info, commands[i]);
+    if (!orders.ok()) return InCommand(i, orders.error());
+  }
+  return Status();
+}
+
 }  // namespace
 
 BuiltInController Script() {
-  return {"script", CheckScript, CreateScript};
+  return {"script", CheckScript, CreateScript, CheckScriptInWorld};
 }
 
 }  // namespace troupe

@@ -282,6 +282,26 @@ TEST(Lanes, OfABuildingAreNamedByControllersAndInErrors) {
   EXPECT_EQ(loaded.world.levels, (std::vector<LevelDescription>{{"G", 0.0}}));
 }
 
+// As `troupe check` does, before a run.
+TEST(Scripts, NameDoorsAndLiftsOfTheWorld) {
+  test::TemporaryFolder folder;
+  LoadOverrides overrides;
+  overrides.check_controller = CheckController;
+  overrides.check_in_world = CheckControllerInWorld;
+  const auto error = [&](const std::string& command) {
+    const std::string scenario = R"({"world": ")" + LaneSites() + R"(guesthouse.building.yaml", "robots": [{"name":
+      "tiny_1", "controller": {"name": "script", "parameters": {"commands": [{"at": 0, )" +
+                                 command + "}]}}}]}";
+    const Result<LoadedWorld> loaded = LoadWorld(folder.Write("s.json", scenario), overrides);
+    return loaded.ok() ? "" : loaded.error().message;
+  };
+  EXPECT_EQ(error(R"("lifts": {"guest_lift": "L2"}, "doors": {"lobby_door": "open"})"), "");
+  EXPECT_THAT(error(R"("lifts": {"lift": "L2"})"),
+              HasSubstr("robot 'tiny_1': script: command 1: unknown lift 'lift', expected"));
+  EXPECT_THAT(error(R"("lifts": {"guest_lift": "L3"})"), HasSubstr("unknown floor 'L3' of lift 'guest_lift'"));
+  EXPECT_THAT(error(R"("doors": {"door": "open"})"), HasSubstr("unknown door 'door'"));
+}
+
 // As `troupe ctl spawn TinyRobot --name late` in a run of the building.
 TEST(Lanes, AreThoseOfTheWorldForSpawnedRobots) {
   const std::string building = LaneSites() + "guesthouse.building.yaml";

@@ -330,6 +330,48 @@ TEST(SiteTree, TeleportingModelsArePlacesOfDispensersAndIngestors) {
   EXPECT_THAT(world.places[3].tags, ElementsAre("L1", "ingestor:b"));
 }
 
+// A closed room of 3 m, and a state whose goals are in it; `group`: of the crowd; `area`: of its goal set.
+std::string CrowdOf(const std::string& group, const std::string& area = "seats") {
+  return R"(name: crowd
+coordinate_system: cartesian_meters
+levels:
+  G:
+    vertices: [[0, 0], [3, 0], [3, 3], [0, 3], [2, 2, 0, seat, {human_goal_set_name: [1, seats]}], [-5, -5], [8, -5], [8, 8], [-5, 8]]
+    walls: [[0, 1], [1, 2], [2, 3], [3, 0]]
+    floors: [{vertices: [5, 6, 7, 8]}]
+crowd_sim:
+  enable: 1
+  agent_profiles: [{name: human, max_speed: 1.5, pref_speed: 1.2, r: 0.25}]
+  agent_groups: [{profile_selector: human, state_selector: go, )" +
+         group + R"(}]
+  states: [{name: go, goal_set: 0}]
+  goal_sets: [{set_id: 0, set_area: [)" +
+         area + R"(]}]
+)";
+}
+
+TEST(Crowd, StartsWhereItCanWalkToThePointOfItsGroup) {
+  test::TemporaryFolder folder;
+  const auto load = [&](const std::string& text) { return ValueOf(LoadWorld(folder.Write("c.building.yaml", text))); };
+  for (const auto& [at, is_inside] : {std::pair("x: 1, y: 1", true), std::pair("x: -1, y: 1", false)}) {
+    const LoadedWorld loaded = load(CrowdOf("agents_number: 4, " + std::string(at)));
+    EXPECT_THAT(MessagesOf(loaded.warnings), IsEmpty());
+    ASSERT_EQ(loaded.world.people.size(), 4u);
+    for (const PersonDescription& person : loaded.world.people) {
+      const Pose& start = loaded.world.model(person.root).X_PM;
+      EXPECT_EQ(start.x > 0.0 && start.x < 3.0 && start.y > 0.0 && start.y < 3.0, is_inside)
+          << start.x << " " << start.y;
+    }
+  }
+  EXPECT_THAT(LoadWorld(folder.Write("c.building.yaml", CrowdOf("agents_number: 90, x: 1, y: 1"))).error().ToString(),
+              AllOf(HasSubstr("c.building.yaml:11:18: error: found room for"), HasSubstr("of 90 people")));
+  EXPECT_THAT(MessagesOf(load(CrowdOf("agents_number: 1, x: 20, y: 1")).warnings),
+              ElementsAre("found a group of people at (20, 1), outside of the floors of level 'G', expected a point on "
+                          "one of them"));
+  EXPECT_THAT(MessagesOf(load(CrowdOf("agents_number: 1, x: 1, y: 1", "tables")).warnings),
+              ElementsAre(HasSubstr("found a goal set without vertices")));
+}
+
 struct BadBuilding {
   std::string text;
   std::string where;
@@ -360,14 +402,29 @@ TEST(BadBuilding, GivesOneLineWithThePlaceAndTheExpectedText) {
        "found no key 'yaw' in lift 'up', expected it"},
       {OneLevel("lifts:\n  up: {width: 1, depth: 1, x: 0, y: 0, yaw: 0, level_doors: {L1: [front]}}\n"), "5:67",
        "found no door of this name in lift 'up', expected one of its doors"},
-      {OneLevel("crowd_sim: {agent_groups: [{agents_number: 1, profile_selector: human}]}\n"), "4:12",
+      {OneLevel("crowd_sim: {agent_groups: [{agents_number: 1, profile_selector: human}]}\n"), "4:65",
        "found no profile 'human' in 'crowd_sim', expected one"},
+      {OneLevel("crowd_sim: {agent_profiles: [{name: p, r: 0.01}]}\n"), "4:43",
+       "found 0.01 for 'r', expected 0, for the usual radius, or 0.05 to 10"},
+      {OneLevel("crowd_sim: {states: [{name: s}], transitions: [{from: s, Target: [{name: t}]}]}\n"), "4:74",
+       "found no state 't' in 'crowd_sim', expected one"},
+      {"levels:\n  L1: {vertices: [[0, 0], [0, 0, 0, in, {lift_cabin: [1, up]}]]}\n", "2:27",
+       "found a vertex in the cabin of lift 'up', expected the name of a lift"},
   };
   for (const BadBuilding& bad : cases) {
     const Result<Site> read = ReadBuildingText(bad.text, "s.building.yaml");
     ASSERT_FALSE(read.ok()) << bad.text;
     EXPECT_EQ(read.error().ToString(), "s.building.yaml:" + bad.where + ": error: " + bad.what) << bad.text;
   }
+}
+
+// A text of some kilobytes, whose aliases stand for very many walls.
+TEST(BadBuilding, HasNoMorePartsThanAMachineHasRoomFor) {
+  std::string walls = "    walls:\n      - &w [0, 1]\n";
+  for (int i = 0; i < 100'000; ++i) walls += "      - *w\n";
+  const Result<Site> read = ReadBuildingText(OneLevel(walls), "s.building.yaml");
+  ASSERT_FALSE(read.ok());
+  EXPECT_THAT(read.error().ToString(), HasSubstr("s.building.yaml:5:7: error: found more than 100000 vertices, edges"));
 }
 
 }  // namespace

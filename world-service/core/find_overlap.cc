@@ -6,6 +6,7 @@
 
 #include "common/spatial/body_index.h"
 #include "common/spatial/convex_piece.h"
+#include "common/spatial/lift_shafts.h"
 
 namespace troupe {
 namespace {
@@ -15,6 +16,11 @@ class OverlapFinder {
   OverlapFinder(const Scene& scene, const WorldState& state, ModelId root)
       : scene_(scene), root_(root), own_body_(scene.body_of(root)), bodies_(scene) {
     bodies_.Assign(state);
+    // Only of what moves: a static model stands beside the cabin, or is the shaft.
+    if (!own_body_) return;
+    std::vector<double> cabins;
+    for (const LiftState& lift : state.lifts) cabins.push_back(lift.z);
+    shafts_ = EmptyShafts(scene.world(), cabins);
   }
 
   std::optional<ModelId> Find() {
@@ -39,6 +45,7 @@ class OverlapFinder {
       // The tree of a moving body is in no static index, so that the walk up the tree is spared.
       if (own_body_ || !IsInTree(scene_.world(), other->model, root_)) Consider(piece, *other);
     }
+    for (const ConvexPiece& shaft : shafts_) Consider(piece, shaft);
     near_.clear();
     bodies_.Query(box, near_);
     for (const BodyId body : near_) {
@@ -56,6 +63,7 @@ class OverlapFinder {
   const ModelId root_;
   const std::optional<BodyId> own_body_;
   BodyIndex bodies_;
+  std::vector<ConvexPiece> shafts_;
   std::optional<ModelId> found_;
   NearPieces static_pieces_;
   std::pmr::vector<BodyId> near_;

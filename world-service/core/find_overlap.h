@@ -1,7 +1,8 @@
 // Room for an entity: the obstacle at its pose, and the height of its lowest point. For edits, which place entities
 // where a user wants them; the step itself never puts a body into another one, and does not ask.
 //
-// Obstacles are static models and moving bodies, compared piece by piece as convex prisms, exactly and not by bounding
+// Obstacles are static models, moving bodies and, for what moves, the shafts of lifts without their cabins
+// (lift_shafts.h), compared piece by piece as convex prisms, exactly and not by bounding
 // boxes. Overlaps up to kNoticeableDepth do not count, so that an entity may be put flush against a wall or onto a
 // table by rounded numbers. Of several obstacles the one with the lowest id is returned, so that the message does not
 // depend on the order of an index.

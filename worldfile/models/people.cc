@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <memory_resource>
 #include <optional>
 #include <set>
@@ -10,7 +11,9 @@
 
 #include "common/model/states.h"
 #include "common/spatial/body_index.h"
+#include "common/spatial/lift_shafts.h"
 #include "common/spatial/scene.h"
+#include "common/spatial/walk_grid.h"
 #include "common/spatial/walk_routes.h"
 #include "troupe/random.h"
 #include "worldfile/text/text_file.h"
@@ -40,11 +43,13 @@ class Crowd {
       : loaded_(std::move(loaded)), world_(loaded_.world), seed_(seed), scene_(world_), bodies_(scene_) {
     // Robots, objects and doors at their places at load; people are checked against `starts_`.
     bodies_.Assign(PlacedState(world_));
+    shafts_ = EmptyShafts(world_);
     for (const ModelDescription& model : world_.models) names_.insert(model.name);
   }
 
   Status Add(const PeopleRule& rule, std::uint64_t number) {
     const Look look = LookOf(rule);
+    FindWays(rule);
     for (std::uint32_t i = 0; i < rule.count; ++i) {
       const bool leads = i % rule.group == 0;
       const std::optional<PersonId> leader = leads ? std::nullopt : leader_;
@@ -76,6 +81,18 @@ class Crowd {
     return RandomUniform({seed_, kStartStream, rule, person, draw, component});
   }
 
+  // The ways within the region to the point of the rule; none if the rule has no point, or no person can stand there.
+  void FindWays(const PeopleRule& rule) {
+    ways_.reset();
+    grid_.reset();
+    if (!rule.point) return;
+    if (!portals_) portals_.emplace(scene_);
+    grid_ = std::make_unique<const WalkGrid>(scene_.static_index(), *portals_, ZRange{rule.z, rule.z + rule.height},
+                                             rule.person.radius, BoundingBox(rule.region));
+    ways_ = std::make_unique<const WalkField>(*grid_, *rule.point);
+    if (!ways_->target()) ways_.reset();
+  }
+
   std::optional<Pose> FindStart(const PeopleRule& rule, std::uint64_t number, std::uint64_t person,
                                 const std::optional<PersonId>& leader) {
     Rectangle box = BoundingBox(rule.region);
@@ -86,7 +103,7 @@ class Crowd {
     for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
       const Vec2 at(box.min_x + Random(number, person, draw, 0) * box.width(),
                     box.min_y + Random(number, person, draw, 1) * box.height());
-      if (!Contains(rule.region, at) || !IsFree(at, rule)) continue;
+      if (!Contains(rule.region, at) || (ways_ && !ways_->Reaches(at)) || !IsFree(at, rule)) continue;
       return Pose{at.x(), at.y(), rule.z, WrapAngle((2.0 * Random(number, person, draw, 2) - 1.0) * kPi)};
     }
     return std::nullopt;
@@ -100,6 +117,7 @@ class Crowd {
       return piece.obstacle && piece.z.Overlaps(z) &&
              FindNearestPoints(std::span(&at, 1), piece.vertices).distance < reach;
     };
+    if (std::any_of(shafts_.begin(), shafts_.end(), is_near)) return false;
     scene_.static_index().Query(box, near_);
     if (std::any_of(near_.begin(), near_.end(), [&](const ConvexPiece* piece) { return is_near(*piece); }))
       return false;
@@ -186,6 +204,10 @@ class Crowd {
   const std::uint64_t seed_;
   const Scene scene_;  // without people
   BodyIndex bodies_;
+  std::vector<ConvexPiece> shafts_;
+  std::optional<WalkPortals> portals_;
+  std::unique_ptr<const WalkGrid> grid_;   // of the present rule, like the next
+  std::unique_ptr<const WalkField> ways_;  // to its point
   std::set<std::string> names_;
   std::uint64_t numbers_ = 0;
   std::vector<Start> starts_;
@@ -193,18 +215,6 @@ class Crowd {
   NearPieces near_;
   std::pmr::vector<BodyId> near_bodies_;
 };
-
-// The points of a site that belong to a goal set, on all levels.
-void AddPoints(const Site& site, const CrowdGoalSet& set, GoalSet& goals) {
-  for (const SiteLevel& level : site.levels) {
-    for (const SiteVertex& vertex : level.vertices) {
-      const std::string& area = vertex.human_goal_set;
-      if (area.empty() || std::find(set.areas.begin(), set.areas.end(), area) == set.areas.end()) continue;
-      goals.points.push_back(vertex.position);
-      goals.heights.push_back(level.elevation);
-    }
-  }
-}
 
 }  // namespace
 
@@ -226,71 +236,6 @@ Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>&
   // After the people: their sizes and goals decide on the number of grids.
   if (Status large = crowd.CheckWays(rules.front().where); !large.ok()) return large.error();
   return crowd.Release();
-}
-
-Result<LoadedWorld> AddCrowd(LoadedWorld loaded) {
-  if (loaded.site == nullptr || !loaded.site->crowd.is_enabled || loaded.site->crowd.people() == 0) return loaded;
-  const std::shared_ptr<const Site> site = loaded.site;
-  const SiteCrowd& crowd = site->crowd;
-  const auto number_of = [&](const std::string& name) {
-    const auto found = std::find_if(crowd.states.begin(), crowd.states.end(),
-                                    [&](const CrowdState& state) { return state.name == name; });
-    return static_cast<std::uint32_t>(found - crowd.states.begin());
-  };
-  const auto first = static_cast<std::uint32_t>(loaded.world.goal_sets.size());
-  for (const CrowdState& state : crowd.states) {
-    GoalSet goals;
-    goals.name = state.name;
-    const auto set = std::find_if(crowd.goal_sets.begin(), crowd.goal_sets.end(),
-                                  [&](const CrowdGoalSet& each) { return each.id == state.goal_set; });
-    if (set != crowd.goal_sets.end()) AddPoints(*site, *set, goals);
-    for (const CrowdTransition& transition : crowd.transitions) {
-      if (transition.from != state.name) continue;
-      if (transition.distance > 0.0) goals.reach = transition.distance;
-      goals.wait = {transition.wait, transition.wait};
-      for (const CrowdChoice& choice : transition.to) {
-        if (choice.weight > 0.0) goals.next.push_back({first + number_of(choice.state), choice.weight});
-      }
-    }
-    loaded.world.goal_sets.push_back(std::move(goals));
-  }
-  std::vector<PeopleRule> rules;
-  for (const CrowdGroup& group : crowd.groups) {
-    if (!group.robots.empty() || group.count == 0) continue;
-    PeopleRule rule;
-    // One more than the limit, so that the check of the limit reports the excess.
-    rule.count = static_cast<std::uint32_t>(std::min<std::size_t>(group.count, kMaxPeople + 1));
-    const std::uint32_t state = number_of(group.state);
-    rule.person.goals = first + state;
-    // All of a group start at one point: beside each other there.
-    const double half = 1.0 + std::sqrt(static_cast<double>(group.count));
-    const Vec2& at = group.start;
-    rule.region = {at + Vec2(-half, -half), at + Vec2(half, -half), at + Vec2(half, half), at + Vec2(-half, half)};
-    const double ground = site->levels.empty() ? 0.0 : site->levels.front().elevation;
-    rule.z = ground;
-    // A person that first stands has the level of the goals that follow.
-    std::uint32_t at_state = state;
-    for (std::size_t steps = 0; steps <= crowd.states.size(); ++steps) {
-      const GoalSet& goals = loaded.world.goal_sets[first + at_state];
-      if (!goals.heights.empty()) {
-        rule.z = goals.heights.front();
-        break;
-      }
-      const std::vector<NextGoals>& next = goals.next;
-      if (next.empty()) break;
-      at_state = next.front().goals - first;
-    }
-    const auto profile = std::find_if(crowd.profiles.begin(), crowd.profiles.end(),
-                                      [&](const CrowdProfile& each) { return each.name == group.profile; });
-    if (profile != crowd.profiles.end()) {
-      if (profile->radius > 0.0) rule.person.radius = profile->radius;
-      if (profile->speed > 0.0) rule.speed = {profile->speed, profile->speed};
-      rule.person.max_speed = profile->max_speed;
-    }
-    rules.push_back(std::move(rule));
-  }
-  const std::uint64_t seed = loaded.world.seed;
-  return AddPeople(std::move(loaded), rules, seed);
 }
 
 }  // namespace troupe

@@ -1,4 +1,5 @@
-// People of scenarios and buildings: from rules to the bodies, goals and starts of a description.
+// People of scenarios and of the crowds of buildings (crowd.h): from rules to the bodies, goals and starts of a
+// description.
 //
 // A person is a body of two prisms (trunk and head), walked by the world service, not by a process of its own:
 // thousands of them must fit. All choices (start, speed, colours) are draws with keys of seed, rule and person, so that
@@ -9,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +18,6 @@
 #include "troupe/polygon.h"
 #include "troupe/result.h"
 #include "worldfile/models/build_world.h"
-#include "worldfile/sites/site.h"
 
 namespace troupe {
 
@@ -31,6 +32,8 @@ struct PeopleRule {
   PersonDescription person = {.root = {}, .max_speed = 0.0};
   std::uint32_t group = 1;  // people that walk together
   std::string name_prefix = "person";
+  // People start where they can walk to this point within the region, as far as a person can stand there.
+  std::optional<Vec2> point = {};
   SourceLocation where;
 };
 
@@ -38,11 +41,8 @@ struct PeopleRule {
 inline constexpr std::uint32_t kMaxPeople = 20'000;
 
 // The world with the people of the rules, each at a start that is drawn from the region until nothing that can be hit
-// is within the person's radius. The same world, rules and `seed` give the same people. The error counts the people
-// that found room. REQUIRES: the goal sets exist.
+// is within the person's radius, nor the shaft of a lift without its cabin. The same world, rules and `seed` give the
+// same people. The error counts the people that found room. REQUIRES: the goal sets exist.
 Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleRule>& rules, std::uint64_t seed);
-
-// The world of a building with the people of its crowd_sim, if that is enabled: its states become goal sets.
-Result<LoadedWorld> AddCrowd(LoadedWorld loaded);
 
 }  // namespace troupe

@@ -11,6 +11,7 @@
 
 #include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
+#include "common/spatial/lift_shafts.h"
 #include "common/spatial/static_index.h"
 #include "troupe/world_state.h"
 #include "worldfile/text/text_file.h"
@@ -43,6 +44,7 @@ class Pieces {
       }
       AppendAreaPieces(world, ModelId(i), poses[i], areas);
     }
+    for (ConvexPiece& shaft : EmptyShafts(world)) pieces.push_back(std::move(shaft));
     index_ = StaticIndex(std::move(pieces), std::move(areas));
   }
 

@@ -5,6 +5,7 @@
 
 #include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
+#include "common/spatial/lift_shafts.h"
 #include "common/spatial/static_index.h"
 #include "troupe/random.h"
 #include "troupe/world_state.h"
@@ -127,6 +128,7 @@ class Placer {
         }
       }
     }
+    for (ConvexPiece& shaft : EmptyShafts(world_)) static_pieces.push_back(std::move(shaft));
     static_index_ = StaticIndex(std::move(static_pieces), std::move(areas));
     double width = 0.0;
     for (const auto& [root, pieces] : bodies_) width = std::max(width, WidthOf(pieces));

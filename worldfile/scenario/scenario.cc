@@ -7,6 +7,7 @@
 #include "common/base/glob.h"
 #include "common/model/find_robots.h"
 #include "worldfile/map/map_yaml.h"
+#include "worldfile/models/crowd.h"
 #include "worldfile/scenario/scenario_schema.h"
 #include "worldfile/scenario/scenario_tree.h"
 #include "worldfile/sites/building_yaml.h"

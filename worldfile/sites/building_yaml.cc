@@ -22,6 +22,9 @@ constexpr double kMinStorey = 2.6;  // m between levels: a wall and the floor ab
 // Each lift has a row for each level.
 constexpr std::size_t kMaxLevels = 1000;
 constexpr std::size_t kMaxLifts = 1000;
+// Vertices, edges, floors with their corners, and models of all levels: hundreds of times as many as a hotel has, and
+// each becomes some kilobytes of models, also where aliases repeat it.
+constexpr std::size_t kMaxParts = 100'000;
 
 class BuildingReader {
  public:
@@ -50,6 +53,7 @@ class BuildingReader {
     CheckCount(yaml_.Find(root, "lifts"), kMaxLifts, "lift");
     yaml_.ForEachEntry(yaml_.Find(root, "lifts"), "'lifts'",
                        [&](const std::string& name, const YamlNode& lift) { ReadLift(name, lift); });
+    CheckLiftCabins();
     site_.crowd = ReadCrowd(yaml_, yaml_.Find(root, "crowd_sim"));
     yaml_.WarnOfUnknownKeys(root, "a building",
                             {"building_name", "name", "coordinate_system", "reference_level_name", "parameters",
@@ -68,6 +72,30 @@ class BuildingReader {
     }
   }
 
+  // As yaml_.ForEachItem, for parts of levels.
+  void ForEachPart(const YamlNode& list, const std::string& what, const std::function<void(const YamlNode&)>& visit) {
+    parts_ += list.size();
+    if (parts_ > kMaxParts) {
+      yaml_.Fail(list, "found more than " + std::to_string(kMaxParts) +
+                           " vertices, edges, floors and models of levels, expected at most as many");
+    }
+    yaml_.ForEachItem(list, what, visit);
+  }
+
+  // A robot would wait for ever at a vertex in a lift that is not there.
+  void CheckLiftCabins() {
+    std::vector<std::string> names;
+    for (const SiteLift& lift : site_.lifts) names.push_back(lift.name);
+    for (const SiteLevel& level : site_.levels) {
+      for (const SiteVertex& vertex : level.vertices) {
+        const std::string& lift = vertex.lift_cabin;
+        if (lift.empty() || std::find(names.begin(), names.end(), lift) != names.end()) continue;
+        return diagnostics_.Fail(vertex.where, "found a vertex in the cabin of lift " + Quoted(lift) +
+                                                   ", expected the name of a lift" + DidYouMean(lift, names));
+      }
+    }
+  }
+
   // Levels, in coordinates of the file.
 
   void ReadLevel(const std::string& name, const YamlNode& node) {
@@ -77,10 +105,10 @@ class BuildingReader {
     const std::string of = "level " + Quoted(name);
     level.elevation = yaml_.Number(yaml_.Find(node, "elevation"), "the elevation of " + of, 0.0);
     level.drawing = yaml_.Text(yaml_.Find(yaml_.Find(node, "drawing"), "filename"), "the drawing of " + of);
-    yaml_.ForEachItem(yaml_.Find(node, "vertices"), "the vertices of " + of,
-                      [&](const YamlNode& vertex) { level.vertices.push_back(ReadVertex(yaml_, vertex)); });
+    ForEachPart(yaml_.Find(node, "vertices"), "the vertices of " + of,
+                [&](const YamlNode& vertex) { level.vertices.push_back(ReadVertex(yaml_, vertex)); });
     LevelPlan plan;
-    yaml_.ForEachItem(yaml_.Find(node, "fiducials"), "the fiducials of " + of, [&](const YamlNode& fiducial) {
+    ForEachPart(yaml_.Find(node, "fiducials"), "the fiducials of " + of, [&](const YamlNode& fiducial) {
       if (!yaml_.HasItems(fiducial, 3, "a fiducial")) return;
       plan.fiducials.push_back(
           {yaml_.Text(fiducial[2], "a fiducial's name"), ReadPoint(yaml_, fiducial, "a fiducial")});
@@ -99,15 +127,14 @@ class BuildingReader {
     ForEachEdge(node, "human_lanes", level, [&](const SiteEdge& edge, const YamlNode& params) {
       level.human_lanes.push_back(ReadHumanLane(yaml_, edge, params));
     });
-    yaml_.ForEachItem(yaml_.Find(node, "floors"), "the floors of " + of, [&](const YamlNode& floor) {
+    ForEachPart(yaml_.Find(node, "floors"), "the floors of " + of, [&](const YamlNode& floor) {
       SiteFloor read{{}, yaml_.At(floor)};
-      yaml_.ForEachItem(yaml_.Require(floor, "vertices", "a floor"), "the vertices of a floor",
-                        [&](const YamlNode& vertex) {
-                          read.vertices.push_back(yaml_.Index(vertex, "a vertex of a floor", level.vertices.size()));
-                        });
+      ForEachPart(yaml_.Require(floor, "vertices", "a floor"), "the vertices of a floor", [&](const YamlNode& vertex) {
+        read.vertices.push_back(yaml_.Index(vertex, "a vertex of a floor", level.vertices.size()));
+      });
       level.floors.push_back(std::move(read));
     });
-    yaml_.ForEachItem(yaml_.Find(node, "models"), "the models of " + of, [&](const YamlNode& model) {
+    ForEachPart(yaml_.Find(node, "models"), "the models of " + of, [&](const YamlNode& model) {
       if (std::optional<SiteWorkcell> workcell = ReadWorkcell(yaml_, model)) {
         return level.workcells.push_back(std::move(*workcell));
       }
@@ -127,7 +154,7 @@ class BuildingReader {
   void ForEachEdge(const YamlNode& level_node, const char* key, const SiteLevel& level,
                    const std::function<void(const SiteEdge& edge, const YamlNode& params)>& visit) {
     const std::string one = "one of the " + std::string(key) + " of level " + Quoted(level.name);
-    yaml_.ForEachItem(yaml_.Find(level_node, key), "the " + std::string(key), [&](const YamlNode& node) {
+    ForEachPart(yaml_.Find(level_node, key), "the " + std::string(key), [&](const YamlNode& node) {
       if (!yaml_.HasItems(node, 2, one)) return;
       SiteEdge edge;
       edge.where = yaml_.At(node);
@@ -342,6 +369,7 @@ class BuildingReader {
   Site site_;
   Diagnostics diagnostics_;
   YamlReader yaml_;
+  std::size_t parts_ = 0;         // of the levels so far
   std::vector<LevelPlan> plans_;  // by level
   std::vector<PlaneMap> maps_;    // by level
   std::size_t reference_ = 0;     // level

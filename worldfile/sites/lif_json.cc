@@ -20,7 +20,7 @@ namespace troupe {
 namespace {
 
 // At the top of a layout, of any version, and of no scenario.
-constexpr std::array kKeys = {"metaInformation", "layouts", "origins"};
+constexpr std::array kLayoutKeys = {"metaInformation", "layouts", "origins"};
 
 // Angles beyond a turn are degrees: many writers give them so, against the standard.
 double AngleOf(double value) {
@@ -338,11 +338,11 @@ bool IsLayoutPath(const std::string& path, const AllowedPaths& allowed) {
   if (!text.ok()) return false;
   // A cheap test before the parse: every scenario passes through here.
   const auto has = [&](const std::string& key) { return text.value().find('"' + key + '"') != std::string::npos; };
-  if (std::none_of(kKeys.begin(), kKeys.end(), has)) return false;
+  if (std::none_of(kLayoutKeys.begin(), kLayoutKeys.end(), has)) return false;
   const Result<JsonTree> tree = JsonTree::Parse(text.value(), path);
   // One that cannot be parsed is still none of the other kinds.
   if (!tree.ok()) return path.ends_with(".lif.json");
-  return std::any_of(kKeys.begin(), kKeys.end(),
+  return std::any_of(kLayoutKeys.begin(), kLayoutKeys.end(),
                      [&](const char* key) { return tree.value().root().Find(key) != nullptr; });
 }
 

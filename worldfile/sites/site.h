@@ -149,16 +149,19 @@ struct CrowdGroup {
   std::string profile;
   std::string state;
   Vec2 start{0.0, 0.0};  // m, frame W
+  SourceLocation where;
 };
 struct CrowdState {
   std::string name;
   std::int64_t goal_set = -1;  // -1: stands
   bool is_final = false;
+  SourceLocation where;
 };
 struct CrowdGoalSet {
   std::int64_t id = 0;
   std::size_t capacity = 0;
   std::vector<std::string> areas;  // of vertices' human_goal_set
+  SourceLocation where;
 };
 struct CrowdChoice {
   std::string state;
