@@ -75,11 +75,25 @@ Rectangle FindBounds(const StaticIndex& walls, const WorldDescription& world, co
   return bounds.Inflated(kBorder);
 }
 
+std::size_t CountStops(const WalkPortals& portals) {
+  std::size_t stops = 0;
+  for (const LiftPortal& lift : portals.lifts) stops += lift.stops.size();
+  return stops;
+}
+
+// The fields that are kept: as many as people use at one time, with room for those that they have just used, and more
+// within the spare bytes. `cells`: of one.
+std::size_t MaxFields(const WorldDescription& world, std::size_t sizes, std::size_t stops, std::size_t cells,
+                      std::size_t spare_bytes) {
+  const std::size_t people = world.people.size();
+  return std::max(people + people / 2 + sizes * stops, spare_bytes / (WalkGrid::kBytesOfCell * cells));
+}
+
 }  // namespace
 
 WalkRoutes::~WalkRoutes() = default;
 
-WalkRoutes::WalkRoutes(const Scene& scene) : portals_(scene) {
+WalkRoutes::WalkRoutes(const Scene& scene, std::size_t spare_bytes) : portals_(scene) {
   const WorldDescription& world = scene.world();
   FindLevels(world);
   FindSizes(scene);
@@ -92,10 +106,8 @@ WalkRoutes::WalkRoutes(const Scene& scene) : portals_(scene) {
           std::make_unique<const WalkGrid>(scene.static_index(), portals_, size.z + level, size.radius, bounds));
     }
   }
-  made_ = std::vector<std::once_flag>(grids_.size() * targets_);
-  fields_.resize(grids_.size() * targets_);
-  counted_ = std::vector<std::once_flag>(kinds_ * levels_.size() * targets_);
-  rides_.resize(counted_.size());
+  slots_ = std::vector<Slot>(grids_.size() * targets_);
+  most_fields_ = MaxFields(world, sizes_.size(), CountStops(portals_), WalkGrid::CountCells(bounds), spare_bytes);
 }
 
 double WalkRoutes::MostBytes(const Scene& scene, const WorldDescription& world) {
@@ -104,13 +116,17 @@ double WalkRoutes::MostBytes(const Scene& scene, const WorldDescription& world) 
   for (const PersonDescription& person : world.people) {
     sizes.emplace(ClassOf(person.radius), world.model(person.root).size_z);
   }
-  std::size_t goals = 0;
-  for (const GoalSet& set : world.goal_sets) goals += set.points.size();
-  for (const LiftPortal& lift : portals.lifts) goals += lift.stops.size();
+  std::set<std::pair<double, double>> points;
+  for (const GoalSet& set : world.goal_sets) {
+    for (const Vec2& point : set.points) points.emplace(point.x(), point.y());
+  }
+  const std::size_t stops = CountStops(portals);
   const std::size_t levels = std::max<std::size_t>(1, world.levels.size());
+  const std::size_t slots = sizes.size() * levels * (points.size() + stops);
   const std::size_t cells = WalkGrid::CountCells(FindBounds(scene.static_index(), world, portals));
-  return static_cast<double>(WalkGrid::kBytesOfCell) * static_cast<double>(cells) *
-         static_cast<double>(sizes.size() * (goals + levels));
+  const std::size_t fields = std::min(slots, MaxFields(world, sizes.size(), stops, cells, kSpareBytes));
+  return static_cast<double>(WalkGrid::kBytesOfCell * cells) * static_cast<double>(fields + sizes.size() * levels) +
+         static_cast<double>(sizeof(Slot) * slots);
 }
 
 void WalkRoutes::FindLevels(const WorldDescription& world) {
@@ -149,10 +165,15 @@ void WalkRoutes::FindSizes(const Scene& scene) {
 }
 
 void WalkRoutes::NumberTargets(const WorldDescription& world) {
+  std::map<std::pair<double, double>, std::size_t> numbers;  // of points, which sets may share
   for (const GoalSet& set : world.goal_sets) {
     goals_.push_back(set.points);
-    first_point_.push_back(targets_);
-    targets_ += set.points.size();
+    std::vector<std::size_t>& of_set = numbers_.emplace_back();
+    for (const Vec2& point : set.points) {
+      const auto [found, is_new] = numbers.emplace(std::pair(point.x(), point.y()), targets_);
+      if (is_new) ++targets_;
+      of_set.push_back(found->second);
+    }
     std::vector<std::size_t>& of_points = levels_of_goals_.emplace_back();
     for (const double height : set.heights) {
       // A place on a table belongs to the floor below.
@@ -182,42 +203,80 @@ std::size_t WalkRoutes::LevelOf(PersonId person, const Goal& goal) const {
 
 std::size_t WalkRoutes::NumberOf(const Goal& goal) const {
   TROUPE_CHECK(goal.goals < goals_.size() && goal.point < goals_[goal.goals].size());
-  return first_point_[goal.goals] + goal.point;
+  return numbers_[goal.goals][goal.point];
 }
 
-const WalkField& WalkRoutes::FieldTo(PersonId person, const Goal& goal) const {
+WalkRoutes::SharedField WalkRoutes::FieldTo(PersonId person, const Goal& goal) const {
   return FieldOf(person, LevelOf(person, goal), NumberOf(goal), goals_[goal.goals][goal.point]);
 }
 
-const WalkField& WalkRoutes::FieldTo(PersonId person, const Stop& stop) const {
+WalkRoutes::SharedField WalkRoutes::FieldTo(PersonId person, const Stop& stop) const {
   return FieldOf(person, LevelAt(StopOf(stop).z), NumberOf(stop), StopOf(stop).Entrance());
 }
 
-const WalkField& WalkRoutes::FieldOf(PersonId person, std::size_t level, std::size_t number, const Vec2& target) const {
+WalkRoutes::SharedField WalkRoutes::FieldOf(PersonId person, std::size_t level, std::size_t number,
+                                            const Vec2& target) const {
   const std::size_t grid = size_of_[person.index()] * levels_.size() + level;
-  const std::size_t field = grid * targets_ + number;
-  std::call_once(made_[field], [&] { fields_[field] = std::make_unique<const WalkField>(*grids_[grid], target); });
-  return *fields_[field];
+  const std::size_t slot = grid * targets_ + number;
+  SharedField field = FieldIn(slot);
+  return field ? field : MakeField(slot, *grids_[grid], target);
+}
+
+WalkRoutes::SharedField WalkRoutes::FieldIn(std::size_t slot) const {
+  const std::scoped_lock lock(GuardOf(slot));
+  slots_[slot].used_after = made_.load(std::memory_order_relaxed);
+  return slots_[slot].field;
+}
+
+WalkRoutes::SharedField WalkRoutes::MakeField(std::size_t slot, const WalkGrid& grid, const Vec2& target) const {
+  const std::scoped_lock lock(making_[slot % making_.size()]);
+  if (SharedField other = FieldIn(slot)) return other;  // another thread was first
+  const auto field = std::make_shared<const WalkField>(grid, target);
+  ++made_;
+  {
+    const std::scoped_lock guard(GuardOf(slot));
+    slots_[slot] = {field, made_};
+  }
+  if (++kept_ > most_fields_) DropUnused();
+  return field;
+}
+
+// Down to three quarters, so that the search for them is rare.
+void WalkRoutes::DropUnused() const {
+  const std::scoped_lock lock(dropping_);
+  if (kept_ <= most_fields_) return;
+  std::vector<std::pair<std::uint64_t, std::size_t>> used;
+  for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
+    const std::scoped_lock guard(GuardOf(slot));
+    if (slots_[slot].field) used.emplace_back(slots_[slot].used_after, slot);
+  }
+  std::sort(used.begin(), used.end());
+  used.resize(used.size() - std::min(used.size(), most_fields_ * 3 / 4));
+  for (const auto& [when, slot] : used) {
+    const std::scoped_lock guard(GuardOf(slot));
+    slots_[slot].field.reset();
+  }
+  kept_ -= used.size();
 }
 
 std::optional<Vec2> WalkRoutes::Target(PersonId person, const Goal& goal) const {
-  return FieldTo(person, goal).target();
+  return FieldTo(person, goal)->target();
 }
 
 std::optional<WalkRoutes::Ahead> WalkRoutes::AheadTo(PersonId person, const Goal& goal, const Vec2& from) const {
-  return AheadIn(FieldTo(person, goal), from);
+  return AheadIn(*FieldTo(person, goal), from);
 }
 
 std::optional<WalkRoutes::Ahead> WalkRoutes::AheadTo(PersonId person, const Stop& stop, const Vec2& from) const {
-  return AheadIn(FieldTo(person, stop), from);
+  return AheadIn(*FieldTo(person, stop), from);
 }
 
 std::optional<double> WalkRoutes::Length(PersonId person, const Goal& goal, const Vec2& from) const {
-  return LengthIn(FieldTo(person, goal), from);
+  return LengthIn(*FieldTo(person, goal), from);
 }
 
 std::optional<double> WalkRoutes::Length(PersonId person, const Stop& stop, const Vec2& from) const {
-  return LengthIn(FieldTo(person, stop), from);
+  return LengthIn(*FieldTo(person, stop), from);
 }
 
 template <typename Visit>
@@ -265,8 +324,11 @@ std::vector<std::uint32_t> WalkRoutes::CountRides(PersonId person, const Goal& g
 const std::vector<std::uint32_t>& WalkRoutes::RidesTo(PersonId person, const Goal& goal) const {
   const std::size_t number =
       (kind_of_[person.index()] * levels_.size() + LevelOf(person, goal)) * targets_ + NumberOf(goal);
-  std::call_once(counted_[number], [&] { rides_[number] = CountRides(person, goal); });
-  return rides_[number];
+  // Rare: when a trip to another level begins.
+  const std::scoped_lock lock(counting_);
+  const auto [entry, is_new] = rides_.try_emplace(number);
+  if (is_new) entry->second = CountRides(person, goal);
+  return entry->second;
 }
 
 std::optional<WalkRoutes::Ride> WalkRoutes::FindRide(PersonId person, std::size_t level, const Goal& goal,

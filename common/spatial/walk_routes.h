@@ -6,14 +6,19 @@
 // cell. A field is made when a person first asks for it, by any thread; it is a pure function of the world.
 //
 // Memory is the reason for sizes: radii are rounded up to classes of 5 cm, so that a crowd of different people has a
-// few grids. MostBytes is an upper bound for the limits of loaders; it is asked before a scene is made.
+// few grids. Goals at one point share their fields, and of very many fields only so many are kept as people can use at
+// one time: one for each person, and those of the stops. The field that was not used for the longest time goes, and is
+// made again for the next person that asks. MostBytes is an upper bound for the limits of loaders; it is asked before a
+// scene is made.
 //
-// Safe for any number of threads: fields are made under std::call_once, so that the first person waits for the search
-// and others with the same goal wait with it. The time of making a field is the only difference that threads see, never
-// a result.
+// Safe for any number of threads: a field is made by one, while others with the same goal wait for it, and a thread
+// that uses a field keeps it. The time of making a field is the only difference that threads see, never a result.
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -51,7 +56,8 @@ class WalkRoutes {
     std::optional<std::size_t> door = {};  // the first doorway on the next metres of the way, if there is one
   };
 
-  explicit WalkRoutes(const Scene& scene);
+  // More fields than people use are kept while they take less than `spare_bytes`.
+  explicit WalkRoutes(const Scene& scene, std::size_t spare_bytes = kSpareBytes);
   // The memory (bytes) that the routes of a world with people may need at most. `scene`: that world, or the same
   // without people.
   static double MostBytes(const Scene& scene, const WorldDescription& world);
@@ -82,6 +88,8 @@ class WalkRoutes {
   std::optional<Ride> FindRide(PersonId person, std::size_t level, const Goal& goal, const Vec2& from) const;
 
  private:
+  static constexpr std::size_t kSpareBytes = std::size_t{1} << 30;
+
   struct Size {  // of people: few, so that there are few grids
     ZRange z;    // above their floor
     double radius = 0.0;
@@ -97,9 +105,14 @@ class WalkRoutes {
   std::size_t NumberOf(const Goal& goal) const;
   std::size_t NumberOf(const Stop& stop) const { return first_stop_[stop.lift] + stop.floor; }
   const LiftStop& StopOf(const Stop& stop) const { return *portals_.lifts[stop.lift].stops[stop.floor]; }
-  const WalkField& FieldTo(PersonId person, const Goal& goal) const;
-  const WalkField& FieldTo(PersonId person, const Stop& stop) const;
-  const WalkField& FieldOf(PersonId person, std::size_t level, std::size_t number, const Vec2& target) const;
+  using SharedField = std::shared_ptr<const WalkField>;
+  SharedField FieldTo(PersonId person, const Goal& goal) const;
+  SharedField FieldTo(PersonId person, const Stop& stop) const;
+  SharedField FieldOf(PersonId person, std::size_t level, std::size_t number, const Vec2& target) const;
+  // Null for one that is not there; else it counts as used.
+  SharedField FieldIn(std::size_t slot) const;
+  SharedField MakeField(std::size_t number, const WalkGrid& grid, const Vec2& target) const;
+  void DropUnused() const;
   bool FitsIn(PersonId person, const LiftPortal& lift) const { return radii_[person.index()] <= lift.radius; }
   // Calls visit(stop) for the stops of a lift, by floor.
   template <typename Visit>
@@ -112,7 +125,7 @@ class WalkRoutes {
   std::vector<double> levels_;                             // m, ascending
   std::vector<std::vector<Vec2>> goals_;                   // points, by set
   std::vector<std::vector<std::size_t>> levels_of_goals_;  // of the points, by set; empty for a set without heights
-  std::vector<std::size_t> first_point_;                   // by set: the number of its first point among the targets
+  std::vector<std::vector<std::size_t>> numbers_;          // of the points among the targets, by set
   std::vector<std::size_t> first_stop_;                    // by lift: the number of its first stop among the targets
   std::size_t targets_ = 0;
   std::vector<Size> sizes_;
@@ -122,10 +135,22 @@ class WalkRoutes {
   std::size_t kinds_ = 0;
   std::vector<std::size_t> start_level_;
   std::vector<std::unique_ptr<const WalkGrid>> grids_;  // by size and level
-  mutable std::vector<std::once_flag> made_;            // by size, level and target, like the next
-  mutable std::vector<std::unique_ptr<const WalkField>> fields_;
-  mutable std::vector<std::once_flag> counted_;  // by kind, level and target, like the next
-  mutable std::vector<std::vector<std::uint32_t>> rides_;
+  struct Slot {
+    SharedField field;             // null: not made, or dropped
+    std::uint64_t used_after = 0;  // so many were made when it was used last
+  };
+  // Some mutexes for many slots, by their numbers. In a guard nothing takes long; the search for a field is in making_.
+  using Mutexes = std::array<std::mutex, 64>;
+  std::mutex& GuardOf(std::size_t slot) const { return guards_[slot % guards_.size()]; }
+  mutable std::vector<Slot> slots_;  // by size, level and target
+  mutable Mutexes guards_;
+  mutable Mutexes making_;
+  std::size_t most_fields_ = 0;  // that are kept
+  mutable std::mutex dropping_;
+  mutable std::atomic<std::uint64_t> made_ = 0;                      // fields, so far
+  mutable std::atomic<std::size_t> kept_ = 0;                        // fields
+  mutable std::mutex counting_;                                      // guards the next
+  mutable std::map<std::size_t, std::vector<std::uint32_t>> rides_;  // by kind, level and target
 };
 
 // The routes of a scene, once they are asked for.

@@ -151,20 +151,31 @@ TEST(PeopleScenario, ErrorsNameThePlace) {
               testing::HasSubstr("expected 'regular', 'curious', 'scared' or 'careless'"));
 }
 
-// The way to each goal takes a grid of the whole ground.
+// The way to each present goal of people takes a grid of the whole ground.
 TEST(PeopleScenario, MoreWaysThanMemoryAreAnError) {
-  const auto with_goals = [](int count, const std::string& more) {
-    std::string goals = "[4000, 4000]";
-    for (int i = 1; i < count; ++i) goals += ", [" + std::to_string(i) + ", 0]";
-    return R"({"people": [{"count": 1, "region": [0, 0, 1, 1], "goals": [)" + goals + "]}" + more + "]}";
+  const auto with_goals = [](int people, int goals) {
+    std::string text = "[4000, 4000]";
+    for (int i = 1; i < goals; ++i) text += ", [" + std::to_string(i) + ", 0]";
+    return R"({"people": [{"count": )" + std::to_string(people) + R"(, "region": [0, 0, 20, 20], "goals": [)" + text +
+           "]}]}";
   };
-  EXPECT_EQ(ErrorOfPeople(with_goals(90, "")), "");
-  EXPECT_EQ(
-      ErrorOfPeople(with_goals(120, "")),
-      "s.json:1:13: error: found people whose ways may take 10 GiB of memory, expected at most 8: each goal takes a "
-      "grid of the whole ground for each size of people");
-  const std::string child = R"(, {"count": 1, "region": [4, 4, 5, 5], "radius": 0.15, "height": 1.1})";
-  EXPECT_THAT(ErrorOfPeople(with_goals(90, child)), testing::HasSubstr("may take 14 GiB"));
+  EXPECT_EQ(ErrorOfPeople(with_goals(1, 900)), "");
+  EXPECT_EQ(ErrorOfPeople(with_goals(100, 50)), "");
+  EXPECT_EQ(ErrorOfPeople(with_goals(100, 900)),
+            "s.json:1:13: error: found people whose ways may take 12 GiB of memory, expected at most 8: each person "
+            "takes a grid of the whole ground for its present goal");
+}
+
+TEST(PeopleScenario, EachPersonMayHaveGoalsOfItsOwn) {
+  std::string rules;
+  for (int i = 0; i < 1200; ++i) {
+    rules += std::string(i > 0 ? ", " : "") + R"({"count": 1, "region": [0, 0, 40, 40], "goals": [)";
+    for (int k = 0; k < 12; ++k) {
+      rules += std::string(k > 0 ? ", [" : "[") + std::to_string(0.03 * i) + ", " + std::to_string(3 * k) + "]";
+    }
+    rules += "]}";
+  }
+  EXPECT_EQ(ErrorOfPeople(R"({"people": [)" + rules + "]}"), "");
 }
 
 TEST(Guesthouse, ItsGuestsOpenDoorsAndReachTheOtherLevel) {

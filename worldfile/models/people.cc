@@ -71,7 +71,7 @@ class Crowd {
     if (size <= static_cast<double>(kMax)) return Status();
     return Error{where, "found people whose ways may take " + std::to_string(static_cast<std::uint64_t>(size)) +
                             " GiB of memory, expected at most " + std::to_string(kMax) +
-                            ": each goal takes a grid of the whole ground for each size of people"};
+                            ": each person takes a grid of the whole ground for its present goal"};
   }
 
   LoadedWorld Release() { return std::move(loaded_); }

@@ -219,5 +219,27 @@ TEST(WalkRoutes, AGoalInAWallIsThePlaceBesideIt) {
   EXPECT_EQ(routes.AheadTo(PersonId(0), WalkRoutes::Goal{0, 1}, {0.0, 0.0})->point, Vec2(-3.0, 0.0));
 }
 
+// Of more goals than fields that are kept each way is the same whenever it is asked for.
+TEST(WalkRoutes, WaysThatWereDroppedAreMadeAgain) {
+  PeopleWorld test;
+  test.AddModel(Box(4.0, -1.0, 5.0, 1.0), {0.0, 2.0});
+  std::vector<Vec2> points;
+  for (int i = 0; i < 40; ++i) points.emplace_back(8.0 + i, 0.5 * i);
+  points.push_back(points.front());
+  test.AddPerson({0.0, 0.0}, test.AddGoals(points));
+  const Scene scene(test.world);
+  const WalkRoutes routes(scene, 0);
+  std::vector<double> lengths;
+  for (const int round : {0, 1}) {
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      const double length = *routes.Length(PersonId(0), WalkRoutes::Goal{0, i}, {0.0, 0.0});
+      EXPECT_GT(length, 8.0 + 0.9 * (i % 40));
+      if (round == 0) lengths.push_back(length);
+      EXPECT_EQ(length, lengths[i]);
+    }
+  }
+  EXPECT_EQ(lengths.front(), lengths.back()) << "of one point";
+}
+
 }  // namespace
 }  // namespace troupe
