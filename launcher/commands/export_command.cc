@@ -17,7 +17,7 @@
 #include "launcher/commands/commands.h"
 #include "launcher/export/run_export.h"
 #include "recording/recording.h"
-#include "world-service/replay/replayed_world.h"
+#include "world-service/replay/run_replay.h"
 
 namespace troupe {
 namespace {
@@ -48,29 +48,28 @@ Result<std::unique_ptr<RunExport>> MakeExport(const ExportArguments& arguments) 
 // file.
 Status AddStates(const Recording& recording, const ExportArguments& arguments, RunExport& target,
                  ExportReport& report) {
-  Result<ReplayCursor> made = ReplayCursor::At(recording);
-  if (!made.ok()) return made.error();
-  ReplayCursor& cursor = made.value();
   const bool has_terminal = isatty(STDERR_FILENO) == 1;
   Clock::time_point shown_at = Clock::now();
-  for (;;) {
-    const Result<const RecordedTick*> next = cursor.Next();
-    if (!next.ok()) return next.error();
-    if (next.value() == nullptr) break;
-    if (Status advanced = cursor.Advance(); !advanced.ok()) return advanced;
-    const Tick tick = cursor.tick().tick;
-    if (has_terminal && Clock::now() - shown_at > std::chrono::milliseconds(500)) {
-      shown_at = Clock::now();
-      fmt::print(stderr, "\r\033[Ktick {}", tick);
-      std::fflush(stderr);
-    }
-    if (cursor.world().in_rewind() || (arguments.from && tick < *arguments.from)) continue;
-    if (arguments.to && tick > *arguments.to) break;
-    if (Status added = target.Add(cursor.world(), cursor.tick().log_time); !added.ok()) return added;
-    if (report.states++ == 0) report.first = tick;
-    report.last = tick;
-  }
-  return recording.damage() ? Status(Failure(recording.damage()->problem)) : Status();
+  ReplayOptions options;
+  options.from = arguments.from;
+  // A range may end behind the recording.
+  if (arguments.to && recording.spans().Last(*arguments.to)) options.to = arguments.to;
+  options.on_state = [&](const ReplayedWorld& world, const RecordedTick& tick) {
+    if (report.states++ == 0) report.first = tick.tick;
+    report.last = tick.tick;
+    return target.Add(world, tick.log_time);
+  };
+  options.on_progress = [&](Tick tick, double share) {
+    if (!has_terminal || Clock::now() - shown_at <= std::chrono::milliseconds(500)) return;
+    shown_at = Clock::now();
+    fmt::print(stderr, "\r\033[Ktick {}, {:.0f} %", tick, 100.0 * share);
+    std::fflush(stderr);
+  };
+  const Result<ReplayReport> replayed = RunReplay(recording, options).Run();
+  if (!replayed.ok()) return replayed.error();
+  const std::optional<std::string>& difference = replayed.value().difference;
+  const std::optional<std::string>& end = difference ? difference : replayed.value().damage;
+  return end ? Error{{recording.name()}, *end, ErrorCode::kFailure} : Status();
 }
 
 Status CheckOutputs(const ExportArguments& arguments) {
@@ -97,7 +96,7 @@ int ExportCommand(const ExportArguments& arguments) {
     fmt::print("{} states, of ticks {} to {}, in {}\n", report.states, report.first, report.last, arguments.output);
     std::fflush(stdout);
   }
-  if (!added.ok()) return Fail({{arguments.file}, added.error().message, ErrorCode::kFailure});
+  if (!added.ok()) return Fail(added.error());
   if (report.states == 0) return Fail({{arguments.file}, "found no state between the ticks of --from and --to"});
   return kExitDone;
 }

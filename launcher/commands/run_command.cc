@@ -30,7 +30,7 @@
 #include "transport/protocol/transport.h"
 #include "viewer/gateway/access.h"
 #include "viewer/gateway/viewer_gateway.h"
-#include "world-service/replay/branched_run.h"
+#include "world-service/replay/continued_run.h"
 #include "world-service/service/run_observer.h"
 #include "worldfile/load_world.h"
 

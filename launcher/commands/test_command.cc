@@ -19,7 +19,6 @@
 #include "launcher/process/process.h"
 #include "recording/recording.h"
 #include "testing/expectations/tick_view.h"
-#include "world-service/replay/replayed_world.h"
 #include "world-service/replay/run_replay.h"
 
 namespace troupe {
@@ -109,36 +108,34 @@ Status WriteReports(const CaseReport& report, const TestArguments& arguments) {
 Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path) {
   const Result<Recording> recording = OpenToReplay(path);
   if (!recording.ok()) return recording.error();
-  Result<ReplayCursor> made = ReplayCursor::At(recording.value());
-  if (!made.ok()) return made.error();
-  ReplayCursor& cursor = made.value();
-  const ReplayedWorld& world = cursor.world();
   const CaseWorlds worlds(test);
   const Result<LoadedWorld> loaded = worlds.Load(test.design().At(0));
   if (!loaded.ok()) return loaded.error();
-  Result<CaseMonitors> monitors = CaseMonitors::Make(test, world.world(), loaded.value().regions);
+  Result<CaseMonitors> monitors = CaseMonitors::Make(test, recording.value().run().world, loaded.value().regions);
   if (!monitors.ok()) return monitors.error();
-  for (;;) {
-    const Result<const RecordedTick*> next = cursor.Next();
-    if (!next.ok()) return next.error();
-    if (next.value() == nullptr) break;
-    if (next.value()->edit) {
-      return Error{
-          {path},
-          fmt::format("found an edit of the world at tick {}, expected a run without edits", next.value()->tick)};
-    }
-    if (Status error = cursor.Advance(); !error.ok()) {
-      return Error{{path}, error.error().message, error.error().code};
-    }
-    const bool is_first = cursor.position() == 0;
+  const Status unedited =
+      recording.value().VisitEdits(recording.value().chunks(), [&](std::uint64_t, const RecordedEdit& edit) -> Status {
+        return Error{
+            {path},
+            fmt::format("found an edit of the world at tick {}, expected a run without edits", edit.before.state.tick)};
+      });
+  if (!unedited.ok()) return unedited.error();
+  ReplayOptions options;
+  options.on_state = [&](const ReplayedWorld& world, const RecordedTick& tick) {
+    const bool is_first = tick.number == 0;
     const TickView view{*world.scene(), world.bodies(), world.state(),
-                        is_first ? std::span<const Event>() : cursor.tick().events};
-    if (Status error = monitors.value().Push(view); !error.ok()) return error.error();
-  }
+                        is_first ? std::span<const Event>() : tick.events};
+    return monitors.value().Push(view);
+  };
+  const Result<ReplayReport> replayed = RunReplay(recording.value(), options).Run();
+  if (!replayed.ok()) return replayed.error();
+  const ReplayReport& report = replayed.value();
+  const std::optional<std::string>& fault = report.difference ? report.difference : report.damage;
+  if (fault) return Error{{path}, *fault, ErrorCode::kFailure};
   CaseOutcome outcome;
-  outcome.ticks = world.state().tick;
-  outcome.state_hash = world.state_hash();
-  outcome.tick_seconds = world.world().interval_seconds();
+  outcome.ticks = report.last;
+  outcome.state_hash = report.state_hash;
+  outcome.tick_seconds = recording.value().run().world.interval_seconds();
   monitors.value().Finish(outcome);
   return outcome;
 }

@@ -152,7 +152,7 @@ TEST_F(ExportTest, ForTablesHasTheColumnsThatTheirFirstLinesName) {
 TEST_F(ExportTest, RefusesWhatIsNoRecordingAndTheRecordingAsOutput) {
   EXPECT_THAT(OutputOf(Export("foxglove", "run.mcap"), 2), HasSubstr("which the command reads"));
   EXPECT_THAT(OutputOf(Export("xml", "x"), 2), HasSubstr("expected one of foxglove, ros2, csv"));
-  EXPECT_THAT(OutputOf(Export("csv", "t", {"--from", "1000"}), 2), HasSubstr("found no state between"));
+  EXPECT_THAT(OutputOf(Export("csv", "t", {"--from", "1000"}), 2), HasSubstr("found tick 1000, expected at most"));
   EXPECT_THAT(OutputOf(Troupe({"export", Path("run-poses"), "--format", "csv", "-o", Path("t")}), 2),
               HasSubstr("run-poses: error: "));
 }

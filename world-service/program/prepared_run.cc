@@ -16,8 +16,9 @@
 #include "robot-agent/controller/create_controller.h"
 #include "ros/messages/names.h"
 #include "world-service/observers/ros/ros_world_gateway.h"
-#include "world-service/replay/branched_run.h"
+#include "world-service/replay/continued_run.h"
 #include "world-service/replay/journal_history.h"
+#include "world-service/replay/journal_rewind.h"
 
 namespace troupe {
 namespace {
@@ -60,65 +61,11 @@ Result<PreparedRun> Branch(const RunSource& source) {
   run.options.resumed = std::move(branch.value().resumed);
   if (run.options.settings.ros && source.ros.lockstep.names.empty()) {
     // Ticks wait for the topics of the scenario, if it is still here.
-    Result<LoadedWorld> file = LoadWorld(run.options.world_file);
+    Result<LoadedWorld> file = LoadWorld(run.begin->source->run().file);
     if (file.ok()) run.ros_lockstep = std::move(file.value().ros_lockstep);
   }
   if (source.resume) run.options.resumed->incarnation = 1;  // as in LoadFile
   return run;
-}
-
-// The progress of a run behind a rewind, as WorldEditor and TickEngine make it: robots that were not there before need
-// an agent. Its recorder has dropped the commands and inputs.
-void RewindProgress(const WorldDescription& before, ResumedRun& run) {
-  const WorldDescription& world = run.scene->world();
-  RunProgress& progress = run.progress;
-  std::vector<RobotId> absent;
-  for (const RobotId robot : std::exchange(progress.absent, {})) {
-    const std::optional<RobotId> now = FindRobot(world, before.robot(robot).name);
-    if (now && RobotExists(world, *now)) absent.push_back(*now);
-  }
-  std::sort(absent.begin(), absent.end());
-  progress.absent = std::move(absent);
-  progress.newcomers.clear();
-  for (std::size_t i = 0; i < world.robots.size(); ++i) {
-    if (RobotExists(world, RobotId(i)) && !FindRobot(before, world.robots[i].name)) {
-      progress.newcomers.emplace_back(i);
-    }
-  }
-  progress.is_rewinding = false;
-}
-
-// Writes the rest of a rewind whose end the service before did not commit, and commits it.
-Status FinishRewind(ResumedRun& run, RunRecorder& recorder, RunObservers observers) {
-  const UnfinishedRewind rewind = *std::exchange(run.rewind, std::nullopt);
-  recorder.StartWriting();
-  Result<std::unique_ptr<JournalRewind>> states =
-      JournalRewind::Finish({&recorder}, rewind, *run.frame, run.next_number);
-  if (!states.ok()) return states.error();
-  for (bool has_more = true; has_more;) {
-    const Result<bool> more = states.value()->MakeSome();
-    if (!more.ok()) return more.error();
-    has_more = more.value();
-  }
-  Result<RewoundRun> end = states.value()->Write();
-  if (!end.ok()) return end.error();
-  const WorldState before = std::move(run.frame->state);
-  run.frame = std::move(end.value().frame);
-  run.scene = end.value().scene;
-  run.original = end.value().original;
-  run.previous = end.value().previous;
-  run.next_number = rewind.number + rewind.copies + 1;
-  if (rewind.scene_before != nullptr) RewindProgress(rewind.scene_before->world(), run);
-  run.progress.incarnation = run.incarnation;
-  const AppliedEdit edit{rewind.request};
-  const CommittedTick tick{.frame = *run.frame, .proposals = {}, .edit = &edit, .before = &before, .is_recorded = true};
-  observers.push_back(&recorder);
-  for (RunObserver* observer : observers) {
-    observer->OnWorldChange(run.scene, run.frame->edition);
-    if (Status failure = observer->OnCommit(tick, run.progress); !failure.ok()) return failure;
-    if (Status failure = observer->OnTick(tick); !failure.ok()) return failure;
-  }
-  return {};
 }
 
 Result<PreparedRun> Resume(Journal journal, const RunSource& source) {

@@ -16,6 +16,9 @@
 namespace troupe {
 namespace {
 
+// Stepping on is quicker than starting at a keyframe for at most this many states.
+constexpr std::uint64_t kStepOn = 100;
+
 Error BadState(const std::string& problem) {
   return {{}, "found a state with " + problem};
 }
@@ -274,24 +277,14 @@ Result<ReplayCursor> ReplayCursor::At(const Recording& recording, std::size_t ch
 }
 
 Result<ReplayCursor> ReplayCursor::AtTick(const Recording& recording, const std::optional<Tick>& tick) {
-  const auto fail = [&](const Error& error) { return Error{{recording.name()}, error.message, ErrorCode::kFailure}; };
-  std::optional<std::uint64_t> position;
-  if (tick && !(position = recording.spans().Last(*tick))) return NoSuchTick(recording, *tick);
-  Result<ReplayCursor> made = At(recording, recording.KeyframeUpTo(position.value_or(Recording::kEnd)));
-  if (!made.ok()) return made.error();
-  ReplayCursor& cursor = made.value();
-  if (position) {
-    if (Status failure = cursor.AdvanceTo(*position); !failure.ok()) return fail(failure.error());
-  } else {
-    for (;;) {
-      const Result<const RecordedTick*> next = cursor.Next();
-      if (!next.ok()) return fail(next.error());
-      if (next.value() == nullptr) break;
-      if (Status failure = cursor.Advance(); !failure.ok()) return fail(failure.error());
-    }
-  }
-  const bool found = cursor.has_state() && (!tick || cursor.world().state().tick == *tick);
-  if (!found) return fail({{}, "the ticks are not those that their times say"});
+  const std::optional<std::uint64_t> position = tick ? recording.spans().Last(*tick) : Recording::kEnd;
+  if (!position) return NoSuchTick(recording, *tick);
+  Result<ReplayCursor> made = At(recording, recording.KeyframeUpTo(*position));
+  if (!made.ok()) return made;
+  Status failure = made.value().StepTo(*position);
+  const bool is_there = made.value().has_state() && (!tick || made.value().tick().tick == *tick);
+  if (failure.ok() && !is_there) failure = Error{{}, "the ticks are not those that their times say"};
+  if (!failure.ok()) return Error{{recording.name()}, failure.error().message, ErrorCode::kFailure};
   return made;
 }
 
@@ -299,7 +292,7 @@ Status ReplayCursor::Restart(std::size_t chunk) {
   world_ = ReplayedWorld(first_);
   reader_ = TickReader(*recording_, chunk);
   begins_run_ = chunk == 0;
-  has_state_ = has_next_ = has_ended_ = false;
+  has_state_ = has_next_ = has_ended_ = is_lost_ = false;
   if (begins_run_) world_.Begin();
   Status edited = recording_->VisitEdits(
       chunk, [this](std::uint64_t number, const RecordedEdit& edit) { return world_.ApplyAlone(number, edit); });
@@ -310,7 +303,8 @@ Status ReplayCursor::Restart(std::size_t chunk) {
 Result<const RecordedTick*> ReplayCursor::Next() {
   if (!has_next_ && !has_ended_) {
     const Result<bool> more = reader_.Next(next_);
-    if (!more.ok()) return more.error();
+    is_lost_ = !more.ok();
+    if (is_lost_) return more.error();
     has_next_ = more.value();
     has_ended_ = !more.value();
   }
@@ -319,6 +313,7 @@ Result<const RecordedTick*> ReplayCursor::Next() {
 
 Status ReplayCursor::Fail(Fault fault, const std::string& problem) {
   fault_ = fault;
+  is_lost_ = true;
   return Error{{}, fmt::format("tick {}: {}", has_next_ ? next_.tick : tick_.tick, problem), ErrorCode::kFailure};
 }
 
@@ -343,14 +338,29 @@ Status ReplayCursor::Advance() {
   return applied.ok() ? Compare() : applied;
 }
 
-Status ReplayCursor::AdvanceTo(std::uint64_t position) {
+Result<bool> ReplayCursor::Step() {
+  const Result<const RecordedTick*> next = Next();
+  if (!next.ok()) return next.error();
+  if (next.value() == nullptr) return false;
+  const Status advanced = Advance();
+  return advanced.ok() ? Result<bool>(true) : advanced.error();
+}
+
+Status ReplayCursor::StepTo(std::uint64_t position) {
   while (!has_state_ || this->position() < position) {
-    const Result<const RecordedTick*> next = Next();
-    if (!next.ok()) return next.error();
-    if (next.value() == nullptr) return Error{{}, "found the end of the recording, expected another tick"};
-    if (Status failure = Advance(); !failure.ok()) return failure;
+    const Result<bool> more = Step();
+    if (!more.ok()) return more.error();
+    if (more.value()) continue;
+    if (position == Recording::kEnd) return {};
+    return Error{{}, "found the end of the recording, expected another tick"};
   }
   return {};
+}
+
+Status ReplayCursor::Approach(std::uint64_t position) {
+  const bool is_near =
+      has_state_ && !is_lost_ && this->position() <= position && position - this->position() <= kStepOn;
+  return is_near ? Status() : Restart(recording_->KeyframeUpTo(position));
 }
 
 Status ReplayCursor::Compare() {
@@ -388,6 +398,12 @@ std::vector<Event> StepEventsOf(const std::vector<Event>& events) {
            event.type == EventType::kProposalRejected || event.type == EventType::kReported;
   });
   return repeated;
+}
+
+std::optional<ControllerCheckpoint> PreviousOf(const RecordedTick& tick) {
+  if (tick.number == 0) return std::nullopt;
+  if (tick.edit) return ControllerCheckpoint{tick.edition - 1, tick.edit->before.state.tick, false};
+  return ControllerCheckpoint{tick.edition, tick.tick - 1, true};
 }
 
 Result<Recording> OpenToReplay(const std::string& path) {

@@ -110,8 +110,12 @@ class ReplayCursor {
   // Goes to the state of that tick, and compares it: the hash, a keyframe, and the state before an edit. The error,
   // with the tick, has a fault(). REQUIRES: Next() is a tick.
   Status Advance();
-  // As far as a position. The error is also damage, or a recording that ends before.
-  Status AdvanceTo(std::uint64_t position);
+  // Both in one: goes to the next state. False: there is none.
+  Result<bool> Step();
+  // As far as a position, kEnd: the last state. The error is also a recording that ends before.
+  Status StepTo(std::uint64_t position);
+  // Goes to where the fewest steps lead to a position: the keyframe before it, or the present state.
+  Status Approach(std::uint64_t position);
   Fault fault() const { return fault_; }
   // As Advance, without the comparison.
   Status Apply();
@@ -136,6 +140,7 @@ class ReplayCursor {
   bool has_state_ = false;
   bool has_next_ = false;  // that was read
   bool has_ended_ = false;
+  bool is_lost_ = false;  // Next or Advance has failed: the world may be in the middle of a tick
   RecordedTick tick_;
   RecordedTick next_;
   Fault fault_ = Fault::kNone;
@@ -148,6 +153,9 @@ Result<Recording> OpenToReplay(const std::string& path);
 Error NoSuchTick(const Recording& recording, Tick tick);
 // The events of a tick that a step or an edit repeats, without events of agents.
 std::vector<Event> StepEventsOf(const std::vector<Event>& events);
+
+// The state before a recorded one; nothing: there is none.
+std::optional<ControllerCheckpoint> PreviousOf(const RecordedTick& tick);
 
 // The first difference between two states of one world, for messages.
 struct StateDifference {

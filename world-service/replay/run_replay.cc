@@ -198,12 +198,14 @@ Status RunReplay::AddState() {
   }
   report_.last = tick.tick;
   report_.state_hash = cursor_->world().state_hash();
-  return WriteOutputs();
+  if (cursor_->world().in_rewind()) return {};
+  if (Status failure = WriteOutputs(); !failure.ok()) return failure;
+  return options_.on_state ? options_.on_state(cursor_->world(), tick) : Status();
 }
 
 Status RunReplay::WriteOutputs() {
   const ReplayedWorld& world = cursor_->world();
-  if (recorder_ == nullptr || world.in_rewind()) return {};
+  if (recorder_ == nullptr) return {};
   const RecordedTick& tick = cursor_->tick();
   if (world.scene() != recorded_scene_) {
     recorded_scene_ = world.scene();

@@ -5,6 +5,7 @@
 // simulator, never of the user's controllers, which are not run. Damage of the file is reported apart from it, with the
 // states that were compared before.
 //
+// Whatever follows the states of a recording (replays, exports, expectations) does it by this class.
 // Outputs (hash log, poses, scans) are those that the run itself would have written, byte by byte, because sensors are
 // pure functions of state, seed and tick. Passive: the calling thread does all the work.
 #pragma once
@@ -56,6 +57,9 @@ struct ReplayOptions {
   // Called with each state from the start of the run, and the tick that follows it; returns a difference. Its error
   // ends the replay. May be null.
   std::function<Result<std::optional<std::string>>(const ReplayedWorld& world, const RecordedTick& next)> check;
+  // Called with each state of the range that was compared, but for states within a rewind, which the run has not
+  // published, and the tick that led to it. Its error ends the replay. May be null.
+  std::function<Status(const ReplayedWorld& world, const RecordedTick& tick)> on_state;
   // Called now and then with the tick and the share of the ticks, 0 to 1. May be null.
   std::function<void(Tick tick, double share)> on_progress;
 };

@@ -6,12 +6,6 @@
 #include <utility>
 
 namespace troupe {
-namespace {
-
-// Stepping on is quicker than starting at a keyframe for at most this many states.
-constexpr std::uint64_t kStepOn = 100;
-
-}  // namespace
 
 Result<std::unique_ptr<SteppedTimeline>> SteppedTimeline::Create(Recording recording, WorldCache& worlds,
                                                                  std::size_t max_kept_bytes) {
@@ -55,8 +49,6 @@ Result<SharedState> SteppedTimeline::At(std::uint64_t position) {
   position = std::min(position, spans_->last());
   if (SharedState kept = kept_.Find(position)) return kept;
   if (Status failure = Seek(position); !failure.ok()) {
-    // A cursor that has failed may be in the middle of a tick; the next call starts from a keyframe.
-    is_lost_ = true;
     return Error{{recording_.name()}, failure.error().message + " (troupe replay tells more)", ErrorCode::kFailure};
   }
   return kept_.Find(position);
@@ -67,14 +59,14 @@ Status SteppedTimeline::Seek(std::uint64_t position) {
     Result<ReplayCursor> cursor = ReplayCursor::At(recording_, recording_.KeyframeUpTo(position));
     if (!cursor.ok()) return cursor.error();
     cursor_.emplace(std::move(cursor).value());
-  } else if (is_lost_ || cursor_->position() > position || position - cursor_->position() > kStepOn) {
-    if (Status failure = cursor_->Restart(recording_.KeyframeUpTo(position)); !failure.ok()) return failure;
+  } else if (Status failure = cursor_->Approach(position); !failure.ok()) {
+    return failure;
   }
-  is_lost_ = false;
   if (cursor_->has_state()) Keep();  // a dropped one may be asked for again
   while (!cursor_->has_state() || cursor_->position() < position) {
-    const std::uint64_t next = cursor_->has_state() ? cursor_->position() + 1 : 0;
-    if (Status failure = cursor_->AdvanceTo(next); !failure.ok()) return failure;
+    if (Status failure = cursor_->StepTo(cursor_->has_state() ? cursor_->position() + 1 : 0); !failure.ok()) {
+      return failure;
+    }
     Keep();
   }
   return {};

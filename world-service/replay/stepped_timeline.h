@@ -61,7 +61,6 @@ class SteppedTimeline final : public RecordedTimeline {
   std::shared_ptr<const TimeSpans> spans_;
   std::deque<NumberedEvent> events_;
   std::optional<ReplayCursor> cursor_;  // nothing: none yet
-  bool is_lost_ = true;                 // the cursor has failed
   KeptStates kept_;
   std::vector<std::shared_ptr<const TimelineWorld>> were_shown_;  // in use as long as the timeline
   std::weak_ptr<const Scene> newest_scene_;                       // of newest_world_, or another one like it

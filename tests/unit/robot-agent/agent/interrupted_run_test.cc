@@ -16,7 +16,7 @@
 #include "tests/support/small_world.h"
 #include "tests/support/values.h"
 #include "world-service/program/prepared_run.h"
-#include "world-service/replay/branched_run.h"
+#include "world-service/replay/continued_run.h"
 
 namespace troupe::test {
 namespace {

@@ -12,7 +12,7 @@
 #include "tests/support/files.h"
 #include "tests/support/small_world.h"
 #include "tests/support/values.h"
-#include "world-service/replay/branched_run.h"
+#include "world-service/replay/continued_run.h"
 #include "world-service/replay/run_replay.h"
 #include "worldfile/load_world.h"
 
@@ -351,6 +351,35 @@ TEST(RewoundRunTest, ABranchFromWithinARewindHasNoMoreOfItsStates) {
   });
   ASSERT_TRUE(visited.ok());
   EXPECT_THAT(copies, testing::ElementsAre(20u));
+}
+
+// As a service that continues the run itself there.
+TEST(RewoundRunTest, ABranchCanRestoreWhatWasDeletedBeforeIt) {
+  const Files files;
+  const WorldDescription world = Yard(3);
+  const std::string first = world.robots[0].name;
+  const std::string second = world.robots[1].name;
+  {
+    ControlledRun run(world, {.outputs = Record(files.recording(), 10)});
+    run.Step(10);
+    ASSERT_TRUE(run.Ask(control::Delete{.name = first}).done);
+    run.Step(10);
+    ASSERT_TRUE(run.Ask(control::Delete{.name = second}).done);
+    run.Step(10);
+    ASSERT_TRUE(run.Finish().ok());
+  }
+  const auto deleted = [&](std::optional<Tick> from) {
+    BranchOptions options;
+    options.from = from;
+    std::vector<std::string> names;
+    for (const DeletedEntity& each : ValueOf(BranchRun(files.recording(), options)).resumed.deleted) {
+      names.push_back(each.name);
+    }
+    return names;
+  };
+  EXPECT_THAT(deleted(5), testing::IsEmpty());
+  EXPECT_THAT(deleted(15), testing::ElementsAre(first));
+  EXPECT_THAT(deleted(std::nullopt), testing::ElementsAre(first, second));
 }
 
 TEST(RewoundRunTest, ARunWithoutRecordingSaysSo) {

@@ -1,4 +1,4 @@
-#include "world-service/replay/branched_run.h"
+#include "world-service/replay/continued_run.h"
 
 #include <fmt/format.h>
 
@@ -49,6 +49,45 @@ RecordedTick RecordedChange(const WorldChanges& changes, const FrameMessage& fra
   return tick;
 }
 
+// The effects of a run's edits beyond its state, which later requests need.
+class EditNotes {
+ public:
+  // `number`: of the state to which the edit led. In the order of the edits; a second call for one changes nothing.
+  void Add(std::uint64_t number, const RecordedEdit& edit) {
+    if (number < next_number_) return;
+    next_number_ = number + 1;
+    if (const auto* const rewind = std::get_if<control::Rewind>(&edit.request)) {
+      rewind_ = UnfinishedRewind{*rewind, number, edit.copied_from, edit.copies, nullptr};
+      // The edits within it are copies: they had their effect when they were made first.
+      next_number_ += edit.copies;
+    }
+    if (const auto* const load = std::get_if<control::LoadWorld>(&edit.request)) {
+      // The journal lacks the text of a world that was no file: its models are spawned from the first file again.
+      const bool is_from_lost_text = load->source.empty() && edit.world && !edit.world->models.empty();
+      world_file_ = is_from_lost_text ? std::nullopt : std::optional(load->source);
+    }
+    const auto* const removal = std::get_if<control::Delete>(&edit.request);
+    if (removal != nullptr && edit.world) {
+      deleted_.push_back({removal->name, std::make_shared<const WorldDescription>(*edit.world)});
+      if (deleted_.size() > kMaxDeleted) deleted_.pop_front();
+    }
+  }
+
+  // The newest rewind, if it has not ended; nothing: it has, or there was none.
+  std::optional<UnfinishedRewind>& rewind() { return rewind_; }
+  void MoveTo(ResumedRun& run) {
+    run.rewind = std::move(rewind_);
+    run.world_file = std::move(world_file_);
+    run.deleted = std::move(deleted_);
+  }
+
+ private:
+  std::uint64_t next_number_ = 0;  // of the first edit that is not noted yet
+  std::optional<UnfinishedRewind> rewind_;
+  std::optional<std::string> world_file_;  // as ResumedRun
+  std::deque<DeletedEntity> deleted_;
+};
+
 class Restoration {
  public:
   Restoration(const Journal& journal, const MakeRunObservers& make_observers)
@@ -65,7 +104,7 @@ class Restoration {
     if (!cursor.ok()) return cursor.error();
     cursor_.emplace(std::move(cursor).value());
     const Status visited = recording.VisitEdits(chunk, [this](std::uint64_t number, const RecordedEdit& edit) {
-      Note(number, edit);
+      notes_.Add(number, edit);
       return Status();
     });
     if (!visited.ok()) return visited.error();
@@ -104,7 +143,7 @@ class Restoration {
   // The state is one of a rewind whose end was not committed.
   bool IsOfUnfinishedRewind() {
     if (world().in_rewind()) return true;
-    if (!journal_.progress.is_rewinding || !rewind_) return false;
+    if (!journal_.progress.is_rewinding || !notes_.rewind()) return false;
     const Result<const RecordedTick*> next = cursor_->Next();
     return next.ok() && next.value() == nullptr;
   }
@@ -119,8 +158,9 @@ class Restoration {
       }
     }
     if (next.edit) {
-      Note(next.number, *next.edit);
-      if (rewind_ && rewind_->number == next.number) rewind_->scene_before = world().scene();
+      notes_.Add(next.number, *next.edit);
+      std::optional<UnfinishedRewind>& rewind = notes_.rewind();
+      if (rewind && rewind->number == next.number) rewind->scene_before = world().scene();
     }
     if (Status problem = cursor_->Advance(); !problem.ok()) {
       return Error{{journal_.recording.name()}, problem.error().message, ErrorCode::kFailure};
@@ -130,29 +170,9 @@ class Restoration {
     // Recorded frames have no run id; agents ignore a frame without that of theirs.
     frame_->run = journal_.recording.run().run;
     if (IsOfUnfinishedRewind()) return {};
-    rewind_.reset();
+    notes_.rewind().reset();
     if (!was_in_rewind) frame_->events = tick.events;
     return Tell(tick, was_in_rewind ? std::span<const Proposal>() : tick.proposals);
-  }
-
-  // Edits whose effect is more than the state, also those before the keyframe.
-  void Note(std::uint64_t number, const RecordedEdit& edit) {
-    if (const auto* const rewind = std::get_if<control::Rewind>(&edit.request)) {
-      rewind_ = UnfinishedRewind{*rewind, number, edit.copied_from, edit.copies, nullptr};
-      last_copy_ = number + edit.copies;
-    }
-    // A copy of an edit within a rewind: it had its effect when it was made first.
-    if (number <= last_copy_) return;
-    if (const auto* const load = std::get_if<control::LoadWorld>(&edit.request)) {
-      // The journal lacks the text of a world that was no file: its models are spawned from the first file again.
-      const bool is_from_lost_text = load->source.empty() && edit.world && !edit.world->models.empty();
-      world_file_ = is_from_lost_text ? std::nullopt : std::optional(load->source);
-    }
-    const auto* const removal = std::get_if<control::Delete>(&edit.request);
-    if (removal != nullptr && edit.world) {
-      deleted_.push_back({removal->name, std::make_shared<const WorldDescription>(*edit.world)});
-      if (deleted_.size() > kMaxDeleted) deleted_.pop_front();
-    }
   }
 
   Status Tell(const RecordedTick& tick, std::span<const Proposal> proposals) {
@@ -185,9 +205,7 @@ class Restoration {
     if (cursor_->has_state()) run.previous = PreviousOf(cursor_->tick());
     run.frame = std::move(frame_);
     run.progress = journal_.progress;
-    run.rewind = std::move(rewind_);
-    run.world_file = std::move(world_file_);
-    run.deleted = std::move(deleted_);
+    notes_.MoveTo(run);
     return run;
   }
 
@@ -199,10 +217,7 @@ class Restoration {
   std::optional<ReplayCursor> cursor_;
   std::shared_ptr<const Scene> reported_scene_;  // that the observers know; null: there are none yet
   std::optional<ReportedEdit> edit_;
-  std::optional<UnfinishedRewind> rewind_;
-  std::uint64_t last_copy_ = 0;            // number of the last state of the newest rewind; 0: there was none
-  std::optional<std::string> world_file_;  // as ResumedRun
-  std::deque<DeletedEntity> deleted_;
+  EditNotes notes_;
   std::optional<FrameMessage> frame_;
 };
 
@@ -240,8 +255,17 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   const Result<WorldChanges> changes = ChangesOf(options, world.world());
   if (!changes.ok()) return changes.error();
 
+  // As a service that continues the recorded run there would know them.
+  EditNotes notes;
+  const Status visited = recording->VisitEdits(recording->chunks(), [&](std::uint64_t number, const auto& edit) {
+    if (number <= start.position()) notes.Add(number, edit);
+    return Status();
+  });
+  if (!visited.ok()) return visited.error();
   FrameMessage frame = world.Frame();
   BranchedRun branch;
+  notes.MoveTo(branch.resumed);
+  branch.resumed.rewind.reset();  // the branch has the states of it that there are
   auto begin = std::make_shared<RecordedStart>();
   begin->source = recording;
   begin->last_number = start.position();
@@ -276,14 +300,8 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   if (options.paused) resumed.progress.ticks_to_pause = 0;
   // Text files of the branch begin with its first own state, without states of the source.
   resumed.progress.first_number = resumed.next_number - 1;
-  resumed.world_file = recording->run().file;
+  if (!resumed.world_file) resumed.world_file = recording->run().file;
   return branch;
-}
-
-std::optional<ControllerCheckpoint> PreviousOf(const RecordedTick& tick) {
-  if (tick.number == 0) return std::nullopt;
-  if (tick.edit) return ControllerCheckpoint{tick.edition - 1, tick.edit->before.state.tick, false};
-  return ControllerCheckpoint{tick.edition, tick.tick - 1, true};
 }
 
 Result<ResumedRun> RestoreRun(const Journal& journal, const MakeRunObservers& make_observers) {

@@ -1,11 +1,13 @@
-// BranchedRun: a new run that begins with the state of a recorded one at some tick, as recorded or with changes.
+// The past from which a service goes on (ResumedRun): the state at the end of it, and what later requests need beyond
+// the state, as the entities that were deleted and the file of the world.
 //
-// A branch has a run id, a recording and a summary of its own. Its recording contains the states of the source up to
-// the branch, so that it replays without the source, and the changes as an edit of their own (control::Change):
-// so a branch without changes has the hashes of its source, and one with changes replays without the command line that
-// made it.
+// BranchRun: a new run that begins with the state of a recorded one at some tick, as recorded or with changes. It has a
+// run id, a recording and a summary of its own. Its recording contains the states of the source up to the branch, so
+// that it replays without the source, and the changes as an edit of their own (control::Change): so a branch without
+// changes has the hashes of its source, and one with changes replays without the command line that made it.
 //
-// RestoreRun is the same for a run whose service has died: the run id remains, and the incarnation is one more.
+// RestoreRun: the run of a service that has died, at its newest state. The run id remains, and the incarnation is one
+// more. A rewind within which the service died is finished by FinishRewind (journal_rewind.h).
 #pragma once
 
 #include <cstdint>
@@ -52,8 +54,6 @@ Result<ControllerChange> ParseControllerChange(const std::string& text);
 // robot.
 Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& options);
 
-// RestoreRun: the newest state of a run, from its journal.
-
 // The observers of the ticks of a run, with the world that it began with.
 using MakeRunObservers = std::function<Result<RunObservers>(const std::shared_ptr<const Scene>& first)>;
 
@@ -62,8 +62,5 @@ using MakeRunObservers = std::function<Result<RunObservers>(const std::shared_pt
 // one: they then have written the same as if the run had not been interrupted. Their OnBegin and OnEnd are not called.
 // The error is a journal of another version of the step, damage, or the error of an observer.
 Result<ResumedRun> RestoreRun(const Journal& journal, const MakeRunObservers& make_observers);
-
-// The state before a recorded one; nothing: there is none.
-std::optional<ControllerCheckpoint> PreviousOf(const RecordedTick& tick);
 
 }  // namespace troupe
