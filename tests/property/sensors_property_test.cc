@@ -7,6 +7,7 @@
 #include <map>
 
 #include "common/sensing/contact.h"
+#include "tests/support/distance_to_edge.h"
 #include "tests/support/exact_prisms.h"
 #include "tests/support/random_world.h"
 #include "tests/support/sensor_worlds.h"
@@ -298,12 +299,6 @@ double SampledDistance(const Polygon& a, const Polygon& b, double step) {
     for (const Vec2& q : of_b) least = std::min(least, (p - q).norm());
   }
   return least;
-}
-
-double DistanceToEdge(const Vec2& point, const Vec2& from, const Vec2& to) {
-  const Vec2 along = to - from;
-  const double part = std::clamp((point - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (point - (from + part * along)).norm();
 }
 
 TEST(SensorsProperty, NearestPointsAreAsNearAsSampledOnes) {

@@ -10,6 +10,7 @@
 #include "common/model/states.h"
 #include "common/spatial/convex_piece.h"
 #include "common/spatial/sweep.h"
+#include "tests/support/distance_to_edge.h"
 #include "tests/support/random_world.h"
 #include "tests/support/small_world.h"
 #include "world-service/core/step.h"
@@ -234,12 +235,6 @@ struct Thing {
   ModelId model;
   std::optional<RobotId> robot;
 };
-
-double DistanceToEdge(const Vec2& point, const Vec2& from, const Vec2& to) {
-  const Vec2 edge = to - from;
-  const double along = std::clamp((point - from).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-  return (point - from - along * edge).norm();
-}
 
 bool IsInside(const Vec2& point, const Corners& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
