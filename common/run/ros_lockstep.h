@@ -10,7 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "troupe/result.h"
+
 namespace troupe {
+
+// Whether the text can be a RosLockstepName: the name of a topic or a node as ROS has it, of letters, digits and
+// underscores, no part of it beginning with a digit, and of at most 200 bytes.
+Status CheckRosLockstepName(const std::string& name);
 
 // A topic ("/anna/cmd_vel", or "~/cmd_vel" below a robot), or the name by which a node answers on /world/tick_done.
 struct RosLockstepName {

@@ -210,7 +210,12 @@ void AddLockstepFlags(CLI::App& app, RosLockstep& lockstep, const std::string& g
          "Ticks wait for these: topics that a node writes (/anna/cmd_vel; ~/cmd_vel: of each robot), or names of nodes "
          "that answer on /world/tick_done")
       ->delimiter(',')
-      ->check(NotEmpty())
+      ->check(CLI::Validator(
+          [](const std::string& name) {
+            const Status status = CheckRosLockstepName(name);
+            return status.ok() ? std::string() : status.error().message;
+          },
+          ""))
       ->type_name("NAME,...")
       ->group(group);
   app.add_option("--ros-lockstep-period", lockstep.period, "Wait at every K-th tick only (default: 1)")

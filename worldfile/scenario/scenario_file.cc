@@ -35,8 +35,8 @@ class Reader {
   std::optional<ControllerEntry> ReadController(const JsonNode& object) const;
   std::vector<Property> ReadProperties(const JsonNode& object, const Refused& refused);
   std::optional<RosDomainEntry> ReadRosDomain(const JsonNode& object) const;
-  static std::vector<std::string> ReadLockstepNames(const JsonNode& object);
-  static RosLockstep ReadLockstep(const JsonNode& root);
+  std::vector<std::string> ReadLockstepNames(const JsonNode& object);
+  RosLockstep ReadLockstep(const JsonNode& root);
   std::vector<NamedPlace> ReadPlaces(const JsonNode& root);
   std::vector<RegionOfScenario> ReadRegions(const JsonNode& root);
   PoseEntry ReadPose(const JsonNode& numbers) const;
@@ -149,8 +149,13 @@ std::vector<NamedPlace> Reader::ReadPlaces(const JsonNode& root) {
 
 std::vector<std::string> Reader::ReadLockstepNames(const JsonNode& object) {
   const JsonNode* const found = object.Find("ros_lockstep");
-  if (found != nullptr && found->is_object()) return StringsOf(found->ItemsOf("names"));
-  return StringsOf(object.ItemsOf("ros_lockstep"));
+  const bool is_object = found != nullptr && found->is_object();
+  std::vector<std::string> names;
+  for (const JsonNode& item : is_object ? found->ItemsOf("names") : object.ItemsOf("ros_lockstep")) {
+    if (const Status name = CheckRosLockstepName(item.text); !name.ok()) Fail(item, name.error().message);
+    names.push_back(item.text);
+  }
+  return names;
 }
 
 RosLockstep Reader::ReadLockstep(const JsonNode& root) {
