@@ -267,6 +267,10 @@ TEST(RosRun, EditsTheWorldByService) {
   EXPECT_EQ(world.Spawn("late", "rover", 0.0, 2.0), 101) << "the name is not unique";
   EXPECT_EQ(world.Spawn("other", "", 0.0, 2.0), 104) << "no resource";
   EXPECT_EQ(world.Spawn("other", "truck", 0.0, 2.0), kFailed);
+  for (const std::string& name : {std::string("bad name!"), std::string("-x"), std::string("a/b"), std::string("\xff"),
+                                  std::string(2'000'000, 'x')}) {
+    EXPECT_EQ(world.Spawn(name.c_str(), "rover", 0.0, 2.0), 102) << "an invalid name";
+  }
   EXPECT_EQ(world.Spawn("other", "/models/robot.urdf", 0.0, 2.0), 103) << "an unsupported format";
   EXPECT_EQ(world.Spawn("other", "package://models/robot.world", 0.0, 2.0), 103) << "an unsupported scheme";
   EXPECT_EQ(world.Spawn("other", broken.c_str(), 0.0, 2.0), 106) << "a file that cannot be parsed";

@@ -175,6 +175,11 @@ TEST_F(RosStepsTest, RefusesWhatItsStateDoesNotAllow) {
   EXPECT_EQ(SetState(0), kOk) << "stopped";
   EXPECT_EQ(SetState(kPaused), 103) << "from stopped";
   EXPECT_EQ(StepResult(), kFailed) << "in a stopped run";
+  EXPECT_TRUE(Send(1, 3));
+  const Ended in_stopped = ResultOf(1);
+  EXPECT_EQ(in_stopped.status, GoalStatus::kAborted);
+  EXPECT_EQ(in_stopped.result, kFailed);
+  EXPECT_THAT(in_stopped.message, HasSubstr("the run is stopped"));
   EXPECT_EQ(State(), 0) << "it stays stopped";
   EXPECT_EQ(SetState(1), kOk) << "playing";
   EXPECT_EQ(StepResult(), kFailed) << "in a playing run";

@@ -1,4 +1,6 @@
 // The services that change entities: those that move and delete them, and those that spawn them, one or several.
+#include <algorithm>
+#include <cctype>
 #include <functional>
 #include <memory>
 #include <string>
@@ -63,7 +65,7 @@ void OnSetEntityState(SimulationContext& context, const Call<Request, SetEntityS
   if (parts.twist && !twist.ok()) return call.Answer(kFailed, twist.error().message);
   const std::string name = dds::Text(request.entity);
   context.FindEntity(name, [=](SimulationContext& self, const ControlReply&, const EntityReport* entity) {
-    if (entity == nullptr) return call.Answer(ResultCode::kNotFound, "no entity '" + name + "'");
+    if (entity == nullptr) return call.Answer(ResultCode::kNotFound, "no entity '" + Shown(name) + "'");
     if (parts.twist && entity->kind != EntityKind::kRobot && !twist.value().IsZero()) {
       return call.Answer(kFailed, "'" + name + "' is no robot: it has no drive");
     }
@@ -84,10 +86,19 @@ void OnSetEntityState(SimulationContext& context, const Call<Request, SetEntityS
 void OnDeleteEntity(SimulationContext& context, const DeleteEntityCall& call, const DeleteEntityRequest& request) {
   const std::string name = dds::Text(request.entity);
   context.FindEntity(name, [call, name](SimulationContext& self, const ControlReply&, const EntityReport* entity) {
-    if (entity == nullptr) return call.Answer(ResultCode::kNotFound, "no entity '" + name + "'");
+    if (entity == nullptr) return call.Answer(ResultCode::kNotFound, "no entity '" + Shown(name) + "'");
     self.Ask(control::Delete{entity->name},
              [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
   });
+}
+
+// A name that tools of ROS and command lines can say: letters, digits and "_.:-", the first one a letter, a digit or
+// "_".
+bool IsEntityName(const std::string& name) {
+  const auto is_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  const auto is_allowed = [&](char c) { return is_letter(c) || c == '.' || c == ':' || c == '-'; };
+  return !name.empty() && name.size() <= kMaxRequestedName && is_letter(name.front()) &&
+         std::all_of(name.begin(), name.end(), is_allowed);
 }
 
 struct SpawnOrder {
@@ -111,14 +122,14 @@ Result<std::string> NamespaceOf(const WorldDescription& world, const std::string
   if (name_space.empty() || name_space == "/" + name) return std::string();
   if (!ros::IsNamespace(name_space)) {
     return Error{{},
-                 "found the namespace '" + asked +
+                 "found the namespace '" + Shown(asked) +
                      "', expected names of letters, digits and underscores with a "
                      "slash between them"};
   }
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (!RobotExists(world, RobotId(i))) continue;
     if (ros::FindRobotInRos(world, RobotId(i), 0, {}).node_namespace == name_space) {
-      return Error{{}, "the namespace '" + asked + "' is that of '" + world.robots[i].name + "'"};
+      return Error{{}, "the namespace '" + Shown(asked) + "' is that of '" + world.robots[i].name + "'"};
     }
   }
   return name_space;
@@ -136,6 +147,11 @@ void Spawn(SimulationContext& context, const SpawnOrder& order, const OnSpawned&
   const auto refuse = [&](std::uint8_t code, const std::string& problem) { answer(context, {code, problem, ""}); };
   if (order.name.empty() && !order.rename)
     return refuse(kInvalidName, "found no name, expected one, or allow_renaming");
+  if (!order.name.empty() && !IsEntityName(order.name)) {
+    return refuse(kInvalidName, "found the name '" + Shown(order.name) + "', expected at most " +
+                                    std::to_string(kMaxRequestedName) +
+                                    " letters, digits, '_', '.', ':' and '-', beginning with a letter, a digit or '_'");
+  }
   if (order.uri.empty() && order.text.empty()) {
     return refuse(kNoResource, "found no uri, expected a file or one of the spawnables");
   }

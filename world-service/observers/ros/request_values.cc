@@ -58,7 +58,7 @@ std::vector<Vec2> FootprintOf(const EntityReport& entity) {
 Result<Pose> PoseFromRos(const char* frame, const ros::PoseMessage& pose) {
   const std::string name = dds::Text(frame);
   if (!name.empty() && name != ros::kMapFrame && name != "world") {
-    return Error{{}, "found a pose in frame '" + name + "', expected one in '" + ros::kMapFrame + "'"};
+    return Error{{}, "found a pose in frame '" + Shown(name) + "', expected one in '" + ros::kMapFrame + "'"};
   }
   const auto& q = pose.orientation;
   const double norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
@@ -165,7 +165,8 @@ Result<EntityFilter> EntityFilter::Make(const simulation_interfaces_msg_dds__Ent
   options.set_log_errors(false);
   auto expression = std::make_unique<const re2::RE2>(text, options);
   if (!expression->ok()) {
-    return Error{{}, "found the filter '" + text + "', expected a regular expression: " + expression->error()};
+    return Error{
+        {}, "found the filter '" + Shown(text) + "', expected a regular expression: " + Shown(expression->error())};
   }
   filter.expression_ = std::move(expression);
   return filter;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
@@ -17,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/text.h"
 #include "ros/connection/topic_types.h"
 #include "ros/messages/messages.h"
 #include "transport/dds/binding/wire.h"
@@ -27,6 +29,12 @@
 #include "troupe/z_range.h"
 
 namespace troupe {
+
+// Texts of requests: of any length and content, so that messages show their beginning only.
+inline constexpr std::size_t kMaxRequestedName = 200;  // bytes, of what a request names
+inline std::string Shown(std::string_view text) {
+  return PlainLine(text, kMaxRequestedName);
+}
 
 // Values of ROS requests: poses, twists, and paths with their formats.
 

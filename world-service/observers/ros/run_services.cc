@@ -53,11 +53,20 @@ std::uint8_t ToState(RunState state) {
 }
 
 // A stopped run is a run that was paused and reset and has not moved since.
+bool IsStopped(const SimulationContext& context, const ControlReply& reply) {
+  return reply.state == RunState::kPaused && reply.edition == context.stopped_edition.load() && reply.tick == 0;
+}
+
 std::uint8_t StateOf(const SimulationContext& context, const ControlReply& reply) {
   if (reply.state != RunState::kOver && !context.has_world()) return kNoWorld;
-  const bool stopped =
-      reply.state == RunState::kPaused && reply.edition == context.stopped_edition.load() && reply.tick == 0;
-  return stopped ? kStopped : ToState(reply.state);
+  return IsStopped(context, reply) ? kStopped : ToState(reply.state);
+}
+
+// The reason for which a run in this state cannot step; null: it can. One that makes the steps of another request
+// plays.
+const char* ProblemOfSteps(const SimulationContext& context, const ControlReply& status) {
+  if (status.state == RunState::kPlaying) return "the run is playing; only a paused one can step";
+  return IsStopped(context, status) ? "the run is stopped; it can be played, and only a paused one can step" : nullptr;
 }
 
 void OnGetSimulatorFeatures(SimulationContext& context, const GetSimulatorFeaturesCall& call,
@@ -113,9 +122,8 @@ void OnStepSimulation(SimulationContext& context, const StepSimulationCall& call
                       const StepSimulationRequest& request) {
   if (context.is_stepping()) return call.Answer(ResultCode::kOperationFailed, kIsStepping);
   context.Ask(control::GetStatus(), [call, ticks = request.steps](SimulationContext& self, const ControlReply& status) {
-    const std::uint8_t state = StateOf(self, status);
-    if (state == kPlaying || (state == kStopped && status.state == RunState::kPaused)) {  // not: it is starting
-      return call.Answer(ResultCode::kOperationFailed, "the run is not paused; only a paused one can step");
+    if (const char* const problem = ProblemOfSteps(self, status)) {
+      return call.Answer(ResultCode::kOperationFailed, problem);
     }
     self.AskToStep(ticks, [call](SimulationContext&, const ControlReply& reply) { call.Answer(reply); });
   });
@@ -234,9 +242,8 @@ class StepAction::Server : public std::enable_shared_from_this<Server> {
       if (!accepted) return;
       tick_ = status.tick;
       edition_ = status.edition;
-      // A run that makes the steps of another request is playing too.
-      if (status.state == RunState::kPlaying) {
-        return End(*goals_.Find(goal.id), GoalStatus::kAborted, "the run is playing; only a paused one can step");
+      if (const char* const problem = ProblemOfSteps(*context_, status)) {
+        return End(*goals_.Find(goal.id), GoalStatus::kAborted, problem);
       }
       PublishChanges();
     }

@@ -16,9 +16,11 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "common/base/text.h"
 #include "common/spatial/scene.h"
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/topic_types.h"
@@ -46,10 +48,11 @@ inline constexpr const char* kIsStepping = "the run is making the steps of anoth
 // The problem of a call that the world service before has not answered.
 inline constexpr const char* kServiceHasDied = "the world service has died and returned; the call may have had effect";
 
-// `code`: of ResultCode, or one that a service adds, from 101 on.
-inline simulation_interfaces_msg_dds__Result_ MakeResult(std::uint8_t code, const std::string& problem,
+// `code`: of ResultCode, or one that a service adds, from 101 on. The problem is cut: it may have texts of the request.
+inline simulation_interfaces_msg_dds__Result_ MakeResult(std::uint8_t code, std::string_view problem,
                                                          dds::WireArena& arena) {
-  return {code, arena.Copy(problem)};
+  constexpr std::size_t kMaxProblem = 4000;  // bytes
+  return {code, arena.Copy(CutUtf8(problem, kMaxProblem))};
 }
 inline simulation_interfaces_msg_dds__Result_ MakeResult(ResultCode code, const std::string& problem,
                                                          dds::WireArena& arena) {
