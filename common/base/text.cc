@@ -23,6 +23,8 @@ bool IsControl(std::string_view text, std::size_t i, std::size_t length) {
 
 constexpr std::string_view kDigits = "0123456789abcdef";
 
+constexpr std::size_t kMaxLine = 2000;  // bytes, of a report: it may have texts of a peer, of any length
+
 constexpr std::size_t kMaxName = 100;  // the time grows with the square; longer ones are not misspelt names
 
 // The optimal string alignment distance, by rows.
@@ -166,7 +168,7 @@ void FloodLimiter::Add(std::string_view line) noexcept {
       LogSuppressedCount();
     }
     if (reported_ < kLinesInASecond) {
-      tell_(PlainLine(line));
+      tell_(PlainLine(line, kMaxLine));
       ++reported_;
       return;
     }

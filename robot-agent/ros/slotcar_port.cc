@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/text.h"
 #include "robot-agent/drive/drive.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/topic_types.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr std::int32_t kRmfDepth = 10;       // as of the plugin slotcar
 constexpr std::int32_t kRequestDepth = 100;  // of all robots
 constexpr std::size_t kMaxReports = 100;     // between two calls
+constexpr std::size_t kMaxText = 1000;       // bytes, of a request, whose texts are in each state of its robot
+constexpr std::size_t kMaxShown = 200;       // bytes, of a text in a report
 constexpr double kStands = 0.01;             // m/s, rad/s: no motion for Open-RMF
 constexpr std::uint32_t kPauseNow = 0;
 constexpr std::uint32_t kPauseAtCheckpoint = 1;
@@ -96,12 +99,17 @@ void SlotcarPort::ApplyPath(const ros::PathRequest& request, const WorldState& s
   const std::string task = dds::Text(request.task_id);
   if (member->has_task && task == member->robot.task) return;  // repeated
   const auto locations = dds::Elements(request.path);
-  if (locations.empty() || !std::all_of(locations.begin(), locations.end(), IsValid)) {
-    reports_.push_back(fmt::format("/robot_path_requests: ignored the path of task '{}' for robot '{}': {}", task,
-                                   member->robot.name,
-                                   locations.empty() ? "it has no points" : "it has a number that is not finite"));
-    return;
-  }
+  const auto refuse = [&](const char* problem) {
+    reports_.push_back(fmt::format("/robot_path_requests: ignored the path of task '{}' for robot '{}': {}",
+                                   PlainLine(task, kMaxShown), member->robot.name, problem));
+  };
+  const bool has_long_text = task.size() > kMaxText ||
+                             std::any_of(locations.begin(), locations.end(), [](const ros::LocationMessage& location) {
+                               return dds::Text(location.level_name).size() > kMaxText;
+                             });
+  if (has_long_text) return refuse("it has a text of more than 1000 bytes");
+  if (locations.empty()) return refuse("it has no points");
+  if (!std::all_of(locations.begin(), locations.end(), IsValid)) return refuse("it has a number that is not finite");
   std::vector<ros::RmfLocation> path;
   std::vector<PathPoint> points;
   for (const ros::LocationMessage& location : locations) {
@@ -119,7 +127,7 @@ void SlotcarPort::ApplyPath(const ros::PathRequest& request, const WorldState& s
   }
   reports_.push_back(fmt::format(
       "/robot_path_requests: robot '{}' stops: the path of task '{}' begins at ({:.2f}, {:.2f}), farther than 1 m away",
-      member->robot.name, task, path.front().x, path.front().y));
+      member->robot.name, PlainLine(task, kMaxShown), path.front().x, path.front().y));
 }
 
 void SlotcarPort::ApplyPause(const ros::PauseRequest& request) {

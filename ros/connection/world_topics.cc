@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 
+#include "common/base/text.h"
 #include "common/spatial/occupancy_grid.h"
 #include "ros/connection/ros_network.h"
 #include "ros/messages/convert.h"
@@ -12,6 +13,7 @@ namespace troupe::ros {
 namespace {
 
 constexpr std::int32_t kClockDepth = 10;
+constexpr std::size_t kMaxLine = 2000;  // bytes, of the log
 // So that a node that starts in a pause learns the time.
 constexpr auto kRepeatPeriod = std::chrono::milliseconds(200);
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
@@ -144,7 +146,7 @@ void RosLog::Write(LogLevel level, const std::string& node, const std::string& t
   line.stamp = SystemTime();
   line.level = static_cast<std::uint8_t>(level);
   line.name = arena.Copy(LoggerName(node));
-  line.msg = arena.Copy(text);
+  line.msg = arena.Copy(CutUtf8(text, kMaxLine));  // it may have texts of peers
   line.file = arena.Copy("");
   line.function = arena.Copy("");
   writer_.Write(line);

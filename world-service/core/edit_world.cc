@@ -16,6 +16,8 @@
 namespace troupe {
 namespace {
 
+constexpr std::size_t kMaxNameLength = 1000;  // bytes, as of names in world files
+
 Status CheckPose(const Pose& pose) {
   for (const double number : {pose.x, pose.y, pose.z, pose.heading}) {
     if (!std::isfinite(number)) return BadInput("found a pose that is not finite");
@@ -335,6 +337,10 @@ Result<EditedWorld> SpawnEntity(const std::shared_ptr<const Scene>& scene, const
     return BadInput("found " + std::to_string(entities) + " models to spawn, expected one, with its parts");
   }
   if (name.empty()) return BadInput("found no name, expected one");
+  if (name.size() > kMaxNameLength) {
+    return BadInput("found a name of " + std::to_string(name.size()) + " bytes, expected at most " +
+                    std::to_string(kMaxNameLength));
+  }
   if (const Status valid = CheckPose(X_WE); !valid.ok()) return valid.error();
   Pose pose = X_WE;
   pose.heading = WrapAngle(pose.heading);

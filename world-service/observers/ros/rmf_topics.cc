@@ -4,19 +4,28 @@
 
 #include <algorithm>
 #include <exception>
+#include <initializer_list>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/topic_types.h"
 #include "ros/messages/convert.h"
+#include "world-service/observers/ros/request_values.h"
 
 namespace troupe {
 namespace {
 
 constexpr std::int32_t kDepth = 100;  // as of the plugins of Open-RMF
 constexpr std::size_t kMaxRefusals = 1000;
+constexpr std::size_t kMaxText = 1000;  // bytes, of a request: as of names in world files
+
+// Of any length: that of a request which is refused for it is not shown.
+std::size_t LongestOf(std::initializer_list<std::string_view> texts) {
+  return std::max(texts, [](std::string_view a, std::string_view b) { return a.size() < b.size(); }).size();
+}
 
 // Of the door or lift that a request is for.
 const std::string& NameOf(const control::Request& request) {
@@ -221,12 +230,16 @@ void RmfTopics::ReadRequests() {
     std::vector<DoorAsk> doors;
     topics_->door_requests.Drain([&](const ros::DoorRequest& request) {
       const bool opens = request.requested_mode.value == static_cast<std::uint32_t>(ros::DoorMode::kOpen);
-      doors.push_back({dds::Text(request.requester_id), dds::Text(request.door_name), opens});
+      DoorAsk ask{dds::Text(request.requester_id), dds::Text(request.door_name), opens};
+      if (HasShortTexts("/door_requests", LongestOf({ask.requester, ask.door}))) doors.push_back(std::move(ask));
     });
     std::vector<LiftAsk> lifts;
     topics_->lift_requests.Drain([&](const ros::LiftRequest& request) {
-      lifts.push_back({dds::Text(request.session_id), dds::Text(request.lift_name),
-                       dds::Text(request.destination_floor), request.request_type});
+      LiftAsk ask{dds::Text(request.session_id), dds::Text(request.lift_name), dds::Text(request.destination_floor),
+                  request.request_type};
+      if (HasShortTexts("/lift_requests", LongestOf({ask.session, ask.lift, ask.floor}))) {
+        lifts.push_back(std::move(ask));
+      }
     });
     if (results_ == RmfWorkcells::Results::kWithTicks) {
       std::stable_sort(doors.begin(), doors.end(),
@@ -240,12 +253,18 @@ void RmfTopics::ReadRequests() {
   if (workcells_) workcells_->Read();
 }
 
+bool RmfTopics::HasShortTexts(const char* topic, std::size_t longest) {
+  if (longest <= kMaxText) return true;
+  Refuse(fmt::format("{}: found a text of {} bytes, expected at most {}", topic, longest, kMaxText));
+  return false;
+}
+
 void RmfTopics::OperateDoor(const DoorAsk& ask) {
   const WorldDescription& world = scene_->world();
   const auto door = std::find_if(doors_.begin(), doors_.end(),
                                  [&](std::size_t i) { return world.model(world.doors[i].model).name == ask.door; });
   if (door == doors_.end()) {
-    return Refuse(fmt::format("/door_requests: the world has no door '{}' that takes requests", ask.door));
+    return Refuse(fmt::format("/door_requests: the world has no door '{}' that takes requests", Shown(ask.door)));
   }
   const control::Door request{ask.door, ask.opens ? 1.0 : 0.0};
   Ask(request, state_.doors[*door].target == request.opening);
@@ -255,7 +274,7 @@ void RmfTopics::CallLift(const LiftAsk& ask) {
   const WorldDescription& world = scene_->world();
   const std::string& name = ask.lift;
   const std::optional<std::size_t> number = FindLift(world, name);
-  if (!number) return Refuse(fmt::format("/lift_requests: the world has no lift '{}'", name));
+  if (!number) return Refuse(fmt::format("/lift_requests: the world has no lift '{}'", Shown(name)));
   const LiftDescription& lift = world.lifts[*number];
   const LiftState& state = state_.lifts[*number];
   LiftTask asked{ask.session, static_cast<ros::LiftRequestType>(ask.type), ask.floor, false};
@@ -264,14 +283,14 @@ void RmfTopics::CallLift(const LiftAsk& ask) {
     asked.floor = lift.floors[state.floor].name;
   if (std::none_of(lift.floors.begin(), lift.floors.end(),
                    [&](const LiftFloor& floor) { return floor.name == asked.floor; })) {
-    return Refuse(fmt::format("/lift_requests: lift '{}' has no floor '{}'", name, asked.floor));
+    return Refuse(fmt::format("/lift_requests: lift '{}' has no floor '{}'", name, Shown(asked.floor)));
   }
   if (ask.type > static_cast<std::uint8_t>(ros::LiftRequestType::kHuman)) {
     return Refuse(fmt::format("/lift_requests: lift '{}': found the type {}, expected 0 to 2", name, ask.type));
   }
   if (state.session) {
     return Refuse(fmt::format("/lift_requests: lift '{}' is in the session of robot '{}': ignored that of '{}'", name,
-                              world.robot(*state.session).name, asked.session));
+                              world.robot(*state.session).name, Shown(asked.session)));
   }
   LiftTask& task = tasks_[name];
   const LiftTask same{task.session, task.type, task.floor, false};
@@ -279,7 +298,7 @@ void RmfTopics::CallLift(const LiftAsk& ask) {
   if (asked == same && (!task.is_done || lift.floors[state.floor].name == asked.floor)) return;
   if (!task.is_done) {
     return Refuse(fmt::format("/lift_requests: lift '{}' is on its way to {} for '{}': ignored the request of '{}'",
-                              name, task.floor, task.session, asked.session));
+                              name, task.floor, Shown(task.session), Shown(asked.session)));
   }
   task = asked;
   Ask(control::Lift{name, asked.floor}, lift.floors[state.floor].name == asked.floor);

@@ -122,6 +122,8 @@ class RmfTopics {
   void Send(const control::Request& request);
   void OnReply(const control::Request& request, const ControlReply& reply);
   void Finish(const control::Request& request, const ControlReply& reply);
+  // Whether a request whose longest text has that many bytes is not refused for it.
+  bool HasShortTexts(const char* topic, std::size_t longest);
   // Once for each line.
   void Refuse(const std::string& line);
   // Ends the tasks of lifts that have arrived.

@@ -20,7 +20,7 @@ constexpr std::int32_t kWorkcellRequestDepth = 100;  // of all workcells
 constexpr std::size_t kMaxOpen = 1000;
 constexpr std::size_t kMaxPast = 10'000;
 constexpr std::size_t kMaxLateResults = 10'000;
-constexpr std::size_t kMaxNumber = 256;  // bytes
+constexpr std::size_t kMaxText = 256;  // bytes
 
 enum class WorkcellMode : std::int32_t { kIdle = 0, kBusy = 1 };
 
@@ -125,9 +125,12 @@ void RmfWorkcells::Read() {
 // As for the plugins, another dispenser or ingestor may have the workcell's name: it is no error.
 void RmfWorkcells::Accept(WorkcellKind kind, const Request& request) {
   if (Find(kind, request.workcell) == nullptr) return;
-  if (request.number.size() > kMaxNumber) {
-    report_(fmt::format("/{}_requests: {} '{}': found a request_guid of {} bytes, expected at most {}", NameOf(kind),
-                        NameOf(kind), request.workcell, request.number.size(), kMaxNumber));
+  for (const auto& [field, text] : {std::pair("request_guid", &request.number),
+                                    {"transporter_type", &request.order.fleet},
+                                    {"type_guid", &request.order.item}}) {
+    if (text->size() <= kMaxText) continue;
+    report_(fmt::format("/{}_requests: {} '{}': found a {} of {} bytes, expected at most {}", NameOf(kind),
+                        NameOf(kind), request.workcell, field, text->size(), kMaxText));
     return;
   }
   const RequestId id{kind, request.workcell, request.number};

@@ -20,6 +20,8 @@
 namespace troupe {
 namespace {
 
+using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
@@ -107,18 +109,18 @@ class RmfTopicsTest : public testing::Test {
                  [this](const std::string& line) { lines_.push_back(line); });
   }
 
-  void SendDoorRequest(const std::string& requester, ros::DoorMode mode) {
+  void SendDoorRequest(const std::string& requester, ros::DoorMode mode, const std::string& door = "gate") {
     ros::DoorRequest request{};
     request.requester_id = arena_.Copy(requester);
-    request.door_name = arena_.Copy("gate");
+    request.door_name = arena_.Copy(door);
     request.requested_mode.value = static_cast<std::uint32_t>(mode);
     connection_.Send("rt/door_requests", request);
   }
-  void SendDispenserRequest(const std::string& number) {
+  void SendDispenserRequest(const std::string& number, const std::string& transporter = "") {
     ros::DispenserRequest request{};
     request.request_guid = arena_.Copy(number);
     request.target_guid = arena_.Copy("stand");
-    request.transporter_type = arena_.Copy("");
+    request.transporter_type = arena_.Copy(transporter);
     connection_.Send("rt/dispenser_requests", request);
   }
   // As the turn of the run that an arrival leads to.
@@ -206,6 +208,23 @@ TEST_F(RmfTopicsTest, ATurnPlansOneMove) {
   ASSERT_THAT(control_.requests, SizeIs(3));
   Answer(2);
   EXPECT_TRUE(rmf_->Settle());
+}
+
+TEST_F(RmfTopicsTest, LongTextsAreRefusedInShortLines) {
+  const std::string huge(2'000'000, 'x');
+  rmf_->OnCommit(frame_, false);
+  SendDoorRequest("fleet", ros::DoorMode::kOpen, huge);
+  SendDoorRequest(huge, ros::DoorMode::kOpen);
+  SendDoorRequest("fleet", ros::DoorMode::kOpen, huge.substr(0, 999));
+  SendDispenserRequest(huge);
+  SendDispenserRequest("1", huge);
+  WakeUp();
+  EXPECT_THAT(control_.requests, IsEmpty());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("/door_requests: found a text of 2000000 bytes, expected at most 1000"),
+                                  HasSubstr("the world has no door 'xxx"),
+                                  HasSubstr("found a request_guid of 2000000 bytes, expected at most 256"),
+                                  HasSubstr("found a transporter_type of 2000000 bytes, expected at most 256")));
+  for (const std::string& line : lines_) EXPECT_LT(line.size(), 400U);
 }
 
 }  // namespace
