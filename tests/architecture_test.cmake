@@ -92,7 +92,7 @@ set(may_include_world-service/replay
 set(may_include_world-service/observers/status
   common/base common/model transport/protocol common/run world-service/service)
 set(may_include_world-service/observers/ros
-  common/base common/geometry common/model common/run common/spatial transport/protocol transport/dds/binding ros/messages
+  common/base common/geometry common/image common/model common/run common/spatial transport/protocol transport/dds/binding ros/messages
   ros/connection ros/link idl/ros world-service/core world-service/service worldfile/sites)
 set(may_include_world-service/program
   common/base command_line common/model transport/protocol recording ros/flags ros/messages common/run common/spatial robot-agent/controller

@@ -210,13 +210,15 @@ Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
 
 Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
   RunObservers observers;
+  const std::optional<ResumedRun>& resumed = run.options.resumed;
   if (run.options.settings.ros) {
     ros::RosOptions ros = source.ros;
     ros.lockstep = run.ros_lockstep;
-    run.gateway = MakeRosWorldGateway(ros, run.scene, run.site, run.site_world);
+    RunInRos in_ros{.scene = run.scene, .site = run.site, .site_world = run.site_world};
+    in_ros.files = run.options.overrides.allowed;
+    run.gateway = MakeRosWorldGateway(ros, std::move(in_ros));
     observers.push_back(run.gateway.get());
   }
-  const std::optional<ResumedRun>& resumed = run.options.resumed;
   if (!resumed || resumed->is_branch) {  // else they were made to continue the journal
     // Robots of a branch and of a rebuilt agent need the states before, which only a recording has.
     const bool needs_memory = resumed || run.options.settings.on_agent_loss == OnAgentLoss::kRebuild;

@@ -1,16 +1,21 @@
 #include "world-service/observers/ros/building_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "common/base/file.h"
+#include "common/base/text.h"
+#include "common/image/image_file.h"
 #include "troupe/pose.h"
 
 namespace troupe::ros {
@@ -23,7 +28,8 @@ using LevelMessage = rmf_building_map_msgs_msg_dds__Level_;
 using LiftMessage = rmf_building_map_msgs_msg_dds__Lift_;
 using ParamMessage = rmf_building_map_msgs_msg_dds__Param_;
 
-constexpr std::size_t kGraphs = 9;  // as many as Open-RMF's own map server has
+constexpr std::size_t kMaxShown = 200;  // bytes of a name or a reason in a line
+constexpr std::size_t kGraphs = 9;      // as many as Open-RMF's own map server has
 
 enum class ParamType : std::uint32_t { kString = 1, kDouble = 3, kBool = 4 };
 enum class EdgeType : std::uint8_t { kBothWays = 0, kOneWay = 1 };
@@ -44,10 +50,14 @@ std::uint8_t TypeOf(SiteDoorKind kind) {
 constexpr std::uint8_t kDoubleSliding = 2;
 constexpr float kRangeOfLiftDoors = 1.571F;  // as Open-RMF's own map server has it
 
+std::filesystem::path FolderOf(const Site& site) {
+  return std::filesystem::absolute(site.file).parent_path();
+}
+
 class Maker {
  public:
-  Maker(const Site& site, dds::WireArena& arena, std::vector<std::string>& left_out)
-      : site_(site), arena_(arena), left_out_(left_out) {}
+  Maker(const Site& site, const AllowedPaths& files, dds::WireArena& arena, std::vector<std::string>& left_out)
+      : site_(site), files_(files), arena_(arena), left_out_(left_out) {}
 
   LevelMessage MakeLevel(const SiteLevel& level) {
     LevelMessage message{};
@@ -95,15 +105,35 @@ class Maker {
   }
 
  private:
-  void AddImage(const SiteLevel& level, LevelMessage& message) {
-    if (level.drawing.empty()) return;
-    const auto path = std::filesystem::path(site_.file).parent_path() / level.drawing;
+  // Empty if the level has none.
+  Result<std::string> ReadDrawing(const SiteLevel& level) const {
+    if (level.drawing.empty()) return std::string();
+    const std::string named = (FolderOf(site_) / level.drawing).string();
+    const std::optional<std::string> path = files_.Resolve(named);
+    if (!path) {
+      return Error{
+          {},
+          fmt::format("found {}, expected a file below the folder of the building or one that the owner of the "
+                      "run has allowed (--allow-files)",
+                      named)};
+    }
     std::error_code missing;
-    const std::uintmax_t size = std::filesystem::file_size(path, missing);
-    if (missing) return;
-    if (size > room_) return left_out_.push_back(path.string());
-    const Result<std::string> bytes = ReadWholeFile(path.string(), room_);
-    if (!bytes.ok()) return;
+    const std::uintmax_t size = std::filesystem::file_size(*path, missing);
+    if (missing) return std::string();
+    if (size > room_) {
+      return Error{{}, fmt::format("{} has no room: all drawings may have {} MiB", named, kMaxDrawingBytes >> 20)};
+    }
+    if (const Result<Bitmap> picture = ReadBitmap(*path, StagePixelRule()); !picture.ok()) return picture.error();
+    return ReadWholeFile(*path, room_);
+  }
+
+  void AddImage(const SiteLevel& level, LevelMessage& message) {
+    const Result<std::string> bytes = ReadDrawing(level);
+    if (!bytes.ok()) {
+      left_out_.push_back(fmt::format("the drawing of level '{}': {}", PlainLine(level.name, kMaxShown),
+                                      PlainLine(bytes.error().message, kMaxShown)));
+    }
+    if (!bytes.ok() || bytes.value().empty()) return;
     room_ -= bytes.value().size();
     AffineImage& image = *arena_.Fill(message.images, 1);
     const std::size_t dot = level.drawing.rfind('.');
@@ -240,6 +270,7 @@ class Maker {
   }
 
   const Site& site_;
+  const AllowedPaths& files_;
   dds::WireArena& arena_;
   std::vector<std::string>& left_out_;
   std::size_t room_ = kMaxDrawingBytes;
@@ -247,8 +278,10 @@ class Maker {
 
 }  // namespace
 
-BuildingMapMessage MakeBuildingMap(const Site& site, dds::WireArena& arena, std::vector<std::string>& left_out) {
-  Maker maker(site, arena, left_out);
+BuildingMapMessage MakeBuildingMap(const Site& site, AllowedPaths files, dds::WireArena& arena,
+                                   std::vector<std::string>& left_out) {
+  files.Add(FolderOf(site).string());
+  Maker maker(site, files, arena, left_out);
   BuildingMapMessage message{};
   message.name = arena.Copy(site.name);
   auto* level = arena.Fill(message.levels, site.levels.size());

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/paths.h"
 #include "idl/ros/building_map.h"
 #include "transport/dds/binding/wire.h"
 #include "worldfile/sites/site.h"
@@ -21,7 +22,10 @@ using BuildingMapMessage = rmf_building_map_msgs_msg_dds__BuildingMap_;
 // All drawings of a map together. A message has at most 64 MiB.
 inline constexpr std::size_t kMaxDrawingBytes = std::size_t{60} << 20;
 
-// A drawing that is not there is left out. `left_out`: is added those for which the map has no room, by their files.
-BuildingMapMessage MakeBuildingMap(const Site& site, dds::WireArena& arena, std::vector<std::string>& left_out);
+// All programs in ROS read the map: so it has only drawings that are pictures (common/image), and only from the folder
+// of the building and from `files`. A drawing that is not there is left out; `left_out`: is added a line for each other
+// one, with the reason.
+BuildingMapMessage MakeBuildingMap(const Site& site, AllowedPaths files, dds::WireArena& arena,
+                                   std::vector<std::string>& left_out);
 
 }  // namespace troupe::ros

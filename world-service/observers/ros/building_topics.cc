@@ -12,7 +12,7 @@
 namespace troupe {
 
 BuildingTopics::BuildingTopics(const ros::RosNode& node, const char* topic, std::shared_ptr<const Site> site,
-                               std::string world_name, const WorldDescription& world,
+                               std::string world_name, const AllowedPaths& files, const WorldDescription& world,
                                const std::function<void(const std::string&)>& report)
     : site_(std::move(site)),
       world_name_(std::move(world_name)),
@@ -30,11 +30,11 @@ BuildingTopics::BuildingTopics(const ros::RosNode& node, const char* topic, std:
           },
           ros::Service(), ros::Serving::kWhenStarted) {
   std::vector<std::string> left_out;
-  building_ = ros::MakeBuildingMap(*site_, arena_, left_out);
+  building_ = ros::MakeBuildingMap(*site_, files, arena_, left_out);
   empty_.name = arena_.Copy("");
   if (!left_out.empty()) {
-    report(fmt::format("the map of the building has no room for {}: its drawings may have {} MiB together",
-                       fmt::join(left_out, ", "), ros::kMaxDrawingBytes >> 20));
+    report(fmt::format("the map of the building is without {} of its drawings: {}{}", left_out.size(), left_out.front(),
+                       left_out.size() > 1 ? "; and others" : ""));
   }
   topic_.Write(map());
   service_.Start();

@@ -19,9 +19,10 @@ namespace troupe {
 class BuildingTopics {
  public:
   // `topic`: its name. `world_name`: of the world of the building; `world`: the one of now, because a run that is
-  // continued may have left the building. `report`: a line for drawings that have no room in the map.
+  // continued may have left the building. `files`: that ROS may see. `report`: a line about drawings that are left out.
   BuildingTopics(const ros::RosNode& node, const char* topic, std::shared_ptr<const Site> site, std::string world_name,
-                 const WorldDescription& world, const std::function<void(const std::string&)>& report);
+                 const AllowedPaths& files, const WorldDescription& world,
+                 const std::function<void(const std::string&)>& report);
 
   // An edit has replaced the world. One that is not of the building has a map without any level.
   void ChangeWorld(const WorldDescription& world);

@@ -178,23 +178,22 @@ constexpr const char* kNodeName = "world";
 
 class RosWorldGateway final : public RunObserver {
  public:
-  RosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene, std::shared_ptr<const Site> site,
-                  const std::string& site_world)
+  RosWorldGateway(const ros::RosOptions& options, RunInRos run)
       : options_(options),
-        scene_(std::move(scene)),
+        scene_(std::move(run.scene)),
         connection_(options.network.distribution, options.socket, options.network.domain,
                     ros::HostConnection::Sending::kAtOnce),
         node_(ros::MakeNode(connection_, "/", kNodeName)),
         clock_(node_, options.world.clock_rate),
         events_(node_, "/events", ros::Stream(kEventDepth)),
         objects_(node_, "/objects", ros::Latched()),
-        pictures_(node_, options, scene_, site && options.world.building_map ? "/occupancy_grid" : "/map"),
+        pictures_(node_, options, scene_, run.site && options.world.building_map ? "/occupancy_grid" : "/map"),
         parameters_(node_, kNodeName, ros::Parameters{{"use_sim_time", true}, {"world", scene_->world().name}}),
         type_descriptions_(node_, kNodeName),
         log_(node_) {
-    if (site) {
-      building_.emplace(node_, options.world.building_map ? "/map" : "/building_map", std::move(site), site_world,
-                        scene_->world(), [this](const std::string& text) { Warn(text); });
+    if (run.site) {
+      building_.emplace(node_, options.world.building_map ? "/map" : "/building_map", std::move(run.site),
+                        run.site_world, run.files, scene_->world(), [this](const std::string& text) { Warn(text); });
     }
     FollowPeople();
     connection_.Announce();
@@ -367,9 +366,8 @@ class RosWorldGateway final : public RunObserver {
 
 }  // namespace
 
-std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
-                                                 std::shared_ptr<const Site> site, const std::string& site_world) {
-  return std::make_unique<RosWorldGateway>(options, std::move(scene), std::move(site), site_world);
+std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, RunInRos run) {
+  return std::make_unique<RosWorldGateway>(options, std::move(run));
 }
 
 }  // namespace troupe

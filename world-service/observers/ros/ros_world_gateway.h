@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "common/base/paths.h"
 #include "common/spatial/scene.h"
 #include "ros/messages/ros_options.h"
 #include "world-service/service/run_observer.h"
@@ -15,8 +16,15 @@
 
 namespace troupe {
 
-// `site`: the building that the world named `site_world` was made from; null: none. Throws std::exception if it cannot.
-std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
-                                                 std::shared_ptr<const Site> site, const std::string& site_world);
+// The run at its start.
+struct RunInRos {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Site> site = {};  // the building of the world named `site_world`; null: none
+  std::string site_world = {};
+  AllowedPaths files = {};  // that ROS may see, as the drawings of a building
+};
+
+// Throws std::exception if it cannot.
+std::unique_ptr<RunObserver> MakeRosWorldGateway(const ros::RosOptions& options, RunInRos run);
 
 }  // namespace troupe
