@@ -52,7 +52,7 @@ Result<PreparedRun> Branch(const RunSource& source) {
                               source.service.start_paused});
   if (!branch.ok()) return branch.error();
   PreparedRun run;
-  run.scene = branch.value().scene;
+  run.scene = branch.value().resumed.scene;
   run.first_world = WorldOf(run.scene);
   run.begin = branch.value().begin;
   run.options = source.service;

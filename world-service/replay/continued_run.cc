@@ -279,7 +279,6 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
     begin->change = std::move(tick);
   }
   branch.begin = std::move(begin);
-  branch.scene = world.scene();
   RunSettings& settings = branch.settings;
   settings = recording->run().settings;
   // A branch at or after the end of the recorded run continues without an end, unless the command line gives one.
@@ -295,7 +294,7 @@ Result<BranchedRun> BranchRun(const std::string& file, const BranchOptions& opti
   resumed.run = MakeRandomId();
   resumed.is_branch = true;
   resumed.original = world.original();
-  resumed.scene = branch.scene;
+  resumed.scene = world.scene();
   resumed.frame = std::move(frame);
   if (options.paused) resumed.progress.ticks_to_pause = 0;
   // Text files of the branch begin with its first own state, without states of the source.

@@ -39,7 +39,6 @@ struct BranchOptions {
 struct BranchedRun {
   RunSettings settings;
   ResumedRun resumed;
-  std::shared_ptr<const Scene> scene;
   std::shared_ptr<const RecordedStart> begin;  // of its own recording
 };
 

@@ -25,9 +25,7 @@ class JournalHistory final : public RunHistory {
   Status Open();
   // Goes to the state before the first entry of the answer, or to that entry.
   Status Seek(const HistoryRequest& request);
-  bool IsAt(const HistoryRequest& request) const {
-    return past_.has_cursor() && request.after && request.after == sent_;
-  }
+  bool IsAt(const HistoryRequest& request) const { return request.after && request.after == sent_; }
   // Appends the state, with the tick that follows, and goes to the next.
   Status Add(std::vector<HistoryEntry>& entries, const RecordedTick& next);
   Result<std::vector<HistoryEntry>> ReadBatch(const HistoryRequest& request);
@@ -42,6 +40,7 @@ class JournalHistory final : public RunHistory {
 };
 
 Status JournalHistory::Open() {
+  sent_.reset();
   const Status opened = past_.Open();
   return opened.ok() ? FindChanges() : opened;
 }
@@ -156,20 +155,8 @@ Status OwnRecording::Open() {
   Result<Recording> recording = Recording::Open(recorders_.back()->path());
   if (!recording.ok()) return Broken(recording.error().message);
   recording_ = std::make_unique<const Recording>(std::move(recording).value());
+  cursor_.emplace(*recording_);
   return {};
-}
-
-Status OwnRecording::Place(std::size_t chunk) {
-  Result<ReplayCursor> cursor = ReplayCursor::At(*recording_, chunk);
-  if (!cursor.ok()) return Broken(cursor.error().message);
-  cursor_.emplace(std::move(cursor).value());
-  return {};
-}
-
-Status OwnRecording::Approach(std::uint64_t position) {
-  if (!cursor_) return Place(recording_->KeyframeUpTo(position));
-  const Status damage = cursor_->Approach(position);
-  return damage.ok() ? damage : Broken(damage.error().message);
 }
 
 Result<const RecordedTick*> OwnRecording::Next() {

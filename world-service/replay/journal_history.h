@@ -36,19 +36,16 @@ class OwnRecording {
   explicit OwnRecording(const std::vector<RunRecorder*>& recorders) : recorders_(recorders) {}
 
   const std::vector<RunRecorder*>& recorders() const { return recorders_; }
-  // Reads what the file has now: all ticks of the run so far. There is no cursor then.
+  // Reads what the file has now: all ticks of the run so far. The cursor is nowhere then.
   Status Open();
-  bool is_open() const { return recording_ != nullptr; }
-  // REQUIRES: is_open()
+  bool is_open() const { return cursor_.has_value(); }
+  // All of these: REQUIRES: is_open()
   const Recording& recording() const { return *recording_; }
-  // Places the cursor before the first state of a chunk.
-  Status Place(std::size_t chunk);
-  // As ReplayCursor::Approach.
-  Status Approach(std::uint64_t position);
-  bool has_cursor() const { return cursor_.has_value(); }
-  // All of these: REQUIRES: has_cursor()
   const ReplayCursor& cursor() const { return *cursor_; }
   const ReplayedWorld& world() const { return cursor_->world(); }
+  // As those of ReplayCursor.
+  Status Restart(std::size_t chunk) { return Checked(cursor_->Restart(chunk)); }
+  Status Approach(std::uint64_t position) { return Checked(cursor_->Approach(position)); }
   // The tick that follows the state; null: none is in the file yet.
   Result<const RecordedTick*> Next();
   // The error is also a file that ends with the state.
@@ -56,6 +53,8 @@ class OwnRecording {
   Error Broken(const std::string& problem) const;
 
  private:
+  Status Checked(const Status& outcome) const { return outcome.ok() ? outcome : Broken(outcome.error().message); }
+
   const std::vector<RunRecorder*> recorders_;
   std::unique_ptr<const Recording> recording_;
   std::optional<ReplayCursor> cursor_;

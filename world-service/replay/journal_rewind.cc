@@ -71,7 +71,7 @@ Result<std::unique_ptr<JournalRewind>> JournalRewind::Start(const std::vector<Ru
   rewind->newest_.events.clear();
   rewind->last_ = *last;
   rewind->shifted_ = newest.edition + 1;
-  if (Status failure = rewind->past_.Place(recording.KeyframeUpTo(*last)); !failure.ok()) return failure.error();
+  if (Status failure = rewind->past_.Approach(*last); !failure.ok()) return failure.error();
   return rewind;
 }
 
@@ -120,7 +120,7 @@ Status JournalRewind::StartSeeking(Edition edition) {
   // The edit that made the robots is stepped, too.
   const std::uint64_t first = past_.recording().spans().BeginOf(edition);
   if (first > 0) first_chunk_ = past_.recording().KeyframeUpTo(first - 1);
-  return past_.Place(first_chunk_);
+  return past_.Restart(first_chunk_);
 }
 
 Status JournalRewind::Seek() {

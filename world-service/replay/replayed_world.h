@@ -89,7 +89,13 @@ class ReplayCursor {
     kNamedDifference,  // a difference whose message names it
   };
 
-  // Before the first state of a chunk. The recording outlives the cursor. The error is a damaged recording.
+  // Nowhere yet: Restart and Approach place it. The recording outlives the cursor.
+  explicit ReplayCursor(const Recording& recording)
+      : recording_(&recording),
+        first_(std::make_shared<const Scene>(recording.run().world)),
+        world_(first_),
+        reader_(recording) {}
+  // Before the first state of a chunk. The error is a damaged recording.
   static Result<ReplayCursor> At(const Recording& recording, std::size_t chunk = 0);
   // At the newest state of a tick; nothing: of the recording. The error is a tick that it does not have, damage, or
   // another state than recorded.
@@ -124,11 +130,6 @@ class ReplayCursor {
   std::string DifferenceFrom(const FrameMessage& recorded) const;
 
  private:
-  explicit ReplayCursor(const Recording& recording)
-      : recording_(&recording),
-        first_(std::make_shared<const Scene>(recording.run().world)),
-        world_(first_),
-        reader_(recording) {}
   Status Compare();
   Status Fail(Fault fault, const std::string& problem);
 

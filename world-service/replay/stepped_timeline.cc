@@ -55,13 +55,8 @@ Result<SharedState> SteppedTimeline::At(std::uint64_t position) {
 }
 
 Status SteppedTimeline::Seek(std::uint64_t position) {
-  if (!cursor_) {
-    Result<ReplayCursor> cursor = ReplayCursor::At(recording_, recording_.KeyframeUpTo(position));
-    if (!cursor.ok()) return cursor.error();
-    cursor_.emplace(std::move(cursor).value());
-  } else if (Status failure = cursor_->Approach(position); !failure.ok()) {
-    return failure;
-  }
+  if (!cursor_) cursor_.emplace(recording_);
+  if (Status failure = cursor_->Approach(position); !failure.ok()) return failure;
   if (cursor_->has_state()) Keep();  // a dropped one may be asked for again
   while (!cursor_->has_state() || cursor_->position() < position) {
     if (Status failure = cursor_->StepTo(cursor_->has_state() ? cursor_->position() + 1 : 0); !failure.ok()) {

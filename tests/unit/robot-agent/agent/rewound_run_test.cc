@@ -341,7 +341,7 @@ TEST(RewoundRunTest, ABranchFromWithinARewindHasNoMoreOfItsStates) {
   const std::string path = files.recording() + ".branch.mcap";
   const auto recorder = RunRecorder::Create(path, {.world_file = {}, .begin = branch.begin}).value();
   NoControl control;
-  ASSERT_TRUE(recorder->OnBegin({1, {}, branch.scene, control}).ok());
+  ASSERT_TRUE(recorder->OnBegin({1, {}, branch.resumed.scene, control}).ok());
   ASSERT_TRUE(recorder->OnEnd().ok());
   const Recording recording = Recording::Open(path).value();
   std::vector<std::uint64_t> copies;
