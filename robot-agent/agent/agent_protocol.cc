@@ -247,6 +247,8 @@ void AgentProtocol::OnRefusal(const AdmissionMessage& admission) {
     if (std::find(robots_.names.begin(), robots_.names.end(), name) != robots_.names.end()) left.insert(name);
   }
   if (left.empty()) return;  // a late answer
+  notices_.push_back(left.size() == 1 ? fmt::format("{} has another agent now", *left.begin())
+                                      : fmt::format("{} of its robots have other agents now", left.size()));
   state_ = Changing{std::make_unique<ReplicaTask::Work>(ReplicaTask::Leaving{std::move(left)}), true};
 }
 

@@ -389,6 +389,7 @@ TEST_F(AgentProtocolTest, AMemberThatWasLostLeavesRobotsWithAnotherAgentAndKeeps
   Joined();
   RefuseFor({"r1"});
   EXPECT_FALSE(protocol_.over());
+  EXPECT_THAT(protocol_.DrainNotices(), testing::Contains("r1 has another agent now"));
   PerformTask();
   const JoinMessage join = Joined();
   EXPECT_THAT(join.robots, ElementsAre("r0"));
