@@ -1,6 +1,4 @@
 // Feed any bytes to the readers of the lines between a launcher and its processes.
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
 #include <string>
 
@@ -12,13 +10,10 @@
 namespace troupe::fuzz {
 
 void HostMessage(Bytes bytes) {
-  const troupe::HostMessage message = ParseHostMessage(TextOf(bytes));
-  if (!message.is_object()) return;
-  Check(ParseHostMessage(ToLine(message)) == message);
-  const auto data = message.find("data");
-  if (data == message.end() || !data->is_string()) return;
-  const std::optional<std::string> content = FromHexadecimal(data->get_ref<const std::string&>());
-  if (content) Check(ToHexadecimal(std::as_bytes(std::span(*content))) == *data);
+  const JsonReader message = ReadHostMessage(TextOf(bytes));
+  if (!message.ok()) return;
+  const std::string data = BytesIn(message, "data");
+  if (message.ok()) Check(FromHexadecimal(ToHexadecimal(std::as_bytes(std::span(data)))) == data);
 }
 
 void ServiceReport(Bytes bytes) {

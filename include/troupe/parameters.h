@@ -18,6 +18,8 @@
 
 namespace troupe {
 
+class JsonReader;
+
 class Parameters {
  public:
   struct NamedNumber {
@@ -25,7 +27,7 @@ class Parameters {
     double value;
   };
 
-  // `json`: an object. `place` starts every message, for instance "wander" or "script: command 3".
+  // `json`: an object. `place` starts every message, for instance "wander".
   Parameters(std::string place, const std::string& json);
   ~Parameters();
   Parameters(const Parameters&) = delete;
@@ -47,11 +49,11 @@ class Parameters {
   // The first error, also for keys that were never read. Call it after all reads.
   Status Finish();
 
- protected:
-  struct Content;
-  explicit Parameters(std::unique_ptr<Content> content);
+  // For values of other kinds, of the controllers of this project.
+  const JsonReader& reader() const { return *reader_; }
 
-  std::unique_ptr<Content> content_;  // never null
+ private:
+  std::unique_ptr<JsonReader> reader_;  // never null
 };
 
 }  // namespace troupe

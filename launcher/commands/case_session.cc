@@ -39,6 +39,11 @@ std::string NameOfCase(const TestCase& draws) {
   return draws.empty() ? "the only case" : CaseText(draws);
 }
 
+// Between this process and a worker, which is a copy of it: its members are there.
+JsonReader ReadMessage(const std::string& text) {
+  return JsonReader::OfText(text, "", JsonLimits::OfProcesses());
+}
+
 }  // namespace
 
 std::optional<Shard> ParseShard(const std::string& text) {
@@ -226,8 +231,8 @@ Result<bool> CaseSession::Run(SignalWatch& signals) {
     if (scratch->path().empty()) return Failure("cannot make a folder for temporary files");
   }
   WorkerPool pool(options_.jobs, [this](const std::string& text, const ProgressFunction& progress) {
-    const json request = json::parse(text);
-    const json reply = PerformCaseWork(*tests_[request.at("test")].worlds, request, progress);
+    const JsonReader request = ReadMessage(text);
+    const json reply = PerformCaseWork(*tests_[request.Get<std::size_t>("test")].worlds, request, progress);
     return reply.dump(-1, ' ', false, json::error_handler_t::replace);
   });
   std::map<std::string, Job> jobs;  // by request
@@ -248,7 +253,7 @@ Result<bool> CaseSession::Run(SignalWatch& signals) {
     CaseOutcome outcome;
     outcome.verdict = CaseVerdict::kError;
     if (reply.ok()) {
-      outcome = OutcomeFromJson(json::parse(reply.value()));
+      outcome = ReadOutcome(ReadMessage(reply.value()));
     } else {
       outcome.error = reply.error().message;
     }
@@ -317,7 +322,7 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::fu
 
 Result<bool> CaseSession::ForEachChosen(FaultWork& work, const WorkLimits& limits,
                                         const std::function<json(std::size_t)>& request_for,
-                                        const std::function<std::string(std::size_t, const json&)>& use) {
+                                        const std::function<std::string(std::size_t, const JsonReader&)>& use) {
   std::size_t place = 0;
   const auto next = [&]() -> std::optional<std::string> {
     if (place >= work.chosen.size()) return std::nullopt;
@@ -328,8 +333,8 @@ Result<bool> CaseSession::ForEachChosen(FaultWork& work, const WorkLimits& limit
     return request.dump();
   };
   const auto done = [&](const std::string& request, const Result<std::string>& reply) {
-    const std::size_t i = json::parse(request).at("fault");
-    const std::string problem = reply.ok() ? use(i, json::parse(reply.value())) : reply.error().message;
+    const auto i = ReadMessage(request).Get<std::size_t>("fault");
+    const std::string problem = reply.ok() ? use(i, ReadMessage(reply.value())) : reply.error().message;
     if (!problem.empty()) PrintPlain(stderr, "warning: the case {}: {}\n", CaseText(faults_[i].second.draws), problem);
   };
   return work.pool.Run(next, done, limits, work.stop_descriptor, work.stop);
@@ -342,16 +347,15 @@ Result<bool> CaseSession::Shrink(FaultWork& work) {
     const auto failed = std::find_if(list.begin(), list.end(), [](const auto& each) { return !each.holds; });
     return json{{"kind", "shrink"}, {"case", CaseToJson(fault.draws)}, {"expectation", failed - list.begin()}};
   };
-  const auto use = [&](std::size_t i, const json& answer) -> std::string {
+  const auto use = [&](std::size_t i, const JsonReader& answer) -> std::string {
     auto& [test, fault] = faults_[i];
-    const TestCase draws = CaseFromJson(answer.at("case"));
-    CaseOutcome outcome = OutcomeFromJson(answer.at("outcome"));
+    const TestCase draws = ReadCase(answer.Find("case").value());
+    CaseOutcome outcome = ReadOutcome(answer.Find("outcome").value());
     if (outcome.verdict != CaseVerdict::kFailed) return "cannot shrink it: " + outcome.error;
     if (draws == fault.draws) return "";
-    fault.shrunk =
-        fmt::format("{} ({}, {}, after {})", CommandOf(tests_[test], draws),
-                    CountText(answer.at("robots").get<std::size_t>(), "robot"), CountText(outcome.ticks, "tick"),
-                    CountText(answer.at("runs").get<std::size_t>(), "run"));
+    fault.shrunk = fmt::format("{} ({}, {}, after {})", CommandOf(tests_[test], draws),
+                               CountText(answer.Get<std::size_t>("robots"), "robot"), CountText(outcome.ticks, "tick"),
+                               CountText(answer.Get<std::size_t>("runs"), "run"));
     work.smallest[i] = {draws, std::move(outcome)};
     return "";
   };
@@ -371,13 +375,13 @@ Result<bool> CaseSession::Keep(FaultWork& work) {
                 {"outcome", ToJson(outcome)},
                 {"folder", (std::filesystem::path(options_.folder) / fault.folder).string()}};
   };
-  const auto use = [&](std::size_t i, const json& answer) -> std::string {
+  const auto use = [&](std::size_t i, const JsonReader& answer) -> std::string {
     auto& [test, fault] = faults_[i];
-    fault.recording = answer.at("recording").get<std::string>();
-    fault.picture = answer.at("picture").get<std::string>();
-    fault.page = answer.at("page").get<std::string>();
+    fault.recording = answer.Get<std::string>("recording");
+    fault.picture = answer.Get<std::string>("picture");
+    fault.page = answer.Get<std::string>("page");
     report_.UpdateFault(test, fault);
-    const std::string problem = answer.at("problem");
+    const auto problem = answer.Get<std::string>("problem");
     return problem.empty() ? "" : "cannot keep it: " + problem;
   };
   // Without limits: the case has ended before, and its recording and page take their time without a word.

@@ -111,7 +111,7 @@ class CaseSession {
   // Gives workers a request for each chosen fault, and uses their answers. `use` returns a problem, or "".
   Result<bool> ForEachChosen(FaultWork& work, const WorkLimits& limits,
                              const std::function<nlohmann::json(std::size_t)>& request_for,
-                             const std::function<std::string(std::size_t, const nlohmann::json&)>& use);
+                             const std::function<std::string(std::size_t, const JsonReader&)>& use);
   Result<bool> Shrink(FaultWork& work);
   Result<bool> Keep(FaultWork& work);
   void Print(const ReportedCase& fault, const LoadedTest& test) const;

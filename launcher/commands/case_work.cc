@@ -97,9 +97,8 @@ Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::
   return Failure(fmt::format("the run in processes has {} states, the run in one {}", compared, hashes.size()));
 }
 
-json Run(const CaseWorlds& worlds, const json& request, const ProgressFunction& progress) {
-  const TestCase draws = CaseFromJson(request.at("case"));
-  const std::string scratch = request.at("scratch");
+json Run(const CaseWorlds& worlds, const TestCase& draws, const JsonReader& request, const ProgressFunction& progress) {
+  const auto scratch = request.Get<std::string>("scratch");
   CaseRunOptions options;
   options.hashes = !scratch.empty();
   options.progress = progress;
@@ -117,9 +116,9 @@ json Run(const CaseWorlds& worlds, const json& request, const ProgressFunction& 
   return ToJson(outcome);
 }
 
-json Shrink(const CaseWorlds& worlds, const json& request, const ProgressFunction& progress) {
-  const ShrunkCase shrunk =
-      ShrinkCase(worlds, CaseFromJson(request.at("case")), request.at("expectation"), {}, progress);
+json Shrink(const CaseWorlds& worlds, const TestCase& draws, const JsonReader& request,
+            const ProgressFunction& progress) {
+  const ShrunkCase shrunk = ShrinkCase(worlds, draws, request.Get<std::size_t>("expectation"), {}, progress);
   return {{"case", CaseToJson(shrunk.draws)},
           {"runs", shrunk.runs},
           {"robots", shrunk.robots},
@@ -132,10 +131,10 @@ Status WriteCasePage(const std::string& file, const StaticPageOptions& page) {
   return WriteStaticPage(recording.value(), ExpectationsOf(recording.value()), page);
 }
 
-json Keep(const CaseWorlds& worlds, const json& request, const ProgressFunction& progress) {
-  const TestCase draws = CaseFromJson(request.at("case"));
-  const std::filesystem::path folder(request.at("folder").get<std::string>());
-  const CaseOutcome outcome = OutcomeFromJson(request.at("outcome"));
+json Keep(const CaseWorlds& worlds, const TestCase& draws, const JsonReader& request,
+          const ProgressFunction& progress) {
+  const std::filesystem::path folder(request.Get<std::string>("folder"));
+  const CaseOutcome outcome = ReadOutcome(request.Find("outcome").value());
   const auto failed = std::find_if(outcome.expectations.begin(), outcome.expectations.end(),
                                    [](const ExpectationOutcome& each) { return !each.holds; });
   const Tick tick = failed->cause_tick.value_or(outcome.ticks);
@@ -173,10 +172,11 @@ json Keep(const CaseWorlds& worlds, const json& request, const ProgressFunction&
 
 }  // namespace
 
-json PerformCaseWork(const CaseWorlds& worlds, const json& request, const ProgressFunction& progress) {
-  const std::string kind = request.at("kind");
-  if (kind == "shrink") return Shrink(worlds, request, progress);
-  return kind == "keep" ? Keep(worlds, request, progress) : Run(worlds, request, progress);
+json PerformCaseWork(const CaseWorlds& worlds, const JsonReader& request, const ProgressFunction& progress) {
+  const auto kind = request.Get<std::string>("kind");
+  const TestCase draws = ReadCase(request.Find("case").value());
+  if (kind == "shrink") return Shrink(worlds, draws, request, progress);
+  return kind == "keep" ? Keep(worlds, draws, request, progress) : Run(worlds, draws, request, progress);
 }
 
 }  // namespace troupe

@@ -17,7 +17,6 @@ namespace troupe {
 //   and the "runs" that it took.
 // - "keep": writes scenario.json, run.mcap and violation.png of a failed case with this "outcome" into "folder": the
 //   names of the last two, empty if they could not be made, and the "problem".
-nlohmann::json PerformCaseWork(const CaseWorlds& worlds, const nlohmann::json& request,
-                               const ProgressFunction& progress);
+nlohmann::json PerformCaseWork(const CaseWorlds& worlds, const JsonReader& request, const ProgressFunction& progress);
 
 }  // namespace troupe

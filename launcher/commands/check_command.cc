@@ -11,6 +11,7 @@
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
+#include "common/base/json_tree.h"
 #include "common/base/print.h"
 #include "launcher/commands/commands.h"
 #include "recording/recording.h"
@@ -19,7 +20,6 @@
 #include "testing/cases/test_file.h"
 #include "worldfile/scenario/scenario.h"
 #include "worldfile/sites/site.h"
-#include "worldfile/text/json_tree.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {

@@ -44,8 +44,8 @@ class HostServer {
 
  private:
   void Send(const HostMessage& message) { connected_ &= WriteAll(STDOUT_FILENO, ToLine(message)); }
-  void Execute(const HostMessage& request);
-  void Start(int id, const HostMessage& request);
+  void Execute(const JsonReader& request);
+  void Start(int id, const JsonReader& request);
   void KeepKey(const std::string& name, const std::string& content);
   void SendFile(const std::string& path);
   void SendNews();
@@ -57,9 +57,12 @@ class HostServer {
   bool connected_ = true;
 };
 
-void HostServer::Start(int id, const HostMessage& request) {
-  Result<std::unique_ptr<Child>> child = host_.Start(
-      request.at("program"), request.at("arguments").get<std::vector<std::string>>(), request.value("reports", false));
+void HostServer::Start(int id, const JsonReader& request) {
+  const auto program = request.Get<std::string>("program");
+  const auto arguments = request.Get<std::vector<std::string>>("arguments");
+  const bool reports = request.Optional<bool>("reports").value_or(false);
+  if (!request.ok()) return;
+  Result<std::unique_ptr<Child>> child = host_.Start(program, arguments, reports);
   if (!child.ok()) return Send({{"failed", id}, {"message", child.error().message}});
   Send({{"started", id}, {"pid", child.value()->pid()}});
   children_[id] = std::move(child).value();
@@ -89,23 +92,25 @@ void HostServer::KeepKey(const std::string& name, const std::string& content) {
   Send({{"output", "error: cannot write " + path.string() + ": " + strerror(errno)}});
 }
 
-void HostServer::Execute(const HostMessage& request) {
-  try {
-    if (request.contains("run")) {
-      folder_.TakeOver(request["run"]);
-    } else if (request.contains("start")) {
-      Start(IntegerOf<int>(request["start"]), request);
-    } else if (request.contains("signal")) {
-      const auto child = children_.find(IntegerOf<int>(request["signal"]));
-      if (child != children_.end()) child->second->Signal(IntegerOf<int>(request.at("number")));
-    } else if (request.contains("key")) {
-      KeepKey(request["key"], FromHexadecimal(std::string(request.at("data"))).value());
-    } else if (request.contains("read")) {
-      SendFile(request["read"]);
-    }
-  } catch (const std::exception& fault) {
-    Send({{"output", std::string("error: a bad request: ") + fault.what()}});
+void HostServer::Execute(const JsonReader& request) {
+  if (request.Has("run")) {
+    const auto run = request.Get<std::string>("run");
+    if (request.ok()) folder_.TakeOver(run);
+  } else if (request.Has("start")) {
+    Start(request.Get<int>("start"), request);
+  } else if (request.Has("signal")) {
+    const auto child = children_.find(request.Get<int>("signal"));
+    const int number = request.Get<int>("number");
+    if (request.ok() && child != children_.end()) child->second->Signal(number);
+  } else if (request.Has("key")) {
+    const auto name = request.Get<std::string>("key");
+    const std::string content = BytesIn(request, "data");
+    if (request.ok()) KeepKey(name, content);
+  } else if (request.Has("read")) {
+    const auto path = request.Get<std::string>("read");
+    if (request.ok()) SendFile(path);
   }
+  if (!request.ok()) Send({{"output", "error: a bad request: " + request.status().error().message}});
 }
 
 void HostServer::SendNews() {
@@ -140,7 +145,7 @@ int HostServer::Serve() {
     for (int descriptor : host_.descriptors()) waited.push_back({descriptor, POLLIN, 0});
     poll(waited.data(), waited.size(), -1);
     if (signals_.ReadStopRequest()) break;
-    for (const std::string& line : requests.Read()) Execute(ParseHostMessage(line));
+    for (const std::string& line : requests.Read()) Execute(ReadHostMessage(line));
     SendNews();
   }
   for (auto& [id, child] : children_) child->Kill();

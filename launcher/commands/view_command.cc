@@ -10,7 +10,6 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "command_line/terminal.h"
 #include "common/base/distinct_files.h"
 #include "common/base/file.h"
+#include "common/base/json_reader.h"
 #include "common/base/print.h"
 #include "launcher/commands/commands.h"
 #include "launcher/commands/shown_expectations.h"
@@ -311,14 +311,7 @@ void AddOptionsOfPrograms(CLI::App& command, const std::shared_ptr<ViewOptions>&
   // The words of its command, as JSON.
   command
       .add_option_function<std::string>(
-          "--run-command",
-          [options](const std::string& text) {
-            const nlohmann::json words = nlohmann::json::parse(text, nullptr, false);
-            if (!words.is_array()) return;
-            for (const nlohmann::json& word : words) {
-              if (word.is_string()) options->run_command.push_back(word.get<std::string>());
-            }
-          },
+          "--run-command", [options](const std::string& text) { JsonReader::OfText(text).To(options->run_command); },
           "")
       ->group("");
   command.add_flag("--runs-again", options->runs_again, "")->group("");

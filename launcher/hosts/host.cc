@@ -20,6 +20,7 @@
 
 #include "common/base/file.h"
 #include "common/base/json.h"
+#include "common/base/text.h"
 
 namespace troupe {
 namespace {
@@ -146,8 +147,16 @@ std::string ToLine(const HostMessage& message) {
   return JsonText(message) + "\n";
 }
 
-HostMessage ParseHostMessage(const std::string& line) {
-  return HostMessage::parse(line, nullptr, false);
+JsonReader ReadHostMessage(const std::string& line) {
+  JsonReader message = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
+  if (!message.node().is_object()) message.Fail("an object");
+  return message;
+}
+
+std::string BytesIn(const JsonReader& message, const char* key) {
+  const std::optional<std::string> bytes = FromHexadecimal(message.Get<std::string>(key));
+  if (!bytes) message.FailWithout(key, "pairs of hexadecimal digits");
+  return bytes.value_or("");
 }
 
 std::string ShellQuoted(const std::string& word) {

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/json_reader.h"
 #include "launcher/process/process.h"
 #include "troupe/result.h"
 
@@ -124,8 +125,10 @@ using HostMessage = nlohmann::json;
 // One line with its end. Bytes that are not UTF-8 are replaced.
 std::string ToLine(const HostMessage& message);
 
-// The result is not an object if the line is not a message.
-HostMessage ParseHostMessage(const std::string& line);
+// The reader of a line. It has an error if the line is not a message.
+JsonReader ReadHostMessage(const std::string& line);
+// Bytes in a member, as hexadecimal digits; empty after an error.
+std::string BytesIn(const JsonReader& message, const char* key);
 
 // Quoting of words and command lines for a shell.
 

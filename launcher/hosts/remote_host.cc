@@ -196,46 +196,52 @@ void RemoteHost::Read() {
   Lose(connection_->end() ? connection_->end()->ToString() : "closed its output");
 }
 
-void RemoteHost::ApplyMessage(const std::string& line) try {
-  const HostMessage message = ParseHostMessage(line);
-  if (!message.is_object()) {
-    output_.push_back(line);  // for instance of a login script
-  } else if (message.contains("host")) {
-    if (message["host"] != VersionText()) {
-      return Lose("has version " + message["host"].get<std::string>() + " of Troupe, expected " +
-                  std::string(VersionText()));
+void RemoteHost::ApplyMessage(const std::string& line) {
+  const JsonReader message = ReadHostMessage(line);
+  if (message.ok()) ApplyMessage(message);
+  if (!message.ok()) output_.push_back(line);  // for instance of a login script
+}
+
+// The child of a message; null, and an error, for a number that none has.
+RemoteHost::State* RemoteHost::ChildIn(const JsonReader& message, const char* key) {
+  const auto child = children_.find(message.Get<int>(key));
+  if (child != children_.end()) return child->second.get();
+  message.FailWithout(key, "the number of a process");
+  return nullptr;
+}
+
+void RemoteHost::ApplyMessage(const JsonReader& message) {
+  if (message.Has("host")) {
+    const auto version = message.Get<std::string>("host");
+    if (version != VersionText()) {
+      return Lose("has version " + version + " of Troupe, expected " + std::string(VersionText()));
     }
-    folder_ = message.at("folder");
-    programs_ = message.at("programs");
-    ready_ = true;
-  } else if (message.contains("output")) {
-    output_.push_back(message["output"]);
-  } else if (message.contains("report")) {
-    reports_.push_back(message["report"]);
-  } else if (message.contains("started")) {
-    children_.at(IntegerOf<int>(message["started"]))->pid = IntegerOf<pid_t>(message.at("pid"));
-  } else if (message.contains("failed")) {
-    output_.push_back("error: " + message.at("message").get<std::string>());
-    children_.at(IntegerOf<int>(message["failed"]))->end = ProcessEnd{127, 0, 0.0};
-  } else if (message.contains("ended")) {
-    State& state = *children_.at(IntegerOf<int>(message["ended"]));
-    if (!state.end) {
-      state.end = ProcessEnd{IntegerOf<int>(message.at("exit_code")), IntegerOf<int>(message.at("signal")),
-                             message.at("peak_memory_mib")};
-    }
-  } else if (message.contains("file") && fetch_ && message["file"] == fetch_->source) {
-    if (message.contains("data")) {
-      const std::string data = FromHexadecimal(std::string(message["data"])).value();
+    folder_ = message.Get<std::string>("folder");
+    programs_ = message.Get<std::string>("programs");
+    ready_ = message.ok();
+  } else if (message.Has("output")) {
+    output_.push_back(message.Get<std::string>("output"));
+  } else if (message.Has("report")) {
+    reports_.push_back(message.Get<std::string>("report"));
+  } else if (message.Has("started")) {
+    if (State* const child = ChildIn(message, "started")) child->pid = message.Get<pid_t>("pid");
+  } else if (message.Has("failed")) {
+    output_.push_back("error: " + message.Get<std::string>("message"));
+    if (State* const child = ChildIn(message, "failed")) child->end = ProcessEnd{127, 0, 0.0};
+  } else if (message.Has("ended")) {
+    State* const child = ChildIn(message, "ended");
+    const ProcessEnd end{message.Get<int>("exit_code"), message.Get<int>("signal"),
+                         message.Get<double>("peak_memory_mib")};
+    if (child != nullptr && message.ok() && !child->end) child->end = end;
+  } else if (fetch_ && message.Optional<std::string>("file") == fetch_->source) {
+    if (message.Has("data")) {
+      const std::string data = BytesIn(message, "data");
       fetch_->bytes += data.size();
       if (!WriteAll(fetch_->target, data)) fetch_->error = strerror(errno);
     }
-    if (message.contains("error")) fetch_->error = message["error"];
-    fetch_->complete = message.contains("end") || message.contains("error");
+    message.Read("error", fetch_->error);
+    fetch_->complete = message.Has("end") || message.Has("error");
   }
-} catch (const std::bad_alloc&) {
-  throw;
-} catch (const std::exception&) {
-  output_.push_back(line);
 }
 
 void RemoteHost::Lose(const std::string& reason) {

@@ -65,6 +65,8 @@ class RemoteHost : public Host {
   void Read();
   void ReadErrors();
   void ApplyMessage(const std::string& line);
+  void ApplyMessage(const JsonReader& message);
+  State* ChildIn(const JsonReader& message, const char* key);
   void Lose(const std::string& reason);
   void Send(std::string_view line);  // reads messages while the host takes no requests
 

@@ -6,13 +6,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "command_line/terminal.h"
 #include "common/base/json.h"
+#include "common/base/json_reader.h"
 #include "common/base/text.h"
 #include "transport/protocol/message_texts.h"
 #include "troupe/event.h"
@@ -20,23 +20,14 @@
 namespace troupe {
 namespace {
 
-using Json = nlohmann::json;
-
-// A hash is written as hexadecimal text: JSON numbers lose bits beyond 2^53.
-void ReadHash(const Json& object, const char* name, std::uint64_t& value) {
-  std::string text;
-  ReadMember(object, name, text);
-  std::from_chars(text.data(), text.data() + text.size(), value, 16);
-}
-
 // `name`: the member with the name of each.
-std::vector<SlowRobot> ReadSlow(const Json& object, const char* list, const char* name) {
+std::vector<SlowRobot> ReadSlow(const JsonReader& object, const char* list, const char* name) {
   std::vector<SlowRobot> read;
-  for (const Json& entry : object.value(list, Json::array())) {
+  for (const JsonReader& entry : object.ItemsOf(list)) {
     SlowRobot& slow = read.emplace_back();
-    ReadMember(entry, name, slow.robot);
-    ReadMember(entry, "times_last", slow.times_last);
-    ReadMember(entry, "waited_seconds", slow.waited_seconds);
+    entry.Read(name, slow.robot);
+    entry.Read("times_last", slow.times_last);
+    entry.Read("waited_seconds", slow.waited_seconds);
   }
   return read;
 }
@@ -45,72 +36,72 @@ nlohmann::ordered_json ToJson(const SlowRobot& slow, const char* name) {
   return {{name, slow.robot}, {"times_last", slow.times_last}, {"waited_seconds", slow.waited_seconds}};
 }
 
-ReadyReport ParseReady(const Json& json) {
+ReadyReport ReadReady(const JsonReader& json) {
   ReadyReport report;
-  ReadMember(json, "robots", report.robots);
-  ReadMember(json, "libraries", report.libraries);
-  ReadMember(json, "robots_per_process", report.robots_per_process);
-  ReadMember(json, "restart_agents", report.restart_agents);
-  ReadMember(json, "aborts_on_loss", report.aborts_on_loss);
-  ReadMember(json, "rebuilds_on_loss", report.rebuilds_on_loss);
-  for (const Json& entry : json.value("participants", Json::array())) {
+  json.Read("robots", report.robots);
+  json.Read("libraries", report.libraries);
+  json.Read("robots_per_process", report.robots_per_process);
+  json.Read("restart_agents", report.restart_agents);
+  json.Read("aborts_on_loss", report.aborts_on_loss);
+  json.Read("rebuilds_on_loss", report.rebuilds_on_loss);
+  for (const JsonReader& entry : json.ItemsOf("participants")) {
     ServiceParticipant& of_group = report.participants.emplace_back();
-    ReadMember(entry, "port", of_group.port);
-    ReadMember(entry, "participant", of_group.participant);
+    entry.Read("port", of_group.port);
+    entry.Read("participant", of_group.participant);
   }
   if (report.participants.empty()) report.participants.emplace_back();
-  ReadMember(json, "ros", report.ros);
-  ReadMember(json, "ros_infinite_ranges", report.ros_infinite_ranges);
+  json.Read("ros", report.ros);
+  json.Read("ros_infinite_ranges", report.ros_infinite_ranges);
   return report;
 }
 
-EventReport ParseEvent(const Json& json) {
+EventReport ReadEvent(const JsonReader& json) {
   EventReport report;
-  ReadMember(json, "tick", report.tick);
-  ReadMember(json, "event", report.event);
-  ReadMember(json, "text", report.text);
+  json.Read("tick", report.tick);
+  json.Read("event", report.event);
+  json.Read("text", report.text);
   return report;
 }
 
-RunSummary ParseEnd(const Json& json) {
+RunSummary ReadEnd(const JsonReader& json) {
   RunSummary summary;
-  ReadMember(json, "ticks", summary.ticks);
-  ReadMember(json, "sim_seconds", summary.sim_seconds);
-  ReadMember(json, "wall_seconds", summary.wall_seconds);
-  ReadMember(json, "real_time_factor", summary.real_time_factor);
-  ReadMember(json, "startup_seconds", summary.startup_seconds);
-  ReadMember(json, "robots", summary.robots);
-  ReadMember(json, "stalls", summary.stalls);
-  ReadMember(json, "rejected", summary.rejected);
-  ReadMember(json, "frames_repeated", summary.frames_repeated);
-  ReadHash(json, "state_hash", summary.state_hash);
+  json.Read("ticks", summary.ticks);
+  json.Read("sim_seconds", summary.sim_seconds);
+  json.Read("wall_seconds", summary.wall_seconds);
+  json.Read("real_time_factor", summary.real_time_factor);
+  json.Read("startup_seconds", summary.startup_seconds);
+  json.Read("robots", summary.robots);
+  json.Read("stalls", summary.stalls);
+  json.Read("rejected", summary.rejected);
+  json.Read("frames_repeated", summary.frames_repeated);
+  json.ReadHash("state_hash", summary.state_hash);
   summary.slowest = ReadSlow(json, "slowest", "robot");
   summary.ros = ReadSlow(json, "ros_lockstep", "name");
-  ReadMember(json, "lost", summary.lost);
-  ReadMember(json, "interrupted", summary.interrupted);
-  ReadMember(json, "record_waited_seconds", summary.record_waited_seconds);
-  for (const Json& entry : json.value("totals", Json::array())) FieldsFromJson(entry, summary.totals.emplace_back());
-  ReadMember(json, "totals_since", summary.totals_since);
+  json.Read("lost", summary.lost);
+  json.Read("interrupted", summary.interrupted);
+  json.Read("record_waited_seconds", summary.record_waited_seconds);
+  json.Read("totals", summary.totals);
+  json.Read("totals_since", summary.totals_since);
   return summary;
 }
 
-std::optional<ServiceReport> Parse(const Json& json) {
-  std::string type = json.value("type", "");
-  if (type == "ready") return ParseReady(json);
+std::optional<ServiceReport> ReadReport(const JsonReader& json) {
+  const auto type = json.Get<std::string>("type");
+  if (type == "ready") return ReadReady(json);
   if (type == "robots") {
     NewRobotsReport report;
-    ReadMember(json, "robots", report.robots);
-    ReadMember(json, "edition", report.edition);
+    json.Read("robots", report.robots);
+    json.Read("edition", report.edition);
     return report;
   }
   if (type == "started") return StartedReport{};
   if (type == "status") {
     StatusMessage status;
-    FieldsFromJson(json, status);
+    json.To(status);
     return status;
   }
-  if (type == "event" || type == "notice") return ParseEvent(json);
-  if (type == "end") return ParseEnd(json);
+  if (type == "event" || type == "notice") return ReadEvent(json);
+  if (type == "end") return ReadEnd(json);
   return std::nullopt;
 }
 
@@ -143,13 +134,9 @@ std::string ListText(const std::vector<std::string>& names) {
 }  // namespace
 
 std::optional<ServiceReport> ParseServiceReport(const std::string& line) {
-  try {
-    return Parse(Json::parse(line));
-  } catch (const std::bad_alloc&) {  // a lost report would let the run wait for ever
-    throw;
-  } catch (const std::exception&) {
-    return std::nullopt;
-  }
+  const JsonReader json = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
+  std::optional<ServiceReport> report = ReadReport(json);
+  return json.ok() ? std::move(report) : std::nullopt;
 }
 
 std::string StatusText(const StatusMessage& status) {

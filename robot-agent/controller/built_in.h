@@ -12,10 +12,7 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "robot-agent/navigation/mapped_route.h"
@@ -70,20 +67,5 @@ inline MappedRoute::Settings ReadMapSettings(Parameters& reader, double clearanc
   }
   return settings;
 }
-
-// NestedParameters: parameters with lists and objects in them, for built-in controllers.
-class NestedParameters : public Parameters {
- public:
-  using Parameters::Parameters;
-  // The error is a value that is not an object.
-  NestedParameters(std::string place, const nlohmann::json& object);
-
-  // The elements of a list; empty if it is missing or wrong.
-  std::vector<nlohmann::json> ReadArray(const char* key);
-  // The members of an object, by name; empty if it is missing or wrong.
-  std::vector<std::pair<std::string, nlohmann::json>> ReadObject(const char* key);
-  // A value of any kind; nothing if it is missing.
-  std::optional<nlohmann::json> ReadAny(const char* key);
-};
 
 }  // namespace troupe

@@ -6,19 +6,17 @@
 //
 // Motions are planned by braking distances, with half of the drive's deceleration as a reserve, so that a robot arrives
 // exactly, to a micrometre, for any length of ticks: the next step begins from there, and grippers need it.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/base/json_reader.h"
 #include "common/geometry/limits.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/steering.h"
@@ -58,8 +56,7 @@ struct FetchPlan {
   bool needs_lift = false;
 };
 
-using nlohmann::json;
-
+constexpr const char* kPlaceText = "[x, y, heading, lift] with a lift of 0 to 100 percent";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The place of an object: its centre, and the robot's heading and the gripper's height at the approach.
@@ -73,128 +70,99 @@ struct Place {
 // Translates steps into actions.
 class Planner {
  public:
-  explicit Planner(NestedParameters& reader) : reader_(reader) {}
+  explicit Planner(const JsonReader& reader) : reader_(reader) {}
 
   // The plan is complete unless the reader has an error.
   FetchPlan Read() {
-    const Interval positive{0.0, kInfinity};
-    const Interval percent{0.0, 100.0};
-    plan_.speed = reader_.ReadNumber("speed", positive).value_or(plan_.speed);
-    plan_.turn_rate = reader_.ReadNumber("turn_rate", positive).value_or(plan_.turn_rate);
-    reach_ = reader_.ReadNumber("reach", positive).value_or(reach_);
-    approach_ = reader_.ReadNumber("approach", positive).value_or(approach_);
-    raise_ = reader_.ReadNumber("raise", percent).value_or(raise_);
-    travel_ = reader_.ReadNumber("travel", percent).value_or(travel_);
-    plan_.repeats = reader_.ReadBool("repeat").value_or(false);
-    ReadPlaces();
-    const std::vector<json> steps = reader_.ReadArray("steps");
-    if (steps.empty()) reader_.Fail("'steps' is missing or empty, expected a list of steps");
-    for (std::size_t i = 0; i < steps.size() && reader_.status().ok(); ++i) {
-      if (const Status status = AddStep(steps[i]); !status.ok()) {
-        reader_.Fail(fmt::format("step {}: {}", i + 1, status.error().message));
-      }
+    plan_.speed = reader_.Number("speed", 0.0, kInfinity).value_or(plan_.speed);
+    plan_.turn_rate = reader_.Number("turn_rate", 0.0, kInfinity).value_or(plan_.turn_rate);
+    reach_ = reader_.Number("reach", 0.0, kInfinity).value_or(reach_);
+    approach_ = reader_.Number("approach", 0.0, kInfinity).value_or(approach_);
+    raise_ = reader_.Number("raise", 0.0, 100.0).value_or(raise_);
+    travel_ = reader_.Number("travel", 0.0, 100.0).value_or(travel_);
+    reader_.Read("repeat", plan_.repeats);
+    if (const std::optional<JsonReader> places = reader_.Find("places")) {
+      for (const JsonReader& place : places->Items()) ReadPlace(place);
+    }
+    const std::optional<JsonReader> steps = reader_.Find("steps");
+    const std::vector<JsonReader> items = steps ? steps->Items() : std::vector<JsonReader>();
+    if (items.empty()) reader_.FailWithout("steps", "a list of steps");
+    for (const JsonReader& step : items) {
+      if (reader_.ok()) AddStep(step);
     }
     return std::move(plan_);
   }
 
  private:
-  void ReadPlaces() {
-    const std::vector<json> places = reader_.ReadArray("places");
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const json& entry = places[i];
-      const bool has_form = entry.is_object() && entry.size() == 2 && entry.contains("name") &&
-                            entry["name"].is_string() && entry.contains("at");
-      const std::optional<Place> place = has_form ? ReadPlace(entry["at"]) : std::nullopt;
-      if (!place) {
-        reader_.Fail(
-            fmt::format("place {}: expected {{\"name\": \"...\", \"at\": [x, y, heading, lift]}}, with a lift of 0 "
-                        "to 100 percent",
-                        i + 1));
-        return;
-      }
-      places_[entry["name"].get<std::string>()] = *place;
+  void ReadPlace(const JsonReader& entry) {
+    const auto name = entry.Get<std::string>("name");
+    if (const std::optional<JsonReader> at = entry.Find("at")) {
+      places_[name] = PlaceOf(*at);
+    } else {
+      entry.FailWithout("at", kPlaceText);
     }
+    entry.RefuseOthers();
   }
 
-  // Nothing unless `value` is a list of `count` numbers within +-1e6.
-  static std::optional<std::vector<double>> ReadNumbers(const json& value, std::size_t count) {
-    if (!value.is_array() || value.size() != count) return std::nullopt;
-    std::vector<double> numbers;
-    for (const json& element : value) {
-      if (!element.is_number() || std::abs(element.get<double>()) > kMaxMagnitude) return std::nullopt;
-      numbers.push_back(element.get<double>());
-    }
-    return numbers;
+  static Place PlaceOf(const JsonReader& value) {
+    const std::vector<double> n = value.Numbers(4, kMaxMagnitude).value_or(std::vector<double>(4));
+    if (n[3] < 0.0 || n[3] > 100.0) value.Fail(kPlaceText);
+    return {n[0], n[1], n[2], n[3]};
   }
 
-  static std::optional<Place> ReadPlace(const json& value) {
-    const std::optional<std::vector<double>> n = ReadNumbers(value, 4);
-    if (!n || (*n)[3] < 0.0 || (*n)[3] > 100.0) return std::nullopt;
-    return Place{(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
-  }
-
-  Status AddStep(const json& step) {
-    if (!step.is_object() || step.size() != 1) return BadInput("expected an object with one key");
-    const std::string key = step.begin().key();
-    const json& value = step.begin().value();
+  void AddStep(const JsonReader& step) {
+    const std::vector<JsonReader> members = step.Members();
+    if (members.size() != 1) return void(step.Fail("an object with one key"));
+    const JsonReader& value = members.front();
+    const std::string& key = value.key();
     if (key == "take" || key == "put") return AddTrip(key == "take", value);
     if (key == "go_to") {
-      const std::optional<std::vector<double>> point = ReadNumbers(value, 2);
-      if (!point) return BadInput("'go_to' expects [x, y]");
-      plan_.steps.push_back({FetchAction::kGoTo, 0.0, (*point)[0], (*point)[1]});
-      return {};
+      if (const auto point = value.Numbers(2, kMaxMagnitude)) {
+        plan_.steps.push_back({FetchAction::kGoTo, 0.0, (*point)[0], (*point)[1]});
+      }
+    } else if (key == "gripper") {
+      const std::optional<double> open = value.Number(1.0, 0.0, {{"open", 1.0}, {"close", 0.0}});
+      if (open) AddFingers(*open != 0.0);
+    } else {
+      AddNumberStep(value);
     }
-    if (key == "gripper") {
-      if (value != "open" && value != "close") return BadInput("'gripper' expects \"open\" or \"close\"");
-      AddFingers(value == "open");
-      return {};
-    }
-    return AddNumberStep(key, value);
   }
 
   // A step whose value is a number.
-  Status AddNumberStep(const std::string& key, const json& value) {
+  void AddNumberStep(const JsonReader& value) {
     struct Kind {
       FetchAction action;
       Interval allowed;
     };
-    const std::map<std::string, Kind> kinds{{"drive", {FetchAction::kDrive, {-kMaxMagnitude, kMaxMagnitude}}},
-                                            {"push", {FetchAction::kPush, {-kMaxMagnitude, kMaxMagnitude}}},
-                                            {"lift", {FetchAction::kLift, {0.0, 100.0}}},
-                                            {"turn_to", {FetchAction::kTurnTo, {-kMaxMagnitude, kMaxMagnitude}}},
-                                            {"wait", {FetchAction::kWait, {0.0, 1e9}}},
-                                            {"wait_until", {FetchAction::kWaitUntil, {0.0, 1e9}}}};
-    const auto found = kinds.find(key);
+    static const std::map<std::string, Kind> kinds{{"drive", {FetchAction::kDrive, {-kMaxMagnitude, kMaxMagnitude}}},
+                                                   {"push", {FetchAction::kPush, {-kMaxMagnitude, kMaxMagnitude}}},
+                                                   {"lift", {FetchAction::kLift, {0.0, 100.0}}},
+                                                   {"turn_to", {FetchAction::kTurnTo, {-kMaxMagnitude, kMaxMagnitude}}},
+                                                   {"wait", {FetchAction::kWait, {0.0, 1e9}}},
+                                                   {"wait_until", {FetchAction::kWaitUntil, {0.0, 1e9}}}};
+    const auto found = kinds.find(value.key());
     if (found == kinds.end()) {
-      return BadInput(
-          "found another key, expected one of: drive, go_to, gripper, lift, push, put, take, turn_to, wait, "
-          "wait_until");
+      std::vector<std::string> known{"go_to", "gripper", "put", "take"};
+      for (const auto& [key, kind] : kinds) known.push_back(key);
+      value.FailWith(UnknownKeyText(value.key(), std::move(known)));
+      return;
     }
     const auto& [action, allowed] = found->second;
-    const double number = value.is_number() ? value.get<double>() : std::nan("");
-    if (!(number >= allowed.min && number <= allowed.max)) {
-      return BadInput(fmt::format("'{}' expects a number from {} to {}", key, allowed.min, allowed.max));
-    }
-    Add(action, number);
-    return {};
+    if (const std::optional<double> number = value.Number(allowed.min, allowed.max)) Add(action, *number);
   }
 
   // The place named by `value`, or given as numbers.
-  Result<Place> FindPlace(const json& value) const {
-    if (value.is_string()) {
-      const auto found = places_.find(value.get<std::string>());
-      if (found == places_.end()) return BadInput("names a place that is not in 'places'");
-      return found->second;
-    }
-    if (const std::optional<Place> place = ReadPlace(value)) return *place;
-    return BadInput("expected the name of a place, or [x, y, heading, lift] with a lift of 0 to 100 percent");
+  Place FindPlace(const JsonReader& value) const {
+    if (!value.node().is_string()) return PlaceOf(value);
+    const auto found = places_.find(value.node().text);
+    if (found != places_.end()) return found->second;
+    value.Fail("the name of one of 'places'");
+    return {};
   }
 
   // To a place and away from it again, with a straight approach and retreat.
-  Status AddTrip(bool take, const json& value) {
-    const Result<Place> found = FindPlace(value);
-    if (!found.ok()) return found.error();
-    const Place& place = found.value();
+  void AddTrip(bool take, const JsonReader& value) {
+    const Place place = FindPlace(value);
     const SinCosResult direction = SinCos(place.heading);
     const double away = reach_ + approach_;
     plan_.steps.push_back({FetchAction::kGoTo, 0.0, place.x - away * direction.cos, place.y - away * direction.sin});
@@ -212,7 +180,6 @@ class Planner {
     }
     Add(FetchAction::kDrive, -approach_);
     Add(FetchAction::kLift, travel_);
-    return {};
   }
 
   void AddFingers(bool open) {
@@ -224,7 +191,7 @@ class Planner {
     if (action == FetchAction::kLift) plan_.needs_lift = true;
   }
 
-  NestedParameters& reader_;
+  const JsonReader& reader_;
   FetchPlan plan_;
   std::map<std::string, Place> places_;
   double reach_ = 0.4;     // m, from the robot's origin to the centre of the object
@@ -235,7 +202,7 @@ class Planner {
 
 // `parameters`: a JSON object. The error names the controller.
 Result<FetchPlan> ParseFetchPlan(const std::string& parameters) {
-  NestedParameters reader("fetch", parameters);
+  const JsonReader reader = JsonReader::OfText(parameters, "fetch");
   FetchPlan plan = Planner(reader).Read();
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return plan;

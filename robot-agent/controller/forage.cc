@@ -10,11 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "common/base/json_reader.h"
+#include "common/geometry/limits.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/mapped_route.h"
 #include "robot-agent/navigation/steering.h"
@@ -29,6 +30,7 @@ struct UnitPlace {
   std::int32_t id = 0;        // fiducial_return, where there is no point
 };
 
+constexpr std::size_t kMaxTasks = 1000;
 constexpr double kAtCharger = 0.1;  // m: nearer to the charger's place it waits
 
 struct Task {
@@ -53,62 +55,56 @@ constexpr auto NamesOf(Variant) {
   return std::array{"fasr", "fasr2", "fasr_plan"};
 }
 
-std::optional<UnitPlace> ParseUnitPlace(const nlohmann::json& value) {
-  if (value.is_number_integer() && value.get<double>() >= 1.0 && value.get<double>() <= 1e9) {
-    return UnitPlace{std::nullopt, value.get<std::int32_t>()};
+// Nothing after an error.
+std::optional<UnitPlace> UnitPlaceOf(const JsonReader& value) {
+  std::int32_t id = 0;
+  if (value.node().is_number() && value.To(id) && id >= 1 && id <= 1'000'000'000) return UnitPlace{std::nullopt, id};
+  if (const auto point = value.node().is_array() ? value.Numbers(2, kMaxMagnitude) : std::nullopt) {
+    return UnitPlace{Vec2((*point)[0], (*point)[1])};
   }
-  if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number()) return std::nullopt;
-  const Vec2 point(value[0].get<double>(), value[1].get<double>());
-  if (!(point.cwiseAbs().maxCoeff() <= 1e6)) return std::nullopt;
-  return UnitPlace{point};
+  value.Fail("a point [x, y] or the id of a fiducial");
+  return std::nullopt;
 }
 
 // Nothing if it is missing or wrong.
-std::optional<UnitPlace> ReadUnitPlace(NestedParameters& reader, const char* key) {
-  const std::optional<nlohmann::json> value = reader.ReadAny(key);
-  if (!value) return std::nullopt;
-  std::optional<UnitPlace> place = ParseUnitPlace(*value);
-  if (!place) reader.Fail(fmt::format("'{}' is no place, expected a point [x, y] or the id of a fiducial", key));
-  return place;
+std::optional<UnitPlace> ReadUnitPlace(const JsonReader& reader, const char* key) {
+  const std::optional<JsonReader> value = reader.Find(key);
+  return value ? UnitPlaceOf(*value) : std::nullopt;
 }
 
-UnitPlace ReadUnitPlaceOr(NestedParameters& reader, const char* key, std::int32_t otherwise) {
+UnitPlace ReadUnitPlaceOr(const JsonReader& reader, const char* key, std::int32_t otherwise) {
   return ReadUnitPlace(reader, key).value_or(UnitPlace{std::nullopt, otherwise});
 }
 
-std::vector<Task> ReadTasks(NestedParameters& reader) {
+std::vector<Task> ReadTasks(const JsonReader& reader) {
   std::vector<Task> tasks;
-  for (const nlohmann::json& entry : reader.ReadArray("tasks")) {
-    const bool is_pair = entry.is_array() && entry.size() == 2;
-    const std::optional<UnitPlace> source = is_pair ? ParseUnitPlace(entry[0]) : std::nullopt;
-    const std::optional<UnitPlace> sink = is_pair ? ParseUnitPlace(entry[1]) : std::nullopt;
-    if (!source || !sink) {
-      reader.Fail(
-          fmt::format("task {} is not a list [source, sink] of two places, each a point [x, y] or the id of a "
-                      "fiducial",
-                      tasks.size()));
-      return {};
-    }
-    tasks.push_back({*source, *sink});
+  const std::optional<JsonReader> list = reader.Find("tasks");
+  if (!list) return tasks;
+  for (const JsonReader& entry : list->Items(kMaxTasks)) {
+    const std::vector<JsonReader> pair = entry.Items();
+    if (pair.size() != 2) entry.Fail("a list [source, sink] of two places");
+    if (!reader.ok()) return {};
+    const std::optional<UnitPlace> source = UnitPlaceOf(pair[0]);
+    const std::optional<UnitPlace> sink = UnitPlaceOf(pair[1]);
+    if (source && sink) tasks.push_back({*source, *sink});
   }
-  if (tasks.size() > 1000) reader.Fail("more than 1000 tasks");
   return tasks;
 }
 
 template <Variant kVariant>
 Result<ForageParameters> ParseForage(const std::string& text) {
   ForageParameters p;
-  NestedParameters reader(NameOf(kVariant), text);
-  if (kVariant == Variant::kTasks) p.tasks = ReadTasks(reader);
-  const UnitPlace source = ReadUnitPlaceOr(reader, "source", 1);
-  const UnitPlace sink = ReadUnitPlaceOr(reader, "sink", 2);
+  Parameters reader(NameOf(kVariant), text);
+  if (kVariant == Variant::kTasks) p.tasks = ReadTasks(reader.reader());
+  const UnitPlace source = ReadUnitPlaceOr(reader.reader(), "source", 1);
+  const UnitPlace sink = ReadUnitPlaceOr(reader.reader(), "sink", 2);
   if (p.tasks.empty()) p.tasks.push_back({source, sink});
   p.reach = reader.ReadNumber("reach", {0.05, 100.0}).value_or(p.reach);
   p.load_time = reader.ReadNumber("load_time", {0.0, 3600.0}).value_or(p.load_time);
   p.motion.steer.speed = reader.ReadNumber("speed", {0.0, 100.0}).value_or(p.motion.steer.speed);
   p.motion.steer.turn_rate = reader.ReadNumber("turn_rate", {0.0, 100.0}).value_or(p.motion.steer.turn_rate);
   p.motion.clearance = reader.ReadNumber("clearance", {0.0, 100.0}).value_or(p.motion.clearance);
-  p.charger = ReadUnitPlace(reader, "charger");
+  p.charger = ReadUnitPlace(reader.reader(), "charger");
   p.charge_below = reader.ReadNumber("charge_below", {0.0, 1.0}).value_or(p.charge_below);
   p.charge_to = reader.ReadNumber("charge_to", {0.0, 1.0}).value_or(p.charge_to);
   if (p.charge_to < p.charge_below) {

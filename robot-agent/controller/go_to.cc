@@ -7,10 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
+#include "common/base/json_reader.h"
+#include "common/geometry/limits.h"
 #include "robot-agent/controller/built_in.h"
 #include "robot-agent/navigation/steering.h"
 #include "troupe/deterministic_math.h"
@@ -28,25 +29,14 @@ struct GoToParameters {
   std::optional<double> heading;  // rad, at the last one
 };
 
-std::vector<Vec2> ReadWaypoints(NestedParameters& reader) {
-  std::vector<Vec2> waypoints;
-  for (const nlohmann::json& entry : reader.ReadArray("waypoints")) {
-    const bool is_point = entry.is_array() && entry.size() == 2 && entry[0].is_number() && entry[1].is_number();
-    if (!is_point) {
-      reader.Fail(fmt::format("waypoint {} is not a list [x, y] of two numbers", waypoints.size()));
-      return {};
-    }
-    waypoints.emplace_back(entry[0].get<double>(), entry[1].get<double>());
-    if (waypoints.back().cwiseAbs().maxCoeff() > 1e6) reader.Fail("a waypoint is beyond 1000 km");
-  }
-  if (waypoints.size() > kMaxWaypoints) reader.Fail(fmt::format("more than {} waypoints", kMaxWaypoints));
-  return waypoints;
-}
-
 Result<GoToParameters> ParseGoTo(const char* name, bool repeats, const std::string& text) {
   GoToParameters p;
-  NestedParameters reader(name, text);
-  p.waypoints = ReadWaypoints(reader);
+  Parameters reader(name, text);
+  if (const std::optional<JsonReader> list = reader.reader().Find("waypoints")) {
+    for (const JsonReader& point : list->Items(kMaxWaypoints)) {
+      if (const auto xy = point.Numbers(2, kMaxMagnitude)) p.waypoints.emplace_back((*xy)[0], (*xy)[1]);
+    }
+  }
   if (!repeats) p.heading = reader.ReadNumber("heading", {-2.0 * kPi, 2.0 * kPi});
   p.steer.speed = reader.ReadNumber("speed", {0.0, 100.0}).value_or(p.steer.speed);
   p.steer.turn_rate = reader.ReadNumber("turn_rate", {0.0, 100.0}).value_or(p.steer.turn_rate);

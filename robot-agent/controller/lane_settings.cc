@@ -3,39 +3,22 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <vector>
 
+#include "common/base/json_reader.h"
 #include "common/base/text.h"
-#include "robot-agent/controller/built_in.h"
 
 namespace troupe {
-namespace {
-
-using nlohmann::json;
-
-void ReadPlaces(NestedParameters& reader, LaneSettings& settings) {
-  for (const json& place : reader.ReadArray("places")) {
-    if (!place.is_string()) return reader.Fail("'places' has an item that is no text, expected names of places");
-    settings.places.push_back(place.get<std::string>());
-  }
-}
-
-}  // namespace
 
 Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   LaneSettings settings;
-  NestedParameters reader("lanes", text);
-  if (const std::optional<double> graph = reader.ReadNumber("graph", {0.0, 1e6})) {
-    settings.graph = static_cast<std::uint32_t>(*graph);
-    if (*settings.graph != *graph) reader.Fail(fmt::format("'graph' is {}, expected a whole number", *graph));
-  }
-  ReadPlaces(reader, settings);
-  settings.repeat = reader.ReadBool("repeat").value_or(settings.repeat);
-  settings.close_doors = reader.ReadBool("close_doors").value_or(settings.close_doors);
+  const JsonReader reader = JsonReader::OfText(text, "lanes");
+  reader.Read("graph", settings.graph);
+  reader.Read("places", settings.places);
+  reader.Read("repeat", settings.repeat);
+  reader.Read("close_doors", settings.close_doors);
   const auto read = [&](const char* key, double& value, double least, double most) {
-    value = reader.ReadNumber(key, {least, most}).value_or(value);
+    value = reader.Number(key, least, most).value_or(value);
   };
   read("wait", settings.wait, 0.0, 1e6);
   read("speed", settings.speed, 0.01, 100.0);
@@ -44,7 +27,7 @@ Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   read("tolerance", settings.tolerance, 0.02, 1.0);
   read("charge_below", settings.charge_below, 0.0, 1.0);
   read("charge_to", settings.charge_to, 0.0, 1.0);
-  if (settings.charge_to < settings.charge_below) reader.Fail("'charge_to' is below 'charge_below'");
+  if (settings.charge_to < settings.charge_below) reader.FailWith("'charge_to' is below 'charge_below'");
   if (Status status = reader.Finish(); !status.ok()) return status.error();
   return settings;
 }

@@ -9,6 +9,7 @@
 
 #include "common/base/identity.h"
 #include "common/base/json.h"
+#include "common/base/json_reader.h"
 #include "common/base/system_error.h"
 #include "common/base/text.h"
 #include "troupe/check.h"
@@ -30,13 +31,8 @@ Error Malformed(std::string_view text) {
 
 template <typename Text>
 Result<Text> Parse(std::string_view text) {
-  try {
-    Text parsed;
-    FieldsFromJson(json::parse(text), parsed);
-    return parsed;
-  } catch (const std::exception&) {  // of the JSON library, or an integer out of range
-    return Malformed(text);
-  }
+  Result<Text> parsed = RowFromJson<Text>(text);
+  return parsed.ok() ? std::move(parsed) : Malformed(text);
 }
 
 Error BadName(const std::string& name) {

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
+
+#include "common/base/json_reader.h"
 
 namespace troupe::ros {
 
@@ -29,10 +30,8 @@ std::optional<std::string> TagAfter(const NamedPlace& place, const std::string& 
 std::string FleetOf(const WorldDescription& world, RobotId robot) {
   const RobotDescription& description = world.robot(robot);
   if (description.controller.name == kPathController) {
-    const auto parameters = nlohmann::json::parse(description.controller.parameters, nullptr, false);
-    if (parameters.is_object() && parameters.contains("fleet") && parameters["fleet"].is_string()) {
-      return parameters["fleet"];
-    }
+    const JsonReader parameters = JsonReader::OfText(description.controller.parameters);
+    if (const auto fleet = parameters.Optional<std::string>("fleet")) return *fleet;
   }
   for (const NamedPlace& place : world.places) {
     if (TagAfter(place, "robot:") != description.name) continue;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/json.h"
+#include "common/base/json_reader.h"
 #include "common/base/text.h"
 
 namespace troupe::ros {
@@ -98,29 +99,19 @@ std::string ReceptionJson(const WorldDescription& world, const RadioReception& r
 
 Result<RadioMessage> ReadRadioMessage(const WorldDescription& world, std::size_t radio, const std::string& text) {
   if (text.size() > kMaxText) return BadInput("a text that is too long");
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
-  if (!json.is_object()) return BadInput("a text that is no JSON object");
+  const JsonReader json = JsonReader::OfText(text);
   RadioMessage message{.radio = radio};
-  bool has_content = false;
-  for (const auto& [key, value] : json.items()) {
-    if (!value.is_string()) return BadInput("a value that is no string");
-    const std::string content = value.get<std::string>();
-    if (key == "to") {
-      message.to = FindRobot(world, content);
-      if (!message.to) return BadInput("the name of a robot that is not there");
-    } else if (key == "text" && !has_content) {
-      message.bytes.assign(content.begin(), content.end());
-      has_content = true;
-    } else if (key == "bytes" && !has_content) {
-      const std::optional<std::string> bytes = BytesOf(content);
-      if (!bytes) return BadInput("bytes that are no pairs of hexadecimal digits");
-      message.bytes.assign(bytes->begin(), bytes->end());
-      has_content = true;
-    } else {
-      return BadInput("keys other than 'to', and 'text' or 'bytes'");
-    }
+  if (const auto to = json.Optional<std::string>("to")) {
+    message.to = FindRobot(world, *to);
+    if (!message.to) json.Find("to")->Fail("the name of a robot");
   }
-  if (!has_content) return BadInput("neither 'text' nor 'bytes'");
+  const auto content = json.Optional<std::string>("text");
+  const auto digits = json.Optional<std::string>("bytes");
+  if (content.has_value() == digits.has_value()) json.Fail("either 'text' or 'bytes'");
+  const std::optional<std::string> bytes = digits ? BytesOf(*digits) : content;
+  if (digits && !bytes) json.Find("bytes")->Fail("pairs of hexadecimal digits");
+  if (bytes) message.bytes.assign(bytes->begin(), bytes->end());
+  if (Status status = json.Finish(); !status.ok()) return status.error();
   return message;
 }
 

@@ -21,11 +21,6 @@ json OptionalToJson(const std::optional<T>& value) {
   return value ? json(*value) : json(nullptr);
 }
 
-std::optional<Tick> TickFromJson(const json& value) {
-  if (value.is_null()) return std::nullopt;
-  return value.get<Tick>();
-}
-
 // The least of each part of a run, so that no near miss is lost.
 std::vector<Monitor::Moment> Thinned(std::span<const Monitor::Moment> history) {
   // Equal parts of the run, each with its worst moment: averages would hide the one tick that failed.
@@ -66,12 +61,10 @@ json NumberToJson(double number) {
   return std::isnan(number) ? "nan" : number > 0.0 ? "inf" : "-inf";
 }
 
-double NumberFromJson(const json& value) {
-  if (value.is_number()) return value.get<double>();
-  const auto text = value.get<std::string>();
+double ReadNumber(const JsonReader& json) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
-  return text == "inf" ? kInfinity : -kInfinity;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  return json.Number(-kInfinity, kInfinity, {{"nan", nan}, {"inf", kInfinity}, {"-inf", -kInfinity}}).value_or(nan);
 }
 
 json CaseToJson(const TestCase& draws) {
@@ -80,9 +73,14 @@ json CaseToJson(const TestCase& draws) {
   return list;
 }
 
-TestCase CaseFromJson(const json& value) {
+TestCase ReadCase(const JsonReader& json) {
   TestCase draws;
-  for (const json& draw : value) draws.push_back({draw.at(0).get<std::string>(), draw.at(1).get<std::string>()});
+  for (const JsonReader& draw : json.Items()) {
+    std::vector<std::string> pair;
+    if (!draw.To(pair)) break;
+    if (pair.size() != 2) draw.Fail("a path and a value");
+    if (draw.ok()) draws.push_back({pair[0], pair[1]});
+  }
   return draws;
 }
 
@@ -115,33 +113,42 @@ json ToJson(const CaseOutcome& outcome) {
           {"hashes", outcome.hashes}};
 }
 
-CaseOutcome OutcomeFromJson(const json& value) {
+CaseOutcome ReadOutcome(const JsonReader& json) {
   CaseOutcome outcome;
-  outcome.verdict = FindByName<CaseVerdict>(value.at("verdict").get<std::string>()).value_or(outcome.verdict);
-  outcome.error = value.at("error").get<std::string>();
-  outcome.decided = value.at("decided");
-  outcome.ticks = value.at("ticks");
-  outcome.state_hash = std::stoull(value.at("state_hash").get<std::string>(), nullptr, 16);
-  outcome.tick_seconds = value.at("tick_seconds");
-  for (const json& each : value.at("expectations")) {
+  outcome.verdict = json.Get<CaseVerdict>("verdict");
+  outcome.error = json.Get<std::string>("error");
+  outcome.decided = json.Get<bool>("decided");
+  outcome.ticks = json.Get<Tick>("ticks");
+  json.ReadHash("state_hash", outcome.state_hash);
+  outcome.tick_seconds = json.Get<double>("tick_seconds");
+  for (const JsonReader& each : json.ItemsOf("expectations")) {
     ExpectationOutcome expectation;
-    expectation.holds = each.at("holds");
-    expectation.robustness = NumberFromJson(each.at("robustness"));
-    expectation.decided_at = TickFromJson(each.at("decided_at"));
-    expectation.cause_tick = TickFromJson(each.at("cause_tick"));
-    expectation.causes = each.at("causes").get<std::vector<std::string>>();
-    for (const json& moment : each.at("history")) {
-      expectation.history.push_back({moment.at(0).get<Tick>(), NumberFromJson(moment.at(1))});
+    expectation.holds = each.Get<bool>("holds");
+    if (const auto robustness = each.Find("robustness")) expectation.robustness = ReadNumber(*robustness);
+    each.Read("decided_at", expectation.decided_at);
+    each.Read("cause_tick", expectation.cause_tick);
+    each.Read("causes", expectation.causes);
+    for (const JsonReader& moment : each.ItemsOf("history")) {
+      const std::vector<JsonReader> pair = moment.Items();
+      if (pair.size() != 2) moment.Fail("a tick and a robustness");
+      if (!json.ok()) break;
+      pair[0].To(expectation.history.emplace_back(Monitor::Moment{0, ReadNumber(pair[1])}).tick);
     }
     outcome.expectations.push_back(std::move(expectation));
   }
-  outcome.covered = value.at("covered").get<std::vector<bool>>();
-  for (const json& metric : value.at("metrics")) {
-    outcome.metrics.push_back(metric.is_null() ? std::nullopt : std::optional(NumberFromJson(metric)));
-  }
-  outcome.undefined = value.at("undefined").get<std::vector<std::uint64_t>>();
-  outcome.hashes = value.at("hashes").get<std::vector<std::uint64_t>>();
+  json.Read("covered", outcome.covered);
+  outcome.metrics = ReadMetrics(json);
+  outcome.undefined = json.Get<std::vector<std::uint64_t>>("undefined");
+  outcome.hashes = json.Get<std::vector<std::uint64_t>>("hashes");
   return outcome;
+}
+
+std::vector<std::optional<double>> ReadMetrics(const JsonReader& outcome) {
+  std::vector<std::optional<double>> metrics;
+  for (const JsonReader& metric : outcome.ItemsOf("metrics")) {
+    metrics.push_back(metric.is_null() ? std::nullopt : std::optional(ReadNumber(metric)));
+  }
+  return metrics;
 }
 
 CaseWorlds::CaseWorlds(const TestFile& test)
@@ -289,7 +296,8 @@ CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseR
     return ToJson(Simulate(worlds, std::move(loaded).value(), options))
         .dump(-1, ' ', false, json::error_handler_t::replace);
   });
-  return reply.ok() ? OutcomeFromJson(json::parse(reply.value())) : ErrorOutcome(reply.error().message);
+  if (!reply.ok()) return ErrorOutcome(reply.error().message);
+  return ReadOutcome(JsonReader::OfText(reply.value(), "", JsonLimits::OfProcesses()));
 }
 
 }  // namespace troupe

@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/json_reader.h"
 #include "testing/cases/test_file.h"
 #include "testing/cases/worker_pool.h"
 #include "troupe/enum_names.h"
@@ -68,14 +69,15 @@ struct CaseOutcome {
   bool operator==(const CaseOutcome&) const = default;
 };
 
-// As JSON, and back. Those that read throw nlohmann::json::exception for other JSON. JSON has no infinite numbers: they
-// are the texts "inf" and "-inf".
+// As JSON, and back; other JSON is an error of the reader. JSON has no infinite numbers: they are the texts "inf" and
+// "-inf".
 nlohmann::json NumberToJson(double number);
-double NumberFromJson(const nlohmann::json& json);
+double ReadNumber(const JsonReader& json);
 nlohmann::json CaseToJson(const TestCase& draws);
-TestCase CaseFromJson(const nlohmann::json& json);
+TestCase ReadCase(const JsonReader& json);
 nlohmann::json ToJson(const CaseOutcome& outcome);
-CaseOutcome OutcomeFromJson(const nlohmann::json& json);
+CaseOutcome ReadOutcome(const JsonReader& json);
+std::vector<std::optional<double>> ReadMetrics(const JsonReader& outcome);
 
 // Loads the worlds of a test's cases. Files that the scenario names are read once, also for copies of the process.
 class CaseWorlds {

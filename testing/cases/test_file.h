@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "common/base/json_tree.h"
 #include "testing/cases/case_design.h"
 #include "testing/cases/value_path.h"
 #include "troupe/result.h"
-#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/json_tree.h"
 #include "troupe/result.h"
-#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 

@@ -14,9 +14,9 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/json_tree.h"
 #include "testing/cases/value_path.h"
 #include "troupe/result.h"
-#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 

@@ -41,52 +41,45 @@ std::string Problem(const ReportedTest& test, const ReportedCase& fault) {
   return text;
 }
 
-// The inverses of the functions below, for the lines of a report. They throw json::exception.
+// The inverses of the functions below, for the lines of a report. Other JSON is an error of the reader.
 
-ReportedTest TestFromJson(const json& value) {
-  return {value.at("test").get<std::string>(),
-          value.at("name").get<std::string>(),
-          value.at("vary").get<std::vector<std::string>>(),
-          value.at("expect").get<std::vector<std::string>>(),
-          value.at("formulas").get<std::vector<std::string>>(),
-          value.at("cover").get<std::vector<std::string>>(),
-          value.at("metrics").get<std::vector<std::string>>(),
-          value.at("units").get<std::vector<std::string>>(),
-          value.at("cases")};
+ReportedTest ReadTest(const JsonReader& json) {
+  using Texts = std::vector<std::string>;
+  return {json.Get<std::string>("test"), json.Get<std::string>("name"), json.Get<Texts>("vary"),
+          json.Get<Texts>("expect"),     json.Get<Texts>("formulas"),   json.Get<Texts>("cover"),
+          json.Get<Texts>("metrics"),    json.Get<Texts>("units"),      json.Get<std::uint64_t>("cases")};
 }
 
 // `report`: the folder of the report, from which the fault names its own one.
-ReportedCase FaultFromJson(const json& fault, const std::filesystem::path& report) {
+ReportedCase ReadFault(const JsonReader& fault, const std::filesystem::path& report) {
   ReportedCase reported;
-  reported.outcome = OutcomeFromJson(fault.at("outcome"));
-  reported.command = fault.at("command").get<std::string>();
-  reported.shrunk = fault.at("shrunk").get<std::string>();
-  const std::string folder = fault.at("folder");
+  if (const auto outcome = fault.Find("outcome")) reported.outcome = ReadOutcome(*outcome);
+  reported.command = fault.Get<std::string>("command");
+  reported.shrunk = fault.Get<std::string>("shrunk");
+  const auto folder = fault.Get<std::string>("folder");
   if (!folder.empty()) reported.folder = (std::filesystem::absolute(report) / folder).lexically_normal().string();
-  reported.recording = fault.at("recording").get<std::string>();
-  reported.picture = fault.at("picture").get<std::string>();
-  reported.page = fault.value("page", std::string());  // older files have none
+  reported.recording = fault.Get<std::string>("recording");
+  reported.picture = fault.Get<std::string>("picture");
+  fault.Read("page", reported.page);  // older files have none
   return reported;
 }
 
 // Of a case without a fault: it has passed, or was not run.
-CaseOutcome PassedFromJson(const json& value) {
+CaseOutcome ReadPassed(const JsonReader& json) {
   CaseOutcome outcome;
-  const bool passed = value.at("verdict") == NameOf(CaseVerdict::kPassed);
+  const bool passed = json.Get<std::string>("verdict") == NameOf(CaseVerdict::kPassed);
   outcome.verdict = passed ? CaseVerdict::kPassed : CaseVerdict::kNotRun;
-  outcome.ticks = value.at("ticks");
-  outcome.state_hash = std::stoull(value.at("state_hash").get<std::string>(), nullptr, 16);
-  outcome.covered = value.at("covered").get<std::vector<bool>>();
-  for (const json& each : value.at("robustness")) {
+  outcome.ticks = json.Get<Tick>("ticks");
+  json.ReadHash("state_hash", outcome.state_hash);
+  json.Read("covered", outcome.covered);
+  for (const JsonReader& each : json.ItemsOf("robustness")) {
     ExpectationOutcome expectation;
     expectation.holds = true;
-    expectation.robustness = NumberFromJson(each);
+    expectation.robustness = ReadNumber(each);
     outcome.expectations.push_back(std::move(expectation));
   }
-  for (const json& metric : value.at("metrics")) {
-    outcome.metrics.push_back(metric.is_null() ? std::nullopt : std::optional(NumberFromJson(metric)));
-  }
-  outcome.undefined = value.at("undefined").get<std::vector<std::uint64_t>>();
+  outcome.metrics = ReadMetrics(json);
+  outcome.undefined = json.Get<std::vector<std::uint64_t>>("undefined");
   return outcome;
 }
 
@@ -202,24 +195,25 @@ Status CaseReport::AddLines(const std::string& file) {
   std::istringstream stream(text.value());
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    Error error{{file, number, 1}, "found no line of a report, expected one as 'troupe test' and 'troupe sweep' write"};
-    try {
-      const Status added = AddLine(json::parse(line), std::filesystem::path(file).parent_path());
-      if (added.ok()) continue;
-      error.message = added.error().message;
-    } catch (const std::exception&) {  // error has the message
-    }
-    return error;
+    const JsonReader json = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
+    const Status added = AddLine(json, std::filesystem::path(file).parent_path());
+    if (json.ok() && added.ok()) continue;
+    const std::string& problem = json.ok() ? added.error().message : json.status().error().message;
+    return Error{{file, number, 1},
+                 json.ok() ? problem
+                           : "found no line of a report, expected one as 'troupe test' and 'troupe sweep' write (" +
+                                 problem + ")"};
   }
   return {};
 }
 
-Status CaseReport::AddLine(const json& value, const std::filesystem::path& folder) {
-  const std::string path = value.at("test");
+Status CaseReport::AddLine(const JsonReader& json, const std::filesystem::path& folder) {
+  const auto path = json.Get<std::string>("test");
   const auto entry =
       std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.test.path == path; });
-  if (!value.contains("number")) {
-    const ReportedTest test = TestFromJson(value);
+  if (!json.Has("number")) {
+    const ReportedTest test = ReadTest(json);
+    if (!json.ok()) return json.status();
     if (entry == entries_.end()) {
       AddTest(test);
     } else if (entry->test != test) {
@@ -228,15 +222,13 @@ Status CaseReport::AddLine(const json& value, const std::filesystem::path& folde
     return {};
   }
   if (entry == entries_.end()) return BadInput("found a case of an unknown test, expected its test before it");
-  ReportedCase reported;
-  if (value.contains("fault")) {
-    reported = FaultFromJson(value.at("fault"), folder);
-  } else {
-    reported.outcome = PassedFromJson(value);
-  }
-  reported.number = value.at("number");
-  reported.kept = value.at("kept");
-  reported.draws = CaseFromJson(value.at("case"));
+  const std::optional<JsonReader> fault = json.Find("fault");
+  ReportedCase reported = fault ? ReadFault(*fault, folder) : ReportedCase{};
+  if (!fault) reported.outcome = ReadPassed(json);
+  reported.number = json.Get<std::uint64_t>("number");
+  reported.kept = json.Get<bool>("kept");
+  if (const auto draws = json.Find("case")) reported.draws = ReadCase(*draws);
+  if (!json.ok()) return json.status();
   if (entry->rows.contains(reported.number)) {
     return BadInput(fmt::format("found case {} of {} again, expected each case once", reported.number, Quoted(path)));
   }

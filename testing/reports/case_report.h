@@ -119,7 +119,7 @@ class CaseReport {
   // File names, behind the name of the test, and SVG.
   static std::vector<std::pair<std::string, std::string>> Plots(const Entry& entry);
   // Of a report in `folder`. Throws std::exception for another object.
-  Status AddLine(const nlohmann::json& value, const std::filesystem::path& folder);
+  Status AddLine(const JsonReader& json, const std::filesystem::path& folder);
   const CaseDetail detail_;
   std::vector<Entry> entries_;
 };

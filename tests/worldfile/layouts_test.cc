@@ -98,24 +98,26 @@ TEST(Layouts, LayoutsOfOneLevelAreOneAndOthersAreAbove) {
 
 TEST(Layouts, FaultsHaveTheirPlace) {
   const auto error = [](const std::string& text) { return ReadLayoutText(text, "l.json").error().ToString(); };
-  EXPECT_THAT(error("{\n  \"metaInformation\": 3,\n  \"layouts\": 4\n}"),
-              HasSubstr("l.json:3:14: error: found the number 4 for 'layouts', expected a list"));
+  EXPECT_THAT(error("{\n  \"metaInformation\": {},\n  \"layouts\": 4\n}"),
+              HasSubstr("l.json:3:14: error: found the number 4 as 'layouts', expected a list"));
   EXPECT_THAT(error(LayoutFile("")), HasSubstr("found no layout, expected at least one"));
-  EXPECT_THAT(error(LayoutFile("7")), HasSubstr("found the number 7 in 'layouts', expected an object"));
+  EXPECT_THAT(error(LayoutFile("7")), HasSubstr("found the number 7 as 'layouts[0]', expected an object"));
   EXPECT_THAT(error(LayoutFile(LayoutOf(LayoutEdge("a", "c", "")))),
-              HasSubstr("found the string 'c', expected the id of a node"));
+              HasSubstr("found the string 'c' as 'layouts[0].edges[0].endNodeId', expected the id of a node"));
   EXPECT_THAT(error(LayoutFile(LayoutOf(R"({"startNodeId": "a"})"))),
-              HasSubstr("found nothing for 'endNodeId', expected the id of a node"));
+              HasSubstr("found no 'endNodeId' in 'layouts[0].edges[0]', expected the id of a node"));
   EXPECT_THAT(error(LayoutFile(LayoutOf("") + "," + LayoutOf(""))),
-              HasSubstr("found the string 'a' for 'nodeId', expected an id that no other node has"));
+              HasSubstr("found the string 'a' as 'layouts[1].nodes[0].nodeId', expected an id that no other node has"));
   EXPECT_THAT(error(LayoutFile(LayoutOf(LayoutEdge("a", "b", R"({"vehicleTypeId": "t", "maxSpeed": -1})")))),
-              HasSubstr("found the number -1 for 'maxSpeed', expected a number from 0 to"));
+              HasSubstr("maxSpeed', expected a number between 0 and"));
   EXPECT_THAT(error(LayoutFile(R"({"layoutId": "l", "nodes": [{"nodeId": "a", "nodePosition": {"x": "1", "y": 2}}]})")),
-              HasSubstr("found the string '1' for 'x', expected a number"));
-  EXPECT_THAT(error(LayoutFile(R"({"layoutId": "l", "nodes": [{"nodeId": "a"}]})")),
-              HasSubstr("found nothing for 'nodePosition', expected an object with the numbers x and y"));
-  EXPECT_THAT(error(LayoutFile(LayoutOf("", R"(, "stations": [{"stationId": "s", "interactionNodeIds": ["a", 5]}])"))),
-              HasSubstr("found the number 5, expected the id of a node"));
+              HasSubstr("found the string '1' as 'layouts[0].nodes[0].nodePosition.x', expected a number"));
+  EXPECT_THAT(
+      error(LayoutFile(R"({"layoutId": "l", "nodes": [{"nodeId": "a"}]})")),
+      HasSubstr("found no 'nodePosition' in 'layouts[0].nodes[0]', expected an object with the numbers x and y"));
+  EXPECT_THAT(
+      error(LayoutFile(LayoutOf("", R"(, "stations": [{"stationId": "s", "interactionNodeIds": ["a", 5]}])"))),
+      HasSubstr("found the number 5 as 'layouts[0].stations[0].interactionNodeIds[1]', expected the id of a node"));
   EXPECT_THAT(error("{"), HasSubstr("l.json:1:"));
 }
 
@@ -125,15 +127,17 @@ TEST(Layouts, OtherVersionsOfTheFormatAreNamed) {
     const Result<LoadedWorld> loaded = LoadWorld(folder.Write("l.json", text));
     return loaded.ok() ? "" : loaded.error().ToString();
   };
-  EXPECT_THAT(error(R"({"metaInformation": {"lifVersion": "2.0.0"}, "origins": []})"),
-              HasSubstr("l.json:1:36: error: found the string '2.0.0' for 'lifVersion', expected version 1 of LIF"));
+  EXPECT_THAT(
+      error(R"({"metaInformation": {"lifVersion": "2.0.0"}, "origins": []})"),
+      HasSubstr(
+          "l.json:1:36: error: found the string '2.0.0' as 'metaInformation.lifVersion', expected version 1 of LIF"));
   EXPECT_THAT(error(R"({"metaInformation": {"lifVersion": 3}, "layouts": []})"),
-              HasSubstr("found the number 3 for 'lifVersion', expected version 1 of LIF"));
+              HasSubstr("found the number 3 as 'metaInformation.lifVersion', expected version 1 of LIF"));
   EXPECT_THAT(
       error(R"({"origins": [{"originId": "O", "layouts": []}]})"),
       HasSubstr("l.json:1:2: error: found the key 'origins' of version 2 of LIF, expected 'layouts' of version 1"));
   EXPECT_THAT(error(R"({"metaInformation": {"lifVersion": "1.0.0"}})"),
-              HasSubstr("found nothing for 'layouts', expected a list"));
+              HasSubstr("found no 'layouts', expected a list"));
   const std::string nodes =
       R"({"nodeId": "a", "nodePosition": {"x": 0, "y": 0}}, {"nodeId": "b", "nodePosition": {"x": 1, "y": 0}})";
   EXPECT_THAT(error(LayoutFile(

@@ -175,12 +175,12 @@ TEST(Robots, ArgumentsThatTheControllerCannotUseAreIgnored) {
   EXPECT_THAT(
       Checked("wander fast 2", controller),
       ElementsAre("argument 'fast' of controller 'wander' is ignored: it would be parameter 'speed', but wander: "
-                  "'speed' is \"fast\", expected a number between 0 and 100"));
+                  "found the string 'fast' as 'speed', expected a number between 0 and 100"));
   EXPECT_EQ(controller.parameters, R"({"min_distance":2})");
   EXPECT_THAT(
       Checked("wander speed=-1", controller),
-      ElementsAre("argument 'speed=-1' of controller 'wander' is ignored: wander: 'speed' is -1, expected a number "
-                  "between 0 and 100"));
+      ElementsAre("argument 'speed=-1' of controller 'wander' is ignored: wander: found the number -1 as 'speed', "
+                  "expected a number between 0 and 100"));
   EXPECT_EQ(controller.parameters, "{}");
   EXPECT_EQ(Checked("wander a b sped=3 0.5", controller).size(), 4u);
   EXPECT_EQ(controller.parameters, "{}");

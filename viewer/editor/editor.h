@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/json_tree.h"
 #include "common/base/paths.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
@@ -27,7 +28,6 @@
 #include "viewer/gateway/edit_operation.h"
 #include "worldfile/edit/written_model.h"
 #include "worldfile/stage/stage_tree.h"
-#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/bytes.h"
+#include "common/base/json_reader.h"
 
 namespace troupe::foxglove {
 namespace {
@@ -37,38 +38,20 @@ Error MalformedMessage(const char* expected) {
   return {{}, std::string("found a malformed message of a client, expected ") + expected};
 }
 
-std::optional<std::uint32_t> IdIn(const Json& object, const char* key) {
-  if (!object.is_object()) return std::nullopt;
-  const auto member = object.find(key);
-  if (member == object.end() || !member->is_number_unsigned() || *member > 0xffffffffU) return std::nullopt;
-  return member->get<std::uint32_t>();
-}
-
-Result<ClientMessage> ParseSubscribe(const Json& object) {
-  const auto list = object.find("subscriptions");
-  if (list == object.end() || !list->is_array() || list->size() > kMaxSubscriptions)
-    return MalformedMessage("subscriptions");
+ClientMessage ReadSubscribe(const JsonReader& object) {
   Subscribe subscribe;
-  for (const Json& element : *list) {
-    const auto id = IdIn(element, "id");
-    const auto channel = IdIn(element, "channelId");
-    if (!id || !channel) return MalformedMessage("id and channelId");
-    subscribe.subscriptions.push_back({*id, *channel});
+  const std::optional<JsonReader> list = object.Find("subscriptions");
+  if (!list) object.FailWithout("subscriptions", "a list");
+  for (const JsonReader& each : list ? list->Items(kMaxSubscriptions) : std::vector<JsonReader>()) {
+    subscribe.subscriptions.push_back({each.Get<std::uint32_t>("id"), each.Get<std::uint32_t>("channelId")});
   }
-  return ClientMessage(std::move(subscribe));
+  return subscribe;
 }
 
-Result<ClientMessage> ParseUnsubscribe(const Json& object) {
-  const auto list = object.find("subscriptionIds");
-  if (list == object.end() || !list->is_array() || list->size() > kMaxSubscriptions) {
-    return MalformedMessage("subscriptionIds");
-  }
-  Unsubscribe unsubscribe;
-  for (const Json& element : *list) {
-    if (!element.is_number_unsigned()) return MalformedMessage("ids of subscriptions");
-    unsubscribe.ids.push_back(element.get<std::uint32_t>());
-  }
-  return ClientMessage(std::move(unsubscribe));
+ClientMessage ReadUnsubscribe(const JsonReader& object) {
+  Unsubscribe unsubscribe{object.Get<std::vector<std::uint32_t>>("subscriptionIds")};
+  if (unsubscribe.ids.size() > kMaxSubscriptions) object.Fail("fewer subscriptions");
+  return unsubscribe;
 }
 
 Result<ClientMessage> ParseServiceCall(ByteReader reader) {
@@ -201,13 +184,13 @@ std::string PlaybackStateMessage(PlaybackStatus status, Time time, float speed, 
 }
 
 Result<ClientMessage> ParseText(std::string_view text) {
-  const Json object = Json::parse(text, nullptr, false);
-  if (!object.is_object()) return MalformedMessage("a JSON object");
-  const auto op = object.find("op");
-  if (op == object.end() || !op->is_string()) return MalformedMessage("an op");
-  if (*op == "subscribe") return ParseSubscribe(object);
-  if (*op == "unsubscribe") return ParseUnsubscribe(object);
-  return ClientMessage(Ignored());
+  const JsonReader object = JsonReader::OfText(text);
+  const auto op = object.Get<std::string>("op");
+  ClientMessage message = Ignored();
+  if (op == "subscribe") message = ReadSubscribe(object);
+  if (op == "unsubscribe") message = ReadUnsubscribe(object);
+  if (!object.ok()) return object.status().error();
+  return message;
 }
 
 Result<ClientMessage> ParseBinary(std::string_view bytes) {

@@ -7,16 +7,13 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string_view>
-#include <tuple>
 
 #include "common/base/json.h"
+#include "common/base/text.h"
 #include "troupe/polygon.h"
-#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr double kLargest = 1e6;  // of world files
 constexpr std::size_t kMaxBlocks = 200;
@@ -30,24 +27,15 @@ constexpr std::int64_t kMaxWork = 100'000'000;  // pixels that a stroke fills, s
 constexpr double kMinPixel = 0.001;             // m
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFreed = 255;
-constexpr std::size_t kMaxRuns = 500'000;
 constexpr std::size_t kDeepest = 4;  // objects around a member
-constexpr int kMaxLevels = 50;       // of lists and objects in a value
 
-// True if lists and objects are inside each other more than `levels` times. They are written by recursion.
-bool IsDeeper(const Json& value, int levels) {
-  if (!value.is_structured()) return false;
-  return levels == 0 ||
-         std::any_of(value.begin(), value.end(), [&](const Json& item) { return IsDeeper(item, levels - 1); });
-}
-
-// JSON on one line, with the blanks that people write.
-std::string SpacedJson(const Json& value) {
-  if (!value.is_array() && !value.is_object()) return JsonText(value);
+// The text of a value on one line, with the blanks that people write.
+std::string SpacedJson(const JsonNode& value) {
+  if (!value.is_array() && !value.is_object()) return JsonText(ToJson(value));
   std::string text;
-  for (const auto& [key, item] : value.items()) {
+  for (const JsonNode& item : value.items) {
     if (!text.empty()) text += ", ";
-    text += (value.is_object() ? JsonText(Json(key)) + ": " : "") + SpacedJson(item);
+    text += (value.is_object() ? JsonText(nlohmann::json(item.key)) + ": " : "") + SpacedJson(item);
   }
   return value.is_array() ? "[" + text + "]" : "{" + text + "}";
 }
@@ -75,7 +63,7 @@ bool IsTypeName(std::string_view name) {
 // Reads the members of one request. The first error is kept; after it values are of no use.
 class Decoder {
  public:
-  explicit Decoder(const Json& request) : request_(request) {}
+  explicit Decoder(const JsonReader& request) : request_(request) {}
 
   Result<EditOperation> Decode() {
     const std::string op = Text("op");
@@ -89,214 +77,149 @@ class Decoder {
   using Method = EditOperation (Decoder::*)();
 
   Result<EditOperation> Outcome(EditOperation operation) {
-    if (error_) return *error_;
+    if (Status status = request_.status(); !status.ok()) return status.error();
     return operation;
   }
-  void Fail(std::string message) { Fail(BadInput(std::move(message))); }
-  void Fail(const Error& error) {
-    if (!error_) error_ = error;
-  }
-  // The error, or an empty value.
-  template <typename T>
-  T ValueOf(Result<T> result) {
-    if (result.ok()) return std::move(result).value();
-    Fail(result.error());
-    return {};
-  }
+  void Fail(const std::string& message) { request_.FailWith(message); }
 
   // Empty without one.
-  std::string Text(const char* key) const {
-    const auto member = request_.find(key);
-    return member != request_.end() && member->is_string() ? member->get<std::string>() : std::string();
-  }
-  bool Flag(const char* key) const {
-    const auto member = request_.find(key);
-    return member != request_.end() && *member == true;
+  std::string Text(const char* key) const { return request_.Optional<std::string>(key).value_or(""); }
+  bool Flag(const char* key) const { return request_.Optional<bool>(key).value_or(false); }
+
+  static std::optional<std::vector<double>> Numbers(const JsonReader& object, const char* key, std::size_t count) {
+    const std::optional<JsonReader> list = object.Find(key);
+    return list ? list->Numbers(count, kLargest) : std::nullopt;
   }
 
-  // A number of a list.
-  static std::optional<std::size_t> Index(const Json& value) {
-    if (!value.is_number_integer() || value < 0) return std::nullopt;
-    return value.get<std::size_t>();
-  }
-
-  // Finite and within the bounds of world files.
-  static std::optional<double> Number(const Json& value) {
-    if (!value.is_number()) return std::nullopt;
-    const double number = value.get<double>();
-    return std::isfinite(number) && std::abs(number) <= kLargest ? std::optional(number) : std::nullopt;
-  }
-
-  double NumberOr(const char* key, double otherwise) const {
-    const auto member = request_.find(key);
-    return member != request_.end() ? Number(*member).value_or(otherwise) : otherwise;
-  }
-
-  static std::optional<std::vector<double>> Numbers(const Json& object, const char* key, std::size_t count) {
-    const auto member = object.find(key);
-    if (member == object.end() || !member->is_array() || member->size() != count) return std::nullopt;
-    std::vector<double> numbers;
-    for (const Json& value : *member) {
-      const std::optional<double> number = Number(value);
-      if (!number) return std::nullopt;
-      numbers.push_back(*number);
-    }
-    return numbers;
-  }
-
-  static std::optional<Pose> PoseIn(const Json& object) {
+  static std::optional<Pose> FindPose(const JsonReader& object) {
     const auto numbers = Numbers(object, "pose", 4);
     if (!numbers) return std::nullopt;
     return Pose{(*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
   }
+  Pose PoseOf() {
+    const std::optional<Pose> pose = FindPose(request_);
+    if (!pose) request_.FailWithout("pose", "a list of 4 numbers");
+    return pose.value_or(Pose());
+  }
 
-  static Result<std::vector<DrawnBlock>> Blocks(const Json& object) {
-    const auto list = object.find("blocks");
-    const Error malformed =
-        BadInput("found blocks of another form, expected outlines of 3 to 1000 corners with heights");
-    if (list == object.end() || !list->is_array() || list->size() > kMaxBlocks) return malformed;
+  static DrawnBlock BlockOf(const JsonReader& object) {
+    DrawnBlock block;
+    if (const auto z = Numbers(object, "z", 2)) {
+      block.z_min = (*z)[0];
+      block.z_max = (*z)[1];
+    }
+    if (block.z_max <= block.z_min) object.Fail("a block whose top, in 'z', is above its underside");
+    if (const std::optional<JsonReader> outline = object.Find("outline")) {
+      for (const JsonReader& corner : outline->Items(kMaxCorners)) {
+        if (const auto xy = corner.Numbers(2, kLargest)) block.outline.emplace_back((*xy)[0], (*xy)[1]);
+      }
+    }
+    if (const Result<Polygon> simple = Normalized(block.outline); !simple.ok()) {
+      object.FailWith("found a block that is no simple polygon: " + simple.error().message);
+    }
+    return block;
+  }
+
+  // None without them.
+  static std::vector<DrawnBlock> Blocks(const JsonReader& object) {
     std::vector<DrawnBlock> blocks;
-    for (const Json& each : *list) {
-      if (!each.is_object() || !each.contains("outline") || !each["outline"].is_array()) return malformed;
-      const Json& outline = each["outline"];
-      const auto z = Numbers(each, "z", 2);
-      if (outline.size() < 3 || outline.size() > kMaxCorners || !z) return malformed;
-      DrawnBlock block{{}, (*z)[0], (*z)[1]};
-      if (block.z_max <= block.z_min)
-        return BadInput("found a block without height, expected its top above its underside");
-      for (const Json& corner : outline) {
-        if (!corner.is_array() || corner.size() != 2) return malformed;
-        const auto x = Number(corner[0]);
-        const auto y = Number(corner[1]);
-        if (!x || !y) return malformed;
-        block.outline.emplace_back(*x, *y);
-      }
-      if (const Result<Polygon> simple = Normalized(block.outline); !simple.ok()) {
-        return BadInput("found a block that is no simple polygon: " + simple.error().message);
-      }
-      blocks.push_back(std::move(block));
+    if (const std::optional<JsonReader> list = object.Find("blocks")) {
+      for (const JsonReader& each : list->Items(kMaxBlocks)) blocks.push_back(BlockOf(each));
+      if (blocks.empty()) list->Fail("at least one block");
     }
     return blocks;
+  }
+
+  // A value of a world file in a text. Nothing after an error.
+  static std::optional<Value> ValueIn(const JsonReader& text) {
+    std::string written;
+    if (!text.To(written)) return std::nullopt;
+    Result<Value> value = ReadValueText(written);
+    if (value.ok()) return std::move(value).value();
+    text.FailWith(Quoted(text.key()) + ": " + value.error().message);
+    return std::nullopt;
   }
 
   PropertyChange Change() {
     PropertyChange change{Text("property"), {}};
     if (!IsPropertyName(change.property)) Fail("found the property " + Quoted(change.property) + ", expected a name");
-    const auto given = request_.find("value");
-    if (given != request_.end() && given->is_string()) change.value = ValueOf(ReadValueText(given->get<std::string>()));
+    const std::optional<JsonReader> given = request_.Find("value");
+    if (given && given->node().is_string()) change.value = ValueIn(*given);
     return change;
   }
 
   // `key`: of the object of properties; without one there are none.
   WrittenProperties Properties(const char* key) {
     WrittenProperties properties;
-    const auto given = request_.find(key);
-    if (given == request_.end()) return properties;
-    if (!given->is_object() || given->size() > kMaxProperties) {
-      Fail("found no object of properties");
-      return properties;
+    const std::optional<JsonReader> given = request_.Find(key);
+    if (!given) return properties;
+    for (const JsonReader& member : given->Members()) {
+      if (!IsPropertyName(member.key()))
+        member.FailWith("found the property " + Quoted(member.key()) + ", expected a name");
+      if (std::optional<Value> value = ValueIn(member)) properties.emplace_back(member.key(), std::move(*value));
     }
-    for (const auto& [name, text] : given->items()) {
-      if (!IsPropertyName(name) || !text.is_string()) {
-        Fail("found the property " + Quoted(name) + ", expected a text");
-        break;
-      }
-      Result<Value> value = ReadValueText(text.get<std::string>());
-      if (!value.ok()) {
-        Fail(Quoted(name) + ": " + value.error().message);
-        break;
-      }
-      properties.emplace_back(name, std::move(value).value());
-    }
+    if (properties.size() > kMaxProperties) given->Fail("fewer properties");
     return properties;
   }
 
   std::string Prefix() {
     std::string prefix = Text("name");
-    if (const Status wrong = CheckName(prefix); !wrong.ok()) Fail(wrong.error());
+    if (const Status wrong = CheckName(prefix); !wrong.ok()) Fail(wrong.error().message);
     return prefix;
   }
 
-  // Nothing: the path is not one.
-  static std::optional<PartPath> Path(const Json& list) {
-    if (!list.is_array() || list.size() > kMaxPath) return std::nullopt;
+  static PartPath PathOf(const JsonReader& list) {
     PartPath path;
-    for (const Json& step : list) {
-      const std::optional<std::size_t> index = Index(step);
-      if (!index) return std::nullopt;
-      path.push_back(*index);
-    }
+    list.Items(kMaxPath);
+    if (list.ok()) list.To(path);
     return path;
   }
 
   PartShape Shape(bool may_be_empty) {
-    Result<PartShape> shape = ReadShape(may_be_empty);
-    return ValueOf(std::move(shape));
-  }
-
-  Result<PartShape> ReadShape(bool may_be_empty) const {
     PartShape shape;
-    const auto given = request_.find("shape");
-    if (given == request_.end() && may_be_empty) return shape;
-    if (given == request_.end() || !given->is_object()) return BadInput("found no shape, expected an object");
-    std::size_t read = 0;
-    if (given->contains("pose")) {
-      shape.pose = PoseIn(*given);
-      if (!shape.pose) return BadInput("found no pose, expected four finite numbers");
-      ++read;
+    const std::optional<JsonReader> given = request_.Find("shape");
+    if (!given) {
+      if (!may_be_empty) request_.FailWithout("shape", "an object");
+      return shape;
     }
-    for (const auto& [key, count, target] : {std::tuple("size", 3U, &shape.size),
-                                             {"paddle", 3U, &shape.paddle},
-                                             {"axis", 3U, &shape.axis},
-                                             {"limits", 2U, &shape.limits}}) {
-      if (!given->contains(key)) continue;
-      *target = Numbers(*given, key, count);
-      ++read;
-      if (!*target) {
-        return BadInput("found no " + Quoted(key) + ", expected " + std::to_string(count) + " finite numbers");
-      }
-    }
+    shape.pose = FindPose(*given);
+    shape.size = Numbers(*given, "size", 3);
+    shape.paddle = Numbers(*given, "paddle", 3);
+    shape.axis = Numbers(*given, "axis", 3);
+    shape.limits = Numbers(*given, "limits", 2);
+    shape.blocks = Blocks(*given);
+    given->RefuseOthers();
     const auto is_positive = [](double length) { return length > 0.0; };
     for (const auto* const lengths : {&shape.size, &shape.paddle}) {
       if (*lengths && !std::all_of((*lengths)->begin(), (*lengths)->end(), is_positive))
-        return BadInput("found a size that is not above 0, expected lengths");
+        given->FailWith("found a size that is not above 0, expected lengths");
     }
     if (shape.axis && std::hypot((*shape.axis)[0], (*shape.axis)[1], (*shape.axis)[2]) < 1e-6)
-      return BadInput("found the axis [0 0 0], expected a direction");
-    if (given->contains("blocks")) {
-      Result<std::vector<DrawnBlock>> blocks = Blocks(*given);
-      if (!blocks.ok()) return blocks.error();
-      if (blocks.value().empty()) return BadInput("found no blocks, expected one or more");
-      shape.blocks = std::move(blocks).value();
-      ++read;
-    }
-    if (read != given->size() || (read == 0 && !may_be_empty))
-      return BadInput("found another shape, expected pose, size, paddle, axis, limits or blocks");
+      given->FailWith("found the axis [0 0 0], expected a direction");
+    if (!may_be_empty && given->node().items.empty()) given->Fail("pose, size, paddle, axis, limits or blocks");
     return shape;
   }
 
-  Result<GripperRoles> ReadRoles() const {
+  GripperRoles Roles() {
     constexpr std::array kRoles{"left_finger", "right_finger", "left_pad", "right_pad", "lift"};
-    const auto given = request_.find("roles");
-    if (given == request_.end() || !given->is_object() || given->empty())
-      return BadInput("found no roles, expected an object");
     GripperRoles roles;
-    for (const auto& [role, list] : given->items()) {
-      if (std::find(kRoles.begin(), kRoles.end(), role) == kRoles.end())
-        return BadInput("found the role " + Quoted(role) + ", expected one of a gripper");
+    const std::optional<JsonReader> given = request_.Find("roles");
+    if (!given || given->node().items.empty()) {
+      request_.FailWithout("roles", "an object of them");
+      return roles;
+    }
+    for (const char* role : kRoles) {
+      const std::optional<JsonReader> list = given->Find(role);
+      if (!list) continue;
       std::optional<PartPath> path;
-      if (!list.is_null()) {
-        path = Path(list);
-        if (!path || path->empty()) return BadInput("found no part of that number");
+      if (!list->is_null()) {
+        path = PathOf(*list);
+        if (path->empty()) list->Fail("the indices of a part");
       }
       roles.emplace_back(role, std::move(path));
     }
+    given->RefuseOthers();
     return roles;
-  }
-
-  static std::optional<int> PixelNumber(const Json& value) {
-    if (!value.is_number_integer() || std::abs(value.get<double>()) > kFarthest) return std::nullopt;
-    return value.get<int>();
   }
 
   static std::int64_t WorkOf(const PixelStroke& stroke) {
@@ -309,7 +232,7 @@ class Decoder {
     return steps * stroke.width * stroke.width;
   }
 
-  Result<PixelStroke> ReadStroke() const {
+  PixelStroke Stroke() {
     PixelStroke stroke;
     const std::string tool = Text("tool");
     if (tool == "frame") {
@@ -317,28 +240,25 @@ class Decoder {
     } else if (tool == "filled") {
       stroke.tool = PixelStroke::Tool::kFilled;
     } else if (tool != "line") {
-      return BadInput("found the tool " + Quoted(tool) + ", expected line, frame or filled");
+      Fail("found the tool " + Quoted(tool) + ", expected line, frame or filled");
     }
-    const auto width = request_.find("width");
-    const std::optional<int> brush = width != request_.end() ? PixelNumber(*width) : std::nullopt;
-    if (!brush || *brush < 1 || *brush > kWidest)
-      return BadInput("found no width of a brush, expected 1 to 500 pixels");
-    stroke.width = *brush;
+    stroke.width = request_.Get<int>("width");
+    if (stroke.width < 1 || stroke.width > kWidest) Fail("found no width of a brush, expected 1 to 500 pixels");
     stroke.value = Flag("erase") ? kFreed : kOccupied;
-    const auto points = request_.find("points");
-    const Error malformed = BadInput("found no points, expected 1 to 5000 of two whole numbers within 100000 pixels");
-    if (points == request_.end() || !points->is_array() || points->empty() || points->size() > kMaxPoints)
-      return malformed;
-    for (const Json& point : *points) {
-      if (!point.is_array() || point.size() != 2) return malformed;
-      const std::optional<int> x = PixelNumber(point[0]);
-      const std::optional<int> y = PixelNumber(point[1]);
-      if (!x || !y) return malformed;
-      stroke.points.push_back({*x, *y});
+    const std::optional<JsonReader> points = request_.Find("points");
+    for (const JsonReader& point : points ? points->Items(kMaxPoints) : std::vector<JsonReader>()) {
+      std::vector<int> xy;
+      if (!point.To(xy)) return stroke;
+      if (xy.size() != 2 || std::max(std::abs(xy[0]), std::abs(xy[1])) > kFarthest) {
+        point.Fail("two whole numbers within 100000 pixels");
+        return stroke;
+      }
+      stroke.points.push_back({xy[0], xy[1]});
     }
+    if (stroke.points.empty()) request_.FailWithout("points", "1 to 5000 points of two whole numbers");
     if (stroke.tool != PixelStroke::Tool::kLine && stroke.points.size() != 2)
-      return BadInput("found another number of points, expected the two corners of a rectangle");
-    if (WorkOf(stroke) > kMaxWork) return BadInput("found a stroke that is too long for so wide a brush");
+      Fail("found another number of points, expected the two corners of a rectangle");
+    if (WorkOf(stroke) > kMaxWork) Fail("found a stroke that is too long for so wide a brush");
     return stroke;
   }
 
@@ -354,50 +274,33 @@ class Decoder {
     return operation;
   }
 
-  EditOperation SetText() {
-    if (!request_.contains("text") || !request_["text"].is_string()) Fail("found no text");
-    return edit::SetText{Text("text")};
-  }
+  EditOperation SetText() { return edit::SetText{request_.Get<std::string>("text")}; }
   EditOperation Save() { return edit::Save{Flag("overwrite")}; }
-  EditOperation SetPose() {
-    const std::optional<Pose> pose = PoseIn(request_);
-    if (!pose) Fail("found no pose, expected four finite numbers");
-    return edit::SetPose{Text("name"), pose.value_or(Pose())};
-  }
+  EditOperation SetPose() { return edit::SetPose{Text("name"), PoseOf()}; }
   EditOperation SetProperty() { return edit::SetProperty{Text("name"), Change()}; }
   EditOperation SetMember() {
     edit::SetMember operation{Text("name"), {}, Text("key"), {}};
     if (!IsPropertyName(operation.key)) Fail("found the key " + Quoted(operation.key) + ", expected a name");
-    if (const auto inside = request_.find("inside"); inside != request_.end()) {
-      if (!inside->is_array() || inside->size() > kDeepest) Fail("found no keys, expected at most 4");
-      for (const Json& key : *inside) {
-        if (!key.is_string() || !IsPropertyName(key.get<std::string>())) {
-          Fail("found a key that is no name");
-          break;
-        }
-        operation.inside.push_back(key.get<std::string>());
-      }
+    request_.Read("inside", operation.inside);
+    if (operation.inside.size() > kDeepest ||
+        !std::all_of(operation.inside.begin(), operation.inside.end(), IsPropertyName)) {
+      Fail("found other keys as 'inside', expected at most 4 names");
     }
-    const auto value = request_.find("value");
-    if (value != request_.end() && IsDeeper(*value, kMaxLevels)) {
-      Fail("found lists or objects more than 50 deep");
-    } else if (value != request_.end() && !value->is_null()) {
-      operation.value = SpacedJson(*value);
-    }
+    const std::optional<JsonReader> value = request_.Find("value");
+    if (value && !value->is_null()) operation.value = SpacedJson(value->node());
     return operation;
   }
   EditOperation Rename() {
     edit::Rename operation{Text("name"), Text("to")};
-    if (const Status wrong = CheckName(operation.to); !wrong.ok()) Fail(wrong.error());
+    if (const Status wrong = CheckName(operation.to); !wrong.ok()) Fail(wrong.error().message);
     return operation;
   }
 
   EditOperation AddModel() {
     edit::AddModel operation;
-    operation.blocks = ValueOf(Blocks(request_));
-    const std::optional<Pose> pose = PoseIn(request_);
-    if (!pose || operation.blocks.empty()) Fail("found no pose or no blocks");
-    operation.pose = pose.value_or(Pose());
+    operation.blocks = Blocks(request_);
+    if (operation.blocks.empty()) request_.FailWithout("blocks", "at least one block");
+    operation.pose = PoseOf();
     operation.properties = Properties("properties");
     operation.prefix = Prefix();
     return operation;
@@ -411,13 +314,9 @@ class Decoder {
     if (!operation.base.empty() && !IsTypeName(operation.base)) {
       Fail("found the base " + Quoted(operation.base) + ", expected a model");
     }
-    if (request_.contains("blocks")) operation.blocks = ValueOf(Blocks(request_));
+    operation.blocks = Blocks(request_);
     operation.properties = Properties("properties");
-    const auto removed = request_.find("remove");
-    if (removed == request_.end() || !removed->is_array()) return operation;
-    for (const Json& name : *removed) {
-      if (name.is_string()) operation.removed.push_back(name.get<std::string>());
-    }
+    request_.Read("remove", operation.removed);
     return operation;
   }
 
@@ -426,7 +325,7 @@ class Decoder {
     if (action == "set") return OfPart(edit::SetPartProperty{{}, Change()});
     if (action == "remove") return OfPart(edit::RemovePart());
     if (action == "shape") return OfPart(edit::ShapePart{{}, Shape(false)});
-    if (action == "roles") return OfPart(edit::SetGripperRoles{{}, ValueOf(ReadRoles())});
+    if (action == "roles") return OfPart(edit::SetGripperRoles{{}, Roles()});
     if (action != "add") Fail("found the action " + Quoted(action) + ", expected set, add, remove, shape or roles");
     edit::AddPart operation;
     operation.type = Text("kind");
@@ -434,19 +333,14 @@ class Decoder {
     operation.properties = Properties("properties");
     operation.shape = Shape(true);
     if (!Text("name").empty()) operation.prefix = Prefix();
-    const auto sensor = request_.find("sensor");
-    if (sensor != request_.end() && sensor->is_object()) operation.sensor = Properties("sensor");
+    if (request_.Has("sensor")) operation.sensor = Properties("sensor");
     return OfPart(std::move(operation));
   }
 
   template <typename Operation>
   EditOperation OfPart(Operation operation) {
     operation.model = Text("model");
-    if (const auto list = request_.find("part"); list != request_.end()) {
-      std::optional<PartPath> path = Path(*list);
-      if (!path) Fail("found no part of that number");
-      operation.part = std::move(path).value_or(PartPath());
-    }
+    if (const std::optional<JsonReader> path = request_.Find("part")) operation.part = PathOf(*path);
     return operation;
   }
 
@@ -454,47 +348,37 @@ class Decoder {
     edit::CreateBitmap operation;
     operation.file = Text("file");
     operation.size = Numbers(request_, "size", 3).value_or(std::vector<double>(3));
-    operation.pixel = NumberOr("pixel", 0.0);
-    const std::optional<Pose> pose = PoseIn(request_);
-    if (!pose || !(operation.pixel >= kMinPixel) || !(operation.size[2] > 0.0)) {
-      Fail("found no size, pixel or pose, expected lengths in m, and pixels of at least 0.001 m");
+    operation.pixel = request_.Number("pixel", kMinPixel, kLargest).value_or(0.0);
+    operation.pose = PoseOf();
+    if (!(operation.pixel > 0.0) || !(operation.size[2] > 0.0)) {
+      Fail("found no size or pixel, expected lengths in m, and pixels of at least 0.001 m");
     }
-    operation.pose = pose.value_or(Pose());
-    if (const auto runs = request_.find("runs"); runs != request_.end()) {
-      const bool are_counts =
-          runs->is_array() && runs->size() <= kMaxRuns &&
-          std::all_of(runs->begin(), runs->end(), [](const Json& run) { return Index(run).has_value(); });
-      if (!are_counts) {
-        Fail("found no runs of pixels, expected at most 500000 counts");
-      } else {
-        operation.runs = runs->get<std::vector<std::int64_t>>();
-      }
-    }
+    request_.Read("runs", operation.runs);
+    const bool are_counts =
+        std::all_of(operation.runs.begin(), operation.runs.end(), [](auto run) { return run >= 0; });
+    if (!are_counts) Fail("found other runs of pixels, expected counts");
     return operation;
   }
-  EditOperation DrawBitmap() { return edit::DrawBitmap{Text("name"), ValueOf(ReadStroke())}; }
+  EditOperation DrawBitmap() { return edit::DrawBitmap{Text("name"), Stroke()}; }
 
   EditOperation SetRegion() {
     edit::SetRegion operation;
-    if (const auto index = request_.find("index"); index != request_.end()) operation.index = Index(*index);
-    const auto rule = request_.find("rule");
-    if (rule == request_.end() || rule->is_null()) {
-      if (!operation.index) Fail("found no rule");
-      return operation;
-    }
-    if (!rule->is_object() || IsDeeper(*rule, kMaxLevels)) {
-      Fail("found no rule, expected an object");
+    request_.Read("index", operation.index);
+    const std::optional<JsonReader> rule = request_.Find("rule");
+    if (!rule || rule->is_null()) {
+      if (!operation.index) request_.FailWithout("rule", "an object");
       return operation;
     }
     // In the order in which rules are written by hand.
     constexpr std::array kFirst{"model", "count", "region"};
     std::vector<edit::SetRegion::Member>& members = operation.rule.emplace();
-    const auto add = [&](const std::string& key, const Json& value) { members.push_back({key, SpacedJson(value)}); };
     for (const char* key : kFirst) {
-      if (rule->contains(key)) add(key, rule->at(key));
+      if (const std::optional<JsonReader> member = rule->Find(key))
+        members.push_back({key, SpacedJson(member->node())});
     }
-    for (const auto& [key, value] : rule->items()) {
-      if (std::find(kFirst.begin(), kFirst.end(), key) == kFirst.end()) add(key, value);
+    for (const JsonReader& member : rule->Members()) {
+      if (std::find(kFirst.begin(), kFirst.end(), member.key()) != kFirst.end()) continue;
+      members.push_back({member.key(), SpacedJson(member.node())});
     }
     return operation;
   }
@@ -502,14 +386,13 @@ class Decoder {
   EditOperation Test() {
     edit::Test operation;
     operation.model = Text("model");
-    operation.probe_height = NumberOr("probe_height", operation.probe_height);
+    request_.Read("probe_height", operation.probe_height);
     return operation;
   }
 
   static const std::pair<std::string_view, Method> kOperations[25];
 
-  const Json& request_;
-  std::optional<Error> error_;
+  const JsonReader& request_;
 };
 
 constexpr std::pair<std::string_view, Decoder::Method> Decoder::kOperations[25] = {
@@ -542,7 +425,7 @@ constexpr std::pair<std::string_view, Decoder::Method> Decoder::kOperations[25] 
 
 }  // namespace
 
-Result<EditOperation> DecodeEditOperation(const Json& request) {
+Result<EditOperation> DecodeEditOperation(const JsonReader& request) {
   return Decoder(request).Decode();
 }
 

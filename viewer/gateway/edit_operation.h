@@ -10,13 +10,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "common/base/json_reader.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
 #include "worldfile/edit/written_model.h"
@@ -224,7 +224,7 @@ using EditOperation =
                  edit::DrawBitmap, edit::SetRegion, edit::Test, edit::EndTest>;
 
 // `request`: an object with the member "op". The error tells what is wrong with it.
-Result<EditOperation> DecodeEditOperation(const nlohmann::json& request);
+Result<EditOperation> DecodeEditOperation(const JsonReader& request);
 
 inline bool IsQuestion(const EditOperation& operation) {
   return std::visit([](const auto& each) { return std::is_base_of_v<edit::Question, std::decay_t<decltype(each)>>; },

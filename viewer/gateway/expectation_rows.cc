@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "common/base/json_reader.h"
 #include "testing/expectations/tick_view.h"
 
 namespace troupe {
@@ -45,18 +46,23 @@ Json ToJson(const ShownExpectations& expectations) {
   return {{"list", std::move(list)}, {"regions", std::move(regions)}};
 }
 
-ShownExpectations ShownExpectationsFromJson(const Json& json) {
+Result<ShownExpectations> ShownExpectationsFromJson(std::string_view text) {
+  const JsonReader json = JsonReader::OfText(text);
   ShownExpectations expectations;
-  for (const Json& each : json.at("list")) {
-    expectations.list.push_back({each.at(0).get<std::string>(), each.at(1).get<std::string>()});
+  for (const JsonReader& each : json.ItemsOf("list")) {
+    std::vector<std::string> pair;
+    if (each.To(pair) && pair.size() == 2) expectations.list.push_back({pair[0], pair[1]});
   }
-  for (const Json& each : json.at("regions")) {
-    Polygon outline;
-    for (const Json& vertex : each.at(1)) outline.emplace_back(vertex.at(0).get<double>(), vertex.at(1).get<double>());
-    NamedRegion region{each.at(0).get<std::string>(), std::move(outline)};
-    if (!each.at(2).is_null()) region.z = each.at(2).get<double>();
-    expectations.regions.push_back(std::move(region));
+  for (const JsonReader& each : json.ItemsOf("regions")) {
+    const std::vector<JsonReader> parts = each.Items();
+    if (parts.size() != 3) each.Fail("a name, an outline and a height or null");
+    if (!json.ok()) break;
+    NamedRegion& region = expectations.regions.emplace_back();
+    parts[0].To(region.name);
+    parts[1].To(region.outline);
+    parts[2].To(region.z);
   }
+  if (!json.ok()) return json.status().error();
   return expectations;
 }
 

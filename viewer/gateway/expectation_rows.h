@@ -33,8 +33,8 @@ struct ShownExpectations {
 };
 // For a page that judges them itself.
 nlohmann::json ToJson(const ShownExpectations& expectations);
-// The inverse. Throws std::exception for another value.
-ShownExpectations ShownExpectationsFromJson(const nlohmann::json& json);
+// The inverse.
+Result<ShownExpectations> ShownExpectationsFromJson(std::string_view text);
 
 class ExpectationRows {
  public:

@@ -1,8 +1,6 @@
 #include "viewer/gateway/page_request.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <type_traits>
 #include <utility>
@@ -16,22 +14,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uint64_t kMaxPosition = std::uint64_t{1} << 53;
+constexpr std::uint64_t kMaxPosition = std::uint64_t{1} << 53;  // all integers up to it are doubles
 
 Error Malformed(const std::string& found, const std::string& expected) {
   return {{}, "found " + found + ", expected " + expected};
-}
-
-// Empty if the object has no text of that name.
-std::string TextIn(const Json& object, const char* key) {
-  const auto member = object.find(key);
-  return member != object.end() && member->is_string() ? member->get<std::string>() : std::string();
-}
-
-std::optional<std::uint64_t> WholeNumberIn(const Json& object, const char* key) {
-  const auto member = object.find(key);
-  if (member == object.end() || !member->is_number_unsigned()) return std::nullopt;
-  return member->get<std::uint64_t>();
 }
 
 // A model of the run's world file, and no file.
@@ -43,96 +29,20 @@ bool IsModelName(const std::string& source) {
   return true;
 }
 
-// Reads rows of requests from JSON, by their fields: a pose, a twist and a point are lists of their numbers, another
-// row is an object. Its texts, flags, lists and optional values may be missing.
-class FieldReader {
- public:
-  template <typename Row>
-  Status Read(const Json& object, Row& row) {
-    if (ReadMembers(object, row)) return {};
-    return Malformed("no valid '" + path_ + "'", expected_);
-  }
+// Texts, flags, lists and optional values may be missing; numbers and poses may not. A light is switched on or off by
+// no default.
+template <typename Row, typename Part>
+constexpr bool kIsRequired = std::is_same_v<Part, Pose> || std::is_same_v<Part, Twist> ||
+                             std::is_same_v<Part, double> || std::is_same_v<Part, std::uint64_t> ||
+                             (std::is_same_v<Part, bool> && std::is_same_v<Row, control::Light>);
 
- private:
-  template <typename Part>
-  static constexpr bool kIsNumbers = std::is_same_v<Part, Pose> || std::is_same_v<Part, Twist>;
-  // A goal is numbered by the service. A light is switched on or off by no default.
-  template <typename Row, typename Part>
-  static constexpr bool kIsRequired =
-      kIsNumbers<Part> || std::is_same_v<Part, double> ||
-      (std::is_same_v<Part, bool> && std::is_same_v<Row, control::Light>) || std::is_same_v<Part, std::uint64_t> ||
-      (std::is_same_v<Part, std::size_t> && !std::is_same_v<Row, Goal>);
-
-  template <typename Row>
-  bool ReadMembers(const Json& object, Row& row) {
-    return std::apply(
-        [&](const auto&... field) {
-          return (... && (ReadMember(object, field, row) || FailAt(std::string(field.name))));
-        },
-        kFields<Row>);
-  }
-
-  template <typename Row, typename Part>
-  bool ReadMember(const Json& object, const Field<Row, Part>& field, Row& row) {
-    const auto member = object.find(std::string(field.name));
-    if (member != object.end()) return ReadValue(*member, field.Of(row));
-    return !kIsRequired<Row, Part> || Expect("a value");
-  }
-
-  template <typename Value>
-  bool ReadValue(const Json& json, Value& value) {
-    if constexpr (kIsOptional<Value>) {
-      return ReadValue(json, value.emplace());
-    } else if constexpr (kIsNumbers<Value>) {
-      constexpr std::size_t kCount = kMemberCount<Value>;
-      if (!json.is_array() || json.size() != kCount) return Expect(std::to_string(kCount) + " numbers");
-      std::size_t next = 0;
-      return std::apply([&](const auto&... field) { return (... && ReadValue(json[next++], field.Of(value))); },
-                        kFields<Value>);
-    } else if constexpr (std::is_same_v<Value, Vec2>) {
-      if (!json.is_array() || json.size() != 2) return Expect("two coordinates");
-      return ReadValue(json[0], value.x()) && ReadValue(json[1], value.y());
-    } else if constexpr (HasFields<Value>) {
-      return json.is_object() ? ReadMembers(json, value) : Expect("an object");
-    } else if constexpr (kIsList<Value>) {
-      if (!json.is_array()) return Expect("a list");
-      value.resize(json.size());
-      for (std::size_t i = 0; i < value.size(); ++i) {
-        if (!ReadValue(json[i], value[i])) return FailAt(std::to_string(i));
-      }
-      return true;
-    } else if constexpr (std::is_same_v<Value, std::string>) {
-      if (!json.is_string()) return Expect("a text");
-      value = json.get<std::string>();
-      return true;
-    } else if constexpr (std::is_same_v<Value, bool>) {
-      if (!json.is_boolean()) return Expect("true or false");
-      value = json.get<bool>();
-      return true;
-    } else if constexpr (std::is_same_v<Value, double>) {
-      if (!json.is_number() || !std::isfinite(json.get<double>())) return Expect("a finite number");
-      value = json.get<double>();
-      return true;
-    } else {
-      constexpr std::uint64_t kMax = std::min<std::uint64_t>(std::numeric_limits<Value>::max(), kMaxPosition);
-      if (!json.is_number_unsigned() || json.get<std::uint64_t>() > kMax) return Expect("a whole number");
-      value = static_cast<Value>(json.get<std::uint64_t>());
-      return true;
-    }
-  }
-
-  bool Expect(std::string expected) {
-    expected_ = std::move(expected);
-    return false;
-  }
-  bool FailAt(const std::string& part) {
-    path_ = part + (path_.empty() ? "" : ".") + path_;
-    return false;
-  }
-
-  std::string path_;
-  std::string expected_;
-};
+template <typename Row>
+void ReadRow(const JsonReader& object, Row& row) {
+  ForEachField<Row>([&]<typename Part>(const Field<Row, Part>& field) {
+    if (kIsRequired<Row, Part> && !object.Has(field.name)) object.FailWithout(field.name, "a value");
+  });
+  object.To(row);
+}
 
 template <typename Request, typename... Listed>
 constexpr bool kIsAmong = (... || std::is_same_v<Request, Listed>);
@@ -173,19 +83,22 @@ Status RestrictToPage(Request&) {
 }
 
 // The page has "max" for no speed.
-Status ReadRequest(const Json& object, control::Speed& speed) {
-  if (TextIn(object, "speed") == "max") return {};
-  const Status read = FieldReader().Read(object, speed);
-  return speed.speed ? read : Status(Malformed("no speed", "a number or \"max\""));
+Status ReadRequest(const JsonReader& object, control::Speed& speed) {
+  const std::optional<JsonReader> value = object.Find("speed");
+  if (value && value->node().text == "max" && value->node().is_string()) return {};
+  ReadRow(object, speed);
+  if (!speed.speed) object.FailWithout("speed", "a number or \"max\"");
+  return object.status();
 }
 template <typename Request>
-Status ReadRequest(const Json& object, Request& request) {
-  const Status read = FieldReader().Read(object, request);
-  return read.ok() ? RestrictToPage(request) : read;
+Status ReadRequest(const JsonReader& object, Request& request) {
+  ReadRow(object, request);
+  return object.ok() ? RestrictToPage(request) : object.status();
 }
 
 template <std::size_t... I>
-Status ReadNamed(const std::string& name, const Json& object, control::Request& request, std::index_sequence<I...>) {
+Status ReadNamed(const std::string& name, const JsonReader& object, control::Request& request,
+                 std::index_sequence<I...>) {
   Status outcome = Malformed("command '" + name + "'", "a command of the page");
   const auto read_if = [&]<typename Request>(std::type_identity<Request>) {
     if constexpr (kMayPageSend<Request>) {
@@ -198,128 +111,114 @@ Status ReadNamed(const std::string& name, const Json& object, control::Request& 
   return outcome;
 }
 
-Result<PageControl> DecodeControl(std::uint64_t id, const std::string& name, const Json& object) {
+Result<PageControl> DecodeControl(std::uint64_t id, const std::string& name, const JsonReader& object) {
   PageControl control{id, {}};
   constexpr auto kRequests = std::make_index_sequence<std::variant_size_v<control::Request>>();
   if (Status malformed = ReadNamed(name, object, control.request, kRequests); !malformed.ok()) return malformed.error();
   return control;
 }
 
-Result<PageRequest> ParseSelect(const Json& object) {
+SelectRequest ReadSelect(const JsonReader& object) {
   SelectRequest select;
-  select.pictures = TextIn(object, "pictures");
-  const auto robots = object.find("robots");
-  if (robots == object.end()) return Malformed("no robots", "names, or \"all\"");
-  if (robots->is_string() && robots->get<std::string>() == "all") {
+  object.Read("pictures", select.pictures);
+  const std::optional<JsonReader> robots = object.Find("robots");
+  if (!robots) {
+    object.FailWithout("robots", "names, or \"all\"");
+  } else if (robots->node().is_string() && robots->node().text == "all") {
     select.all = true;
-    return PageRequest(std::move(select));
+  } else {
+    robots->Items(kMaxSelected);
+    robots->To(select.robots);
   }
-  if (!robots->is_array() || robots->size() > kMaxSelected) return Malformed("no list of robots", "up to 64 names");
-  for (const Json& robot : *robots) {
-    if (!robot.is_string()) return Malformed("a robot without a name", "a text");
-    select.robots.push_back(robot.get<std::string>());
-  }
-  return PageRequest(std::move(select));
+  return select;
 }
 
-Result<PageRequest> ParseEdit(const Json& object) {
-  const auto id = WholeNumberIn(object, "id");
-  if (!id || TextIn(object, "op").empty()) return Malformed("an edit", "an id and an op");
-  return PageRequest(PageEdit{*id, DecodeEditOperation(object)});
+SeekRequest ReadSeek(const JsonReader& object) {
+  const SeekRequest seek{object.Optional<std::uint64_t>("position"), object.Optional<Tick>("tick")};
+  if (seek.position.has_value() == seek.tick.has_value()) object.Fail("either a position or a tick");
+  return seek;
 }
 
-Result<PageRequest> ParseSeek(const Json& object) {
-  const SeekRequest seek{WholeNumberIn(object, "position"), WholeNumberIn(object, "tick")};
-  if (seek.position.has_value() == seek.tick.has_value()) return Malformed("a seek", "a position or a tick");
+SeriesRequest ReadSeries(const JsonReader& object, std::uint64_t id) {
+  SeriesRequest series{
+      id, {}, object.Get<std::uint64_t>("from"), object.Get<std::uint64_t>("to"), object.Get<std::uint64_t>("every")};
+  if (series.every == 0 || series.every > kMaxPosition || series.from > kMaxPosition) object.Fail("positions in range");
+  const std::optional<JsonReader> signals = object.Find("signals");
+  if (!signals) object.FailWithout("signals", "a list of pairs");
+  for (const JsonReader& signal : signals ? signals->Items(kMaxSignals) : std::vector<JsonReader>()) {
+    std::vector<std::string> names;
+    if (signal.To(names) && names.size() != 2) signal.Fail("the names of a thing and of its signal");
+    if (object.ok()) series.signals.push_back({names[0], names[1]});
+  }
+  return series;
+}
+
+RunAgainRequest ReadRunAgain(const JsonReader& object, std::uint64_t id) {
+  RunAgainRequest again{id, object.Optional<std::uint64_t>("seed")};
+  const std::optional<JsonReader> values = object.Find("values");
+  if (!values) return again;
+  again.values.emplace();
+  for (const JsonReader& value : values->Items()) {
+    const std::vector<JsonReader> pair = value.Items();
+    if (pair.size() != 2 || !pair[0].node().is_string()) {
+      value.Fail("a path and a value");
+    } else {
+      again.values->emplace_back(pair[0].node().text, ToJson(pair[1].node()).dump());
+    }
+  }
+  return again;
+}
+
+// A request with an id of the page.
+Result<PageRequest> ReadWithId(const std::string& type, const JsonReader& object) {
   PageRequest request;
-  request.emplace<SeekRequest>(seek);
+  const auto id = object.Get<std::uint64_t>("id");
+  if (type == "control") {
+    Result<PageControl> control = DecodeControl(id, object.Get<std::string>("command"), object);
+    if (!control.ok()) return control.error();
+    request = std::move(control).value();
+  } else if (type == "series") {
+    request = ReadSeries(object, id);
+  } else if (type == "totals") {
+    request = TotalsRequest{id};
+  } else if (type == "expectations") {
+    request = ExpectationsRequest{id};
+  } else if (type == "run_again") {
+    request = ReadRunAgain(object, id);
+  } else {
+    return Malformed("type '" + type + "'", "select, control, seek, live, series, totals, expectations or run_again");
+  }
   return request;
 }
 
-Result<PageRequest> ParseSeries(const Json& object) {
-  SeriesRequest series;
-  const auto id = WholeNumberIn(object, "id");
-  const auto from = WholeNumberIn(object, "from");
-  const auto to = WholeNumberIn(object, "to");
-  const auto every = WholeNumberIn(object, "every");
-  if (!id || !from || !to || !every || *every == 0 || *from > kMaxPosition || *every > kMaxPosition) {
-    return Malformed("a series", "an id, from, to and every");
-  }
-  series.id = *id;
-  series.from = *from;
-  series.to = *to;
-  series.every = *every;
-  const auto signals = object.find("signals");
-  if (signals == object.end() || !signals->is_array() || signals->size() > kMaxSignals) {
-    return Malformed("no signals", "a list of up to 32");
-  }
-  for (const Json& signal : *signals) {
-    const bool is_pair = signal.is_array() && signal.size() == 2 && signal[0].is_string() && signal[1].is_string();
-    if (!is_pair) return Malformed("a signal", "the names of a thing and of its signal");
-    series.signals.push_back({signal[0].get<std::string>(), signal[1].get<std::string>()});
-  }
-  return PageRequest(std::move(series));
+Result<PageRequest> ReadPageRequest(const std::string& type, const JsonReader& object) {
+  if (type == "select") return PageRequest(ReadSelect(object));
+  if (type == "seek") return PageRequest(ReadSeek(object));
+  if (type == "live") return PageRequest(LiveRequest());
+  return ReadWithId(type, object);
 }
 
 }  // namespace
 
 Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest) {
   if (text.size() > longest) return Malformed("a long text", std::to_string(longest) + " bytes at most");
-  const Json object = Json::parse(text, nullptr, false);
-  if (!object.is_object()) return Malformed("a text", "a JSON object");
-  const std::string type = TextIn(object, "type");
-  if (type == "edit") return ParseEdit(object);
+  const JsonReader object = JsonReader::OfText(text);
+  const auto type = object.Get<std::string>("type");
+  if (type == "edit") {
+    const auto id = object.Get<std::uint64_t>("id");
+    if (object.Get<std::string>("op").empty()) object.FailWithout("op", "an operation");
+    if (!object.ok()) return object.status().error();
+    return PageRequest(PageEdit{id, DecodeEditOperation(object)});
+  }
   if (text.size() > kMaxPageRequest) return Malformed("a long text", "at most 8192 bytes");
-  if (type == "select") return ParseSelect(object);
-  if (type == "control") {
-    const auto id = WholeNumberIn(object, "id");
-    if (!id) return Malformed("no id", "a whole number");
-    Result<PageControl> control = DecodeControl(*id, TextIn(object, "command"), object);
-    if (!control.ok()) return control.error();
-    return PageRequest(std::move(control).value());
-  }
-  if (type == "seek") return ParseSeek(object);
-  if (type == "live") {
-    PageRequest live;
-    live.emplace<LiveRequest>();
-    return live;
-  }
-  if (type == "series") return ParseSeries(object);
-  if (type == "totals") {
-    const auto id = WholeNumberIn(object, "id");
-    if (!id) return Malformed("no id", "a whole number");
-    return PageRequest(TotalsRequest{*id});
-  }
-  if (type == "expectations") {
-    const auto id = WholeNumberIn(object, "id");
-    if (!id) return Malformed("no id", "a whole number");
-    return PageRequest(ExpectationsRequest{*id});
-  }
-  if (type == "run_again") {
-    const auto id = WholeNumberIn(object, "id");
-    const auto seed = WholeNumberIn(object, "seed");
-    if (!id || (object.contains("seed") && !seed)) return Malformed("a new run", "an id, and a whole number as seed");
-    RunAgainRequest again{*id, seed};
-    if (const auto values = object.find("values"); values != object.end()) {
-      again.values.emplace();
-      if (!values->is_array()) return Malformed("a new run", "an array of values");
-      for (const Json& value : *values) {
-        if (!value.is_array() || value.size() != 2 || !value[0].is_string()) {
-          return Malformed("a new run", "values as arrays of a path and a value");
-        }
-        again.values->emplace_back(value[0].get<std::string>(), value[1].dump());
-      }
-    }
-    return PageRequest(std::move(again));
-  }
-  return Malformed("type '" + type + "'", "select, control, seek, live, series, totals, expectations or run_again");
+  Result<PageRequest> request = ReadPageRequest(type, object);
+  if (!object.ok()) return object.status().error();
+  return request;
 }
 
 Result<PageControl> ParseControl(std::uint64_t id, const std::string& command, std::string_view json) {
   if (json.size() > kMaxPageRequest) return Malformed("a long text", "at most 8192 bytes");
-  Json object = Json::parse(json, nullptr, false);
-  if (!object.is_object()) object = Json::object();
-  return DecodeControl(id, command, object);
+  return DecodeControl(id, command, JsonReader::OfText(json.empty() ? "{}" : json));
 }
 
 PageReply ReplyToEdit(std::uint64_t id, const Result<Json>& reply) {

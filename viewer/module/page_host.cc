@@ -303,8 +303,10 @@ extern "C" {
 // `expectations`: as of ToJson(ShownExpectations). The problem; an empty text: none. The other functions need one
 // without.
 EMSCRIPTEN_KEEPALIVE const char* troupe_open(const char* file, const char* name, const char* expectations) {
-  auto host = troupe::OrFailure([&] {
-    return troupe::PageHost::Open(file, name, troupe::ShownExpectationsFromJson(nlohmann::json::parse(expectations)));
+  auto host = troupe::OrFailure([&]() -> decltype(troupe::PageHost::Open(file, name, {})) {
+    auto shown = troupe::ShownExpectationsFromJson(expectations);
+    if (!shown.ok()) return shown.error();
+    return troupe::PageHost::Open(file, name, std::move(shown).value());
   });
   troupe::problem = host.ok() ? "" : host.error().ToString();
   if (host.ok()) troupe::page_host = std::move(host).value();

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "worldfile/text/json_tree.h"
+#include "common/base/json_tree.h"
 
 namespace troupe {
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "common/base/json_reader.h"
 #include "common/model/states.h"
 #include "common/spatial/check_order.h"
 #include "world-service/core/step.h"
@@ -173,27 +174,17 @@ std::string WorldChanges::ToText() const {
 }
 
 Result<WorldChanges> WorldChanges::FromText(const std::string& text) {
-  // The text may come from a damaged recording, so each level is checked before it is read.
-  const Json json = Json::parse(text, nullptr, false);
-  const Error malformed{{}, "found changes that are not a JSON object with a seed and controllers"};
-  if (!json.is_object()) return malformed;
+  // The text may come from a damaged recording.
+  const JsonReader json = JsonReader::OfText(text, "", JsonLimits::OfProcesses());
   WorldChanges changes;
-  for (const auto& [key, value] : json.items()) {
-    if (key == "seed" && value.is_number_unsigned()) {
-      changes.seed = value.get<std::uint64_t>();
-    } else if (key == "controllers" && value.is_object()) {
-      for (const auto& [robot, controller] : value.items()) {
-        if (!controller.is_object() || !controller.contains("name") || !controller["name"].is_string() ||
-            !controller.contains("parameters") || !controller["parameters"].is_string()) {
-          return malformed;
-        }
-        changes.controllers[robot] = {controller["name"].get<std::string>(),
-                                      controller["parameters"].get<std::string>()};
-      }
-    } else {
-      return malformed;
+  changes.seed = json.Optional<std::uint64_t>("seed");
+  if (const std::optional<JsonReader> controllers = json.Find("controllers")) {
+    for (const JsonReader& controller : controllers->Members()) {
+      changes.controllers[controller.key()] = {controller.Get<std::string>("name"),
+                                               controller.Get<std::string>("parameters")};
     }
   }
+  if (Status status = json.Finish(); !status.ok()) return status.error();
   return changes;
 }
 

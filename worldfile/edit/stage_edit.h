@@ -16,10 +16,10 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/json_tree.h"
 #include "troupe/result.h"
 #include "worldfile/edit/written_model.h"
 #include "worldfile/stage/stage_tree.h"
-#include "worldfile/text/json_tree.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {

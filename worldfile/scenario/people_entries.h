@@ -10,9 +10,9 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/json_tree.h"
 #include "troupe/result.h"
 #include "worldfile/models/people.h"
-#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 

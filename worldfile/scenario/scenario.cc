@@ -5,6 +5,7 @@
 #include <set>
 
 #include "common/base/glob.h"
+#include "common/base/json_tree.h"
 #include "common/model/find_robots.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/models/crowd.h"
@@ -14,7 +15,6 @@
 #include "worldfile/sites/lif_json.h"
 #include "worldfile/sites/site_tree.h"
 #include "worldfile/stage/stage_world.h"
-#include "worldfile/text/json_tree.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/json_tree.h"
 #include "common/run/ros_lockstep.h"
 #include "common/run/run_settings.h"
 #include "troupe/polygon.h"
@@ -21,7 +22,6 @@
 #include "worldfile/models/build_world.h"
 #include "worldfile/scenario/people_entries.h"
 #include "worldfile/stage/world_tree.h"
-#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 

@@ -10,7 +10,7 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
-#include "common/base/text.h"
+#include "common/base/json_reader.h"
 #include "worldfile/text/text_file.h"
 
 namespace troupe {
@@ -64,12 +64,6 @@ std::vector<std::string> KeysOf(const json& properties) {
   return keys;
 }
 
-Error UnknownKey(const SourceLocation& where, const std::string& key, const std::vector<std::string>& known) {
-  std::string list;
-  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
-  return {where, "found the key " + Quoted(key) + ", expected one of " + list + DidYouMean(key, known)};
-}
-
 // The first member of `object` that the schema does not know; null: it knows all.
 const JsonNode* FindUnknownMember(const json& schema, const JsonNode& object) {
   const auto additional = schema.find("additionalProperties");
@@ -94,7 +88,7 @@ std::optional<std::string> FindMissingKey(const json& schema, const JsonNode& ob
 Error Explain(const JsonTree& tree, const json& root_schema, const json& schema, const JsonNode& node) {
   if (node.is_object()) {
     if (const JsonNode* const unknown = FindUnknownMember(schema, node)) {
-      return UnknownKey(tree.WhereKey(*unknown), unknown->key, KeysOf(schema.at("properties")));
+      return Error{tree.WhereKey(*unknown), UnknownKeyText(unknown->key, KeysOf(schema.at("properties")))};
     }
     if (const std::optional<std::string> missing = FindMissingKey(schema, node)) {
       const json& expected = FollowReference(root_schema, schema.at("properties").at(*missing));

@@ -1,8 +1,8 @@
 // The JSON Schema of scenarios (configs/scenario.schema.json, compiled in).
 #pragma once
 
+#include "common/base/json_tree.h"
 #include "troupe/result.h"
-#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 

@@ -10,11 +10,11 @@
 #include <tuple>
 #include <utility>
 
+#include "common/base/json_reader.h"
 #include "common/geometry/limits.h"
 #include "troupe/deterministic_math.h"
 #include "worldfile/sites/site_frame.h"
 #include "worldfile/sites/site_tree.h"
-#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 namespace {
@@ -29,32 +29,29 @@ double AngleOf(double value) {
 
 class LayoutReader {
  public:
-  LayoutReader(const JsonTree& tree, const std::string& path) : tree_(tree) {
-    site_.file = path;
+  explicit LayoutReader(JsonTree tree) : root_(std::move(tree)) {
+    site_.file = root_.where().file;
     site_.name = "layout";
   }
 
   Result<Site> Read() {
-    const JsonNode& root = tree_.root();
-    if (!root.is_object()) return tree_.ErrorAt(root, "found " + Describe(root) + ", expected an object");
-    if (const JsonNode* const about = root.Find("metaInformation")) {
+    if (const std::optional<JsonReader> about = root_.Find("metaInformation")) {
       CheckVersion(*about);
       const std::string name = Text(*about, "projectIdentification", false);
       if (!name.empty()) site_.name = name;
     }
-    RefuseKey(root, "origins", "layouts");
-    if (faults_.failed()) return *faults_.error();
-    const std::vector<JsonNode>& layouts = List(root, "layouts", true);
+    RefuseKey(root_, "origins", "layouts");
+    const std::vector<JsonReader> layouts = List(root_, "layouts", true);
     // Edges and stations may name nodes of other layouts.
-    for (const JsonNode& layout : layouts) ReadNodes(layout);
-    for (const JsonNode& layout : layouts) ReadRest(layout);
-    if (!faults_.failed() && site_.levels.empty()) Fail(root, "found no layout, expected at least one");
-    if (faults_.failed()) return *faults_.error();
+    for (const JsonReader& layout : layouts) ReadNodes(layout);
+    for (const JsonReader& layout : layouts) ReadRest(layout);
+    if (site_.levels.empty()) root_.FailWith("found no layout, expected at least one");
+    if (Status status = root_.status(); !status.ok()) return status.error();
     if (site_.levels.size() > 1) {
-      Warn(root, "found " + CountText(site_.levels.size(), "level") +
-                     ", whose heights this file does not have; they are " + NumberText(kLayoutStorey) + " m apart");
+      Warn(root_, "found " + CountText(site_.levels.size(), "level") +
+                      ", whose heights this file does not have; they are " + NumberText(kLayoutStorey) + " m apart");
     }
-    site_.warnings = std::move(faults_.warnings());
+    site_.warnings = std::move(warnings_.warnings());
     return std::move(site_);
   }
 
@@ -64,67 +61,42 @@ class LayoutReader {
     std::size_t vertex = 0;
   };
 
-  void Fail(const JsonNode& node, const std::string& message) { faults_.Fail(tree_.Where(node), message); }
-  void Warn(const JsonNode& node, const std::string& message) { faults_.Warn(tree_.Where(node), message); }
-  void FailAt(const JsonNode& node, const char* key, const std::string& expected) {
-    const JsonNode* const found = node.Find(key);
-    Fail(found != nullptr ? *found : node, "found " + (found != nullptr ? Describe(*found) : std::string("nothing")) +
-                                               " for '" + key + "', expected " + expected);
-  }
+  void Warn(const JsonReader& value, const std::string& message) { warnings_.Warn(value.where(), message); }
 
   // Files without a version, and drafts before version 1, have the keys of version 1.
-  void CheckVersion(const JsonNode& about) {
-    const JsonNode* const version = about.Find("lifVersion");
-    if (version == nullptr) return;
-    const std::string& text = version->text;
+  static void CheckVersion(const JsonReader& about) {
+    const std::optional<JsonReader> version = about.Find("lifVersion");
+    if (!version) return;
+    const std::string& text = version->node().text;
     const bool is_known =
-        version->is_string() && (text == "0" || text == "1" || text.starts_with("0.") || text.starts_with("1."));
-    if (!is_known) Fail(*version, "found " + Describe(*version) + " for 'lifVersion', expected version 1 of LIF");
+        version->node().is_string() && (text == "0" || text == "1" || text.starts_with("0.") || text.starts_with("1."));
+    if (!is_known) version->Fail("version 1 of LIF");
   }
 
   // A key of version 2 of the format, or of a draft of that, in place of the one of version 1.
-  void RefuseKey(const JsonNode& node, const char* key, const char* expected) {
-    const JsonNode* const found = node.Find(key);
-    if (found == nullptr || node.Find(expected) != nullptr) return;
-    faults_.Fail(tree_.WhereKey(*found), "found the key " + Quoted(key) + " of version 2 of LIF, expected " +
-                                             Quoted(expected) + " of version 1");
+  static void RefuseKey(const JsonReader& object, const char* key, const char* expected) {
+    const std::optional<JsonReader> found = object.Find(key);
+    if (!found || object.Has(expected)) return;
+    found->FailAtKey("found the key " + Quoted(key) + " of version 2 of LIF, expected " + Quoted(expected) +
+                     " of version 1");
   }
 
   // Values of an object; a fault gives a default.
-  std::string Text(const JsonNode& node, const char* key, bool is_needed) {
-    const JsonNode* const found = node.Find(key);
-    if (found == nullptr && !is_needed) return "";
-    if (found == nullptr || !found->is_string() || !IsPlainLine(found->text) || (is_needed && found->text.empty())) {
-      FailAt(node, key, "a text");
-      return "";
-    }
-    return found->text;
+  static std::string Text(const JsonReader& object, const char* key, bool is_needed) {
+    const std::optional<JsonReader> found = object.Find(key);
+    if (!found && is_needed) object.FailWithout(key, "a text");
+    if (!found) return "";
+    const std::string& text = found->node().text;
+    if (found->node().is_string() && IsPlainLine(text) && !(is_needed && text.empty())) return text;
+    found->Fail("a text");
+    return "";
   }
-  std::optional<double> Number(const JsonNode& node, const char* key, double least) {
-    const JsonNode* const found = node.Find(key);
-    if (found == nullptr) return std::nullopt;
-    if (found->is_number() && found->number >= least && found->number <= kMaxMagnitude) return found->number;
-    FailAt(node, key, "a number from " + NumberText(least) + " to " + NumberText(kMaxMagnitude));
-    return std::nullopt;
-  }
-  const std::vector<JsonNode>& List(const JsonNode& node, const char* key, bool is_needed) {
-    static const std::vector<JsonNode> kNone;
-    const JsonNode* const found = node.Find(key);
-    if (found == nullptr && !is_needed) return kNone;
-    if (found == nullptr || !found->is_array()) {
-      FailAt(node, key, "a list");
-      return kNone;
-    }
-    for (const JsonNode& item : found->items) {
-      if (!item.is_object() && std::string_view(key) != "interactionNodeIds") {
-        Fail(item, "found " + Describe(item) + " in '" + key + "', expected an object");
-        return kNone;
-      }
-    }
-    return found->items;
+  static std::vector<JsonReader> List(const JsonReader& object, const char* key, bool is_needed) {
+    if (is_needed && !object.Has(key)) object.FailWithout(key, "a list");
+    return object.ItemsOf(key);
   }
 
-  std::size_t LevelOf(const JsonNode& layout) {
+  std::size_t LevelOf(const JsonReader& layout) {
     std::string name = Text(layout, "layoutLevelId", false);
     if (name.empty()) name = Text(layout, "layoutId", true);
     for (std::size_t i = 0; i < site_.levels.size(); ++i) {
@@ -133,84 +105,87 @@ class LayoutReader {
     SiteLevel& level = site_.levels.emplace_back();
     level.name = name;
     level.elevation = kLayoutStorey * static_cast<double>(site_.levels.size() - 1);
-    level.where = tree_.Where(layout);
+    level.where = layout.where();
     return site_.levels.size() - 1;
   }
 
-  void ReadNodes(const JsonNode& layout) {
+  void ReadNodes(const JsonReader& layout) {
     const std::size_t number = LevelOf(layout);
     SiteLevel& level = site_.levels[number];
-    for (const JsonNode& node : List(layout, "nodes", true)) {
-      if (faults_.failed()) return;
+    for (const JsonReader& node : List(layout, "nodes", true)) {
+      if (!root_.ok()) return;
       SiteVertex vertex;
       vertex.name = Text(node, "nodeId", true);
-      vertex.where = tree_.Where(node);
-      const JsonNode* const position = node.Find("nodePosition");
-      const std::optional<double> x = position != nullptr ? Number(*position, "x", -kMaxMagnitude) : std::nullopt;
-      const std::optional<double> y = position != nullptr ? Number(*position, "y", -kMaxMagnitude) : std::nullopt;
-      if (!x || !y) return FailAt(node, "nodePosition", "an object with the numbers x and y");
+      vertex.where = node.where();
+      const std::optional<JsonReader> position = node.Find("nodePosition");
+      const auto x = position ? position->Number("x", -kMaxMagnitude, kMaxMagnitude) : std::nullopt;
+      const auto y = position ? position->Number("y", -kMaxMagnitude, kMaxMagnitude) : std::nullopt;
+      if (!x || !y) {
+        node.FailWithout("nodePosition", "an object with the numbers x and y");
+        return;
+      }
       vertex.position = Rounded({*x, *y});
       RefuseKey(node, "mobileRobotTypeNodeProperties", "vehicleTypeNodeProperties");
-      for (const JsonNode& properties : List(node, "vehicleTypeNodeProperties", false)) {
-        for (const JsonNode& action : List(properties, "actions", false)) {
+      for (const JsonReader& properties : List(node, "vehicleTypeNodeProperties", false)) {
+        for (const JsonReader& action : List(properties, "actions", false)) {
           vertex.is_charger = vertex.is_charger || Text(action, "actionType", false) == "startCharging";
         }
       }
       if (!places_.emplace(vertex.name, Place{number, level.vertices.size()}).second) {
-        return FailAt(node, "nodeId", "an id that no other node has");
+        node.Find("nodeId")->Fail("an id that no other node has");
+        return;
       }
       level.vertices.push_back(std::move(vertex));
     }
   }
 
   // The node that `id` names.
-  std::optional<Place> Find(const JsonNode& id) {
-    const auto found = places_.find(id.text);
-    if (id.is_string() && found != places_.end()) return found->second;
-    Fail(id, "found " + Describe(id) + ", expected the id of a node");
+  std::optional<Place> Find(const JsonReader& id) const {
+    const auto found = places_.find(id.node().text);
+    if (id.node().is_string() && found != places_.end()) return found->second;
+    id.Fail("the id of a node");
     return std::nullopt;
   }
-  std::optional<Place> FindNode(const JsonNode& edge, const char* key) {
-    const JsonNode* const id = edge.Find(key);
-    if (id != nullptr) return Find(*id);
-    FailAt(edge, key, "the id of a node");
+  std::optional<Place> FindNode(const JsonReader& edge, const char* key) const {
+    if (const std::optional<JsonReader> id = edge.Find(key)) return Find(*id);
+    edge.FailWithout(key, "the id of a node");
     return std::nullopt;
   }
 
-  void ReadRest(const JsonNode& layout) {
-    for (const JsonNode& edge : List(layout, "edges", true)) {
-      if (faults_.failed()) return;
+  void ReadRest(const JsonReader& layout) {
+    for (const JsonReader& edge : List(layout, "edges", true)) {
+      if (!root_.ok()) return;
       ReadEdge(edge);
     }
-    for (const JsonNode& station : List(layout, "stations", false)) {
+    for (const JsonReader& station : List(layout, "stations", false)) {
       const std::string id = Text(station, "stationId", true);
-      for (const JsonNode& node : List(station, "interactionNodeIds", true)) {
+      for (const JsonReader& node : List(station, "interactionNodeIds", true)) {
         const std::optional<Place> place = Find(node);
-        if (faults_.failed()) return;
+        if (!root_.ok()) return;
         std::string& dock = site_.levels[place->level].vertices[place->vertex].dock;
         if (dock.empty()) dock = id;
       }
     }
   }
 
-  void ReadEdge(const JsonNode& edge) {
+  void ReadEdge(const JsonReader& edge) {
     const std::optional<Place> start = FindNode(edge, "startNodeId");
     const std::optional<Place> end = FindNode(edge, "endNodeId");
-    if (faults_.failed()) return;
+    if (!root_.ok()) return;
     if (start->level != end->level) {
       return Warn(edge, "found an edge between two levels, expected both nodes on one; it is left out");
     }
     SiteLane lane;
-    lane.edge = {start->vertex, end->vertex, tree_.Where(edge)};
+    lane.edge = {start->vertex, end->vertex, edge.where()};
     RefuseKey(edge, "mobileRobotTypeEdgeProperties", "vehicleTypeEdgeProperties");
-    const std::vector<JsonNode>& types = List(edge, "vehicleTypeEdgeProperties", false);
+    const std::vector<JsonReader> types = List(edge, "vehicleTypeEdgeProperties", false);
     if (types.empty()) return AddLane(start->level, lane);
-    for (const JsonNode& properties : types) {
+    for (const JsonReader& properties : types) {
       lane.graph = GraphOf(Text(properties, "vehicleTypeId", true));
-      lane.speed_limit = Number(properties, "maxSpeed", 0.0).value_or(0.0);
+      lane.speed_limit = properties.Number("maxSpeed", 0.0, kMaxMagnitude).value_or(0.0);
       lane.orientation = OrientationOf(properties, site_.levels[start->level], lane.edge);
-      const JsonNode* const trajectory = properties.Find("trajectory");
-      if (trajectory != nullptr && List(*trajectory, "controlPoints", true).size() > 2 && !has_curve_) {
+      const std::optional<JsonReader> trajectory = properties.Find("trajectory");
+      if (trajectory && List(*trajectory, "controlPoints", true).size() > 2 && !has_curve_) {
         has_curve_ = true;
         Warn(*trajectory, "found a trajectory, which is not followed: lanes are straight");
       }
@@ -222,8 +197,8 @@ class LayoutReader {
     return graphs_.emplace(vehicle_type, static_cast<std::uint32_t>(graphs_.size())).first->second;
   }
 
-  std::string OrientationOf(const JsonNode& properties, const SiteLevel& level, const SiteEdge& edge) {
-    const std::optional<double> angle = Number(properties, "vehicleOrientation", -kMaxMagnitude);
+  std::string OrientationOf(const JsonReader& properties, const SiteLevel& level, const SiteEdge& edge) {
+    const std::optional<double> angle = properties.Number("vehicleOrientation", -kMaxMagnitude, kMaxMagnitude);
     if (!angle) return "";
     double relative = AngleOf(*angle);
     if (Text(properties, "orientationType", false) == "GLOBAL") {
@@ -253,8 +228,8 @@ class LayoutReader {
     lanes.push_back(lane);
   }
 
-  const JsonTree& tree_;
-  Diagnostics faults_;
+  const JsonReader root_;
+  Diagnostics warnings_;
   Site site_;
   std::map<std::string, Place> places_;                                                              // of nodes, by id
   std::map<std::string, std::uint32_t> graphs_;                                                      // by vehicle type
@@ -347,9 +322,9 @@ bool IsLayoutPath(const std::string& path, const AllowedPaths& allowed) {
 }
 
 Result<Site> ReadLayoutText(const std::string& text, const std::string& path) {
-  const Result<JsonTree> tree = JsonTree::Parse(text, path);
+  Result<JsonTree> tree = JsonTree::Parse(text, path);
   if (!tree.ok()) return tree.error();
-  return LayoutReader(tree.value(), path).Read();
+  return LayoutReader(std::move(tree).value()).Read();
 }
 
 Result<Site> ReadLayout(const std::string& path, const AllowedPaths& allowed) {

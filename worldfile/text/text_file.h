@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/base/paths.h"
+#include "common/base/source_text.h"
 #include "common/base/text.h"
 #include "troupe/result.h"
 
@@ -42,49 +43,6 @@ std::string DirectoryOf(const std::string& path);
 // (separated by colons; with the whole name, then with its last part), and the installed models (`include` of the
 // installed worlds). If none exists, the first of these.
 std::string FindFile(const std::string& name, const std::string& top_directory, const std::string& naming_file);
-
-// Places in a text: spans of bytes, and their lines.
-
-// A part of a text, in bytes: [begin, end).
-struct TextSpan {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-
-  std::size_t size() const { return end - begin; }
-  bool Contains(std::size_t offset) const { return begin <= offset && offset < end; }
-  std::string_view Of(std::string_view text) const { return text.substr(begin, size()); }
-};
-
-// The lines of a text, each ended by a LF.
-class TextLines {
- public:
-  explicit TextLines(std::string_view text);
-
-  // Lines and columns count from 1, columns in bytes.
-  SourceLocation Where(const std::string& file, std::size_t offset) const;
-  // The offset of a place; the nearest one if the text has no such place.
-  std::size_t OffsetOf(int line, int column) const;
-
- private:
-  std::vector<std::size_t> starts_{0};
-  std::size_t size_ = 0;
-};
-
-// Text of a user's file, escaped for messages.
-
-// 'text', cut to `longest` bytes, with control characters and bytes that are not UTF-8 written as \xNN.
-std::string Quoted(std::string_view text, std::size_t longest = 40);
-
-// The same for a path, which is rarely cut.
-inline std::string QuotedPath(std::string_view path) {
-  return Quoted(path, 500);
-}
-
-// "1 value", "3 values".
-std::string CountText(std::size_t count, const std::string& noun);
-
-// A number in its usual form: "5", "0.25".
-std::string NumberText(double value);
 
 // Diagnostics: the faults of a world file. The first error counts and ends the build; warnings are kept once for
 // each place and text, so that a hundred robots made from one macro do not repeat them. Statements for Stage's window,

@@ -228,7 +228,7 @@ TEST(CheckControllers, ChecksParametersToo) {
   const std::string path = testing::TempDir() + "check_controllers_test.json";
   std::ofstream(path) << R"({"controller": {"name": "script", "parameters": {"commands": []}}})";
   EXPECT_EQ(Fault(path).substr(path.size()),
-            ":1:16: error: script: 'commands' is missing or empty, expected a list of {\"at\": seconds, ...}");
+            ":1:16: error: script: found no 'commands', expected a list of {\"at\": seconds, ...}");
 }
 
 // Whatever follows the name is ignored in Stage, and a warning of the loader here.

@@ -249,7 +249,8 @@ TEST(AgentHostTest, AControllerThatCannotBeMadeIsAnError) {
   ScriptedService service(TwoRobots("wander", R"({"speed": "fast"})"));
   service.StartAgent();
   service.SendSession();
-  EXPECT_EQ(service.AwaitError(), "error: robot r0: wander: 'speed' is \"fast\", expected a number between 0 and 100");
+  EXPECT_EQ(service.AwaitError(),
+            "error: robot r0: wander: found the string 'fast' as 'speed', expected a number between 0 and 100");
   EXPECT_EQ(service.AwaitEnd().error().code, ErrorCode::kBadInput);
 }
 

@@ -53,13 +53,19 @@ INSTANTIATE_TEST_SUITE_P(
             "go_to, idle, lanes, lasernoise, "
             "patrol, pioneer_flocking, rasterize, script, sink, slotcar, source, wander, or the path of a shared "
             "library (.so)"},
-        Case{"idle", "", "idle: the parameters are not JSON"},  //
-        Case{"idle", "{", "idle: the parameters are not JSON"},
-        Case{"idle", "7", "idle: found 7 as parameters, expected a JSON object"},
-        Case{"my.so", "[1]", "controller library my.so: found a list as parameters, expected a JSON object"},
-        Case{"idle", R"({"speed": 1})", "idle: unknown parameter \"speed\", expected none"},
+        Case{
+            "idle", "",
+            "idle: 1:1: not valid JSON: syntax error while parsing value - unexpected end of input; expected '[', '{', "
+            "or a literal"},
+        Case{"idle", "{",
+             "idle: 1:2: not valid JSON: syntax error while parsing object key - unexpected end of input; expected "
+             "string literal"},
+        Case{"idle", "7", "idle: found the number 7, expected an object"},
+        Case{"my.so", "[1]", "controller library my.so: found an array of 1, expected an object"},
+        Case{"idle", R"({"speed": 1})", "idle: found the key 'speed', expected none"},
+        Case{"idle", R"({"speed": 1, "speed": 2})", "idle: 1:14: found the key 'speed' again, expected it once"},
         Case{"wander", R"({"sped": 1})",
-             "wander: unknown parameter \"sped\", expected one of: back_off_time, front_angle, min_distance, speed, "
+             "wander: found the key 'sped', expected one of back_off_time, front_angle, min_distance, speed, "
              "steering_angle, turn_rate; did you mean 'speed'?"},
         Case{"wandr", "{}",
              "unknown controller 'wandr', expected one of: dynamic, expand, fasr, fasr2, fasr_plan, fetch, flock, "
@@ -67,62 +73,70 @@ INSTANTIATE_TEST_SUITE_P(
              "go_to, idle, lanes, lasernoise, "
              "patrol, pioneer_flocking, rasterize, script, sink, slotcar, source, wander, or the path of a "
              "shared library (.so); did you mean 'wander'?"},
-        Case{"wander", R"({"speed": "fast"})", "wander: 'speed' is \"fast\", expected a number between 0 and 100"},
-        Case{"wander", R"({"speed": -1})", "wander: 'speed' is -1, expected a number between 0 and 100"},
-        Case{"wander", R"({"speed": 1e999})", "wander: the parameters are not JSON"},
-        Case{"expand", R"({"turn_gain": null})", "expand: 'turn_gain' is null, expected a number between 0 and 100"},
+        Case{"wander", R"({"speed": "fast"})",
+             "wander: found the string 'fast' as 'speed', expected a number between 0 and 100"},
+        Case{"wander", R"({"speed": -1})",
+             "wander: found the number -1 as 'speed', expected a number between 0 and 100"},
+        Case{"wander", R"({"speed": 1e999})",
+             "wander: 1:11: found a number that is too large, expected at most 1.8e308"},
+        Case{"expand", R"({"turn_gain": null})",
+             "expand: found null as 'turn_gain', expected a number between 0 and 100"},
         Case{"expand", R"({"clear_angle": [1]})",
-             "expand: 'clear_angle' is a list, expected a number between 0 and 3.141592653589793"},
+             "expand: found an array of 1 as 'clear_angle', expected a number between 0 and 3.141592653589793"},
         Case{"fasr", R"({"charger": [1, 2], "charge_below": 0.2, "charge_to": 0.2})", ""},
         Case{"fasr", R"({"charger": "bay"})",
-             "fasr: 'charger' is no place, expected a point [x, y] or the id of a fiducial"},
-        Case{"fasr2", R"({"charge_below": 30})", "fasr2: 'charge_below' is 30, expected a number between 0 and 1"},
+             "fasr: found the string 'bay' as 'charger', expected a point [x, y] or the id of a fiducial"},
+        Case{"fasr2", R"({"charge_below": 30})",
+             "fasr2: found the number 30 as 'charge_below', expected a number between 0 and 1"},
         Case{"fasr_plan", R"({"charger": 3, "charge_below": 0.5, "charge_to": 0.4})",
              "fasr_plan: 'charge_to' is 0.4, expected a number from 'charge_below', which is 0.5, to 1"},
-        Case{"script", "{}", "script: 'commands' is missing or empty, expected a list of {\"at\": seconds, ...}"},
-        Case{"script", R"({"commands": {}})", "script: 'commands' is an object, expected a list"},
-        Case{"script", R"({"commands": [5]})", "script: command 1: found 5, expected a JSON object"},
+        Case{"script", "{}", "script: found no 'commands', expected a list of {\"at\": seconds, ...}"},
+        Case{"script", R"({"commands": {}})", "script: found an empty object as 'commands', expected a list"},
+        Case{"script", R"({"commands": [5]})", "script: found the number 5 as 'commands[0]', expected an object"},
         Case{"script", R"({"commands": [{"vx": 1}]})",
-             "script: command 1: 'at' is missing, expected a time in seconds"},
+             "script: found no 'at' in 'commands[0]', expected a time in seconds"},
         Case{"script", R"({"commands": [{"at": -1}]})",
-             "script: command 1: 'at' is -1, expected a number of at least 0"},
+             "script: found the number -1 as 'commands[0].at', expected a number of at least 0"},
         Case{"script", R"({"commands": [{"at": 1}, {"at": 1}]})",
-             "script: command 2: 'at' is 1, expected a time after that of the command before it, 1"},
+             "script: found the number 1 as 'commands[1].at', expected a time after that of the command before it, 1"},
         Case{"script", R"({"commands": [{"at": 0, "vz": 1}]})",
-             "script: command 1: unknown parameter \"vz\", expected one of: at, cameras, doors, gripper, "
+             "script: found the key 'vz' in 'commands[0]', expected one of at, cameras, doors, gripper, "
              "grippers, joints, lift, lifts, lights, say, send, speed, steering, vx, vy, wz"},
         Case{"script", R"({"commands": [{"at": 0, "gripper": "ajar"}]})",
-             "script: command 1: 'gripper' is \"ajar\", expected \"open\" or \"close\""},
+             "script: found the string 'ajar' as 'commands[0].gripper', expected \"open\" or \"close\""},
         Case{"script", R"({"commands": [{"at": 0, "lift": 140}]})",
-             "script: command 1: 'lift' is 140, expected a number between 0 and 100 or \"up\" or \"down\""},
+             "script: found the number 140 as 'commands[0].lift', expected a number between 0 and 100 or \"up\" or "
+             "\"down\""},
         Case{"script", R"({"commands": [{"at": 0, "grippers": {"left hand": {"lift": -1}}}]})",
-             "script: command 1: gripper 'left hand': 'lift' is -1, expected a number between 0 and 100 or \"up\" or "
+             "script: found the number -1 as 'commands[0].grippers.left hand.lift', expected a number between 0 and "
+             "100 or \"up\" or "
              "\"down\""},
         Case{"script", R"({"commands": [{"at": 0, "grippers": {"a": {}}}]})",
-             "script: command 1: gripper 'a': nothing to do, expected 'gripper' or 'lift'"},
+             "script: found an empty object as 'commands[0].grippers.a', expected a name, with 'gripper' or 'lift'"},
         Case{"script", R"({"commands": [{"at": 0, "grippers": {"a": {"lift": 1, "close": 1}}}]})",
-             "script: command 1: gripper 'a': unknown parameter \"close\", expected one of: gripper, lift"},
+             "script: found the key 'close' in 'commands[0].grippers.a', expected one of gripper, lift"},
         Case{"script", R"({"commands": [{"at": 0, "grippers": 7}]})",
-             "script: command 1: 'grippers' is 7, expected an object"},
+             "script: found the number 7 as 'commands[0].grippers', expected an object"},
         Case{"script", R"({"commands": [{"at": 0, "lift": 1, "grippers": {"a": {"lift": 1}}}]})",
-             "script: command 1: gives both 'grippers' and, for a robot's only gripper, 'gripper' or 'lift', expected "
-             "one of them"},
+             "script: found an object as 'commands[0]', expected either 'grippers' or, for a robot's only gripper, "
+             "'gripper' or 'lift'"},
         Case{"script", R"({"commands": [{"at": 0, "joints": {"arm": "up"}}]})",
-             "script: command 1: joints: 'arm' is \"up\", expected a number"},
+             "script: found the string 'up' as 'commands[0].joints.arm', expected a number"},
         Case{"script", R"({"commands": [{"at": 0}, {"at": 1, "gripper": "open"}], "repeat": true})",
              "script: the last command only marks the end and is never done, expected none for grippers, joints, "
              "radios, lights, cameras, doors, lifts or texts in it"},
         Case{"script", R"({"commands": [{"at": 0, "lights": {"lamp": 1}}]})",
-             "script: command 1: lights: 'lamp' is 1, expected true or false"},
+             "script: found the number 1 as 'commands[0].lights.lamp', expected true or false"},
         Case{
             "script", R"({"commands": [{"at": 0, "vx": 1, "steering": 0}]})",
-            "script: command 1: gives both a twist (vx, vy, wz) and a car's command (speed, steering), expected one of "
-            "them"},
-        Case{"script", R"({"commands": [{"at": 0}], "repeat": 1})", "script: 'repeat' is 1, expected true or false"},
+            "script: found an object as 'commands[0]', expected either a twist (vx, vy, wz) or a car's command (speed, "
+            "steering)"},
+        Case{"script", R"({"commands": [{"at": 0}], "repeat": 1})",
+             "script: found the number 1 as 'repeat', expected true or false"},
         Case{"script", R"({"commands": [{"at": 0}], "period": 1})",
-             "script: 'period' is given without \"repeat\": true"},
+             "script: found 'period' without 'repeat', expected both, or none"},
         Case{"script", R"({"commands": [{"at": 2}], "repeat": true, "period": 1})",
-             "script: 'period' is 1, expected at least 2, the time of the last command"},
+             "script: found 1 as 'period', expected at least 2, the time of the last command"},
         Case{"script", R"({"commands": [{"at": 0}], "repeat": true})",
              "script: nothing to repeat: the last command is at 0 and there is no 'period', expected one of them above "
              "0"}));
@@ -138,14 +152,14 @@ TEST(CheckControllerTest, ValuesInMessagesAreShortAndOnOneLine) {
 TEST(CheckControllerTest, DeepNestingIsNoTrouble) {
   const std::string deep = std::string(200000, '[') + std::string(200000, ']');
   EXPECT_EQ(MessageOf(CheckController("wander", "{\"speed\": " + deep + "}")),
-            "wander: 'speed' is a list, expected a number between 0 and 100");
+            "wander: 1:75: found deeper nesting, expected at most 64 objects and arrays inside each other");
 }
 
 TEST(CheckControllerTest, CreatingReportsTheSameError) {
   const RobotDescription robot = MakeRobot("wander", R"({"speed": -1})");
   const Result<std::unique_ptr<Controller>> controller = CreateFor(robot);
   ASSERT_FALSE(controller.ok());
-  EXPECT_EQ(controller.error().message, "wander: 'speed' is -1, expected a number between 0 and 100");
+  EXPECT_EQ(controller.error().message, "wander: found the number -1 as 'speed', expected a number between 0 and 100");
 }
 
 TEST(IdleTest, StandsStill) {
@@ -218,24 +232,23 @@ TEST(Parameters, AreReadByKey) {
 TEST(Parameters, OfTheWrongKindAreErrorsAndHaveNoValue) {
   Parameters number("p", R"({"x": 2})");
   EXPECT_EQ(number.ReadNumber("x", {0.0, 1.0}), std::nullopt);
-  EXPECT_EQ(MessageOf(number.status()), "p: 'x' is 2, expected a number between 0 and 1");
+  EXPECT_EQ(MessageOf(number.status()), "p: found the number 2 as 'x', expected a number between 0 and 1");
   Parameters flag("p", R"({"x": 1})");
   EXPECT_EQ(flag.ReadBool("x"), std::nullopt);
-  EXPECT_EQ(MessageOf(flag.status()), "p: 'x' is 1, expected true or false");
+  EXPECT_EQ(MessageOf(flag.status()), "p: found the number 1 as 'x', expected true or false");
   Parameters text("p", R"({"x": {}})");
   EXPECT_EQ(text.ReadText("x"), std::nullopt);
-  EXPECT_EQ(MessageOf(text.status()), "p: 'x' is an object, expected a text");
+  EXPECT_EQ(MessageOf(text.status()), "p: found an empty object as 'x', expected a text");
 }
 
 TEST(Parameters, KeepTheFirstErrorAndNameUnknownKeys) {
   Parameters first("p", "[]");
   first.Fail("another");
-  EXPECT_EQ(MessageOf(first.Finish()), "p: found a list as parameters, expected a JSON object");
+  EXPECT_EQ(MessageOf(first.Finish()), "p: found an empty array, expected an object");
   Parameters unknown("p", R"({"sped": 1})");
   EXPECT_EQ(unknown.ReadNumber("speed", {0.0, 1.0}), std::nullopt);
   EXPECT_EQ(MessageOf(unknown.status()), "");
-  EXPECT_EQ(MessageOf(unknown.Finish()),
-            "p: unknown parameter \"sped\", expected one of: speed; did you mean 'speed'?");
+  EXPECT_EQ(MessageOf(unknown.Finish()), "p: found the key 'sped', expected one of speed; did you mean 'speed'?");
 }
 
 }  // namespace

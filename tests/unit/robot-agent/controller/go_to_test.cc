@@ -203,9 +203,10 @@ TEST_F(DrivingTest, WrongParametersAreNamed) {
     const char* parameters;
     const char* message;
   } cases[] = {
-      {"go_to", R"({"waypoints": [[1]]})", "waypoint 0 is not a list [x, y] of two numbers"},
-      {"go_to", R"({"waypoints": [[1, 2], [1, "x"]]})", "waypoint 1 is not a list [x, y] of two numbers"},
-      {"go_to", R"({"waypoints": [[1, 2e9]]})", "beyond 1000 km"},
+      {"go_to", R"({"waypoints": [[1]]})", "found an array of 1 as 'waypoints[0]', expected a list of 2 numbers"},
+      {"go_to", R"({"waypoints": [[1, 2], [1, "x"]]})",
+       "found an array of 2 as 'waypoints[1]', expected a list of 2 numbers"},
+      {"go_to", R"({"waypoints": [[1, 2e9]]})", "expected a list of 2 numbers from -1e+06 to 1e+06"},
       {"go_to", R"({"speeed": 1})", "speeed"},
       {"patrol", R"({"waypoints": [[1, 2]]})", "fewer than 2 points"},
       {"patrol", R"({"heading": 1, "waypoints": [[1, 2], [3, 4]]})", "heading"},

@@ -279,8 +279,8 @@ TEST(SiteControls, CloseADoorThatIsNotOnTheWayAnyMore) {
 TEST(LanesController, NamesFaultsOfItsParametersAndPlaces) {
   const auto message = [](const std::string& parameters) { return MessageOf(CheckController("lanes", parameters)); };
   EXPECT_EQ(message(R"({"places": ["anywhere"], "graph": 1})"), "") << "the lanes are of the world";
-  EXPECT_EQ(message(R"({"graph": 0.5})"), "lanes: 'graph' is 0.5, expected a whole number");
-  EXPECT_EQ(message(R"({"places": [1]})"), "lanes: 'places' has an item that is no text, expected names of places");
+  EXPECT_EQ(message(R"({"graph": 0.5})"), "lanes: found the number 0.5 as 'graph', expected a whole number");
+  EXPECT_EQ(message(R"({"places": [1]})"), "lanes: found the number 1 as 'places[0]', expected a text");
 
   WorldDescription world;
   world.models.emplace_back();

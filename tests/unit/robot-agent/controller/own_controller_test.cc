@@ -47,13 +47,14 @@ TEST_F(OwnControllerTest, BuildsOutsideTheTreeAndRuns) {
 
   const RobotDescription misspelt = MakeRobot(folder_ + "/follow_wall.so", R"({"sped": 0.4})", {MakeScanner()});
   EXPECT_THAT(CreateFor(misspelt).error().message,
-              ::testing::EndsWith("follow_wall: unknown parameter \"sped\", expected one of: distance, speed; did you "
+              ::testing::EndsWith("follow_wall: found the key 'sped', expected one of distance, speed; did you "
                                   "mean 'speed'?"));
   const RobotDescription bad = MakeRobot(folder_ + "/follow_wall.so", R"({"speed": -1})", {MakeScanner()});
   const Result<std::unique_ptr<Controller>> refused = CreateFor(bad);
   ASSERT_FALSE(refused.ok());
-  EXPECT_THAT(refused.error().message,
-              ::testing::EndsWith("follow_wall: 'speed' is -1, expected a number between 0.01 and 10"));
+  EXPECT_THAT(
+      refused.error().message,
+      ::testing::EndsWith("follow_wall: found the number -1 as 'speed', expected a number between 0.01 and 10"));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include <set>
 
-#include "worldfile/text/json_tree.h"
+#include "common/base/json_tree.h"
 
 namespace troupe {
 namespace {

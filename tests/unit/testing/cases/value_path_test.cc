@@ -6,10 +6,10 @@
 
 #include <cstdlib>
 
+#include "common/base/json_tree.h"
 #include "testing/cases/test_file.h"
 #include "testing/cases/variation.h"
 #include "tests/support/files.h"
-#include "worldfile/text/json_tree.h"
 
 namespace troupe {
 namespace {

@@ -172,7 +172,7 @@ struct Edited {
 
   ControlReply Ask(control::Request request) { return link->Ask(request).value(); }
   Result<nlohmann::json> Edit(const nlohmann::json& request) {
-    const Result<EditOperation> operation = DecodeEditOperation(request);
+    const Result<EditOperation> operation = DecodeEditOperation(JsonReader::OfText(request.dump()));
     return operation.ok() ? link->Edit(operation.value()) : operation.error();
   }
 };

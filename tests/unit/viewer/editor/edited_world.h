@@ -19,7 +19,7 @@ inline std::unique_ptr<Editor> OpenedEditor(const std::string& path) {
 }
 
 inline Result<nlohmann::json> Executed(Editor& editor, const nlohmann::json& request) {
-  const Result<EditOperation> operation = DecodeEditOperation(request);
+  const Result<EditOperation> operation = DecodeEditOperation(JsonReader::OfText(request.dump()));
   if (!operation.ok()) return operation.error();
   const auto execute = [&](const auto& each) -> Result<nlohmann::json> {
     if constexpr (requires { editor.Execute(each); }) {

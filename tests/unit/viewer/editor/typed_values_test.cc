@@ -48,7 +48,7 @@ TEST(TypedValuesTest, AParameterOfAScenariosControllerChangesItsBytesAlone) {
   Applied(*editor, Member("b", {"controller", "parameters"}, "speed", 1.5));
   EXPECT_NE(editor->text().find(R"(]], "speed": 1.5})"), std::string::npos) << editor->text();
 
-  EXPECT_NE(Refused(*editor, Member("a", {"controller", "parameters"}, "speed", -1)).find("'speed' is -1"),
+  EXPECT_NE(Refused(*editor, Member("a", {"controller", "parameters"}, "speed", -1)).find("the number -1 as 'speed'"),
             std::string::npos);
   Refused(*editor, Member("a", {"controller", 7}, "speed", 1));
   Refused(*editor, Member("a", {"a", "b", "c", "d", "e"}, "speed", 1));

@@ -228,9 +228,13 @@ std::string EditError(const std::string& members) {
   return edit.operation.ok() ? "" : edit.operation.error().message;
 }
 
+Result<EditOperation> Decoded(const nlohmann::json& request) {
+  return DecodeEditOperation(JsonReader::OfText(request.dump()));
+}
+
 TEST(PageRequestTest, ViewersAskOnlyQuestionsOfAFile) {
   const auto is_question = [](const char* op) {
-    const Result<EditOperation> operation = DecodeEditOperation({{"op", op}, {"text", ""}});
+    const Result<EditOperation> operation = Decoded({{"op", op}, {"text", ""}});
     EXPECT_TRUE(operation.ok()) << op;
     return operation.ok() && IsQuestion(operation.value());
   };
@@ -243,19 +247,19 @@ TEST(PageRequestTest, ViewersAskOnlyQuestionsOfAFile) {
 }
 
 TEST(PageRequestTest, EditsBecomeTypedOperations) {
-  EXPECT_EQ(std::get<edit::SetPose>(
-                test::ValueOf(DecodeEditOperation({{"op", "set_pose"}, {"name", "a"}, {"pose", {1, 2, 0, -3.5}}})))
-                .pose,
-            (Pose{1.0, 2.0, 0.0, -3.5}));
-  const EditOperation part = test::ValueOf(DecodeEditOperation(
+  EXPECT_EQ(
+      std::get<edit::SetPose>(test::ValueOf(Decoded({{"op", "set_pose"}, {"name", "a"}, {"pose", {1, 2, 0, -3.5}}})))
+          .pose,
+      (Pose{1.0, 2.0, 0.0, -3.5}));
+  const EditOperation part = test::ValueOf(Decoded(
       {{"op", "change_part"}, {"model", "m"}, {"part", {0, 2}}, {"action", "shape"}, {"shape", {{"limits", {0, 1}}}}}));
   const auto& shape = std::get<edit::ShapePart>(part);
   EXPECT_EQ(shape.model, "m");
   EXPECT_EQ(shape.part, (PartPath{0, 2}));
   EXPECT_EQ(shape.shape.limits, (std::vector<double>{0.0, 1.0}));
   EXPECT_FALSE(shape.shape.is_only_pose());
-  const EditOperation region = test::ValueOf(DecodeEditOperation(
-      {{"op", "set_region"}, {"rule", {{"count", 2}, {"model", "m"}, {"region", {0, 0, 1, 1}}, {"seed", 3}}}}));
+  const EditOperation region = test::ValueOf(
+      Decoded({{"op", "set_region"}, {"rule", {{"count", 2}, {"model", "m"}, {"region", {0, 0, 1, 1}}, {"seed", 3}}}}));
   std::string members;
   for (const auto& [key, value] : *std::get<edit::SetRegion>(region).rule) members += key + "=" + value + ";";
   EXPECT_EQ(members, "model=\"m\";count=2;region=[0, 0, 1, 1];seed=3;");
@@ -267,26 +271,30 @@ TEST(PageRequestTest, MalformedEditsHaveTheirReason) {
       const auto& [members, reason] : std::vector<std::pair<const char*, const char*>>{
           {R"("undo")", ""},
           {R"("fly")", "found the operation 'fly', expected one of the editor"},
-          {R"("set_text", "text": 5)", "found no text"},
-          {R"("set_pose", "name": "a", "pose": [1, 2, 3])", "found no pose, expected four finite numbers"},
-          {R"("set_pose", "name": "a", "pose": [1, 2, 3, 2e6])", "found no pose, expected four finite numbers"},
+          {R"("set_text", "text": 5)", "found the number 5 as 'text', expected a text"},
+          {R"("set_pose", "name": "a", "pose": [1, 2, 3])",
+           "found an array of 3 as 'pose', expected a list of 4 numbers from -1e+06 to 1e+06"},
+          {R"("set_pose", "name": "a", "pose": [1, 2, 3, 2e6])",
+           "found an array of 4 as 'pose', expected a list of 4 numbers from -1e+06 to 1e+06"},
           {R"("set_property", "property": "1x", "value": "1")", "found the property '1x', expected a name"},
           {R"("set_property", "property": "x", "value": "1 2")",
-           "found '1 2', expected a number, a text in double quotes, or several in [ ]"},
+           "'value': found '1 2', expected a number, a text in double quotes, or several in [ ]"},
           {R"("rename", "name": "a", "to": "\"")", "found the name '\"', expected 1 to 100 characters without quotes"},
-          {R"("add_model", "name": "a", "pose": [0, 0, 0, 0], "blocks": [])", "found no pose or no blocks"},
+          {R"("add_model", "name": "a", "pose": [0, 0, 0, 0], "blocks": [])",
+           "found an empty array as 'blocks', expected at least one block"},
           {R"("add_model", "name": "a", "pose": [0, 0, 0, 0], "blocks": [{"outline": [[0, 0], [1, 0], [1, 1]], "z": [1, 1]}])",
-           "found a block without height, expected its top above its underside"},
+           "found an object as 'blocks[0]', expected a block whose top, in 'z', is above its underside"},
           {R"("set_model", "name": "a b")", "found the name 'a b', expected a letter, then letters, digits, . - _"},
           {R"("change_part", "model": "m", "action": "turn")",
            "found the action 'turn', expected set, add, remove, shape or roles"},
-          {R"("change_part", "model": "m", "action": "remove", "part": [-1])", "found no part of that number"},
+          {R"("change_part", "model": "m", "action": "remove", "part": [-1])",
+           "found the number -1 as 'part[0]', expected a whole number"},
           {R"("change_part", "model": "m", "action": "shape", "shape": {"wings": 2})",
-           "found another shape, expected pose, size, paddle, axis, limits or blocks"},
+           "found the key 'wings' in 'shape', expected one of axis, blocks, limits, paddle, pose, size"},
           {R"("draw_bitmap", "name": "a", "tool": "spray")", "found the tool 'spray', expected line, frame or filled"},
           {R"("create_bitmap", "file": "a.png", "size": [1, 1, 1], "pixel": 0, "pose": [0, 0, 0, 0])",
-           "found no size, pixel or pose, expected lengths in m, and pixels of at least 0.001 m"},
-          {R"("set_region", "rule": null)", "found no rule"}}) {
+           "found the number 0 as 'pixel', expected a number between 0.001 and 1000000"},
+          {R"("set_region", "rule": null)", "found no 'rule', expected an object"}}) {
     EXPECT_EQ(EditError(members), reason) << members;
   }
 }

@@ -209,7 +209,7 @@ TEST_F(ViewerGatewayTest, AMalformedEditIsAnsweredAndKeepsTheConnection) {
     EXPECT_EQ(refused["id"], 5);
     EXPECT_EQ(refused["done"], false);
     EXPECT_EQ(refused["problem"], view_only ? "this page only shows the file (--view-only)"
-                                            : "found no pose, expected four finite numbers");
+                                            : "found no 'pose', expected a list of 4 numbers");
     client->SendText(R"({"type": "edit", "id": 6, "op": "text"})");
     const nlohmann::json done = ReadText(*client, "reply");
     EXPECT_EQ(done["id"], 6);

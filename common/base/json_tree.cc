@@ -1,9 +1,11 @@
-#include "worldfile/text/json_tree.h"
+#include "common/base/json_tree.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+
+#include "common/base/text.h"
 
 namespace troupe {
 namespace {
@@ -71,7 +73,7 @@ bool IsTiny(std::string_view number) {
 // it returns false at a fault.
 class Parser {
  public:
-  explicit Parser(std::string_view text) : text_(text) {}
+  Parser(std::string_view text, std::size_t max_values) : text_(text), max_values_(max_values) {}
 
   bool ParseText(JsonNode& root) {
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -154,8 +156,8 @@ class Parser {
   }
 
   bool Count() {
-    if (++values_ <= JsonTree::kMaxValues) return true;
-    return Fail(at_, "found more values, expected at most " + std::to_string(JsonTree::kMaxValues));
+    if (++values_ <= max_values_) return true;
+    return Fail(at_, "found more values, expected at most " + std::to_string(max_values_));
   }
 
   bool ParseItems(JsonNode& node) {
@@ -299,6 +301,7 @@ class Parser {
   }
 
   const std::string_view text_;
+  const std::size_t max_values_;
   std::size_t at_ = 0;
   int depth_ = 0;
   std::size_t values_ = 1;
@@ -307,24 +310,6 @@ class Parser {
 };
 
 }  // namespace
-
-TextLines::TextLines(std::string_view text) : size_(text.size()) {
-  for (std::size_t i = text.find('\n'); i != std::string_view::npos; i = text.find('\n', i + 1)) {
-    starts_.push_back(i + 1);
-  }
-}
-
-SourceLocation TextLines::Where(const std::string& file, std::size_t offset) const {
-  // starts_ begins with 0: next - 1 exists for every offset.
-  const auto next = std::upper_bound(starts_.begin(), starts_.end(), offset);
-  return {file, static_cast<int>(next - starts_.begin()), static_cast<int>(offset - *(next - 1)) + 1};
-}
-
-std::size_t TextLines::OffsetOf(int line, int column) const {
-  const auto index = static_cast<std::size_t>(std::max(line, 1)) - 1;
-  if (index >= starts_.size()) return size_;
-  return std::min(starts_[index] + static_cast<std::size_t>(std::max(column, 1)) - 1, size_);
-}
 
 const JsonNode* JsonNode::Find(std::string_view name) const {
   const auto found = std::find_if(items.begin(), items.end(), [&](const JsonNode& item) { return item.key == name; });
@@ -343,13 +328,13 @@ const std::vector<JsonNode>& JsonNode::ItemsOf(std::string_view name) const {
   return found != nullptr ? found->items : kNone;
 }
 
-Result<JsonTree> JsonTree::Parse(std::string_view text, const std::string& file) {
-  if (text.size() > kMaxBytes) {
+Result<JsonTree> JsonTree::Parse(std::string_view text, const std::string& file, const JsonLimits& limits) {
+  if (text.size() > limits.bytes) {
     return Error{{file, 0, 0},
-                 "found " + std::to_string(text.size()) + " bytes, expected at most " + std::to_string(kMaxBytes)};
+                 "found " + std::to_string(text.size()) + " bytes, expected at most " + std::to_string(limits.bytes)};
   }
   JsonTree tree(text, file);
-  Parser parser(text);
+  Parser parser(text, limits.values);
   if (!parser.ParseText(tree.root_)) return Error{tree.lines_.Where(file, parser.offset()), parser.message()};
   return tree;
 }

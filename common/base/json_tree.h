@@ -23,9 +23,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/source_text.h"
 #include "troupe/enum_names.h"
 #include "troupe/result.h"
-#include "worldfile/text/text_file.h"
 
 namespace troupe {
 
@@ -90,16 +90,26 @@ bool JsonNode::Read(std::string_view name, Value& value) const {
   return true;
 }
 
+// Larger texts are refused unread; the count of values bounds memory.
+struct JsonLimits {
+  std::size_t bytes = 16u << 20;
+  std::size_t values = 250'000;
+
+  static JsonLimits OfUsers() { return {}; }
+  // The reports of the run's own processes grow with its robots.
+  static JsonLimits OfProcesses() { return {std::size_t{1} << 32, std::size_t{1} << 30}; }
+};
+
 class JsonTree {
  public:
-  // Larger texts are refused unread; the other two limits bound memory and stack.
-  static constexpr std::size_t kMaxBytes = 16u << 20;
-  static constexpr std::size_t kMaxValues = 250'000;
-  static constexpr int kMaxDepth = 64;
+  static constexpr int kMaxDepth = 64;  // bounds the stack
 
-  // Strict JSON in UTF-8; a key that an object has twice is an error. `file` names the text in messages.
-  static Result<JsonTree> Parse(std::string_view text, const std::string& file);
+  // Strict JSON in UTF-8; a key that an object has twice is an error. `file` names the text in messages; empty: none.
+  static Result<JsonTree> Parse(std::string_view text, const std::string& file,
+                                const JsonLimits& limits = JsonLimits::OfUsers());
+  static JsonTree Null() { return JsonTree("", ""); }
 
+  const std::string& file() const { return file_; }
   const JsonNode& root() const { return root_; }
 
   // Where the value of a node starts, and its key; without a key the value.
