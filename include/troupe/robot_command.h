@@ -19,6 +19,10 @@ namespace troupe {
 struct WorldDescription;
 
 // A part without a value keeps its last command.
+//
+// No Order (troupe/order.h), because the step never executes it: the agent's gripper turns its percentages, which stay
+// in force for the ticks of the command, into motions of joints, and only these are in the proposal. As an Order it
+// would need columns in proposals and inputs that nothing fills, and a number of ticks that no other order has.
 struct GripperOrder {
   std::size_t gripper = 0;             // among the robot's grippers, in id order
   std::optional<double> opening = {};  // percent, 0 (closed) to 100 (open)

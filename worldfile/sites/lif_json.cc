@@ -15,6 +15,7 @@
 #include "troupe/deterministic_math.h"
 #include "worldfile/sites/site_frame.h"
 #include "worldfile/sites/site_tree.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
