@@ -15,11 +15,12 @@ namespace {
 
 class JournalRewind final : public RewindStates {
  public:
-  // As StartRewind.
-  static Result<std::unique_ptr<JournalRewind>> Start(const std::vector<RunRecorder*>& recorders,
-                                                      const control::Rewind& request, const FrameMessage& newest);
-  // The rest of a rewind within which a service died, whose newest state that was written is that of the run.
-  static Result<std::unique_ptr<JournalRewind>> Finish(RunRecorder& recorder, const ResumedRun& run);
+  explicit JournalRewind(const std::vector<RunRecorder*>& recorders) : past_(recorders) {}
+
+  // One of them, first. As StartRewind; or the rest of a rewind within which a service died, whose newest state that
+  // was written is that of the run.
+  Status Start(const control::Rewind& request, const FrameMessage& newest);
+  Status Continue(const ResumedRun& run);
 
   Result<bool> MakeSome() override;
   Result<RewoundRun> Write() override;
@@ -32,7 +33,6 @@ class JournalRewind final : public RewindStates {
     kMade,
   };
 
-  explicit JournalRewind(const std::vector<RunRecorder*>& recorders) : past_(recorders) {}
   Status Find();
   Status StartSeeking(Edition edition);
   Status Seek();
@@ -58,32 +58,25 @@ class JournalRewind final : public RewindStates {
   std::uint64_t written_ = 0;            // of these
 };
 
-Result<std::unique_ptr<JournalRewind>> JournalRewind::Start(const std::vector<RunRecorder*>& recorders,
-                                                            const control::Rewind& request,
-                                                            const FrameMessage& newest) {
-  std::unique_ptr<JournalRewind> rewind(new JournalRewind(recorders));
-  if (Status failure = rewind->past_.Open(); !failure.ok()) return failure.error();
-  const Recording& recording = rewind->past_.recording();
-  const std::optional<std::uint64_t> last = recording.spans().Last(request.tick);
+Status JournalRewind::Start(const control::Rewind& request, const FrameMessage& newest) {
+  if (Status failure = past_.Open(); !failure.ok()) return failure;
+  const std::optional<std::uint64_t> last = past_.recording().spans().Last(request.tick);
   if (!last) return Error{{}, fmt::format("the recording of the run has no tick {}", request.tick)};
-  rewind->request_ = request;
-  rewind->newest_ = newest;
-  rewind->newest_.events.clear();
-  rewind->last_ = *last;
-  rewind->shifted_ = newest.edition + 1;
-  if (Status failure = rewind->past_.Approach(*last); !failure.ok()) return failure.error();
-  return rewind;
+  request_ = request;
+  newest_ = newest;
+  newest_.events.clear();
+  last_ = *last;
+  shifted_ = newest.edition + 1;
+  return past_.Approach(last_);
 }
 
-Result<std::unique_ptr<JournalRewind>> JournalRewind::Finish(RunRecorder& recorder, const ResumedRun& run) {
-  std::unique_ptr<JournalRewind> rewind(new JournalRewind({&recorder}));
-  if (Status failure = rewind->past_.Open(); !failure.ok()) return failure.error();
-  rewind->newest_ = *run.frame;
-  rewind->shifted_ = run.frame->fresh_edition;
-  rewind->copies_ = run.rewind->copies;
-  rewind->written_ = run.next_number - run.rewind->number - 1;
-  if (Status failure = rewind->StartSeeking(run.rewind->copied_from); !failure.ok()) return failure.error();
-  return rewind;
+Status JournalRewind::Continue(const ResumedRun& run) {
+  if (Status failure = past_.Open(); !failure.ok()) return failure;
+  newest_ = *run.frame;
+  shifted_ = run.frame->fresh_edition;
+  copies_ = run.rewind->copies;
+  written_ = run.next_number - run.rewind->number - 1;
+  return StartSeeking(run.rewind->copied_from);
 }
 
 Result<bool> JournalRewind::MakeSome() {
@@ -224,21 +217,20 @@ void RewindProgress(const WorldDescription& before, ResumedRun& run) {
 
 Result<std::unique_ptr<RewindStates>> StartRewind(const std::vector<RunRecorder*>& recorders,
                                                   const control::Rewind& request, const FrameMessage& newest) {
-  Result<std::unique_ptr<JournalRewind>> rewind = JournalRewind::Start(recorders, request, newest);
-  if (!rewind.ok()) return rewind.error();
-  return std::unique_ptr<RewindStates>(std::move(rewind).value());
+  auto rewind = std::make_unique<JournalRewind>(recorders);
+  if (Status failure = rewind->Start(request, newest); !failure.ok()) return failure.error();
+  return std::unique_ptr<RewindStates>(std::move(rewind));
 }
 
 Status FinishRewind(ResumedRun& run, RunRecorder& recorder, RunObservers observers) {
   recorder.StartWriting();
-  Result<std::unique_ptr<JournalRewind>> states = JournalRewind::Finish(recorder, run);
-  if (!states.ok()) return states.error();
-  for (bool has_more = true; has_more;) {
-    const Result<bool> more = states.value()->MakeSome();
+  JournalRewind states({&recorder});
+  if (Status failure = states.Continue(run); !failure.ok()) return failure;
+  for (Result<bool> more = true; more.value();) {
+    more = states.MakeSome();
     if (!more.ok()) return more.error();
-    has_more = more.value();
   }
-  Result<RewoundRun> end = states.value()->Write();
+  Result<RewoundRun> end = states.Write();
   if (!end.ok()) return end.error();
   const UnfinishedRewind rewind = *std::exchange(run.rewind, std::nullopt);
   const WorldState before = std::move(run.frame->state);
