@@ -279,6 +279,7 @@ void HostConnection::Unwatch(std::uint32_t watch) {
   Remove(watch);
   const std::lock_guard lock(mutex_);
   watched_.arrived.erase(watch);
+  watched_.timed.erase(watch);
   FlushNow();
 }
 
@@ -364,6 +365,7 @@ bool HostConnection::Open() {
   const std::lock_guard lock(mutex_);
   link_ = std::move(link);
   broken_ = false;
+  watched_.timed.clear();
   Send(LinkKind::kHello, 0, BytesOf(ToText(HelloText{VersionText(), domain_})));
   // In the sequence of making: nodes before their endpoints.
   for (const Made& made : made_) Send(LinkKind::kMake, made.id, BytesOf(made.text));
@@ -475,6 +477,7 @@ void HostConnection::Process(const LinkMessage& message) {
       mismatches_.emplace_back(reinterpret_cast<const char*>(message.content.data()), message.content.size());
       return;
     case LinkKind::kArrived:
+    case LinkKind::kTimed:
     case LinkKind::kTold:
       return ProcessWatched(message);
     default:
@@ -488,6 +491,14 @@ void HostConnection::ProcessWatched(const LinkMessage& message) {
     if (writers_.contains(message.id)) latched_[message.id] = Bytes(message.content.begin(), message.content.end());
     watched_.is_told = --tells_ <= 0;
     if (const auto found = readers_.find(answers_); found != readers_.end()) found->second->Forget();
+    return;
+  }
+  if (message.kind == LinkKind::kTimed) {
+    if (text == kNotTimed) {
+      watched_.timed.erase(message.id);
+    } else {
+      watched_.timed.insert(message.id);
+    }
     return;
   }
   if (watched_.armed != text) watched_.arrived.clear();

@@ -75,6 +75,7 @@ class HostConnection final : public RosConnection {
   struct Watched {
     std::string armed;                // the newest text that the program knows
     std::set<std::uint32_t> arrived;  // watches with a message for that text
+    std::set<std::uint32_t> timed;    // watches of topics that a program writes which reads /clock
     bool is_told = false;             // the newest Tell has been performed
   };
   Watched watched();

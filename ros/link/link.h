@@ -47,11 +47,15 @@ enum class LinkKind : std::uint8_t {
   kMismatch,  // a line for the log of the run
   kArrived,   // of a watch: a message has arrived since the text was armed, which is the content; of kNothing: the text
               // of kArm
+  kTimed,     // of a watch: a program that writes on the topic reads /clock; with the content kNotTimed: none does any
+              // more
   kTold,      // of a writer: the sample of kTell that was written, as CDR
   // Of the side on Fast DDS.
   kServed,  // a ServedContent: of a service
 };
 inline constexpr LinkKind kLastLinkKind = LinkKind::kServed;
+
+inline constexpr std::string_view kNotTimed = "0";  // the content of kTimed
 
 inline constexpr std::uint32_t kNothing = 0xffffffff;  // the id of nothing that was made
 

@@ -168,9 +168,14 @@ void AgentEndpoints::Perform(const LinkMessage& message) {
 
 void AgentEndpoints::Watch(std::uint32_t id, const std::string& topic) {
   if (!domain_->watch) domain_->watch.emplace(domain_->participant, domain_->readers, wake_);
-  domain_->watch->Add(this, id, topic, [this, id](const std::string& text) {
-    Send(LinkKind::kArrived, id, std::as_bytes(std::span(text)));
-  });
+  domain_->watch->Add(
+      this, id, topic,
+      {.on_arrival = [this,
+                      id](const std::string& text) { Send(LinkKind::kArrived, id, std::as_bytes(std::span(text))); },
+       .on_timed =
+           [this, id](bool is_timed) {
+             Send(LinkKind::kTimed, id, std::as_bytes(std::span(is_timed ? std::string_view() : kNotTimed)));
+           }});
 }
 
 // What an agent has sent before it said so by another way can be read here.

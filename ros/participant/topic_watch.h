@@ -4,8 +4,13 @@
 // Where an agent of this host reads the topic, a message counts when it was passed to the agent: what the tick waits
 // for is then with the agent before the tick continues. Other topics have a reader that knows no more of a message than
 // its first byte, as soon as a writer shows the type.
+//
 // A text is the round of a wait: a message that came between two texts counts for the text that was armed when it came,
-// and arming the text before again has its messages again.
+// and arming the text before again has its messages again. Rounds are those of the domain, not of a watch: a process
+// that dies leaves its successor what has arrived, also between the two.
+//
+// A watch tells, too, whether a program that writes on its topic reads /clock: its messages may be those of a timer of
+// simulated time.
 #pragma once
 
 #include <dds/dds.h>
@@ -15,6 +20,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -58,8 +64,13 @@ class TopicReaders {
 
 class TopicWatch {
  public:
-  // Called on any thread, for each watch once after Arm.
-  using OnArrival = std::function<void(const std::string& text)>;
+  struct Callbacks {
+    // A message has arrived for the text: once after each Arm, on any thread.
+    std::function<void(const std::string& text)> on_arrival;
+    // Whether a program that writes on the topic reads /clock, when that has changed; false at first. On the one
+    // thread.
+    std::function<void(bool is_timed)> on_timed;
+  };
 
   // The participant and the readers outlive this. `wake`: Update has something to do; called on any thread.
   TopicWatch(const RosParticipant& participant, TopicReaders& agents, std::function<void()> wake);
@@ -68,13 +79,12 @@ class TopicWatch {
   TopicWatch& operator=(const TopicWatch&) = delete;
 
   // From one thread. The owner tells watches of different agents apart.
-  void Add(const void* owner, std::uint32_t id, const std::string& topic, OnArrival on_arrival);
+  void Add(const void* owner, std::uint32_t id, const std::string& topic, Callbacks callbacks);
   void Remove(const void* owner, std::uint32_t id);
   void RemoveAll(const void* owner);
-  // The messages that were noted for the text are told again, if it is the newest one or the one before: the agent may
-  // be the successor of one that has died.
+  // The messages that were noted for the text are told, if it is the newest one or the one before.
   void Arm(const std::string& text);
-  // Makes the readers of topics whose types have become known.
+  // Follows the writers that have become known or have ended: makes readers of topics whose types are known now.
   void Update();
 
  private:
@@ -82,24 +92,39 @@ class TopicWatch {
   struct Watch {
     const void* owner;
     std::uint32_t id;
-    OnArrival on_arrival;
-    std::string text;             // that was armed
-    bool arrived = false;         // a message for it
-    bool arrived_before = false;  // for the text before
+    Callbacks callbacks;
+    bool is_timed = false;  // as it was told
+  };
+  struct Round {
+    std::string text;               // empty: none was armed
+    std::set<std::string> arrived;  // topics
+  };
+  struct Writer {
+    std::string topic;
+    dds_instance_handle_t program;
   };
 
   void Note(const std::string& topic);
+  void FollowWriters();
+  void FollowClockReaders();
+  void MakeReader(const dds_builtintopic_endpoint_t& writer);
+  void TellTimed();
+  // A process that has died leaves its readers to its successor, which adds its watches before it arms another text.
+  void EndUnwatchedReaders();
 
   const RosParticipant& participant_;
   TopicReaders& agents_;
   const std::function<void()> wake_;
-  std::map<std::string, std::unique_ptr<AnyReader>> readers_;  // by topic, of the one thread
-  std::mutex mutex_;                                           // guards the three below
-  std::string armed_;
-  std::string previous_;
+  std::map<std::string, std::unique_ptr<AnyReader>> readers_;        // by topic, of the one thread, as those below
+  std::map<dds_instance_handle_t, Writer> writers_;                  // on watched topics
+  std::map<dds_instance_handle_t, dds_instance_handle_t> of_clock_;  // the programs of the readers of /clock
+  std::mutex mutex_;                                                 // guards the three below
+  Round round_;
+  Round previous_;
   std::multimap<std::string, Watch> watches_;  // by topic
   dds::DataReaderListener listener_;
-  dds::Entity publications_;  // a reader of discovered writers
+  dds::Entity publications_;   // a reader of discovered writers
+  dds::Entity subscriptions_;  // of discovered readers
 };
 
 }  // namespace troupe::ros

@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <random>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ros/connection/ros_endpoints.h"
@@ -26,8 +29,9 @@
 
 namespace troupe::test {
 
-// The way in which ticks wait for the node: for its commands, or for its answers on /world/tick_done.
-enum class Way { kTopic, kProtocol };
+// The way in which ticks wait for the node: for its commands to each scan, for its answers on /world/tick_done, or for
+// its commands by a timer of simulated time.
+enum class Way { kTopic, kProtocol, kTimer };
 
 struct NodeOptions {
   Way way = Way::kProtocol;
@@ -74,6 +78,36 @@ class LockstepNode {
     network.domain = domain;
     return network;
   }
+  // A timer with the period of the ticks, as rclcpp and rclpy have it: due a period after the time at which it is made,
+  // or to which the clock jumps back.
+  class Timer {
+   public:
+    Timer(const ros::RosNode& node, const std::function<void()>& notify)
+        : clock_(node, "/clock", ros::Stream(10), ros::Part::kOnlyReader, notify) {}
+
+    bool IsDue() {
+      clock_.Drain([this](const ros::Clock& clock) {
+        const Tick before = std::exchange(now_, TickOf(clock.clock));
+        if (now_ < before) next_ = now_ + 1;
+      });
+      if (now_ < next_) return false;
+      next_ = now_ + 1;
+      return true;
+    }
+    Tick tick() const { return now_; }
+    ros::TwistMessage command() const {
+      ros::TwistMessage twist{};
+      twist.linear.x = 0.3;
+      twist.angular.z = 0.5 * std::sin(0.1 * static_cast<double>(now_));
+      return twist;
+    }
+
+   private:
+    ros::RosReader<ros::Clock> clock_;
+    Tick now_ = 0;
+    Tick next_ = 1;
+  };
+
   void Notify() {
     const std::lock_guard lock(mutex_);
     arrived_ = true;
@@ -104,6 +138,8 @@ class LockstepNode {
     ros::RosReader<ros::Header> ticks(node, "/world/tick", ros::Latched(), ros::Part::kOnlyReader, notify);
     ros::RosWriter<ros::TwistMessage> commands(node, options_.space + "/cmd_vel", ros::Stream(10));
     ros::RosWriter<ros::Header> answers(node, "/world/tick_done", ros::Stream(10));
+    std::optional<Timer> timer;
+    if (options_.way == Way::kTimer) timer.emplace(node, notify);
     participant_.Announce();
     std::mt19937 random(options_.seed);
     std::optional<Tick> scanned;
@@ -132,11 +168,21 @@ class LockstepNode {
         // The tick again is answered again. After an earlier one, as of a next run, the node knows nothing.
         if (options_.way == Way::kProtocol && done && *done >= *shown) done.reset();
       });
+      if (timer) {
+        if (timer->IsDue()) {
+          Delay(random);
+          commands.Write(timer->command());
+          answered_ = timer->tick();
+          ++answers_;
+        }
+        continue;
+      }
       if (!commands.wanted()) continue;
       if (options_.way == Way::kTopic) {
         if (!scanned) continue;
-        // The first one may be lost while the endpoints discover each other.
-        const bool repeats = std::chrono::steady_clock::now() - commanded_at > std::chrono::milliseconds(1000);
+        // The first one may be lost while the endpoints discover each other; all others are written once.
+        const bool repeats =
+            answers_ == 1 && std::chrono::steady_clock::now() - commanded_at > std::chrono::milliseconds(1000);
         if (done == scanned && !repeats) continue;
         if (*scanned >= halt_at_) continue;
         if (done != scanned) Delay(random);
@@ -144,7 +190,7 @@ class LockstepNode {
         commanded_at = std::chrono::steady_clock::now();
         done = scanned;
         answered_ = *done;
-        ++answers_;
+        if (!repeats) ++answers_;
         continue;
       }
       if (!answers.wanted() || !shown || done == shown || *shown >= halt_at_) continue;

@@ -24,6 +24,8 @@
 #include "ros/connection/ros_endpoints.h"
 #include "ros/connection/ros_network.h"
 #include "ros/connection/ros_participant.h"
+#include "ros/connection/topic_types.h"
+#include "ros/messages/convert.h"
 #include "tests/process/lockstep_node.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
@@ -139,6 +141,28 @@ TEST_F(RosLockstepTest, EditsAreExecutedWhileATickWaits) {
   run.Interrupt();
 }
 
+TEST_F(RosLockstepTest, ACallOfAServiceBeforeTheAnswerEditsTheTickAndRepeats) {
+  std::string hashes;
+  for (const std::string prefix : {"first-", "second-"}) {
+    LockstepNode driver({});
+    driver.HaltAt(10);
+    Program run = RunPen(Arguments(prefix, {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0"}));
+    EXPECT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }));
+    const ros::RosParticipant participant(TestRosNetwork());
+    TROUPE_SIMULATION_CLIENT(SpawnEntity) spawn(participant, "/world/spawn_entity");
+    simulation_interfaces_srv_dds__SpawnEntity_Request_ request{};
+    request.name = Text("late");
+    request.uri = Text("rover");
+    request.initial_pose.pose = ros::ToMessage(Pose{0.0, -2.2, 0.0, 0.0});
+    EXPECT_EQ(spawn.ResultOf(request), kOk);
+    EXPECT_EQ(Call(control::GetStatus()).tick, 10u);
+    driver.Continue();
+    EXPECT_EQ(run.Wait(), 0) << run.output();
+    if (hashes.empty()) hashes = folder_.Read(prefix + "hashes");
+    EXPECT_EQ(folder_.Read(prefix + "hashes"), hashes);
+  }
+}
+
 TEST_F(RosLockstepTest, ATickWaitsForATopicOfAnyTypeAndTellsOfItsMessages) {
   ros::RosParticipant participant(TestRosNetwork());
   const ros::RosNode node = ros::MakeNode(participant, "/", "planner");
@@ -177,6 +201,50 @@ TEST_F(RosLockstepTest, ARunWithAKilledServiceRepeatsAndReplays) {
     EXPECT_EQ(run.Wait(), 0) << run.output();
     EXPECT_EQ(folder_.Read(prefix + "hashes"), reference) << run.output();
     OutputOf(Troupe({"replay", recording, "--verify"}));
+  }
+}
+
+TEST_F(RosLockstepTest, TheLimitIsThatOfANodeThatIsSilentWhenTheServiceHasDied) {
+  LockstepNode driver({});
+  driver.HaltAt(20);
+  Program run = RunPen(Arguments("", Words("--lease 1 --ros-lockstep driver --ros-lockstep-limit 2")));
+  ASSERT_TRUE(Eventually([&] { return driver.answered() == 19; }));
+  for (const pid_t service : ChildrenWith(run, "world-service")) ASSERT_EQ(kill(service, SIGKILL), 0);
+  EXPECT_EQ(run.Wait(), 3) << run.output();
+  EXPECT_THAT(run.output(), ContainsRegex("tick 20 has waited [0-9.]+ s for driver of ROS"));
+}
+
+TEST_F(RosLockstepTest, ATimerOfSimulatedTimeSetsTheCommandOfEachTick) {
+  std::string hashes;
+  for (const int delay : {0, 10}) {
+    const NodeOptions timer{.way = Way::kTimer, .most_delay = delay, .seed = 10};
+    const std::string of_run = HashesOf(timer, Words("--ros-lockstep /r0/cmd_vel --ros-lockstep-limit 3"));
+    EXPECT_EQ(std::count(of_run.begin(), of_run.end(), '\n'), 61);
+    if (hashes.empty()) hashes = of_run;
+    EXPECT_EQ(of_run, hashes);
+  }
+}
+
+TEST_F(RosLockstepTest, ATimerOfSimulatedTimeGoesOnAfterAnEditAndAReset) {
+  LockstepNode timer({.way = Way::kTimer});
+  Program run = RunPen(Arguments("", Words("--ros-lockstep /r0/cmd_vel --ros-lockstep-limit 3 --speed 10 "
+                                           "--ticks 100000")));
+  run.WaitForLine("tick 0 continues without /r0/cmd_vel");
+  ASSERT_TRUE(Eventually([&] { return timer.answered() >= 20; }));
+  EXPECT_TRUE(Call(control::SetPose{.name = "r1", .pose = {0.0, 2.0, 0.0, 0.0}}).done);
+  const Tick edited = Call(control::GetStatus()).tick;
+  EXPECT_TRUE(Eventually([&] { return timer.answered() > edited + 5; }));
+  EXPECT_TRUE(Call(control::Reset()).done);
+  EXPECT_TRUE(Eventually([&] { return timer.answered() < edited; }));
+  EXPECT_TRUE(Eventually([&] { return timer.answered() > edited; }));
+  run.Interrupt();
+}
+
+TEST_F(RosLockstepTest, ANameThatNoTopicAndNoNodeHasIsRefused) {
+  for (const char* const name : {"a b", "~cmd_vel", "r0/cmd_vel", "/r0//cmd_vel"}) {
+    Program run = RunPen(Arguments("", {"--ros-lockstep", name}));
+    EXPECT_EQ(run.Wait(), 2) << name;
+    EXPECT_THAT(run.output(), HasSubstr(std::string("found '") + name + "', expected a topic such as")) << name;
   }
 }
 

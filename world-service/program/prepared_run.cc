@@ -216,6 +216,7 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
     ros.lockstep = run.ros_lockstep;
     RunInRos in_ros{.scene = run.scene, .site = run.site, .site_world = run.site_world};
     in_ros.files = run.options.overrides.allowed;
+    in_ros.has_released = resumed && !resumed->is_branch && resumed->frame && resumed->frame->state.tick > 0;
     run.gateway = MakeRosWorldGateway(ros, std::move(in_ros));
     observers.push_back(run.gateway.get());
   }

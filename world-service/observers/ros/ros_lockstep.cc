@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
-#include <set>
+#include <map>
 #include <utility>
 
 #include "ros/connection/ros_network.h"
@@ -18,14 +19,14 @@ namespace {
 constexpr const char* kTickTopic = "/world/tick";
 constexpr const char* kDoneTopic = "/world/tick_done";
 constexpr std::int32_t kAnswerDepth = 1000;  // of many nodes
+constexpr std::size_t kMaxNameLength = 200;  // bytes, as of a name in a scenario
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
 // Wall times, s.
-constexpr double kFirstAnswers = 5.0;  // until a notice of those that have never answered
-constexpr double kMaxArming = 1.0;     // of a program that does not answer
+constexpr double kMaxArming = 1.0;  // of a program that does not answer
 
-double SecondsSince(std::chrono::steady_clock::time_point time) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - time).count();
+double Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 ros::TopicSpec SpecOf(const char* topic, const ros::TopicQos& qos) {
@@ -50,7 +51,7 @@ struct RosLockstepWait::Channel {
   ros::HostConnection& connection;
   const std::unique_ptr<ros::TopicWriter> ticks;
   const std::unique_ptr<ros::TopicReader> answers;
-  std::vector<Awaited> awaited;
+  std::map<std::string, std::uint32_t> watches;  // by topic
   // Of the tick that awaits answers: not yet given to the connection; given to it; told to the nodes of the domain,
   // before all that arrives from then on.
   enum class Announcement : std::uint8_t { kPending, kGiven, kTold };
@@ -60,17 +61,20 @@ struct RosLockstepWait::Channel {
 };
 
 RosLockstepWait::RosLockstepWait(ros::HostConnection& of_run, const ros::RosOptions& options,
-                                 std::shared_ptr<const Scene> scene, RunId run, WorldControl& control, Hooks hooks)
+                                 std::shared_ptr<const Scene> scene, RunId run, bool has_released,
+                                 WorldControl& control, Hooks hooks)
     : of_run_(of_run),
       options_(options),
       run_(run),
       period_(options.lockstep.period.value_or(1)),
-      limit_(options.lockstep.limit_seconds.value_or(RosLockstep::kDefaultLimitSeconds)),
-      ends_at_limit_(options.lockstep.ends_at_limit.value_or(true)),
       control_(control),
       hooks_(std::move(hooks)),
       reports_(hooks_.report),
-      scene_(std::move(scene)) {
+      scene_(std::move(scene)),
+      answers_({.limit = options.lockstep.limit_seconds.value_or(RosLockstep::kDefaultLimitSeconds),
+                .ends_at_limit = options.lockstep.ends_at_limit.value_or(true),
+                .were_heard = has_released},
+               [this](const std::string& line) { reports_.Add(line); }) {
   of_run_.WatchTopics([this] {
     OnArrival();
     hooks_.on_arrival();
@@ -94,7 +98,7 @@ RosLockstepWait::~RosLockstepWait() {
 void RosLockstepWait::OnWorldChange(std::shared_ptr<const Scene> scene) {
   const std::lock_guard lock(mutex_);
   scene_ = std::move(scene);
-  follow_ = true;
+  is_new_world_ = true;
   changed_.notify_one();
 }
 
@@ -105,7 +109,7 @@ std::string RosLockstepWait::TextOf(Edition edition, Tick tick) const {
 // A message counts for a tick from before the agents see its frame on.
 void RosLockstepWait::OnCommit(const FrameMessage& frame) {
   const std::lock_guard lock(mutex_);
-  awaits_answers_ = false;
+  answers_.Withdraw();
   if (frame.paused && ShowsTick(frame.state.tick)) Arm(TextOf(frame.edition, frame.state.tick));
 }
 
@@ -113,22 +117,16 @@ void RosLockstepWait::OnShown(const FrameMessage& frame) {
   if (!ShowsTick(frame.state.tick)) return;
   const std::lock_guard lock(mutex_);
   edition_ = frame.edition;
-  tick_ = frame.state.tick;
   interval_ns_ = scene_->world().interval_ns;
-  published_at_ = Clock::now();
-  awaits_answers_ = true;
-  Arm(TextOf(edition_, tick_));  // of a run that is continued
-  for (const auto& channel : channels_) {
-    channel->announcement = Channel::Announcement::kPending;
-    for (Awaited& awaited : channel->awaited) awaited.done = false;
-    Announce(*channel);
-  }
+  answers_.Publish(frame.state.tick, Now());
+  Arm(TextOf(edition_, frame.state.tick));  // of a run that is continued
+  for (const auto& channel : channels_) Announce(*channel);
 }
 
 void RosLockstepWait::Arm(const std::string& text) {
   if (armed_ == text) return;
   armed_ = text;
-  armed_at_ = Clock::now();
+  armed_at_ = Now();
   for (const auto& channel : channels_) channel->connection.Arm(text);
 }
 
@@ -141,72 +139,41 @@ bool RosLockstepWait::IsArmed() const {
 
 bool RosLockstepWait::IsPrepared() {
   const std::lock_guard lock(mutex_);
-  awaits_armed_ = !armed_.empty() && SecondsSince(armed_at_) <= kMaxArming && !IsArmed();
-  return !awaits_armed_;
+  const bool is_prepared = armed_.empty() || Now() - armed_at_ > kMaxArming || IsArmed();
+  answers_.SetArming(!is_prepared);
+  return is_prepared;
 }
 
 Result<TickRelease> RosLockstepWait::Release() {
   const std::lock_guard lock(mutex_);
   TickRelease release;
-  if (!awaits_answers_) return release;
-  const double waited = SecondsSince(published_at_);
-  bool is_told = !follow_;
-  for (const auto& channel : channels_) {
-    is_told = is_told && channel->is_told();
-    for (Awaited& awaited : channel->awaited) {
-      if (awaited.done || awaited.is_dropped) continue;
-      // A node that has never answered is still starting: it is awaited without limit, with one notice.
-      if (limit_ > 0.0 && awaited.was_seen && waited > limit_) {
-        if (Status end = DropAtLimit(awaited, waited); !end.ok()) return end.error();
-        continue;
-      }
-      release.awaited.push_back(awaited.name);
-    }
-  }
-  if (!is_told && release.awaited.empty()) release.awaited.emplace_back("ROS");
+  if (answers_.stage() != TickAnswers::Stage::kAwaitingAnswers) return release;
+  const bool is_announced = !is_new_world_ && std::all_of(channels_.begin(), channels_.end(),
+                                                          [](const auto& channel) { return channel->is_told(); });
+  Result<std::vector<std::string>> awaited = answers_.Awaited(is_announced, Now());
+  if (!awaited.ok()) return awaited.error();
+  release.awaited = std::move(awaited).value();
+  if (!is_announced && release.awaited.empty()) release.awaited.emplace_back("ROS");
   release.is_released = release.awaited.empty();
   if (release.is_released) {
-    awaits_answers_ = false;
-    first_wait_is_over_ = true;
+    answers_.Release();
     // Early, while there is time: the program of the host then mostly knows the next tick before it is committed.
-    Arm(TextOf(edition_, (tick_ / period_ + 1) * period_));
-  } else if (is_told && waited > kFirstAnswers && !std::exchange(first_wait_is_over_, true)) {
-    reports_.Add(fmt::format("tick {} waits for {}; docs/ros2-lockstep.md", tick_, fmt::join(release.awaited, ", ")));
+    Arm(TextOf(edition_, (answers_.tick() / period_ + 1) * period_));
   }
   return release;
 }
 
-Status RosLockstepWait::DropAtLimit(Awaited& awaited, double waited) {
-  if (ends_at_limit_) {
-    return Failure(
-        fmt::format("tick {} has waited {:.1f} s for {} of ROS (--ros-lockstep-limit)", tick_, waited, awaited.name));
-  }
-  awaited.is_dropped = true;
-  awaited.waited_seconds += waited;
-  reports_.Add(fmt::format("tick {} continues after {:.1f} s without {}, until that is heard of again", tick_, waited,
-                           awaited.name));
-  return {};
-}
-
 std::vector<SlowRobot> RosLockstepWait::SlowestAwaited() {
   const std::lock_guard lock(mutex_);
-  std::vector<SlowRobot> slowest;
-  for (const auto& channel : channels_) {
-    for (const Awaited& awaited : channel->awaited) {
-      slowest.push_back({awaited.name, awaited.times_last, awaited.waited_seconds});
-    }
-  }
-  std::stable_sort(slowest.begin(), slowest.end(),
-                   [](const SlowRobot& a, const SlowRobot& b) { return a.waited_seconds > b.waited_seconds; });
-  return slowest;
+  return answers_.Slowest();
 }
 
 void RosLockstepWait::Run() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [this] { return stop_ || follow_; });
+    changed_.wait(lock, [this] { return stop_ || is_new_world_; });
     if (stop_) return;
-    follow_ = false;
+    is_new_world_ = false;
     std::vector<std::unique_ptr<Channel>> unused;
     try {
       unused = Follow(*scene_);
@@ -231,90 +198,94 @@ void RosLockstepWait::OnArrival() {
   if (wakes) control_.Wake();
 }
 
-std::vector<std::unique_ptr<RosLockstepWait::Channel>> RosLockstepWait::Follow(const Scene& scene) {
+std::set<TickAnswers::Name> RosLockstepWait::ParticipantsIn(const Scene& scene) const {
   const auto robots = ros::FindRobotsInRos(scene.world(), options_.network.domain, options_.names);
-  std::vector<std::unique_ptr<Channel>> before = std::exchange(channels_, {});
-  const auto channel_of = [&](std::uint32_t domain) -> Channel& {
-    for (const auto& channel : channels_) {
-      if (channel->domain == domain) return *channel;
-    }
-    // A connection that is still used stays, with its nodes' matched readers: discovery takes seconds.
-    const auto kept = std::find_if(before.begin(), before.end(),
-                                   [domain](const auto& channel) { return channel && channel->domain == domain; });
-    if (kept != before.end()) {
-      channels_.push_back(std::move(*kept));
-      return *channels_.back();
-    }
-    std::unique_ptr<ros::HostConnection> own;
-    if (domain != options_.network.domain) {
-      own = std::make_unique<ros::HostConnection>(options_.network.distribution, options_.socket, domain,
-                                                  ros::HostConnection::Sending::kAtOnce);
-    }
-    if (own) own->WatchTopics([this] { OnArrival(); });
-    ros::HostConnection& used = own ? *own : of_run_;
-    channels_.push_back(std::make_unique<Channel>(domain, std::move(own), used));
-    return *channels_.back();
-  };
-  std::set<std::pair<std::uint32_t, std::string>> wanted;  // domain and name
-  const auto want = [&](std::uint32_t domain, const std::string& name) { wanted.emplace(domain, name); };
-  const auto want_of = [&](const auto& robot, const std::string& name) {
-    const std::string space = robot.node_namespace == "/" ? "" : robot.node_namespace;
-    want(robot.domain, name.starts_with("~/") ? space + name.substr(1) : name);
-  };
+  std::set<TickAnswers::Name> names;
   for (const RosLockstepName& name : options_.lockstep.names) {
-    if (name.robot.empty() && !name.name.starts_with("~/")) want(options_.network.domain, name.name);
+    const bool is_below_robot = name.name.starts_with("~/");
+    if (name.robot.empty() && !is_below_robot) names.emplace(options_.network.domain, name.name);
     for (const auto& [id, robot] : robots) {
-      const bool is_of_robot =
-          name.robot.empty() ? name.name.starts_with("~/") : scene.world().robot(id).name == name.robot;
-      if (is_of_robot) want_of(robot, name.name);
+      const bool is_of_robot = name.robot.empty() ? is_below_robot : scene.world().robot(id).name == name.robot;
+      if (!is_of_robot) continue;
+      const std::string space = robot.node_namespace == "/" ? "" : robot.node_namespace;
+      names.emplace(robot.domain, is_below_robot ? space + name.name.substr(1) : name.name);
     }
   }
-  for (const auto& [domain, name] : wanted) {
-    Channel& channel = channel_of(domain);
-    const auto is_same = [&name = name](const Awaited& awaited) { return awaited.name == name; };
-    if (std::any_of(channel.awaited.begin(), channel.awaited.end(), is_same)) continue;
-    Awaited awaited{.name = name, .is_topic = name.starts_with("/")};
-    if (awaited.is_topic) awaited.watch = channel.connection.Watch("rt" + name);
-    channel.awaited.push_back(std::move(awaited));
+  return names;
+}
+
+RosLockstepWait::Channel& RosLockstepWait::OpenChannel(std::uint32_t domain,
+                                                       std::vector<std::unique_ptr<Channel>>& before) {
+  const auto is_in_domain = [domain](const auto& channel) { return channel && channel->domain == domain; };
+  if (const auto open = std::find_if(channels_.begin(), channels_.end(), is_in_domain); open != channels_.end()) {
+    return **open;
   }
+  // A connection that is still used stays, with its nodes' matched readers: discovery takes seconds.
+  if (const auto kept = std::find_if(before.begin(), before.end(), is_in_domain); kept != before.end()) {
+    return *channels_.emplace_back(std::move(*kept));
+  }
+  std::unique_ptr<ros::HostConnection> own;
+  if (domain != options_.network.domain) {
+    own = std::make_unique<ros::HostConnection>(options_.network.distribution, options_.socket, domain,
+                                                ros::HostConnection::Sending::kAtOnce);
+    own->WatchTopics([this] { OnArrival(); });
+  }
+  ros::HostConnection& used = own ? *own : of_run_;
+  return *channels_.emplace_back(std::make_unique<Channel>(domain, std::move(own), used));
+}
+
+std::vector<std::unique_ptr<RosLockstepWait::Channel>> RosLockstepWait::Follow(const Scene& scene) {
+  std::vector<std::unique_ptr<Channel>> before = std::exchange(channels_, {});
+  const std::set<TickAnswers::Name> names = ParticipantsIn(scene);
+  for (const TickAnswers::Name& name : names) {
+    Channel& channel = OpenChannel(name.first, before);
+    const std::string& topic = name.second;
+    if (!TickAnswers::IsTopic(name) || channel.watches.contains(topic)) continue;
+    channel.watches[topic] = channel.connection.Watch("rt" + topic);
+  }
+  answers_.SetParticipants(names);
+  const bool awaits = answers_.stage() == TickAnswers::Stage::kAwaitingAnswers;
   for (const auto& channel : channels_) {
-    std::erase_if(channel->awaited, [&](const Awaited& awaited) {
-      if (wanted.contains({channel->domain, awaited.name})) return false;
-      if (awaited.is_topic) channel->connection.Unwatch(awaited.watch);
+    std::erase_if(channel->watches, [&](const auto& watch) {
+      if (names.contains({channel->domain, watch.first})) return false;
+      channel->connection.Unwatch(watch.second);
       return true;
     });
     channel->connection.Announce();
     if (!armed_.empty()) channel->connection.Arm(armed_);
-    if (awaits_answers_ && channel->announcement == Channel::Announcement::kPending) Announce(*channel);
+    if (awaits && channel->announcement == Channel::Announcement::kPending) Announce(*channel);
   }
   std::erase(before, nullptr);
   return before;
 }
 
 bool RosLockstepWait::Advance() {
-  bool is_complete = awaits_answers_;
+  const bool awaits = answers_.stage() == TickAnswers::Stage::kAwaitingAnswers;
+  bool is_told = true;
   for (const auto& channel : channels_) {
     const ros::HostConnection::Watched watched = channel->connection.watched();
-    if (awaits_answers_ && channel->announcement == Channel::Announcement::kGiven && watched.is_told) {
+    if (awaits && channel->announcement == Channel::Announcement::kGiven && watched.is_told) {
       channel->announcement = Channel::Announcement::kTold;
     }
-    for (Awaited& awaited : channel->awaited) {
-      if (awaited.is_topic && watched.armed == armed_ && watched.arrived.contains(awaited.watch)) Note(awaited);
+    is_told = is_told && channel->is_told();
+    for (const auto& [topic, watch] : channel->watches) {
+      const TickAnswers::Name name{channel->domain, topic};
+      answers_.SetReadsClock(name, watched.timed.contains(watch), Now());
+      if (watched.armed == armed_ && watched.arrived.contains(watch)) answers_.OnAnswer(name, Now());
     }
     ReadAnswers(*channel);
-    is_complete = is_complete && channel->is_told() &&
-                  std::all_of(channel->awaited.begin(), channel->awaited.end(),
-                              [](const Awaited& awaited) { return awaited.done || awaited.is_dropped; });
   }
-  return is_complete || (awaits_armed_ && IsArmed());
+  if (awaits) return is_told && answers_.are_complete();
+  return answers_.stage() == TickAnswers::Stage::kAwaitingArming && IsArmed();
 }
 
 // Behind all messages of the tick, and so is the time.
 void RosLockstepWait::Announce(Channel& channel) {
   channel.announcement = Channel::Announcement::kGiven;
   channel.connection.Collect();
-  if (channel.domain == options_.network.domain) hooks_.show_clock(tick_, interval_ns_);
-  const std::int64_t ns = static_cast<std::int64_t>(tick_) * interval_ns_;
+  const Tick tick = answers_.tick();
+  if (channel.domain == options_.network.domain) hooks_.show_clock(tick, interval_ns_);
+  const std::int64_t ns = static_cast<std::int64_t>(tick) * interval_ns_;
   ros::Header header{};
   dds::WireArena arena;
   header.stamp = {static_cast<std::int32_t>(ns / kNsPerSecond), static_cast<std::uint32_t>(ns % kNsPerSecond)};
@@ -323,37 +294,22 @@ void RosLockstepWait::Announce(Channel& channel) {
 }
 
 void RosLockstepWait::ReadAnswers(Channel& channel) {
-  const std::int64_t awaited_ns = static_cast<std::int64_t>(tick_) * interval_ns_;
+  const std::int64_t awaited_ns = static_cast<std::int64_t>(answers_.tick()) * interval_ns_;
   channel.answers->Drain([&](const void* sample) {
     const auto& answer = *static_cast<const ros::Header*>(sample);
-    const std::string name = PlainLine(dds::Text(answer.frame_id), 200);
-    const auto found = std::find_if(channel.awaited.begin(), channel.awaited.end(),
-                                    [&](const Awaited& awaited) { return !awaited.is_topic && awaited.name == name; });
-    if (found == channel.awaited.end()) {
-      return reports_.Add(fmt::format("{}: ignored the answer of '{}', for which no tick waits", kDoneTopic, name));
+    const TickAnswers::Name name{channel.domain, PlainLine(dds::Text(answer.frame_id), kMaxNameLength)};
+    if (TickAnswers::IsTopic(name) || !answers_.Has(name)) {
+      return reports_.Add(
+          fmt::format("{}: ignored the answer of '{}', for which no tick waits", kDoneTopic, name.second));
     }
     const std::int64_t ns = std::int64_t{answer.stamp.sec} * kNsPerSecond + answer.stamp.nanosec;
-    found->was_seen = true;
-    if (std::exchange(found->is_dropped, false)) reports_.Add(fmt::format("ticks wait for {} again", name));
-    if (ns == awaited_ns) {
-      if (channel.is_told()) Note(*found);  // else to the frame before an edit
-      return;
-    }
+    // Before the tick is told it is one to the frame before an edit.
+    if (ns == awaited_ns && channel.is_told()) return answers_.OnAnswer(name, Now());
+    answers_.OnOtherAnswer(name);
+    if (ns == awaited_ns) return;
     reports_.Add(fmt::format("{}: ignored the answer of '{}' to {}.{:09} s, which is not the awaited tick", kDoneTopic,
-                             name, answer.stamp.sec, answer.stamp.nanosec));
+                             name.second, answer.stamp.sec, answer.stamp.nanosec));
   });
-}
-
-void RosLockstepWait::Note(Awaited& awaited) {
-  if (std::exchange(awaited.is_dropped, false)) reports_.Add(fmt::format("ticks wait for {} again", awaited.name));
-  awaited.was_seen = true;
-  if (!awaits_answers_ || std::exchange(awaited.done, true)) return;
-  awaited.waited_seconds += SecondsSince(published_at_);
-  const bool is_last = std::all_of(channels_.begin(), channels_.end(), [](const auto& channel) {
-    return std::all_of(channel->awaited.begin(), channel->awaited.end(),
-                       [](const Awaited& other) { return other.done || other.is_dropped; });
-  });
-  if (is_last) ++awaited.times_last;
 }
 
 }  // namespace troupe

@@ -12,15 +12,19 @@
 //
 // The wait changes when a tick is made and never its result; a node's commands are journalled like any others. Limits
 // are in wall time and end or continue the run, as the options say.
+//
+// The states of a wait and of each participant are in TickAnswers; this file has the connections that feed it. A
+// channel is the connection in one ROS domain, with the announcement of the published tick:
+//
+//   kPending --Announce--> kGiven --the program has written it--> kTold: answers count from then on
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,6 +35,7 @@
 #include "ros/connection/ros_endpoints.h"
 #include "ros/link/host_connection.h"
 #include "ros/messages/ros_options.h"
+#include "world-service/observers/ros/tick_answers.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {
@@ -45,9 +50,9 @@ class RosLockstepWait {
   };
 
   // `of_run`: the connection in the domain of the run; while this exists, it has the connection's WatchTopics,
-  // with `on_arrival` for others. All outlive this.
+  // with `on_arrival` for others. All outlive this. `has_released`: a service before has released a tick of the run.
   RosLockstepWait(ros::HostConnection& of_run, const ros::RosOptions& options, std::shared_ptr<const Scene> scene,
-                  RunId run, WorldControl& control, Hooks hooks);
+                  RunId run, bool has_released, WorldControl& control, Hooks hooks);
   // After it no call into the control runs.
   ~RosLockstepWait();
   RosLockstepWait(const RosLockstepWait&) = delete;
@@ -63,20 +68,7 @@ class RosLockstepWait {
   std::vector<SlowRobot> SlowestAwaited();
 
  private:
-  using Clock = std::chrono::steady_clock;
   struct Channel;
-
-  // What a tick waits for.
-  struct Awaited {
-    std::string name;  // for users
-    bool is_topic = false;
-    std::uint32_t watch = 0;  // of a topic
-    bool done = false;        // for this tick
-    bool was_seen = false;    // it has answered once
-    bool is_dropped = false;  // no tick waits for it until it is heard of again
-    std::uint64_t times_last = 0;
-    double waited_seconds = 0.0;
-  };
 
   void Run();
   // On the thread of a connection: something has arrived.
@@ -84,6 +76,9 @@ class RosLockstepWait {
   // REQUIRES of those below: mutex_ is held.
   // Returns the channels that nothing uses any more. They end without the mutex: their threads may wait for it.
   std::vector<std::unique_ptr<Channel>> Follow(const Scene& scene);
+  std::set<TickAnswers::Name> ParticipantsIn(const Scene& scene) const;
+  // The channel of the domain, one of `before` if it had one.
+  Channel& OpenChannel(std::uint32_t domain, std::vector<std::unique_ptr<Channel>>& before);
   void Arm(const std::string& text);
   std::string TextOf(Edition edition, Tick tick) const;
   bool IsArmed() const;
@@ -91,15 +86,11 @@ class RosLockstepWait {
   bool Advance();
   void Announce(Channel& channel);
   void ReadAnswers(Channel& channel);
-  void Note(Awaited& awaited);
-  Status DropAtLimit(Awaited& awaited, double waited);
 
   ros::HostConnection& of_run_;
   const ros::RosOptions options_;
   const RunId run_;
   const std::uint64_t period_;
-  const double limit_;  // s; 0: none
-  const bool ends_at_limit_;
   WorldControl& control_;
   const Hooks hooks_;
   FloodLimiter reports_;
@@ -108,18 +99,14 @@ class RosLockstepWait {
   std::condition_variable changed_;
   bool stop_ = false;
   std::shared_ptr<const Scene> scene_;
-  bool follow_ = true;  // the world is new
+  bool is_new_world_ = true;  // the channels are still those of the world before
   std::vector<std::unique_ptr<Channel>> channels_;
+  TickAnswers answers_;
   std::string armed_;  // the newest text
-  Clock::time_point armed_at_ = {};
-  bool awaits_armed_ = false;    // the run asks again when the channels know the text
-  bool awaits_answers_ = false;  // the agents have published a tick, and the run waits for its release
-  Edition edition_ = 0;          // of that
-  Tick tick_ = 0;
+  double armed_at_ = 0.0;
+  Edition edition_ = 0;  // of the tick that was published last
   std::int64_t interval_ns_ = 0;
-  Clock::time_point published_at_ = {};
-  bool first_wait_is_over_ = false;  // the first answers have come, or a notice says that they are awaited
-  std::thread thread_;               // last, because it uses all other members
+  std::thread thread_;  // last, because it uses all other members
 };
 
 }  // namespace troupe

@@ -180,6 +180,7 @@ class RosWorldGateway final : public RunObserver {
  public:
   RosWorldGateway(const ros::RosOptions& options, RunInRos run)
       : options_(options),
+        has_released_(run.has_released),
         scene_(std::move(run.scene)),
         connection_(options.network.distribution, options.socket, options.network.domain,
                     ros::HostConnection::Sending::kAtOnce),
@@ -219,7 +220,7 @@ class RosWorldGateway final : public RunObserver {
       return Status();
     }
     lockstep_.emplace(
-        connection_, options_, scene_, start.run, start.control,
+        connection_, options_, scene_, start.run, has_released_, start.control,
         RosLockstepWait::Hooks{[this](Tick tick, std::int64_t interval_ns) { clock_.Show(tick, interval_ns, true); },
                                [this](const std::string& line) { Warn(line); }, on_arrival});
     return Status();
@@ -340,6 +341,7 @@ class RosWorldGateway final : public RunObserver {
   }
 
   const ros::RosOptions options_;
+  const bool has_released_;
   std::shared_ptr<const Scene> scene_;
   ros::HostConnection connection_;
   ros::RosNode node_;

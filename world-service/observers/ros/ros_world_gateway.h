@@ -21,7 +21,8 @@ struct RunInRos {
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const Site> site = {};  // the building of the world named `site_world`; null: none
   std::string site_world = {};
-  AllowedPaths files = {};  // that ROS may see, as the drawings of a building
+  AllowedPaths files = {};    // that ROS may see, as the drawings of a building
+  bool has_released = false;  // a service before has made ticks of the run
 };
 
 // Throws std::exception if it cannot.
