@@ -39,7 +39,7 @@ Status RunTroupe(const std::vector<std::string>& arguments, const ProgressFuncti
     pollfd waited{output.reading_end(), POLLIN, 0};
     constexpr int kAliveMilliseconds = 1000;
     poll(&waited, 1, kAliveMilliseconds);
-    progress(Progress::kStep);  // of its ticks nothing is known here
+    progress(WorkProgress::kStep);  // of its ticks nothing is known here
     for (const std::string& line : output.Read()) last = line;
   }
   while (!process.value().Poll()) poll(nullptr, 0, 1);  // its pipe has ended

@@ -257,7 +257,7 @@ CaseOutcome Simulate(const CaseWorlds& worlds, LoadedWorld loaded, const CaseRun
   CaseMonitors& monitors = made.value();
   CaseOutcome outcome;
   for (;;) {
-    if (options.progress) options.progress(Progress::kStep);
+    if (options.progress) options.progress(WorkProgress::kStep);
     // Tick 0 is judged, too: a world can violate an expectation before anything moves.
     if (const Status error = monitors.Push(simulation); !error.ok()) return ErrorOutcome(error.error().ToString());
     if (options.hashes) outcome.hashes.push_back(simulation.state_hash());
@@ -281,7 +281,7 @@ CaseOutcome Simulate(const CaseWorlds& worlds, LoadedWorld loaded, const CaseRun
 }  // namespace
 
 CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseRunOptions& options) {
-  if (options.progress) options.progress(Progress::kPart);
+  if (options.progress) options.progress(WorkProgress::kPart);
   Result<LoadedWorld> loaded = worlds.Load(draws);
   if (!loaded.ok()) return ErrorOutcome(loaded.error().ToString());
   // A test without an end would run for ever; Check reports it before any case, this is for cases of later draws.

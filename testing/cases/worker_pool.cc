@@ -136,8 +136,8 @@ WorkerPool::~WorkerPool() {
 
 Status WorkerPool::Start(Worker& worker) {
   Counts* const counts = worker.counts;
-  const ProgressFunction progress = [counts](Progress made) {
-    if (made == Progress::kPart) counts->parts.fetch_add(1, std::memory_order_relaxed);
+  const ProgressFunction progress = [counts](WorkProgress made) {
+    if (made == WorkProgress::kPart) counts->parts.fetch_add(1, std::memory_order_relaxed);
     counts->steps.fetch_add(1, std::memory_order_relaxed);
   };
   const Result<Copy> copy = StartCopy([&](int descriptor) {

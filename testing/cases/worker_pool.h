@@ -27,8 +27,8 @@
 namespace troupe {
 
 // What work tells of its progress: each part that begins, a run of a simulation for instance, and each step within one.
-enum class Progress : std::uint8_t { kPart, kStep };
-using ProgressFunction = std::function<void(Progress)>;
+enum class WorkProgress : std::uint8_t { kPart, kStep };
+using ProgressFunction = std::function<void(WorkProgress)>;
 
 // The result of the work, done in a copy of this process that ends then. The error says how the copy died. REQUIRES:
 // this process has no other thread

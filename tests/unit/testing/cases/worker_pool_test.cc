@@ -65,13 +65,13 @@ std::string AskOnce(WorkerPool& pool, const std::string& request, const WorkLimi
 
 TEST(WorkerPool, KillsACopyThatPassesALimit) {
   WorkerPool pool(1, [](const std::string& request, const ProgressFunction& progress) -> std::string {
-    progress(Progress::kPart);
+    progress(WorkProgress::kPart);
     if (request == "stuck") {
       for (;;) pause();
     }
     for (int i = 0; request == "endless" || i < 80; ++i) {
       usleep(20'000);
-      progress(request == "parts" ? Progress::kPart : Progress::kStep);
+      progress(request == "parts" ? WorkProgress::kPart : WorkProgress::kStep);
     }
     return "done";
   });
