@@ -20,7 +20,7 @@ constexpr std::int32_t kWorkcellRequestDepth = 100;  // of all workcells
 constexpr std::size_t kMaxOpen = 1000;
 constexpr std::size_t kMaxPast = 10'000;
 constexpr std::size_t kMaxLateResults = 10'000;
-constexpr std::size_t kMaxText = 256;  // bytes
+constexpr std::size_t kMaxWorkcellText = 256;  // bytes
 
 enum class WorkcellMode : std::int32_t { kIdle = 0, kBusy = 1 };
 
@@ -128,9 +128,9 @@ void RmfWorkcells::Accept(WorkcellKind kind, const Request& request) {
   for (const auto& [field, text] : {std::pair("request_guid", &request.number),
                                     {"transporter_type", &request.order.fleet},
                                     {"type_guid", &request.order.item}}) {
-    if (text->size() <= kMaxText) continue;
+    if (text->size() <= kMaxWorkcellText) continue;
     report_(fmt::format("/{}_requests: {} '{}': found a {} of {} bytes, expected at most {}", NameOf(kind),
-                        NameOf(kind), request.workcell, field, text->size(), kMaxText));
+                        NameOf(kind), request.workcell, field, text->size(), kMaxWorkcellText));
     return;
   }
   const RequestId id{kind, request.workcell, request.number};
