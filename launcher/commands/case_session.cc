@@ -97,6 +97,7 @@ Status CaseSession::LoadTest(const std::string& path) {
   }
   report_.AddTest(reported);
   if (options_.search > 0) {
+    if (const Status rare = design.CheckRandom(); !rare.ok()) return Error{{path}, rare.error().message};
     test.search = std::make_unique<CaseSearch>(test.file->design());
     planned_ += options_.search;
   } else {

@@ -11,33 +11,31 @@
 namespace troupe {
 namespace {
 
-constexpr std::uint64_t kDesignStream = 0x6465'7369'676e;
-constexpr std::uint64_t kMaxDraws = 1000;       // of a case until one meets the constraints
+constexpr std::uint64_t kPairStream = 0x7061'6972'73;
 constexpr std::uint64_t kMaxPairs = 4'000'000;  // of a pairwise design
-constexpr std::uint64_t kPairCandidates = 30;   // of a case that has a pair, of which the best is chosen
+constexpr std::uint64_t kPairTries = 200;       // of a case that has a pair, until its values are searched for
+constexpr std::uint64_t kPairCandidates = 30;   // of these, at most: the best is chosen
+constexpr std::uint64_t kCandidateTries = 20;   // of the random numbers of a candidate
 
 }  // namespace
 
 Result<CaseDesign> CaseDesign::Make(std::vector<Variation> variations, std::vector<Constraint> constraints,
                                     const DesignSettings& settings) {
-  CaseDesign design;
-  design.variations_ = std::move(variations);
-  design.constraints_ = std::move(constraints);
-  design.settings_ = settings;
-  const bool fixed = std::all_of(design.variations_.begin(), design.variations_.end(),
+  const bool is_constrained = !constraints.empty();
+  CaseDesign design(DrawSolver(std::move(variations), std::move(constraints), settings.seed), settings);
+  const bool fixed = std::all_of(design.variations().begin(), design.variations().end(),
                                  [](const Variation& variation) { return variation.size() == 1; });
   // All values are fixed by --case: one case, whatever the design would draw.
   if (fixed) design.settings_.kind = DesignKind::kProduct;
   if (design.settings_.kind == DesignKind::kRandom) {
+    // A design of random cases does not visit them all to be checked.
+    if (Status rare = design.CheckRandom(); !rare.ok()) return rare.error();
     design.size_ = settings.cases;
-    // At(0) has tried kMaxDraws draws already. A design of random cases does not visit them all to be checked.
-    if (!design.MeetsConstraints(design.At(0))) {
-      return Error{{}, "found constraints that none of 1000 random cases meets, expected weaker ones"};
-    }
     return design;
   }
   std::uint64_t all = 1;
-  for (const Variation& variation : design.variations_) {
+  std::uint64_t values = 0;
+  for (const Variation& variation : design.variations()) {
     if (variation.size() == 0) continue;
     if (design.settings_.kind == DesignKind::kProduct && all > kMaxCases / variation.size()) {
       return Error{{},
@@ -46,71 +44,36 @@ Result<CaseDesign> CaseDesign::Make(std::vector<Variation> variations, std::vect
                                kMaxCases)};
     }
     all *= variation.size();
+    values += variation.size();
   }
+  Status made;
   if (design.settings_.kind == DesignKind::kPairwise) {
-    std::uint64_t values = 0;
-    for (const Variation& variation : design.variations_) values += variation.size();
     if (values * values / 2 > kMaxPairs) {
       return Error{
           {}, fmt::format("found {} values, whose pairs are too many, expected fewer, or the design 'random'", values)};
     }
-    design.MakePairs();
-  } else if (design.constraints_.empty()) {
+    made = design.MakePairs();
+  } else if (!is_constrained) {
     design.size_ = all;
   } else {
-    for (std::uint64_t number = 0; number < all; ++number) {
-      if (design.MeetsConstraints(design.MakeProduct(number))) design.numbers_.push_back(number);
-    }
-    design.size_ = design.numbers_.size();
+    made = design.MakeProduct();
   }
+  if (!made.ok()) return made.error();
   if (design.size_ == 0) return Error{{}, "found constraints that no case meets, expected weaker ones"};
   return design;
 }
 
-bool CaseDesign::MeetsConstraints(const TestCase& draws) const {
-  return std::all_of(constraints_.begin(), constraints_.end(),
-                     [&](const Constraint& constraint) { return constraint.Holds(draws); });
-}
-
-TestCase CaseDesign::FromIndices(const std::vector<std::uint64_t>& indices, std::uint64_t key) const {
-  TestCase draws;
-  for (std::size_t i = 0; i < variations_.size(); ++i) {
-    const bool listed = variations_[i].size() > 0;
-    draws.push_back({variations_[i].path(), listed ? variations_[i].At(indices[i]) : variations_[i].Draw(key, i)});
-  }
-  return draws;
-}
-
-TestCase CaseDesign::MakeProduct(std::uint64_t number) const {
+DrawSolver::Indices CaseDesign::ProductIndices(std::uint64_t number) const {
   // The last variation changes fastest.
-  std::vector<std::uint64_t> indices(variations_.size());
+  DrawSolver::Indices indices(variations().size());
   std::uint64_t rest = number;
-  for (std::size_t i = variations_.size(); i-- > 0;) {
-    const std::uint64_t size = variations_[i].size();
+  for (std::size_t i = variations().size(); i-- > 0;) {
+    const std::uint64_t size = variations()[i].size();
     if (size == 0) continue;
     indices[i] = rest % size;
     rest /= size;
   }
-  TestCase draws;
-  for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
-    draws = FromIndices(indices, RandomBits({kDesignStream, settings_.seed, number, draw}));
-    const bool all_listed =
-        std::all_of(variations_.begin(), variations_.end(), [](const auto& v) { return v.size() > 0; });
-    if (all_listed || MeetsConstraints(draws)) break;
-  }
-  return draws;
-}
-
-TestCase CaseDesign::Random(std::uint64_t key) const {
-  TestCase draws;
-  for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
-    draws.clear();
-    const std::uint64_t bits = RandomBits({kDesignStream, settings_.seed, key, draw});
-    for (std::size_t i = 0; i < variations_.size(); ++i)
-      draws.push_back({variations_[i].path(), variations_[i].Draw(bits, i)});
-    if (MeetsConstraints(draws)) break;
-  }
-  return draws;
+  return indices;
 }
 
 TestCase CaseDesign::At(std::uint64_t number) const {
@@ -118,54 +81,81 @@ TestCase CaseDesign::At(std::uint64_t number) const {
     case DesignKind::kRandom:
       return Random(number);
     case DesignKind::kPairwise:
-      return FromIndices(pairs_[number], RandomBits({kDesignStream, settings_.seed, number, 0}));
+      return solver_.DrawFound(pairs_[number], number);
     case DesignKind::kProduct:
       break;
   }
-  return MakeProduct(numbers_.empty() ? number : numbers_[number]);
+  const std::uint64_t place = numbers_.empty() ? number : numbers_[number];
+  return solver_.DrawFound(ProductIndices(place), place);
+}
+
+Status CaseDesign::MakeProduct() {
+  const auto number_of = [&](const DrawSolver::Indices& indices) {
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < variations().size(); ++i) {
+      if (const std::uint64_t size = variations()[i].size(); size > 0) number = number * size + indices[i];
+    }
+    return number;
+  };
+  DrawSolver::Tries tries{.most = 2 * kMaxCases};
+  const Status status =
+      solver_.ForEach(DrawSolver::Choice(variations().size()), 0, tries, number_of, [&](const auto& indices) {
+        numbers_.push_back(number_of(indices));
+        return true;
+      });
+  size_ = numbers_.size();
+  return status;
 }
 
 // For each pair of values that no case has yet, the candidate with the most such pairs among some that have it.
-void CaseDesign::MakePairs() {
+Status CaseDesign::MakePairs() {
   using Pair = std::tuple<std::size_t, std::uint64_t, std::size_t, std::uint64_t>;
+  DrawSolver::Tries tries;
+  const auto next = [&](const DrawSolver::Indices&) { return pairs_.size(); };
+  const DrawSolver::Choice open(variations().size());
+  if (!solver_.CanMeet(open)) return {};
   std::vector<std::size_t> listed;
-  for (std::size_t i = 0; i < variations_.size(); ++i) {
-    if (variations_[i].size() > 0) listed.push_back(i);
+  for (std::size_t i = 0; i < variations().size(); ++i) {
+    if (variations()[i].size() > 0) listed.push_back(i);
+  }
+  if (listed.size() < 2) {  // one variation alone: each of its values
+    const Status status = solver_.ForEach(open, 0, tries, next, [&](const DrawSolver::Indices& indices) {
+      pairs_.push_back(indices);
+      return true;
+    });
+    size_ = pairs_.size();
+    return status;
   }
   std::set<Pair> missing;
   for (const std::size_t a : listed) {
     for (const std::size_t b : listed) {
       if (b <= a) continue;
-      for (std::uint64_t x = 0; x < variations_[a].size(); ++x) {
-        for (std::uint64_t y = 0; y < variations_[b].size(); ++y) missing.emplace(a, x, b, y);
+      for (std::uint64_t x = 0; x < variations()[a].size(); ++x) {
+        for (std::uint64_t y = 0; y < variations()[b].size(); ++y) missing.emplace(a, x, b, y);
       }
     }
   }
-  if (listed.size() < 2) {  // one variation alone: each of its values
-    const std::uint64_t values = listed.empty() ? 1 : variations_[listed.front()].size();
-    for (std::uint64_t value = 0; value < values; ++value) {
-      std::vector<std::uint64_t> indices(variations_.size());
-      if (!listed.empty()) indices[listed.front()] = value;
-      if (MeetsConstraints(FromIndices(indices, 0))) pairs_.push_back(std::move(indices));
-    }
-  }
+  const std::size_t pairs_of_a_case = listed.size() * (listed.size() - 1) / 2;
   std::uint64_t counter = 0;
   while (!missing.empty()) {
     // The set is ordered: the greedy choice, and so the list of cases, is the same everywhere.
     const auto [a, x, b, y] = *missing.begin();
-    std::vector<std::uint64_t> best;
+    DrawSolver::Choice choice = open;
+    choice[a] = x;
+    choice[b] = y;
+    DrawSolver::Indices best;
     std::size_t most = 0;
     std::uint64_t valid = 0;
-    for (std::uint64_t draw = 0; draw < kMaxDraws && valid < kPairCandidates; ++draw) {
-      std::vector<std::uint64_t> indices(variations_.size());
+    const bool can_meet = solver_.CanMeet(choice);
+    for (std::uint64_t draw = 0; can_meet && draw < kPairTries && valid < kPairCandidates && most < pairs_of_a_case;
+         ++draw) {
+      DrawSolver::Indices indices(variations().size());
       for (const std::size_t i : listed) {
-        const std::uint64_t size = std::max<std::uint64_t>(variations_[i].size(), 1);
-        indices[i] = RandomBits({kDesignStream, settings_.seed, ++counter}) % size;
+        indices[i] = RandomBits({kPairStream, settings_.seed, ++counter}) % variations()[i].size();
       }
       indices[a] = x;
       indices[b] = y;
-      if (!MeetsConstraints(FromIndices(indices, RandomBits({kDesignStream, settings_.seed, pairs_.size(), 0}))))
-        continue;
+      if (!solver_.Draw(indices, pairs_.size(), kCandidateTries)) continue;
       ++valid;
       std::size_t covered = 0;
       for (const std::size_t i : listed) {
@@ -177,7 +167,14 @@ void CaseDesign::MakePairs() {
         best = std::move(indices);
       }
     }
-    // No draw with this pair meets the constraints: the pair is given up, and the report says how many were.
+    if (best.empty() && can_meet) {
+      const Status status = solver_.ForEach(choice, counter, tries, next, [&](const DrawSolver::Indices& indices) {
+        best = indices;
+        return false;
+      });
+      if (!status.ok()) return status;
+    }
+    // The constraints leave out the pair, and the report says how many of them.
     if (best.empty()) {
       ++impossible_pairs_;
       missing.erase(missing.begin());
@@ -189,6 +186,7 @@ void CaseDesign::MakePairs() {
     pairs_.push_back(std::move(best));
   }
   size_ = pairs_.size();
+  return {};
 }
 
 }  // namespace troupe

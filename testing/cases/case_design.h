@@ -6,15 +6,18 @@
 // of the design, never a generator with a state. Pairwise exists because faults most often need the interaction of two
 // parameters at most, and its size grows with the product of the two longest lists instead of all.
 //
-// Immutable after Make; any thread may read it. The cost of Make: product with constraints visits all combinations (at
-// most kMaxCases), pairwise keeps all pairs (at most 4 million); the other designs keep nothing.
+// Immutable after Make; any thread may read it. The cost of Make: product with constraints visits the combinations (at
+// most kMaxCases) that their bounds leave, pairwise keeps all pairs (at most 4 million); the other designs keep
+// nothing.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "testing/cases/constraint.h"
+#include "testing/cases/draw_solver.h"
 #include "testing/cases/variation.h"
 #include "troupe/result.h"
 
@@ -34,34 +37,35 @@ inline constexpr std::uint64_t kMaxCases = 10'000'000;
 class CaseDesign {
  public:
   // The cases whose draws meet the constraints. Variations of uniform and normal numbers are drawn again for each case
-  // of every design. The error: too many cases, or none that meets the constraints.
+  // of every design. The error: too many cases, none that meets the constraints, or some for which that is too rare to
+  // be found.
   static Result<CaseDesign> Make(std::vector<Variation> variations, std::vector<Constraint> constraints,
                                  const DesignSettings& settings);
 
   std::uint64_t size() const { return size_; }
   // The same for the same number always.
   TestCase At(std::uint64_t number) const;
-  const std::vector<Variation>& variations() const { return variations_; }
-  bool MeetsConstraints(const TestCase& draws) const;
+  const std::vector<Variation>& variations() const { return solver_.variations(); }
+  bool MeetsConstraints(const TestCase& draws) const { return solver_.Meets(draws); }
   // Pairs of values of different variations that no case can have; kPairwise only.
   std::uint64_t impossible_pairs() const { return impossible_pairs_; }
 
-  // A random case, whatever the design: for searches. Meets the constraints if a thousand draws find one that does.
-  TestCase Random(std::uint64_t key) const;
+  // A random case that meets the constraints, whatever the design: for searches. REQUIRES: CheckRandom() is ok
+  TestCase Random(std::uint64_t key) const { return solver_.Random(key); }
+  // The error says how rare it is that a random case meets the constraints, if it is too rare to wait for.
+  Status CheckRandom() const { return solver_.CheckRandom(); }
 
  private:
-  CaseDesign() = default;
-  TestCase MakeProduct(std::uint64_t number) const;
-  void MakePairs();
-  // The draws with these values of the listed variations, and random ones else.
-  TestCase FromIndices(const std::vector<std::uint64_t>& indices, std::uint64_t key) const;
+  CaseDesign(DrawSolver solver, const DesignSettings& settings) : solver_(std::move(solver)), settings_(settings) {}
+  DrawSolver::Indices ProductIndices(std::uint64_t number) const;
+  Status MakeProduct();
+  Status MakePairs();
 
-  std::vector<Variation> variations_;
-  std::vector<Constraint> constraints_;
+  DrawSolver solver_;
   DesignSettings settings_;
   std::uint64_t size_ = 0;
-  std::vector<std::uint64_t> numbers_;             // kProduct with constraints: of the cases that meet them
-  std::vector<std::vector<std::uint64_t>> pairs_;  // kPairwise: the cases, as indices of values
+  std::vector<std::uint64_t> numbers_;      // kProduct with constraints: of the cases that meet them
+  std::vector<DrawSolver::Indices> pairs_;  // kPairwise: the cases
   std::uint64_t impossible_pairs_ = 0;
 };
 

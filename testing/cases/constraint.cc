@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -154,6 +155,89 @@ class Evaluator {
   const TestCase& draws_;
 };
 
+// What a part of a formula can be worth. Rounding keeps order, so that the bounds that are computed hold for all
+// numbers that are.
+class Bounder {
+ public:
+  Bounder(const std::vector<std::string>& names, const std::vector<DrawBounds>& draws) : names_(names), draws_(draws) {
+    for (std::size_t i = 0; i < draws.size(); ++i) known_.push_back({"", draws[i].value.value_or("")});
+  }
+
+  // Nothing: a text, or something else than a number.
+  std::optional<Interval> Bounds(const Syntax& syntax) const {
+    if (IsKnown(syntax)) {
+      const Worth worth = Evaluator(names_, known_).Evaluate(syntax);
+      if (worth.is_text) return std::nullopt;
+      // A condition that is false by nothing.
+      if (IsCondition(syntax) && worth.number == 0.0 && std::signbit(worth.number))
+        return Interval{-kLeastFalse, -kLeastFalse};
+      return Interval{worth.number, worth.number};
+    }
+    if (syntax.kind != SyntaxKind::kOperator) return draws_[IndexOf(syntax)].numbers;
+    const std::string& sign = syntax.name;
+    if (sign == "and" || sign == "or" || sign == "->") {
+      const bool is_and = sign == "and";
+      Interval all = is_and ? Interval{kInfinity, kInfinity} : Interval{-kInfinity, -kInfinity};
+      for (std::size_t i = 0; i < syntax.children.size(); ++i) {
+        Interval part = Bounds(syntax.children[i]).value_or(kAnything);
+        if (sign == "->" && i == 0) part = {-part.max, -part.min};
+        all.min = is_and ? std::min(all.min, part.min) : std::max(all.min, part.min);
+        all.max = is_and ? std::min(all.max, part.max) : std::max(all.max, part.max);
+      }
+      return all;
+    }
+    const std::optional<Interval> left = Bounds(syntax.children[0]);
+    if (syntax.children.size() == 1) return left ? Interval{-left->max, -left->min} : kAnything;
+    const std::optional<Interval> right = Bounds(syntax.children[1]);
+    if (!left || !right) return kAnything;
+    return OfPair(sign, *left, *right);
+  }
+
+ private:
+  static constexpr Interval kAnything{-kInfinity, kInfinity};
+  static constexpr double kLeastFalse = std::numeric_limits<double>::min();
+
+  static bool IsCondition(const Syntax& syntax) {
+    const std::string& name = syntax.name;
+    return syntax.kind == SyntaxKind::kOperator && name != "+" && name != "-" && name != "*" && name != "/";
+  }
+
+  static Interval OfPair(const std::string& sign, const Interval& left, const Interval& right) {
+    const auto [op, is_swapped] = OperatorOf(sign).value();
+    if (op == Op::kDivide && right.Contains(0.0)) return kAnything;
+    // Each operator rises or falls in both of its numbers, but the two of equality, between which zero is.
+    Interval bounds{kInfinity, -kInfinity};
+    for (const double x : {left.min, left.max}) {
+      for (const double y : {right.min, right.max}) {
+        const double value = is_swapped ? Combine(op, y, x) : Combine(op, x, y);
+        if (std::isnan(value)) return kAnything;
+        bounds = {std::min(bounds.min, value), std::max(bounds.max, value)};
+      }
+    }
+    const bool overlap = left.min <= right.max && right.min <= left.max;
+    if (overlap && (op == Op::kEqual || op == Op::kUnequal)) {
+      bounds = {std::min(bounds.min, 0.0), std::max(bounds.max, 0.0)};
+    }
+    return bounds;
+  }
+
+  std::size_t IndexOf(const Syntax& name) const {
+    return static_cast<std::size_t>(std::find(names_.begin(), names_.end(), name.name) - names_.begin());
+  }
+
+  bool IsKnown(const Syntax& syntax) const {
+    if (syntax.kind == SyntaxKind::kOperator) {
+      return std::all_of(syntax.children.begin(), syntax.children.end(),
+                         [&](const Syntax& child) { return IsKnown(child); });
+    }
+    return syntax.kind != SyntaxKind::kName || IsTruthConstant(syntax) || draws_[IndexOf(syntax)].value.has_value();
+  }
+
+  const std::vector<std::string>& names_;
+  const std::vector<DrawBounds>& draws_;
+  TestCase known_;
+};
+
 }  // namespace
 
 Result<Constraint> Constraint::Parse(std::string_view text, const std::vector<std::string>& names) {
@@ -167,6 +251,11 @@ Result<Constraint> Constraint::Parse(std::string_view text, const std::vector<st
 
 bool Constraint::Holds(const TestCase& draws) const {
   return !std::signbit(Evaluator(names_, draws).Evaluate(formula_).number);
+}
+
+bool Constraint::CanHold(const std::vector<DrawBounds>& draws) const {
+  const std::optional<Interval> bounds = Bounder(names_, draws).Bounds(formula_);
+  return !bounds || !(bounds->max < 0.0);
 }
 
 }  // namespace troupe

@@ -7,6 +7,7 @@
 // type at parsing, and a text in arithmetic counts as 0. Immutable; any thread may ask.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,9 +15,16 @@
 
 #include "testing/cases/variation.h"
 #include "testing/expectations/syntax.h"
+#include "troupe/interval.h"
 #include "troupe/result.h"
 
 namespace troupe {
+
+// What is known of a draw before it is drawn.
+struct DrawBounds {
+  std::optional<std::string> value = {};  // JSON
+  std::optional<Interval> numbers = {};   // if there is no value: it is a number within these; nothing: anything
+};
 
 class Constraint {
  public:
@@ -26,6 +34,9 @@ class Constraint {
 
   // REQUIRES: `draws` begin with one for each name, in their order.
   bool Holds(const TestCase& draws) const;
+  // False only if it holds for no draws within these bounds: by the bounds of each part of the formula, so that it may
+  // be true although there are none. REQUIRES: as Holds
+  bool CanHold(const std::vector<DrawBounds>& draws) const;
 
  private:
   Constraint(Syntax formula, std::vector<std::string> names) : formula_(std::move(formula)), names_(std::move(names)) {}

@@ -9,6 +9,7 @@
 
 #include "common/base/text.h"
 #include "troupe/random.h"
+#include "worldfile/text/text_file.h"
 
 namespace troupe {
 namespace {
@@ -185,6 +186,23 @@ std::string Variation::Draw(std::uint64_t key, std::uint64_t counter) const {
   }
   // The bounds leave almost no probability: a fixed value within them rather than an endless loop.
   return NumberText(std::clamp(mean_, from_, to_));
+}
+
+std::optional<Interval> Variation::NumberBounds() const {
+  if (kind_ != Kind::kValues) {
+    // Six digits of a bound may round it outwards.
+    const double tolerance = kind_ == Kind::kRange ? 0.0 : 1e-5 * std::max(std::abs(from_), std::abs(to_));
+    const double last = kind_ == Kind::kRange ? NumberIn(At(size() - 1)) : to_;
+    return Interval{from_ - tolerance, last + tolerance};
+  }
+  std::optional<Interval> bounds;
+  for (const std::string& value : values_) {
+    const std::optional<LeadingNumber> number = ReadLeadingNumber(value);
+    if (!number || !number->is_all) return std::nullopt;
+    if (!bounds) bounds = {number->value, number->value};
+    bounds = Interval{std::min(bounds->min, number->value), std::max(bounds->max, number->value)};
+  }
+  return bounds;
 }
 
 bool Variation::Contains(const std::string& value) const {

@@ -10,12 +10,14 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/base/json_tree.h"
 #include "testing/cases/value_path.h"
+#include "troupe/interval.h"
 #include "troupe/result.h"
 
 namespace troupe {
@@ -48,6 +50,8 @@ class Variation {
   std::string At(std::uint64_t index) const;
   // A random value: a function of `key`, two numbers.
   std::string Draw(std::uint64_t key, std::uint64_t counter) const;
+  // The numbers that a draw can have are within these; nothing if it can be something else.
+  std::optional<Interval> NumberBounds() const;
   // Whether a draw can have this value.
   bool Contains(const std::string& value) const;
   // Values that a draw can have and that are simpler than `value`, the simplest first: earlier in a list, nearer to

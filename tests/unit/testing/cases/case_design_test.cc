@@ -95,7 +95,82 @@ TEST(CaseDesign, RefusesWhatHasNoCasesOrTooMany) {
   EXPECT_THAT(Make(R"({"a": {"range": [1, 100000]}, "b": {"range": [1, 100000]}})", {}, {}).error().message,
               HasSubstr("more than 10000000 combinations"));
   EXPECT_THAT(Make(R"({"a": {"uniform": [0, 1]}})", {"a > 2"}, {DesignKind::kRandom, 5, 0}).error().message,
-              HasSubstr("none of 1000 random cases"));
+              HasSubstr("none of 100000 random cases meets"));
+}
+
+TEST(CaseDesign, EachCaseMeetsConditionsThatAreRarelyMet) {
+  const std::string json = R"({"a": {"uniform": [0, 1]}, "b": {"uniform": [0, 1]}})";
+  const CaseDesign design = Make(json, {"a + b <= 0.045"}, {DesignKind::kRandom, 100, 1}).value();  // one of 1000
+  for (std::uint64_t i = 0; i < design.size(); ++i) EXPECT_TRUE(design.MeetsConstraints(design.At(i))) << i;
+  EXPECT_THAT(Make(json, {"a + b <= 0.003"}, {DesignKind::kRandom, 100, 1}).error().message,
+              testing::MatchesRegex("found constraints that (none|[0-9]) of 100000 random cases meets?, expected .*"));
+}
+
+TEST(CaseDesign, PairwiseDrawsTheNumbersOfEachCaseUntilTheyMeetTheConstraints) {
+  const DesignSettings settings{DesignKind::kPairwise, 0, 0};
+  const CaseDesign single =
+      Make(R"({"t": [1, 2, 3, 4, 5, 6], "x": {"uniform": [0, 1]}})", {"x <= 0.2"}, settings).value();
+  EXPECT_EQ(single.size(), 6U);
+  const CaseDesign pairs = Make(R"({"a": [1, 2, 4, 8], "b": [1, 2, 4, 8], "x": {"uniform": [1, 10]}})",
+                                {"a * x <= 10", "b + x >= 2"}, settings)
+                               .value();
+  EXPECT_EQ(pairs.size(), 16U);
+  EXPECT_EQ(pairs.impossible_pairs(), 0U);
+  for (const CaseDesign* const design : {&single, &pairs}) {
+    for (std::uint64_t i = 0; i < design->size(); ++i) EXPECT_TRUE(design->MeetsConstraints(design->At(i))) << i;
+  }
+}
+
+TEST(CaseDesign, PairwiseFindsTheOnlyCaseThatHasAPair) {
+  const CaseDesign design = Make(R"({"a": [1, 2], "b": [1, 2], "c": {"range": [1, 2000]}})",
+                                 {"a == 1 and b == 1 -> c == 777", "a == 2 or c > 700"}, {DesignKind::kPairwise, 0, 0})
+                                .value();
+  std::set<std::string> pairs;
+  for (std::uint64_t i = 0; i < design.size(); ++i) {
+    EXPECT_TRUE(design.MeetsConstraints(design.At(i))) << i;
+    pairs.insert(CaseText({design.At(i)[0], design.At(i)[1]}));
+  }
+  EXPECT_EQ(pairs.size(), 4U);
+  EXPECT_EQ(design.impossible_pairs(), 700U) << "of a = 1 and the first values of c";
+}
+
+TEST(CaseDesign, RefusesConstraintsWithoutTryingAllPairs) {
+  const DesignSettings settings{DesignKind::kPairwise, 0, 0};
+  const std::string json = R"({"seed": {"range": [1, 1000]}, "n": {"range": [1, 1000]}})";
+  EXPECT_THAT(Make(json, {"seed < 0"}, settings).error().message, HasSubstr("that no case meets"));
+  EXPECT_THAT(Make(json, {"seed * 2 + n - 3 < 0"}, settings).error().message, HasSubstr("that no case meets"));
+}
+
+TEST(CaseDesign, TellsValuesThatCannotOccurFromThoseThatOccurRarely) {
+  const std::string json = R"({"k": [0, 2], "x": {"uniform": [0, 1]}, "y": {"uniform": [0, 1]}})";
+  for (const DesignKind kind : {DesignKind::kProduct, DesignKind::kPairwise}) {
+    // x is at most y, and y at most x - 1 for k = 0.
+    const CaseDesign design = Make(json, {"x <= y", "y <= x - 1.2 + k"}, {kind, 0, 0}).value();
+    EXPECT_EQ(design.size(), 1U);
+    EXPECT_TRUE(design.MeetsConstraints(design.At(0)));
+    EXPECT_THAT(Make(json, {"k == 0 or x == 0.123"}, {kind, 0, 0}).error().message,
+                HasSubstr("none of 50000 draws of random numbers beside k=2 meets"));
+  }
+}
+
+TEST(Constraint, KnowsWhatCanHold) {
+  const std::vector<std::string> names = {"a", "b", "word"};
+  const std::vector<DrawBounds> draws = {{"0", {}}, {{}, Interval{1.0, 3.0}}, {}};
+  for (const auto& [text, can_hold] : std::vector<std::pair<std::string, bool>>{{"b < 1", true},
+                                                                                {"b < 0.99", false},
+                                                                                {"b * b > 9.01", false},
+                                                                                {"a > b - 1", true},
+                                                                                {"-a >= b - 1", true},
+                                                                                {"a > 0", false},
+                                                                                {"not (a >= 0)", false},
+                                                                                {"b == 2", true},
+                                                                                {"b == 4", false},
+                                                                                {"b != 4 -> a == 1", false},
+                                                                                {"1 / (b - 2) > 100", true},
+                                                                                {"word == 'x' and b > 2", true},
+                                                                                {"word == 'x' and b > 4", false}}) {
+    EXPECT_EQ(Constraint::Parse(text, names).value().CanHold(draws), can_hold) << text;
+  }
 }
 
 TEST(Constraint, ReadsTextsTruthsAndNumbers) {
