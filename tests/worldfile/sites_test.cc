@@ -195,7 +195,7 @@ TEST(Guesthouse, HasTheLevelsDoorsLanesAndPeopleOfItsFile) {
   EXPECT_FALSE(ground.lanes[8].is_bidirectional);
   EXPECT_EQ(ground.vertices[26].mutex, "lift_lobby");
   EXPECT_EQ(ground.doors[1].name, "lobby_door");
-  EXPECT_EQ(ground.doors[1].kind, SiteDoorKind::kDoubleHinged);
+  EXPECT_EQ(ground.doors[1].kind, DoorKind::kDoubleHinged);
   EXPECT_FALSE(ground.doors[2].opens_clockwise);
   EXPECT_EQ(site.levels[1].elevation, 4.0);
   EXPECT_NEAR(site.levels[1].scale, 0.025, 1e-12);  // by its fiducials: it has no measurement
@@ -275,6 +275,25 @@ TEST(Guesthouse, AScenarioAddsRobotsOnAnyLevelAndReplacesPlaces) {
   EXPECT_EQ(loaded.world.places.back().X_WN.y, -4.0);
   EXPECT_THAT(MessagesOf(loaded.warnings), Not(Contains(HasSubstr("above"))));
   EXPECT_THAT(MessagesOf(load("0").warnings), Contains(HasSubstr("above")));  // inside tiny_1
+}
+
+TEST(Guesthouse, AScenarioOverridesPropertiesOfDoorsAndLifts) {
+  test::TemporaryFolder folder;
+  std::filesystem::copy(GuesthousePath(), folder.Path("g.building.yaml"));
+  const WorldDescription before = LoadGuesthouse().world;
+  const WorldDescription world = ValueOf(LoadWorld(folder.Write("s.json", R"({"world": "g.building.yaml", "override": [
+    {"match": {"name": "lobby_door"}, "properties": {"kind": "sliding", "opening": 0.25, "seconds": 7}},
+    {"match": {"name": "guest_lift"}, "properties": {"speed": 0.5}}]})")))
+                                     .world;
+  const DoorDescription& door = world.doors[*FindDoor(world, "lobby_door")];
+  EXPECT_EQ(before.doors[*FindDoor(before, "lobby_door")].leaves.size(), 2u);
+  ASSERT_EQ(door.leaves.size(), 1u);
+  EXPECT_EQ(door.leaves[0].turn, 0.0);
+  EXPECT_EQ(door.opening, 0.25);
+  EXPECT_EQ(door.seconds, 7.0);
+  EXPECT_EQ(world.lifts[0].speed, 0.5);
+  EXPECT_EQ(world.lifts[0].floors.size(), before.lifts[0].floors.size());
+  EXPECT_EQ(world.lifts[0].floors[0].doors, before.lifts[0].floors[0].doors);
 }
 
 TEST(Guesthouse, ARobotDrivesThroughAnOpenDoorAndStopsAtAWall) {

@@ -65,10 +65,10 @@ SiteDoor ReadDoor(YamlReader& yaml, const SiteEdge& edge, const YamlNode& params
   door.name = yaml.Text(yaml.Parameter(params, "name"), "a door's name");
   const YamlNode& kind = yaml.Parameter(params, "type");
   const std::string text = yaml.Text(kind, "the type of door " + Quoted(door.name), "hinged");
-  const std::map<std::string, SiteDoorKind> kinds{
-      {"hinged", SiteDoorKind::kHinged},     {"double_hinged", SiteDoorKind::kDoubleHinged},
-      {"sliding", SiteDoorKind::kSliding},   {"double_sliding", SiteDoorKind::kDoubleSliding},
-      {"telescope", SiteDoorKind::kSliding}, {"double_telescope", SiteDoorKind::kDoubleSliding}};
+  const std::map<std::string, DoorKind> kinds{
+      {"hinged", DoorKind::kHinged},     {"double_hinged", DoorKind::kDoubleHinged},
+      {"sliding", DoorKind::kSliding},   {"double_sliding", DoorKind::kDoubleSliding},
+      {"telescope", DoorKind::kSliding}, {"double_telescope", DoorKind::kDoubleSliding}};
   if (const auto found = kinds.find(text); found != kinds.end()) {
     door.kind = found->second;
   } else {

@@ -25,9 +25,6 @@ class NodeMaker {
     for (const double value : values) tuple.push_back(NumberOf(value));
     return Add(name, std::move(tuple));
   }
-  NodeMaker& Texts(const std::string& name, const std::vector<std::string>& texts) {
-    return Add(name, Value::Tuple(texts.begin(), texts.end()));
-  }
   NodeMaker& At(const Pose& pose) { return Numbers("pose", {pose.x, pose.y, pose.z, RadiansToDegrees(pose.heading)}); }
   NodeMaker& Child(WorldNode child) {
     node.children.Add(std::move(child));

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "troupe/enum_names.h"
 #include "troupe/polygon.h"
 #include "troupe/pose.h"
 #include "troupe/result.h"
 #include "troupe/vec2.h"
+#include "worldfile/stage/part_draft.h"
 
 namespace troupe {
 
@@ -47,16 +47,10 @@ struct SiteEdge {
   SourceLocation where;
 };
 
-enum class SiteDoorKind : std::uint8_t { kHinged, kDoubleHinged, kSliding, kDoubleSliding };
-// As building files and world files name them.
-constexpr auto NamesOf(SiteDoorKind) {
-  return std::array{"hinged", "double_hinged", "sliding", "double_sliding"};
-}
-
 struct SiteDoor {
   SiteEdge edge;
   std::string name;
-  SiteDoorKind kind = SiteDoorKind::kHinged;
+  DoorKind kind = DoorKind::kHinged;
   double swing = 1.5707963267948966;  // rad, of hinged ones
   bool opens_clockwise = true;        // a single leaf about its hinge; of two the leaf at the start
   bool hinge_at_end = false;          // of a single leaf: it turns about the end, or slides towards it

@@ -84,12 +84,13 @@ std::vector<Vec2> Box(double min_x, double min_y, double max_x, double max_y) {
 }
 
 // The door of a doorway of `width` m whose middle is at X_WD; its x axis points to its right leaf.
-NodeMaker DoorNode(const std::string& name, const Pose& X_WD, double width, double height, bool is_open,
-                   bool is_operated, const SourceLocation& where) {
+WorldNode DoorNode(const std::string& name, const Pose& X_WD, double width, double height, const DoorDraft& draft,
+                   const SourceLocation& where) {
   NodeMaker door("door", where);
   door.Text("name", name).Text("color", "peru").At(X_WD).Numbers("size", {width, kDoorThickness, height});
   door.Numbers("origin", {0.0, 0.0, kDoorSill, 0.0});
-  return door.Number("opening", is_open ? 1.0 : 0.0).Number("operated", is_operated ? 1.0 : 0.0);
+  door.node.draft = std::make_shared<const PartDraft>(draft);
+  return std::move(door.node);
 }
 
 class TreeMaker {
@@ -173,14 +174,16 @@ class TreeMaker {
     const Vec2& end = EndOf(level, door.edge);
     const Vec2 middle = 0.5 * (start + end);
     const Pose X_WD{middle.x(), middle.y(), level.elevation, Atan2(start.y() - end.y(), start.x() - end.x())};
-    NodeMaker node = DoorNode(DoorName(level, door), X_WD, (end - start).norm(), kDoorHeight, door.is_operated,
-                              door.is_operated, door.edge.where);
-    node.Text("kind", NameOf(door.kind)).Text("side", door.hinge_at_end ? "left" : "right");
     // The direction is that in which the leaf turns about its own hinge, as traffic_editor draws it; a positive swing
     // is clockwise for a right leaf and counter-clockwise for a left one.
-    const bool is_left_leaf = door.kind == SiteDoorKind::kHinged && door.hinge_at_end;
-    node.Number("swing", RadiansToDegrees(door.opens_clockwise != is_left_leaf ? door.swing : -door.swing));
-    AddToWorld(std::move(node.Number("ratio", door.right_left_ratio).node));
+    const bool is_left_leaf = door.kind == DoorKind::kHinged && door.hinge_at_end;
+    const DoorDraft draft{.kind = door.kind,
+                          .at_left = door.hinge_at_end,
+                          .swing = door.opens_clockwise != is_left_leaf ? door.swing : -door.swing,
+                          .ratio = door.right_left_ratio,
+                          .opening = door.is_operated ? 1.0 : 0.0,
+                          .is_operated = door.is_operated};
+    AddToWorld(DoorNode(DoorName(level, door), X_WD, (end - start).norm(), kDoorHeight, draft, door.edge.where));
   }
 
   // A side of the cabin: its doors' intervals leave parts of the wall.
@@ -216,27 +219,20 @@ class TreeMaker {
     NodeMaker cabin = BlocksModel(lift.name, blocks, "LightSteelBlue", lift.where, "lift");
     cabin.At(lift.X_WC);
     // One that nothing operates has only the floor at which it stands.
-    std::vector<std::string> floors;
-    std::vector<double> heights;
-    std::vector<std::string> floor_doors;
-    std::vector<std::string> cabin_doors;
-    for (const SiteLiftDoor& door : lift.doors) cabin_doors.push_back(CabinDoorName(lift, door));
+    LiftDraft draft;
+    for (const SiteLiftDoor& door : lift.doors) draft.cabin_doors.push_back(CabinDoorName(lift, door));
     for (std::size_t i = 0; i < site_.levels.size(); ++i) {
       if (i != lift.initial_level && (lift.doors_at[i].empty() || !lift.is_operated)) continue;
-      floors.push_back(site_.levels[i].name);
-      heights.push_back(site_.levels[i].elevation);
+      LiftDraft::Floor& floor = draft.floors.emplace_back();
+      floor.name = site_.levels[i].name;
+      floor.z = site_.levels[i].elevation;
       if (!lift.is_operated) continue;
       for (const std::size_t door : lift.doors_at[i]) {
-        for (const std::string& name :
-             {CabinDoorName(lift, lift.doors[door]), ShaftDoorName(lift, site_.levels[i], lift.doors[door])}) {
-          floor_doors.push_back(site_.levels[i].name);
-          floor_doors.push_back(name);
-        }
+        floor.doors.push_back(CabinDoorName(lift, lift.doors[door]));
+        floor.doors.push_back(ShaftDoorName(lift, site_.levels[i], lift.doors[door]));
       }
     }
-    cabin.Texts("floors", floors).Numbers("heights", heights);
-    if (!cabin_doors.empty()) cabin.Texts("cabin_doors", cabin_doors);
-    if (!floor_doors.empty()) cabin.Texts("floor_doors", floor_doors);
+    cabin.node.draft = std::make_shared<const PartDraft>(std::move(draft));
     AddToWorld(std::move(cabin.node));
   }
 
@@ -262,9 +258,8 @@ class TreeMaker {
       const double distance = std::copysign((at_end_of_x ? w : d) + outwards, across);
       const Pose X_CD{at_end_of_x ? distance : along, at_end_of_x ? along : distance, 0.0, WrapAngle(door.heading)};
       const Pose X_WD = X_WC * X_CD;
-      AddToWorld(std::move(DoorNode(name, X_WD, door.width, kCabinHeight, is_open, false, lift.where)
-                               .Text("kind", NameOf(SiteDoorKind::kDoubleSliding))
-                               .node));
+      const DoorDraft draft{.kind = DoorKind::kDoubleSliding, .opening = is_open ? 1.0 : 0.0, .is_operated = false};
+      AddToWorld(DoorNode(name, X_WD, door.width, kCabinHeight, draft, lift.where));
     };
     const auto opens_at = [&](std::size_t level) {
       return std::count(lift.doors_at[level].begin(), lift.doors_at[level].end(), number) > 0;

@@ -2,9 +2,9 @@
 // ROS maps, buildings and scenarios all become trees, so that a scenario can override any property before the world is
 // built (build_world.h).
 //
-// Everything is text and numbers in the file's units (UnitsOf); no property is known here, an unknown one is found by
-// the builder. Every value keeps its place in its file: an override of line 3 of a scenario is reported there, not in
-// the world file.
+// Everything is text and numbers in the file's units (UnitsOf), but for the doors and lifts of buildings, which are
+// drafts (part_draft.h); no property is known here, an unknown one is found by the builder. Every value keeps its place
+// in its file: an override of line 3 of a scenario is reported there, not in the world file.
 //
 // The order of children is the order of the file and becomes the order of models, and with it of ids, names such as
 // "position:2" and random draws: it must not depend on containers or addresses. Names of one property are unique in a
@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "troupe/result.h"
+#include "worldfile/stage/part_draft.h"
 
 namespace troupe {
 
@@ -105,6 +106,7 @@ struct WorldNode {
   std::vector<Property> properties;  // names are unique
   ChildNodes children;
   SourceLocation where;
+  std::shared_ptr<const PartDraft> draft = {};  // of a building's door or lift; null for other nodes
 
   const Property* Find(std::string_view name) const;
   // The content of a property that is a Value::Number, a std::string or a Value::Tuple. Null: the node has none of that
@@ -113,6 +115,12 @@ struct WorldNode {
   const Content* FindContent(std::string_view name) const {
     const Property* const property = Find(name);
     return property != nullptr ? std::get_if<Content>(&property->value.content) : nullptr;
+  }
+  // The draft of that kind; a default one if the node has none.
+  template <typename Draft>
+  Draft DraftOf() const {
+    const Draft* const found = draft ? std::get_if<Draft>(draft.get()) : nullptr;
+    return found != nullptr ? *found : Draft();
   }
   // Replaces the property of that name, or adds it.
   void Set(Property property);

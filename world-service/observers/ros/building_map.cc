@@ -34,15 +34,15 @@ constexpr std::size_t kGraphs = 9;      // as many as Open-RMF's own map server 
 enum class ParamType : std::uint32_t { kString = 1, kDouble = 3, kBool = 4 };
 enum class EdgeType : std::uint8_t { kBothWays = 0, kOneWay = 1 };
 
-std::uint8_t TypeOf(SiteDoorKind kind) {
+std::uint8_t TypeOf(DoorKind kind) {
   switch (kind) {
-    case SiteDoorKind::kSliding:
+    case DoorKind::kSliding:
       return 1;
-    case SiteDoorKind::kDoubleSliding:
+    case DoorKind::kDoubleSliding:
       return 2;
-    case SiteDoorKind::kHinged:
+    case DoorKind::kHinged:
       return 5;
-    case SiteDoorKind::kDoubleHinged:
+    case DoorKind::kDoubleHinged:
       break;
   }
   return 6;

@@ -47,15 +47,21 @@ class DoorReader : public ModelReader {
   void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
     constexpr std::string_view kKinds[] = {"hinged", "double_hinged", "sliding", "double_sliding"};
     constexpr std::string_view kSides[] = {"right", "left"};
-    const std::string kind = reader.Word("kind", kKinds);
-    const bool is_double = kind.starts_with("double");
-    const bool at_left = reader.Word("side", kSides) == "left";
-    const double swing = reader.units().Angle(reader.Number("swing", reader.units().degrees ? 90.0 : 0.5 * kPi));
-    const double ratio = reader.Number("ratio", 1.0, 1e-3, 1e3);
+    DoorDraft door = draft.node.DraftOf<DoorDraft>();
+    const auto has = [&](const char* property) { return reader.node().Find(property) != nullptr; };
+    if (has("kind")) door.kind = reader.Choice<DoorKind>("kind", kKinds);
+    if (has("side")) door.at_left = reader.Word("side", kSides) == "left";
+    if (has("swing"))
+      door.swing = reader.units().Angle(reader.Number("swing", reader.units().degrees ? 90.0 : 0.5 * kPi));
+    const bool is_double = door.kind == DoorKind::kDoubleHinged || door.kind == DoorKind::kDoubleSliding;
+    const bool is_hinged = door.kind == DoorKind::kHinged || door.kind == DoorKind::kDoubleHinged;
+    const bool at_left = door.at_left;
+    const double swing = door.swing;
+    const double ratio = reader.Number("ratio", door.ratio, 1e-3, 1e3);
     const double width = draft.size.x;
     const double right = is_double ? ratio / (1.0 + ratio) * width : width;
     const double left = width - right;
-    if (kind.ends_with("hinged")) {
+    if (is_hinged) {
       if (is_double) {
         leaves_ = {HingedLeaf(0.5 * width, -right, -swing), HingedLeaf(-0.5 * width, left, swing)};
       } else {
@@ -69,8 +75,8 @@ class DoorReader : public ModelReader {
     door_.seconds = reader.Number("seconds", 3.0, 1e-3, 1e6);
     // 0, the default, switches the automatic opening off.
     door_.detection_radius = std::max(0.0, reader.Length("reach", 0.0));
-    door_.opening = reader.Number("opening", 0.0, 0.0, 1.0);
-    door_.is_operated = reader.Flag("operated", true);
+    door_.opening = reader.Number("opening", door.opening, 0.0, 1.0);
+    door_.is_operated = reader.Flag("operated", door.is_operated);
     if (draft.robot || draft.model.gripper_return) {
       context.diagnostics.Fail(
           draft.node.where, "found a 'door' on a robot, or that can be gripped, expected one at a place of the world");

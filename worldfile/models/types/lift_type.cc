@@ -17,12 +17,6 @@
 namespace troupe {
 namespace {
 
-// A door that opens at a floor.
-struct FloorDoor {
-  std::string floor;
-  std::string door;
-};
-
 class LiftReader : public ModelReader {
  public:
   // The body of the cabin.
@@ -37,25 +31,23 @@ class LiftReader : public ModelReader {
       if (!context.diagnostics.failed()) context.diagnostics.Fail(reader.Where(property), message);
     };
     if (cabin_.empty()) fail("block", "found a 'lift' without blocks, expected those of its cabin: a floor and walls");
-    const std::vector<std::string> names = reader.Texts("floors");
-    const auto heights = reader.Numbers("heights", names.size());
-    if (names.empty() || !heights) {
-      return fail("floors", "found a 'lift' without 'floors', expected their names, and as many numbers in 'heights'");
+    draft_ = draft.node.DraftOf<LiftDraft>();
+    if (reader.node().Find("floors") != nullptr || reader.node().Find("heights") != nullptr || draft_.floors.empty()) {
+      if (!ReadFloors(reader)) {
+        return fail("floors",
+                    "found a 'lift' without 'floors', expected their names, and as many numbers in 'heights'");
+      }
     }
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const double z = (*heights)[i] * reader.units().length;
-      lift_.floors.push_back({names[i], z, {}});
-      if (z == draft.X_WM.z) lift_.floor = static_cast<std::uint32_t>(i);
+    for (const LiftDraft::Floor& floor : draft_.floors) {
+      lift_.floors.push_back({floor.name, floor.z, {}});
+      if (floor.z == draft.X_WM.z) lift_.floor = static_cast<std::uint32_t>(lift_.floors.size() - 1);
     }
     if (lift_.floors[lift_.floor].z != draft.X_WM.z) {
       return fail("pose", "found a 'lift' at none of its 'heights', expected its z to be one of them");
     }
     lift_.speed = std::max(1e-3, reader.Length("speed", 1.0));
-    cabin_doors_ = reader.Texts("cabin_doors");
-    const std::vector<std::string> pairs = reader.Texts("floor_doors");
-    if (pairs.size() % 2 != 0)
-      fail("floor_doors", "found a floor without a door, expected pairs of a floor and a door");
-    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) floor_doors_.push_back({pairs[i], pairs[i + 1]});
+    if (reader.node().Find("cabin_doors") != nullptr) draft_.cabin_doors = reader.Texts("cabin_doors");
+    if (reader.node().Find("floor_doors") != nullptr) ReadFloorDoors(reader);
     if (draft.robot || draft.model.gripper_return) {
       fail("name", "found a 'lift' on a robot, or that can be gripped, expected one at a place of the world");
     }
@@ -80,18 +72,13 @@ class LiftReader : public ModelReader {
 
   // The doors may be anywhere in the file.
   void Complete(BuildContext& context) override {
-    for (const std::string& name : cabin_doors_) {
+    for (const std::string& name : draft_.cabin_doors) {
       if (const auto door = DoorOf(name, context)) lift_.cabin_doors.push_back(*door);
     }
-    for (const FloorDoor& pair : floor_doors_) {
-      const auto floor = std::find_if(lift_.floors.begin(), lift_.floors.end(),
-                                      [&](const LiftFloor& each) { return each.name == pair.floor; });
-      if (floor == lift_.floors.end()) {
-        context.diagnostics.Fail(where_,
-                                 "found no floor " + Quoted(pair.floor) + " of the lift, expected one of 'floors'");
-        return;
+    for (std::size_t i = 0; i < lift_.floors.size(); ++i) {
+      for (const std::string& name : draft_.floors[i].doors) {
+        if (const auto door = DoorOf(name, context)) lift_.floors[i].doors.push_back(*door);
       }
-      if (const auto door = DoorOf(pair.door, context)) floor->doors.push_back(*door);
     }
     // A door of a lift moves by it alone.
     for (LiftFloor& floor : lift_.floors) {
@@ -104,6 +91,45 @@ class LiftReader : public ModelReader {
   }
 
  private:
+  // A floor of a name that the draft has keeps its doors.
+  bool ReadFloors(PropertyReader& reader) {
+    const std::vector<LiftDraft::Floor> before = std::move(draft_.floors);
+    draft_.floors.clear();
+    std::vector<std::string> names = reader.Texts("floors");
+    if (names.empty()) {
+      for (const LiftDraft::Floor& floor : before) names.push_back(floor.name);
+    }
+    const auto heights = reader.Numbers("heights", names.size());
+    if (names.empty() || !heights) return false;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      LiftDraft::Floor& floor = draft_.floors.emplace_back();
+      floor.name = names[i];
+      floor.z = (*heights)[i] * reader.units().length;
+      for (const LiftDraft::Floor& other : before) {
+        if (other.name == floor.name) floor.doors = other.doors;
+      }
+    }
+    return true;
+  }
+
+  // Pairs of a floor and a door.
+  void ReadFloorDoors(PropertyReader& reader) {
+    const std::vector<std::string> pairs = reader.Texts("floor_doors");
+    const auto fail = [&](const std::string& message) {
+      reader.diagnostics().Fail(reader.Where("floor_doors"), message);
+    };
+    if (pairs.size() % 2 != 0) fail("found a floor without a door, expected pairs of a floor and a door");
+    for (LiftDraft::Floor& floor : draft_.floors) floor.doors.clear();
+    for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
+      const auto floor = std::find_if(draft_.floors.begin(), draft_.floors.end(),
+                                      [&](const LiftDraft::Floor& each) { return each.name == pairs[i]; });
+      if (floor == draft_.floors.end()) {
+        return fail("found no floor " + Quoted(pairs[i]) + " of the lift, expected one of 'floors'");
+      }
+      floor->doors.push_back(pairs[i + 1]);
+    }
+  }
+
   std::optional<std::size_t> DoorOf(const std::string& name, BuildContext& context) const {
     const std::optional<std::size_t> door = FindDoor(context.world, name);
     if (!door) context.diagnostics.Fail(where_, "found no door " + Quoted(name) + ", expected a 'door' for the lift");
@@ -113,8 +139,7 @@ class LiftReader : public ModelReader {
   SourceLocation where_;
   Shape cabin_;
   LiftDescription lift_;
-  std::vector<std::string> cabin_doors_;
-  std::vector<FloorDoor> floor_doors_;
+  LiftDraft draft_;
 };
 
 }  // namespace

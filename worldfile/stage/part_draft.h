@@ -1,0 +1,44 @@
+// PartDraft: a door or a lift as a reader of buildings knows it, typed, in m and rad. A node of a tree (world_tree.h)
+// has it in place of properties. A property of the node, which a scenario may set, counts before the draft, and has the
+// units of the file.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "troupe/enum_names.h"
+
+namespace troupe {
+
+enum class DoorKind : std::uint8_t { kHinged, kDoubleHinged, kSliding, kDoubleSliding };
+// As building files and world files name them.
+constexpr auto NamesOf(DoorKind) {
+  return std::array{"hinged", "double_hinged", "sliding", "double_sliding"};
+}
+
+// The doorway is from the left to the right, x along it, y to the back.
+struct DoorDraft {
+  DoorKind kind = DoorKind::kHinged;
+  bool at_left = false;               // the hinge of a single leaf, or to which it slides
+  double swing = 1.5707963267948966;  // rad, by which hinged leaves turn, towards y
+  double ratio = 1.0;                 // widths of the right and the left leaf
+  double opening = 0.0;               // at the start: from 0, closed, to 1
+  bool is_operated = true;            // requests have an effect
+};
+
+struct LiftDraft {
+  struct Floor {
+    std::string name;
+    double z = 0.0;                  // m, of the cabin's floor, in W
+    std::vector<std::string> doors;  // models that open there
+  };
+  std::vector<Floor> floors;
+  std::vector<std::string> cabin_doors;  // models that move with the cabin
+};
+
+using PartDraft = std::variant<DoorDraft, LiftDraft>;
+
+}  // namespace troupe
