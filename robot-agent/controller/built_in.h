@@ -28,8 +28,8 @@ struct BuiltInController {
   Status (*check)(const std::string& parameters);
   // The error names the controller.
   Result<std::unique_ptr<Controller>> (*create)(const RobotInfo& info);
-  // Checks what the controller needs of the world, by the parameters, the start, the lanes, and the names of doors, lifts
-  // and their floors of the info. Null: nothing.
+  // Checks what the controller needs of the world, by the parameters, the start, the lanes, and the names of doors,
+  // lifts and their floors of the info. Null: nothing.
   Status (*check_in_world)(const RobotInfo& info) = nullptr;
 };
 

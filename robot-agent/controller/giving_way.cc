@@ -11,6 +11,19 @@ constexpr double kAsking = 0.6;          // m, between bodies of which one may w
 constexpr double kGiveWaySeconds = 6.0;  // behind another robot; twice that for the one of the smaller id
 constexpr double kDetourSeconds = 60.0;  // a longer way round another robot is worth it
 constexpr double kAsideSeconds = 4.0;    // beside the way of another robot, and up to as many more
+constexpr double kParked = 0.3;          // m from its vertex
+
+bool IsOnLaneTo(const LaneGraph& graph, std::size_t vertex, const Vec2& point) {
+  return std::any_of(graph.lanes.begin(), graph.lanes.end(), [&](const Lane& lane) {
+    const bool leads_to = lane.end == vertex || (lane.is_bidirectional && lane.start == vertex);
+    if (!leads_to) return false;
+    const Vec2& start = graph.vertices[lane.start].position;
+    const Vec2 way = graph.Way(lane.start, lane.end);
+    const double at =
+        way.squaredNorm() > 0.0 ? std::clamp((point - start).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
+    return (start + at * way - point).norm() < kLaneHalfWidth;
+  });
+}
 
 }  // namespace
 
@@ -46,12 +59,25 @@ std::optional<WayAround> GivingWay::FindDetour(const LanePlace& place, const Leg
   return WayAround{.legs = std::move(around->legs)};
 }
 
-bool GivingWay::IsAskedForRoom(const LanePlace& place, const Vec2& towards) {
+bool GivingWay::StandsNear(const LanePlace& place, const SeenRobot& other) {
   const Pose& own = place.now.pose_estimate;
+  return !other.moves && std::fabs(other.z - own.z) < kLevelGap &&
+         (other.position - own.translation()).norm() < place.radius + other.radius + kAsking;
+}
+
+bool GivingWay::IsAskedForRoom(const LanePlace& place, const Vec2& towards) {
   return std::any_of(place.others.begin(), place.others.end(), [&](const SeenRobot& other) {
-    const Vec2 offset = other.position - own.translation();
-    return !other.moves && std::fabs(other.z - own.z) < kLevelGap &&
-           offset.norm() < place.radius + other.radius + kAsking && offset.dot(towards) >= 0.0;
+    return StandsNear(place, other) && (other.position - place.now.pose_estimate.translation()).dot(towards) >= 0.0;
+  });
+}
+
+bool GivingWay::IsInTheWay(const LanePlace& place) const {
+  return std::any_of(place.others.begin(), place.others.end(), [&](const SeenRobot& other) {
+    if (!StandsNear(place, other) || !IsOnLaneTo(*graph_, place.vertex, other.position)) return false;
+    const std::optional<NearVertex> at = FindNearestVertex(*graph_, other.position, other.z, kOnOneLevel);
+    const bool is_parked =
+        at && at->vertex != place.vertex && at->distance < kParked && graph_->vertices[at->vertex].is_charger;
+    return !is_parked;
   });
 }
 

@@ -47,12 +47,16 @@ class GivingWay {
 
   // Another robot stands near this one, `towards` it (zero: on any side), and so perhaps waits for it.
   static bool IsAskedForRoom(const LanePlace& place, const Vec2& towards);
+  // The same of a robot without a destination: only one on a lane to its vertex, which is not parked at a charger of
+  // its own, waits for it. Robots that are parked beside each other stay.
+  bool IsInTheWay(const LanePlace& place) const;
   static constexpr double kPoliteSeconds = 8.0;  // until a robot that waits makes room
 
   // To a random free neighbour of its vertex, except `not_to`. Nothing if there is none.
   std::optional<WayAround> StepAside(const LanePlace& place, std::optional<std::size_t> not_to = {}) const;
 
  private:
+  static bool StandsNear(const LanePlace& place, const SeenRobot& other);
   std::optional<WayAround> FindDetour(const LanePlace& place, const Leg& leg) const;
 
   RobotId own_;

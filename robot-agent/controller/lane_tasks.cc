@@ -80,7 +80,7 @@ std::optional<std::size_t> LaneTasks::target() const {
   if (charger_) return charger_;
   if (next_goal_ < goal_stops_.size()) return goal_stops_[next_goal_];
   if (!goal_ && next_stop_ < stops_.size()) return stops_[next_stop_];
-  return std::nullopt;
+  return home_;
 }
 
 bool LaneTasks::Rest(const Observation& observation, double rested, Command& command) {
@@ -91,8 +91,12 @@ bool LaneTasks::Rest(const Observation& observation, double rested, Command& com
   }
   if (charger_) return Charge(observation, rested, command);
   if (next_goal_ < goal_stops_.size()) return ArriveAtGoal(observation, command);
-  if (rested < wait_) return false;
-  NextStop();
+  if (!goal_ && next_stop_ < stops_.size()) {
+    if (rested < wait_) return false;
+    NextStop();
+    return true;
+  }
+  home_.reset();
   return true;
 }
 
@@ -109,8 +113,10 @@ void LaneTasks::LeaveOut(const Observation& observation) {
     charge_after_ = observation.time + kNextCharge;
   } else if (next_goal_ < goal_stops_.size()) {
     ++next_goal_;
-  } else {
+  } else if (!goal_ && next_stop_ < stops_.size()) {
     NextStop();
+  } else {
+    home_.reset();
   }
 }
 
@@ -134,7 +140,8 @@ bool LaneTasks::ArriveAtGoal(const Observation& observation, Command& command) {
   return true;
 }
 
-void LaneTasks::GoAside(std::size_t vertex, double seconds) {
+void LaneTasks::GoAside(std::size_t vertex, double seconds, std::size_t from) {
+  if (!target()) home_ = from;
   aside_ = vertex;
   aside_seconds_ = seconds;
 }

@@ -1,5 +1,5 @@
-// LaneTasks: where a robot on lanes goes next: aside, to a charger, to a user's goal, or to its own places, in this
-// order.
+// LaneTasks: where a robot on lanes goes next: aside, to a charger, to a user's goal, to its own places, or back to
+// where it waited, in this order.
 //
 // Each kind of destination keeps its own progress: a robot that has been charged, or has made room, continues the goal
 // or the round that it had. Places are vertices of its graph; a goal of a user is moved to the nearest vertex. It knows
@@ -36,8 +36,9 @@ class LaneTasks {
   // No lanes lead to the target, so that the next one comes.
   void LeaveOut(const Observation& observation);
 
-  // To a vertex beside the way of another robot, for `seconds` there.
-  void GoAside(std::size_t vertex, double seconds);
+  // To a vertex beside the way of another robot, for `seconds` there. A robot that has no destination comes back to
+  // `from`.
+  void GoAside(std::size_t vertex, double seconds, std::size_t from);
   bool is_aside() const { return aside_.has_value(); }
 
  private:
@@ -66,6 +67,7 @@ class LaneTasks {
   double charge_after_ = 0.0;  // s: not before
   std::optional<std::size_t> aside_;
   double aside_seconds_ = 0.0;
+  std::optional<std::size_t> home_;  // where it waited for a goal before it went aside
 };
 
 // The name of a vertex in messages.

@@ -162,14 +162,15 @@ class LanesController final : public Controller, public RobotWatcher {
       rest_since_.reset();
     } else if (target_ && tasks_.Rest(*now_, rested, command_)) {
       rest_since_.reset();
-    } else if (!target_ || was_aside) {
-      GiveRoom(was_aside ? 2.0 * rested : rested, Vec2::Zero());
+    } else if (was_aside) {
+      GiveRoom(2.0 * rested, GivingWay::IsAskedForRoom(place(), Vec2::Zero()));
+    } else if (!target_) {
+      GiveRoom(rested, giving_way_.IsInTheWay(place()));
     }
   }
 
-  // A robot that has waited for `rested` s, or has no destination, makes room for one that stands near, `towards` it.
-  void GiveRoom(double rested, const Vec2& towards) {
-    const bool is_asked = GivingWay::IsAskedForRoom(place(), towards);
+  // A robot that has waited for `rested` s, or has no destination, makes room for one that asks for it.
+  void GiveRoom(double rested, bool is_asked) {
     if (is_asked && rested < GivingWay::kPoliteSeconds) return;
     const bool has_gone = is_asked && Take(giving_way_.StepAside(place()));
     if (has_gone || !tasks_.is_aside()) rest_since_ = now_->time;
@@ -184,7 +185,7 @@ class LanesController final : public Controller, public RobotWatcher {
       is_on_leg_ = MayEnter(leg);
       if (!is_on_leg_) {
         if (!rest_since_) rest_since_ = now_->time;
-        return GiveRoom(now_->time - *rest_since_, WayOf(leg));
+        return GiveRoom(now_->time - *rest_since_, GivingWay::IsAskedForRoom(place(), WayOf(leg)));
       }
       if (settings_.close_doors) controls_.Note(lane(*leg.lane));
     }
@@ -367,7 +368,7 @@ class LanesController final : public Controller, public RobotWatcher {
     is_on_leg_ = way->is_on_first;
     if (!way->seconds_aside) return true;
     target_ = legs_.back().to;
-    tasks_.GoAside(*target_, *way->seconds_aside);
+    tasks_.GoAside(*target_, *way->seconds_aside, at_);
     return true;
   }
 

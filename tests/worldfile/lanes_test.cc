@@ -368,6 +368,53 @@ TEST(Lanes, RobotsCallALiftAgainThatAUserHasCalledAway) {
   }
 }
 
+// Two chargers so near to each other that their robots nearly touch.
+TEST(Lanes, IdleRobotsBesideEachOtherStayAtTheirChargers) {
+  test::TemporaryFolder folder;
+  ScenarioRun run(LoadOnLanes(folder, R"(
+coordinate_system: cartesian_meters
+levels:
+  G:
+    vertices:
+      - [0, 0, 0, a, {is_charger: true, spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, alpha]}]
+      - [0.8, 0, 0, b, {is_charger: true, spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, beta]}]
+      - [0, 3, 0, left]
+      - [0.8, 3, 0, right]
+    lanes: [[0, 2, {bidirectional: true}], [1, 3, {bidirectional: true}], [2, 3, {bidirectional: true}]]
+)",
+                              OnLanes("alpha", "{}") + ", " + OnLanes("beta", "{}")));
+  for (int i = 0; i < 600; ++i) {
+    run.Run(1);
+    ASSERT_TRUE(IsNearPlace(run["alpha"], 0, 0) && IsNearPlace(run["beta"], 0.8, 0)) << i;
+  }
+}
+
+// An idle robot makes room on the only lane, and comes back.
+TEST(Lanes, AnIdleRobotReturnsAfterItHasMadeRoom) {
+  test::TemporaryFolder folder;
+  ScenarioRun run(
+      LoadOnLanes(folder, R"(
+coordinate_system: cartesian_meters
+levels:
+  G:
+    vertices:
+      - [0, 0, 0, a, {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, alpha]}]
+      - [4, 0, 0, m, {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, beta]}]
+      - [8, 0, 0, c]
+      - [4, 2, 0, side]
+    lanes: [[0, 1, {bidirectional: true}], [1, 2, {bidirectional: true}], [1, 3, {bidirectional: true}]]
+)",
+                  OnLanes("alpha", R"({"places": ["c"], "repeat": false})") + ", " + OnLanes("beta", "{}")));
+  bool was_aside = false;
+  for (int i = 0; i < 1200; ++i) {
+    run.Run(1);
+    was_aside = was_aside || IsNearPlace(run["beta"], 4, 2);
+  }
+  EXPECT_TRUE(was_aside);
+  EXPECT_TRUE(IsNearPlace(run["alpha"], 8, 0));
+  EXPECT_TRUE(IsNearPlace(run["beta"], 4, 0));
+}
+
 // A controller that continues from the middle of a run is the same.
 TEST(Lanes, AreFollowedAlikeByCopies) {
   Simulation run = ValueOf(Simulation::Load(LaneSites() + "guesthouse_lanes.json"));
