@@ -43,6 +43,14 @@ Status CheckGoal(const Goal& goal) {
   for (const Vec2& point : goal.waypoints) {
     if (!IsInWorld(point.x()) || !IsInWorld(point.y())) return Error{{}, "found a goal beyond 1000 km"};
   }
+  if (!goal.heights.empty() && goal.heights.size() != goal.waypoints.size()) {
+    return Error{{},
+                 "found a goal with " + std::to_string(goal.heights.size()) + " heights, expected none or those of " +
+                     std::to_string(goal.waypoints.size()) + " points"};
+  }
+  for (const double z : goal.heights) {
+    if (!IsInWorld(z)) return Error{{}, "found a goal beyond 1000 km"};
+  }
   if (goal.heading && !std::isfinite(*goal.heading)) return Error{{}, "found a heading that is not finite"};
   return {};
 }

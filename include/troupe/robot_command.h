@@ -42,12 +42,14 @@ struct Goal {
   std::uint32_t number = 0;            // another number is another goal
   std::vector<Vec2> waypoints;         // in W, to be reached one after another; not empty
   std::optional<double> heading = {};  // at the last one, rad
+  std::vector<double> heights = {};    // of the floors at the points, m in W; none: on the level of the robot
   bool operator==(const Goal&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
         Field{"number", &Goal::number},
         Field{"waypoints", &Goal::waypoints},
         Field{"heading", &Goal::heading},
+        Field{"heights", &Goal::heights},
     };
   }
 };

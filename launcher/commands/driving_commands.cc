@@ -45,42 +45,39 @@ Status Cancel(RobotRemote& remote) {
   return reply.ok() ? Status() : reply.error();
 }
 
-// A goal with the height of its last point, where that is known.
-struct PlacedGoal : Goal {
-  std::optional<double> z = {};  // m
-};
-
-// Of points, and of names of places, which have no comma. `find` gives the pose of a place.
+// Of points, and of names of places, which have no comma and a height. A point is on the level of the place before it,
+// at first on that at `z` (m). `find` gives the pose of a place.
 template <typename Find>
-Result<PlacedGoal> FindGoal(std::vector<std::string> points, Find find) {
-  std::optional<double> z;
+Result<Goal> FindGoal(std::vector<std::string> points, double z, Find find) {
+  std::vector<double> heights;
   for (std::string& point : points) {
-    z.reset();
-    if (point.find(',') != std::string::npos) continue;
-    const Result<Pose> place = find(point);
-    if (!place.ok()) return place.error();
-    point = fmt::format("{},{}", place.value().x, place.value().y);  // exact
-    z = place.value().z;
+    if (point.find(',') == std::string::npos) {
+      const Result<Pose> place = find(point);
+      if (!place.ok()) return place.error();
+      point = fmt::format("{},{}", place.value().x, place.value().y);  // exact
+      z = place.value().z;
+    }
+    heights.push_back(z);
   }
   Result<Goal> goal = ParseGoalText(points);
-  if (!goal.ok()) return goal.error();
-  return PlacedGoal{std::move(goal).value(), z};
+  if (goal.ok()) goal.value().heights = std::move(heights);
+  return goal;
 }
 
 double DistanceTo(const Goal& goal, const Pose& X_WR) {
   return std::sqrt((goal.waypoints.back() - X_WR.translation()).squaredNorm());
 }
 
-bool HasArrived(const PlacedGoal& goal, const EntityReport& robot, double tolerance) {
+bool HasArrived(const Goal& goal, const EntityReport& robot, double tolerance) {
   constexpr double kLevel = 1.0;  // m
   if (DistanceTo(goal, robot.X_WE) > tolerance) return false;
-  if (goal.z && std::abs(*goal.z - robot.X_WE.z) > kLevel) return false;
+  if (std::abs(goal.heights.back() - robot.X_WE.z) > kLevel) return false;
   if (goal.heading && std::abs(WrapAngle(*goal.heading - robot.X_WE.heading)) > kHeadingTolerance) return false;
   const Twist& twist = robot.twist;
   return std::abs(twist.vx) < kStill && std::abs(twist.vy) < kStill && std::abs(twist.wz) < kStill;
 }
 
-int AwaitArrival(const GotoOptions& options, const PlacedGoal& goal, RobotRemote& remote, SignalWatch& signals) {
+int AwaitArrival(const GotoOptions& options, const Goal& goal, RobotRemote& remote, SignalWatch& signals) {
   const Clock::time_point begin = Clock::now();
   for (;;) {
     const Result<ControlReply> reply = remote.Ask();
@@ -114,7 +111,7 @@ int Goto(GotoOptions options) {
                  ErrorCode::kBadInput});
   }
   if (!options.cancel) {  // what is wrong without a run
-    const Result<PlacedGoal> trial = FindGoal(options.points, [](const std::string&) { return Result<Pose>(Pose()); });
+    const Result<Goal> trial = FindGoal(options.points, 0.0, [](const std::string&) { return Result<Pose>(Pose()); });
     if (!trial.ok()) return Fail(trial.error());
   }
   SignalWatch signals;
@@ -126,8 +123,10 @@ int Goto(GotoOptions options) {
       const Status failure = Cancel(remote.value());
       return failure.ok() ? kExitDone : Fail(failure.error());
     }
-    const Result<PlacedGoal> goal =
-        FindGoal(options.points, [&](const std::string& name) { return remote.value().FindPlace(name); });
+    const Result<ControlReply> robot = remote.value().Ask();
+    if (!robot.ok()) return Fail(robot.error());
+    const Result<Goal> goal = FindGoal(options.points, robot.value().entities.front().X_WE.z,
+                                       [&](const std::string& name) { return remote.value().FindPlace(name); });
     if (!goal.ok()) return Fail(goal.error());
     RobotCommand command;
     command.goal = goal.value();

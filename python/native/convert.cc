@@ -354,7 +354,8 @@ py::object ToRecord(const Observation& seen) {
   if (seen.goal != nullptr) {
     py::tuple points =
         ToTuple(seen.goal->waypoints, [](const Vec2& point) { return py::make_tuple(point.x(), point.y()); });
-    goal = Make("Goal", seen.goal->number, std::move(points), Optional(seen.goal->heading));
+    goal = Make("Goal", seen.goal->number, std::move(points), Optional(seen.goal->heading),
+                ToTuple(seen.goal->heights, [](double z) { return py::float_(z); }));
   }
   return Make("Observation", seen.tick, seen.time, seen.interval, ToRecord(seen.pose_estimate), ToRecord(seen.twist),
               seen.stalled, std::move(sensors), std::move(joints), std::move(grippers), std::move(lights),

@@ -327,6 +327,7 @@ class Goal(NamedTuple):
     number: int  # another number is another goal
     waypoints: Tuple[Tuple[float, float], ...]  # m, in the frame of the pose estimate
     heading: Optional[float]  # rad, at the last one
+    heights: Tuple[float, ...]  # m, of the floors at the points; none: on the level of the robot
 
 
 _MASK = (1 << 64) - 1

@@ -31,6 +31,8 @@ struct BuiltInController {
   // Checks what the controller needs of the world, by the parameters, the start, the lanes, and the names of doors,
   // lifts and their floors of the info. Null: nothing.
   Status (*check_in_world)(const RobotInfo& info) = nullptr;
+  // Checks that the robot can reach a goal from its pose. The error is the reason. Null: a goal on its level.
+  Status (*check_goal)(const RobotInfo& info, const Pose& X_WR, const Goal& goal) = nullptr;
 };
 
 BuiltInController Idle();

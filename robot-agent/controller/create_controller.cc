@@ -258,20 +258,47 @@ Status CheckController(const std::string& name, const std::string& parameters) {
   return UnknownName(name);
 }
 
+namespace {
+
+// Without what only its robot has.
+RobotInfo InfoInWorld(const WorldDescription& world, RobotId robot) {
+  const RobotDescription& description = world.robot(robot);
+  RobotInfo info{.id = robot, .robot = &description, .parameters = description.controller.parameters};
+  info.start = world.model(description.root).X_PM;
+  info.lane_graphs = world.lane_graphs;
+  for (const DoorDescription& door : world.doors) info.doors.push_back({.name = world.model(door.model).name});
+  for (const LiftDescription& lift : world.lifts) {
+    info.lifts.push_back({.name = world.model(lift.model).name});
+    for (const LiftFloor& floor : lift.floors) info.lifts.back().floors.push_back(floor.name);
+  }
+  return info;
+}
+
+}  // namespace
+
 Status CheckControllerInWorld(const WorldDescription& world, RobotId robot) {
   const RobotDescription& description = world.robot(robot);
   for (const BuiltInController& built_in : BuiltIns()) {
     if (description.controller.name != built_in.name || built_in.check_in_world == nullptr) continue;
-    RobotInfo info{.id = robot, .robot = &description, .parameters = description.controller.parameters};
-    info.start = world.model(description.root).X_PM;
-    info.lane_graphs = world.lane_graphs;
-    for (const DoorDescription& door : world.doors) info.doors.push_back({.name = world.model(door.model).name});
-    for (const LiftDescription& lift : world.lifts) {
-      info.lifts.push_back({.name = world.model(lift.model).name});
-      for (const LiftFloor& floor : lift.floors) info.lifts.back().floors.push_back(floor.name);
-    }
-    if (Status status = built_in.check_in_world(info); !status.ok()) {
+    if (Status status = built_in.check_in_world(InfoInWorld(world, robot)); !status.ok()) {
       return Error{{}, fmt::format("robot '{}': {}", description.name, status.error().message)};
+    }
+  }
+  return Status();
+}
+
+Status CheckGoalOfController(const WorldDescription& world, RobotId robot, const Pose& X_WR, const Goal& goal) {
+  constexpr double kLevel = 1.0;  // m: a goal on a table is on the level of the floor
+  for (const BuiltInController& built_in : BuiltIns()) {
+    const std::string& name = world.robot(robot).controller.name;
+    if (name != built_in.name) continue;
+    if (built_in.check_goal != nullptr) return built_in.check_goal(InfoInWorld(world, robot), X_WR, goal);
+    for (const double z : goal.heights) {
+      if (std::fabs(z - X_WR.z) <= kLevel) continue;
+      return BadInput(
+          fmt::format("the goal is at a height of {:.2f} m and the robot at {:.2f} m, and controller {} stays "
+                      "on its level",
+                      z, X_WR.z, name));
     }
   }
   return Status();

@@ -30,4 +30,8 @@ Status CheckController(const std::string& name, const std::string& parameters);
 // Checks that the world has what the controller of the robot needs, as lanes and places. The error names both.
 Status CheckControllerInWorld(const WorldDescription& world, RobotId robot);
 
+// Checks that the built-in controller of the robot knows a way to the goal from its pose: along lanes, or on its level.
+// Success for a library, which alone knows. The error is the reason.
+Status CheckGoalOfController(const WorldDescription& world, RobotId robot, const Pose& X_WR, const Goal& goal);
+
 }  // namespace troupe

@@ -22,6 +22,17 @@ std::string NameOf(const LaneGraph& graph, std::size_t vertex) {
   return name.empty() ? "vertex " + std::to_string(vertex) : name;
 }
 
+std::vector<std::size_t> VerticesOf(const Goal& goal, const LaneGraph& graph, double z) {
+  std::vector<std::size_t> vertices;
+  for (std::size_t i = 0; i < goal.waypoints.size(); ++i) {
+    const bool has_level = !goal.heights.empty();
+    vertices.push_back(FindNearestVertex(graph, goal.waypoints[i], has_level ? goal.heights[i] : z,
+                                         has_level ? kOnOneLevel : kOnAnyLevel)
+                           ->vertex);
+  }
+  return vertices;
+}
+
 LaneTasks::LaneTasks(const LaneSettings& settings, const LaneGraph& graph, double speed, bool can_turn)
     : graph_(&graph),
       speed_(speed),
@@ -48,9 +59,7 @@ void LaneTasks::ReadGoal(const Observation& observation) {
   goal_heading_.reset();
   next_goal_ = 0;
   if (goal == nullptr) return;
-  for (const Vec2& point : goal->waypoints) {
-    goal_stops_.push_back(FindNearestVertex(*graph_, point, observation.pose_estimate.z, kOnAnyLevel)->vertex);
-  }
+  goal_stops_ = VerticesOf(*goal, *graph_, observation.pose_estimate.z);
   goal_heading_ = goal->heading;
 }
 

@@ -70,6 +70,10 @@ class LaneTasks {
   std::optional<std::size_t> home_;  // where it waited for a goal before it went aside
 };
 
+// The vertices nearest to the points of a goal: of the levels of their heights; without heights, of the level at `z` or
+// at exactly the point. REQUIRES: the graph has a vertex.
+std::vector<std::size_t> VerticesOf(const Goal& goal, const LaneGraph& graph, double z);
+
 // The name of a vertex in messages.
 std::string NameOf(const LaneGraph& graph, std::size_t vertex);
 

@@ -424,10 +424,27 @@ Status CheckLanesInWorld(const RobotInfo& info) {
   return graph.ok() ? Status() : graph.error();
 }
 
+// From the vertex nearest to the robot: at the speed of 1 m/s, since a way does not depend on it.
+Status CheckGoalOnLanes(const RobotInfo& info, const Pose& X_WR, const Goal& goal) {
+  const Result<LaneSettings> settings = ParseLaneSettings(info.parameters);
+  if (!settings.ok()) return settings.error();
+  const Result<const LaneGraph*> found = FindLanes(settings.value(), info);
+  if (!found.ok()) return found.error();
+  const LaneGraph& graph = *found.value();
+  std::size_t at = FindNearestVertex(graph, X_WR.translation(), X_WR.z, kOnOneLevel)->vertex;
+  for (const std::size_t vertex : VerticesOf(goal, graph, X_WR.z)) {
+    if (!FastestRoute(graph, at, vertex, 1.0)) {
+      return BadInput(fmt::format("no lanes lead from {} to {}", NameOf(graph, at), NameOf(graph, vertex)));
+    }
+    at = vertex;
+  }
+  return Status();
+}
+
 }  // namespace
 
 BuiltInController Lanes() {
-  return {"lanes", CheckLanes, CreateLanes, CheckLanesInWorld};
+  return {"lanes", CheckLanes, CreateLanes, CheckLanesInWorld, CheckGoalOnLanes};
 }
 
 }  // namespace troupe

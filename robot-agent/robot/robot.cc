@@ -300,6 +300,7 @@ const Goal* Robot::EstimatedGoal(const std::optional<Goal>& goal, const Pose& X_
   const Pose X_EW = estimate * Inverse(X_WR);
   const Transform2 transform(X_EW);
   for (Vec2& point : goal_->waypoints) point = transform * point;
+  for (double& z : goal_->heights) z += X_EW.z;
   if (goal_->heading) goal_->heading = WrapAngle(*goal_->heading + X_EW.heading);
   return &*goal_;
 }

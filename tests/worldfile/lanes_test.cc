@@ -282,6 +282,57 @@ TEST(Lanes, OfABuildingAreNamedByControllersAndInErrors) {
   EXPECT_EQ(loaded.world.levels, (std::vector<LevelDescription>{{"G", 0.0}}));
 }
 
+// Two levels with places one above the other, and a lift between them.
+constexpr const char* kStacked = R"(
+coordinate_system: cartesian_meters
+levels:
+  A:
+    vertices: [[7, 3, 0, cabA, {lift_cabin: [1, up]}], [7, 6, 0, doorA],
+               [11, 8, 0, eA, {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, r1]}], [0, 0, 0, alone], [0, 9, 0, other]]
+    lanes: [[0, 1, {bidirectional: true}], [1, 2, {bidirectional: true}], [3, 4, {bidirectional: true}]]
+  B:
+    elevation: 4
+    vertices: [[7, 3, 0, cabB, {lift_cabin: [1, up]}], [7, 6, 0, doorB], [11, 8, 0, eB]]
+    lanes: [[0, 1, {bidirectional: true}], [1, 2, {bidirectional: true}]]
+lifts:
+  up:
+    {width: 2, depth: 2, x: 7, y: 3, yaw: 0, initial_floor_name: A,
+     doors: {d: {motion_axis_orientation: 0, width: 1.2, x: 0, y: 1}}, level_doors: {A: [d], B: [d]}}
+)";
+
+TEST(Lanes, LeadToAGoalOnItsLevelOrAreRefused) {
+  test::TemporaryFolder folder;
+  const WorldDescription world = LoadOnLanes(folder, kStacked, OnLanes("r1", "{}"));
+  const RobotId robot = *FindRobot(world, "r1");
+  const Pose& start = world.model(world.robot(robot).root).X_PM;
+  Goal goal{.number = 1, .waypoints = {{11.0, 8.0}}, .heights = {4.0}};
+  EXPECT_TRUE(CheckGoalOfController(world, robot, start, goal).ok());
+  const Scene scene(world);
+  const std::unique_ptr<Robot> r1 = ValueOf(Robot::Create(scene, robot));
+  BodyIndex bodies(scene);
+  WorldState state = InitialState(scene);
+  ExternalCommand command;
+  command.goal = goal;
+  for (int i = 0; i < 900; ++i) {
+    bodies.Assign(state);
+    const Proposal proposal = r1->Decide(state, bodies, command);
+    state = Step(scene, state, std::span(&proposal, 1)).state;
+  }
+  EXPECT_TRUE(IsNearPlace(state.robots[robot.index()], 11, 8, 4));
+  goal.waypoints = {{0.0, 0.0}};
+  goal.heights = {0.0};
+  EXPECT_THAT(CheckGoalOfController(world, robot, start, goal).error().message,
+              HasSubstr("no lanes lead from eA to alone"));
+  WorldDescription other = world;
+  other.robots[robot.index()].controller = {"go_to", "{}"};
+  EXPECT_TRUE(CheckGoalOfController(other, robot, start, goal).ok());
+  goal.heights = {4.0};
+  EXPECT_THAT(CheckGoalOfController(other, robot, start, goal).error().message,
+              HasSubstr("the goal is at a height of 4.00 m and the robot at 0.00 m, and controller go_to stays"));
+  goal.heights = {4.0, 4.0};
+  EXPECT_FALSE(CheckRobotCommand(world, {.robot = robot, .goal = goal}).ok());
+}
+
 // As `troupe check` does, before a run.
 TEST(Scripts, NameDoorsAndLiftsOfTheWorld) {
   test::TemporaryFolder folder;

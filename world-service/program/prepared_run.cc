@@ -190,6 +190,7 @@ Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
   if (Status problem = CheckOutputs(source, run.value()); !problem.ok()) return problem.error();
   ServiceOptions& options = run.value().options;
   options.overrides = source.overrides;
+  options.check_goal = CheckGoalOfController;
   RestrictRequests(source.permissions, run.value().world(), run.value().files, options);
   RosLockstep& lockstep = run.value().ros_lockstep;
   lockstep.ReplaceBy(source.ros.lockstep);

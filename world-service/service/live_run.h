@@ -49,6 +49,9 @@ struct CoordinatorOptions {
   std::function<Status(const WorldDescription& world)> check_world = {};
   // LoadOverrides::check_in_world, of robots that are spawned.
   std::function<Status(const WorldDescription& world, RobotId robot)> check_in_world = {};
+  // ServiceOptions::check_goal.
+  std::function<Status(const WorldDescription& world, RobotId robot, const Pose& X_WR, const Goal& goal)> check_goal =
+      {};
   std::optional<ResumedRun> resumed = {};  // a run to be continued; then `run` and `incarnation` are its
 };
 

@@ -89,6 +89,12 @@ Status RunControl::CommandRobot(const control::CommandRobot& request, double now
   if (command.goal && known != run_.accepts_goals.end() && !known->second) {
     return BadInput("the controller of '" + request.name + "' (" + controller + ") accepts no goals");
   }
+  if (command.goal && run_.options.check_goal) {
+    const Pose& X_WR = run_.frame.state.robots[robot->index()].X_WR;
+    if (Status reason = run_.options.check_goal(run_.world(), *robot, X_WR, *command.goal); !reason.ok()) {
+      return BadInput("'" + request.name + "' cannot reach the goal: " + reason.error().message);
+    }
+  }
   if (cancels_goal) command.goal.emplace();
   engine_.AddCommand(command, request.ticks);
   engine_.ReportProgress(now);

@@ -369,6 +369,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.advice_on_silence = options.advice_on_silence;
   coordinator.check_world = options.check_world;
   coordinator.check_in_world = options.overrides.check_in_world;
+  coordinator.check_goal = options.check_goal;
   coordinator.start_paused = options.start_paused;
   coordinator.has_history = options.history != nullptr;
   coordinator.pool = options.pool;

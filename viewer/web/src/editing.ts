@@ -423,7 +423,7 @@ export class Editing {
     this.cancel();
     if (!run || entity?.kind !== 'robot' || !at) return;
     const name = nameOf(run.world, entity);
-    const goal = {waypoints: [[at.x, at.y]]};
+    const goal = {waypoints: [[at.x, at.y]], heights: this.scene.levels.areStacked ? [] : [at.z]};
     const reply = await this.connection.request('command_robot', {name, ticks: GOAL_TICKS, goal});
     if (reply.done) return toast(`${name} is sent to the point`);
     if (!reply.problem.includes('accepts no goals')) return toast(reply.problem, true);

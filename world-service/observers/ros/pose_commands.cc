@@ -131,6 +131,8 @@ void PoseCommands::SetGoal(const std::string& robot, const char* frame, const ro
   if (!X_WG.ok()) return Refuse(robot, kGoalTopic, X_WG.error().message);
   control::CommandRobot request{.name = robot, .ticks = kMaxCommandTicks};
   request.goal = Goal{0, {Vec2(X_WG.value().x, X_WG.value().y)}, X_WG.value().heading};
+  // RViz knows no heights: 0 is the level of the robot.
+  if (X_WG.value().z != 0.0) request.goal->heights = {X_WG.value().z};
   control_.Request(request, [reports = reports_, robot](const ControlReply& reply) {
     if (!reply.done) reports->Add(std::string(kGoalTopic) + " of '" + robot + "': " + reply.problem);
   });

@@ -205,13 +205,14 @@ TEST(SiteControls, KeepNoLiftWhoseLandingDoorIsBlocked) {
   observation.doors = doors;
   observation.lifts = lifts;
   lifts[0].session = RobotId(0);
+  std::vector<SeenRobot> others;
   // Whether it has the lift at that time, and what it tells the lift.
   const auto await = [&](double time, bool is_blocked) {
     doors[0].blocked = is_blocked;
     observation.time = time;
     Command command;
     controls.Begin(observation, command);
-    const bool has_it = controls.AwaitLift(1);
+    const bool has_it = controls.AwaitLift(1, others);
     EXPECT_EQ(command.orders.size(), 1u);
     EXPECT_EQ(!command.orders.empty() && std::get<LiftOrder>(command.orders[0]).ends, !has_it);
     return has_it;
@@ -225,6 +226,10 @@ TEST(SiteControls, KeepNoLiftWhoseLandingDoorIsBlocked) {
   lifts[0].floor = 1;
   EXPECT_TRUE(await(11.0, true));
   EXPECT_TRUE(await(20.0, true)) << "the lift is not there";
+  others = {Seen(1, 9.0, 0.0, false)};
+  EXPECT_TRUE(await(21.0, false)) << "another robot waits outside, too";
+  others = {Seen(1, 11.2, 0.0, false)};
+  EXPECT_FALSE(await(22.0, false)) << "it is left to the robot in the cabin";
 }
 
 TEST(SiteControls, CloseADoorThatIsNotOnTheWayAnyMore) {
