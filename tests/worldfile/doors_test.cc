@@ -482,7 +482,10 @@ TEST(Lifts, StopAboveWhatIsUnderTheCabin) {
   edited.state.objects[below.index()].X_WO.x = 5.0;
   for (int i = 0; i < 100; ++i) edited.state = Step(*scene, edited.state, {}).state;
   ASSERT_EQ(edited.state.lifts[0].z, 3.0);
-  edited = ValueOf(SetPose(scene, edited.state, "below", {0.5, 0.5, 0.0, 0.0}));
+  // An edit is refused there.
+  EXPECT_THAT(SetPose(scene, edited.state, "below", {0.5, 0.5, 0.0, 0.0}).error().message,
+              HasSubstr("would be inside"));
+  edited.state.objects[below.index()].X_WO = {0.5, 0.5, 0.0, 0.0};
   edited.state = After(*scene, edited.state, {{}, LiftOrder{0, 0}});
   for (int i = 0; i < 100; ++i) edited.state = Step(*scene, edited.state, {}).state;
   EXPECT_TRUE(edited.state.lifts[0].blocked);
