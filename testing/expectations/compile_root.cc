@@ -43,13 +43,38 @@ std::size_t Compiler::Root(const Syntax& syntax) {
       return RootOf(name == "always" ? RootOp::kAlways : RootOp::kEventually, {inner}, Window(syntax));
     }
     if (name == "finally") return RootOf(RootOp::kFinally, {Truth(syntax.children[0])}, {});
-    if (name == "until") {
-      const std::size_t left = Truth(syntax.children[0]);
-      const std::size_t right = Truth(syntax.children[1]);
-      return RootOf(RootOp::kUntil, {left, right}, Window(syntax));
-    }
+    if (name == "until") return UntilRoot(syntax);
   }
   return RootOf(RootOp::kValue, {Truth(syntax)}, {});
+}
+
+// "P until[A, B] Q" waits for the slower of its sides, which may be known only at the end of the run. What one side
+// alone says is known earlier: Q has to hold in the window and P before it, and Q at the first tick is enough if A is
+// 0. Each part is a bound of the robustness of the whole, which so is the same with them and without.
+std::size_t Compiler::UntilRoot(const Syntax& syntax) {
+  const std::size_t left = Truth(syntax.children[0]);
+  const std::size_t right = Truth(syntax.children[1]);
+  const TickWindow window = Window(syntax);
+  std::size_t until = RootOf(RootOp::kUntil, {left, right}, window);
+  if (error_) return 0;
+  const auto is_constant = [&](std::size_t node) { return Now(node).op == Op::kConstant; };
+  const bool are_known_together = Now(left).level == Now(right).level && Now(left).delay == Now(right).delay;
+  if (are_known_together || is_constant(left) || is_constant(right)) return until;
+  const auto bounded_by = [&](RootOp join, RootOp op, std::size_t side, const TickWindow& its_window) {
+    const std::size_t bound = RootOf(op, {side}, its_window);
+    program_.roots[bound].is_bound = true;
+    RootNode root;
+    root.op = join;
+    Connect(root, {bound, until}, program_.roots);
+    until = AddRoot(std::move(root));
+  };
+  if (window.from == 0) {
+    bounded_by(RootOp::kOr, RootOp::kValue, right, {});
+  } else {
+    bounded_by(RootOp::kAnd, RootOp::kAlways, left, {0, window.from - 1});
+  }
+  bounded_by(RootOp::kAnd, RootOp::kEventually, right, window);
+  return until;
 }
 
 std::size_t Compiler::QuantifiedRoot(const Syntax& syntax) {
@@ -82,6 +107,7 @@ std::size_t Compiler::RootOf(RootOp op, std::vector<std::size_t> nodes, const Ti
 // The formula without its outermost temporal operators, as a node; nothing if it has none.
 std::optional<std::size_t> Compiler::History(std::size_t number) {
   const RootNode root = program_.roots[number];
+  if (root.is_bound) return std::nullopt;
   switch (root.op) {
     case RootOp::kValue:
       return std::nullopt;

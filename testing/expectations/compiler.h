@@ -119,6 +119,7 @@ class Compiler : private ProgramBuilder {
   // The part of a formula that is judged at the first tick.
   std::size_t Root(const Syntax& syntax);
   std::size_t QuantifiedRoot(const Syntax& syntax);
+  std::size_t UntilRoot(const Syntax& syntax);
   std::size_t AddRoot(RootNode root);
   std::size_t RootOf(RootOp op, std::vector<std::size_t> nodes, const TickWindow& window);
   // The formula without its outermost temporal operators, as a node; nothing if it has none.

@@ -121,6 +121,7 @@ struct RootNode {
   std::vector<std::uint32_t> counted = {};
   std::vector<std::size_t> reduced_variables = {};
   std::size_t level = 0;  // of its nodes
+  bool is_bound = false;  // of another root, with which it is joined: known earlier, and no part of the history
 };
 
 struct Variable {

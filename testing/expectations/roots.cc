@@ -218,10 +218,12 @@ Interval Roots::bounds() const {
   return {states_.back().low[0], states_.back().high[0]};
 }
 
-// The value of a lane, or, while it is open, the bound that tells more of it.
-double Roots::KeyOf(std::size_t root, std::size_t lane) const {
+// The value of a lane, or, while it is open, the bound that tells more of it. One of which nothing is known decides
+// nothing.
+double Roots::KeyOf(std::size_t root, std::size_t lane, bool is_least) const {
   const double low = states_[root].low[lane];
   const double high = states_[root].high[lane];
+  if (low == -kInfinity && high == kInfinity) return is_least ? kInfinity : -kInfinity;
   return high < kInfinity ? high : low;
 }
 
@@ -241,8 +243,8 @@ void Roots::AddCause(const MonitorProgram& program, std::size_t number, std::siz
   const bool is_least = root.op == RootOp::kAnd || root.op == RootOp::kForall;
   std::optional<std::pair<std::size_t, std::size_t>> best;  // root and lane
   const auto consider = [&](std::size_t its_root, std::size_t its_lane) {
-    const double key = KeyOf(its_root, its_lane);
-    const double least = best ? KeyOf(best->first, best->second) : 0.0;
+    const double key = KeyOf(its_root, its_lane, is_least);
+    const double least = best ? KeyOf(best->first, best->second, is_least) : 0.0;
     if (!best || (is_least ? key < least : key > least)) best = {its_root, its_lane};
   };
   if (root.op == RootOp::kForall || root.op == RootOp::kExists) {

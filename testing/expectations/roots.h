@@ -63,7 +63,7 @@ class Roots {
   void SetBounds(const RootNode& root, State& state) const;
   void Combine(const MonitorProgram& program);
   void AddCause(const MonitorProgram& program, std::size_t root, std::size_t lane, Cause& cause) const;
-  double KeyOf(std::size_t root, std::size_t lane) const;
+  double KeyOf(std::size_t root, std::size_t lane, bool is_least) const;
 
   std::vector<State> states_;  // by root
   bool changed_ = true;
