@@ -164,8 +164,9 @@ Result<std::vector<Variation>> TestFile::ReadVariations(const JsonTree& tree) co
 
 Status TestFile::FixDraws(const TestCase& fixed, std::vector<Variation>& variations) const {
   for (const DrawnValue& draw : fixed) {
+    const ValuePath path = ValuePath::Parse(draw.path).value();  // ParseCase has parsed it
     const auto varied = std::find_if(variations.begin(), variations.end(),
-                                     [&](const Variation& variation) { return variation.path() == draw.path; });
+                                     [&](const Variation& variation) { return variation.value_path() == path; });
     if (varied != variations.end()) {
       if (!varied->Contains(draw.value)) {
         return BadInput(fmt::format("--case: found {} as {}, expected {}", Quoted(draw.value), Quoted(draw.path, 200),
@@ -174,7 +175,6 @@ Status TestFile::FixDraws(const TestCase& fixed, std::vector<Variation>& variati
       *varied = Variation::Of(varied->value_path(), draw.value);
       continue;
     }
-    const ValuePath path = ValuePath::Parse(draw.path).value();  // ParseCase has parsed it
     if (const Result<const JsonNode*> found = scenario_->Find(path); !found.ok()) {
       return BadInput("--case: " + found.error().message);
     }
@@ -251,6 +251,28 @@ bool TestFile::CanMake(const TestCase& draws) const {
   return design_->MeetsConstraints(draws);
 }
 
+std::optional<TestCase> TestFile::WholeCase(const TestCase& draws) const {
+  const std::vector<Variation>& variations = design_->variations();
+  TestCase whole(variations.size());
+  for (const DrawnValue& draw : draws) {
+    const ValuePath path = ValuePath::Parse(draw.path).value();  // ParseCase has parsed it
+    const auto varied = std::find_if(variations.begin(), variations.end(),
+                                     [&](const Variation& variation) { return variation.value_path() == path; });
+    if (varied != variations.end()) {
+      whole[static_cast<std::size_t>(varied - variations.begin())] = {varied->path(), draw.value};
+      continue;
+    }
+    if (draw.path == "ticks" || draw.path == "without") continue;
+    const bool overlaps = std::any_of(variations.begin(), variations.end(), [&](const Variation& variation) {
+      return variation.value_path().Overlaps(path);
+    });
+    if (overlaps || !scenario_->Find(path).ok()) return std::nullopt;
+    whole.push_back(draw);
+  }
+  if (!CanMake(whole)) return std::nullopt;
+  return whole;
+}
+
 Result<std::vector<std::string>> FindTests(const std::vector<std::string>& paths) {
   std::vector<std::string> tests;
   for (const std::string& path : paths) {
@@ -270,6 +292,13 @@ Result<std::vector<std::string>> FindTests(const std::vector<std::string>& paths
     std::sort(found.begin(), found.end());
     tests.insert(tests.end(), found.begin(), found.end());
   }
+  // A file that is named twice, or beside its folder, is one test.
+  std::set<std::string> known;
+  std::erase_if(tests, [&](const std::string& path) {
+    std::error_code failure;
+    const std::filesystem::path canonical = std::filesystem::weakly_canonical(path, failure);
+    return !known.insert(failure ? path : canonical.string()).second;
+  });
   return tests;
 }
 

@@ -52,6 +52,10 @@ class TestFile {
   // Draws that the generator could have made: the constraints, and the values of each variation. Draws of other paths
   // may be anything.
   bool CanMake(const TestCase& draws) const;
+  // The case of a text: the draws of all variations, in their order, and behind them values of other paths. Without
+  // `ticks` and `without`, unless they are varied: these make a smaller case, which is only a part of one. Nothing: no
+  // case of the test.
+  std::optional<TestCase> WholeCase(const TestCase& draws) const;
 
  private:
   TestFile() = default;
@@ -76,7 +80,7 @@ class TestFile {
   std::vector<TestClause> metrics_;
 };
 
-// The tests that a command line names: files, and in folders all *.test.json, at any depth, by name.
+// The tests that a command line names, each once: files, and in folders all *.test.json, at any depth, by name.
 Result<std::vector<std::string>> FindTests(const std::vector<std::string>& paths);
 
 // Names for the files that a session makes of these tests, in their order: "dock" of dock.test.json, with the folders

@@ -49,32 +49,68 @@ class TextEdits {
 
 }  // namespace
 
-Result<ValuePath> ValuePath::Parse(std::string_view text) {
+Status ValuePath::ParseName(std::string_view text, Step::Kind kind, const char* ends, std::size_t& i) {
+  Step step{kind, {}};
+  std::size_t end = std::min(text.find_first_of(ends, i), text.size());
+  const bool is_quoted = i < text.size() && text[i] == '"';
+  if (is_quoted) {
+    for (end = i + 1; end < text.size() && text[end] != '"'; ++end) end += text[end] == '\\' ? 1 : 0;
+    end = std::min(end + 1, text.size());
+    const nlohmann::json name = nlohmann::json::parse(text.substr(i, end - i), nullptr, false);
+    if (!name.is_string()) return PathError(text, i, Quoted(text.substr(i, end - i)), "a JSON string");
+    step.name = name.get<std::string>();
+  } else {
+    step.name = text.substr(i, end - i);
+  }
+  const std::string_view written = text.substr(i, end - i);
+  const bool has_equals = kind == Step::Kind::kKey && !is_quoted && written.find('=') != std::string_view::npos;
+  text_ +=
+      has_equals ? nlohmann::json(step.name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) : written;
+  if (kind == Step::Kind::kName && !is_quoted) {
+    const auto number = std::from_chars(written.data(), written.data() + written.size(), step.index);
+    if (number.ec == std::errc() && number.ptr == written.data() + written.size()) step.kind = Step::Kind::kIndex;
+  }
+  steps_.push_back(std::move(step));
+  i = end;
+  return {};
+}
+
+Result<ValuePath> ValuePath::ParseUpTo(std::string_view text, const char* ends_of_keys, std::size_t& size) {
   ValuePath path;
-  path.text_ = text;
   std::size_t i = 0;
   while (i < text.size() || path.steps_.empty()) {
     if (path.steps_.empty() || text[i] == '.') {
-      if (!path.steps_.empty()) ++i;
-      const std::size_t end = std::min(text.find_first_of(".[", i), text.size());
-      if (end == i) return PathError(text, i, Found(text, i), "a key, as in spawn[0].count");
-      path.steps_.push_back({Step::Kind::kKey, std::string(text.substr(i, end - i))});
-      i = end;
+      if (!path.steps_.empty()) path.text_ += text[i++];
+      if (text.find_first_of(ends_of_keys, i) == i || i >= text.size()) {
+        return PathError(text, i, Found(text, i), "a key, as in spawn[0].count");
+      }
+      if (const Status error = path.ParseName(text, Step::Kind::kKey, ends_of_keys, i); !error.ok())
+        return error.error();
     } else if (text[i] == '[') {
-      const std::size_t end = text.find(']', i);
-      if (end == std::string_view::npos) return PathError(text, text.size(), "the end", "']'");
-      const std::string_view inner = text.substr(i + 1, end - i - 1);
-      if (inner.empty()) return PathError(text, i + 1, "']'", "a number from 0, or the name of an object");
-      Step step{Step::Kind::kName, std::string(inner)};
-      const auto number = std::from_chars(inner.data(), inner.data() + inner.size(), step.index);
-      if (number.ec == std::errc() && number.ptr == inner.data() + inner.size()) step.kind = Step::Kind::kIndex;
-      path.steps_.push_back(std::move(step));
-      i = end + 1;
+      path.text_ += text[i++];
+      if (i < text.size() && text[i] == ']') {
+        return PathError(text, i, "']'", "a number from 0, or the name of an object");
+      }
+      if (const Status error = path.ParseName(text, Step::Kind::kName, "]", i); !error.ok()) return error.error();
+      if (i >= text.size() || text[i] != ']') return PathError(text, i, Found(text, i), "']'");
+      path.text_ += text[i++];
+    } else if (std::string_view(ends_of_keys).find(text[i]) != std::string_view::npos) {
+      break;
     } else {
       return PathError(text, i, Found(text, i), "'.' or '['");
     }
   }
+  size = i;
   return path;
+}
+
+Result<ValuePath> ValuePath::Parse(std::string_view text) {
+  std::size_t size = 0;
+  return ParseUpTo(text, ".[", size);
+}
+
+Result<ValuePath> ValuePath::ParseBeforeEquals(std::string_view text, std::size_t& size) {
+  return ParseUpTo(text, ".[=", size);
 }
 
 bool ValuePath::Overlaps(const ValuePath& other) const {
@@ -134,7 +170,7 @@ Result<ScenarioText::Place> ScenarioText::Locate(const ValuePath& path) const {
                                 DidYouMean(step.name, names)));
       }
     }
-    passed += "[" + step.name + "]";
+    passed += step.kind == ValuePath::Step::Kind::kIndex ? fmt::format("[{}]", step.index) : "[" + step.name + "]";
     node = next;
   }
   return Place{node, nullptr};

@@ -19,13 +19,19 @@ namespace troupe {
 
 class ValuePath {
  public:
-  // KEY, then any number of ".KEY", "[INDEX]" (from 0) and "[NAME]": the object of an array whose "name" is NAME. The
-  // error's column counts from 1 in `text`.
+  // KEY, then any number of ".KEY", "[INDEX]" (from 0) and "[NAME]": the object of an array whose "name" is NAME. A key
+  // or name may be a JSON string: only so can a key have '.', '[', and a name ']' or digits alone. The error's column
+  // counts from 1 in `text`.
   static Result<ValuePath> Parse(std::string_view text);
+  // The path at the beginning of `text`, up to a '=' that belongs to no name, or to the end; `size`: its bytes.
+  static Result<ValuePath> ParseBeforeEquals(std::string_view text, std::size_t& size);
 
+  // As it was written, but keys with '=' in quotes: in front of '=' it is read as the same path.
   const std::string& text() const { return text_; }
   // Whether one of the two is the other one or a part of its value.
   bool Overlaps(const ValuePath& other) const;
+  // Two spellings of one path are equal.
+  bool operator==(const ValuePath& other) const { return steps_ == other.steps_; }
 
  private:
   friend class ScenarioText;
@@ -37,6 +43,10 @@ class ValuePath {
     std::size_t index = 0;  // of an element
     bool operator==(const Step&) const = default;
   };
+
+  static Result<ValuePath> ParseUpTo(std::string_view text, const char* ends_of_keys, std::size_t& size);
+  // Adds the key, name or index at text[i], which ends before one of `ends`, and moves i to its end.
+  Status ParseName(std::string_view text, Step::Kind kind, const char* ends, std::size_t& i);
 
   std::string text_;
   std::vector<Step> steps_;  // never empty; the first is a key

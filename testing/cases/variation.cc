@@ -18,9 +18,11 @@ constexpr std::uint64_t kDrawStream = 0x6361'7365'7300;  // separates draws of c
 constexpr double kMaxValues = 1e9;
 constexpr int kMaxNormalDraws = 1000;  // of a normal number until one is within the bounds
 
+constexpr int kDigits = 6;  // of a random number, unless its bounds need more
+
 // One place for a number's text: a draw is what its text says.
-std::string ShortNumber(double number) {
-  return number == 0.0 ? "0" : fmt::format("{:.6g}", number);
+std::string ShortNumber(double number, int digits = kDigits) {
+  return number == 0.0 ? "0" : fmt::format("{:.{}g}", number, digits);
 }
 
 }  // namespace
@@ -36,35 +38,46 @@ double NumberIn(const std::string& json) {
   return number ? number->value : 0.0;
 }
 
+namespace {
+
+// The end of the value that begins at text[begin]: a comma outside of texts and brackets, or the end of the text.
+std::size_t EndOfValue(std::string_view text, std::size_t begin) {
+  std::size_t end = begin;
+  int depth = 0;
+  for (bool quoted = false; end < text.size() && (quoted || depth > 0 || text[end] != ','); ++end) {
+    const char c = text[end];
+    if (quoted && c == '\\') {
+      ++end;
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (!quoted && (c == '[' || c == '{')) {
+      ++depth;
+    } else if (!quoted && (c == ']' || c == '}')) {
+      --depth;
+    }
+  }
+  return std::min(end, text.size());
+}
+
+}  // namespace
+
 Result<TestCase> ParseCase(std::string_view text) {
   TestCase draws;
-  std::size_t i = 0;
+  std::vector<ValuePath> paths;
   const auto fail = [&](std::size_t at, const std::string& message) {
     return Error{{}, fmt::format("--case: column {}: {}", at + 1, message)};
   };
-  while (i < text.size()) {
-    const std::size_t equals = text.find('=', i);
-    if (equals == std::string_view::npos) {
-      return fail(i, fmt::format("found {}, expected NAME=VALUE", Quoted(text.substr(i))));
-    }
-    std::size_t end = equals + 1;
-    int depth = 0;
-    for (bool quoted = false; end < text.size() && (quoted || depth > 0 || text[end] != ','); ++end) {
-      const char c = text[end];
-      if (quoted && c == '\\') {
-        ++end;
-      } else if (c == '"') {
-        quoted = !quoted;
-      } else if (!quoted && (c == '[' || c == '{')) {
-        ++depth;
-      } else if (!quoted && (c == ']' || c == '}')) {
-        --depth;
-      }
-    }
-    end = std::min(end, text.size());
-    const std::string name(text.substr(i, equals - i));
-    const Result<ValuePath> path = ValuePath::Parse(name);
+  if (const std::size_t bad = FindInvalidUtf8(text); bad != std::string::npos) {
+    return fail(bad, fmt::format("found the byte 0x{:02x}, expected UTF-8", static_cast<unsigned char>(text[bad])));
+  }
+  for (std::size_t i = 0; i < text.size();) {
+    std::size_t size = 0;
+    Result<ValuePath> path = ValuePath::ParseBeforeEquals(text.substr(i), size);
     if (!path.ok()) return fail(i + static_cast<std::size_t>(path.error().where.column) - 1, path.error().message);
+    const std::size_t equals = i + size;
+    if (equals >= text.size()) return fail(i, fmt::format("found {}, expected NAME=VALUE", Quoted(text.substr(i))));
+    const std::string& name = path.value().text();
+    const std::size_t end = EndOfValue(text, equals + 1);
     const std::string value(text.substr(equals + 1, end - equals - 1));
     if (value.empty()) return fail(equals + 1, fmt::format("found no value of {}, expected one", Quoted(name)));
     if (nlohmann::json::accept(value)) {
@@ -74,10 +87,10 @@ Result<TestCase> ParseCase(std::string_view text) {
     } else {
       return fail(equals + 1, fmt::format("found {}, expected a JSON value or a word", Quoted(value)));
     }
-    const auto same = [&](const DrawnValue& draw) { return draw.path == name; };
-    if (std::count_if(draws.begin(), draws.end(), same) > 1) {
+    if (std::find(paths.begin(), paths.end(), path.value()) != paths.end()) {
       return fail(i, fmt::format("found {} again, expected one value of it", Quoted(name)));
     }
+    paths.push_back(std::move(path).value());
     i = end + 1;
   }
   return draws;
@@ -164,8 +177,16 @@ std::uint64_t Variation::size() const {
 }
 
 std::string Variation::NumberText(double number) const {
+  if (kind_ != Kind::kRange) {
+    // Rounding may leave the bounds; all digits of a number between them do not.
+    constexpr int kAllDigits = 17;
+    for (int digits = kDigits; digits < kAllDigits; ++digits) {
+      std::string text = ShortNumber(number, digits);
+      if (Contains(text)) return text;
+    }
+    return ShortNumber(number, kAllDigits);
+  }
   // A range of whole numbers has whole numbers; others are rounded, so that 0.1 + 2 * 0.1 is 0.3.
-  if (kind_ != Kind::kRange) return ShortNumber(number);
   const bool whole = std::floor(from_) == from_ && std::floor(step_) == step_ && std::abs(number) < 9e15;
   return whole ? fmt::format("{}", static_cast<std::int64_t>(number)) : fmt::format("{:.12g}", number);
 }
@@ -209,9 +230,7 @@ bool Variation::Contains(const std::string& value) const {
   if (kind_ == Kind::kValues) return std::find(values_.begin(), values_.end(), value) != values_.end();
   const std::optional<LeadingNumber> number = ReadLeadingNumber(value);
   if (!number || !number->is_all) return false;
-  // Six digits of a bound may round it outwards.
-  const double tolerance = kind_ == Kind::kRange ? 0.0 : 1e-5 * std::max(std::abs(from_), std::abs(to_));
-  if (!(from_ - tolerance <= number->value && number->value <= to_ + tolerance)) return false;
+  if (!(from_ <= number->value && number->value <= to_)) return false;
   if (kind_ != Kind::kRange) return true;
   const double steps = (number->value - from_) / step_;
   return std::abs(steps - std::round(steps)) < 1e-6;
@@ -244,7 +263,7 @@ std::vector<std::string> Variation::SimplerThan(const std::string& value) const 
     for (std::uint64_t part = index / 2; part > 0; part /= 2) add(At(index - part));
     if (index > 0) add(At(index - 1));
   } else {
-    for (const double whole : {0.0, 1.0, from_, std::round(number)}) add(ShortNumber(whole));
+    for (const double whole : {0.0, 1.0, from_, std::round(number)}) add(NumberText(whole));
     for (int digits = 1; digits < 6; ++digits) {
       std::string rounded = fmt::format("{:.{}g}", number, digits);
       if (rounded.size() < value.size()) add(ShortNumber(NumberIn(rounded)));

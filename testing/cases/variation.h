@@ -2,7 +2,8 @@
 //
 // A value is JSON text from the beginning to the end: what is drawn, printed in --case, written into the scenario and
 // compared are the same bytes, so that a case that is pasted from a report is the case that ran. Random numbers are
-// therefore cut to six digits when they are drawn, not when they are shown. A draw is a function of its key and counter
+// therefore cut to six digits when they are drawn, not when they are shown; of a number that this would move out of its
+// bounds more are kept. A draw is a function of its key and counter
 // (troupe/random.h).
 //
 // Immutable after Read; errors are at the place in the test's file.

@@ -102,8 +102,11 @@ class Lexer {
   std::string ReadWord() {
     const std::size_t begin = at_;
     while (at_ < text_.size() && (IsWordCharacter(text_[at_]) || IsOfPath(text_[at_]))) {
-      if (text_[at_] == '[') at_ = std::min(text_.find(']', at_), text_.size() - 1);
-      ++at_;
+      const char c = text_[at_++];
+      // Keys and names of a path may be in quotes; names may have any characters but ']' without.
+      if (!IsOfPath(c)) continue;
+      if (at_ < text_.size() && text_[at_] == '"') at_ = std::min(text_.find('"', at_ + 1), text_.size() - 1) + 1;
+      if (c == '[') at_ = std::min(text_.find(']', at_), text_.size() - 1) + 1;
     }
     return std::string(text_.substr(begin, at_ - begin));
   }

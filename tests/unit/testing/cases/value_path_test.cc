@@ -111,13 +111,38 @@ TEST(CaseText, IsReadAsItWasWritten) {
   EXPECT_THAT(ParseCase("controller=wander").value(), ElementsAre(DrawnValue{"controller", "\"wander\""}));
 }
 
+// Names of robots are the user's, and what is printed repeats the case.
+TEST(CaseText, KnowsPathsWithAnyNamesAndKeys) {
+  for (const auto& [path, written] :
+       std::vector<std::pair<std::string, std::string>>{{"robots[a=b].pose", "robots[a=b].pose"},
+                                                        {"robots[a,b].pose", "robots[a,b].pose"},
+                                                        {R"(robots["a]=b"].pose)", R"(robots["a]=b"].pose)"},
+                                                        {R"(robots["0"].pose)", R"(robots["0"].pose)"},
+                                                        {"parameters.x=y", R"(parameters."x=y")"},
+                                                        {R"(parameters."x.y".z)", R"(parameters."x.y".z)"}}) {
+    const ValuePath parsed = ValuePath::Parse(path).value();
+    EXPECT_EQ(parsed.text(), written);
+    const TestCase draws = {{parsed.text(), "\"u=v\""}, {"seed", "1"}};
+    const Result<TestCase> read = ParseCase(CaseText(draws));
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    EXPECT_EQ(read.value(), draws);
+    EXPECT_TRUE(ValuePath::Parse(read.value().front().path).value() == parsed);
+  }
+  EXPECT_TRUE(ValuePath::Parse(R"(robots["anna"].pose)").value() == ValuePath::Parse("robots[anna].pose").value());
+  EXPECT_FALSE(ValuePath::Parse(R"(robots["0"])").value() == ValuePath::Parse("robots[0]").value());
+  EXPECT_THAT(ParseCase("a=x=y").value(), ElementsAre(DrawnValue{"a", "\"x=y\""}));
+}
+
 TEST(CaseText, RefusesTextsThatAreNone) {
   for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
            {"seed", "column 1: found 'seed', expected NAME=VALUE"},
            {"seed=", "column 6: found no value of 'seed'"},
            {"seed=1,seed=2", "column 8: found 'seed' again"},
            {"seed=[1", "column 6: found '[1', expected a JSON value or a word"},
-           {"spawn[=1", "expected ']'"}}) {
+           {"spawn[=1", "expected ']'"},
+           {"robots[\"a=1", "expected a JSON string"},
+           {"seed=1,seed=\xff", "column 13: found the byte 0xff, expected UTF-8"},
+           {"robots[a]=1,robots[\"a\"]=1", "again"}}) {
     const Result<TestCase> read = ParseCase(text);
     ASSERT_FALSE(read.ok()) << text;
     EXPECT_THAT(read.error().message, HasSubstr(message));
@@ -151,6 +176,23 @@ TEST(Variation, DrawsAreWithinTheirBoundsAndRepeatable) {
     }
     EXPECT_NEAR(sum / 1000.0, 0.5, 0.15) << json;
   }
+}
+
+TEST(Variation, DrawsHaveAsManyDigitsAsTheirBoundsNeed) {
+  for (const char* const json : {"{\"uniform\": [0.1234567, 0.1234569]}", "{\"uniform\": [1234567.2, 1234567.4]}",
+                                 "{\"uniform\": [0.30000000000000004, 0.30000000000000004]}",
+                                 "{\"normal\": [0, 5], \"within\": [1.0000001, 1.0000002]}"}) {
+    const Variation variation = VariationOf(json);
+    for (std::uint64_t key = 0; key < 100; ++key) {
+      const std::string draw = variation.Draw(key, 0);
+      EXPECT_TRUE(variation.Contains(draw)) << draw;
+      EXPECT_TRUE(variation.Contains(variation.Near(draw, 1.0, key, 0))) << draw;
+    }
+  }
+  const Variation narrow = VariationOf("{\"uniform\": [0.1234567, 0.1234569]}");
+  EXPECT_FALSE(narrow.Contains("0.123457"));
+  EXPECT_FALSE(narrow.Contains("0.12345669"));
+  EXPECT_LE(VariationOf("{\"uniform\": [0, 1]}").Draw(3, 0).size(), 9U) << "six digits";
 }
 
 TEST(Variation, SimplerValuesAreValuesThatADrawCanHave) {
