@@ -75,6 +75,13 @@ std::string MessageOf(const CLI::App& app, const CLI::ParseError& error) {
   std::vector<std::string> options = unknown;
   std::erase_if(options, [](const std::string& argument) { return !IsOption(argument); });
   if (!options.empty()) return UnknownOptions(InnermostCommand(app), options);
+  if (dynamic_cast<const CLI::ExcludesError*>(&error) != nullptr) {
+    const std::string text = error.what();  // "A excludes B"
+    const std::string verb = " excludes ";
+    const std::size_t at = text.find(verb);
+    return fmt::format("found {} beside {}, expected one of the two", text.substr(0, at),
+                       text.substr(at + verb.size()));
+  }
   const bool missing = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
   const bool extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
   if ((missing || extra) && !unknown.empty()) return UnknownArguments(InnermostCommand(app), unknown);

@@ -47,6 +47,7 @@ int Main(int argc, const char* const* argv) {
   AddHostCommand(app, exit_status);
   AddCompletionsCommand(app, exit_status);
   AddHelpCommand(app, exit_status);
+  ExcludeOptions(app);
   if (const std::optional<int> ended = ParseCommandLine(app, argc, argv)) return CheckStandardOutput(*ended);
   if (app.get_subcommands().empty()) fmt::print("{}", app.help());
   return CheckStandardOutput(exit_status);

@@ -4,14 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
+#include <iterator>
 #include <nlohmann/json.hpp>
-#include <tuple>
 
+#include "common/base/json.h"
 #include "common/base/print.h"
 #include "launcher/commands/case_work.h"
 #include "launcher/commands/temporary_folder.h"
@@ -46,16 +45,6 @@ JsonReader ReadMessage(const std::string& text) {
 
 }  // namespace
 
-std::optional<Shard> ParseShard(const std::string& text) {
-  Shard shard;
-  const char* const end = text.data() + text.size();
-  const auto index = std::from_chars(text.data(), end, shard.index);
-  if (index.ec != std::errc() || index.ptr == end || *index.ptr != '/') return std::nullopt;
-  const auto count = std::from_chars(index.ptr + 1, end, shard.count);
-  if (count.ec != std::errc() || count.ptr != end || shard.index < 1 || shard.index > shard.count) return std::nullopt;
-  return shard;
-}
-
 Status CaseSession::Load(const std::vector<std::string>& paths) {
   Result<std::vector<std::string>> files = FindTests(paths);
   if (!files.ok()) {
@@ -69,6 +58,7 @@ Status CaseSession::Load(const std::vector<std::string>& paths) {
     PrintPlain(stderr, "{}\n", status.error().ToString());
     if (first.ok()) first = status;
   }
+  file_names_ = FileNamesOf(files.value());
   return first;
 }
 
@@ -82,23 +72,14 @@ Status CaseSession::LoadTest(const std::string& path) {
   const TestCase first = design.At(0);
   if (Status error = test.worlds->Check(first); !error.ok()) return error;
 
-  ReportedTest reported{path, test.file->name(), {}, {}, {}, {}, {}, {}, design.size()};
-  for (const Variation& variation : design.variations()) reported.vary.push_back(variation.path());
   const LoadedWorld loaded = test.worlds->Load(first).value();  // Check has loaded it
-  const CaseMonitors monitors = CaseMonitors::Make(*test.file, loaded.world, loaded.regions).value();
-  for (std::size_t i = 0; i < test.file->expect().size(); ++i) {
-    reported.expect.push_back(test.file->expect()[i].name);
-    reported.formulas.push_back(monitors.expectations()[i].expectation().formula());
-  }
-  for (const TestClause& clause : test.file->cover()) reported.cover.push_back(clause.name);
-  for (std::size_t i = 0; i < test.file->metrics().size(); ++i) {
-    reported.metrics.push_back(test.file->metrics()[i].name);
-    reported.units.push_back(monitors.metrics()[i].metric().unit());
-  }
+  ReportedTest reported = ReportOf(*test.file, CaseMonitors::Make(*test.file, loaded.world, loaded.regions).value());
+  reported.cases = options_.search > 0 ? 0 : design.size();
+  reported.shard = options_.shard;
   report_.AddTest(reported);
   if (options_.search > 0) {
     if (const Status rare = design.CheckRandom(); !rare.ok()) return Error{{path}, rare.error().message};
-    test.search = std::make_unique<CaseSearch>(test.file->design());
+    test.search.emplace(test.file->design());
     planned_ += options_.search;
   } else {
     const std::uint64_t size = design.size();
@@ -117,7 +98,7 @@ Status CaseSession::LoadTest(const std::string& path) {
 std::vector<std::string> CaseSession::InputFiles() const {
   std::vector<std::string> files;
   for (const LoadedTest& test : tests_) {
-    files.insert(files.end(), {test.file->path(), test.file->scenario_path(), KeptCases::PathOf(*test.file)});
+    files.insert(files.end(), {test.file->path(), test.file->scenario_path(), KeptCasesPath(*test.file)});
     const Result<LoadedWorld> loaded = test.worlds->Load(test.file->design().At(0));
     if (!loaded.ok()) continue;
     const std::vector<std::string> named = InputFilesOf(loaded.value());
@@ -129,16 +110,16 @@ std::vector<std::string> CaseSession::InputFiles() const {
 // A kept case of the design is run once, in the shard that has it; the first shard runs those beside the design.
 void CaseSession::ReadKept(LoadedTest& test) {
   std::vector<std::string> warnings;
-  Result<KeptCases> kept = KeptCases::Read(*test.file, warnings);
+  Result<std::vector<KeptCase>> kept = ReadKeptCases(*test.file, warnings);
   if (!kept.ok()) warnings.push_back("warning: " + kept.error().ToString());
   for (const std::string& warning : warnings) PrintPlain(stderr, "{}\n", warning);
   if (!kept.ok()) return;
   const Shard& shard = options_.shard;
   std::uint64_t beside = std::max(test.file->design().size(), options_.search);
-  for (const KeptCase& each : kept.value().cases()) {
-    Job job{tests_.size(), beside, true, each.draws, {}};
+  for (KeptCase& each : kept.value()) {
+    Job job{tests_.size(), beside, true, std::move(each.draws), {}};
     if (each.number && options_.search == 0) {
-      if (*each.number % shard.count != shard.index - 1) continue;
+      if (!shard.Has(*each.number)) continue;
       job.number = *each.number;
       job.kept = false;
       test.begun.insert(*each.number);
@@ -149,37 +130,44 @@ void CaseSession::ReadKept(LoadedTest& test) {
     }
     test.first.push_back(std::move(job));
   }
-  test.kept = std::move(kept).value();
+  test.first_open = test.first.size();
 }
 
 std::optional<CaseSession::Job> CaseSession::NextJob() {
-  const auto begun_now = [](Job job) {
-    job.began = steady_clock::now();
-    return job;
-  };
-  for (; current_ < tests_.size(); ++current_) {
-    LoadedTest& test = tests_[current_];
-    const CaseDesign& design = test.file->design();
-    if (!test.first.empty()) {
-      Job job = std::move(test.first.front());
-      test.first.pop_front();
-      return begun_now(std::move(job));
+  for (std::size_t i = current_; i < tests_.size(); ++i) {
+    if (std::optional<Job> job = NextJobOf(i)) {
+      job->began = steady_clock::now();
+      return job;
     }
-    if (test.search) {
-      if (test.next < options_.search && test.faults == 0) {
-        return begun_now({current_, test.next++, false, test.search->Next(), {}});
-      }
-      if (test.faults > 0) planned_ -= options_.search - test.next;  // found: the search ends
-      continue;
-    }
-    const Shard& shard = options_.shard;
-    for (;;) {
-      const std::uint64_t number = test.next++ * shard.count + shard.index - 1;
-      if (number >= design.size()) break;
-      if (!test.begun.contains(number)) return begun_now({current_, number, false, design.At(number), {}});
-    }
+    const LoadedTest& test = tests_[i];
+    // The next case of a search may follow from an outcome that is missing.
+    const bool waits = test.search && !test.search->ends && test.next < options_.search;
+    if (i == current_ && !waits) ++current_;
   }
   return std::nullopt;
+}
+
+std::optional<CaseSession::Job> CaseSession::NextJobOf(std::size_t number) {
+  LoadedTest& test = tests_[number];
+  if (!test.first.empty()) {
+    Job job = std::move(test.first.front());
+    test.first.pop_front();
+    return job;
+  }
+  if (test.search) {
+    if (test.first_open > 0 || test.search->ends || test.next >= options_.search) return std::nullopt;
+    std::optional<CaseSearch::Proposal> proposal = test.search->cases.Next();
+    if (!proposal) return std::nullopt;
+    ++test.next;
+    return Job{number, proposal->number, false, std::move(proposal->draws), {}};
+  }
+  const Shard& shard = options_.shard;
+  const CaseDesign& design = test.file->design();
+  for (;;) {
+    const std::uint64_t next = test.next++ * shard.count + shard.index - 1;
+    if (next >= design.size()) return std::nullopt;
+    if (!test.begun.contains(next)) return Job{number, next, false, design.At(next), {}};
+  }
 }
 
 std::string CaseSession::CommandOf(const LoadedTest& test, const TestCase& draws) const {
@@ -208,16 +196,82 @@ void CaseSession::ShowProgress(bool end) {
 
 void CaseSession::Finish(const Job& job, CaseOutcome outcome) {
   LoadedTest& test = tests_[job.test];
-  ++done_;
   const double seconds = SecondsSince(job.began);
-  if (test.search) test.search->Add(job.draws, outcome);
+  if (test.search) {
+    FinishSearched(test, {job, std::move(outcome), seconds});
+  } else {
+    Report(job, std::move(outcome), seconds);
+  }
+  ShowProgress(false);
+}
+
+// The cases up to the first that does not pass, whatever else has been run beside it.
+void CaseSession::FinishSearched(LoadedTest& test, Found found) {
+  Search& search = *test.search;
+  const bool passed = found.outcome.verdict == CaseVerdict::kPassed;
+  const std::uint64_t number = found.job.number;
+  if (found.job.kept) {
+    Report(found.job, found.outcome, found.seconds);
+    search.known_cases.emplace(number, std::move(found));
+    search.ends = search.ends || !passed;
+    if (--test.first_open > 0) return;
+    if (search.ends) planned_ -= options_.search;
+    for (const auto& [_, known] : search.known_cases) {
+      if (known.job.draws.size() == test.file->design().variations().size())
+        search.cases.AddKnown(known.job.draws, known.outcome);
+    }
+    search.known_cases.clear();
+    return;
+  }
+  search.cases.Add(number, found.outcome);
+  search.ends = search.ends || !passed;
+  search.waiting.emplace(number, std::move(found));
+  while (search.waiting.contains(search.reported)) {
+    auto next = search.waiting.extract(search.reported);
+    const bool ends = next.mapped().outcome.verdict != CaseVerdict::kPassed;
+    Report(next.mapped().job, std::move(next.mapped().outcome), next.mapped().seconds);
+    if (ends) planned_ -= options_.search - search.reported - 1;
+    // Cases of greater numbers are none of the search: with fewer jobs they would not have begun.
+    search.reported = ends ? options_.search : search.reported + 1;
+  }
+}
+
+void CaseSession::Report(const Job& job, CaseOutcome outcome, double seconds) {
+  LoadedTest& test = tests_[job.test];
+  ++done_;
+  const Place place{!job.kept, job.number};
+  const auto keep_first = [&](auto& list, auto value, std::size_t most) {
+    list.emplace(place, std::move(value));
+    if (list.size() > most) list.erase(std::prev(list.end()));
+  };
   ReportedCase reported{job.number, job.kept, job.draws, std::move(outcome)};
+  if (reported.outcome.verdict == CaseVerdict::kFailed) {
+    ++test.failing_count;
+    keep_first(test.failing, job.draws, kMaxKeptCases);
+  }
   if (reported.outcome.verdict != CaseVerdict::kPassed) {
     reported.command = CommandOf(test, job.draws);
-    if (++test.faults <= kMaxPrinted) faults_.emplace_back(job.test, reported);
+    ++test.fault_count;
+    keep_first(test.faults, reported, kMaxPrinted);
   }
   report_.AddCase(job.test, std::move(reported), seconds);
-  ShowProgress(false);
+}
+
+void CaseSession::KeepFailing(const LoadedTest& test) const {
+  if (!options_.keep_failing || !options_.fixed.empty() || test.failing.empty()) return;
+  std::vector<TestCase> failing;
+  for (const auto& [place, draws] : test.failing) failing.push_back(draws);
+  const Result<std::size_t> left_out = KeepCases(*test.file, failing);
+  if (!left_out.ok()) {
+    PrintPlain(stderr, "warning: {}\n", left_out.error().ToString());
+  } else if (const std::uint64_t count = left_out.value() + test.failing_count - failing.size(); count > 0) {
+    PrintPlain(stderr, "{}: warning: {} failing cases are not kept: its file of kept cases has no more than {}\n",
+               test.file->path(), count, kMaxKeptCases);
+  }
+}
+
+std::string CaseSession::FolderOf(std::size_t test, std::uint64_t number) const {
+  return fmt::format("{}-{}", file_names_[test], number);
 }
 
 Result<bool> CaseSession::Run(SignalWatch& signals) {
@@ -231,21 +285,22 @@ Result<bool> CaseSession::Run(SignalWatch& signals) {
     scratch.emplace();
     if (scratch->path().empty()) return Failure("cannot make a folder for temporary files");
   }
-  WorkerPool pool(options_.jobs, [this](const std::string& text, const ProgressFunction& progress) {
+  WorkerPool pool(options_.jobs, [this, &scratch](const std::string& text, const ProgressFunction& progress) {
     const JsonReader request = ReadMessage(text);
-    const json reply = PerformCaseWork(*tests_[request.Get<std::size_t>("test")].worlds, request, progress);
-    return reply.dump(-1, ' ', false, json::error_handler_t::replace);
+    const auto test = request.Get<std::size_t>("test");
+    // Names of folders need not be UTF-8, so that no request has one.
+    std::filesystem::path folder = scratch ? scratch->path() : "";
+    if (request.Get<std::string>("kind") == "keep") {
+      folder = std::filesystem::path(options_.folder) / FolderOf(test, request.Get<std::uint64_t>("number"));
+    }
+    return JsonText(PerformCaseWork(*tests_[test].worlds, request, folder, progress));
   });
   std::map<std::string, Job> jobs;  // by request
   const auto next = [&]() -> std::optional<std::string> {
     std::optional<Job> job = NextJob();
     if (!job) return std::nullopt;
-    std::string request = json{{"kind", "run"},
-                               {"test", job->test},
-                               {"number", job->number},
-                               {"case", CaseToJson(job->draws)},
-                               {"scratch", scratch ? scratch->path() : ""}}
-                              .dump();
+    std::string request =
+        json{{"kind", "run"}, {"test", job->test}, {"number", job->number}, {"case", CaseToJson(job->draws)}}.dump();
     jobs.emplace(request, std::move(*job));
     return request;
   };
@@ -275,22 +330,15 @@ Result<bool> CaseSession::Run(SignalWatch& signals) {
     for (const auto& [request, job] : jobs) leave(job);
     while (const std::optional<Job> job = NextJob()) leave(*job);
   }
-  // In the order of their numbers, those that were kept first, whatever the order of their ends.
-  std::sort(faults_.begin(), faults_.end(), [](const auto& a, const auto& b) {
-    const auto place = [](const auto& fault) {
-      return std::tuple(fault.first, !fault.second.kept, fault.second.number);
-    };
-    return place(a) < place(b);
-  });
+  for (std::size_t i = 0; i < tests_.size(); ++i) {
+    for (auto& [place, fault] : tests_[i].faults) faults_.emplace_back(i, std::move(fault));
+  }
   Result<bool> examined = options_.keep_failing ? Examine(pool, ran.value(), stop, signals.descriptor()) : ran;
-  for (const auto& [test, fault] : faults_) Print(fault, tests_[test]);
+  for (const auto& [test, fault] : faults_) Print(fault, report_.test(test));
   for (const LoadedTest& test : tests_) {
-    if (test.faults > kMaxPrinted)
-      PrintPlain(stdout, "{}: {} more that did not pass\n", test.file->path(), test.faults - kMaxPrinted);
-    if (test.new_failing.empty() || options_.shard.count > 1) continue;
-    if (const Status status = test.kept.Write(*test.file, test.new_failing); !status.ok()) {
-      PrintPlain(stderr, "warning: {}\n", status.error().ToString());
-    }
+    if (test.fault_count > kMaxPrinted)
+      PrintPlain(stdout, "{}: {} more that did not pass\n", test.file->path(), test.fault_count - kMaxPrinted);
+    KeepFailing(test);
   }
   return examined;
 }
@@ -314,9 +362,6 @@ Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::fu
   }
   Result<bool> examined = going_on;
   if (going_on && options_.shrink && options_.fixed.empty()) examined = Shrink(work);
-  if (options_.fixed.empty()) {
-    for (const auto& [i, small] : work.smallest) tests_[faults_[i].first].new_failing.push_back(small.first);
-  }
   if (!examined.ok() || !examined.value() || options_.folder.empty()) return examined;
   return Keep(work);
 }
@@ -331,7 +376,7 @@ Result<bool> CaseSession::ForEachChosen(FaultWork& work, const WorkLimits& limit
     json request = request_for(i);
     request["fault"] = i;
     request["test"] = faults_[i].first;
-    return request.dump();
+    return JsonText(request);
   };
   const auto done = [&](const std::string& request, const Result<std::string>& reply) {
     const auto i = ReadMessage(request).Get<std::size_t>("fault");
@@ -364,17 +409,11 @@ Result<bool> CaseSession::Shrink(FaultWork& work) {
 }
 
 Result<bool> CaseSession::Keep(FaultWork& work) {
-  std::vector<std::string> paths;
-  for (const LoadedTest& test : tests_) paths.push_back(test.file->path());
-  const std::vector<std::string> names = FileNamesOf(paths);
   const auto request_for = [&](std::size_t i) {
     auto& [test, fault] = faults_[i];
     const auto& [draws, outcome] = work.smallest[i];
-    fault.folder = fmt::format("{}-{}", names[test], fault.number);
-    return json{{"kind", "keep"},
-                {"case", CaseToJson(draws)},
-                {"outcome", ToJson(outcome)},
-                {"folder", (std::filesystem::path(options_.folder) / fault.folder).string()}};
+    fault.folder = FolderOf(test, fault.number);
+    return json{{"kind", "keep"}, {"number", fault.number}, {"case", CaseToJson(draws)}, {"outcome", ToJson(outcome)}};
   };
   const auto use = [&](std::size_t i, const JsonReader& answer) -> std::string {
     auto& [test, fault] = faults_[i];
@@ -389,25 +428,10 @@ Result<bool> CaseSession::Keep(FaultWork& work) {
   return ForEachChosen(work, {}, request_for, use);
 }
 
-void CaseSession::Print(const ReportedCase& fault, const LoadedTest& test) const {
-  const CaseOutcome& outcome = fault.outcome;
-  PrintPlain(stdout, "{} {}: {}\n", outcome.verdict == CaseVerdict::kFailed ? "FAILED" : "ERROR", test.file->name(),
+void CaseSession::Print(const ReportedCase& fault, const ReportedTest& test) const {
+  PrintPlain(stdout, "{} {}: {}\n", fault.outcome.verdict == CaseVerdict::kFailed ? "FAILED" : "ERROR", test.name,
              NameOfCase(fault.draws));
-  if (!outcome.error.empty()) PrintPlain(stdout, "  {}\n", outcome.error);
-  for (std::size_t i = 0; i < outcome.expectations.size(); ++i) {
-    const ExpectationOutcome& each = outcome.expectations[i];
-    if (each.holds) continue;
-    const std::string tick = each.cause_tick ? fmt::format(" at tick {}", *each.cause_tick) : "";
-    const std::string names = each.causes.empty() ? "" : fmt::format(" of {}", fmt::join(each.causes, ", "));
-    PrintPlain(stdout, "  {}: fails{}{}, robustness {:.4g}\n", test.file->expect()[i].name, tick, names,
-               each.robustness);
-  }
-  PrintPlain(stdout, "  repeat: {}\n", fault.command);
-  if (!fault.shrunk.empty()) PrintPlain(stdout, "  smallest: {}\n", fault.shrunk);
-  const std::filesystem::path folder = std::filesystem::path(options_.folder) / fault.folder;
-  if (!fault.recording.empty()) PrintPlain(stdout, "  recording: {}\n", (folder / fault.recording).string());
-  if (!fault.page.empty()) PrintPlain(stdout, "  page: {}\n", (folder / fault.page).string());
-  if (!fault.picture.empty()) PrintPlain(stdout, "  picture: {}\n", (folder / fault.picture).string());
+  for (const std::string& line : FaultLines(test, fault, options_.folder)) PrintPlain(stdout, "  {}\n", line);
 }
 
 std::vector<std::string> CaseSession::Summary() const {

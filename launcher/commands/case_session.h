@@ -4,7 +4,8 @@
 // This process plans and reports; workers (testing/cases/worker_pool.h) run cases, so that a case that crashes or does
 // not end costs one case and not the session. Outcomes arrive in any order; faults are printed in that of cases. A
 // case depends on its test and its draws only, never on the worker, the number of jobs or earlier cases: that is why a
-// failing case can be repeated by one command, and shards need no coordination.
+// failing case can be repeated by one command, and shards need no coordination. What is printed, kept and searched next
+// follows from the numbers of cases, too, and not from the order of their ends.
 //
 // Order of work: cases that failed in earlier sessions, then the design or the search, then shrinking of the first
 // faults.
@@ -23,6 +24,7 @@
 #include <vector>
 
 #include "testing/cases/case_run.h"
+#include "testing/cases/case_search.h"
 #include "testing/cases/kept_cases.h"
 #include "testing/cases/shrink.h"
 #include "testing/cases/test_file.h"
@@ -30,14 +32,6 @@
 #include "troupe/result.h"
 
 namespace troupe {
-
-// A part of all cases: those whose numbers are `index` - 1 modulo `count`.
-struct Shard {
-  std::uint64_t index = 1;
-  std::uint64_t count = 1;
-};
-// "2/4"; nothing for any other text.
-std::optional<Shard> ParseShard(const std::string& text);
 
 class SignalWatch;
 
@@ -79,22 +73,46 @@ class CaseSession {
     TestCase draws;
     std::chrono::steady_clock::time_point began;
   };
+  // The order in which cases are reported: those that were kept beside the design first.
+  using Place = std::pair<bool, std::uint64_t>;  // whether it is of the design, number
+  // A case of a search whose outcome waits for those of smaller numbers.
+  struct Found {
+    Job job;
+    CaseOutcome outcome;
+    double seconds = 0.0;
+  };
+  struct Search {
+    explicit Search(const CaseDesign& design) : cases(design) {}
+    CaseSearch cases;
+    std::map<std::uint64_t, Found> known_cases;  // kept ones
+    std::map<std::uint64_t, Found> waiting;
+    std::uint64_t reported = 0;  // of its cases, the first ones
+    bool ends = false;           // a case did not pass: no further one begins
+  };
   struct LoadedTest {
     std::unique_ptr<TestFile> file;
     std::unique_ptr<CaseWorlds> worlds;
-    KeptCases kept;                 // that failed in earlier sessions
-    std::deque<Job> first;          // of them, those that have not begun
-    std::set<std::uint64_t> begun;  // of the design, the kept ones
+    std::deque<Job> first;          // that failed in earlier sessions, and have not begun
+    std::size_t first_open = 0;     // of them, those that have not ended
+    std::set<std::uint64_t> begun;  // of them, those of the design
     std::uint64_t next = 0;         // of the other cases of the design's shard, or of the search
-    std::unique_ptr<CaseSearch> search;
-    std::vector<TestCase> new_failing;  // for the file
-    std::size_t faults = 0;
+    std::optional<Search> search;
+    std::map<Place, TestCase> failing;     // for the file of kept cases: the first kMaxKeptCases
+    std::map<Place, ReportedCase> faults;  // the first kMaxPrinted
+    std::uint64_t fault_count = 0;
+    std::uint64_t failing_count = 0;
   };
 
   Status LoadTest(const std::string& path);
   void ReadKept(LoadedTest& test);
   std::optional<Job> NextJob();
+  std::optional<Job> NextJobOf(std::size_t number);
   void Finish(const Job& job, CaseOutcome outcome);
+  void FinishSearched(LoadedTest& test, Found found);
+  void Report(const Job& job, CaseOutcome outcome, double seconds);
+  void KeepFailing(const LoadedTest& test) const;
+  // Of the recording and pictures of a case, in the folder of the report.
+  std::string FolderOf(std::size_t test, std::uint64_t number) const;
   // The smallest cases, recordings and pictures of the first faults, unless it was interrupted (`going_on` is false);
   // the cases are kept all the same. False: interrupted.
   Result<bool> Examine(WorkerPool& pool, bool going_on, const std::function<bool()>& stop, int stop_descriptor);
@@ -114,14 +132,15 @@ class CaseSession {
                              const std::function<std::string(std::size_t, const JsonReader&)>& use);
   Result<bool> Shrink(FaultWork& work);
   Result<bool> Keep(FaultWork& work);
-  void Print(const ReportedCase& fault, const LoadedTest& test) const;
+  void Print(const ReportedCase& fault, const ReportedTest& test) const;
   std::string CommandOf(const LoadedTest& test, const TestCase& draws) const;
   void ShowProgress(bool end);
 
   const CaseSessionOptions options_;
   std::vector<LoadedTest> tests_;
+  std::vector<std::string> file_names_;  // of the tests, for folders
   CaseReport report_;
-  std::size_t current_ = 0;  // test of the next job
+  std::size_t current_ = 0;  // tests before it have no further job
   std::uint64_t planned_ = 0;
   std::uint64_t done_ = 0;
   std::vector<std::pair<std::size_t, ReportedCase>> faults_;  // to be examined, with their tests

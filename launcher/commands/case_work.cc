@@ -66,8 +66,8 @@ Status WriteScenario(const TestFile& test, const TestCase& draws, const std::str
 
 // The case in processes has the hashes of the case in this one.
 Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::vector<std::uint64_t>& hashes,
-                        const std::string& scratch, const ProgressFunction& progress) {
-  const std::string base = fmt::format("{}/{}", scratch, getpid());
+                        const std::filesystem::path& scratch, const ProgressFunction& progress) {
+  const std::string base = (scratch / std::to_string(getpid())).string();
   const std::string scenario = base + ".json";
   const std::string log = base + ".hashes";
   if (Status error = WriteScenario(test, draws, scenario); !error.ok()) return error;
@@ -97,8 +97,8 @@ Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::
   return Failure(fmt::format("the run in processes has {} states, the run in one {}", compared, hashes.size()));
 }
 
-json Run(const CaseWorlds& worlds, const TestCase& draws, const JsonReader& request, const ProgressFunction& progress) {
-  const auto scratch = request.Get<std::string>("scratch");
+json Run(const CaseWorlds& worlds, const TestCase& draws, const std::filesystem::path& scratch,
+         const ProgressFunction& progress) {
   CaseRunOptions options;
   options.hashes = !scratch.empty();
   options.progress = progress;
@@ -132,8 +132,7 @@ Status WriteCasePage(const std::string& file, const StaticPageOptions& page) {
 }
 
 json Keep(const CaseWorlds& worlds, const TestCase& draws, const JsonReader& request,
-          const ProgressFunction& progress) {
-  const std::filesystem::path folder(request.Get<std::string>("folder"));
+          const std::filesystem::path& folder, const ProgressFunction& progress) {
   const CaseOutcome outcome = ReadOutcome(request.Find("outcome").value());
   const auto failed = std::find_if(outcome.expectations.begin(), outcome.expectations.end(),
                                    [](const ExpectationOutcome& each) { return !each.holds; });
@@ -172,11 +171,13 @@ json Keep(const CaseWorlds& worlds, const TestCase& draws, const JsonReader& req
 
 }  // namespace
 
-json PerformCaseWork(const CaseWorlds& worlds, const JsonReader& request, const ProgressFunction& progress) {
+json PerformCaseWork(const CaseWorlds& worlds, const JsonReader& request, const std::filesystem::path& folder,
+                     const ProgressFunction& progress) {
   const auto kind = request.Get<std::string>("kind");
   const TestCase draws = ReadCase(request.Find("case").value());
   if (kind == "shrink") return Shrink(worlds, draws, request, progress);
-  return kind == "keep" ? Keep(worlds, draws, request, progress) : Run(worlds, draws, request, progress);
+  if (kind == "keep") return Keep(worlds, draws, request, folder, progress);
+  return Run(worlds, draws, folder, progress);
 }
 
 }  // namespace troupe

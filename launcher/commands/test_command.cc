@@ -16,6 +16,7 @@
 #include "common/base/print.h"
 #include "launcher/commands/case_session.h"
 #include "launcher/commands/commands.h"
+#include "launcher/hosts/host.h"
 #include "launcher/process/process.h"
 #include "recording/recording.h"
 #include "testing/expectations/tick_view.h"
@@ -47,6 +48,11 @@ std::string CheckShard(const std::string& text) {
   return ParseShard(text) ? "" : "found '" + text + "', expected I/N with I from 1 to N, for instance 2/4";
 }
 
+// Of the report, and of recordings and pictures.
+std::string FolderOf(const TestArguments& arguments) {
+  return arguments.report.empty() ? kDefaultFolder : arguments.report;
+}
+
 Result<CaseSessionOptions> SessionOptions(const TestArguments& arguments) {
   CaseSessionOptions options;
   options.jobs = arguments.jobs;
@@ -59,9 +65,7 @@ Result<CaseSessionOptions> SessionOptions(const TestArguments& arguments) {
   options.processes = arguments.processes;
   options.case_timeout = arguments.case_timeout;
   // A case that is repeated leaves no files that were not asked for.
-  if (!arguments.report.empty() || arguments.fixed.empty()) {
-    options.folder = arguments.report.empty() ? kDefaultFolder : arguments.report;
-  }
+  if (!arguments.report.empty() || arguments.fixed.empty()) options.folder = FolderOf(arguments);
   return options;
 }
 
@@ -96,7 +100,7 @@ Status CheckOutputs(const TestArguments& arguments, const std::function<std::vec
 
 Status WriteReports(const CaseReport& report, const TestArguments& arguments) {
   if (!arguments.junit.empty()) {
-    if (Status error = WriteWholeFile(arguments.junit, report.JUnit()); !error.ok()) return error;
+    if (Status error = WriteWholeFile(arguments.junit, report.JUnit(FolderOf(arguments))); !error.ok()) return error;
   }
   if (arguments.report.empty()) return {};
   if (Status error = report.Write(arguments.report); !error.ok()) return error;
@@ -104,8 +108,8 @@ Status WriteReports(const CaseReport& report, const TestArguments& arguments) {
   return {};
 }
 
-// The expectations of a test on a recording.
-Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path) {
+// Adds a test, and its outcome on a recording, to the report.
+Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path, CaseReport& report) {
   const Result<Recording> recording = OpenToReplay(path);
   if (!recording.ok()) return recording.error();
   const CaseWorlds worlds(test);
@@ -129,40 +133,65 @@ Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path)
   };
   const Result<ReplayReport> replayed = RunReplay(recording.value(), options).Run();
   if (!replayed.ok()) return replayed.error();
-  const ReplayReport& report = replayed.value();
-  const std::optional<std::string>& fault = report.difference ? report.difference : report.damage;
+  const ReplayReport& end = replayed.value();
+  const std::optional<std::string>& fault = end.difference ? end.difference : end.damage;
   if (fault) return Error{{path}, *fault, ErrorCode::kFailure};
   CaseOutcome outcome;
-  outcome.ticks = report.last;
-  outcome.state_hash = report.state_hash;
+  outcome.ticks = end.last;
+  outcome.state_hash = end.state_hash;
   outcome.tick_seconds = recording.value().run().world.interval_seconds();
   monitors.value().Finish(outcome);
+  ReportedTest reported = ReportOf(test, monitors.value());
+  reported.vary.clear();
+  reported.cases = 1;
+  report.AddTest(reported);
   return outcome;
+}
+
+void PrintOutcome(const TestFile& test, const CaseOutcome& outcome) {
+  for (std::size_t i = 0; i < test.expect().size(); ++i) {
+    const ExpectationOutcome& each = outcome.expectations[i];
+    const std::string tick = each.cause_tick ? fmt::format(", decided by tick {}", *each.cause_tick) : "";
+    const std::string names = each.causes.empty() ? "" : fmt::format(" and {}", fmt::join(each.causes, ", "));
+    PrintPlain(stdout, "{} {}: robustness {:.4g}{}{}\n", each.holds ? "holds" : "FAILS", test.expect()[i].name,
+               each.robustness, tick, names);
+  }
+  for (std::size_t i = 0; i < test.metrics().size(); ++i) {
+    const std::optional<double>& metric = outcome.metrics[i];
+    PrintPlain(stdout, "{}: {}\n", test.metrics()[i].name, metric ? fmt::format("{:.6g}", *metric) : "none");
+  }
 }
 
 int TestOnRecording(const TestArguments& arguments) {
   const Result<std::vector<std::string>> files = FindTests(arguments.files);
   if (!files.ok()) return Fail(files.error());
-  bool failed = false;
+  std::vector<TestFile> tests;
   for (const std::string& path : files.value()) {
-    const Result<TestFile> test = TestFile::Read(path);
+    Result<TestFile> test = TestFile::Read(path);
     if (!test.ok()) return Fail(test.error());
-    const Result<CaseOutcome> outcome = TestRecording(test.value(), arguments.recording);
-    if (!outcome.ok()) return Fail(outcome.error());
-    for (std::size_t i = 0; i < test.value().expect().size(); ++i) {
-      const ExpectationOutcome& each = outcome.value().expectations[i];
-      failed = failed || !each.holds;
-      const std::string tick = each.cause_tick ? fmt::format(", decided by tick {}", *each.cause_tick) : "";
-      const std::string names = each.causes.empty() ? "" : fmt::format(" and {}", fmt::join(each.causes, ", "));
-      PrintPlain(stdout, "{} {}: robustness {:.4g}{}{}\n", each.holds ? "holds" : "FAILS",
-                 test.value().expect()[i].name, each.robustness, tick, names);
-    }
-    for (std::size_t i = 0; i < test.value().metrics().size(); ++i) {
-      const std::optional<double>& metric = outcome.value().metrics[i];
-      PrintPlain(stdout, "{}: {}\n", test.value().metrics()[i].name, metric ? fmt::format("{:.6g}", *metric) : "none");
-    }
+    tests.push_back(std::move(test).value());
   }
-  return failed ? kExitExpectationFailed : kExitDone;
+  const Status outputs = CheckOutputs(arguments, [&] {
+    std::vector<std::string> inputs = {arguments.recording};
+    for (const TestFile& test : tests) inputs.insert(inputs.end(), {test.path(), test.scenario_path()});
+    return inputs;
+  });
+  if (!outputs.ok()) return Fail(outputs.error());
+  CaseReport report;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    Result<CaseOutcome> outcome = TestRecording(tests[i], arguments.recording, report);
+    if (!outcome.ok()) return Fail(outcome.error());
+    PrintOutcome(tests[i], outcome.value());
+    ReportedCase reported{0, false, {}, std::move(outcome).value()};
+    if (reported.outcome.verdict != CaseVerdict::kPassed) {
+      reported.command =
+          fmt::format("troupe test {} --on {}", ShellQuoted(tests[i].path()), ShellQuoted(arguments.recording));
+    }
+    report.AddCase(i, std::move(reported));
+  }
+  for (const std::string& name : report.Uncovered()) PrintPlain(stdout, "not covered: {}\n", name);
+  if (const Status status = WriteReports(report, arguments); !status.ok()) return Fail(status.error());
+  return report.Count(CaseVerdict::kFailed) > 0 ? kExitExpectationFailed : kExitDone;
 }
 
 // With the verdicts of tests, or as a sweep, in which only a case that cannot be run is a failure.
@@ -202,22 +231,18 @@ int Merge(const TestArguments& arguments) {
   }
   const Status outputs = CheckOutputs(arguments, [&] { return inputs; });
   if (!outputs.ok()) return Fail(outputs.error());
-  for (const std::string& input : inputs) {
-    if (const Status status = report.AddLines(input); !status.ok()) {
-      return Fail(status.error());
-    }
+  for (const std::string& folder : arguments.merged) {
+    if (const Status status = report.Merge(folder, arguments.report); !status.ok()) return Fail(status.error());
   }
+  if (const Status status = report.FinishMerge(); !status.ok()) return Fail(status.error());
   if (const Status status = WriteReports(report, arguments); !status.ok()) return Fail(status.error());
   return kExitDone;
 }
 
 int SweepCommand(const TestArguments& arguments) {
-  if (arguments.merged.empty() == arguments.files.empty()) {
-    return Fail({{},
-                 arguments.files.empty() ? "found no FILE, expected a test, or --merge with folders of sweeps"
-                                         : "found FILE beside --merge, expected one of the two"});
-  }
-  return arguments.merged.empty() ? RunCases(arguments, Purpose::kSweep) : Merge(arguments);
+  if (!arguments.merged.empty()) return Merge(arguments);
+  if (!arguments.files.empty()) return RunCases(arguments, Purpose::kSweep);
+  return Fail({{}, "found no FILE, expected a test, or --merge with folders of sweeps"});
 }
 
 void AddCommonOptions(CLI::App& command, TestArguments& arguments) {
@@ -234,6 +259,10 @@ void AddCommonOptions(CLI::App& command, TestArguments& arguments) {
                   "End a case that takes longer, as an error (default: one that takes 60 s for a tick)")
       ->check(PositiveNumber())
       ->type_name("SECONDS");
+  command.add_option("--junit", arguments.junit, "Write the verdicts as JUnit XML")
+      ->check(NotEmpty())
+      ->type_name("FILE")
+      ->group("Reports");
 }
 
 }  // namespace
@@ -246,33 +275,24 @@ void AddTestCommand(CLI::App& app, int& exit_status) {
       ->check(NotEmpty())
       ->type_name("");
   AddCommonOptions(*command, *arguments);
-  CLI::Option* const fixed = command->add_option("--case", arguments->fixed, "Run the cases with these draws only")
-                                 ->type_name("NAME=VALUE,...");
-  CLI::Option* const search =
-      command
-          ->add_option("--search", arguments->search,
-                       "Run up to N cases in search of one that fails, near those that nearly fail")
-          ->check(WholeNumber(1, kMaxCases))
-          ->type_name("N");
-  search->excludes(fixed);
+  command->add_option("--case", arguments->fixed, "Run the cases with these draws only")->type_name("NAME=VALUE,...");
+  command
+      ->add_option("--search", arguments->search,
+                   "Run up to N cases in search of one that fails, near those that nearly fail")
+      ->check(WholeNumber(1, kMaxCases))
+      ->type_name("N");
   command->add_flag("--no-shrink", arguments->no_shrink, "Do not look for the smallest case that fails");
   command->add_flag("--processes", arguments->processes,
                     "Run each case by a world service and robot processes, too, and require the same hashes");
-  CLI::Option* const on = command->add_option("--on", arguments->recording, "Test a recorded run instead of the cases")
-                              ->check(NotEmpty())
-                              ->type_name("RECORDING.mcap");
-  on->excludes(fixed)->excludes(search);
-  const char* group = "Reports";
-  command->add_option("--junit", arguments->junit, "Write the verdicts as JUnit XML")
+  command->add_option("--on", arguments->recording, "Test a recorded run instead of the cases")
       ->check(NotEmpty())
-      ->type_name("FILE")
-      ->group(group);
+      ->type_name("RECORDING.mcap");
   command
       ->add_option("--report", arguments->report,
                    "Write a page, a table, plots, and the recordings of cases that fail into a folder")
       ->check(NotEmpty())
       ->type_name("DIR")
-      ->group(group);
+      ->group("Reports");
   command->final_callback([arguments, &exit_status] {
     exit_status = arguments->recording.empty() ? RunCases(*arguments, Purpose::kTest) : TestOnRecording(*arguments);
   });

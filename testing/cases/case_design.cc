@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <set>
 #include <tuple>
 
@@ -18,6 +19,20 @@ constexpr std::uint64_t kPairCandidates = 30;   // of these, at most: the best i
 constexpr std::uint64_t kCandidateTries = 20;   // of the random numbers of a candidate
 
 }  // namespace
+
+std::string Shard::ToString() const {
+  return fmt::format("{}/{}", index, count);
+}
+
+std::optional<Shard> ParseShard(std::string_view text) {
+  Shard shard;
+  const char* const end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, shard.index);
+  if (index.ec != std::errc() || index.ptr == end || *index.ptr != '/') return std::nullopt;
+  const auto count = std::from_chars(index.ptr + 1, end, shard.count);
+  if (count.ec != std::errc() || count.ptr != end || shard.index < 1 || shard.index > shard.count) return std::nullopt;
+  return shard;
+}
 
 Result<CaseDesign> CaseDesign::Make(std::vector<Variation> variations, std::vector<Constraint> constraints,
                                     const DesignSettings& settings) {

@@ -12,7 +12,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,6 +35,18 @@ struct DesignSettings {
 
 // More cases than these are a mistake.
 inline constexpr std::uint64_t kMaxCases = 10'000'000;
+
+// A part of all cases: those whose numbers are `index` - 1 modulo `count`.
+struct Shard {
+  std::uint64_t index = 1;  // from 1 to `count`
+  std::uint64_t count = 1;
+
+  std::string ToString() const;
+  bool Has(std::uint64_t number) const { return number % count == index - 1; }
+  bool operator==(const Shard&) const = default;
+};
+// "2/4"; nothing for any other text.
+std::optional<Shard> ParseShard(std::string_view text);
 
 class CaseDesign {
  public:

@@ -2,11 +2,16 @@
 // place of .json): one on each line, as --case has it. They run first in each later session, so that a repaired fault
 // stays repaired.
 //
-// The file is meant for version control: a text without dates, in a stable order, at most a hundred lines. A line that
-// the test cannot make any more (a variation has changed) is a warning and not an error; it stays out of the run. Read
-// at the beginning of a session and written at its end, by the command's own thread.
+// A kept case is a whole one, with the draws of `vary`, and is judged by all expectations: of a smaller case, which
+// shrinking has made for one of them, the others may not hold, and it would fail for ever.
+//
+// The file is meant for version control, and its lines are the user's: comments, order and lines that are no case of
+// the test at present (a variation has changed) stay; those are a warning. So a session only appends to it, under a
+// lock, and shards of one machine can share it. Read at the beginning of a session and appended to at its end, by the
+// command's own thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,23 +24,20 @@ namespace troupe {
 
 struct KeptCase {
   TestCase draws;
-  std::optional<std::uint64_t> number;  // in the design; nothing: a case beside it, a smaller one in general
+  std::optional<std::uint64_t> number;  // in the design; nothing: beside it, as of a search
 };
 
-class KeptCases {
- public:
-  // A file that does not exist has no cases. The error: it cannot be read. Lines that are no case of the test (any
-  // more) are left out, and named in `warnings`.
-  static Result<KeptCases> Read(const TestFile& test, std::vector<std::string>& warnings);
+// Lines that a session can add to the file: more failing cases are one fault most often.
+inline constexpr std::size_t kMaxKeptCases = 1000;
 
-  static std::string PathOf(const TestFile& test);
+std::string KeptCasesPath(const TestFile& test);
 
-  const std::vector<KeptCase>& cases() const { return cases_; }
-  // Adds `failing`, without those that are there, up to a hundred cases, and writes the file.
-  Status Write(const TestFile& test, const std::vector<TestCase>& failing) const;
+// A file that does not exist has no cases. The error: it cannot be read. `warnings`: lines that are no case of the
+// test.
+Result<std::vector<KeptCase>> ReadKeptCases(const TestFile& test, std::vector<std::string>& warnings);
 
- private:
-  std::vector<KeptCase> cases_;
-};
+// Appends those of the failing cases that the file does not have; a file of kMaxKeptCases cases stays as it is. The
+// result: the number of cases that have found no place. The error: it cannot be written, and is as before.
+Result<std::size_t> KeepCases(const TestFile& test, const std::vector<TestCase>& failing);
 
 }  // namespace troupe

@@ -6,14 +6,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "troupe/random.h"
-
 namespace troupe {
 namespace {
-
-constexpr std::uint64_t kSearchStream = 0x7365'6172'6368;
-constexpr std::size_t kMaxNear = 5;        // cases that are kept for each expectation
-constexpr std::uint64_t kMaxRepeats = 50;  // draws until a case is new
 
 // Robots and objects that stand by themselves.
 std::vector<std::string> EntitiesOf(const WorldDescription& world) {
@@ -200,52 +194,6 @@ class Shrinker {
 ShrunkCase ShrinkCase(const CaseWorlds& worlds, const TestCase& draws, std::size_t expectation,
                       const ShrinkBudget& budget, const ProgressFunction& progress) {
   return Shrinker(worlds, draws, expectation, budget, progress).Run();
-}
-
-TestCase CaseSearch::Propose() {
-  const std::uint64_t key = proposals_;
-  // The first cases, and one of four later ones, are random.
-  constexpr std::uint64_t kFirst = 10;
-  const bool known = std::any_of(nearest_.begin(), nearest_.end(), [](const auto& list) { return !list.empty(); });
-  if (proposals_ < kFirst || !known || RandomUniform({kSearchStream, key, 0}) < 0.25) return design_.Random(key);
-  const std::vector<Near>* list = &nearest_[key % nearest_.size()];
-  for (std::size_t i = 0; list->empty(); ++i) list = &nearest_[(key + i) % nearest_.size()];
-  // The nearest one most often.
-  const double chosen = RandomUniform({kSearchStream, key, 1});
-  TestCase draws = (*list)[static_cast<std::size_t>(chosen * chosen * static_cast<double>(list->size()))].draws;
-  // From half of all values to half a percent, on a logarithmic scale: wide steps find regions, small ones refine.
-  const double amount = 0.5 * std::pow(0.01, RandomUniform({kSearchStream, key, 2}));
-  const std::vector<Variation>& variations = design_.variations();
-  const std::uint64_t always = RandomBits({kSearchStream, key, 3}) % std::max<std::size_t>(variations.size(), 1);
-  for (std::size_t i = 0; i < variations.size(); ++i) {
-    if (i != always && RandomUniform({kSearchStream, key, 4, i}) < 0.5) continue;
-    draws[i].value = variations[i].Near(draws[i].value, amount, key, i);
-  }
-  return design_.MeetsConstraints(draws) ? draws : design_.Random(key);
-}
-
-TestCase CaseSearch::Next() {
-  TestCase draws;
-  for (std::uint64_t i = 0; i < kMaxRepeats; ++i) {
-    draws = Propose();
-    ++proposals_;
-    if (proposed_.insert(CaseText(draws)).second) break;
-  }
-  return draws;
-}
-
-void CaseSearch::Add(const TestCase& draws, const CaseOutcome& outcome) {
-  nearest_.resize(std::max(nearest_.size(), outcome.expectations.size()));
-  for (std::size_t i = 0; i < outcome.expectations.size(); ++i) {
-    const double robustness = outcome.expectations[i].robustness;
-    if (!std::isfinite(robustness)) continue;
-    // Each expectation has its own list: a robustness in metres and one in seconds have no common order.
-    std::vector<Near>& list = nearest_[i];
-    const auto place =
-        std::find_if(list.begin(), list.end(), [&](const Near& near) { return robustness < near.robustness; });
-    list.insert(place, {robustness, draws});
-    if (list.size() > kMaxNear) list.pop_back();
-  }
 }
 
 }  // namespace troupe

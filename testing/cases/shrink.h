@@ -1,21 +1,11 @@
-// From cases to better ones: the smallest case that fails as another one does, and a search for cases that come nearer
-// to failing.
+// ShrinkCase: the smallest case that fails as another one does.
 //
-// Shrinking tries candidates one after another in this process; each is a run of the simulation, so the budget is in
+// It tries candidates one after another in this process; each is a run of the simulation, so the budget is in
 // runs and seconds. It is greedy: the result is small, not proven smallest. Time decides only how far it comes, and
 // every case that it returns was run and fails by itself.
-//
-// The search uses robustness as a distance from failing, a number that plain true or false could not give. It is a
-// plain local search with random restarts: robustness over draws is neither smooth nor monotonic, so that a method with
-// gradients has nothing to follow.
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <optional>
-#include <set>
-#include <string>
-#include <vector>
+#include <cstddef>
 
 #include "testing/cases/case_run.h"
 
@@ -40,28 +30,5 @@ struct ShrunkCase {
 // hold in the case.
 ShrunkCase ShrinkCase(const CaseWorlds& worlds, const TestCase& draws, std::size_t expectation,
                       const ShrinkBudget& budget = {}, const ProgressFunction& progress = nullptr);
-
-// CaseSearch: proposes cases near those that came nearest to failing, and random ones between them. For each
-// expectation by itself, since robustness has its unit. The same outcomes give the same proposals.
-class CaseSearch {
- public:
-  explicit CaseSearch(const CaseDesign& design) : design_(design) {}
-
-  // A case that was not proposed before, if a few draws find one.
-  TestCase Next();
-  void Add(const TestCase& draws, const CaseOutcome& outcome);
-
- private:
-  struct Near {
-    double robustness = 0.0;
-    TestCase draws;
-  };
-  TestCase Propose();
-
-  const CaseDesign& design_;
-  std::uint64_t proposals_ = 0;
-  std::set<std::string> proposed_;
-  std::vector<std::vector<Near>> nearest_;  // by expectation; the nearest to failing first
-};
 
 }  // namespace troupe

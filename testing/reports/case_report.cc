@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "common/base/file.h"
+#include "common/base/json.h"
 #include "common/base/text.h"
 #include "testing/reports/svg_plot.h"
 
@@ -19,6 +20,8 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMaxLineBytes = 2'000'000'000;
+constexpr std::size_t kMaxNamedShards = 20;  // in one message
+constexpr std::size_t kMaxPathShown = 200;
 
 std::string CsvField(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
@@ -27,37 +30,43 @@ std::string CsvField(const std::string& text) {
   return quoted + "\"";
 }
 
-// What failed, in a few lines.
-std::string Problem(const ReportedTest& test, const ReportedCase& fault) {
-  if (fault.outcome.verdict == CaseVerdict::kError) return fault.outcome.error;
-  std::string text;
+std::vector<std::string> Problems(const ReportedTest& test, const ReportedCase& fault) {
+  std::vector<std::string> lines;
+  if (!fault.outcome.error.empty()) lines.push_back(fault.outcome.error);
   for (std::size_t i = 0; i < fault.outcome.expectations.size(); ++i) {
     const ExpectationOutcome& each = fault.outcome.expectations[i];
     if (each.holds) continue;
-    text += fmt::format("{}: failed{}, robustness {:.6g}{}\n", test.expect[i],
-                        each.cause_tick ? fmt::format(" at tick {}", *each.cause_tick) : "", each.robustness,
-                        each.causes.empty() ? "" : fmt::format(", {}", fmt::join(each.causes, ", ")));
+    lines.push_back(fmt::format("{}: fails{}{}, robustness {:.4g}", test.expect[i],
+                                each.cause_tick ? fmt::format(" at tick {}", *each.cause_tick) : "",
+                                each.causes.empty() ? "" : fmt::format(" of {}", fmt::join(each.causes, ", ")),
+                                each.robustness));
   }
-  return text;
+  return lines;
 }
 
 // The inverses of the functions below, for the lines of a report. Other JSON is an error of the reader.
 
-ReportedTest ReadTest(const JsonReader& json) {
+Result<ReportedTest> ReadTest(const JsonReader& json) {
   using Texts = std::vector<std::string>;
-  return {json.Get<std::string>("test"), json.Get<std::string>("name"), json.Get<Texts>("vary"),
-          json.Get<Texts>("expect"),     json.Get<Texts>("formulas"),   json.Get<Texts>("cover"),
-          json.Get<Texts>("metrics"),    json.Get<Texts>("units"),      json.Get<std::uint64_t>("cases")};
+  const auto shard = json.Get<std::string>("shard");
+  const ReportedTest test = {json.Get<std::string>("test"),    json.Get<std::string>("name"),
+                             json.Get<Texts>("vary"),          json.Get<Texts>("expect"),
+                             json.Get<Texts>("formulas"),      json.Get<Texts>("cover"),
+                             json.Get<Texts>("metrics"),       json.Get<Texts>("units"),
+                             json.Get<std::uint64_t>("cases"), ParseShard(shard).value_or(Shard())};
+  if (!json.ok()) return json.status().error();
+  if (!ParseShard(shard)) return BadInput("found the shard " + Quoted(shard) + ", expected I/N, for instance 2/4");
+  return test;
 }
 
-// `report`: the folder of the report, from which the fault names its own one.
+// `report`: the folder of the fault's report, for the new one.
 ReportedCase ReadFault(const JsonReader& fault, const std::filesystem::path& report) {
   ReportedCase reported;
   if (const auto outcome = fault.Find("outcome")) reported.outcome = ReadOutcome(*outcome);
   reported.command = fault.Get<std::string>("command");
   reported.shrunk = fault.Get<std::string>("shrunk");
   const auto folder = fault.Get<std::string>("folder");
-  if (!folder.empty()) reported.folder = (std::filesystem::absolute(report) / folder).lexically_normal().string();
+  if (!folder.empty()) reported.folder = (report / folder).lexically_normal().string();
   reported.recording = fault.Get<std::string>("recording");
   reported.picture = fault.Get<std::string>("picture");
   fault.Read("page", reported.page);  // older files have none
@@ -85,10 +94,29 @@ CaseOutcome ReadPassed(const JsonReader& json) {
 
 }  // namespace
 
+ReportedTest ReportOf(const TestFile& test, const CaseMonitors& monitors) {
+  ReportedTest reported;
+  reported.path = test.path();
+  reported.name = test.name();
+  for (const Variation& variation : test.design().variations()) reported.vary.push_back(variation.path());
+  for (std::size_t i = 0; i < test.expect().size(); ++i) {
+    reported.expect.push_back(test.expect()[i].name);
+    reported.formulas.push_back(monitors.expectations()[i].expectation().formula());
+  }
+  for (const TestClause& clause : test.cover()) reported.cover.push_back(clause.name);
+  for (std::size_t i = 0; i < test.metrics().size(); ++i) {
+    reported.metrics.push_back(test.metrics()[i].name);
+    reported.units.push_back(monitors.metrics()[i].metric().unit());
+  }
+  return reported;
+}
+
 json ToJson(const ReportedTest& test) {
-  return {{"test", test.path},       {"name", test.name},         {"vary", test.vary},
-          {"expect", test.expect},   {"formulas", test.formulas}, {"cover", test.cover},
-          {"metrics", test.metrics}, {"units", test.units},       {"cases", test.cases}};
+  return {{"test", test.path},         {"name", test.name},
+          {"vary", test.vary},         {"expect", test.expect},
+          {"formulas", test.formulas}, {"cover", test.cover},
+          {"metrics", test.metrics},   {"units", test.units},
+          {"cases", test.cases},       {"shard", test.shard.ToString()}};
 }
 
 json ToJson(const ReportedCase& reported) {
@@ -99,6 +127,20 @@ json ToJson(const ReportedCase& reported) {
           {"recording", reported.recording},
           {"picture", reported.picture},
           {"page", reported.page}};
+}
+
+std::vector<std::string> FaultLines(const ReportedTest& test, const ReportedCase& fault,
+                                    const std::filesystem::path& report) {
+  std::vector<std::string> lines = Problems(test, fault);
+  if (!fault.command.empty()) lines.push_back("repeat: " + fault.command);
+  if (!fault.shrunk.empty()) lines.push_back("smallest: " + fault.shrunk);
+  const auto add = [&](const char* what, const std::string& name) {
+    if (!name.empty()) lines.push_back(fmt::format("{}: {}", what, (report / fault.folder / name).string()));
+  };
+  add("recording", fault.recording);
+  add("page", fault.page);
+  add("picture", fault.picture);
+  return lines;
 }
 
 void CaseReport::AddTest(const ReportedTest& test) {
@@ -162,7 +204,7 @@ std::vector<std::string> CaseReport::Uncovered() const {
 std::string CaseReport::Lines() const {
   std::string lines;
   for (const Entry& entry : entries_) {
-    lines += ToJson(entry.test).dump() + "\n";
+    lines += JsonText(ToJson(entry.test)) + "\n";
     for (const auto& [number, row] : entry.rows) {
       json robustness = json::array();
       for (const double each : row.robustness) robustness.push_back(NumberToJson(each));
@@ -183,20 +225,25 @@ std::string CaseReport::Lines() const {
                    {"undefined", row.undefined}};
       if (const auto fault = entry.faults.find(number); fault != entry.faults.end())
         line["fault"] = ToJson(fault->second);
-      lines += line.dump() + "\n";
+      lines += JsonText(line) + "\n";
     }
   }
   return lines;
 }
 
-Status CaseReport::AddLines(const std::string& file) {
+Status CaseReport::Merge(const std::string& folder, const std::filesystem::path& into) {
+  const std::string file = (std::filesystem::path(folder) / "cases.jsonl").string();
   const Result<std::string> text = ReadWholeFile(file, kMaxLineBytes);
   if (!text.ok()) return Error{{file}, "cannot read: " + text.error().message, text.error().code};
+  // A report with its shards beside it can be moved: links are relative.
+  std::error_code failure;
+  std::filesystem::path from = std::filesystem::proximate(folder, into, failure);
+  if (failure) from = std::filesystem::absolute(folder);
   std::istringstream stream(text.value());
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
     const JsonReader json = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
-    const Status added = AddLine(json, std::filesystem::path(file).parent_path());
+    const Status added = AddLine(json, from);
     if (json.ok() && added.ok()) continue;
     const std::string& problem = json.ok() ? added.error().message : json.status().error().message;
     return Error{{file, number, 1},
@@ -207,20 +254,71 @@ Status CaseReport::AddLines(const std::string& file) {
   return {};
 }
 
+Status CaseReport::FinishMerge() {
+  const auto names = [](const Entry& entry, const auto& is_meant) {
+    std::vector<std::string> list;
+    for (std::uint64_t index = 1; index <= entry.test.shard.count && list.size() < kMaxNamedShards; ++index) {
+      if (is_meant(entry.shards.contains(index))) list.push_back(Shard{index, entry.test.shard.count}.ToString());
+    }
+    return fmt::format("{}", fmt::join(list, ", "));
+  };
+  for (Entry& entry : entries_) {
+    if (entry.shards.size() < entry.test.shard.count) {
+      std::string message =
+          fmt::format("found no shard {} of {}, expected all", names(entry, [](bool has) { return !has; }),
+                      Quoted(entry.test.path, kMaxPathShown));
+      for (const Entry& other : entries_) {
+        // One test that is named in two ways looks like two tests.
+        if (&other == &entry || other.test.name != entry.test.name || other.test.shard.count != entry.test.shard.count)
+          continue;
+        message += fmt::format("; found shard {} of {}: are these two paths of one test?",
+                               names(other, [](bool has) { return has; }), Quoted(other.test.path, kMaxPathShown));
+        break;
+      }
+      return BadInput(message);
+    }
+    const std::uint64_t cases = Sum(entry.counts);
+    if (entry.test.cases > 0 && cases != entry.test.cases) {
+      return BadInput(fmt::format("found {} of the {} cases of {}, expected all", cases, entry.test.cases,
+                                  Quoted(entry.test.path, kMaxPathShown)));
+    }
+    entry.test.shard = {};
+  }
+  return {};
+}
+
+Status CaseReport::AddTestOf(const ReportedTest& test) {
+  const auto entry =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.test.path == test.path; });
+  const std::string path = Quoted(test.path, kMaxPathShown);
+  if (entry == entries_.end()) {
+    AddTest(test);
+    entries_.back().shards = {test.shard.index};
+    return {};
+  }
+  ReportedTest same = test;
+  same.shard = entry->test.shard;
+  if (entry->test != same) {
+    return BadInput(fmt::format("found another test {} than in the folders before, expected the same", path));
+  }
+  if (entry->test.shard.count != test.shard.count) {
+    return BadInput(fmt::format("found shard {} of {} beside shard {}, expected parts of one whole",
+                                test.shard.ToString(), path, entry->test.shard.ToString()));
+  }
+  if (!entry->shards.insert(test.shard.index).second) {
+    return BadInput(fmt::format("found shard {} of {} again, expected each once", test.shard.ToString(), path));
+  }
+  return {};
+}
+
 Status CaseReport::AddLine(const JsonReader& json, const std::filesystem::path& folder) {
+  if (!json.Has("number")) {
+    const Result<ReportedTest> test = ReadTest(json);
+    return test.ok() ? AddTestOf(test.value()) : test.error();
+  }
   const auto path = json.Get<std::string>("test");
   const auto entry =
       std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.test.path == path; });
-  if (!json.Has("number")) {
-    const ReportedTest test = ReadTest(json);
-    if (!json.ok()) return json.status();
-    if (entry == entries_.end()) {
-      AddTest(test);
-    } else if (entry->test != test) {
-      return BadInput(fmt::format("found another test {} than in the folders before, expected the same", Quoted(path)));
-    }
-    return {};
-  }
   if (entry == entries_.end()) return BadInput("found a case of an unknown test, expected its test before it");
   const std::optional<JsonReader> fault = json.Find("fault");
   ReportedCase reported = fault ? ReadFault(*fault, folder) : ReportedCase{};
@@ -267,41 +365,41 @@ std::string CaseReport::Csv(const Entry& entry) const {
   return csv;
 }
 
-std::string CaseReport::JUnit() const {
+std::string CaseReport::JUnit(const std::filesystem::path& report) const {
   const auto count = [](const Entry& entry, CaseVerdict verdict) {
     const auto i = static_cast<std::size_t>(verdict);
     return entry.counts[i] + entry.kept_counts[i];
   };
+  // Merged reports have no times.
+  const auto time = [](const std::optional<double>& seconds) {
+    return seconds ? fmt::format(" time=\"{:.3f}\"", *seconds) : "";
+  };
   std::string suites;
   for (const Entry& entry : entries_) {
-    double total = 0.0;
-    for (const auto& [number, row] : entry.rows) total += row.seconds.value_or(0.0);
-    suites += fmt::format(
-        "  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3f}\">\n",
-        Escaped(entry.test.path), entry.rows.size(), count(entry, CaseVerdict::kFailed),
-        count(entry, CaseVerdict::kError), count(entry, CaseVerdict::kNotRun), total);
+    std::optional<double> total;
+    for (const auto& [number, row] : entry.rows) {
+      if (row.seconds) total = total.value_or(0.0) + *row.seconds;
+    }
+    suites += fmt::format("  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\"{}>\n",
+                          Escaped(entry.test.path), entry.rows.size(), count(entry, CaseVerdict::kFailed),
+                          count(entry, CaseVerdict::kError), count(entry, CaseVerdict::kNotRun), time(total));
     for (const auto& [number, row] : entry.rows) {
       const std::string text = CaseText(row.draws);
-      suites +=
-          fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", Escaped(entry.test.name),
-                      Escaped((row.kept ? "kept: " : "") + (text.empty() ? "case" : text)), row.seconds.value_or(0.0));
+      suites += fmt::format("    <testcase classname=\"{}\" name=\"{}\"{}", Escaped(entry.test.name),
+                            Escaped((row.kept ? "kept: " : "") + (text.empty() ? "case" : text)), time(row.seconds));
+      const auto fault = entry.faults.find(number);
       if (row.verdict == CaseVerdict::kNotRun) {
         suites += "><skipped message=\"not run\"/></testcase>\n";
-        continue;
-      }
-      const auto fault = entry.faults.find(number);
-      if (fault == entry.faults.end()) {
+      } else if (fault == entry.faults.end()) {
         suites += "/>\n";
-        continue;
+      } else {
+        const std::vector<std::string> lines = FaultLines(entry.test, fault->second, report);
+        std::string body;
+        for (const std::string& line : lines) body += Escaped(line) + "\n";
+        suites += fmt::format("><{0} message=\"{1}\" type=\"{0}\">{2}</{0}></testcase>\n",
+                              row.verdict == CaseVerdict::kFailed ? "failure" : "error",
+                              lines.empty() ? "" : Escaped(lines.front()), body);
       }
-      suites += ">";
-      const char* const element = row.verdict == CaseVerdict::kFailed ? "failure" : "error";
-      const std::string problem = Problem(entry.test, fault->second);
-      const std::string first = problem.substr(0, problem.find('\n'));
-      std::string body;
-      std::istringstream lines(problem + "\n" + fault->second.command);
-      for (std::string line; std::getline(lines, line);) body += Escaped(line) + "\n";
-      suites += fmt::format("<{0} message=\"{1}\" type=\"{0}\">{2}</{0}></testcase>\n", element, Escaped(first), body);
     }
     suites += "  </testsuite>\n";
   }
@@ -309,9 +407,9 @@ std::string CaseReport::JUnit() const {
   std::uint64_t tests = 0;
   for (const Entry& entry : entries_) tests += entry.rows.size();
   return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"{}\" failures=\"{}\" errors=\"{}\" "
-      "skipped=\"{}\">\n{}</testsuites>\n",
-      tests, total(CaseVerdict::kFailed), total(CaseVerdict::kError), total(CaseVerdict::kNotRun), suites);
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"{}\" failures=\"{}\" errors=\"{}\">\n"
+      "{}</testsuites>\n",
+      tests, total(CaseVerdict::kFailed), total(CaseVerdict::kError), suites);
 }
 
 Status CaseReport::Write(const std::string& folder) const {

@@ -1,8 +1,8 @@
 // CaseReport: the outcomes of many cases as files: JSON lines, CSV, JUnit, plots and one page without a server.
 //
-// cases.jsonl has all that the other files show. The reports of several shards (processes,
-// machines) are merged by reading their lines, and equal cases give equal bytes in whatever order they ended: rows are
-// kept by case number. Wall times are the only part that differs between repetitions.
+// cases.jsonl has all that the other files show, but wall times, which are in JUnit alone: equal cases give equal bytes
+// in whatever order they ended, since rows are kept by case number. The reports of several shards (processes, machines)
+// are merged by reading their lines.
 //
 // Sessions have up to 10 million cases: a case that passed is kept as a small row, or as a count (CaseDetail); only
 // faults keep their histories. Owned by the command, one thread. All texts in pages come from users' files and are
@@ -15,6 +15,7 @@
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,10 +35,14 @@ struct ReportedTest {
   std::vector<std::string> cover;
   std::vector<std::string> metrics;
   std::vector<std::string> units;  // of the metrics
-  std::uint64_t cases = 0;         // of its design, in all shards
+  std::uint64_t cases = 0;         // of its design, in all shards; 0: a search, whose cases are none of it
+  Shard shard = {};
 
   bool operator==(const ReportedTest&) const = default;
 };
+
+// All but the cases and the shard. `monitors`: of the test, on any of its worlds.
+ReportedTest ReportOf(const TestFile& test, const CaseMonitors& monitors);
 
 struct ReportedCase {
   std::uint64_t number = 0;  // in the design of the test; of a case that was kept beside the design, from that on
@@ -46,7 +51,7 @@ struct ReportedCase {
   CaseOutcome outcome = {};
   std::string command = {};    // that repeats it; empty for a case that passed
   std::string shrunk = {};     // the text of the smallest case that fails so; empty: none was made
-  std::string folder = {};     // with its recording and picture, from the report's folder; empty: none
+  std::string folder = {};     // with its recording and picture, from the report's folder on; empty: none
   std::string recording = {};  // file names in it; empty: none
   std::string picture = {};
   std::string page = {};  // that shows the recording without a server
@@ -54,6 +59,11 @@ struct ReportedCase {
 
 nlohmann::json ToJson(const ReportedTest& test);
 nlohmann::json ToJson(const ReportedCase& reported);
+
+// What failed in a case that did not pass, how to repeat it, and the files that show it, for which `report` is the
+// folder of the report: a line for each.
+std::vector<std::string> FaultLines(const ReportedTest& test, const ReportedCase& fault,
+                                    const std::filesystem::path& report);
 
 // Without the cases a report has only counts, in constant memory.
 enum class CaseDetail : bool { kCounts, kCases };
@@ -68,10 +78,13 @@ class CaseReport {
   void AddCase(std::size_t test, ReportedCase reported, std::optional<double> seconds = {});
   // Replaces a case that was added, did not pass, and has been examined since.
   void UpdateFault(std::size_t test, const ReportedCase& reported);
-  // Adds the tests and cases of a cases.jsonl. The error: a file that is none, a test that differs from one of the same
-  // path, or a case that is there already.
-  Status AddLines(const std::string& file);
+  // Adds the tests and cases of the report in a folder, for a report in the folder `into`. The error: a report that is
+  // none, a test that differs from one of the same path, or a shard or case that is there already.
+  Status Merge(const std::string& folder, const std::filesystem::path& into);
+  // After the last one. The error names the shards and cases that are missing.
+  Status FinishMerge();
 
+  const ReportedTest& test(std::size_t i) const { return entries_[i].test; }
   // Cases of the designs, and those that were kept beside them.
   std::uint64_t Count(CaseVerdict verdict) const;
   std::uint64_t CountKept(CaseVerdict verdict) const;
@@ -80,8 +93,9 @@ class CaseReport {
   std::vector<std::string> Uncovered() const;
 
   // REQUIRES of both: the report has the cases.
-  // One suite for each test; failures and errors apart.
-  std::string JUnit() const;
+  // One suite for each test; failures and errors apart. Valid by the schema of Jenkins' plugin xunit (junit-10.xsd),
+  // which allows less than others. `report`: the folder of the report, for the names of files.
+  std::string JUnit(const std::filesystem::path& report) const;
   // Writes cases.jsonl, cases.csv, index.html and plots (*.svg) into a folder, which is made. Tables and plots have the
   // cases of the design alone.
   Status Write(const std::string& folder) const;
@@ -108,9 +122,11 @@ class CaseReport {
     std::vector<bool> covered = {};                     // by any case
     std::map<std::uint64_t, Row> rows = {};             // by number
     std::map<std::uint64_t, ReportedCase> faults = {};  // that failed or could not be run, whole
+    std::set<std::uint64_t> shards = {};                // merged: their indices
   };
   static std::uint64_t Sum(const Counts& counts);
 
+  Status AddTestOf(const ReportedTest& test);
   std::string Lines() const;
   std::string Csv(const Entry& entry) const;
   std::string Page() const;
@@ -118,8 +134,9 @@ class CaseReport {
   static std::string MetricTable(const Entry& entry, std::size_t metric);
   // File names, behind the name of the test, and SVG.
   static std::vector<std::pair<std::string, std::string>> Plots(const Entry& entry);
-  // Of a report in `folder`. Throws std::exception for another object.
+  // `folder`: of the report, from the folder of this one on.
   Status AddLine(const JsonReader& json, const std::filesystem::path& folder);
+
   const CaseDetail detail_;
   std::vector<Entry> entries_;
 };

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "testing/reports/case_report.h"
 #include "testing/reports/svg_plot.h"
@@ -50,6 +52,17 @@ bool IsNumber(const std::string& value) {
   return nlohmann::json::parse(value, nullptr, false).is_number();
 }
 
+// A file as a relative address: other characters would end its path ('#', '?') or be no part of an address.
+std::string LinkTo(const std::string& file) {
+  std::string link;
+  for (const char c : file) {
+    const bool is_plain =
+        std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view("-._~/").find(c) != std::string_view::npos;
+    link += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return link;
+}
+
 std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool open) {
   const CaseOutcome& outcome = fault.outcome;
   const std::string text = CaseText(fault.draws);
@@ -60,16 +73,17 @@ std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool 
   if (!fault.command.empty()) html += "<p>Repeat: <code>" + Escaped(fault.command) + "</code></p>\n";
   if (!fault.shrunk.empty()) html += "<p>The smallest case found: <code>" + Escaped(fault.shrunk) + "</code></p>\n";
   if (!fault.page.empty()) {
-    html += fmt::format("<p><a href=\"{}/{}\">Watch it</a>: a page that needs no server</p>\n", Escaped(fault.folder),
-                        Escaped(fault.page));
+    html += fmt::format("<p><a href=\"{}\">Watch it</a>: a page that needs no server</p>\n",
+                        LinkTo(fault.folder + "/" + fault.page));
   }
   if (!fault.recording.empty()) {
-    html += fmt::format("<p><a href=\"{0}/{1}\">Recording</a>: <code>troupe view {0}/{1}</code></p>\n",
-                        Escaped(fault.folder), Escaped(fault.recording));
+    const std::string file = fault.folder + "/" + fault.recording;
+    html +=
+        fmt::format("<p><a href=\"{}\">Recording</a>: <code>troupe view {}</code></p>\n", LinkTo(file), Escaped(file));
   }
   if (!fault.picture.empty()) {
-    html += fmt::format("<p><img src=\"{}/{}\" alt=\"The world at the tick that decides\" width=\"560\"></p>\n",
-                        Escaped(fault.folder), Escaped(fault.picture));
+    html += fmt::format("<p><img src=\"{}\" alt=\"The world at the tick that decides\" width=\"560\"></p>\n",
+                        LinkTo(fault.folder + "/" + fault.picture));
   }
   for (std::size_t i = 0; i < outcome.expectations.size(); ++i) {
     const ExpectationOutcome& each = outcome.expectations[i];
@@ -173,9 +187,12 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
 std::string CaseReport::PageOf(const Entry& entry) const {
   const ReportedTest& test = entry.test;
   const std::uint64_t kept = Sum(entry.kept_counts);
-  std::string html = fmt::format("<h2>{}</h2>\n<p><code>{}</code>, {} of {} cases of its design{}</p>\n",
-                                 Escaped(test.name), Escaped(test.path), Sum(entry.counts), test.cases,
-                                 kept > 0 ? fmt::format(", and {} kept case{}", kept, kept == 1 ? "" : "s") : "");
+  const std::uint64_t count = Sum(entry.counts);
+  const std::string cases = test.cases > 0 ? fmt::format("{} of {} cases of its design", count, test.cases)
+                                           : fmt::format("{} case{} of a search", count, count == 1 ? "" : "s");
+  std::string html =
+      fmt::format("<h2>{}</h2>\n<p><code>{}</code>, {}{}</p>\n", Escaped(test.name), Escaped(test.path), cases,
+                  kept > 0 ? fmt::format(", and {} kept case{}", kept, kept == 1 ? "" : "s") : "");
   if (!test.expect.empty()) {
     html +=
         "<table><tr><th>expectation</th><th>formula</th><th>holds</th><th>fails</th><th>least robustness</th><th>in "

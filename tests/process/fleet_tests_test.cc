@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "tests/process/programs.h"
@@ -113,27 +114,77 @@ TEST_F(FleetTests, PrintWhatFailsWithItsSmallestCaseAndWhatShowsIt) {
   const std::string tick = Between(smaller.output, "fails at tick ", " of r2");
   const std::string robustness = Between(smaller.output, "of r2, robustness ", "\n");
   EXPECT_THAT(on.output, HasSubstr("FAILS slow: robustness " + robustness + ", decided by tick " + tick + " and r2"));
+  const Tested reported =
+      Run({"test", test_, "--on", recording, "--junit", folder_ / "on.xml", "--report", folder_ / "on"});
+  EXPECT_EQ(reported.exit_status, 1) << reported.output;
+  EXPECT_THAT(folder_.Read("on.xml"), AllOf(HasSubstr("<failure message=\"slow: fails at tick "), HasSubstr(" --on ")));
+  EXPECT_THAT(folder_.Read("on/index.html"), HasSubstr("1 of 1 cases of its design"));
   EXPECT_TRUE(std::filesystem::exists(report_ + "/row-1/violation.png"));
   // The scenario of the case stands alone, with the expectations: the page shows a row for each.
   EXPECT_THAT(Run({"check", report_ + "/row-1/scenario.json"}).output, HasSubstr("  expect slow: "));
   EXPECT_THAT(TextOf(report_ + "/index.html"),
               AllOf(HasSubstr("3 failed"), HasSubstr("<svg"), Not(HasSubstr("http://localhost"))));
   EXPECT_EQ(LinesOf(TextOf(report_ + "/cases.csv")).size(), 10U);
-  EXPECT_THAT(folder_.Read("junit.xml"), HasSubstr("tests=\"9\" failures=\"3\" errors=\"0\""));
+  EXPECT_THAT(folder_.Read("junit.xml"),
+              AllOf(HasSubstr("tests=\"9\" failures=\"3\" errors=\"0\""), HasSubstr("\nsmallest: troupe test "),
+                    HasSubstr("\nrecording: " + recording + "\n")));
 }
 
 TEST_F(FleetTests, RunCasesThatHaveFailedFirst) {
   Run({"test", test_, "--report", report_});
+  // Whole cases of the design, each of which fails.
   const std::string kept = folder_.Read("row.test.failing");
-  EXPECT_THAT(kept, HasSubstr("seed=1,"));
+  for (const char* const seed : {"1", "2", "3"}) {
+    EXPECT_THAT(kept,
+                HasSubstr(std::string("\nseed=") + seed + ",robots[r2].controller.parameters.commands[0].vx=0.9\n"));
+  }
+  EXPECT_EQ(LinesOf(kept).size(), 4U);
   const Tested again = Run({"test", test_, "--report", report_, "--no-shrink"});
-  EXPECT_EQ(again.output.find("FAILED row: seed=1,robots[r2].controller.parameters.commands[0].vx=0.9,ticks="), 0U)
+  EXPECT_EQ(again.output.find("FAILED row: seed=1,robots[r2].controller.parameters.commands[0].vx=0.9\n"), 0U)
       << again.output;
-  // The smaller case, one of all three, is none of the nine.
-  EXPECT_THAT(again.output, HasSubstr("kept cases: 0 passed, 1 failed, 0 errors\n"));
-  EXPECT_THAT(again.output, HasSubstr("\n6 passed, 3 failed, 0 errors, 0 not run in"));
-  EXPECT_THAT(TextOf(report_ + "/index.html"), HasSubstr("9 of 9 cases of its design, and 1 kept case<"));
+  EXPECT_THAT(again.output, HasSubstr("6 passed, 3 failed, 0 errors, 0 not run in"));
   EXPECT_EQ(LinesOf(TextOf(report_ + "/cases.csv")).size(), 10U);
+  EXPECT_EQ(folder_.Read("row.test.failing"), kept);
+}
+
+// Its smallest case is too short for another expectation, which would fail for ever.
+TEST_F(FleetTests, AKeptCasePassesOnceTheFaultIsMended) {
+  Run({"test", test_, "--report", report_});
+  std::string text = kRow;
+  text.replace(text.find("x(r) < 2 m"), 10, "x(r) < 9 m");
+  folder_.Write("row.test.json", text);
+  const Tested mended = Run({"test", test_, "--report", report_});
+  EXPECT_EQ(mended.exit_status, 0) << mended.output;
+  EXPECT_THAT(mended.output, HasSubstr("9 passed, 0 failed, 0 errors, 0 not run"));
+  EXPECT_EQ(LinesOf(folder_.Read("row.test.failing")).size(), 4U) << "a mended fault stays mended";
+}
+
+TEST_F(FleetTests, LeaveTheLinesOfTheFileOfKeptCasesToTheUser) {
+  const std::string lines =
+      "# found in the field, see #17\r\n"
+      "seed=7,robots[r2].controller.parameters.commands[0].vx=0.9\n"
+      "  robots[r2].controller.parameters.commands[0].vx=0.1,seed=2,ticks=3\n"
+      "\n# no line end follows\nseed=1";
+  folder_.Write("row.test.failing", lines);
+  const Tested tested = Run({"test", test_, "--report", report_});
+  EXPECT_EQ(tested.exit_status, 1) << tested.output;
+  EXPECT_THAT(tested.output,
+              AllOf(HasSubstr("row.test.failing:2:1: warning: found seed=7,"),
+                    HasSubstr("row.test.failing:3:1: warning: found 'ticks', which 'vary' does not have; the whole"),
+                    HasSubstr("row.test.failing:6:1: warning: found seed=1, no case of the test; it is not run"),
+                    HasSubstr("6 passed, 3 failed, 0 errors, 0 not run")));
+  EXPECT_THAT(tested.output, Not(HasSubstr("kept cases:")));
+  const std::string after = folder_.Read("row.test.failing");
+  EXPECT_EQ(after.find(lines + "\nseed=1,robots[r2]"), 0U) << after;
+  EXPECT_EQ(LinesOf(after).size(), LinesOf(lines).size() + 3U);
+}
+
+TEST_F(FleetTests, ShardsAddTheirFailingCasesToOneFile) {
+  Program first = Troupe({"test", test_, "--shard", "1/2", "--report", folder_ / "a"});
+  EXPECT_EQ(Run({"test", test_, "--shard", "2/2", "--report", folder_ / "b"}).exit_status, 1);
+  EXPECT_EQ(first.Wait(), 1);
+  const std::string kept = folder_.Read("row.test.failing");
+  EXPECT_EQ(LinesOf(kept).size(), 4U) << kept;
 }
 
 TEST_F(FleetTests, CountAKeptCaseOfTheDesignOnce) {
@@ -162,18 +213,72 @@ TEST_F(FleetTests, SameVerdictsAndHashesWithAnyJobsShardsAndProcesses) {
   for (const char* const name : {"two", "merged"})
     EXPECT_EQ(folder_.Read(std::string(name) + "/cases.csv"), csv) << name;
   EXPECT_EQ(folder_.Read("merged/index.html"), folder_.Read("whole/index.html"));
+  const Tested half = Run({"sweep", "--merge", folder_ / "b", "-o", folder_ / "half"});
+  EXPECT_EQ(half.exit_status, 2);
+  EXPECT_THAT(half.output, HasSubstr("error: found no shard 1/2 of '" + test_ + "', expected all"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "half/index.html"));
+  EXPECT_EQ(
+      Run({"sweep", "--merge", folder_ / "a", folder_ / "b", "-o", folder_ / "merged", "--junit", folder_ / "m.xml"})
+          .exit_status,
+      0);
+  EXPECT_THAT(folder_.Read("m.xml"), HasSubstr("<testsuites tests=\"9\" failures=\"3\" errors=\"0\">"));
   const Tested processes = Run({"test", test_, "--processes", "--case", "seed=2", "--no-shrink", "--report", report_});
   EXPECT_THAT(processes.output, HasSubstr("2 passed, 1 failed, 0 errors")) << processes.output;
 }
 
-TEST_F(FleetTests, SearchEndsWithTheFirstCaseThatFails) {
-  std::string text = kRow;
-  const std::string values = "[0.2, 0.9, 0.1]";
-  text.replace(text.find(values), values.size(), "{\"uniform\": [0.05, 0.4]}");
-  const std::string path = folder_.Write("search.test.json", text);
-  const Tested tested = Run({"test", path, "--search", "60", "--report", report_, "--jobs", "1"});
+class SearchTests : public FleetTests {
+ protected:
+  // Cases fail above 0.33 m/s.
+  std::string Test() {
+    std::string text = kRow;
+    const std::string values = "[0.2, 0.9, 0.1]";
+    text.replace(text.find(values), values.size(), "{\"uniform\": [0.05, 0.4]}");
+    return folder_.Write("search.test.json", text);
+  }
+  static std::string CasesIn(const std::string& jsonl) {
+    std::string cases;
+    for (const std::string& line : LinesOf(jsonl)) {
+      const nlohmann::json row = nlohmann::json::parse(line);
+      if (row.contains("number")) cases += row.at("number").dump() + row.at("case").dump() + "\n";
+    }
+    return cases;
+  }
+};
+
+TEST_F(SearchTests, EndWithTheFirstCaseThatFailsForAnyNumberOfJobs) {
+  const std::string path = Test();
+  std::string output;
+  std::string cases;
+  for (const char* const jobs : {"1", "3", "7"}) {
+    const Tested tested = Run({"test", path, "--search", "60", "--report", report_, "--jobs", jobs, "--no-shrink"});
+    EXPECT_EQ(tested.exit_status, 1) << tested.output;
+    EXPECT_THAT(tested.output, HasSubstr(" 1 failed, 0 errors, 0 not run"));
+    const std::string run = CasesIn(TextOf(report_ + "/cases.jsonl"));
+    if (cases.empty()) cases = run;
+    EXPECT_EQ(run, cases) << jobs << " jobs";
+    EXPECT_THAT(TextOf(report_ + "/index.html"), HasSubstr(" of a search</p>"));
+    std::filesystem::remove(folder_ / "search.test.failing");
+  }
+}
+
+TEST_F(SearchTests, RunWholeCasesOnly) {
+  const std::string path = Test();
+  const std::string speed = "robots[r2].controller.parameters.commands[0].vx";
+  folder_.Write("search.test.failing", "seed=1," + speed + "=0.31,ticks=2,without=[\"r0\"]\n");
+  const Tested tested = Run(
+      {"test", path, "--search", "20", "--report", report_, "--jobs", "2", "--no-shrink", "--junit", folder_ / "j"});
+  EXPECT_THAT(tested.output, HasSubstr("kept cases: 1 passed, 0 failed")) << tested.output;
+  EXPECT_THAT(TextOf(report_ + "/cases.jsonl"), AllOf(Not(HasSubstr("without")), Not(HasSubstr("\"ticks\":2,"))));
+  EXPECT_THAT(folder_.Read("j"), AllOf(HasSubstr("kept: seed=1"), Not(HasSubstr("ticks="))));
+}
+
+TEST_F(SearchTests, DoNotBeginWhileAKeptCaseFails) {
+  const std::string path = Test();
+  folder_.Write("search.test.failing", "seed=1,robots[r2].controller.parameters.commands[0].vx=0.4\n");
+  const Tested tested = Run({"test", path, "--search", "20", "--report", report_, "--jobs", "3", "--no-shrink"});
   EXPECT_EQ(tested.exit_status, 1) << tested.output;
-  EXPECT_THAT(tested.output, HasSubstr(" 1 failed"));
+  EXPECT_THAT(tested.output,
+              HasSubstr("kept cases: 0 passed, 1 failed, 0 errors\n0 passed, 0 failed, 0 errors, 0 not run"));
 }
 
 TEST_F(FleetTests, EndWithTheStatusOfTheManual) {
@@ -266,6 +371,35 @@ TEST_F(FleetTests, CtrlCLeavesNoProcessAndNoFileOfProcesses) {
   for (const auto& entry : std::filesystem::directory_iterator(temporary)) {
     EXPECT_FALSE(entry.path().filename().string().starts_with("troupe-case-")) << entry.path();
   }
+}
+
+// Each pair of the table, and no pair is accepted and ignored.
+TEST_F(FleetTests, RefuseOptionsOfWhichOneWouldBeWithoutEffect) {
+  const auto expect_refused = [&](std::vector<std::string> arguments, const std::string& a, const std::string& b) {
+    const Tested tested = Run(std::move(arguments));
+    EXPECT_EQ(tested.exit_status, 2);
+    EXPECT_THAT(tested.output, testing::AnyOf("error: found " + a + " beside " + b + ", expected one of the two\n",
+                                              "error: found " + b + " beside " + a + ", expected one of the two\n"));
+  };
+  const std::map<std::string, std::vector<std::string>> values = {
+      {"--case", {"seed=1"}}, {"--search", {"5"}}, {"--shard", {"1/2"}},      {"--jobs", {"1"}},
+      {"--processes", {}},    {"--no-shrink", {}}, {"--case-timeout", {"9"}},
+  };
+  const auto with = [&](std::vector<std::string> arguments, const std::string& option) {
+    arguments.push_back(option);
+    const std::vector<std::string>& value = values.at(option);
+    arguments.insert(arguments.end(), value.begin(), value.end());
+    return arguments;
+  };
+  for (const auto& [option, value] : values)
+    expect_refused(with({"test", test_, "--on", "run.mcap"}, option), "--on", option);
+  for (const char* const option : {"--case", "--shard"}) {
+    expect_refused(with({"test", test_, "--search", "5"}, option), "--search", option);
+  }
+  for (const char* const option : {"--jobs", "--shard", "--case-timeout"}) {
+    expect_refused(with({"sweep", "-o", report_, "--merge", report_}, option), "--merge", option);
+  }
+  expect_refused({"sweep", test_, "-o", report_, "--merge", report_}, "--merge", "FILE");
 }
 
 // A smaller case without a robot that another expectation names would be none of the test.

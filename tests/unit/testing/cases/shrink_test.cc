@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "testing/cases/case_search.h"
 #include "tests/support/files.h"
 
 namespace troupe {
@@ -71,10 +72,10 @@ class RareFault : public testing::Test {
     const CaseWorlds worlds(test);
     CaseSearch search(test.design());
     for (std::uint64_t runs = 1; runs < kMax; ++runs) {
-      const TestCase draws = search.Next();
-      const CaseOutcome outcome = RunCase(worlds, draws);
+      const CaseSearch::Proposal proposal = search.Next().value();
+      const CaseOutcome outcome = RunCase(worlds, proposal.draws);
       if (outcome.verdict == CaseVerdict::kFailed) return runs;
-      search.Add(draws, outcome);
+      search.Add(proposal.number, outcome);
     }
     return kMax;
   }

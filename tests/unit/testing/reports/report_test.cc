@@ -23,6 +23,15 @@ TEST(Statistics, HasTheConfidenceOfStudent) {
   EXPECT_NEAR(statistics.confidence(), 2.3646 * 2.13809 / std::sqrt(8.0), 1e-4);
   EXPECT_EQ(statistics.min(), 2.0);
   EXPECT_EQ(statistics.max(), 9.0);
+  // Half the width in standard errors, for samples of any size.
+  for (const auto& [count, quantile] :
+       {std::pair{2, 12.706204736175}, std::pair{3, 4.302652729749}, std::pair{4, 3.182446305284},
+        std::pair{31, 2.042272456301}, std::pair{32, 2.039513446396}, std::pair{101, 1.983971518524},
+        std::pair{1001, 1.962339080826}}) {
+    Statistics sample;
+    for (int i = 0; i < count; ++i) sample.Add(i % 2);
+    EXPECT_NEAR(sample.confidence() / sample.deviation() * std::sqrt(count), quantile, 1e-9) << count;
+  }
 }
 
 TEST(SvgPlot, EscapesTextsAndLeavesOutWhatIsNotFinite) {
@@ -68,22 +77,48 @@ ReportedCase ExampleCase(std::uint64_t number, CaseVerdict verdict) {
   return reported;
 }
 
+ReportedCase FailedCaseWithFiles() {
+  ReportedCase reported = ExampleCase(0, CaseVerdict::kFailed);
+  reported.shrunk = "troupe test a --case 'seed=0,ticks=4' (1 robot, 4 ticks, after 3 runs)";
+  reported.folder = "a #1";
+  reported.recording = "run.mcap";
+  reported.picture = "violation.png";
+  reported.page = "run.html";
+  return reported;
+}
+
 CaseReport ExampleReport(std::uint64_t first, std::uint64_t step) {
   constexpr std::array<CaseVerdict, 4> kVerdicts = {CaseVerdict::kFailed, CaseVerdict::kError, CaseVerdict::kPassed,
                                                     CaseVerdict::kPassed};
   CaseReport report;
-  report.AddTest(ExampleTest());
+  ReportedTest test = ExampleTest();
+  test.shard = {first + 1, step};
+  report.AddTest(test);
   for (std::uint64_t i = first; i < 4; i += step) report.AddCase(0, ExampleCase(i, kVerdicts[i]));
   return report;
 }
 
 TEST(CaseReport, JUnitKeepsFailuresAndErrorsApart) {
-  const std::string xml = ExampleReport(0, 1).JUnit();
-  EXPECT_THAT(xml, HasSubstr("<testsuites tests=\"4\" failures=\"1\" errors=\"1\" skipped=\"0\">"));
-  EXPECT_THAT(xml, HasSubstr("<failure message=\"holds: failed at tick 4, robustness -inf, anna\" type=\"failure\">"));
+  const std::string xml = ExampleReport(0, 1).JUnit("");
+  EXPECT_THAT(xml, HasSubstr("<testsuites tests=\"4\" failures=\"1\" errors=\"1\">"));
+  EXPECT_THAT(xml, HasSubstr("tests=\"4\" failures=\"1\" errors=\"1\" skipped=\"0\">"));
+  EXPECT_THAT(xml, HasSubstr("<failure message=\"holds: fails at tick 4 of anna, robustness -inf\" type=\"failure\">"));
   EXPECT_THAT(
       xml, HasSubstr("<error message=\"the process of the case was killed by signal 11 (&quot;&amp;&lt;&gt;&quot;)\""));
   EXPECT_THAT(xml, HasSubstr("classname=\"a&lt;b\" name=\"seed=2,n=5\""));
+}
+
+TEST(CaseReport, JUnitHasAllThatShowsAFailure) {
+  CaseReport report;
+  report.AddTest(ExampleTest());
+  report.AddCase(0, FailedCaseWithFiles(), 0.25);
+  const std::string xml = report.JUnit("out");
+  EXPECT_THAT(xml, HasSubstr(" time=\"0.250\">"));
+  EXPECT_THAT(xml,
+              HasSubstr("\nrepeat: troupe test a --case &#39;seed=0&#39;\n"
+                        "smallest: troupe test a --case &#39;seed=0,ticks=4&#39; (1 robot, 4 ticks, after 3 runs)\n"
+                        "recording: out/a #1/run.mcap\npage: out/a #1/run.html\npicture: out/a #1/violation.png\n"
+                        "</failure>"));
 }
 
 TEST(CaseReport, CountsKeptCasesApartAndLeavesThemOutOfTables) {
@@ -93,26 +128,25 @@ TEST(CaseReport, CountsKeptCasesApartAndLeavesThemOutOfTables) {
   report.AddCase(0, kept);
   EXPECT_EQ(report.Count(CaseVerdict::kFailed), 1U);
   EXPECT_EQ(report.CountKept(CaseVerdict::kFailed), 1U);
-  EXPECT_THAT(report.JUnit(), HasSubstr("<testsuites tests=\"5\" failures=\"2\" errors=\"1\" skipped=\"0\">"));
+  EXPECT_THAT(report.JUnit(""), HasSubstr("<testsuites tests=\"5\" failures=\"2\" errors=\"1\">"));
   const test::TemporaryFolder folder;
   ASSERT_TRUE(report.Write(folder / "all").ok());
   ASSERT_TRUE(ExampleReport(0, 1).Write(folder / "design").ok());
   EXPECT_EQ(folder.Read("all/cases.csv"), folder.Read("design/cases.csv"));
   EXPECT_EQ(folder.Read("all/a_b-metric1-2.svg"), folder.Read("design/a_b-metric1-2.svg"));
   CaseReport read;
-  ASSERT_TRUE(read.AddLines(folder / "all/cases.jsonl").ok());
+  ASSERT_TRUE(read.Merge(folder / "all", folder / "merged").ok());
   EXPECT_EQ(read.CountKept(CaseVerdict::kFailed), 1U);
 }
 
 TEST(CaseReport, HasCasesThatWereNotRun) {
   CaseReport report = ExampleReport(0, 1);
   report.AddCase(0, {4, false, {{"seed", "4"}, {"n", "5"}}});
-  EXPECT_THAT(report.JUnit(),
-              HasSubstr("name=\"seed=4,n=5\" time=\"0.000\"><skipped message=\"not run\"/></testcase>"));
+  EXPECT_THAT(report.JUnit(""), HasSubstr("name=\"seed=4,n=5\"><skipped message=\"not run\"/></testcase>"));
   const test::TemporaryFolder folder;
   ASSERT_TRUE(report.Write(folder / "all").ok());
   CaseReport read;
-  ASSERT_TRUE(read.AddLines(folder / "all/cases.jsonl").ok());
+  ASSERT_TRUE(read.Merge(folder / "all", folder / "merged").ok());
   EXPECT_EQ(read.Count(CaseVerdict::kNotRun), 1U);
 }
 
@@ -126,20 +160,64 @@ TEST(CaseReport, TheMergedReportIsThatOfAllCases) {
   ASSERT_TRUE(ExampleReport(0, 2).Write(folder / "one").ok());
   ASSERT_TRUE(ExampleReport(1, 2).Write(folder / "two").ok());
   CaseReport merged;
-  ASSERT_TRUE(merged.AddLines(folder / "two/cases.jsonl").ok());
-  ASSERT_TRUE(merged.AddLines(folder / "one/cases.jsonl").ok());
+  ASSERT_TRUE(merged.Merge(folder / "two", folder / "merged").ok());
+  ASSERT_TRUE(merged.Merge(folder / "one", folder / "merged").ok());
+  ASSERT_TRUE(merged.FinishMerge().ok());
   ASSERT_TRUE(merged.Write(folder / "merged").ok());
   for (const char* const name : {"cases.jsonl", "cases.csv", "index.html", "a_b-metric1-2.svg"}) {
     EXPECT_EQ(folder.Read(std::string("merged/") + name), folder.Read(std::string("whole/") + name)) << name;
     EXPECT_NE(folder.Read(std::string("whole/") + name), "") << name;
   }
   EXPECT_THAT(folder.Read("whole/cases.csv"), HasSubstr("2,2,5,passed,9,0000000000000abe,0.5,1,0,3\n"));
-  // Twice the same shard.
-  CaseReport twice;
-  ASSERT_TRUE(twice.AddLines(folder / "one/cases.jsonl").ok());
-  const Status again = twice.AddLines(folder / "one/cases.jsonl");
-  ASSERT_FALSE(again.ok());
-  EXPECT_THAT(again.error().message, HasSubstr("found case 0 of 'a<b.test.json' again"));
+}
+
+TEST(CaseReport, AMergedReportLinksTheFilesOfItsShards) {
+  const test::TemporaryFolder folder;
+  CaseReport report;
+  ReportedTest test = ExampleTest();
+  test.cases = 1;
+  report.AddTest(test);
+  report.AddCase(0, FailedCaseWithFiles());
+  ASSERT_TRUE(report.Write(folder / "one").ok());
+  EXPECT_THAT(folder.Read("one/index.html"), HasSubstr("<a href=\"a%20%231/run.html\">"));
+  CaseReport merged;
+  ASSERT_TRUE(merged.Merge(folder / "one", folder / "deep/merged").ok());
+  ASSERT_TRUE(merged.FinishMerge().ok());
+  ASSERT_TRUE(merged.Write(folder / "deep/merged").ok());
+  EXPECT_THAT(folder.Read("deep/merged/index.html"), HasSubstr("<a href=\"../../one/a%20%231/run.html\">"));
+  EXPECT_THAT(merged.JUnit(folder / "deep/merged"), HasSubstr("/deep/merged/../../one/a #1/run.mcap\n"));
+}
+
+TEST(CaseReport, AMergeWithoutAllShardsIsRefused) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(ExampleReport(0, 2).Write(folder / "one").ok());
+  ASSERT_TRUE(ExampleReport(1, 2).Write(folder / "two").ok());
+  ASSERT_TRUE(ExampleReport(0, 3).Write(folder / "third").ok());
+  const std::string into = folder / "merged";
+  CaseReport report;
+  ASSERT_TRUE(report.Merge(folder / "one", into).ok());
+  EXPECT_EQ(report.FinishMerge().error().message, "found no shard 2/2 of 'a<b.test.json', expected all");
+  EXPECT_THAT(report.Merge(folder / "one", into).error().message,
+              HasSubstr("found shard 1/2 of 'a<b.test.json' again, expected each once"));
+  EXPECT_THAT(report.Merge(folder / "third", into).error().message,
+              HasSubstr("found shard 1/3 of 'a<b.test.json' beside shard 1/2"));
+  // The other shard by another path of the test.
+  std::string lines = folder.Read("two/cases.jsonl");
+  for (std::size_t at = 0; (at = lines.find("\"a<b.test.json\"", at)) != std::string::npos; ++at)
+    lines.insert(at + 1, "./");
+  folder.Write("two/cases.jsonl", lines);
+  ASSERT_TRUE(report.Merge(folder / "two", into).ok());
+  EXPECT_EQ(report.FinishMerge().error().message,
+            "found no shard 2/2 of 'a<b.test.json', expected all; found shard 2/2 of './a<b.test.json': are these two "
+            "paths of one test?");
+  // A shard whose file was cut off.
+  const std::string first = folder.Read("one/cases.jsonl");
+  folder.Write("one/cases.jsonl", first.substr(0, first.rfind('\n', first.size() - 2) + 1));
+  ASSERT_TRUE(ExampleReport(1, 2).Write(folder / "two").ok());
+  CaseReport cut;
+  ASSERT_TRUE(cut.Merge(folder / "one", into).ok());
+  ASSERT_TRUE(cut.Merge(folder / "two", into).ok());
+  EXPECT_EQ(cut.FinishMerge().error().message, "found 3 of the 4 cases of 'a<b.test.json', expected all");
 }
 
 TEST(CaseReport, SaysOfHowManyRunsAMetricIs) {
@@ -168,7 +246,8 @@ TEST(CaseReport, RefusesFilesThatAreNone) {
   const test::TemporaryFolder folder;
   for (const char* const text : {"x", "{}", "{\"test\": 3}", "{\"test\": \"a\", \"number\": 1}"}) {
     CaseReport report;
-    EXPECT_FALSE(report.AddLines(folder.Write("cases.jsonl", text)).ok()) << text;
+    folder.Write("one/cases.jsonl", text);
+    EXPECT_FALSE(report.Merge(folder / "one", folder / "merged").ok()) << text;
   }
 }
 
