@@ -5,18 +5,30 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 
 namespace troupe {
 namespace {
 
-// Robots and objects that stand by themselves.
+// Robots and objects that stand by themselves. Leaves of doors and cabins of lifts belong to the building.
 std::vector<std::string> EntitiesOf(const WorldDescription& world) {
+  std::vector<bool> is_mounted(world.objects.size());
+  for (const DoorDescription& door : world.doors) {
+    for (const DoorLeaf& leaf : door.leaves) is_mounted[leaf.object.index()] = true;
+  }
+  for (const LiftDescription& lift : world.lifts) is_mounted[lift.cabin.index()] = true;
   std::vector<std::string> names;
   for (const RobotDescription& robot : world.robots) names.push_back(world.model(robot.root).name);
-  for (const ModelId object : world.objects) {
-    if (!world.model(object).parent) names.push_back(world.model(object).name);
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    const ModelDescription& object = world.model(world.objects[i]);
+    if (!object.parent && !is_mounted[i]) names.push_back(object.name);
   }
   return names;
+}
+
+bool Contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 class Shrinker {
@@ -29,7 +41,7 @@ class Shrinker {
     ReadStart();
     if (Try(draws_, removed_)) {  // sets the ticks
       for (bool changed = true; changed && HasTime();) {
-        // Draws first: a smaller number of robots leaves none whose name could be removed already.
+        // Draws first: a small number of robots is simpler than a large one without some.
         changed = SimplifyDraws();
         changed = RemoveEntities() || changed;
       }
@@ -71,8 +83,8 @@ class Shrinker {
     const bool ended =
         may_end_ && std::erase_if(draws_, [](const DrawnValue& draw) { return draw.path == "ticks"; }) > 0;
     if (const Result<LoadedWorld> world = worlds_.Load(all); world.ok()) {
-      entities_ = EntitiesOf(world.value().world);
-      all_ = entities_;
+      all_ = EntitiesOf(world.value().world);
+      entities_ = all_;
       ticks_ = world.value().settings.ticks.value_or(0);
       scenario_ticks_ = ended ? std::numeric_limits<Tick>::max() : ticks_;
     }
@@ -90,14 +102,15 @@ class Shrinker {
     return runs_ < budget_.runs && passed.count() < budget_.seconds;
   }
 
-  // Keeps the case if it fails, too.
+  // Keeps the case if it fails, too. None is run twice.
   bool Try(const TestCase& draws, const Names& removed) {
-    if (!HasTime()) return false;
+    const TestCase whole = CaseOf(draws, removed);
+    if (!HasTime() || !tried_.insert(CaseText(whole)).second) return false;
     ++runs_;
     CaseRunOptions options;
     options.only = expectation_;
     options.progress = progress_;
-    const CaseOutcome outcome = RunCase(worlds_, CaseOf(draws, removed), options);
+    const CaseOutcome outcome = RunCase(worlds_, whole, options);
     // A case whose verdict was known early must not become one that fails only because its run ends: that would be
     // another fault.
     if (outcome.verdict != CaseVerdict::kFailed || (known_early_ && !outcome.decided)) return false;
@@ -121,16 +134,15 @@ class Shrinker {
       if (kept.empty() || kept.size() >= entities_.size()) return false;
       Names removed = before_;
       for (const std::string& name : all_) {
-        if (std::find(kept.begin(), kept.end(), name) == kept.end()) removed.push_back(name);
+        if (!Contains(kept, name)) removed.push_back(name);
       }
       if (!Try(draws_, removed)) return false;
       entities_ = kept;
       return changed = true;
     };
     Names deciding;
-    std::copy_if(entities_.begin(), entities_.end(), std::back_inserter(deciding), [&](const std::string& name) {
-      return std::find(causes_.begin(), causes_.end(), name) != causes_.end();
-    });
+    std::copy_if(entities_.begin(), entities_.end(), std::back_inserter(deciding),
+                 [&](const std::string& name) { return Contains(causes_, name); });
     try_keeping(deciding);
     std::size_t part = (entities_.size() + 1) / 2;
     while (part > 0 && HasTime()) {
@@ -151,22 +163,39 @@ class Shrinker {
     return changed;
   }
 
+  // Each draw to its simplest value before the next one.
   bool SimplifyDraws() {
     bool changed = false;
     const std::vector<Variation>& variations = worlds_.test().design().variations();
     for (std::size_t i = 0; i < variations.size() && i < draws_.size(); ++i) {
-      for (const std::string& value : variations[i].SimplerThan(draws_[i].value)) {
-        if (!HasTime()) return changed;
-        TestCase simpler = draws_;
-        simpler[i].value = value;
-        // A smaller case that breaks a constraint would be no case of the test, and mislead the reader.
-        if (!worlds_.test().CanMake(simpler)) continue;
-        if (!Try(simpler, removed_)) continue;
-        changed = true;
-        break;
-      }
+      while (SimplifyDraw(variations[i], i)) changed = true;
     }
     return changed;
+  }
+
+  bool SimplifyDraw(const Variation& variation, std::size_t i) {
+    for (const std::string& value : variation.SimplerThan(draws_[i].value)) {
+      if (!HasTime()) return false;
+      TestCase simpler = draws_;
+      simpler[i].value = value;
+      // A smaller case that breaks a constraint would be no case of the test, and mislead the reader.
+      if (worlds_.test().CanMake(simpler) && TryDraws(simpler)) return true;
+    }
+    return false;
+  }
+
+  // With other draws the world may have other robots and objects. Those that it lacks cannot be left out.
+  bool TryDraws(const TestCase& draws) {
+    const Result<LoadedWorld> world = worlds_.Load(CaseOf(draws, before_));
+    if (!world.ok()) return false;
+    const Names names = EntitiesOf(world.value().world);
+    Names removed = removed_;
+    std::erase_if(removed, [&](const std::string& name) { return !Contains(before_, name) && !Contains(names, name); });
+    if (!Try(draws, removed)) return false;
+    all_ = names;
+    entities_ = names;
+    std::erase_if(entities_, [&](const std::string& name) { return Contains(removed_, name); });
+    return true;
   }
 
   const CaseWorlds& worlds_;
@@ -175,6 +204,7 @@ class Shrinker {
   const ProgressFunction& progress_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::size_t runs_ = 0;
+  std::set<std::string> tried_;  // texts of cases
   bool may_remove_ = true;
   bool may_end_ = true;
   // The smallest case so far.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,39 @@ TEST(ShrinkCase, OfFiftyRobotsLeavesTheTwoOfThePlantedFaultAndNoTickBehindIt) {
   EXPECT_LT(shrunk.outcome.ticks, 60U);
   EXPECT_EQ(shrunk.draws.front().value, "1");  // the simplest seed
   EXPECT_LE(shrunk.runs, 30U);
+}
+
+TEST(ShrinkCase, PrefersASmallNumberOfRobotsToALargeOneWithoutSome) {
+  const test::TemporaryFolder folder;
+  const TestFile test = TestFile::Read(folder.Write("t.test.json", R"JSON({"ticks": 20, "spawn": [
+      {"model": "position", "count": 5, "region": [-20, -20, 20, 20], "name_prefix": "n", "controller": "idle"}],
+      "vary": {"spawn[0].count": {"range": [1, 40]}, "seed": {"range": [1, 100]}}, "design": {"random": 12},
+      "expect": ["always (count r: speed(r) < 1 m/s) <= 6"]})JSON"))
+                            .value();
+  const CaseWorlds worlds(test);
+  for (const char* const count : {"8", "16", "31", "40"}) {
+    const ShrunkCase shrunk = ShrinkCase(worlds, {{"spawn[0].count", count}, {"seed", "77"}}, 0);
+    EXPECT_EQ(CaseText(shrunk.draws), "spawn[0].count=7,seed=1,ticks=1");
+    EXPECT_EQ(shrunk.robots, 7U);
+    EXPECT_LE(shrunk.runs, 40U);
+  }
+}
+
+TEST(ShrinkCase, TriesNoPartOfABuilding) {
+  const test::TemporaryFolder folder;
+  const std::string house = std::string(std::getenv("TROUPE_SOURCE_DIR")) + "/worlds/sites/guesthouse.building.yaml";
+  std::string robots = R"({"name": "runner", "model": "TinyRobot", "pose": [4, -4, 0],
+      "controller": {"name": "script", "parameters": {"commands": [{"at": 0, "vx": 0.5}]}}})";
+  const TestFile test = TestFile::Read(
+                            folder.Write("t.test.json", R"JSON({"world": ")JSON" + house + R"JSON(", "ticks": 100,
+      "controller": "idle", "robots": [)JSON" + robots + R"JSON(], "spawn": [{"model": "TinyRobot", "count": 6,
+      "region": [0.5, -7.5, 5, -1], "name_prefix": "s", "controller": "idle"}],
+      "expect": ["forall r: always speed(r) < 0.3 m/s"]})JSON"))
+                            .value();
+  const CaseWorlds worlds(test);
+  const ShrunkCase shrunk = ShrinkCase(worlds, {}, 0);
+  EXPECT_EQ(shrunk.robots, 1U);
+  EXPECT_LE(shrunk.runs, 4U);
 }
 
 // Four robots in lanes of their own; the fault: all are near the line x = 3 m at one time. About one random case in
