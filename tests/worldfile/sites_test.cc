@@ -8,6 +8,7 @@
 #include "tests/worldfile/scenario_run.h"
 #include "tests/worldfile/world_folder.h"
 #include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/floor_edges.h"
 #include "worldfile/sites/site_frame.h"
 #include "worldfile/sites/site_tree.h"
 
@@ -389,6 +390,57 @@ TEST(Crowd, StartsWhereItCanWalkToThePointOfItsGroup) {
                           "one of them"));
   EXPECT_THAT(MessagesOf(load(CrowdOf("agents_number: 1, x: 1, y: 1", "tables")).warnings),
               ElementsAre(HasSubstr("found a goal set without vertices")));
+}
+
+// An upper floor of two parts that touch, with a wall along its north side and a lift at its west side.
+constexpr const char* kVoid = R"(name: void
+coordinate_system: cartesian_meters
+levels:
+  L1: {vertices: [[0, 0], [20, 0], [20, 20], [0, 20]], floors: [{vertices: [0, 1, 2, 3]}]}
+  L2:
+    elevation: 4
+    vertices: [[0, 0], [5, 0], [5, 5], [0, 5], [10, 0], [10, 3], [5, 3]]
+    floors: [{vertices: [0, 1, 2, 3]}, {vertices: [1, 4, 5, 6]}]
+    walls: [[3, 2]]
+lifts:
+  up:
+    {width: 2, depth: 2, x: -1.1, y: 2.5, yaw: 0, initial_floor_name: L1,
+     doors: {d: {motion_axis_orientation: 1.5708, width: 1.2, x: 1, y: 0}}, level_doors: {L1: [d], L2: [d]}}
+)";
+
+TEST(FloorEdges, AreThoseOverAVoidWithoutAWall) {
+  const Site site = Read(kVoid);
+  EXPECT_TRUE(FindFloorEdges(site, site.levels[0]).empty()) << "the ground";
+  double length = 0.0;
+  for (const FloorEdge& edge : FindFloorEdges(site, site.levels[1])) {
+    length += (edge.to - edge.from).norm();
+    EXPECT_FALSE(edge.from.x() == 5.0 && edge.to.x() == 5.0 && edge.from.y() < 3.0) << "between the floors";
+    EXPECT_LT(edge.from.y(), 5.0) << "at the wall";
+  }
+  // South 10, east 3, north of the second part 5, its joint with the first 2, west 5 without the lift.
+  EXPECT_NEAR(length, 10.0 + 3.0 + 5.0 + 2.0 + 5.0 - 2.6, 0.5);
+  const Site guesthouse = *LoadGuesthouse().site;
+  for (const SiteLevel& level : guesthouse.levels) EXPECT_TRUE(FindFloorEdges(guesthouse, level).empty());
+}
+
+TEST(FloorEdges, StopRobotsAndPeople) {
+  test::TemporaryFolder folder;
+  folder.Write("v.building.yaml", kVoid);
+  const LoadedWorld loaded = ValueOf(LoadWorld(folder.Write("s.json", R"({"world": "v.building.yaml",
+    "people": [{"count": 1, "region": [8.9, 1.4, 9.1, 1.6], "z": 4, "goals": [[1, 4, 4]], "name_prefix": "p"}],
+    "robots": [{"name": "r", "model": "TinyRobot", "pose": [7, 1, 4, -90], "controller": {"name": "script",
+      "parameters": {"commands": [{"at": 0, "vx": 0.5}]}}}]})")));
+  EXPECT_THAT(MessagesOf(loaded.warnings),
+              Contains(HasSubstr("m of edges of the floors of level 'L2' without a wall")));
+  ScenarioRun run(loaded.world);
+  for (int i = 0; i < 300; ++i) {
+    run.Run(1);
+    const Pose& person = run.state().people[0].X_WP;
+    EXPECT_TRUE(person.x < 5.1 || person.y < 3.0) << "it walks round the corner";
+  }
+  EXPECT_TRUE(run["r"].stalled);
+  EXPECT_GT(run["r"].X_WR.y, 0.0);
+  EXPECT_LT((run.state().people[0].X_WP.translation() - Vec2(1.0, 4.0)).norm(), 0.6);
 }
 
 struct BadBuilding {

@@ -10,6 +10,7 @@
 #include "troupe/rectangle.h"
 #include "worldfile/sites/building_keys.h"
 #include "worldfile/sites/building_yaml.h"
+#include "worldfile/sites/floor_edges.h"
 #include "worldfile/sites/lif_json.h"
 #include "worldfile/sites/node_maker.h"
 #include "worldfile/sites/site_robots.h"
@@ -23,6 +24,8 @@ namespace {
 constexpr double kWallHeight = 2.5;
 constexpr double kWallThickness = 0.1;
 constexpr double kFloorThickness = 0.1;
+constexpr double kRailingHeight = 1.0;
+constexpr double kRailingThickness = 0.05;
 constexpr double kDoorHeight = 2.2;
 constexpr double kDoorThickness = 0.03;
 constexpr double kDoorSill = 0.01;  // below the leaves
@@ -143,6 +146,7 @@ class TreeMaker {
       }
     }
     if (!floors.empty()) group.Child(BlocksModel("floors", floors, "gray90", level.where).node);
+    AddRailings(level, group);
     AddLanes(level, group);
     if (!walls.empty()) group.Child(BlocksModel("walls", walls, "gray40", level.where).node);
     AddToWorld(std::move(group.node));
@@ -150,6 +154,22 @@ class TreeMaker {
       if (!HasLength(level, door.edge, "door")) continue;
       AddDoor(level, door);
     }
+  }
+
+  // Beside the edges of floors over a void: bodies stop there, rays pass.
+  void AddRailings(const SiteLevel& level, NodeMaker& group) {
+    std::vector<SiteBlock> railings;
+    double length = 0.0;  // m
+    for (const FloorEdge& edge : FindFloorEdges(site_, level)) {
+      const Vec2 way = edge.to - edge.from;
+      const Vec2 outwards = kRailingThickness / way.norm() * Vec2(way.y(), -way.x());
+      railings.push_back({{edge.from + outwards, edge.to + outwards, edge.to, edge.from}, 0.0, kRailingHeight});
+      length += way.norm();
+    }
+    if (railings.empty()) return;
+    group.Child(BlocksModel("railings", railings, "gray60", level.where).Number("ranger_return", -1).node);
+    Warn(level.where, "found " + NumberText(std::round(10.0 * length) / 10.0) + " m of edges of the floors of level " +
+                          Quoted(level.name) + " without a wall; robots and people stop there");
   }
 
   // Stripes on the floor, which nothing hits.
