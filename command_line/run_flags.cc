@@ -223,7 +223,7 @@ void AddHashLogFlag(CLI::App& app, std::string& hash_log, const std::string& gro
 
 void AddPosesFlag(CLI::App& app, std::string& poses, const std::string& group) {
   AddOutput(app, "--poses", poses,
-            "Write CSV: tick,robot,x,y,z,heading,stalled (metres, radians); in a world with objects or joints also "
+            "Write CSV: tick,robot,x,y,z,heading,stalled (metres, radians); in a world with more than robots also "
             "kind,position,mode,on",
             group);
 }

@@ -262,20 +262,26 @@ void WriteCell(const Signal& signal, const SignalView& view, std::size_t row, Js
   }
 }
 
+void WriteRow(const StateTable& table, const SignalView& view, std::size_t row, JsonWriter& json) {
+  json.BeginObject();
+  if (!table.varies) {
+    json.Member("name", view.things.name(view.things.first(KindOf(table.name)) + static_cast<ThingId>(row)));
+  }
+  for (const Signal& signal : table.signals) {
+    if (!HasValue(signal, view, row)) continue;
+    json.Key(signal.name);
+    WriteCell(signal, view, row, json);
+  }
+  json.EndObject();
+}
+
 void WriteRows(const StateTable& table, const SignalView& view, JsonWriter& json) {
   const std::size_t kind = KindOf(table.name);
   json.BeginList();
   for (std::size_t row = 0; row < table.rows(view.world, view.state); ++row) {
     const ThingId thing = view.things.first(kind) + static_cast<ThingId>(row);
     if (!table.varies && !view.things.exists(thing)) continue;
-    json.BeginObject();
-    if (!table.varies) json.Member("name", view.things.name(thing));
-    for (const Signal& signal : table.signals) {
-      if (!HasValue(signal, view, row)) continue;
-      json.Key(signal.name);
-      WriteCell(signal, view, row, json);
-    }
-    json.EndObject();
+    WriteRow(table, view, row, json);
   }
   json.EndList();
 }

@@ -66,6 +66,8 @@ std::vector<std::vector<ThingName>> NameThings(const WorldDescription& world);
 
 // The value of a signal in JSON: a number, 0 or 1 of a truth, or a text; null if it has none.
 void WriteCell(const Signal& signal, const SignalView& view, std::size_t row, JsonWriter& json);
+// A row of a table: {"name": "lobby_door", "opening": 0.5, ...}, without the signals that it does not have.
+void WriteRow(const StateTable& table, const SignalView& view, std::size_t row, JsonWriter& json);
 // The rows of a table: [{"name": "lobby_door", "opening": 0.5, ...}, ...]; things that do not exist are left out,
 // and so are signals that a thing does not have: a schema gives each member one type. The rows of a table that varies
 // have no name.

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <sstream>
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
@@ -60,6 +61,11 @@ void Print(const EntityReport& entity) {
              X_WE.x, X_WE.y, X_WE.z, RadiansToDegrees(X_WE.heading));
 }
 
+void PrintSignals(const EntityReport& entity) {
+  std::istringstream lines(entity.signals);
+  for (std::string line; std::getline(lines, line);) PrintPlain(stdout, "{}\n", line);
+}
+
 void PrintAgents(const ControlReply& reply) {
   PrintPlain(stdout, "{:<20} {:<8} {:<20} {:>8} {:>10} {:>10}\n", "ROBOT", "AGENT", "HOST", "PID", "ANSWER MS",
              "TIMES LAST");
@@ -81,7 +87,10 @@ void Print(const control::Request& request, const ControlReply& reply) {
     return;
   }
   for (const EntityReport& entity : reply.entities) Print(entity);
-  if (control::Is<control::Entities>(request)) return;
+  if (control::Is<control::Entities>(request)) {
+    for (const EntityReport& entity : reply.entities) PrintSignals(entity);
+    return;
+  }
   PrintPlain(stdout, "{} tick {} hash {:016x}", NameOf(reply.state), reply.tick, reply.state_hash);
   if (reply.edition > 0) PrintPlain(stdout, " edition {}", reply.edition);
   if (reply.open_requests > 0) PrintPlain(stdout, " open-requests {}", reply.open_requests);
@@ -254,9 +263,10 @@ void AddDeviceActions(CLI::App* command, const SharedOptions& options) {
 }
 
 void AddListActions(CLI::App* command, const SharedOptions& options) {
-  AddAction<control::Entities>(command, options, "list", "List the robots and objects of the world with their poses");
-  AddName(AddAction<control::Entities>(command, options, "get",
-                                       "Print the pose of a robot, an object, a model or a place"));
+  AddAction<control::Entities>(command, options, "list",
+                               "List the robots, objects and people of the world with their poses");
+  AddName(AddAction<control::Entities>(
+      command, options, "get", "Print the pose of a robot, an object, a person, a model or a place, and its signals"));
   AddAction<control::Entities>(command, options, "agents",
                                "List the agents of the robots: host, process id, time to answer a frame")
       .app->callback([options] {

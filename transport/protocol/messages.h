@@ -274,9 +274,10 @@ enum class EntityKind : std::uint8_t {
   kRobot = 0,
   kObject = 1,  // grippers can hold it
   kModel = 2,   // never moves
+  kPerson = 3,
 };
 constexpr auto NamesOf(EntityKind) {
-  return std::array{"robot", "object", "model"};
+  return std::array{"robot", "object", "model", "person"};
 }
 
 constexpr ErrorCode LastOf(ErrorCode) {
@@ -324,12 +325,14 @@ struct EntityReport {
   Twist twist = {};                       // in E
   EntityBox box = {};                     // if the request asks for it
   std::optional<AgentReport> agent = {};  // of a robot that has one, or has lost it
+  std::string signals = {};               // if the request names it: a line "KIND {SIGNALS}" for each row that is its
   bool operator==(const EntityReport&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"name", &EntityReport::name},   Field{"type", &EntityReport::type},   Field{"kind", &EntityReport::kind},
-        Field{"X_WE", &EntityReport::X_WE},   Field{"twist", &EntityReport::twist}, Field{"box", &EntityReport::box},
-        Field{"agent", &EntityReport::agent},
+        Field{"name", &EntityReport::name},   Field{"type", &EntityReport::type},
+        Field{"kind", &EntityReport::kind},   Field{"X_WE", &EntityReport::X_WE},
+        Field{"twist", &EntityReport::twist}, Field{"box", &EntityReport::box},
+        Field{"agent", &EntityReport::agent}, Field{"signals", &EntityReport::signals},
     };
   }
 };

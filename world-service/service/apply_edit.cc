@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "common/base/json_reader.h"
+#include "common/base/json_writer.h"
 #include "common/model/states.h"
+#include "common/signals/state_tables.h"
 #include "common/spatial/check_order.h"
 #include "world-service/core/step.h"
 
@@ -206,6 +208,14 @@ std::vector<EntityReport> ListEntities(const WorldDescription& world, const Worl
     entity.kind = EntityKind::kObject;
     entity.X_WE = state.objects[i].X_WO;
   }
+  for (std::size_t i = 0; i < world.people.size(); ++i) {
+    EntityReport& entity = entities[world.people[i].root.index()];
+    entity.kind = EntityKind::kPerson;
+    const PersonState& person = state.people[i];
+    entity.X_WE = person.X_WP;
+    const Vec2 v_E = Transform2(person.X_WP).InverseRotate(Vec2(person.vx, person.vy));
+    entity.twist = {v_E.x(), v_E.y(), 0.0};
+  }
   std::vector<EntityReport> listed;
   for (std::size_t i = 0; i < entities.size(); ++i) {
     if (!world.models[i].parent && !world.models[i].removed) listed.push_back(std::move(entities[i]));
@@ -225,6 +235,22 @@ void SetAgents(const WorldDescription& world, const Membership& members, std::ve
     if (member == nullptr) continue;
     entity.agent = AgentReport{member->host, member->pid, member->present, member->answer_seconds,
                                waits[robot->second.index()].times_last};
+  }
+}
+
+void SetSignals(const WorldDescription& world, const WorldState& state, EntityReport& entity) {
+  const Result<ModelId> root = FindEntity(world, entity.name);
+  if (!root.ok()) return;
+  const Things things(world);
+  const SignalView view{things, world, state};
+  for (const StateTable& table : StateTables()) {
+    const std::size_t kind = KindOf(table.name);
+    for (ThingId thing = things.first(kind); thing < things.first(kind) + things.count(kind); ++thing) {
+      if (things.model(thing) != root.value() || !things.exists(thing) || things.name(thing) != entity.name) continue;
+      entity.signals += (entity.signals.empty() ? "" : "\n") + table.singular + " ";
+      JsonWriter json(entity.signals);
+      WriteRow(table, view, thing - things.first(kind), json);
+    }
   }
 }
 

@@ -64,6 +64,9 @@ std::vector<EntityReport> ListEntities(const WorldDescription& world, const Worl
 // Sets the agent of each entity that is a robot with a member.
 void SetAgents(const WorldDescription& world, const Membership& members, std::vector<EntityReport>& entities);
 
+// Sets the signals of an entity: of each row of a table of the state that is the entity, and not a part of it.
+void SetSignals(const WorldDescription& world, const WorldState& state, EntityReport& entity);
+
 // "base", or "base0", "base1", ...: the first that is free.
 std::string FreeName(const WorldDescription& world, const std::string& base);
 

@@ -295,6 +295,7 @@ Result<std::vector<EntityReport>> RunControl::Entities(const control::Entities& 
       return std::vector<EntityReport>{{.name = name, .type = "place", .X_WE = place->X_WN}};
     }
     std::erase_if(entities, [&](const EntityReport& entity) { return entity.name != name; });
+    for (EntityReport& entity : entities) SetSignals(run_.world(), run_.frame.state, entity);
   }
   SetAgents(run_.world(), run_.members, entities);
   if (query.with_boxes) SetBoxes(run_.world(), run_.frame.state, entities);

@@ -153,6 +153,7 @@ Status Recorder::WritePoses(const FrameMessage& frame) {
   if (error.ok()) error = WriteObjectPoses(frame.state);
   if (error.ok()) error = WritePeoplePoses(frame.state);
   if (error.ok()) error = WriteJointPoses(frame.state);
+  if (error.ok()) error = WriteDevicePoses(frame.state);
   return error;
 }
 
@@ -206,6 +207,31 @@ Status Recorder::WriteJointPoses(const WorldState& state) {
     poses_->Append(",joint,");
     poses_->Append(state.joints[i].position);
     poses_->Append(",,");
+    error = poses_->EndLine();
+  }
+  return error;
+}
+
+Status Recorder::WriteDevicePoses(const WorldState& state) {
+  if (state.doors.empty() && state.lifts.empty()) return Status();
+  const std::vector<Pose> X_WM = ModelPoses(*world_, state);
+  Status error;
+  for (std::size_t i = 0; i < state.doors.size() && error.ok(); ++i) {
+    const ModelId model = world_->doors[i].model;
+    AppendPose(state.tick, model, X_WM[model.index()], state.doors[i].blocked);
+    poses_->Append(",door,");
+    poses_->Append(state.doors[i].opening);
+    poses_->Append(",,");
+    error = poses_->EndLine();
+  }
+  for (std::size_t i = 0; i < state.lifts.size() && error.ok(); ++i) {
+    const LiftDescription& lift = world_->lifts[i];
+    AppendPose(state.tick, lift.model, state.objects[lift.cabin.index()].X_WO, state.lifts[i].blocked);
+    poses_->Append(",lift,");
+    poses_->Append(state.lifts[i].z);
+    poses_->Append(",");
+    poses_->Append(QuoteForCsv(lift.floors[state.lifts[i].floor].name));
+    poses_->Append(",");
     error = poses_->EndLine();
   }
   return error;

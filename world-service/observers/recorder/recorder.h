@@ -35,7 +35,7 @@ struct RecordedStart;
 
 struct OutputFiles {
   std::string hash_log = {};  // "tick hash" a line
-  std::string poses = {};     // CSV: tick,robot,x,y,z,heading,stalled; with more columns for objects, people and joints
+  std::string poses = {};     // CSV: tick,robot,x,y,z,heading,stalled; with more columns for all but robots
   std::string record = {};    // a recording if it ends in .mcap; else JSON lines: header, then a line for each tick
   std::uint64_t keyframe_interval = kDefaultKeyframeInterval;  // of a recording
   std::shared_ptr<const RecordedStart> begin = {};  // of the recording and the journal; null: they begin with the run
@@ -69,6 +69,7 @@ class Recorder final : public RunObserver {
   Status WriteObjectPoses(const WorldState& state);
   Status WritePeoplePoses(const WorldState& state);
   Status WriteJointPoses(const WorldState& state);
+  Status WriteDevicePoses(const WorldState& state);  // of doors and lifts
   // tick,name,x,y,z,heading,flag
   void AppendPose(Tick tick, ModelId model, const Pose& X_WM, bool flag);
   Status WriteRecord(const FrameMessage& frame);

@@ -138,6 +138,8 @@ bool BoundsFilter::Overlaps(const EntityReport& entity) const {
   return !EdgeSeparates(footprint, outline_) && !EdgeSeparates(outline_, footprint);
 }
 
+constexpr std::uint8_t kStaticObject = 5;
+
 std::uint8_t CategoryOf(EntityKind kind) {
   switch (kind) {
     case EntityKind::kRobot:
@@ -145,7 +147,9 @@ std::uint8_t CategoryOf(EntityKind kind) {
     case EntityKind::kObject:
       return 4;  // dynamic object
     case EntityKind::kModel:
-      return 5;  // static object
+      return kStaticObject;
+    case EntityKind::kPerson:
+      return 2;  // human
   }
   return 0;
 }

@@ -130,6 +130,26 @@ TEST_F(ManipulationRecorderTest, PosesHaveObjectsAndJointsAfterTheRobots) {
             "0,r1.lift,1,10,0.75,0,1,joint,0.25,,\n");
 }
 
+TEST_F(RecorderTest, PosesHaveDoorsAndLiftsAsEveryTable) {
+  world_.models.push_back(world_.models.back());
+  world_.models.back().name = "gate";
+  world_.models.push_back(world_.models.back());
+  world_.models.back().name = "hoist";
+  world_.models.push_back(world_.models.back());
+  world_.models.back().name = "cabin";
+  world_.objects = {ModelId(4)};
+  world_.doors = {{.model = ModelId(2), .leaves = {}, .opening = 0.5}};
+  world_.lifts = {{.model = ModelId(3), .cabin = ObjectId(0), .cabin_doors = {}, .floors = {{"up", 1.5, {}}}}};
+  std::unique_ptr<Recorder> recorder = test::ValueOf(Recorder::Create(world_, {.poses = path_}));
+  FrameMessage frame{.state = PlacedState(world_)};
+  frame.state.objects[0].X_WO = {1.0, 2.0, 1.5, 0.0};
+  frame.state.lifts[0].z = 1.5;
+  frame.state.lifts[0].blocked = true;
+  EXPECT_TRUE(recorder->OnTick({frame, {}}).ok());
+  EXPECT_TRUE(recorder->OnEnd().ok());
+  EXPECT_THAT(Text(), HasSubstr("\n0,gate,0,10,0,0,0,door,0.5,,\n0,hoist,1,2,1.5,0,1,lift,1.5,up,\n"));
+}
+
 TEST_F(ManipulationRecorderTest, TheRecordHasThemToo) {
   RecordState({.hash_log = "", .poses = "", .record = path_},
               {{0, EventType::kGripped, RobotId(1), {}, "lift", ModelId(3)}});

@@ -34,9 +34,10 @@ TEST(EntityFilter, AnExpressionMatchesAnywhereInAName) {
   EXPECT_FALSE(Matches(filter, "robot_12a", EntityKind::kRobot));
 }
 
-TEST(EntityFilter, AnEmptyFilterMatchesRobotsAndObjects) {
+TEST(EntityFilter, AnEmptyFilterMatchesRobotsObjectsAndPeople) {
   const EntityFilter filter = test::ValueOf(MakeFilter(""));
   EXPECT_TRUE(Matches(filter, "box", EntityKind::kObject));
+  EXPECT_TRUE(Matches(filter, "guest0", EntityKind::kPerson));
   EXPECT_FALSE(Matches(filter, "wall", EntityKind::kModel));
 }
 
