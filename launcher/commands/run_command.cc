@@ -52,7 +52,8 @@ std::vector<std::string> EnclavesOf(const RunOptions& options, const LoadedWorld
 // valid, and with the first enclave whose keys are required and missing; prints a warning where ROS itself would
 // continue, and a warning for each that a run in one process does without. Looks at the keystore of this host only, so
 // not for the processes of remote hosts, which look themselves. Other faults of the file are left to the run.
-Status CheckRosOptions(const RunOptions& options) {
+// `given`: the options about ROS on the command line, which a run without ROS does not have.
+Status CheckRosOptions(const RunOptions& options, const std::vector<std::string>& given) {
   const ros::RosSecurity& security = options.ros.network.security;
   const ros::EnvironmentFaults& faults = options.ros.faults;
   const std::optional<ros::ServiceClients>& clients = options.ros.network.service_clients;
@@ -64,9 +65,13 @@ Status CheckRosOptions(const RunOptions& options) {
   const bool is_open = security.fault.empty() && security.strategy == ros::SecurityStrategy::kOff;
   const bool is_valid =
       faults.domain.empty() && faults.distribution.empty() && faults.discovery.empty() && faults.rmw.empty();
-  if (is_open && is_valid) return Status();
+  if (is_open && is_valid && (given.empty() || options.run.ros)) return Status();
   const Result<LoadedWorld> loaded = LoadWorld(options.file, options.load);
-  if (!loaded.ok() || !options.run.ros.value_or(loaded.value().settings.ros)) return Status();
+  if (!loaded.ok()) return Status();
+  if (!options.run.ros.value_or(loaded.value().settings.ros)) {
+    if (given.empty()) return Status();
+    return Error{{}, given.front() + ": found a run without ROS 2, expected --ros"};
+  }
   for (const std::string& fault : {faults.domain, faults.distribution}) {
     if (!fault.empty()) return Error{{}, fault};
   }
@@ -164,7 +169,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
   std::unique_ptr<ViewerGateway> gateway_;
 };
 
-int RunCommand(RunOptions options) {
+int RunCommand(RunOptions options, const std::vector<std::string>& ros_options) {
   if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckOutputs(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckControllers(options.file, options.load.controller); !status.ok()) {
@@ -181,7 +186,7 @@ int RunCommand(RunOptions options) {
   // Cyclone does not keep two identities in one process apart that are in one domain.
   std::string& enclave = options.ros.network.security.enclave;
   if (options.in_process && enclave.empty()) enclave = ros::kWorldEnclave;
-  if (const Status status = CheckRosOptions(options); !status.ok()) return Fail(status.error());
+  if (const Status status = CheckRosOptions(options, ros_options); !status.ok()) return Fail(status.error());
   const MakeViewer make_viewer = [&options](Transport& transport, std::shared_ptr<SceneCache> scenes) {
     return std::make_unique<InProcessViewer>(transport, std::move(scenes), options.network.session, options.file);
   };
@@ -205,7 +210,13 @@ void AddRunCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("run", "Run a world: a world service, and a process for each robot");
   const auto options = std::make_shared<RunOptions>();
   AddRunOptions(*command, *options);
-  command->final_callback([options, &exit_status] { exit_status = RunCommand(*options); });
+  command->final_callback([command, options, &exit_status] {
+    std::vector<std::string> ros_options;
+    for (const CLI::Option* const option : command->get_options()) {
+      if (option->get_name().starts_with("--ros-") && option->count() > 0) ros_options.push_back(option->get_name());
+    }
+    exit_status = RunCommand(*options, ros_options);
+  });
 }
 
 }  // namespace troupe

@@ -135,21 +135,10 @@ Status SaveState(const Scene& scene, const BodyIndex& bodies, const WorldState& 
                   options.depths ? CameraImage::kDepths : CameraImage::kColors);
 }
 
-// The options of a picture of the world do not concern a camera's, and the other way round.
-Status CheckCameraOptions(const SnapshotOptions& options) {
-  if (options.camera.empty()) {
-    if (!options.depths) return {};
-    return Error{{}, "found --depth, expected --camera beside it"};
-  }
+Status CheckCameraFormat(const SnapshotOptions& options) {
   const Result<PictureFormat> format = PictureFormatOf(options.output);
-  if (format.ok() && format.value() != PictureFormat::kPng) {
-    return Error{{options.output}, "found a camera's picture as .svg, expected .png"};
-  }
-  if (!options.rays && options.view == "top" && !options.width && options.center.empty() && !options.meters &&
-      options.heights.empty()) {
-    return {};
-  }
-  return Error{{}, "found --camera beside an option of the world's picture, expected one of the two"};
+  if (options.camera.empty() || !format.ok() || format.value() == PictureFormat::kPng) return {};
+  return Error{{options.output}, "found a camera's picture as .svg, expected .png"};
 }
 
 int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& picture, PictureRays rays) {
@@ -321,6 +310,11 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
       ->check(NotEmpty())
       ->type_name("NAME")
       ->group(run);
+  // The options of a picture of the world do not concern a camera's, and the other way round.
+  command->get_option("--depth")->needs(command->get_option("--camera"));
+  for (const char* name : {"--view", "--rays", "--center", "--meters", "--heights", "--width"}) {
+    command->get_option("--camera")->excludes(command->get_option(name));
+  }
   command->final_callback([options, &exit_status] { exit_status = SnapshotCommand(*options); });
 }
 
@@ -329,7 +323,7 @@ int SnapshotCommand(const SnapshotOptions& options) {
   const PictureOptions picture_options = ToPictureOptions(options);
   if (const Status problem = CheckPictureOptions(picture_options); !problem.ok()) return Fail(problem.error());
 
-  if (const Status problem = CheckCameraOptions(options); !problem.ok()) return Fail(problem.error());
+  if (const Status problem = CheckCameraFormat(options); !problem.ok()) return Fail(problem.error());
   const PictureRays rays = options.rays ? PictureRays::kDrawn : PictureRays::kHidden;
   if (IsRecordingPath(options.file)) return SnapshotRecording(options, picture_options, rays);
   if (const Status problem = CheckControllers(options.file, options.controller); !problem.ok())

@@ -268,6 +268,10 @@ int WriteFile(const ViewOptions& options) {
 
 int ViewCommand(ViewOptions options) {
   if (options.is_static) return WriteFile(options);
+  if (options.journal && !options.file.empty()) {
+    return Fail(
+        {{options.file}, "found a recording beside --journal, expected a session: a recording has its own past"});
+  }
   if (!options.file.empty() && !IsRecordingPath(options.file)) {
     return Fail({{options.file},
                  "found a world, expected a session or a recording; troupe run FILE runs and shows it, and --static "
@@ -363,6 +367,11 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
       ->needs(is_static)
       ->type_name("FOLDER");
   AddToolNetworkFlags(*command, options->network);
+  // A page without a server listens nowhere, and has no run.
+  for (const char* name :
+       {"--listen", "--token-file", "--journal", "--view-only", "--interface", "--service", "--security"}) {
+    is_static->excludes(command->get_option(name));
+  }
   command->final_callback([options, &exit_status] { exit_status = ViewCommand(*options); });
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "command_line/parse_command_line.h"
+#include "recording/recording.h"
 #include "robot-agent/agent/agent_host.h"
 #include "ros/flags/ros_flags.h"
 #include "ros/link/host_program.h"
@@ -138,6 +139,22 @@ void AddOutputFlags(CLI::App& command, RunOptions& options) {
   AddTraceFlags(command, options.trace, group);
 }
 
+// The options that have no meaning beside others: none is accepted and ignored.
+void ExcludeOptions(CLI::App& command) {
+  const auto exclude = [&command](const char* name, std::initializer_list<const char*> others) {
+    for (const char* other : others) command.get_option(name)->excludes(command.get_option(other));
+  };
+  exclude("--in-process",
+          {"--robots-per-process", "--restart-agents", "--on-service-loss", "--journal", "--journal-sync", "--hosts",
+           "--interface", "--network", "--security", "--data-sharing", "--lease", "--shuffle-start"});
+  exclude("--ros", {"--no-ros"});
+  command.get_option("--trace-ticks")->needs(command.get_option("--trace"));
+  CLI::Option* const no_ros = command.get_option("--no-ros");
+  for (CLI::Option* const option : command.get_options()) {
+    if (option->get_name().starts_with("--ros-")) no_ros->excludes(option);
+  }
+}
+
 }  // namespace
 
 void AddRunOptions(CLI::App& command, RunOptions& options) {
@@ -175,12 +192,16 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       ->check(WholeNumber(0))
       ->type_name("SEED")
       ->group("Testing");
+  ExcludeOptions(command);
 }
 
 Status CompleteRunOptions(RunOptions& options) {
   NetworkSettings& network = options.network;
   if (Status problem = CheckBranchFlags(options.file, options.branch, options.load.controller); !problem.ok()) {
     return problem;
+  }
+  if (options.in_process && options.keyframe_interval != kDefaultKeyframeInterval && !IsRecordingPath(options.record)) {
+    return Error{{}, "--keyframe-interval: found no recording, expected --record FILE.mcap beside --in-process"};
   }
   if (network.session.empty()) network.session = OwnSession(options.file);
   options.run.is_watched = !options.headless;

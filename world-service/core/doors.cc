@@ -153,8 +153,13 @@ void MoveDoors(const TickOrders& orders, StepWorkspace& workspace) {
   }
 }
 
-// A door or lift is known by its numbers to orders, lanes and the routes of people, which an edit would not follow.
+// A door or lift is known by its numbers to orders, lanes and the routes of people, which an edit would not follow; a
+// level by its height, which lanes, places and people have too.
 Status CheckIsMovable(const WorldDescription& world, ModelId root) {
+  for (const LevelDescription& level : world.levels) {
+    if (world.model(root).name != level.name || world.model(root).X_PM.z != level.z) continue;
+    return Error{{}, "level '" + level.name + "' is a part of the building, and cannot be moved or deleted"};
+  }
   for (const DoorDescription& door : world.doors) {
     const std::string& name = world.model(door.model).name;
     for (const DoorLeaf& leaf : door.leaves) {

@@ -39,7 +39,7 @@ Parsed Parse(std::vector<std::string> words) {
 
 TEST(RunOptions, AcceptsEveryOptionOfTheManual) {
   Parsed parsed = Parse(test::Words(
-      "w.world --ticks 600 --seed 7 --mode realtime --speed max --in-process --robots-per-process 2 --controller "
+      "w.world --ticks 600 --seed 7 --mode realtime --speed max --robots-per-process 2 --controller "
       "wander --session s --domain 3 --no-ros --headless --hash-log h --poses p --scans c --summary m --record r"));
   EXPECT_EQ(parsed.error, "");
   EXPECT_EQ(parsed.options.file, "w.world");
@@ -95,6 +95,33 @@ TEST(RunOptions, RefusesOutputFilesThatCannotBeWritten) {
   EXPECT_EQ(complete({}), "");
 }
 
+TEST(RunOptions, NoOptionIsIgnoredBesideAnother) {
+  const std::vector<std::pair<std::string, std::string>> pairs = {{"--in-process", "--robots-per-process 2"},
+                                                                  {"--in-process", "--restart-agents 1"},
+                                                                  {"--in-process", "--on-service-loss end"},
+                                                                  {"--in-process", "--journal j.mcap"},
+                                                                  {"--in-process", "--journal-sync"},
+                                                                  {"--in-process", "--hosts a"},
+                                                                  {"--in-process", "--interface lo"},
+                                                                  {"--in-process", "--network lan"},
+                                                                  {"--in-process", "--security on"},
+                                                                  {"--in-process", "--data-sharing off"},
+                                                                  {"--in-process", "--lease 1"},
+                                                                  {"--in-process", "--shuffle-start 1"},
+                                                                  {"--ros", "--no-ros"},
+                                                                  {"--no-ros", "--ros-domain 1"},
+                                                                  {"--no-ros", "--ros-lockstep a"},
+                                                                  {"--no-ros", "--ros-map building"}};
+  for (const auto& [first, second] : pairs) {
+    const std::string error = Parse(test::Words("w.world " + first + " " + second)).error;
+    EXPECT_THAT(error, HasSubstr(first)) << second;
+    EXPECT_THAT(error, HasSubstr(second.substr(0, second.find(' ')))) << first;
+  }
+  EXPECT_THAT(Parse({"w.world", "--trace-ticks", "1:2"}).error, HasSubstr("--trace-ticks requires --trace"));
+  RunOptions lines = Parse(test::Words("w.world --in-process --keyframe-interval 5 --record r.jsonl")).options;
+  EXPECT_THAT(CompleteRunOptions(lines).error().ToString(), HasSubstr("--keyframe-interval: found no recording"));
+}
+
 TEST(RunOptions, GivesEachRunItsOwnSession) {
   RunOptions options = Parse({"/some/folder/my cave*.world"}).options;
   ASSERT_TRUE(CompleteRunOptions(options).ok());
@@ -113,7 +140,7 @@ TEST(RunOptions, HostsOfTheCommandLineReplaceThoseOfTheScenario) {
     return options;
   };
   EXPECT_EQ(complete({}).hosts.at(0).address, "alpha");
-  EXPECT_TRUE(complete({"--hosts", "n1", "--in-process"}).hosts.empty());
+  EXPECT_TRUE(complete({"--in-process"}).hosts.empty());
   const RunOptions options = complete({"--hosts", "n1,n2", "--host-start", "srun -w {address} {command}"});
   ASSERT_EQ(options.hosts.size(), 2u);
   EXPECT_EQ(options.hosts[1].name, "n2");
