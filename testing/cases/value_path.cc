@@ -226,7 +226,7 @@ std::string ScenarioText::WithAbsolutePaths(const std::string& path) const {
   };
   const auto properties = [&](const JsonNode& object) {
     const JsonNode* const bitmap = object.is_object() ? object.Find("bitmap") : nullptr;
-    if (bitmap != nullptr && bitmap->is_string()) replace(*bitmap, found(beside(bitmap->text)));
+    if (bitmap != nullptr && bitmap->is_string()) replace(*bitmap, beside(bitmap->text));
     const JsonNode* const map = object.is_object() ? object.Find("map_yaml") : nullptr;
     if (map != nullptr && map->is_string()) replace(*map, found(map->text));
   };

@@ -114,7 +114,10 @@ std::vector<Property> Reader::ReadProperties(const JsonNode& object, const Refus
       }
       property.value.content = std::move(tuple);
     } else if (value.is_string()) {
-      property.value.content = key == "bitmap" ? FromScenarioFolder(value.text) : value.text;
+      // Absolute: a relative path of a bitmap is searched for in the world's folder.
+      std::error_code ignored;
+      property.value.content =
+          key == "bitmap" ? std::filesystem::absolute(FromScenarioFolder(value.text), ignored).string() : value.text;
     } else {
       property.value.content = NumberOf(value);
     }

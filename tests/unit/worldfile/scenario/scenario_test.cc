@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 #include "common/base/glob.h"
@@ -207,6 +208,15 @@ TEST(Scenario, ItsWorldMayBeARosMap) {
     "spawn": [{"model": "scout", "count": 20, "region": [-11, -7, 11, 7]}]})");
   EXPECT_EQ(loaded.map_width, 480);
   EXPECT_EQ(loaded.world.robots.size(), 20u);
+}
+
+TEST(Scenario, ABitmapOfAScenarioWithARelativePathIsFound) {
+  const std::string path = std::filesystem::relative(WorldsFolder()).string() + "/scenarios/test.json";
+  const Result<LoadedWorld> loaded = LoadScenarioText(R"({"models": [{"name": "m", "model": "model",
+      "properties": {"bitmap": "../bitmaps/office.png", "size": [10, 10, 1]}}]})",
+                                                      path);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().ToString();
+  EXPECT_EQ(loaded.value().map_width, 480);
 }
 
 TEST(Scenario, WarningsHaveTheirPlace) {
