@@ -213,7 +213,7 @@ int Run(const BarrierOptions& options, const DdsOptions& dds) {
   Service service;
   SessionMessage session;
   session.run = 1;
-  session.lease_seconds = dds.lease_seconds;
+  session.lease_seconds = dds.lease();
   endpoint->SendSession(session);
   endpoint->Start(service);
   FrameMessage frame;

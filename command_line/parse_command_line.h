@@ -35,6 +35,7 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitBadInput = 2;  // of files or usage
 inline constexpr int kExitFailed = 3;
 inline constexpr int kExitOutputFailed = 4;  // of an agent whose output file cannot be written (a full disk)
+inline constexpr int kExitRobotsLost = 5;    // of a run that is done, but in which robots had no agent for some ticks
 inline constexpr int kExitInterrupted = 130;
 
 // The exit status of a program that ends with this error.

@@ -279,9 +279,11 @@ void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std:
       ->group(group);
   AddSecurityFlag(app, settings, security, group);
   AddDataSharingFlag(app, settings, group);
-  app.add_option("--lease", settings.lease_seconds,
-                 fmt::format("Seconds of silence after which a process is lost, from {} to {} (default: {})",
-                             kMinLeaseSeconds, kMaxLeaseSeconds, settings.lease_seconds))
+  app.add_option(
+         "--lease", settings.lease_seconds,
+         fmt::format("Seconds without a sign of life after which a process is lost, from {} to {} (default: {}, "
+                     "and a launcher waits for processes that live)",
+                     kMinLeaseSeconds, kMaxLeaseSeconds, kDefaultLeaseSeconds))
       ->check(LeaseValue())
       ->type_name("SECONDS")
       ->group(group);

@@ -93,7 +93,7 @@ int Run(const AgentCommandLine& line) {
   if (!Wait(line.start_delay_seconds, signals.requested())) return kExitInterrupted;
   const dds::NetworkLog network_log([&line](const std::string& text) { Report(line, "warning: " + text); });
   AgentOptions options = line.agent;
-  options.agent = MakeRandomId();
+  if (options.agent == 0) options.agent = MakeRandomId();
   for (const std::string& library : line.libraries) options.libraries.Add(library);
   options.on_notice = [&line](const std::string& text) { Report(line, text); };
   std::optional<ros::HostProgram> ros_program;

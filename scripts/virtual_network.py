@@ -127,11 +127,15 @@ class Network:
 
     def kill(self, host, only=""):
         """Kills the processes of a host; with `only` those whose command line contains it."""
+        self.signal(host, signal.SIGKILL, only)
+
+    def signal(self, host, number, only=""):
+        """Sends a signal to them."""
         for pid in ip("netns", "pids", self.space(host), check=False).split():
             try:
                 words = pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
                 if only in words:
-                    os.kill(int(pid), signal.SIGKILL)
+                    os.kill(int(pid), number)
             except (ProcessLookupError, FileNotFoundError):
                 pass
 

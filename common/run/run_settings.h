@@ -65,9 +65,10 @@ struct RunSettings {
   OnAgentLoss on_agent_loss = OnAgentLoss::kFreeze;
   std::uint32_t robots_per_process = 1;
   std::uint32_t restart_agents = kDefaultRestartAgents;  // 0: none; none either with OnAgentLoss::kAbort
-  double agent_deadline_seconds = 10.0;  // wall time that the barrier waits for a silent agent before it is lost
-  bool ros = false;                      // publish the robots to ROS 2
-  bool ros_infinite_ranges = true;       // there a ray of a scan without a hit reads +Inf (REP 117), else range_max
+  // Wall time without an answer after which an agent is lost though its process lives; 0: it is waited for.
+  double agent_deadline_seconds = 0.0;
+  bool ros = false;                 // publish the robots to ROS 2
+  bool ros_infinite_ranges = true;  // there a ray of a scan without a hit reads +Inf (REP 117), else range_max
 
   const Speed& pace() const { return is_watched ? watched_speed : speed; }
 };
@@ -121,7 +122,11 @@ struct NetworkSettings {
   std::string security = kSecurityAuto;
   // Frames and proposals between the service and agents of its machine travel through shared memory.
   bool data_sharing = true;
-  double lease_seconds = kDefaultLeaseSeconds;  // a process that is silent for longer is lost
+  // A process without a sign of life for longer is lost. Nothing: kDefaultLeaseSeconds, and a launcher whose process
+  // or host still lives then waits for it, so that a loaded machine does not change the result of a run.
+  std::optional<double> lease_seconds;
+
+  double lease() const { return lease_seconds.value_or(kDefaultLeaseSeconds); }
 };
 
 // HostSettings: the hosts of a scenario.

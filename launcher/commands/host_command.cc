@@ -102,6 +102,12 @@ void HostServer::Execute(const JsonReader& request) {
     const auto child = children_.find(request.Get<int>("signal"));
     const int number = request.Get<int>("number");
     if (request.ok() && child != children_.end()) child->second->Signal(number);
+  } else if (request.Has("tell")) {
+    const auto child = children_.find(request.Get<int>("tell"));
+    const auto line = request.Get<std::string>("line");
+    if (request.ok() && child != children_.end()) child->second->Tell(line);
+  } else if (request.Has("ping")) {
+    Send({{"pong", true}});
   } else if (request.Has("key")) {
     const auto name = request.Get<std::string>("key");
     const std::string content = BytesIn(request, "data");

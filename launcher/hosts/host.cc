@@ -20,6 +20,7 @@
 
 #include "common/base/file.h"
 #include "common/base/json.h"
+#include "common/base/system_error.h"
 #include "common/base/text.h"
 
 namespace troupe {
@@ -27,15 +28,37 @@ namespace {
 
 class LocalChild : public Child {
  public:
-  explicit LocalChild(Process process) : process_(std::move(process)) {}
+  // `input`: the writing end of a pipe to its standard input, which does not block.
+  LocalChild(Process process, FileDescriptor input) : process_(std::move(process)), input_(std::move(input)) {}
   pid_t pid() const override { return process_.pid(); }
   const std::optional<ProcessEnd>& end() const override { return process_.end(); }
-  bool Poll() override { return process_.Poll(); }
+  bool Poll() override {
+    WriteUntold();
+    return process_.Poll();
+  }
+  void Tell(const std::string& line) override {
+    if (input_.get() < 0 || !running()) return;
+    untold_ += line + "\n";
+    WriteUntold();
+  }
   void Signal(int signal) override { process_.Signal(signal); }
   void Kill() override { process_.Kill(); }
 
  private:
+  // As much as the pipe takes: a process that was stopped reads nothing, and must not stop this one.
+  void WriteUntold() {
+    while (!untold_.empty()) {
+      const ssize_t written = write(input_.get(), untold_.data(), untold_.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0 && errno != EAGAIN) untold_.clear();
+      if (written < 0) return;
+      untold_.erase(0, static_cast<std::size_t>(written));
+    }
+  }
+
   Process process_;
+  FileDescriptor input_;
+  std::string untold_;
 };
 
 namespace fs = std::filesystem;
@@ -128,11 +151,20 @@ Result<std::unique_ptr<Child>> LocalHost::Start(const std::string& program, cons
   std::vector<std::string> command = {path.value()};
   command.insert(command.end(), arguments.begin(), arguments.end());
   if (reports) command.push_back("--report-fd=" + std::to_string(reports_.writing_end()));
+  FileDescriptor input(-1);
+  FileDescriptor told(-1);  // its other end
+  if (reports) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) return SystemError("cannot make a pipe");
+    input = FileDescriptor(ends[0]);
+    told = FileDescriptor(ends[1]);
+    fcntl(ends[1], F_SETFL, O_NONBLOCK);
+  }
   const Addresses addresses = program == "robot-agent" ? agent_addresses_ : Addresses::kRandom;
-  Result<Process> process =
-      Process::Start(command, output_.writing_end(), reports ? reports_.writing_end() : -1, addresses);
+  Result<Process> process = Process::Start(command, {input.get(), output_.writing_end(), output_.writing_end()},
+                                           reports ? reports_.writing_end() : -1, addresses);
   if (!process.ok()) return process.error();
-  return std::unique_ptr<Child>(std::make_unique<LocalChild>(std::move(process).value()));
+  return std::unique_ptr<Child>(std::make_unique<LocalChild>(std::move(process).value(), std::move(told)));
 }
 
 std::vector<int> LocalHost::descriptors() const {

@@ -33,6 +33,9 @@ class Child {
   virtual const std::optional<ProcessEnd>& end() const = 0;
   // Checks for its end, without waiting. True once, when the end is found.
   virtual bool Poll() = 0;
+  // Writes a line to its standard input, now or later. No effect on a process that was started without reports, or has
+  // ended.
+  virtual void Tell(const std::string& line) = 0;
   // No effect on a process that has ended.
   virtual void Signal(int signal) = 0;
   // Kills the process: it has ended, or its host ends it.
@@ -52,7 +55,7 @@ class Host {
   // The folder for output files of its processes; empty: they write to the paths that the user gave.
   virtual const std::string& folder() const = 0;
   virtual std::string ProgramPath(const std::string& program) const = 0;
-  // `reports`: the process writes reports for the launcher (docs/tick-protocol.md).
+  // `reports`: the process writes reports for the launcher, and reads its news (docs/tick-protocol.md).
   virtual Result<std::unique_ptr<Child>> Start(const std::string& program, const std::vector<std::string>& arguments,
                                                bool reports) = 0;
 
@@ -72,6 +75,8 @@ class Host {
   virtual Status PollLoss() { return Status(); }
   // Processes can be started.
   virtual bool connected() const { return true; }
+  // Asks a remote host for a sign of life, unless it still owes one. The number of calls since it owes it; 0: none.
+  virtual int Ping() { return 0; }
   // Begins to connect again, to a host with a new folder and no processes. No effect on this host.
   virtual void Reconnect() {}
   // Copies the file `from` of this host to the path `to` on the launcher's host. At once an error if it is not
@@ -107,12 +112,13 @@ class LocalHost : public Host {
 //
 // To the host, on its standard input; the end of the input terminates all processes that were started:
 //   {"start": id, "program": name, "arguments": [..], "reports": bool}    {"signal": id, "number": n}    {"read": path}
+//   {"tell": id, "line": text}    a line for the standard input of a process with reports    {"ping": true}
 //   {"run": name}    first: a host of that name whose connection was cut, and which has not noticed, is to end
 //   {"key": path, "data": hexadecimal}    a file below the host's folder of keys
 // From the host, on its standard output:
 //   {"host": version, "folder": path, "programs": path}         first; the folder is for output, and is deleted at the
 //   end
-//   {"started": id, "pid": n}    {"failed": id, "message": text}
+//   {"started": id, "pid": n}    {"failed": id, "message": text}    {"pong": true}
 //   {"output": line}    {"report": line}
 //   {"ended": id, "exit_code": n, "signal": n, "peak_memory_mib": x}      after all of its lines
 //   {"file": path, "data": hexadecimal}    {"file": path, "end": true}    {"file": path, "error": text}

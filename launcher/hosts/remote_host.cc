@@ -69,6 +69,9 @@ class RemoteHost::RemoteChild : public Child {
   void Signal(int signal) override {
     if (!state_->end) host_.Send(ToLine({{"signal", id_}, {"number", signal}}));
   }
+  void Tell(const std::string& line) override {
+    if (!state_->end) host_.Send(ToLine({{"tell", id_}, {"line", line}}));
+  }
   void Kill() override {
     Signal(SIGKILL);
     // The host may be unreachable; it kills the process when the connection ends.
@@ -113,10 +116,18 @@ void RemoteHost::Reconnect() {
   if (requests_ >= 0) close(std::exchange(requests_, -1));
   connection_.reset();
   ready_ = lost_ = is_first_ = false;
+  pings_ = 0;
   loss_ = Status();
   last_error_line_.clear();
   enclaves_.clear();
   if (Status failure = Open(); !failure.ok()) Lose(failure.error().message);
+}
+
+int RemoteHost::Ping() {
+  if (!connected()) return 0;
+  // One at a time: a host that reads nothing must not fill the pipe to it.
+  if (++pings_ == 1) Send(ToLine({{"ping", true}}));
+  return pings_ - 1;
 }
 
 RemoteHost::~RemoteHost() {
@@ -219,6 +230,8 @@ void RemoteHost::ApplyMessage(const JsonReader& message) {
     folder_ = message.Get<std::string>("folder");
     programs_ = message.Get<std::string>("programs");
     ready_ = message.ok();
+  } else if (message.Has("pong")) {
+    pings_ = 0;
   } else if (message.Has("output")) {
     output_.push_back(message.Get<std::string>("output"));
   } else if (message.Has("report")) {

@@ -31,6 +31,7 @@ class RemoteHost : public Host {
   // The host has answered: its programs are present, and of this version.
   bool connected() const override { return ready_ && !lost_; }
   void Reconnect() override;
+  int Ping() override;
 
   const std::string& name() const override { return settings_.name; }
   const std::string& folder() const override { return folder_; }
@@ -81,6 +82,7 @@ class RemoteHost : public Host {
   bool is_first_ = true;
   bool ready_ = false;
   bool lost_ = false;
+  int pings_ = 0;  // since a sign of life is owed
   Status loss_;
   std::string folder_;
   std::string programs_;

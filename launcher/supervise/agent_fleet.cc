@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "command_line/run_flags.h"
+#include "common/base/identity.h"
 #include "troupe/check.h"
 #include "troupe/random.h"
 
@@ -145,23 +146,33 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
     }
   }
   if (agent.delay > 0.0) arguments.push_back("--start-delay=" + std::to_string(agent.delay));
-  Result<std::unique_ptr<Child>> process = site.host->Start("robot-agent", arguments, false);
-  if (!process.ok()) return process.error();
-  agents_.push_back({agents_.size(), std::move(process).value(), site.host, agent.group, std::move(agent.robots)});
-  ++running_;
+  Result<StartedProcess> started = StartProcess(agent.group, std::move(arguments));
+  if (!started.ok()) return started.error();
+  auto& [id, process] = started.value();
+  agents_.push_back({agents_.size(), id, std::move(process), site.host, agent.group, std::move(agent.robots)});
   return Status();
+}
+
+Result<AgentFleet::StartedProcess> AgentFleet::StartProcess(std::size_t group, std::vector<std::string> arguments) {
+  const AgentId id = MakeRandomId();
+  arguments.push_back(fmt::format("--agent-id={:016x}", id));
+  Result<std::unique_ptr<Child>> process = group_sites_[group]->host->Start("robot-agent", arguments, false);
+  if (!process.ok()) return process.error();
+  ++running_;
+  started_.push_back(id);
+  return StartedProcess{id, std::move(process).value()};
 }
 
 Status AgentFleet::Restart(std::size_t number) {
   AgentProcess& agent = agents_.at(number);
   TROUPE_CHECK(!agent.process->running());
-  const Result<std::vector<std::string>> arguments = ArgumentsOf(agent.group, agent.robots, Occasion::kAgain);
+  Result<std::vector<std::string>> arguments = ArgumentsOf(agent.group, agent.robots, Occasion::kAgain);
   if (!arguments.ok()) return arguments.error();
-  Result<std::unique_ptr<Child>> process = agent.host->Start("robot-agent", arguments.value(), false);
-  if (!process.ok()) return process.error();
+  Result<StartedProcess> started = StartProcess(agent.group, std::move(arguments).value());
+  if (!started.ok()) return started.error();
   peak_memory_mib_ = peak_memory_mib();
-  agent.process = std::move(process).value();
-  ++running_;
+  agent.id = started.value().id;
+  agent.process = std::move(started.value().process);
   return Status();
 }
 

@@ -17,6 +17,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "launcher/hosts/host.h"
@@ -24,12 +25,14 @@
 #include "launcher/supervise/reports.h"
 #include "launcher/supervise/run_keys.h"
 #include "launcher/supervise/run_options.h"
+#include "transport/protocol/messages.h"
 #include "troupe/result.h"
 
 namespace troupe {
 
 struct AgentProcess {
   std::size_t number;              // in the fleet; an agent that is started again keeps it
+  AgentId id;                      // of the process in its run; one that is started again has another one
   std::unique_ptr<Child> process;  // the newest one
   Host* host;
   std::size_t group;  // in the order of robots
@@ -71,9 +74,12 @@ class AgentFleet {
   // that are started from now on.
   void SetService(const std::vector<ServiceParticipant>& participants);
 
+  // The ids of the agents that were started since the last call.
+  std::vector<AgentId> DrainStarted() { return std::exchange(started_, {}); }
   // The numbers of the agents that ended since the last call.
   std::vector<std::size_t> PollEnded();
   const AgentProcess& agent(std::size_t number) const { return agents_.at(number); }
+  std::size_t started() const { return agents_.size(); }
   std::size_t size() const { return agents_.size() + waiting_.size(); }
   bool all_ended() const { return running_ == 0; }
   void Signal(int signal) const;
@@ -117,6 +123,12 @@ class AgentFleet {
   // Starts waiting agents until `agents` have been started in all.
   Status StartUpTo(std::size_t agents);
   Status StartAgent(WaitingAgent agent);
+  // Starts the process of a group of robots, with a new id.
+  struct StartedProcess {
+    AgentId id;
+    std::unique_ptr<Child> process;
+  };
+  Result<StartedProcess> StartProcess(std::size_t group, std::vector<std::string> arguments);
   // Of the program robot-agent, without a trace.
   Result<std::vector<std::string>> ArgumentsOf(std::size_t group, const std::vector<std::string>& robots,
                                                Occasion occasion) const;
@@ -132,6 +144,7 @@ class AgentFleet {
   ReadyReport ready_;
   std::vector<std::string> service_addresses_;
   std::size_t running_ = 0;
+  std::vector<AgentId> started_;  // until DrainStarted
   std::set<const Host*> lost_hosts_;
   std::vector<std::string> missing_files_;
   double peak_memory_mib_ = 0.0;  // of the processes that were replaced

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "command_line/terminal.h"
@@ -32,12 +33,14 @@ constexpr auto kStopTimeout = std::chrono::seconds(10);
 // The same for agents after the end of the service: they leave at once unless they hang.
 constexpr auto kLeaveTimeout = std::chrono::seconds(5);
 
-// The restarts of an agent at one tick with on_agent_loss rebuild: an agent that dies again there will always do so.
-constexpr std::uint32_t kRestartsAtATick = 5;
-
 // Network profiles (transport/dds/binding/domain_config.h).
 constexpr const char* kMulticastProfile = "lan";
 constexpr const char* kUnicastProfile = "unicast";
+
+// s, from a request to a host for a sign of life to the next one, and the number of them without an answer after which
+// its agents are lost. Counted, not measured: this process may have been stopped, too.
+constexpr double kPingPeriod = 1.0;
+constexpr int kMaxPings = 10;
 
 double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
@@ -79,6 +82,10 @@ class DistributedRun {
   bool NotePage(const std::string& line, const Host& host);
   // False for a line that does not report the failure of an output file.
   bool NoteOutputFailure(const std::string& line, const Host& host);
+  // Tells the service which agents have started and ended: only then are they lost, and silent ones are waited for.
+  void TellAgents(const std::vector<std::size_t>& ended);
+  // Asks the hosts for signs of life.
+  void PingHosts();
   void ReactToEnd(const AgentProcess& agent);
   void ReactToLoss(Host& host, const Error& loss);
   void ReconnectHosts();
@@ -113,18 +120,21 @@ class DistributedRun {
   std::optional<ros::HostProgram> ros_program_;  // of this host
   AgentRestarts restarts_;                       // none before the world service is ready
   std::uint32_t restarted_ = 0;
+  double next_ping_ = 0.0;                                  // s
+  std::set<Host*> silent_hosts_;                            // whose agents the service has been told to have lost
   std::multimap<Host*, std::size_t> agents_of_lost_hosts_;  // to be started again once their host is connected
   ServiceRestarts service_restarts_;
   std::vector<std::uint16_t> service_ports_;    // by group of agents, once it is ready
   StatePlace newest_;                           // state, as the newest status reports it
   Edition new_robots_edition_ = 0;              // the newest that has added robots
-  bool rebuilds_ = false;                       // agents are started again until the run ends
+  bool rebuilds_ = false;                       // restarts of agents are counted anew at each tick
   std::map<std::size_t, StatePlace> ended_at_;  // with rebuilds_: by agent, when it last ended
   const Clock::time_point start_ = Clock::now();
-  Clock::time_point started_at_;              // of the first world service
-  Clock::time_point service_started_at_;      // of the last one
-  std::optional<double> begins_at_;           // simulated time of the first status, s
-  std::optional<Clock::time_point> kill_at_;  // set by a request to stop
+  Clock::time_point started_at_;                     // of the first world service
+  Clock::time_point service_started_at_;             // of the last one
+  std::optional<double> begins_at_;                  // simulated time of the first status, s
+  std::optional<Clock::time_point> stop_agents_at_;  // at the end of the run
+  std::optional<Clock::time_point> kill_at_;         // set by a request to stop
   std::size_t robots_ = 0;
   double startup_seconds_ = 0.0;
   bool started_ = false;
@@ -138,7 +148,10 @@ void DistributedRun::WaitForEvents() {
   std::optional<double> wake = restarts_.NextDue();
   if (service_restarts_.due()) wake = std::min(wake.value_or(*service_restarts_.due()), *service_restarts_.due());
   if (const std::optional<double> next = hosts_.NextReconnect()) wake = std::min(wake.value_or(*next), *next);
-  if (kill_at_) wake = std::min(wake.value_or(Seconds(*kill_at_)), Seconds(*kill_at_));
+  if (!options_.hosts.empty()) wake = std::min(wake.value_or(next_ping_), next_ping_);
+  for (const std::optional<Clock::time_point>& at : {stop_agents_at_, kill_at_}) {
+    if (at) wake = std::min(wake.value_or(Seconds(*at)), Seconds(*at));
+  }
   const int timeout = wake ? std::max(0, static_cast<int>(1000.0 * (*wake - Seconds(Clock::now()))) + 1) : -1;
   std::vector<pollfd> waited = {{signals_.descriptor(), POLLIN, 0}};
   for (const int descriptor : hosts_.descriptors()) waited.push_back({descriptor, POLLIN, 0});
@@ -168,10 +181,16 @@ void DistributedRun::ProcessEvents() {
   if (!viewer.ok()) progress_.Tell(viewer.error().message);
   ProcessReports();
   if (dies) PlanRestartOfService();
+  TellAgents(ended);
+  PingHosts();
   for (const std::size_t agent : ended) ReactToEnd(agents_.agent(agent));
   RestartService();
   ReconnectHosts();
   RestartAgents();
+  if (stop_agents_at_ && Clock::now() >= *stop_agents_at_) {
+    agents_.Signal(SIGTERM);
+    stop_agents_at_.reset();
+  }
   if (kill_at_ && Clock::now() >= *kill_at_) {
     service_.process().Kill();
     agents_.Kill();
@@ -256,9 +275,7 @@ void DistributedRun::React(const ReadyReport& ready) {
   robots_ = ready.robots.size();
   // A run that ends when an agent is lost has no time for a restart.
   rebuilds_ = ready.rebuilds_on_loss;
-  if (rebuilds_) {
-    restarts_ = AgentRestarts(kRestartsAtATick);
-  } else if (!ready.aborts_on_loss) {
+  if (!ready.aborts_on_loss) {
     restarts_ = AgentRestarts(options_.restart_agents.value_or(ready.restart_agents));
   }
   const Result<std::vector<std::size_t>> sites = hosts_.PlaceOnSites(ready.robots);
@@ -272,6 +289,40 @@ void DistributedRun::React(const ReadyReport& ready) {
 // The agents that live find the service by themselves.
 void DistributedRun::ReactToReturn(const ReadyReport& ready) {
   agents_.SetService(ready.participants);
+  for (std::size_t number = 0; number < agents_.started(); ++number) {
+    const AgentProcess& agent = agents_.agent(number);
+    if (agent.process->running()) service_.TellStart(agent.id);
+  }
+}
+
+void DistributedRun::TellAgents(const std::vector<std::size_t>& ended) {
+  for (const AgentId agent : agents_.DrainStarted()) service_.TellStart(agent);
+  for (const std::size_t number : ended) {
+    const AgentProcess& agent = agents_.agent(number);
+    service_.TellEnd(agent.id, agent.host->connected() ? "its process " + agent.process->end()->ToString()
+                                                       : "the connection to its host is lost");
+  }
+}
+
+void DistributedRun::PingHosts() {
+  const double now = Seconds(Clock::now());
+  if (options_.hosts.empty() || now < next_ping_) return;
+  next_ping_ = now + kPingPeriod;
+  for (const auto& host : hosts_.all()) {
+    const bool answers = host->Ping() < kMaxPings;
+    if (answers != silent_hosts_.contains(host.get())) continue;
+    answers ? silent_hosts_.erase(host.get()) : silent_hosts_.insert(host.get()).second;
+    for (std::size_t number = 0; number < agents_.started(); ++number) {
+      const AgentProcess& agent = agents_.agent(number);
+      if (agent.host != host.get() || !agent.process->running()) continue;
+      if (answers) {
+        service_.TellStart(agent.id);
+      } else {
+        service_.TellEnd(agent.id,
+                         fmt::format("host {} has not answered for {:.0f} s", host->name(), kMaxPings * kPingPeriod));
+      }
+    }
+  }
 }
 
 // Without a viewer the run is the same.
@@ -348,7 +399,7 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
     if (rebuilds_ && !is_first && std::exchange(before->second, newest_) != newest_) restarts_.Forgive(agent.number);
     if (restarts_.OnEnd(agent.number, end.exit_code, Seconds(Clock::now()))) {
       progress_.Tell(fmt::format("{}; restart {} of {}", text, restarts_.CountOf(agent.number), restarts_.limit()));
-    } else if (rebuilds_) {
+    } else if (rebuilds_ && restarts_.limit() > 0) {
       // One that was refused, or whose files cannot be written, would end the same way after a restart.
       const std::uint32_t restarts = restarts_.CountOf(agent.number);
       Fail(FailedRun(Failure(restarts < restarts_.limit()
@@ -370,6 +421,7 @@ void DistributedRun::NoteIncompleteFiles(const AgentProcess& agent) {
   const auto is_lost = [&](const std::string& robot) {
     return std::find(summary_->lost.begin(), summary_->lost.end(), robot) != summary_->lost.end();
   };
+  if (agent.process->end()->exit_code == kExitInterrupted) return;  // it was stopped in order, and its file is whole
   if (options_.scans.empty() || std::all_of(agent.robots.begin(), agent.robots.end(), is_lost)) return;
   if (hosts_.is_lost(*agent.host) || output_failure_) return;
   output_failure_ =
@@ -387,11 +439,8 @@ void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::st
 }
 
 void DistributedRun::RestartAgent(std::size_t number) {
-  if (const Status status = agents_.Restart(number); status.ok()) {
-    ++restarted_;
-  } else {
-    TellRestartCommand(agents_.agent(number), status.error().ToString());
-  }
+  const Status status = agents_.Restart(number);
+  if (!status.ok()) TellRestartCommand(agents_.agent(number), status.error().ToString());
 }
 
 void DistributedRun::RestartAgents() {
@@ -401,6 +450,7 @@ void DistributedRun::RestartAgents() {
     if (hosts_.is_lost(*host)) {
       agents_of_lost_hosts_.emplace(host, number);
     } else {
+      ++restarted_;
       RestartAgent(number);
     }
   }
@@ -475,9 +525,15 @@ void DistributedRun::SuperviseUntilServiceEnds() {
 }
 
 void DistributedRun::AwaitProcesses() {
-  // After an orderly end of the service the agents leave by themselves, once they have written their files.
-  if (!summary_) agents_.Signal(SIGTERM);
-  kill_at_ = Clock::now() + kLeaveTimeout;
+  // After an orderly end of the service the agents leave by themselves, once they have written their files; but its
+  // last messages may be lost.
+  if (summary_) {
+    stop_agents_at_ = Clock::now() + kLeaveTimeout;
+    kill_at_ = *stop_agents_at_ + kStopTimeout;
+  } else {
+    agents_.Signal(SIGTERM);
+    kill_at_ = Clock::now() + kLeaveTimeout;
+  }
   while (!agents_.all_ended()) ProcessEvents();
   ros_program_.reset();  // after the agents, whose last samples it passes on
   PrintOutput();
@@ -508,7 +564,8 @@ RunEnd DistributedRun::End() {
   outcome.hosts = agents_.hosts();
   outcome.missing_files = agents_.missing_files();
   outcome.agent_peak_memory_mib = agents_.peak_memory_mib();
-  return {end_.exit_status, std::move(outcome), std::nullopt};
+  const int exit_status = end_.exit_status == kExitDone ? ExitStatusOf(outcome.run) : end_.exit_status;
+  return {exit_status, std::move(outcome), std::nullopt};
 }
 
 void DistributedRun::StopViewer() {
@@ -570,7 +627,8 @@ int RunDistributed(const RunOptions& options, const ReportEnd& report) {
 }
 
 bool StaysOpen(const RunOptions& options, const RunEnd& end) {
-  return !options.headless && end.exit_status == kExitDone && Progress::IsInteractive();
+  const bool is_done = end.exit_status == kExitDone || end.exit_status == kExitRobotsLost;
+  return !options.headless && is_done && Progress::IsInteractive();
 }
 
 void AwaitStopOfViewer(SignalWatch& signals, Progress& progress) {

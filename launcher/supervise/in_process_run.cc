@@ -184,7 +184,7 @@ RunSource SourceOf(const RunOptions& options) {
   source.ros = options.ros;
   ServiceOptions& service = source.service;
   service.session = options.network.session;
-  service.lease_seconds = options.network.lease_seconds;
+  service.lease_seconds = options.network.lease();
   service.start_timeout_seconds = options.start_timeout_seconds;
   service.start_paused = options.paused;
   service.pool = MakeThreadPool(options);
@@ -328,7 +328,7 @@ int RunInProcess(const RunOptions& options, const MakeViewer& make_viewer, const
   RunOutcome outcome;
   outcome.run = summary.value();
   outcome.service_peak_memory_mib = PeakMemoryMib();
-  const RunEnd end = {outcome.run.interrupted ? kExitInterrupted : kExitDone, outcome, std::nullopt};
+  const RunEnd end = {ExitStatusOf(outcome.run), outcome, std::nullopt};
   const int exit_status = report(end);
   if (StaysOpen(options, end)) {
     Progress progress;

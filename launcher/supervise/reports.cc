@@ -78,6 +78,7 @@ RunSummary ReadEnd(const JsonReader& json) {
   summary.slowest = ReadSlow(json, "slowest", "robot");
   summary.ros = ReadSlow(json, "ros_lockstep", "name");
   json.Read("lost", summary.lost);
+  json.Read("frozen", summary.frozen);
   json.Read("interrupted", summary.interrupted);
   json.Read("record_waited_seconds", summary.record_waited_seconds);
   json.Read("totals", summary.totals);
@@ -329,6 +330,11 @@ std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& opt
   }
   if (outcome.agents_restarted > 0) text += Times(outcome.agents_restarted, "restart") + " of agents that died\n";
   for (const std::string& missing : outcome.missing_files) text += "missing: " + missing + "\n";
+  if (run.frozen > 0) {
+    text += Times(run.frozen, "robot") +
+            " stood still in some ticks, without an agent: the result depends on the time "
+            "of the loss\n";
+  }
   if (!run.lost.empty()) text += "without an agent at the end: " + ListText(run.lost) + "\n";
   return text;
 }
@@ -364,6 +370,7 @@ std::string SummaryJson(const RunOutcome& outcome) {
       {"ros_lockstep", ros},
       {"robot_totals", std::move(totals)},
       {"lost", run.lost},
+      {"frozen", run.frozen},
       {"missing_files", outcome.missing_files},
       {"interrupted", run.interrupted},
       {"record_waited_seconds", run.record_waited_seconds},

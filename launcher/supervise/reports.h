@@ -126,6 +126,12 @@ struct RunEnd {
   std::optional<Error> error;         // to be printed; a failed run without it: a child process has printed the error
 };
 
+// The exit status of a run that did not fail.
+inline int ExitStatusOf(const RunSummary& run) {
+  if (run.interrupted) return kExitInterrupted;
+  return run.frozen > 0 ? kExitRobotsLost : kExitDone;
+}
+
 // Shows a run's end and writes its summary file; returns the exit status. Called once, before a viewer that stays open
 // is stopped.
 using ReportEnd = std::function<int(const RunEnd& end)>;

@@ -43,7 +43,7 @@ std::vector<std::string> NetworkArguments(const RunOptions& options) {
   Append(arguments, "--domain", std::to_string(network.domain));
   Append(arguments, "--interface", network.network_interface);
   Append(arguments, "--network", network.network_profile);
-  Append(arguments, "--lease", fmt::format("{}", network.lease_seconds));
+  if (network.lease_seconds) Append(arguments, "--lease", fmt::format("{}", *network.lease_seconds));
   Append(arguments, "--security", network.security);
   if (!network.data_sharing) arguments.emplace_back("--data-sharing=off");
   Append(arguments, "--faults", options.faults);

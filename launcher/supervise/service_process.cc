@@ -1,9 +1,13 @@
 #include "launcher/supervise/service_process.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
+#include "common/base/json.h"
 #include "launcher/hosts/connect_hosts.h"
 
 namespace troupe {
@@ -103,6 +107,16 @@ Status ServiceProcess::StartProcess(const RunKeys& keys, const std::vector<std::
   if (!process.ok()) return process.error();
   process_ = std::move(process).value();
   return Status();
+}
+
+void ServiceProcess::TellStart(AgentId agent) const {
+  TellEnd(agent, {});
+}
+
+void ServiceProcess::TellEnd(AgentId agent, const std::string& end) const {
+  nlohmann::json news = {{"agent", fmt::format("{:016x}", agent)}};
+  if (!end.empty()) news["end"] = end;
+  process_->Tell(JsonText(news));
 }
 
 std::vector<std::pair<std::string, std::string>> ServiceProcess::Outputs() const {

@@ -94,6 +94,9 @@ class ServiceProcess {
 
   // REQUIRES, for all below: Start has succeeded.
   Child& process() const { return *process_; }
+  // Tells the service that an agent was started, and how one has ended.
+  void TellStart(AgentId agent) const;
+  void TellEnd(AgentId agent, const std::string& end) const;
   // As AgentFleet::OutputFailureIn, for the files of the service.
   std::optional<Error> OutputFailureIn(const std::string& line) const;
   // Copies the service's output files from a remote host to the paths of the options.

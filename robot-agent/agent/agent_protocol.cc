@@ -278,8 +278,8 @@ void AgentProtocol::OnHistory(const HistoryMessage& history) {
 
 void AgentProtocol::OnServiceGone(double now) {
   if (over()) return;
-  if (run_.was_member) return Fail(Failure("the world service is gone"));
-  WaitForSession(now);  // another service may replace one that left before it answered
+  if (!run_.was_member) return WaitForSession(now);  // another service may replace one that left before it answered
+  state_ = Ended{};                                  // its last frame is lost
 }
 
 void AgentProtocol::OnServiceLost(double now) {

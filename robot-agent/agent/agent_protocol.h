@@ -26,7 +26,7 @@
 //   before the first admission
 //              another session, or a newer world of it           Preparing
 //              the service is gone or lost                       Waiting
-//   after it   the service is gone                               Ended, failed
+//   after it   the service has ended in order                    Ended
 //              a lost service has not returned in time           Ended, failed
 //   any        the last frame of the run                         Ended
 //              a task or an answer fails                         Ended, failed

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 
 #include "command_line/run_flags.h"
 #include "common/base/identity.h"
@@ -11,6 +12,20 @@
 namespace troupe {
 namespace {
 
+// The option of a launcher, which reports the end of the agent to the world service by this number.
+void AddAgentIdFlag(CLI::App& app, AgentCommandLine& line) {
+  const auto check = [&line](const std::string& text) -> std::string {
+    const char* const end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data(), end, line.agent.agent, 16);
+    if (parsed.ec == std::errc() && parsed.ptr == end && line.agent.agent != 0) return "";
+    return "found '" + text + "', expected a hexadecimal number above 0";
+  };
+  app.add_option_function<std::string>(
+         "--agent-id", [](const std::string&) {}, "")
+      ->check(CLI::Validator(check, ""))
+      ->group("");
+}
+
 void AddOptions(CLI::App& app, AgentCommandLine& line, std::string& faults) {
   AddSessionFlag(app, line.network, "Name of the run to join")->required();
   app.add_option("--robot", line.agent.robots, "Name of a robot to simulate; repeatable")
@@ -18,6 +33,7 @@ void AddOptions(CLI::App& app, AgentCommandLine& line, std::string& faults) {
       ->type_name("NAME")
       ->required()
       ->allow_extra_args(false);
+  AddAgentIdFlag(app, line);
   AddServiceAddressFlag(app, line.network, "Address of the world service (default: this host)");
   app.add_option("--service-participant", line.network.service_participant,
                  "Identity of the world service, as its launcher knows it: any other participant is ignored (default: "

@@ -142,7 +142,7 @@ TEST_F(Hosts, ThatAreLostLoseOnlyTheirRobots) {
   KillHostOf(run, "--robot=r2");
   run.WaitForLine("host lost: the connection is lost");
   const auto lost_at = std::chrono::steady_clock::now();
-  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_EQ(run.Wait(), 5) << run.output();
   // 4 s at this speed; a wait for the files of the host took 30 s more.
   EXPECT_LT(std::chrono::steady_clock::now() - lost_at, std::chrono::seconds(25));
   EXPECT_THAT(run.output(), HasSubstr("without an agent at the end: r2"));
@@ -171,13 +171,15 @@ TEST_F(Hosts, OfTheWorldServiceEndTheRunAtOnceWhenTheyAreLost) {
 TEST_F(Hosts, ThatReturnAreConnectedAgain) {
   json far = HostHere("far");
   far["robots"] = {"r2"};
-  Program run = Run({HostHere("near"), far}, {"--speed", "5", "--ticks", "100", "--on-agent-loss", "rebuild",
-                                              "--security", "on", "--hash-log", folder_.Path("hashes")});
+  Program run =
+      Run({HostHere("near"), far}, {"--speed", "5", "--ticks", "100", "--on-agent-loss", "rebuild", "--security", "on",
+                                    "--hash-log", folder_.Path("hashes"), "--summary", folder_.Path("summary")});
   run.WaitForLine("ready after");
   KillHostOf(run, "--robot=r2");
   run.WaitForLine("host far: connected again; its 1 agent is started again");
   EXPECT_EQ(run.Wait(), 0) << run.output();
   EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
+  EXPECT_EQ(json::parse(folder_.Read("summary"))["agents_restarted"], 0);
   OutputOf(Troupe({"run", WorldPath("pen.world"), "--ticks", "100", "--in-process", "--headless", "--controller",
                    "wander", "--hash-log", folder_.Path("alone")}));
   EXPECT_EQ(folder_.Read("hashes"), folder_.Read("alone"));
@@ -216,7 +218,7 @@ TEST_F(Hosts, StartAKilledAgentAgain) {
   for (pid_t process : Descendants(run.pid())) {
     if (CommandLineOf(process).find("--robot=r2") != std::string::npos) kill(process, SIGKILL);
   }
-  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_EQ(run.Wait(), 5) << run.output();
   EXPECT_THAT(run.output(), HasSubstr("robot r2: the agent (on host far, process "));
   EXPECT_THAT(run.output(), HasSubstr("; restart 1 of 3"));
   EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));

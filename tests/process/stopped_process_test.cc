@@ -1,8 +1,8 @@
-// Processes of a run that are stopped for longer than their lease, and then continue: as by swapping, a debugger or a
-// laptop that sleeps.
+// Processes of a run that are stopped, and then continue: as by swapping, a debugger or a laptop that sleeps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -84,6 +84,34 @@ TEST_F(StoppedProcess, TheAgentsRejoinAServiceThatReturns) {
   SignalAll(service, SIGCONT);
   for (const std::string& robot : Robots()) program_.WaitForLine("agent of " + robot + ": joined the run again");
   ExpectTheHashesOfAnUndisturbedRun();
+}
+
+TEST(StoppedAgent, IsWaitedForAndNamedWithoutALease) {
+  TemporaryFolder folder;
+  Program run = RunPen({"--speed", "5", "--ticks", "100", "--hash-log", folder.Path("hashes")});
+  run.WaitForLine("4 robots in 4 agent processes, ready");
+  const std::vector<pid_t> agent = ChildrenWith(run, "--robot=r2");
+  ASSERT_EQ(agent.size(), 1u);
+  SignalAll(agent, SIGSTOP);
+  EXPECT_THAT(run.WaitForLine(" waits for the agents of r2 ("), HasSubstr(std::to_string(agent.front())));
+  SignalAll(agent, SIGCONT);
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("has lost its agent")));
+  EXPECT_EQ(folder.Read("hashes"), ExpectedHashes()) << run.output();
+}
+
+TEST(StoppedRun, InOneProcessLosesNothing) {
+  TemporaryFolder folder;
+  const std::string scenario = folder.Write(
+      "pen.json", R"({"world": ")" + WorldPath("pen.world") + R"(", "agent_deadline": 0.3, "on_agent_loss": "abort"})");
+  Program run = Troupe({"run", scenario, "--in-process", "--headless", "--speed", "5", "--ticks", "100", "--hash-log",
+                        folder.Path("hashes")});
+  run.WaitForLine("4 robots in this process, ready");
+  run.Signal(SIGSTOP);
+  sleep(1);  // beyond the deadline
+  run.Signal(SIGCONT);
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_EQ(folder.Read("hashes"), ExpectedHashes()) << run.output();
 }
 
 TEST(StoppedAgent, RejoinsAWorldThatWasEditedMeanwhile) {

@@ -214,11 +214,13 @@ TEST(AgentLoss, TheOtherRobotsContinueToTheEnd) {
   LongRun run({"--ticks", "400", "--summary", folder.Path("summary"), "--poses", folder.Path("poses"),
                "--restart-agents", "0"});
   kill(run.Child("--robot=r1"), SIGKILL);
-  EXPECT_EQ(run.program().Wait(), 0);
+  EXPECT_EQ(run.program().Wait(), 5);
   EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 9 (Killed); to start it again:"));
+  EXPECT_THAT(run.program().output(), HasSubstr("1 robot stood still in some ticks, without an agent"));
   EXPECT_THAT(run.program().output(), HasSubstr("without an agent at the end: r1"));
   nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
   EXPECT_EQ(summary["ticks"], 400);
+  EXPECT_EQ(summary["frozen"], 1);
   EXPECT_EQ(summary["lost"], nlohmann::json::array({"r1"}));
   EXPECT_THAT(folder.Read("poses"), HasSubstr("\n400,r1,"));
   run.ExpectNoProcessLeft();
@@ -315,13 +317,34 @@ TEST(AgentLoss, AnAgentIsStartedAgainOnlyAsOftenAsAllowed) {
       return agent != before;
     }));
   }
-  EXPECT_EQ(run.program().Wait(), 0) << run.program().output();
+  EXPECT_EQ(run.program().Wait(), 5) << run.program().output();
   EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 9 (Killed); to start it again:"));
   EXPECT_THAT(run.program().output(), HasSubstr("without an agent at the end: r2"));
   const nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
   EXPECT_EQ(summary["agents_restarted"], 2);
   EXPECT_EQ(summary["ticks"], 400);
   run.ExpectNoProcessLeft();
+}
+
+TEST(AgentLoss, NoAgentIsStartedAgainForARebuildIfTheUserWantsNone) {
+  LongRun run({"--on-agent-loss", "rebuild", "--restart-agents", "0"});
+  kill(run.Child("--robot=r1"), SIGKILL);
+  Program agent({"/bin/sh", "-c", "exec " + run.program().WaitForLineAfter("to start it again:")});
+  run.program().WaitForLine("r1 has an agent");
+  run.program().Interrupt();
+  EXPECT_EQ(agent.Wait(), 0) << agent.output();
+}
+
+// Without --lease a death is known at once, and nothing else is a loss.
+TEST(AgentLoss, IsKnownLongBeforeTheLeaseOfAKilledAgent) {
+  TemporaryFolder folder;
+  Program run = RunPen({"--speed", "10", "--ticks", "400", "--summary", folder.Path("summary")});
+  run.WaitForLine("4 robots in 4 agent processes, ready");
+  for (const pid_t agent : ChildrenWith(run, "--robot=r1")) kill(agent, SIGKILL);
+  EXPECT_EQ(run.Wait(), 5) << run.output();
+  EXPECT_THAT(run.output(), HasSubstr("its process was killed by signal 9 (Killed)"));
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent at the end")));
+  EXPECT_EQ(nlohmann::json::parse(folder.Read("summary"), nullptr, false)["frozen"], 1);
 }
 
 TEST(AgentLoss, AnAgentIsStartedAgainForTheRobotsThatWereNotDeleted) {

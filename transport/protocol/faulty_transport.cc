@@ -101,6 +101,9 @@ class FaultyServiceEndpoint final : public ServiceEndpoint, private ServiceHandl
   void OnAgentGone(AgentId agent) override {
     line_.PassIntact([handler = handler_, agent] { handler->OnAgentGone(agent); });
   }
+  void OnAgentSilent(AgentId agent) override {
+    line_.PassIntact([handler = handler_, agent] { handler->OnAgentSilent(agent); });
+  }
   void OnRivalService(const SessionMessage& rival) override {
     line_.PassDelayed(Delivery(handler_, &ServiceHandler::OnRivalService, rival));
   }

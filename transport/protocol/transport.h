@@ -30,8 +30,11 @@ class ServiceHandler {
   virtual void OnProposal(const ProposalMessage& proposal) = 0;  // of an agent whose join was delivered before
   // The same, from a transport within a process: the handler may keep the message without a copy.
   virtual void OnSharedProposal(const SharedProposal& proposal) { OnProposal(*proposal); }
-  // The agent has left, or its lease has expired.
+  // The agent has left.
   virtual void OnAgentGone(AgentId agent) = 0;
+  // Its lease has expired: it has died, or was stopped for a time, or the network is cut. What it sends is delivered
+  // all the same.
+  virtual void OnAgentSilent(AgentId agent) { OnAgentGone(agent); }
   // Another service of the same session was discovered.
   virtual void OnRivalService(const SessionMessage& rival) = 0;
   // The request of a tool. SendControlReply answers it, now or later.

@@ -126,7 +126,6 @@ PageRun::PageRun(LoadedWorld loaded, const std::string& file, const LoadOverride
   service_.settings.is_watched = true;
   // A page has no network: what the scenario asks for is left out rather than refused.
   service_.settings.ros = false;
-  service_.settings.agent_deadline_seconds = kNever;
   service_.scenes = scenes;
   service_.world_file = file;
   service_.overrides = overrides;

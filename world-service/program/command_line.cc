@@ -97,7 +97,8 @@ std::variant<ServiceCommandLine, int> ParseServiceCommandLine(int argc, const ch
   line.service.pool = std::make_shared<ThreadPool>(line.threads.value_or(1));
   line.service.session = line.network.session;
   line.domain = line.network.domain;
-  line.service.lease_seconds = line.network.lease_seconds;
+  line.service.lease_seconds = line.network.lease();
+  line.service.lease_is_limit = line.network.lease_seconds.has_value();
   return line;
 }
 

@@ -35,6 +35,7 @@ struct CoordinatorOptions {
   RunId run = 0;  // random; of two services that gather agents in one session, the one with the lower id remains
   Incarnation incarnation = 0;  // of this service
   double lease_seconds = 2.0;
+  bool lease_is_limit = false;          // an agent whose lease has expired is lost, though its process lives
   double start_timeout_seconds = 60.0;  // for all robots to join; 0: wait for ever
   std::string advice_on_silence = {};   // for users, if agents do not answer the first frame; empty: none
   bool start_paused = false;            // at tick 0

@@ -36,6 +36,12 @@ namespace troupe {
 // another request.
 using ControlReplyTo = std::function<void(const ControlReply&)>;
 
+// News from a launcher of the process of an agent.
+struct AgentNews {
+  AgentId agent = 0;
+  std::string end = {};  // how it ended, for users; empty: it has started, and its end will be reported
+};
+
 // Pauses, plays and steps a run and edits its world, for a tool (troupe ctl) or a gateway (ROS 2 services).
 class WorldControl {
  public:
@@ -45,6 +51,7 @@ class WorldControl {
   // one of them waited for has come. In a turn it returns at once, and a turn follows, before which
   // deliveries may come. It locks the run.
   virtual void Wake() {}
+  virtual void OnAgentNews(const AgentNews& /*news*/) {}
 };
 
 // What a shown tick waits for.

@@ -129,6 +129,10 @@ class Driver final : public WorldControl, private ServiceHandler {
     Deliver([&](double now) { coordinator_.Wake(now); });
   }
 
+  void OnAgentNews(const AgentNews& news) override {
+    Deliver([&](double now) { coordinator_.OnAgentNews(news, now); });
+  }
+
   // REQUIRES: Run has returned.
   Result<RunSummary> Finish() {
     endpoint_->Flush(kFlushTime);
@@ -259,6 +263,9 @@ class Driver final : public WorldControl, private ServiceHandler {
   void OnAgentGone(AgentId agent) override {
     Deliver([&](double now) { coordinator_.OnAgentGone(agent, now); });
   }
+  void OnAgentSilent(AgentId agent) override {
+    Deliver([&](double now) { coordinator_.OnAgentSilent(agent, now); });
+  }
   void OnRivalService(const SessionMessage& rival) override {
     Deliver([&](double now) { coordinator_.OnRivalService(rival, now); });
   }
@@ -365,6 +372,7 @@ CoordinatorOptions MakeCoordinatorOptions(const ServiceOptions& options, TickTra
   coordinator.incarnation = options.resumed ? options.resumed->incarnation : options.first_incarnation;
   coordinator.resumed = options.resumed;
   coordinator.lease_seconds = options.lease_seconds;
+  coordinator.lease_is_limit = options.lease_is_limit;
   coordinator.start_timeout_seconds = options.start_timeout_seconds;
   coordinator.advice_on_silence = options.advice_on_silence;
   coordinator.check_world = options.check_world;

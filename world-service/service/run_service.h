@@ -47,6 +47,7 @@ struct RunSummary {
   std::vector<SlowRobot> slowest;  // at most five, slowest first
   std::vector<SlowRobot> ros;      // nodes and topics of ROS for which ticks waited, slowest first
   std::vector<std::string> lost;   // robots without an agent at the end
+  std::uint64_t frozen = 0;        // robots that had no agent in one tick or more, and stood still
   bool interrupted = false;
   double record_waited_seconds = 0.0;  // wall time that ticks waited for an observer, the recording
   std::vector<RobotTotal> totals;      // of the first kMaxRobotTotals robots
@@ -59,6 +60,7 @@ struct ServiceOptions {
   TraceOptions trace = {};
   std::string session;
   double lease_seconds = kDefaultLeaseSeconds;                 // an agent that is silent for longer is lost
+  bool lease_is_limit = false;                                 // also if a launcher knows that its process lives
   double start_timeout_seconds = kDefaultStartTimeoutSeconds;  // for all robots to join; 0: wait for ever
   std::string advice_on_silence;       // for users, if agents do not answer the first frame; empty: none
   bool start_paused = false;           // at tick 0, until a tool plays or steps

@@ -138,7 +138,18 @@ void TickCoordinator::OnProposal(const ProposalMessage& proposal, double now, co
 }
 
 void TickCoordinator::OnAgentGone(AgentId agent, double now) {
-  engine_.OnAgentGone(agent, now);
+  engine_.OnAgentGone(agent, "it ended", now);
+  control_.Advance(now);
+}
+
+void TickCoordinator::OnAgentSilent(AgentId agent, double now) {
+  engine_.OnAgentSilent(agent, now);
+  control_.Advance(now);
+}
+
+void TickCoordinator::OnAgentNews(const AgentNews& news, double now) {
+  if (news.end.empty()) return engine_.Supervise(news.agent);
+  engine_.OnAgentGone(news.agent, PlainLine(news.end, kMaxHost), now);
   control_.Advance(now);
 }
 
@@ -168,7 +179,7 @@ void TickCoordinator::OnOtherService(const SessionMessage& other, double now) {
 void TickCoordinator::Poll(double now) {
   if (run_.phase == Phase::kGathering) return PollGathering(now);
   // Before the engine's own poll: a barrier without the lost member may be complete now.
-  engine_.LoseSilentMembers(now);
+  engine_.WatchSilentMembers(now);
   control_.Advance(now);
   if (run_.phase == Phase::kRunning) GiveUpNewRobots(now);
   engine_.Poll(now);
@@ -329,6 +340,7 @@ RunSummary RunStatistics::MakeSummary() const {
     for (SlowRobot& slow : observer->SlowestAwaited()) summary.ros.push_back(std::move(slow));
   }
   summary.lost = run_.lost_robots;
+  summary.frozen = engine_.frozen_robots();
   summary.interrupted = run_.interrupted;
   summary.record_waited_seconds = engine_.observers_waited_seconds();
   return summary;

@@ -71,6 +71,9 @@ class TickCoordinator {
   // `shared`: the message itself, if it may be kept; null: it is copied.
   void OnProposal(const ProposalMessage& proposal, double now, const SharedProposal& shared = nullptr);
   void OnAgentGone(AgentId agent, double now);
+  void OnAgentSilent(AgentId agent, double now);
+  // The news of a launcher.
+  void OnAgentNews(const AgentNews& news, double now);
   void OnRivalService(const SessionMessage& rival, double now);
 
   // Acts on the time that has passed; call at NextPoll(), or earlier.

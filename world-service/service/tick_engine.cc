@@ -13,7 +13,6 @@ namespace {
 
 // Wall times, s.
 constexpr double kFirstResendOfLast = 0.02;  // of the last frame: agents that missed it delay the end
-constexpr double kMaxEnd = 1.0;              // for agents to leave
 constexpr double kHaltedResend = 0.5;        // of the frame, while the run waits for lost agents
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -55,7 +54,7 @@ TickEngine::TickEngine(LiveRun& run, double now)
       stepper_(std::make_unique<Stepper>(*run.scene, run.options.pool)),
       proposals_(*run.scene, run.options.settings.mode),
       pacer_(SpeedOf(run.options.settings), run.world().interval_seconds()),
-      resend_timer_(run.endpoint.may_lose_messages() ? run.options.settings.agent_deadline_seconds : 0.0),
+      resend_timer_(run.options.settings.agent_deadline_seconds),
       committed_at_(now),
       arrived_at_(now) {
   if (run_.options.start_paused) ticks_to_pause_ = 0;
@@ -265,6 +264,7 @@ void TickEngine::Commit(double now) {
   }
   if (observers_wait_since_) observers_waited_ += now - *std::exchange(observers_wait_since_, std::nullopt);
   first_answers_ = FirstAnswers::kComplete;  // of agents that are not lost
+  NoteFrozenRobots();
   EnterPhase(TickPhase::kStep, run_.next_tick());
   // Before the step: the commands that the agents had for this tick have been in force for it.
   commands_.Elapse();
@@ -323,6 +323,7 @@ void TickEngine::SetSpeed(std::optional<double> speed, double now) {
 
 void TickEngine::ChangeWorld(std::span<const AgentId> removed) {
   stepper_ = std::make_unique<Stepper>(*run_.scene, run_.options.pool);
+  has_new_losses_ = true;
   for (const AgentId agent : removed) barrier_.RemoveMember(agent);
   pacer_.SetInterval(run_.world().interval_seconds());
 }

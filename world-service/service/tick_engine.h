@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,7 +56,12 @@ class TickEngine {
   void AddMember(Member& member, double now);
   // `shared`: the message itself, if it may be kept; null: it is copied.
   void OnProposal(const ProposalMessage& proposal, double now, const SharedProposal& shared = nullptr);
-  void OnAgentGone(AgentId agent, double now);
+  // The agent has ended or left. `reason`: for users.
+  void OnAgentGone(AgentId agent, const std::string& reason, double now);
+  // Its lease has expired. It is lost, unless a launcher knows that its process lives.
+  void OnAgentSilent(AgentId agent, double now);
+  // A launcher will report the end of this agent's process.
+  void Supervise(AgentId agent) { supervised_.insert(agent); }
 
   // Publishes the first frame, or the newest of a run that is continued. REQUIRES: the phase is kGathering.
   void Begin(double now);
@@ -64,7 +70,7 @@ class TickEngine {
   void Fail(Error error, double now);
 
   // Time that passes, in the phases after kGathering: call both at NextPoll(), or earlier.
-  void LoseSilentMembers(double now);
+  void WatchSilentMembers(double now);
   // Calls the observers, which have asked for it.
   void Wake(double now);
   void Poll(double now);
@@ -127,6 +133,8 @@ class TickEngine {
   double committed_at() const { return committed_at_; }  // wall time of the newest frame, s
   std::uint64_t steps() const { return steps_; }
   std::uint64_t frames_resent() const { return frames_resent_; }
+  // The robots that had no agent in one tick or more, and stood still.
+  std::size_t frozen_robots() const { return frozen_.size(); }
 
  private:
   void Collect(Member& member, const ProposalMessage& message, double now, const SharedProposal& shared);
@@ -135,8 +143,16 @@ class TickEngine {
   void RejectUnknown(AgentId agent, double now);
   void AskToJoin(Member& member, double now);
   void Lose(Member& member, const std::string& reason, double now);
+  // s, for the agents to leave at the end of the run, since the newest one has left.
+  static constexpr double kMaxEnd = 5.0;
+
   // Tells that the first frame of the run is not answered, and fails after the start timeout.
   void AwaitFirstAnswers(double now);
+  // Tells for which agents the tick waits, once in a while.
+  void NoteLongWait(double now);
+  // "r0, r1 and 8 more (host, pid 12; host, pid 14)": the agents that have not answered.
+  std::string MissingText() const;
+  void NoteFrozenRobots();
   bool observers_prepared() const;
   bool ReadyToCommit(double now);
   // When the next tick may be committed.
@@ -199,13 +215,17 @@ class TickEngine {
   std::uint64_t frames_resent_ = 0;
   double observers_waited_ = 0.0;  // s
   std::optional<double> observers_wait_since_;
+  std::set<AgentId> supervised_;  // whose end a launcher reports
+  std::set<std::string> frozen_;  // names of robots
+  bool has_new_losses_ = true;    // since frozen_ was complete
 
   // Wall times, s.
-  double committed_at_ = 0.0;  // of the newest frame
-  double arrived_at_ = 0.0;    // of the newest answer of a member, or the frame
-  double resent_at_ = 0.0;     // when a frame was resent
-  double halted_since_ = 0.0;  // since no agent is left
-  double end_at_ = 0.0;        // when the last frame need not be resent any more
+  double committed_at_ = 0.0;       // of the newest frame
+  double arrived_at_ = 0.0;         // of the newest answer of a member, or the frame
+  double resent_at_ = 0.0;          // when a frame was resent
+  double halted_since_ = 0.0;       // since no agent is left
+  std::optional<double> noted_at_;  // of the newest notice of a long wait
+  double end_at_ = 0.0;             // when the last frame need not be resent any more
 };
 
 }  // namespace troupe

@@ -14,8 +14,11 @@ namespace {
 
 // Wall times, s.
 constexpr double kAskPeriod = 0.1;         // from one request to an agent to join again to the next
-constexpr double kFirstAnswers = 5.0;      // of silence after the first frame, until a notice
+constexpr double kLongWait = 5.0;          // of silence, until a notice
+constexpr double kNotePeriod = 30.0;       // from a notice of a long wait to the next one
 constexpr double kLatencySmoothing = 0.1;  // its share in the smoothed time of an agent's answers
+
+constexpr std::size_t kProcessesNamed = 3;  // in a notice
 
 // The state that a proposal is for.
 StatePlace PlaceOf(const ProposalMessage& proposal) {
@@ -132,16 +135,25 @@ void TickEngine::AskToJoin(Member& member, double now) {
   run_.endpoint.SendAdmissions({MakeAdmission(run_, member.id, false)});
 }
 
-void TickEngine::OnAgentGone(AgentId agent, double now) {
+void TickEngine::OnAgentGone(AgentId agent, const std::string& reason, double now) {
+  supervised_.erase(agent);
   Member* const member = run_.members.Find(agent);
   if (member == nullptr) return;
   member->gone = true;
-  if (member->present) Lose(*member, "it ended, or its lease ran out", now);
+  if (member->present) Lose(*member, reason, now);
+}
+
+void TickEngine::OnAgentSilent(AgentId agent, double now) {
+  // Its process lives, and answers when it runs again: a machine with too much work loses no robot by that.
+  if (supervised_.contains(agent) && !run_.options.lease_is_limit) return;
+  OnAgentGone(agent, "it gave no sign of life for its lease", now);
 }
 
 void TickEngine::Lose(Member& member, const std::string& reason, double now) {
   run_.members.Lose(member);
   barrier_.RemoveMember(member.id);
+  has_new_losses_ = true;
+  end_at_ = now + kMaxEnd;
   const bool none_left = run_.members.present_members() == 0;
   if (none_left) halted_since_ = now;
   if (run_.phase == RunPhase::kEnding) {
@@ -160,13 +172,14 @@ void TickEngine::Lose(Member& member, const std::string& reason, double now) {
   if (ReadyToCommit(now)) Commit(now);
 }
 
-void TickEngine::LoseSilentMembers(double now) {
-  const double deadline = run_.options.settings.agent_deadline_seconds;
-  if (run_.phase != RunPhase::kRunning || barrier_.complete()) return;
+void TickEngine::WatchSilentMembers(double now) {
+  // In one process no message is lost: whoever has not answered still computes, or the whole program was stopped.
+  if (run_.phase != RunPhase::kRunning || barrier_.complete() || !run_.endpoint.may_lose_messages()) return;
   // Before the first answers a silent agent says nothing about itself: the network may drop the frames to its host.
   if (first_answers_ != FirstAnswers::kComplete && !run_.realtime() && !run_.takes_over())
     return AwaitFirstAnswers(now);
-  if (deadline <= 0.0) return;
+  const double deadline = run_.options.settings.agent_deadline_seconds;
+  if (deadline <= 0.0) return NoteLongWait(now);
   for (AgentId agent : barrier_.Missing()) {
     Member* const member = run_.members.Find(agent);
     double heard_at = member->silent_since.value_or(committed_at_);
@@ -179,27 +192,46 @@ void TickEngine::LoseSilentMembers(double now) {
   }
 }
 
+std::string TickEngine::MissingText() const {
+  std::vector<RobotId> robots;
+  std::string processes;
+  std::size_t count = 0;
+  for (const AgentId agent : barrier_.Missing()) {
+    const Member& member = run_.members.member(agent);
+    robots.insert(robots.end(), member.robots.begin(), member.robots.end());
+    if (++count <= kProcessesNamed) processes += (count == 1 ? "" : "; ") + Describe(member);
+  }
+  std::sort(robots.begin(), robots.end());
+  if (count > kProcessesNamed) processes += "; and " + std::to_string(count - kProcessesNamed) + " more";
+  return ListNames(run_.world(), robots) + " (" + processes + ")";
+}
+
 // A network that does not pass the frames on to all hosts loses no agent: the run has not begun for those.
 void TickEngine::AwaitFirstAnswers(double now) {
   const double waited = now - arrived_at_;
   const double timeout = run_.options.start_timeout_seconds;
-  const bool is_over = run_.options.settings.agent_deadline_seconds > 0.0 && timeout > 0.0 && waited >= timeout;
-  if (!is_over && (waited < kFirstAnswers || first_answers_ == FirstAnswers::kReportedMissing)) return;
-  std::vector<RobotId> robots;
-  std::vector<std::string> hosts;
-  for (const AgentId agent : barrier_.Missing()) {
-    const Member& member = run_.members.member(agent);
-    robots.insert(robots.end(), member.robots.begin(), member.robots.end());
-    if (std::find(hosts.begin(), hosts.end(), member.host) == hosts.end()) hosts.push_back(member.host);
-  }
-  std::sort(robots.begin(), robots.end());
-  std::string text = "no answer to the first frame from the agents of " + ListNames(run_.world(), robots) + " (on";
-  for (const std::string& host : hosts) text += " " + host;
-  text += ") within " + std::to_string(static_cast<int>(waited)) + " s";
+  const bool is_over = timeout > 0.0 && waited >= timeout;
+  if (!is_over && (waited < kLongWait || first_answers_ == FirstAnswers::kReportedMissing)) return;
+  std::string text = "no answer to the first frame from the agents of " + MissingText() + " within " +
+                     std::to_string(static_cast<int>(waited)) + " s";
   if (!run_.options.advice_on_silence.empty()) text += "; " + run_.options.advice_on_silence;
   if (is_over) return Fail(Failure(std::move(text)), now);
   first_answers_ = FirstAnswers::kReportedMissing;
   run_.notices.Add(std::move(text));
+}
+
+void TickEngine::NoteLongWait(double now) {
+  const double waited = now - arrived_at_;
+  if (run_.realtime() || waited < kLongWait || (noted_at_ && now < *noted_at_ + kNotePeriod)) return;
+  noted_at_ = now;
+  run_.notices.Add("tick " + std::to_string(run_.next_tick()) + " waits for the agents of " + MissingText() +
+                   ": no answer for " + std::to_string(static_cast<int>(waited)) +
+                   " s, but nothing shows that they have ended");
+}
+
+void TickEngine::NoteFrozenRobots() {
+  if (!std::exchange(has_new_losses_, false) || run_.members.all_robots_present()) return;
+  for (const RobotId robot : run_.members.AbsentRobots()) frozen_.insert(run_.world().robot(robot).name);
 }
 
 }  // namespace troupe

@@ -199,7 +199,7 @@ void DdsServiceEndpoint::LoseAgentsOf(const Sender& ended) {
     agents_.erase(agent);
     const std::optional<AgentId> forgotten = lost_agents_.Add(agent, ended.participant);
     if (forgotten && segment_) segment_->Unbind(*forgotten);
-    handler_->OnAgentGone(agent);
+    handler_->OnAgentSilent(agent);
   }
 }
 

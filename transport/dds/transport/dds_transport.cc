@@ -98,7 +98,7 @@ DomainConfig ConfigOf(const DdsOptions& options) {
   config.domain = options.domain;
   config.network_interface = options.network_interface;
   config.network = options.network_profile;
-  config.lease_seconds = options.lease_seconds;
+  config.lease_seconds = options.lease();
   // With data sharing hardly any agent receives samples, so that heartbeats cost little. While agents start, they are
   // the answer to a reader that has asked for samples before its writer had discovered it.
   if (options.data_sharing) config.heartbeat_seconds = kHeartbeatWithSharing;

@@ -1,14 +1,19 @@
 #include "world-service/observers/status/reporter.h"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
 
 #include "common/base/json.h"
+#include "common/base/json_reader.h"
 #include "common/base/print.h"
+#include "common/base/wake_event.h"
 #include "transport/protocol/message_texts.h"
 #include "world-service/service/requested_file.h"
 
@@ -54,7 +59,8 @@ class ConsoleReporter final : public Reporter {
     if (summary.record_waited_seconds > 0.0) {
       PrintPlain(stderr, "  ticks waited {:.2f} s for the recording to be written\n", summary.record_waited_seconds);
     }
-    for (const std::string& robot : summary.lost) PrintPlain(stderr, "  {}: no agent at the end\n", robot);
+    if (summary.frozen > 0) PrintPlain(stderr, "  {} robots had no agent in some ticks\n", summary.frozen);
+    if (!summary.lost.empty()) PrintPlain(stderr, "  {} have no agent at the end\n", summary.lost.size());
   }
   void Failed(const Error& error) override { PrintPlain(stderr, "{}\n", error.ToString()); }
 
@@ -64,6 +70,39 @@ class ConsoleReporter final : public Reporter {
 };
 
 using Json = nlohmann::json;
+
+// Reads lines from standard input on a thread of its own.
+class NewsReader {
+ public:
+  explicit NewsReader(WorldControl& control) : thread_([this, &control] { Read(control); }) {}
+  ~NewsReader() {
+    ended_.Signal();
+    thread_.join();
+  }
+  NewsReader(const NewsReader&) = delete;
+  NewsReader& operator=(const NewsReader&) = delete;
+
+ private:
+  static constexpr std::size_t kPiece = 4096;  // bytes
+
+  void Read(WorldControl& control) {
+    std::string text;
+    pollfd waited[] = {{STDIN_FILENO, POLLIN, 0}, {ended_.descriptor(), POLLIN, 0}};
+    while (waited[1].revents == 0) {
+      if (poll(waited, 2, -1) < 0 || waited[0].revents == 0) continue;
+      char piece[kPiece];
+      const ssize_t size = read(STDIN_FILENO, piece, sizeof piece);
+      if (size == 0 || (size < 0 && errno != EINTR)) return;  // the launcher has died
+      if (size > 0) text.append(piece, static_cast<std::size_t>(size));
+      for (std::size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
+        if (const std::optional<AgentNews> news = ParseAgentNews(text.substr(0, end))) control.OnAgentNews(*news);
+      }
+    }
+  }
+
+  WakeEvent ended_;
+  std::thread thread_;
+};
 
 class LauncherReporter final : public Reporter {
  public:
@@ -89,6 +128,14 @@ class LauncherReporter final : public Reporter {
           {"participants", std::move(participants)},
           {"ros", settings.ros},
           {"ros_infinite_ranges", settings.ros_infinite_ranges}});
+  }
+  Status OnBegin(const RunStart& start) override {
+    news_.emplace(start.control);
+    return {};
+  }
+  Status OnEnd() override {
+    news_.reset();
+    return {};
   }
   void OnStarted(double startup_seconds) override { Send({{"type", "started"}, {"startup_seconds", startup_seconds}}); }
   void OnNewRobots(const std::vector<std::string>& robots, Edition edition) override {
@@ -130,6 +177,7 @@ class LauncherReporter final : public Reporter {
           {"slowest", std::move(slowest)},
           {"ros_lockstep", std::move(ros)},
           {"lost", summary.lost},
+          {"frozen", summary.frozen},
           {"interrupted", summary.interrupted},
           {"record_waited_seconds", summary.record_waited_seconds},
           {"totals", std::move(totals)},
@@ -153,9 +201,18 @@ class LauncherReporter final : public Reporter {
   }
 
   const int descriptor_;
+  std::optional<NewsReader> news_;  // while the run lasts
 };
 
 }  // namespace
+
+std::optional<AgentNews> ParseAgentNews(const std::string& line) {
+  const JsonReader json = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
+  AgentNews news;
+  json.ReadHash("agent", news.agent);
+  json.Read("end", news.end);
+  return json.ok() && news.agent != 0 ? std::optional(news) : std::nullopt;
+}
 
 std::unique_ptr<Reporter> MakeConsoleReporter() {
   return std::make_unique<ConsoleReporter>();

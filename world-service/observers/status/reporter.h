@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,10 +32,15 @@ class Reporter : public RunObserver {
   virtual void Failed(const Error& error) = 0;
 };
 
+// A launcher's news of the agents, on standard input: JSON objects, one a line. docs/tick-protocol.md has their fields.
+// Nothing for a line that is none.
+std::optional<AgentNews> ParseAgentNews(const std::string& line);
+
 // Lines on standard error.
 std::unique_ptr<Reporter> MakeConsoleReporter();
 
-// JSON objects, one a line, on a descriptor that stays open. docs/tick-protocol.md has their fields.
+// JSON objects, one a line, on a descriptor that stays open. docs/tick-protocol.md has their fields. It reads the news
+// of the launcher, too.
 std::unique_ptr<Reporter> MakeLauncherReporter(int descriptor);
 
 }  // namespace troupe

@@ -125,6 +125,7 @@ class FakeChild final : public Child {
   pid_t pid() const override { return 1; }
   const std::optional<ProcessEnd>& end() const override { return end_; }
   bool Poll() override { return end_ && !std::exchange(reported_, true); }
+  void Tell(const std::string&) override {}
   void Signal(int) override {}
   void Kill() override { end_ = ProcessEnd{137, 9, 20.0}; }
 

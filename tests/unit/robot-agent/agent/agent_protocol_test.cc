@@ -266,7 +266,7 @@ TEST_F(AgentProtocolTest, TheEndOfTheServiceEndsAnAgentThatWaitsForIt) {
   protocol_.OnServiceLost(now_);
   protocol_.OnServiceGone(now_);
   ASSERT_TRUE(protocol_.over());
-  EXPECT_EQ(protocol_.failure().error().message, "the world service is gone");
+  EXPECT_TRUE(protocol_.failure().ok());
 }
 
 TEST_F(AgentProtocolTest, TheLastFrameEndsAnAgentThatWaitsForTheService) {
@@ -529,7 +529,7 @@ TEST_F(HistoryTest, TheEndOfTheServiceEndsAMemberWhoseRobotsProcessAHistory) {
   protocol_.OnServiceGone(now_);
   Finish(task);
   ASSERT_TRUE(protocol_.over());
-  EXPECT_EQ(protocol_.failure().error().message, "the world service is gone");
+  EXPECT_TRUE(protocol_.failure().ok());
 }
 
 TEST_F(HistoryTest, ANewerWorldReplacesThatOfAnAgentThatWasNeverAdmitted) {

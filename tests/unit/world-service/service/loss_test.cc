@@ -12,6 +12,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 using Phase = TickCoordinator::Phase;
 
 class LossTest : public CoordinatorTest {
@@ -149,12 +150,76 @@ TEST_F(LossTest, SeveralSilentAgentsAreLostAtOnce) {
   EXPECT_THAT(Events(), ElementsAre("left r1", "left r2"));
 }
 
-TEST_F(LossTest, ADeadlineOfZeroIsNone) {
-  options.settings.agent_deadline_seconds = 0.0;
+TEST_F(LossTest, WithoutADeadlineASilentAgentIsWaitedForAndNamed) {
   MakeAndStart(2);
+  ProposeAll(2);
   Propose(1);
-  Wait(1e5);
-  EXPECT_EQ(tick(), 0u);
+  Wait(4.9);
+  EXPECT_THAT(coordinator->DrainNotices(), IsEmpty());
+  Wait(0.2);
+  EXPECT_THAT(coordinator->DrainNotices(),
+              ElementsAre(AllOf(HasSubstr("tick 2 waits for the agents of r1 (host2, pid 2)"), HasSubstr("5 s"))));
+  for (int i = 0; i < 100; ++i) Wait(1.0);
+  EXPECT_THAT(coordinator->DrainNotices(), SizeIs(3));  // once in a while
+  EXPECT_EQ(tick(), 1u);
+  EXPECT_EQ(coordinator->present_agents(), 2u);
+  Propose(2);
+  EXPECT_EQ(tick(), 2u);
+  EXPECT_EQ(coordinator->MakeSummary().frozen, 0u);
+}
+
+// A process that was stopped, or that a machine with too much work has starved.
+TEST_F(LossTest, AnAgentThatALauncherWatchesIsLostByItsEndAlone) {
+  MakeAndStart(3);
+  ProposeAll(3);
+  coordinator->OnAgentNews({.agent = 2}, now);
+  Propose(1);
+  coordinator->OnAgentSilent(2, now);
+  coordinator->OnAgentSilent(3, now);
+  EXPECT_THAT(Events(), ElementsAre("left r2"));
+  Propose(2);
+  EXPECT_EQ(tick(), 2u);
+  coordinator->OnAgentNews({.agent = 2, .end = "its process was killed"}, now);
+  Propose(1);
+  ASSERT_EQ(tick(), 3u);
+  ASSERT_THAT(endpoint.frames.back().events, SizeIs(1));
+  EXPECT_EQ(endpoint.frames.back().events[0].detail, "host2, pid 2: its process was killed");
+}
+
+TEST_F(LossTest, TheLeaseThatAUserGivesIsTheLimitOfProcessesThatLive) {
+  options.lease_is_limit = true;
+  MakeAndStart(2);
+  coordinator->OnAgentNews({.agent = 2}, now);
+  coordinator->OnAgentSilent(2, now);
+  EXPECT_THAT(Events(), ElementsAre("left r1"));
+}
+
+TEST_F(LossTest, TheSummaryCountsTheRobotsThatHadNoAgentInATick) {
+  MakeAndStart(3);
+  ProposeAll(3);
+  coordinator->OnAgentGone(2, now);
+  Join(2);  // before the next tick
+  ProposeAll(3);
+  EXPECT_EQ(coordinator->MakeSummary().frozen, 0u);
+  coordinator->OnAgentGone(3, now);
+  Propose(1);
+  Propose(2);
+  Join(3);
+  ProposeAll(3);
+  EXPECT_EQ(coordinator->MakeSummary().frozen, 1u);
+  EXPECT_THAT(coordinator->MakeSummary().lost, IsEmpty());
+}
+
+TEST_F(LossTest, TheEndWaitsAsLongAsAgentsLeave) {
+  options.settings.ticks = 1;
+  MakeAndStart(3);
+  ProposeAll(3);
+  for (const AgentId agent : {AgentId{1}, AgentId{2}, AgentId{3}}) {
+    EXPECT_EQ(coordinator->phase(), Phase::kEnding);
+    Wait(4.0);
+    coordinator->OnAgentGone(agent, now);
+  }
+  EXPECT_EQ(coordinator->phase(), Phase::kOver);
 }
 
 TEST_F(LossTest, ALostAgentThatAnswersAgainRejoins) {

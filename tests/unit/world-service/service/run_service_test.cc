@@ -13,6 +13,7 @@
 #include "tests/support/values.h"
 #include "tests/unit/world-service/service/coordinator_fixture.h"
 #include "tests/unit/world-service/service/live_run_fixture.h"
+#include "transport/protocol/faulty_transport.h"
 #include "transport/protocol/transport.h"
 
 namespace troupe {
@@ -88,6 +89,7 @@ TEST_F(RunServiceTest, FailsWhenAnAgentDoesNotJoin) {
 
 TEST_F(RunServiceTest, ContinuesWithoutAnAgentThatFallsSilent) {
   options_.settings.agent_deadline_seconds = 0.2;
+  transport_ = MakeFaultyTransport(std::move(transport_), {});  // in one process no agent is lost by its silence
   SteadyAgent first(*transport_, 0);
   SteadyAgent second(*transport_, 1);
   second.silent_from = 5;
@@ -402,7 +404,7 @@ TEST_F(ResumedRunTest, LosesAgentsThatDoNotReturn) {
   MakeAndStart(2);
   Resume();
   Rejoin(1);
-  Wait(options.settings.agent_deadline_seconds - 1.0);
+  Wait(options.start_timeout_seconds - 1.0);
   EXPECT_EQ(coordinator->phase(), Phase::kGathering);
   EXPECT_GT(endpoint.sessions.size(), 1u) << "it is announced again";
   Wait(1.5);

@@ -77,22 +77,22 @@ TEST_F(TickEngineTest, LosesAMemberThatIsSilentForTheDeadline) {
   Answer(2);
   Answer(1);
   now_ += 2.9;
-  engine_->LoseSilentMembers(now_);
+  engine_->WatchSilentMembers(now_);
   EXPECT_EQ(run_->members.present_members(), 2u);
   now_ += 0.2;
-  engine_->LoseSilentMembers(now_);
+  engine_->WatchSilentMembers(now_);
   EXPECT_EQ(run_->members.present_members(), 1u);
   EXPECT_EQ(run_->frame.state.tick, 2u);  // the other proposal is enough now
 }
 
 TEST_F(TickEngineTest, IsHaltedByALossOnlyIfTheSettingsSayPause) {
   MakeAndBegin();
-  engine_->OnAgentGone(1, now_);
+  engine_->OnAgentGone(1, "it ended", now_);
   EXPECT_FALSE(engine_->halted());
 
   options_.settings.on_agent_loss = OnAgentLoss::kPause;
   MakeAndBegin();
-  engine_->OnAgentGone(1, now_);
+  engine_->OnAgentGone(1, "it ended", now_);
   EXPECT_TRUE(engine_->halted());
   Answer(2);
   EXPECT_EQ(run_->frame.state.tick, 0u);
@@ -106,8 +106,8 @@ TEST_F(TickEngineTest, AFailureIsTheRunsErrorAndEndsWithTheLastFrame) {
   EXPECT_TRUE(endpoint_.frames.back().last);
   engine_->Fail(Failure("again"), now_);
   EXPECT_EQ(run_->error.error().message, "out of luck");
-  engine_->OnAgentGone(1, now_);
-  engine_->OnAgentGone(2, now_);
+  engine_->OnAgentGone(1, "it ended", now_);
+  engine_->OnAgentGone(2, "it ended", now_);
   EXPECT_EQ(run_->phase, RunPhase::kOver);
 }
 

@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
     const auto transport = troupe::MakeDdsServiceTransport(options).transport;
     troupe::SilentService service;
     const auto endpoint = transport->MakeServiceEndpoint();
-    endpoint->SendSession(troupe::SessionMessage{.run = id, .lease_seconds = options.lease_seconds});
+    endpoint->SendSession(troupe::SessionMessage{.run = id, .lease_seconds = options.lease()});
     endpoint->Start(service);
     troupe::WaitForTermination(signals);
   }

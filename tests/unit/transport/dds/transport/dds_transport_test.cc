@@ -39,7 +39,7 @@ class DdsTransportTest : public testing::Test {
 
   SessionMessage Session(RunId run) const {
     SessionMessage session{
-        .run = run, .protocol_version = 3, .host = "host", .pid = 1234, .lease_seconds = options_.lease_seconds};
+        .run = run, .protocol_version = 3, .host = "host", .pid = 1234, .lease_seconds = options_.lease()};
     session.world.Change().name = "a world";
     return session;
   }
@@ -64,7 +64,7 @@ class DdsTransportTest : public testing::Test {
             std::to_string(options_.domain),
             options_.session,
             std::to_string(id),
-            std::to_string(options_.lease_seconds)};
+            std::to_string(options_.lease())};
   }
 
   DdsOptions options_;
