@@ -43,6 +43,11 @@ Error OpenSslFailure(const std::string& doing) {
   return Failure("OpenSSL failed in " + doing + ": " + reason);
 }
 
+// Without a function for passwords OpenSSL would ask on the terminal.
+int NoPassword(char*, int, int, void*) {
+  return 0;
+}
+
 Bio ReadingBio(const std::string& text) {
   return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
 }
@@ -81,11 +86,20 @@ Result<CertifiedKey> MakeUnsigned(const std::string& common_name) {
 }
 
 // As "2030-12-31T23:59:59"; empty on failure.
+std::string TimeText(const std::tm& time) {
+  char text[32];
+  return {text, std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%S", &time)};
+}
+
 std::string TimeText(const ASN1_TIME* time) {
   std::tm parts{};
-  if (ASN1_TIME_to_tm(time, &parts) != 1) return {};
-  char text[32];
-  return {text, std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%S", &parts)};
+  return ASN1_TIME_to_tm(time, &parts) == 1 ? TimeText(parts) : std::string();
+}
+
+Result<Validity> ValidityOf(const X509* certificate) {
+  Validity validity{TimeText(X509_get0_notBefore(certificate)), TimeText(X509_get0_notAfter(certificate))};
+  if (validity.not_before.empty() || validity.not_after.empty()) return OpenSslFailure("reading a certificate's times");
+  return validity;
 }
 
 // Cyclone compares the number by which the process knows the domain, which can be any.
@@ -182,10 +196,8 @@ Result<CertifiedKey> MakeIdentityKey(const std::string& common_name, const Certi
 
 Result<CertifiedKey> ReadCertifiedKey(const std::string& key_pem, const std::string& certificate_pem) {
   CertifiedKey read;
-  // Without a function for passwords OpenSSL would ask on the terminal.
-  const auto no_password = [](char*, int, int, void*) { return 0; };
-  read.key.reset(PEM_read_bio_PrivateKey(ReadingBio(key_pem).get(), nullptr, no_password, nullptr));
-  read.certificate.reset(PEM_read_bio_X509(ReadingBio(certificate_pem).get(), nullptr, no_password, nullptr));
+  read.key.reset(PEM_read_bio_PrivateKey(ReadingBio(key_pem).get(), nullptr, NoPassword, nullptr));
+  read.certificate.reset(PEM_read_bio_X509(ReadingBio(certificate_pem).get(), nullptr, NoPassword, nullptr));
   ERR_clear_error();
   if (read.certificate == nullptr) return Error{{}, "found no certificate in PEM"};
   if (read.key == nullptr) return Error{{}, "found no private key in PEM without password"};
@@ -218,10 +230,29 @@ bool HasExpired(const CertifiedKey& key) {
 }
 
 Result<Validity> ValidityOf(const CertifiedKey& key) {
-  const X509* const certificate = key.certificate.get();
-  Validity validity{TimeText(X509_get0_notBefore(certificate)), TimeText(X509_get0_notAfter(certificate))};
-  if (validity.not_before.empty() || validity.not_after.empty()) return OpenSslFailure("reading a certificate's times");
-  return validity;
+  return ValidityOf(key.certificate.get());
+}
+
+Result<Validity> ValidityOfCertificate(const std::string& certificate_pem) {
+  const std::unique_ptr<X509, OpenSslDeleter> certificate(
+      PEM_read_bio_X509(ReadingBio(certificate_pem).get(), nullptr, NoPassword, nullptr));
+  if (certificate == nullptr) return OpenSslFailure("reading a certificate");
+  return ValidityOf(certificate.get());
+}
+
+Status CheckClock(const Validity& validity, const std::string& now) {
+  const std::string clock = ", but the clock of host " + HostName() + " says " + now + " (UTC): expected the right time";
+  // Texts of this form are in the order of their times.
+  if (now < validity.not_before) return Failure("the keys count from " + validity.not_before + " on" + clock);
+  if (now > validity.not_after) return Failure("the keys count until " + validity.not_after + clock + ", or new keys");
+  return {};
+}
+
+std::string TimeOfClock() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  return TimeText(parts);
 }
 
 Result<std::string> SignedDocument(const std::string& text, const CertifiedKey& authority) {

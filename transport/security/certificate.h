@@ -50,6 +50,12 @@ Result<std::string> CertificatePem(const CertifiedKey& key);
 bool HasExpired(const CertifiedKey& key);
 
 Result<Validity> ValidityOf(const CertifiedKey& key);
+Result<Validity> ValidityOfCertificate(const std::string& certificate_pem);
+
+// An error that names this host and its clock unless `now` is within the validity. `now`: UTC, as in Validity.
+Status CheckClock(const Validity& validity, const std::string& now);
+// The time of this host's clock.
+std::string TimeOfClock();
 
 // An S/MIME message with the text and a detached signature: the contents of a .p7s file.
 Result<std::string> SignedDocument(const std::string& text, const CertifiedKey& authority);

@@ -1,12 +1,10 @@
 #include "transport/security/session_keys.h"
 
-#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -16,9 +14,11 @@
 #include <utility>
 
 #include "common/base/file.h"
+#include "common/base/locked_folder.h"
 #include "common/base/paths.h"
 #include "common/base/system_error.h"
 #include "common/run/run_settings.h"
+#include "transport/security/certificate.h"
 
 namespace troupe {
 namespace {
@@ -58,21 +58,12 @@ std::string KeysOf(std::uint32_t domain, const std::string& session) {
   return failure ? std::string() : keys.string();
 }
 
-constexpr std::string_view kPrefix = "keys-";  // then the process id of the maker
-
-bool IsRunning(pid_t pid) {
-  // A process of another user counts as running (EPERM): its keys stay.
-  return kill(pid, 0) == 0 || errno != ESRCH;
-}
+constexpr std::string_view kPrefix = "keys-";  // then the process id of the maker, for people
 
 void DeleteKeysOfKilledProcesses(const fs::path& sessions) {
   std::error_code failure;
   for (const fs::directory_entry& entry : fs::directory_iterator(sessions, failure)) {
-    const std::string name = entry.path().filename().string();
-    pid_t pid = 0;
-    if (!name.starts_with(kPrefix)) continue;
-    const auto parsed = std::from_chars(name.data() + kPrefix.size(), name.data() + name.size(), pid);
-    if (parsed.ec == std::errc() && pid > 0 && !IsRunning(pid)) fs::remove_all(entry.path(), failure);
+    if (entry.path().filename().string().starts_with(kPrefix)) LockedFolder::DeleteIfAbandoned(entry.path());
   }
 }
 
@@ -166,6 +157,12 @@ Result<ParticipantKeys> FindKeys(const std::string& security, std::uint32_t doma
   }
   const std::string enclave = keys + "/" + KeyFolder(role);
   if (Status status = CheckEnclave(enclave); !status.ok()) return status.error();
+  // DDS Security would say only that a certificate is not valid, and peers would wait for one another.
+  const Result<std::string> certificate = ReadFileOfKeys(enclave + "/" + kCertificateFile);
+  if (!certificate.ok()) return certificate.error();
+  const Result<Validity> validity = ValidityOfCertificate(certificate.value());
+  const Status clock = validity.ok() ? CheckClock(validity.value(), TimeOfClock()) : Status();  // DDS names other faults
+  if (!clock.ok()) return clock.error();
   return ParticipantKeys{enclave, std::nullopt};
 }
 
@@ -193,11 +190,10 @@ Result<RunKeysFolder> RunKeysFolder::Make() {
   const Result<std::string> sessions = SessionsFolder();
   if (!sessions.ok()) return sessions.error();
   DeleteKeysOfKilledProcesses(sessions.value());
-  std::string path = sessions.value() + "/" + std::string(kPrefix) + std::to_string(getpid()) + "-XXXXXX";
-  if (mkdtemp(path.data()) == nullptr) return SystemError("cannot make " + path);
-  RunKeysFolder folder;
-  folder.path_ = std::move(path);
-  return folder;
+  RunKeysFolder keys;
+  keys.folder_ = LockedFolder::Make(sessions.value() + "/" + std::string(kPrefix) + std::to_string(getpid()) + "-XXXXXX");
+  if (keys.path().empty()) return SystemError("cannot make a folder in " + sessions.value() + ", for the keys of a run");
+  return keys;
 }
 
 Result<RunKeysFolder> RunKeysFolder::MakeWithToken() {
@@ -209,16 +205,12 @@ Result<RunKeysFolder> RunKeysFolder::MakeWithToken() {
   return folder;
 }
 
-RunKeysFolder::RunKeysFolder(RunKeysFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
-
-RunKeysFolder& RunKeysFolder::operator=(RunKeysFolder&& other) noexcept {
-  std::swap(path_, other.path_);
-  return *this;
-}
+RunKeysFolder::RunKeysFolder(RunKeysFolder&& other) noexcept = default;
+RunKeysFolder& RunKeysFolder::operator=(RunKeysFolder&& other) noexcept = default;
 
 RunKeysFolder::~RunKeysFolder() {
-  if (path_.empty()) return;
-  RemoveAll(path_);
+  if (path().empty()) return;
+  folder_ = {};
   try {
     DeleteNamesOfDeletedKeys();      // the service may have been killed at its end
   } catch (const std::exception&) {  // without memory the next run deletes them

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/locked_folder.h"
 #include "transport/security/run_token.h"
 #include "troupe/result.h"
 
@@ -101,10 +102,10 @@ class RunKeysFolder {
   RunKeysFolder& operator=(RunKeysFolder&& other) noexcept;
   ~RunKeysFolder();
 
-  const std::string& path() const { return path_; }  // empty: none
+  const std::string& path() const { return folder_.path(); }  // empty: none
 
  private:
-  std::string path_;
+  LockedFolder folder_;
 };
 
 }  // namespace troupe

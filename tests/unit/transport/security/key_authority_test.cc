@@ -15,11 +15,13 @@
 #include <optional>
 #include <string>
 
+#include "common/base/identity.h"
 #include "common/base/paths.h"
 #include "tests/support/files.h"
 #include "tests/support/values.h"
 #include "tests/support/without_memory.h"
 #include "transport/protocol/message_texts.h"
+#include "transport/security/certificate.h"
 #include "transport/security/run_token.h"
 #include "transport/security/session_keys.h"
 
@@ -135,6 +137,16 @@ TEST(KeyAuthorityTest, KeysCountFromADayAgoUntilTheirAuthorityEnds) {
   ASSERT_EQ(ASN1_TIME_diff(&days, &seconds, nullptr, X509_get0_notAfter(identity.get())), 1);
   EXPECT_NEAR(days, KeyAuthority::kLifetime.count(), 1);
   EXPECT_EQ(ASN1_TIME_compare(X509_get0_notAfter(identity.get()), X509_get0_notAfter(authority.get())), 0);
+}
+
+TEST(KeyAuthorityTest, AClockBeforeOrAfterTheKeysIsAnErrorWithItsHost) {
+  const Validity validity = {"2026-11-27T10:00:00", "2027-02-25T10:00:00"};
+  EXPECT_TRUE(CheckClock(validity, "2026-11-27T10:00:00").ok());
+  EXPECT_TRUE(CheckClock(validity, "2027-02-25T09:59:59").ok());
+  EXPECT_EQ(CheckClock(validity, "2026-11-25T23:00:00").error().message,
+            "the keys count from 2026-11-27T10:00:00 on, but the clock of host " + HostName() +
+                " says 2026-11-25T23:00:00 (UTC): expected the right time");
+  EXPECT_THAT(CheckClock(validity, "2027-02-25T10:00:01").error().message, HasSubstr("until 2027-02-25T10:00:00"));
 }
 
 TEST(KeyAuthorityTest, OverwritesNothing) {
