@@ -29,6 +29,7 @@ class OutputFile {
   // Ends a line, and writes when the buffer is full. The error is that of the file so far (a full disk).
   Status EndLine();
   // Writes all buffered text.
+  Status Flush() { return WriteBuffer(); }
   Status Close();
 
  private:

@@ -28,6 +28,8 @@ bool HasOwnFormat(const StateTable& table) {
          table.name == "sensors";
 }
 
+constexpr auto kFlushPeriod = std::chrono::milliseconds(500);
+
 // Nothing for an empty path.
 Result<std::optional<OutputFile>> CreateIfNamed(const std::string& path) {
   if (path.empty()) return std::optional<OutputFile>();
@@ -129,8 +131,23 @@ Status Recorder::Write(const FrameMessage& frame) {
   if (poses_) {
     if (Status error = WritePoses(frame); !error.ok()) return error;
   }
-  if (record_) return WriteRecord(frame);
-  return Status();
+  if (record_) {
+    if (Status error = WriteRecord(frame); !error.ok()) return error;
+  }
+  return FlushSometimes();
+}
+
+Status Recorder::FlushSometimes() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < flushed_at_ + kFlushPeriod) return Status();
+  flushed_at_ = now;
+  Status first;
+  for (std::optional<OutputFile>* file : {&hash_log_, &poses_, &record_}) {
+    if (!*file) continue;
+    const Status error = (*file)->Flush();
+    if (first.ok()) first = error;
+  }
+  return first;
 }
 
 Status Recorder::WriteHash(const FrameMessage& frame) {

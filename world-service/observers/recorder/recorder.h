@@ -9,6 +9,7 @@
 // poses and keep their place in the record, whose columns are positions in the header's lists.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,6 +62,8 @@ class Recorder final : public RunObserver {
  private:
   explicit Recorder(const WorldDescription& world) : world_(&world) {}
   Status Write(const FrameMessage& frame);
+  // Writes buffered lines once in a while, so that little is lost with the process.
+  Status FlushSometimes();
   Status WriteRecordHeader(std::optional<Edition> edition);
   void QuoteNames();
   Status WriteHash(const FrameMessage& frame);
@@ -91,6 +94,7 @@ class Recorder final : public RunObserver {
   std::optional<OutputFile> hash_log_;
   std::optional<OutputFile> poses_;
   std::optional<OutputFile> record_;
+  std::chrono::steady_clock::time_point flushed_at_ = {};
 };
 
 // The observers that write the output files of a run.
