@@ -4,15 +4,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <ifaddrs.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <csignal>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <set>
+#include <string_view>
 
 #include "common/base/text.h"
 #include "common/run/run_settings.h"
@@ -109,6 +112,21 @@ bool IsNameCharacter(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '-' || c == '_';
 }
 
+// What is in the file of kArgumentsOption; nothing without that option.
+std::optional<std::string> ArgumentsOfFile(int argc, const char* const* argv) {
+  const std::string_view option = kArgumentsOption;
+  if (argc != 2 || !std::string_view(argv[1]).starts_with(option)) return std::nullopt;
+  const std::optional<int> descriptor = ParseAll<int>(argv[1] + option.size());
+  if (!descriptor || *descriptor < 0) throw CLI::ValidationError(Mismatch(argv[1], "a descriptor"));
+  std::string text;
+  char piece[4096];
+  ssize_t size = 0;
+  while ((size = read(*descriptor, piece, sizeof piece)) > 0) text.append(piece, static_cast<std::size_t>(size));
+  if (size < 0) throw CLI::ValidationError(Mismatch(argv[1], "a descriptor that can be read"));
+  close(*descriptor);
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> CommandNames(const CLI::App& app) {
@@ -121,7 +139,12 @@ std::vector<std::string> CommandNames(const CLI::App& app) {
 
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
   try {
-    app.parse(argc, argv);
+    const std::optional<std::string> text = ArgumentsOfFile(argc, argv);
+    std::vector<const char*> arguments(argv, argv + (text ? 1 : argc));
+    for (std::size_t begin = 0; text && begin < text->size(); begin += std::strlen(text->c_str() + begin) + 1) {
+      arguments.push_back(text->c_str() + begin);
+    }
+    app.parse(static_cast<int>(arguments.size()), arguments.data());
     return std::nullopt;
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
@@ -217,9 +240,15 @@ CLI::Validator InterfaceValue() {
     ifaddrs* first = nullptr;
     if (getifaddrs(&first) != 0) return "";  // DDS looks itself
     std::set<std::string> names;
-    for (const ifaddrs* one = first; one != nullptr; one = one->ifa_next) names.insert(one->ifa_name);
+    bool has_address = false;
+    for (const ifaddrs* one = first; one != nullptr; one = one->ifa_next) {
+      names.insert(one->ifa_name);
+      has_address |= text == one->ifa_name && one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET;
+    }
     freeifaddrs(first);
-    if (names.contains(text)) return "";
+    if (has_address) return "";
+    if (names.contains(text))
+      return "found '" + text + "', which has no IPv4 address, expected an interface that has one";
     return Mismatch(text, fmt::format("auto, or the name or IPv4 address of an interface of this host: {}",
                                       fmt::join(names, ", ")));
   };

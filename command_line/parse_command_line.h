@@ -24,6 +24,10 @@ namespace troupe {
 // The names of the (sub)commands of a program or command.
 std::vector<std::string> CommandNames(const CLI::App& app);
 
+// With a number of a descriptor, in place of all arguments of a program: they are in that file, each with a zero behind
+// it. For more arguments than the system takes.
+inline constexpr const char* kArgumentsOption = "--arguments-fd=";
+
 // Parses into the variables with which the options were declared. Nothing: the program continues. An exit status: the
 // program ends with it; its help, its version, or an error of one line has been printed.
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <utility>
 
 #include "command_line/parse_command_line.h"
@@ -264,7 +265,13 @@ CLI::Option* AddSessionFlag(CLI::App& app, NetworkSettings& settings, const std:
 }
 
 void AddServiceAddressFlag(CLI::App& app, NetworkSettings& settings, const std::string& help) {
-  app.add_option("--service", settings.service_address, help)->type_name("HOST[:PORT]");
+  const auto check = [](const std::string& text) -> std::string {
+    const bool is_ipv6 = std::count(text.begin(), text.end(), ':') > 1 || text.starts_with('[');
+    return is_ipv6 ? "found '" + text + "', expected an IPv4 address or a name, and perhaps a port" : std::string();
+  };
+  app.add_option("--service", settings.service_address, help)
+      ->check(CLI::Validator(check, ""))
+      ->type_name("HOST[:PORT]");
 }
 
 void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std::string& default_interface,
@@ -281,9 +288,9 @@ void AddProcessNetworkFlags(CLI::App& app, NetworkSettings& settings, const std:
   AddDataSharingFlag(app, settings, group);
   app.add_option(
          "--lease", settings.lease_seconds,
-         fmt::format("Seconds without a sign of life after which a process is lost, from {} to {} (default: {}, "
-                     "and a launcher waits for processes that live)",
-                     kMinLeaseSeconds, kMaxLeaseSeconds, kDefaultLeaseSeconds))
+         fmt::format("Seconds without a sign of life after which a process is lost, from {} to {} (default: {} on the "
+                     "loopback interface, else {}, and a launcher waits for processes that live)",
+                     kMinLeaseSeconds, kMaxLeaseSeconds, kDefaultLeaseSeconds, kDefaultNetworkLeaseSeconds))
       ->check(LeaseValue())
       ->type_name("SECONDS")
       ->group(group);

@@ -97,12 +97,19 @@ class Network:
         return True
 
     def disturb_by_switch(self, delay_ms, jitter_percent, loss_percent, seed):
+        self.join_by_switch("--delay", delay_ms, "--jitter", delay_ms * jitter_percent / 100, "--loss", loss_percent,
+                            "--seed", seed)
+
+    def limit_rate_by_switch(self, kbit):
+        """Each host sends and receives so many kbit/s at most, which only the network knows, not the kernels of the hosts."""
+        self.join_by_switch("--rate", kbit)
+
+    def join_by_switch(self, *options):
         for host in self.hosts:
             ip("-n", self.bridge, "link", "set", host, "nomaster")
         self.switch = subprocess.Popen(
-            ["ip", "netns", "exec", self.bridge, str(ROOT / "scripts" / "lossy_switch"), *self.hosts,
-             "--delay", str(delay_ms), "--jitter", str(delay_ms * jitter_percent / 100), "--loss", str(loss_percent),
-             "--seed", str(seed)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+            ["ip", "netns", "exec", self.bridge, str(ROOT / "scripts" / "lossy_switch"), *self.hosts, *map(str, options)],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         if self.switch.stdout.readline().strip() != "ready":
             raise OSError("scripts/lossy_switch cannot join the hosts")
 

@@ -186,7 +186,7 @@ set(may_include_viewer/editor
 
 set(may_include_launcher/process common/base)
 set(may_include_launcher/hosts
-  common/base common/run worldfile/scenario launcher/process)
+  common/base common/run command_line worldfile/scenario launcher/process)
 set(may_include_launcher/supervise
   common/base command_line transport/dds/binding common/model transport/protocol recording ros/flags ros/messages ros/link common/run
   transport/security common/spatial

@@ -74,7 +74,8 @@ LockedFolder::~LockedFolder() {
 bool LockedFolder::IsHeld(const std::filesystem::path& path) {
   const int folder = OpenFolder(path);
   if (folder < 0) return false;
-  const bool is_held = IsOwn(folder) && IsAt(folder, path) && flock(folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const bool is_held =
+      IsOwn(folder) && IsAt(folder, path) && flock(folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   close(folder);
   return is_held;
 }

@@ -95,7 +95,8 @@ inline constexpr const char* kSecurityAuto = "auto";
 inline constexpr const char* kSecurityOff = "off";
 // Wall times. A shorter lease expires between two signs of life, and DDS counts none below a nanosecond; it has no
 // longer one either.
-inline constexpr double kDefaultLeaseSeconds = 2.0;
+inline constexpr double kDefaultLeaseSeconds = 2.0;          // on the loopback interface
+inline constexpr double kDefaultNetworkLeaseSeconds = 10.0;  // on others, which lose and delay packets
 inline constexpr double kMinLeaseSeconds = 0.01;
 inline constexpr double kMaxLeaseSeconds = 3600.0;
 
@@ -122,11 +123,14 @@ struct NetworkSettings {
   std::string security = kSecurityAuto;
   // Frames and proposals between the service and agents of its machine travel through shared memory.
   bool data_sharing = true;
-  // A process without a sign of life for longer is lost. Nothing: kDefaultLeaseSeconds, and a launcher whose process
-  // or host still lives then waits for it, so that a loaded machine does not change the result of a run.
+  // A process without a sign of life for longer is lost. Nothing: the default, and a process that a launcher knows to
+  // live is not lost by that, so that a loaded machine does not change the result of a run.
   std::optional<double> lease_seconds;
 
-  double lease() const { return lease_seconds.value_or(kDefaultLeaseSeconds); }
+  double lease() const {
+    const bool is_loopback = network_interface == kLoopbackInterface || network_interface.starts_with("127.");
+    return lease_seconds.value_or(is_loopback ? kDefaultLeaseSeconds : kDefaultNetworkLeaseSeconds);
+  }
 };
 
 // HostSettings: the hosts of a scenario.

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <net/if.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <signal.h>
@@ -87,6 +88,19 @@ sockaddr_in GroupAddress(std::uint16_t port) {
   return address;
 }
 
+// False for a name that only the start command knows.
+bool HasIpv6AddressesOnly(const std::string& address) {
+  addrinfo wanted = {};
+  wanted.ai_socktype = SOCK_DGRAM;
+  addrinfo* first = nullptr;
+  if (getaddrinfo(address.c_str(), nullptr, &wanted, &first) != 0) return false;
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(first, &freeaddrinfo);
+  for (const addrinfo* one = first; one != nullptr; one = one->ai_next) {
+    if (one->ai_family == AF_INET) return false;
+  }
+  return true;
+}
+
 in_addr AddressOf(const std::string& network_interface) {
   in_addr address{};
   inet_pton(AF_INET, OwnAddress(network_interface).c_str(), &address);
@@ -105,6 +119,12 @@ std::vector<std::string> Arguments(const char* task, const std::string& network_
 
 Result<RemoteHosts> ConnectHosts(const std::vector<HostSettings>& settings, const std::string& session,
                                  std::chrono::seconds timeout, SignalWatch& signals) {
+  for (const HostSettings& host : settings) {
+    if (!HasIpv6AddressesOnly(host.address)) continue;
+    return Error{host.where, "found host '" + host.address +
+                                 "', which has IPv6 addresses only, expected one with an IPv4 "
+                                 "address: the processes of a run find each other by IPv4"};
+  }
   RemoteHosts hosts;
   for (const HostSettings& host : settings) {
     Result<std::unique_ptr<RemoteHost>> connection = RemoteHost::Connect(host, session + "/" + host.name);

@@ -2,7 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/file.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,8 +18,10 @@
 #include <thread>
 #include <utility>
 
+#include "command_line/parse_command_line.h"
 #include "common/base/file.h"
 #include "common/base/json.h"
+#include "common/base/locked_folder.h"
 #include "common/base/system_error.h"
 #include "common/base/text.h"
 
@@ -61,12 +63,30 @@ class LocalChild : public Child {
   std::string untold_;
 };
 
+// Bytes of the arguments of a program. The system takes 2 MB in most places.
+constexpr std::size_t kMaxArguments = 200'000;
+
+std::size_t SizeOf(const std::vector<std::string>& command) {
+  std::size_t size = 0;
+  for (const std::string& word : command) size += word.size() + 1 + sizeof(char*);
+  return size;
+}
+
+// A file in memory with arguments, for kArgumentsOption.
+Result<FileDescriptor> ArgumentsFile(const std::vector<std::string>& arguments) {
+  std::string text;
+  for (const std::string& argument : arguments) text.append(argument).push_back('\0');
+  FileDescriptor file(memfd_create("arguments", MFD_CLOEXEC));
+  if (file.get() < 0 || !WriteAll(file.get(), text) || lseek(file.get(), 0, SEEK_SET) != 0) {
+    return SystemError("cannot pass the arguments of a program");
+  }
+  return file;
+}
+
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPrefix = "troupe-host-";
 constexpr std::string_view kRandom = "XXXXXX";
-// Another host can take a folder for one of a killed process, in the moment before it is locked.
-constexpr int kMaxAttempts = 100;
 constexpr const char* kNameFile = "name";  // of what the host serves
 constexpr auto kEndPeriod = std::chrono::milliseconds(10);
 constexpr int kEndPeriods = 200;  // until a host that is killed has ended
@@ -79,34 +99,6 @@ bool IsName(std::string_view name) {
   return digits > 0 && name.size() == digits + 1 + kRandom.size() && name[digits] == '-';
 }
 
-// -1 for anything but a folder, and for a link to one.
-int OpenFolder(const fs::path& path) {
-  return open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-}
-
-// False if another folder or none has this path by now.
-bool IsAt(int folder, const fs::path& path) {
-  struct stat opened = {};
-  struct stat found = {};
-  return fstat(folder, &opened) == 0 && lstat(path.c_str(), &found) == 0 && opened.st_dev == found.st_dev &&
-         opened.st_ino == found.st_ino;
-}
-
-bool IsOwn(int folder) {
-  struct stat state = {};
-  return fstat(folder, &state) == 0 && state.st_uid == geteuid();
-}
-
-void DeleteIfItsHostWasKilled(const fs::path& path) {
-  const int folder = OpenFolder(path);
-  if (folder < 0) return;
-  std::error_code ignored;
-  // Only the own user's, only if no process holds the lock, and only if the path still leads to the locked folder:
-  // otherwise another host may have made a new folder of this name meanwhile.
-  if (IsOwn(folder) && flock(folder, LOCK_EX | LOCK_NB) == 0 && IsAt(folder, path)) fs::remove_all(path, ignored);
-  close(folder);
-}
-
 // Of the process with this folder. REQUIRES: IsName
 pid_t ProcessOf(const fs::path& path) {
   return static_cast<pid_t>(std::atol(path.filename().c_str() + kPrefix.size()));
@@ -116,24 +108,18 @@ void EndHostThatServes(const std::string& name, const fs::path& path) {
   std::string served;
   std::ifstream file(path / kNameFile);
   if (!std::getline(file, served) || served != name) return;
-  const int folder = OpenFolder(path);
-  if (folder < 0) return;
   // The lock shows that the process lives, and has not given its number to another one.
-  const bool lives =
-      IsOwn(folder) && IsAt(folder, path) && flock(folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   const pid_t process = ProcessOf(path);
-  if (lives && process > 1 && process != getpid() && kill(process, SIGKILL) == 0) {
-    for (int i = 0; i < kEndPeriods && flock(folder, LOCK_EX | LOCK_NB) != 0; ++i)
-      std::this_thread::sleep_for(kEndPeriod);
+  if (LockedFolder::IsHeld(path) && process > 1 && process != getpid() && kill(process, SIGKILL) == 0) {
+    for (int i = 0; i < kEndPeriods && LockedFolder::IsHeld(path); ++i) std::this_thread::sleep_for(kEndPeriod);
   }
-  close(folder);
-  DeleteIfItsHostWasKilled(path);
+  LockedFolder::DeleteIfAbandoned(path);
 }
 
 void DeleteFoldersOfKilledHosts(const fs::path& parent) {
   std::error_code failure;
   for (const fs::directory_entry& entry : fs::directory_iterator(parent, failure)) {
-    if (IsName(entry.path().filename().string())) DeleteIfItsHostWasKilled(entry.path());
+    if (IsName(entry.path().filename().string())) LockedFolder::DeleteIfAbandoned(entry.path());
   }
 }
 
@@ -150,6 +136,13 @@ Result<std::unique_ptr<Child>> LocalHost::Start(const std::string& program, cons
   if (!path.ok()) return path.error();
   std::vector<std::string> command = {path.value()};
   command.insert(command.end(), arguments.begin(), arguments.end());
+  FileDescriptor arguments_file(-1);
+  if (!reports && SizeOf(command) > kMaxArguments) {
+    Result<FileDescriptor> file = ArgumentsFile(arguments);
+    if (!file.ok()) return file.error();
+    arguments_file = std::move(file).value();
+    command = {path.value(), kArgumentsOption + std::to_string(arguments_file.get())};
+  }
   if (reports) command.push_back("--report-fd=" + std::to_string(reports_.writing_end()));
   FileDescriptor input(-1);
   FileDescriptor told(-1);  // its other end
@@ -162,7 +155,7 @@ Result<std::unique_ptr<Child>> LocalHost::Start(const std::string& program, cons
   }
   const Addresses addresses = program == "robot-agent" ? agent_addresses_ : Addresses::kRandom;
   Result<Process> process = Process::Start(command, {input.get(), output_.writing_end(), output_.writing_end()},
-                                           reports ? reports_.writing_end() : -1, addresses);
+                                           reports ? reports_.writing_end() : arguments_file.get(), addresses);
   if (!process.ok()) return process.error();
   return std::unique_ptr<Child>(std::make_unique<LocalChild>(std::move(process).value(), std::move(told)));
 }
@@ -228,37 +221,18 @@ HostFolder::HostFolder() {
   const fs::path parent = fs::temp_directory_path(failure);
   if (failure) return;
   DeleteFoldersOfKilledHosts(parent);
-  const std::string pattern = (parent / kPrefix).string() + std::to_string(getpid()) + "-" + std::string(kRandom);
-  for (int attempt = 0; attempt < kMaxAttempts && path_.empty(); ++attempt) {
-    std::string path = pattern;
-    if (mkdtemp(path.data()) == nullptr) return;
-    const int folder = OpenFolder(path);
-    // Where a file system has no locks, no other host has one either, and none deletes the folder.
-    while (folder >= 0 && flock(folder, LOCK_EX) != 0 && errno == EINTR) continue;
-    if (folder >= 0 && IsAt(folder, path)) {
-      path_ = std::move(path);
-      lock_ = folder;
-    } else if (folder >= 0) {
-      close(folder);
-    }
-  }
+  folder_ = LockedFolder::Make((parent / kPrefix).string() + std::to_string(getpid()) + "-" + std::string(kRandom));
 }
 
 void HostFolder::TakeOver(const std::string& name) {
-  if (path_.empty()) return;
+  if (path().empty()) return;
   std::error_code failure;
   std::vector<fs::path> others;
-  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(path_).parent_path(), failure)) {
-    if (IsName(entry.path().filename().string()) && entry.path() != path_) others.push_back(entry.path());
+  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(path()).parent_path(), failure)) {
+    if (IsName(entry.path().filename().string()) && entry.path() != path()) others.push_back(entry.path());
   }
   for (const fs::path& other : others) EndHostThatServes(name, other);
-  std::ofstream(fs::path(path_) / kNameFile) << name << "\n";
-}
-
-HostFolder::~HostFolder() {
-  if (path_.empty()) return;
-  RemoveAll(path_);
-  close(lock_);
+  std::ofstream(fs::path(path()) / kNameFile) << name << "\n";
 }
 
 }  // namespace troupe

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "common/base/json_reader.h"
+#include "common/base/locked_folder.h"
 #include "launcher/process/process.h"
 #include "troupe/result.h"
 
@@ -152,20 +153,16 @@ class HostFolder {
  public:
   // Makes it, and deletes the folders of this user's hosts that were killed.
   HostFolder();
-  ~HostFolder();
-  HostFolder(const HostFolder&) = delete;
-  HostFolder& operator=(const HostFolder&) = delete;
 
   // Of the hosts of this user with folders beside this one, those that serve the same name end, with all processes that
   // they started: a launcher has lost its connection to them.
   void TakeOver(const std::string& name);
 
   // Empty if it could not be made.
-  const std::string& path() const { return path_; }
+  const std::string& path() const { return folder_.path(); }
 
  private:
-  std::string path_;
-  int lock_ = -1;  // on the folder: the kernel drops it at the end of the process, by whatever cause
+  LockedFolder folder_;
 };
 
 }  // namespace troupe

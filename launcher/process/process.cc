@@ -51,6 +51,10 @@ void Connect(int from, int to) {
   // Some containers forbid this; the process is then only slower.
   if (addresses == Addresses::kSame) personality(static_cast<unsigned long>(personality(~0u)) | ADDR_NO_RANDOMIZE);
   execv(arguments[0], arguments);
+  for (const char* const text :
+       {"error: cannot start ", const_cast<const char*>(arguments[0]), ": ", strerrordesc_np(errno), "\n"}) {
+    if (text != nullptr && write(STDERR_FILENO, text, strlen(text)) < 0) break;
+  }
   _exit(127);
 }
 

@@ -75,7 +75,11 @@ Status AgentFleet::StartAfterJoins(std::size_t agents) {
   const std::size_t starting = keys_.secured()  ? kMaxStartingSecured
                                : is_one_machine ? kMaxStartingOnOneMachine
                                                 : kMaxStarting;
-  return StartUpTo(agents + starting * sites_.size());
+  // Without multicast few at first, and as many more as have joined: over a slow link, what is sent to many agents at
+  // once is lost, sent again, and lost again.
+  const bool is_unicast = options_.network.network_profile == kUnicastProfile && sites_.size() > 1;
+  const std::size_t limit = starting * sites_.size();
+  return StartUpTo(agents + (is_unicast ? std::min(limit, sites_.size() + agents) : limit));
 }
 
 Status AgentFleet::Add(const std::vector<std::string>& robots, const std::vector<std::size_t>& site_of_robot) {
@@ -240,7 +244,7 @@ void AgentFleet::NoteLostFiles(const Host& host) {
     }
     if (robots.empty()) continue;
     missing_files_.push_back(
-        fmt::format("{} of {} until host {} was lost", output->option(), fmt::join(robots, ", "), host.name()));
+        fmt::format("{} of {} until host {} was lost", output->option(), ListText(robots), host.name()));
   }
 }
 

@@ -30,6 +30,9 @@
 
 namespace troupe {
 
+// The network profile without multicast (transport/dds/binding/domain_config.h).
+inline constexpr const char* kUnicastProfile = "unicast";
+
 struct AgentProcess {
   std::size_t number;              // in the fleet; an agent that is started again keeps it
   AgentId id;                      // of the process in its run; one that is started again has another one

@@ -35,12 +35,13 @@ constexpr auto kLeaveTimeout = std::chrono::seconds(5);
 
 // Network profiles (transport/dds/binding/domain_config.h).
 constexpr const char* kMulticastProfile = "lan";
-constexpr const char* kUnicastProfile = "unicast";
 
 // s, from a request to a host for a sign of life to the next one, and the number of them without an answer after which
 // its agents are lost. Counted, not measured: this process may have been stopped, too.
 constexpr double kPingPeriod = 1.0;
 constexpr int kMaxPings = 10;
+
+constexpr std::size_t kLongestCommand = 20'000;  // characters that are printed
 
 double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
@@ -387,10 +388,9 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
     agents_of_lost_hosts_.emplace(agent.host, agent.number);
     return;
   }
-  const std::string text =
-      fmt::format("{} {}: the agent ({}process {}) {}", agent.robots.size() == 1 ? "robot" : "robots",
-                  fmt::join(agent.robots, ", "), host.empty() ? "" : "on host " + host + ", ", agent.process->pid(),
-                  end.ToString());
+  const std::string text = fmt::format(
+      "{} {}: the agent ({}process {}) {}", agent.robots.size() == 1 ? "robot" : "robots", ListText(agent.robots),
+      host.empty() ? "" : "on host " + host + ", ", agent.process->pid(), end.ToString());
   // Before the start a refusal is the user's error, which the agent has printed: the run ends with its exit status.
   // Later the same status can only be a fault, and the agent's restarts decide.
   const bool refused = end.exit_code == kExitBadInput || end.exit_code == kExitFailed;
@@ -398,7 +398,8 @@ void DistributedRun::ReactToEnd(const AgentProcess& agent) {
     const auto [before, is_first] = ended_at_.try_emplace(agent.number, newest_);
     if (rebuilds_ && !is_first && std::exchange(before->second, newest_) != newest_) restarts_.Forgive(agent.number);
     if (restarts_.OnEnd(agent.number, end.exit_code, Seconds(Clock::now()))) {
-      progress_.Tell(fmt::format("{}; restart {} of {}", text, restarts_.CountOf(agent.number), restarts_.limit()));
+      progress_.TellOneOfMany(
+          fmt::format("{}; restart {} of {}", text, restarts_.CountOf(agent.number), restarts_.limit()));
     } else if (rebuilds_ && restarts_.limit() > 0) {
       // One that was refused, or whose files cannot be written, would end the same way after a restart.
       const std::uint32_t restarts = restarts_.CountOf(agent.number);
@@ -424,18 +425,23 @@ void DistributedRun::NoteIncompleteFiles(const AgentProcess& agent) {
   if (agent.process->end()->exit_code == kExitInterrupted) return;  // it was stopped in order, and its file is whole
   if (options_.scans.empty() || std::all_of(agent.robots.begin(), agent.robots.end(), is_lost)) return;
   if (hosts_.is_lost(*agent.host) || output_failure_) return;
-  output_failure_ =
-      Error{{options_.scans},
-            fmt::format("the last scans of {} are missing: the agent (process {}) {}", fmt::join(agent.robots, ", "),
-                        agent.process->pid(), agent.process->end()->ToString()),
-            ErrorCode::kFailure};
+  output_failure_ = Error{{options_.scans},
+                          fmt::format("the last scans of {} are missing: the agent (process {}) {}",
+                                      ListText(agent.robots), agent.process->pid(), agent.process->end()->ToString()),
+                          ErrorCode::kFailure};
 }
 
 void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::string& reason) {
   // The keys of an agent are gone with the connection to its host.
   const Result<std::string> command = agents_.RestartCommand(agent.number);
-  if (!agent.host->connected() || !command.ok()) return progress_.Tell(reason + "; it is not started again");
-  progress_.Tell(reason + "; to start it again" + (agent.host->name().empty() ? "" : " there") + ":", command.value());
+  if (!agent.host->connected() || !command.ok()) return progress_.TellOneOfMany(reason + "; it is not started again");
+  if (command.value().size() > kLongestCommand) {
+    return progress_.TellOneOfMany(
+        fmt::format("{}; it is not started again (the command for its {} robots is too long to print)", reason,
+                    agent.robots.size()));
+  }
+  const std::string there = agent.host->name().empty() ? "" : " there";
+  progress_.TellOneOfMany(reason + "; to start it again" + there + ":", command.value());
 }
 
 void DistributedRun::RestartAgent(std::size_t number) {
@@ -466,6 +472,10 @@ bool DistributedRun::PlanRestartOfService() {
   const std::string text =
       fmt::format("the world service {}(process {}) {}", host.empty() ? "" : "on host " + host + " ",
                   service_.process().pid(), end.ToString());
+  if (!hosts_.service_host().connected()) {
+    progress_.Tell(text);
+    return false;
+  }
   if (service_restarts_.OnDeath(newest_, Seconds(Clock::now()))) {
     progress_.Tell(text + "; it is started again");
     return true;
@@ -535,6 +545,7 @@ void DistributedRun::AwaitProcesses() {
     kill_at_ = Clock::now() + kLeaveTimeout;
   }
   while (!agents_.all_ended()) ProcessEvents();
+  stop_agents_at_.reset();
   ros_program_.reset();  // after the agents, whose last samples it passes on
   PrintOutput();
 }

@@ -128,11 +128,17 @@ std::string HashText(std::uint64_t hash) {
   return fmt::format("{:016x}", hash);
 }
 
-std::string ListText(const std::vector<std::string>& names) {
-  return PlainLine(fmt::format("{}", fmt::join(names, ", ")));
-}
+constexpr std::size_t kNamesListed = 10;
+constexpr std::size_t kLinesOfMany = 10;  // in a second
 
 }  // namespace
+
+std::string ListText(const std::vector<std::string>& names) {
+  const std::size_t listed = std::min(names.size(), kNamesListed);
+  const std::vector<std::string> first(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(listed));
+  const std::string more = names.size() > listed ? fmt::format(" and {} more", names.size() - listed) : "";
+  return PlainLine(fmt::format("{}", fmt::join(first, ", "))) + more;
+}
 
 std::optional<ServiceReport> ParseServiceReport(const std::string& line) {
   const JsonReader json = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
@@ -169,6 +175,7 @@ Progress::~Progress() {
 }
 
 void Progress::Update(const StatusMessage& status) {
+  TellNumberOfOthers(false);
   if (terminal_) {
     ClearStatusLine();
     status_line_ = PlainLine(StatusText(status), TerminalWidth() - 1);
@@ -198,6 +205,23 @@ void Progress::Tell(const std::string& line, const std::string& command) {
              Styled(TerminalStyle::kDim, kept, has_styles_ && !kept.empty()));
   std::fflush(stderr);
   status_line_ = kept;
+}
+
+void Progress::TellOneOfMany(const std::string& line, const std::string& command) {
+  TellNumberOfOthers(false);
+  if (of_many_ == 0) second_began_ = std::chrono::steady_clock::now();
+  if (++of_many_ <= kLinesOfMany) Tell(line, command);
+}
+
+void Progress::TellNumberOfOthers(bool ends) {
+  if (!ends && std::chrono::steady_clock::now() < second_began_ + std::chrono::seconds(1)) return;
+  const std::size_t lines = std::exchange(of_many_, 0);
+  if (lines > kLinesOfMany) Tell(fmt::format("and {} more lines of this kind", lines - kLinesOfMany));
+}
+
+void Progress::End() {
+  TellNumberOfOthers(true);
+  ClearStatusLine();
 }
 
 void Progress::ClearStatusLine() {

@@ -63,6 +63,9 @@ std::optional<ServiceReport> ParseServiceReport(const std::string& line);
 // "tick 312/600, 31.2 s, 12.3 x real time, 3 s left, 100 robots, waiting for r3, r4 (1.2 s)"
 std::string StatusText(const StatusMessage& status);
 
+// "r0, r1 and 8 more": at most ten of the names.
+std::string ListText(const std::vector<std::string>& names);
+
 // Progress: shows the progress of a run on standard error: a status line on a terminal, otherwise a line every five
 // seconds.
 class Progress {
@@ -78,20 +81,27 @@ class Progress {
   void TellEvent(Tick tick, const std::string& event, const std::string& text);
   // Prints a permanent line, and below it another one that can be copied.
   void Tell(const std::string& line, const std::string& command = "");
+  // The same for one of the lines that a loss of many processes causes: of more than ten in a second, the others are
+  // told as their number.
+  void TellOneOfMany(const std::string& line, const std::string& command = "");
   // A request to stop: removes the status line, and the ^C that the terminal has shown.
   void OnStopRequest();
   // The end of the run: removes the status line.
-  void End() { ClearStatusLine(); }
+  void End();
   // Whether a user sees the lines and can end the run with Ctrl-C.
   static bool IsInteractive();
 
  private:
   void ClearStatusLine();
+  // The number of lines that TellOneOfMany has left out, once their second is over. `ends`: now.
+  void TellNumberOfOthers(bool ends);
 
   bool terminal_;
   bool has_styles_;
   std::string status_line_;  // shown now, terminal only
   bool has_lost_agent_ = false;
+  std::size_t of_many_ = 0;  // lines of TellOneOfMany in the second
+  std::chrono::steady_clock::time_point second_began_ = {};
   std::chrono::steady_clock::time_point next_line_;
 };
 

@@ -8,17 +8,19 @@
 namespace troupe {
 namespace {
 
-// s. The first one is far below the lease, so that the robot mostly continues without a lost tick.
+// s, before a restart.
 constexpr double kFirstDelay = 0.1;
 constexpr double kMaxDelay = 10.0;
 constexpr int kMaxDoublings = 20;
 // s, between two restarts: a hundred agents that die together, on an overloaded host, are not all started together.
 constexpr double kSpacing = 0.025;
 
+constexpr int kExitNotStarted = 127;  // its program could not be executed
+
 // An agent that ended for another reason died: by a signal, or by a failure that may not return.
 bool MayBeRestarted(int exit_status) {
-  return exit_status != kExitDone && exit_status != kExitBadInput && exit_status != kExitOutputFailed &&
-         exit_status != kExitInterrupted;
+  return exit_status != kExitNotStarted && exit_status != kExitDone && exit_status != kExitBadInput &&
+         exit_status != kExitOutputFailed && exit_status != kExitInterrupted;
 }
 
 double DelayBefore(std::uint32_t restart) {

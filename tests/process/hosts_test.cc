@@ -9,6 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "launcher/hosts/host.h"
 #include "launcher/process/process.h"
 #include "tests/process/programs.h"
 #include "tests/support/dds_domain.h"
@@ -224,6 +225,19 @@ TEST_F(Hosts, StartAKilledAgentAgain) {
   EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
 }
 
+TEST(LocalHostTest, StartsProgramsWithMoreArgumentsThanTheSystemTakes) {
+  std::vector<std::string> arguments =
+      Words("--session none --session-timeout 0.1 --domain %", {std::to_string(TestDomain())});
+  for (int i = 0; i < 100'000; ++i) arguments.push_back("--robot=robot-" + std::to_string(i));
+  LocalHost host;
+  Result<std::unique_ptr<Child>> started = host.Start("robot-agent", arguments, false);
+  ASSERT_TRUE(started.ok()) << started.error().message;
+  ASSERT_TRUE(Eventually([&] { return started.value()->Poll(); }));
+  EXPECT_EQ(started.value()->end()->exit_code, 3);
+  EXPECT_THAT(host.ReadOutput(),
+              testing::Contains(HasSubstr("agent of robot-0 and 99999 more: error: no world service")));
+}
+
 TEST_F(Hosts, WithoutProgramsAreNamed) {
   json bad = HostHere("bad");
   bad["programs"] = "/no/such/folder";
@@ -238,6 +252,14 @@ TEST_F(Hosts, WithAnotherVersionAreNamed) {
   const std::string run = OutputOf(Run(json::array({bad}), {"--ticks", "5"}), 3);
   EXPECT_THAT(run, HasSubstr("host old: "));
   EXPECT_THAT(run, HasSubstr("has version 0.0.1 of Troupe, expected "));
+}
+
+TEST_F(Hosts, WithIpv6OnlyAreRefusedAtOnce) {
+  json host = HostHere("six");
+  host["address"] = "fd35::1";
+  const std::string run = OutputOf(Run(json::array({host}), {"--ticks", "5"}), 2);
+  EXPECT_THAT(run, HasSubstr("scenario.json:1:"));
+  EXPECT_THAT(run, HasSubstr("found host 'fd35::1', which has IPv6 addresses only"));
 }
 
 TEST_F(Hosts, WithoutRoomForAllRobotsAreAnErrorInTheScenario) {

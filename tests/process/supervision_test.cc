@@ -194,7 +194,9 @@ TEST(Supervision, AStoppedLauncherThatIsKilledLeavesNoProcess) {
 }
 
 TEST(Supervision, AKilledWorldServiceFailsTheRunIfTheUserWantsSo) {
-  LongRun run({"--on-service-loss", "end"});
+  TemporaryFolder folder;
+  LongRun run({"--on-service-loss", "end", "--hash-log", folder.Path("hashes")});
+  ASSERT_TRUE(Eventually([&] { return LinesOf(folder.Read("hashes")).size() > 2; })) << "lines are written soon";
   kill(run.Child("world-service"), SIGKILL);
   EXPECT_EQ(run.program().Wait(), 3);
   EXPECT_THAT(run.program().output(), HasSubstr("error: the world service was killed by signal 9 (Killed)"));

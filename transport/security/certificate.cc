@@ -241,7 +241,8 @@ Result<Validity> ValidityOfCertificate(const std::string& certificate_pem) {
 }
 
 Status CheckClock(const Validity& validity, const std::string& now) {
-  const std::string clock = ", but the clock of host " + HostName() + " says " + now + " (UTC): expected the right time";
+  const std::string clock =
+      ", but the clock of host " + HostName() + " says " + now + " (UTC): expected the right time";
   // Texts of this form are in the order of their times.
   if (now < validity.not_before) return Failure("the keys count from " + validity.not_before + " on" + clock);
   if (now > validity.not_after) return Failure("the keys count until " + validity.not_after + clock + ", or new keys");

@@ -161,7 +161,8 @@ Result<ParticipantKeys> FindKeys(const std::string& security, std::uint32_t doma
   const Result<std::string> certificate = ReadFileOfKeys(enclave + "/" + kCertificateFile);
   if (!certificate.ok()) return certificate.error();
   const Result<Validity> validity = ValidityOfCertificate(certificate.value());
-  const Status clock = validity.ok() ? CheckClock(validity.value(), TimeOfClock()) : Status();  // DDS names other faults
+  const Status clock =
+      validity.ok() ? CheckClock(validity.value(), TimeOfClock()) : Status();  // DDS names other faults
   if (!clock.ok()) return clock.error();
   return ParticipantKeys{enclave, std::nullopt};
 }
@@ -191,8 +192,10 @@ Result<RunKeysFolder> RunKeysFolder::Make() {
   if (!sessions.ok()) return sessions.error();
   DeleteKeysOfKilledProcesses(sessions.value());
   RunKeysFolder keys;
-  keys.folder_ = LockedFolder::Make(sessions.value() + "/" + std::string(kPrefix) + std::to_string(getpid()) + "-XXXXXX");
-  if (keys.path().empty()) return SystemError("cannot make a folder in " + sessions.value() + ", for the keys of a run");
+  keys.folder_ =
+      LockedFolder::Make(sessions.value() + "/" + std::string(kPrefix) + std::to_string(getpid()) + "-XXXXXX");
+  if (keys.path().empty())
+    return SystemError("cannot make a folder in " + sessions.value() + ", for the keys of a run");
   return keys;
 }
 

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "common/base/json.h"
+#include "world-service/service/live_run.h"
 
 namespace troupe {
 namespace {
 
 constexpr int kReportedPerSecond = 10;
+constexpr std::size_t kAgentsTold = 10;
 
 // The name of a model; without one, of the ground.
 std::string Name(const WorldDescription& world, const std::optional<ModelId>& model) {
@@ -142,6 +145,38 @@ std::string EventText(const WorldDescription& world, const Event& event) {
   }
   if (!event.detail.empty()) text += " (" + event.detail + ")";
   return text;
+}
+
+std::vector<ToldEvent> ToldEvents(const WorldDescription& world, const std::vector<Event>& events) {
+  std::vector<ToldEvent> told;
+  std::map<EventType, std::size_t> agents;
+  std::map<EventType, std::size_t> robots;  // of the other agents
+  for (std::size_t begin = 0, end = 0; begin < events.size(); begin = end) {
+    const Event& event = events[begin];
+    const bool of_agent = event.type == EventType::kJoined || event.type == EventType::kLeft;
+    for (end = begin + 1; of_agent && end < events.size(); ++end) {
+      const Event& next = events[end];
+      if (next.type != event.type || next.tick != event.tick || next.detail != event.detail) break;
+    }
+    if (of_agent && ++agents[event.type] > kAgentsTold) {
+      robots[event.type] += end - begin;
+    } else if (end == begin + 1) {
+      told.push_back({event, EventText(world, event)});
+    } else {
+      std::vector<RobotId> ids;
+      for (std::size_t i = begin; i < end; ++i) ids.push_back(*events[i].robot);
+      told.push_back({event, "tick " + std::to_string(event.tick) + ": " + ListNames(world, ids) +
+                                 (event.type == EventType::kJoined ? " have an agent (" : " have lost their agent (") +
+                                 event.detail + ")"});
+    }
+  }
+  for (const auto& [type, count] : robots) {
+    const Tick tick = events.back().tick;
+    told.push_back({{.tick = tick, .type = type},
+                    "tick " + std::to_string(tick) + ": " + std::to_string(count) + " more robots have " +
+                        (type == EventType::kJoined ? "agents" : "lost their agents")});
+  }
+  return told;
 }
 
 nlohmann::json EventJson(const WorldDescription& world, const Event& event) {

@@ -98,6 +98,15 @@ class NoticeList {
 // One line, for instance "tick 12: r0 stalled at table.leg". REQUIRES: the event's ids are of this world.
 std::string EventText(const WorldDescription& world, const Event& event);
 
+// An event as it is told to users, with the line about it.
+struct ToldEvent {
+  Event event;
+  std::string text;
+};
+// In the order of the events. The joins and losses of an agent with many robots are one line; of many such agents the
+// first ten have a line, and the others one with the number of their robots. REQUIRES: the ids are of this world.
+std::vector<ToldEvent> ToldEvents(const WorldDescription& world, const std::vector<Event>& events);
+
 // {"event": "stall_began", "robot": "r0", "other": "wall"}: the type of the event and the names of its participants, as
 // far as it has them. Without its tick and detail. REQUIRES: the event's ids are of this world.
 nlohmann::json EventJson(const WorldDescription& world, const Event& event);

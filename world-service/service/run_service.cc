@@ -334,14 +334,13 @@ class Driver final : public WorldControl, private ServiceHandler {
     if (startup) started_ = true;
 
     ReportUnlocked(lock, [&] {
-      std::vector<std::string> texts;
-      for (const Event& event : events) texts.push_back(EventText(scene->world(), event));
+      const std::vector<ToldEvent> told = ToldEvents(scene->world(), events);
       if (status) endpoint_->SendStatus(*status);
       for (RunObserver* observer : observers_) {
         for (const std::string& notice : notices) observer->OnNotice(notice);
         if (startup) observer->OnStarted(*startup);
         if (!new_robots.empty()) observer->OnNewRobots(new_robots, edition);
-        for (std::size_t i = 0; i < events.size(); ++i) observer->OnEvent(events[i], texts[i]);
+        for (const auto& [event, text] : told) observer->OnEvent(event, text);
         if (status) observer->OnStatus(*status);
       }
     });

@@ -93,12 +93,16 @@ void CheckSession(const std::string& session) {
                        "opening session '" + session + "' (expected a name without the wildcards * ? [ ])");
 }
 
+// With a long lease, too, a participant whose first announcement is lost is discovered soon.
+constexpr double kAnnounceSeconds = 2.0;
+
 DomainConfig ConfigOf(const DdsOptions& options) {
   DomainConfig config;
   config.domain = options.domain;
   config.network_interface = options.network_interface;
   config.network = options.network_profile;
   config.lease_seconds = options.lease();
+  config.announce_seconds = kAnnounceSeconds;
   // With data sharing hardly any agent receives samples, so that heartbeats cost little. While agents start, they are
   // the answer to a reader that has asked for samples before its writer had discovered it.
   if (options.data_sharing) config.heartbeat_seconds = kHeartbeatWithSharing;

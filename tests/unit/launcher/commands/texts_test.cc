@@ -249,6 +249,18 @@ TEST(Summary, ShowsLostRobotsAndMemory) {
   EXPECT_THAT(text, Not(HasSubstr("stopped before its end")));
 }
 
+TEST(Summary, CountsRobotsThatStoodStillAndNamesTheFirstOfManyThatAreLost) {
+  RunOutcome outcome = SomeOutcome();
+  outcome.run.frozen = 12;
+  outcome.run.lost.assign(12, "r");
+  const std::string text = SummaryText(outcome, {});
+  EXPECT_THAT(text, HasSubstr("12 robots stood still in some ticks, without an agent"));
+  EXPECT_THAT(text, HasSubstr("without an agent at the end: r, r, r, r, r, r, r, r, r, r and 2 more\n"));
+  EXPECT_EQ(ExitStatusOf(outcome.run), kExitRobotsLost);
+  outcome.run.interrupted = true;
+  EXPECT_EQ(ExitStatusOf(outcome.run), kExitInterrupted);
+}
+
 TEST(Summary, OfOneProcessOmitsTheNetworkAndTheSlowestRobots) {
   RunOutcome outcome = SomeOutcome();
   outcome.run.frames_repeated = 3;

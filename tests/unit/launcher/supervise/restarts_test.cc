@@ -199,6 +199,22 @@ TEST_F(AgentFleetTest, StartsALimitedNumberAndOthersAsAgentsJoin) {
   EXPECT_NE(host_.started.front(), host_.started.back());
 }
 
+TEST_F(AgentFleetTest, WithoutMulticastStartsAsManyMoreAsHaveJoined) {
+  options_.network.network_profile = "unicast";
+  FakeHost far("far");
+  ReadyReport ready;
+  for (int i = 0; i < 20; ++i) ready.robots.push_back("r" + std::to_string(i));
+  ready.participants = {{1, "aa"}};
+  std::vector<std::size_t> sites(20, 0);
+  std::fill(sites.begin() + 10, sites.end(), 1);
+  ASSERT_TRUE(fleet_.Start(ready, {"127.0.0.1:1"}, {{&host_, "eth0"}, {&far, "eth0"}}, sites).ok());
+  EXPECT_EQ(fleet_.started(), 2u);
+  ASSERT_TRUE(fleet_.StartAfterJoins(2).ok());
+  EXPECT_EQ(fleet_.started(), 6u);
+  ASSERT_TRUE(fleet_.StartAfterJoins(6).ok());
+  EXPECT_EQ(fleet_.started(), 14u);
+}
+
 TEST_F(AgentFleetTest, StartsAllOfASmallRunAtOnce) {
   Start(3);
   EXPECT_EQ(host_.started.size(), 3u);
@@ -235,8 +251,12 @@ TEST_F(AgentFleetTest, StartsADeadAgentAgainInItsPlace) {
   ASSERT_TRUE(fleet_.Restart(1).ok());
   ASSERT_EQ(host_.started.size(), 4u);
   std::vector<std::string> arguments = host_.started[1];
-  arguments.emplace_back("--skip-unavailable");
-  EXPECT_EQ(host_.started[3], arguments);
+  std::vector<std::string> again = host_.started[3];
+  EXPECT_THAT(arguments.back(), testing::StartsWith("--agent-id="));
+  EXPECT_NE(again.back(), arguments.back()) << "it is another agent";
+  arguments.back() = "--skip-unavailable";
+  again.pop_back();
+  EXPECT_EQ(again, arguments);
   EXPECT_EQ(fleet_.size(), 3u);
   EXPECT_TRUE(fleet_.PollEnded().empty());
   EXPECT_EQ(fleet_.peak_memory_mib(), 20.0) << "of the process that died";

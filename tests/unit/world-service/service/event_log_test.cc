@@ -46,6 +46,29 @@ TEST(EventLog, ReportsEachEventOnceInOrder) {
   EXPECT_EQ(log.stalls(), 1u);
 }
 
+TEST(ToldEvents, AreALineForAnAgentWithManyRobots) {
+  const WorldDescription world = test::PlaneWorld(30);
+  std::vector<Event> events;
+  for (std::size_t i = 0; i < 12; ++i) events.push_back({4, EventType::kLeft, RobotId(i), {}, "h, pid 1: why"});
+  events.push_back({4, EventType::kLeft, RobotId(12), {}, "h, pid 2: why"});
+  events.push_back({4, EventType::kStallBegan, RobotId(13), {}, ""});
+  std::vector<std::string> texts;
+  for (const ToldEvent& told : ToldEvents(world, events)) texts.push_back(told.text);
+  EXPECT_THAT(texts, ElementsAre("tick 4: r0, r1, r2, r3, r4, r5, r6, r7, r8, r9 and 2 more have lost their agent "
+                                 "(h, pid 1: why)",
+                                 "tick 4: r12 has lost its agent (h, pid 2: why)", "tick 4: r13 stalled"));
+}
+
+TEST(ToldEvents, CountTheRobotsOfFurtherAgents) {
+  const WorldDescription world = test::PlaneWorld(30);
+  std::vector<Event> events;
+  for (std::size_t i = 0; i < 30; ++i) events.push_back({4, EventType::kLeft, RobotId(i), {}, std::to_string(i / 2)});
+  const std::vector<ToldEvent> told = ToldEvents(world, events);
+  ASSERT_THAT(told, SizeIs(11));
+  EXPECT_EQ(told[0].text, "tick 4: r0, r1 have lost their agent (0)");
+  EXPECT_EQ(told[10].text, "tick 4: 10 more robots have lost their agents");
+}
+
 TEST(EventText, NamesTheEventItsParticipantsAndItsTick) {
   const WorldDescription world = test::PlaneWorld(2);
   EXPECT_EQ(EventText(world, {7, EventType::kStallBegan, RobotId(0), ModelId(1), ""}), "tick 7: r0 stalled at r1");
