@@ -11,18 +11,20 @@ constexpr double kAsking = 0.6;          // m, between bodies of which one may w
 constexpr double kGiveWaySeconds = 6.0;  // behind another robot; twice that for the one of the smaller id
 constexpr double kDetourSeconds = 60.0;  // a longer way round another robot is worth it
 constexpr double kAsideSeconds = 4.0;    // beside the way of another robot, and up to as many more
-constexpr double kParked = 0.3;          // m from its vertex
+constexpr double kAtVertex = 0.3;        // m
 
-bool IsOnLaneTo(const LaneGraph& graph, std::size_t vertex, const Vec2& point) {
-  return std::any_of(graph.lanes.begin(), graph.lanes.end(), [&](const Lane& lane) {
-    const bool leads_to = lane.end == vertex || (lane.is_bidirectional && lane.start == vertex);
-    if (!leads_to) return false;
-    const Vec2& start = graph.vertices[lane.start].position;
-    const Vec2 way = graph.Way(lane.start, lane.end);
-    const double at =
-        way.squaredNorm() > 0.0 ? std::clamp((point - start).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
-    return (start + at * way - point).norm() < kLaneHalfWidth;
-  });
+double DistanceTo(const LaneGraph& graph, const Lane& lane, const Vec2& point) {
+  const Vec2& start = graph.vertices[lane.start].position;
+  const Vec2 way = graph.Way(lane.start, lane.end);
+  const double square = way.squaredNorm();
+  const double at = square > 0.0 ? std::clamp((point - start).dot(way) / square, 0.0, 1.0) : 0.0;
+  return (start + at * way - point).norm();
+}
+
+// A robot that is parked at a charger.
+bool IsParked(const LaneGraph& graph, const SeenRobot& robot) {
+  const std::optional<NearVertex> at = FindNearestVertex(graph, robot.position, robot.z, kOnOneLevel);
+  return at && at->distance < kAtVertex && graph.vertices[at->vertex].is_charger;
 }
 
 }  // namespace
@@ -72,12 +74,19 @@ bool GivingWay::IsAskedForRoom(const LanePlace& place, const Vec2& towards) {
 }
 
 bool GivingWay::IsInTheWay(const LanePlace& place) const {
+  const Pose& own = place.now.pose_estimate;
   return std::any_of(place.others.begin(), place.others.end(), [&](const SeenRobot& other) {
-    if (!StandsNear(place, other) || !IsOnLaneTo(*graph_, place.vertex, other.position)) return false;
-    const std::optional<NearVertex> at = FindNearestVertex(*graph_, other.position, other.z, kOnOneLevel);
-    const bool is_parked =
-        at && at->vertex != place.vertex && at->distance < kParked && graph_->vertices[at->vertex].is_charger;
-    return !is_parked;
+    if (!StandsNear(place, other)) return false;
+    bool is_on_lane = false;
+    for (const LaneGraph& graph : graphs_) {
+      if (IsParked(graph, other)) return false;
+      for (const Lane& lane : graph.lanes) {
+        is_on_lane = is_on_lane || (std::fabs(graph.vertices[lane.start].z - own.z) < kLevelGap &&
+                                    DistanceTo(graph, lane, own.translation()) < kAtVertex &&
+                                    DistanceTo(graph, lane, other.position) < kLaneHalfWidth);
+      }
+    }
+    return is_on_lane;
   });
 }
 

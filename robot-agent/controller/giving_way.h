@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "robot-agent/navigation/lane_route.h"
@@ -36,8 +37,9 @@ struct WayAround {
 
 class GivingWay {
  public:
-  // The graph outlives this. `speed`: m/s.
-  GivingWay(RobotId own, const LaneGraph& graph, double speed) : own_(own), graph_(&graph), speed_(speed) {}
+  // `graphs`: all of the world, of which `graph` is its own; they outlive this. `speed`: m/s.
+  GivingWay(RobotId own, const LaneGraph& graph, std::span<const LaneGraph> graphs, double speed)
+      : own_(own), graph_(&graph), graphs_(graphs), speed_(speed) {}
 
   // Another robot blocks `leg`; `is_away`: this one has left the start of the leg. Called in each tick in which that is
   // so. After a while there is a way, if one exists.
@@ -47,8 +49,8 @@ class GivingWay {
 
   // Another robot stands near this one, `towards` it (zero: on any side), and so perhaps waits for it.
   static bool IsAskedForRoom(const LanePlace& place, const Vec2& towards);
-  // The same of a robot without a destination: only one on a lane to its vertex, which is not parked at a charger of
-  // its own, waits for it. Robots that are parked beside each other stay.
+  // The same of a robot without a destination: only one on a lane through its place, of any graph, that is not parked
+  // at a charger, waits for it. Robots that are parked beside each other stay.
   bool IsInTheWay(const LanePlace& place) const;
   static constexpr double kPoliteSeconds = 8.0;  // until a robot that waits makes room
 
@@ -61,6 +63,7 @@ class GivingWay {
 
   RobotId own_;
   const LaneGraph* graph_;
+  std::span<const LaneGraph> graphs_;
   double speed_;
   std::optional<double> blocked_since_;  // s, simulated
   double give_way_seconds_ = 0.0;

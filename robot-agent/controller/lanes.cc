@@ -52,7 +52,7 @@ class LanesController final : public Controller, public RobotWatcher {
         recovery_(drive_, steer_),
         tasks_(settings, graph, steer_.speed, can_turn()),
         controls_(info, graph),
-        giving_way_(id_, graph, steer_.speed) {
+        giving_way_(id_, graph, info.lane_graphs, steer_.speed) {
     for (const LaneVertex& vertex : graph_->vertices) AddGroup(vertex.mutex);
     for (const Lane& lane : graph_->lanes) AddGroup(lane.mutex);
   }

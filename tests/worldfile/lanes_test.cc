@@ -443,8 +443,8 @@ levels:
 // An idle robot makes room on the only lane, and comes back.
 TEST(Lanes, AnIdleRobotReturnsAfterItHasMadeRoom) {
   test::TemporaryFolder folder;
-  ScenarioRun run(
-      LoadOnLanes(folder, R"(
+  ScenarioRun run(LoadOnLanes(
+      folder, R"(
 coordinate_system: cartesian_meters
 levels:
   G:
@@ -453,9 +453,9 @@ levels:
       - [4, 0, 0, m, {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, beta]}]
       - [8, 0, 0, c]
       - [4, 2, 0, side]
-    lanes: [[0, 1, {bidirectional: true}], [1, 2, {bidirectional: true}], [1, 3, {bidirectional: true}]]
+    lanes: [[0, 1, {bidirectional: true}], [1, 2, {}], [1, 3, {bidirectional: true, graph_idx: 1}]]
 )",
-                  OnLanes("alpha", R"({"places": ["c"], "repeat": false})") + ", " + OnLanes("beta", "{}")));
+      OnLanes("alpha", R"({"places": ["c"], "repeat": false})") + ", " + OnLanes("beta", R"({"graph": 1})")));
   bool was_aside = false;
   for (int i = 0; i < 1200; ++i) {
     run.Run(1);
