@@ -237,7 +237,8 @@ TEST(CaseReport, SaysOfHowManyRunsAMetricIs) {
   EXPECT_THAT(page, HasSubstr("<code>n=5</code></td><td class=\"n\">0 of 1</td><td class=\"n\">none</td>"));
   EXPECT_THAT(page, HasSubstr("6 values of ticks were no number"));
   CaseReport read;
-  ASSERT_TRUE(read.AddLines(folder / "report/cases.jsonl").ok());
+  ASSERT_TRUE(read.Merge(folder / "report", folder / "read").ok());
+  ASSERT_TRUE(read.FinishMerge().ok());
   ASSERT_TRUE(read.Write(folder / "read").ok());
   EXPECT_EQ(folder.Read("read/index.html"), page);
 }
