@@ -55,6 +55,8 @@ Status AddStates(const Recording& recording, const ExportArguments& arguments, R
   // A range may end behind the recording.
   if (arguments.to && recording.spans().Last(*arguments.to)) options.to = arguments.to;
   options.on_state = [&](const ReplayedWorld& world, const RecordedTick& tick) {
+    // Between two states of the range an edit may have led out of it.
+    if (tick.tick < arguments.from.value_or(0) || tick.tick > arguments.to.value_or(tick.tick)) return Status();
     if (report.states++ == 0) report.first = tick.tick;
     report.last = tick.tick;
     return target.Add(world, tick.log_time);
