@@ -79,8 +79,8 @@ TEST_F(CaseProcesses, TestsOfOneNameHaveFilesOfTheirOwn) {
         "expect": ["always x(a) < 0.01 m"], "metrics": {"x": "final of x(a)"}})JSON";
     return begin + speed + end;
   };
-  folder_.Write("tests/hall/drive.test.json", text("0.5"));
-  folder_.Write("tests/yard/drive.test.json", text("0.9"));
+  folder_.Write("tests/hall/drive.test.json", text("0.1"));
+  folder_.Write("tests/yard/drive.test.json", text("0.3"));
   const Finished tested = Run({"test", folder_ / "tests", "--no-shrink"});
   EXPECT_EQ(tested.exit_status, 1) << tested.output;
   for (const char* const name : {"hall-drive", "yard-drive"}) {
