@@ -404,6 +404,7 @@ TEST_F(AgentProtocolTest, AMemberThatWasLostLeavesRobotsWithAnotherAgentAndKeeps
 }
 
 TEST_F(AgentProtocolTest, AnAgentThatIsStartedWhileTheRunGoesOnLeavesAllItsRobotsToOthers) {
+  options_.robots = {"r0", "r1"};
   options_.skip_unavailable = true;
   SendSession();
   PerformTask();
