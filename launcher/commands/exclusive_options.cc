@@ -1,4 +1,4 @@
-// Which options of a command exclude each other: the only place that says so.
+// Which options of these commands exclude each other; run, snapshot, goto and teleop say it beside their options.
 #include <CLI/CLI.hpp>
 
 #include "launcher/commands/commands.h"

@@ -367,11 +367,6 @@ void AddViewCommand(CLI::App& app, int& exit_status) {
       ->needs(is_static)
       ->type_name("FOLDER");
   AddToolNetworkFlags(*command, options->network);
-  // A page without a server listens nowhere, and has no run.
-  for (const char* name :
-       {"--listen", "--token-file", "--journal", "--view-only", "--interface", "--service", "--security"}) {
-    is_static->excludes(command->get_option(name));
-  }
   command->final_callback([options, &exit_status] { exit_status = ViewCommand(*options); });
 }
 
