@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <span>
 
 namespace troupe {
 namespace {
@@ -46,7 +47,7 @@ class GivingWayTest : public ::testing::Test {
   }
 
   LaneGraph graph_ = Street();
-  GivingWay giving_{kOwn, graph_, 1.0};
+  GivingWay giving_{kOwn, graph_, std::span(&graph_, 1), 1.0};
   Observation now_;
   std::vector<SeenRobot> others_;
   LanePlace place_{.now = now_, .others = others_, .radius = 0.3, .half_width = 0.2};
