@@ -361,7 +361,7 @@ TEST(AgentLoss, AnAgentIsStartedAgainForTheRobotsThatWereNotDeleted) {
   }
   run.WaitForLine("r1 has an agent");
   run.Interrupt();
-  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent at the end")));
 }
 
 // A robot is deleted and returns by `back`, so that it has another agent than at first. Then agents die, and the
