@@ -94,7 +94,7 @@ class Recorder final : public RunObserver {
   std::optional<OutputFile> hash_log_;
   std::optional<OutputFile> poses_;
   std::optional<OutputFile> record_;
-  std::chrono::steady_clock::time_point flushed_at_ = {};
+  std::chrono::steady_clock::time_point flushed_at_ = std::chrono::steady_clock::now();
 };
 
 // The observers that write the output files of a run.
