@@ -222,8 +222,8 @@ TEST_F(RmfTopicsTest, LongTextsAreRefusedInShortLines) {
   EXPECT_THAT(control_.requests, IsEmpty());
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("/door_requests: found a text of 2000000 bytes, expected at most 1000"),
                                   HasSubstr("the world has no door 'xxx"),
-                                  HasSubstr("found a request_guid of 2000000 bytes, expected at most 256"),
-                                  HasSubstr("found a transporter_type of 2000000 bytes, expected at most 256")));
+                                  HasSubstr("found a transporter_type of 2000000 bytes, expected at most 256"),
+                                  HasSubstr("found a request_guid of 2000000 bytes, expected at most 256")));
   for (const std::string& line : lines_) EXPECT_LT(line.size(), 400U);
 }
 
