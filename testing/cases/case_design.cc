@@ -113,7 +113,7 @@ Status CaseDesign::MakeProduct() {
     return number;
   };
   DrawSolver::Tries tries{.most = 2 * kMaxCases};
-  const Status status =
+  Status status =
       solver_.ForEach(DrawSolver::Choice(variations().size()), 0, tries, number_of, [&](const auto& indices) {
         numbers_.push_back(number_of(indices));
         return true;
@@ -134,7 +134,7 @@ Status CaseDesign::MakePairs() {
     if (variations()[i].size() > 0) listed.push_back(i);
   }
   if (listed.size() < 2) {  // one variation alone: each of its values
-    const Status status = solver_.ForEach(open, 0, tries, next, [&](const DrawSolver::Indices& indices) {
+    Status status = solver_.ForEach(open, 0, tries, next, [&](const DrawSolver::Indices& indices) {
       pairs_.push_back(indices);
       return true;
     });
@@ -183,7 +183,7 @@ Status CaseDesign::MakePairs() {
       }
     }
     if (best.empty() && can_meet) {
-      const Status status = solver_.ForEach(choice, counter, tries, next, [&](const DrawSolver::Indices& indices) {
+      Status status = solver_.ForEach(choice, counter, tries, next, [&](const DrawSolver::Indices& indices) {
         best = indices;
         return false;
       });

@@ -66,6 +66,7 @@ class Decoder {
   explicit Decoder(const JsonReader& request) : request_(request) {}
 
   Result<EditOperation> Decode() {
+    if (Status status = request_.status(); !status.ok()) return status.error();
     const std::string op = Text("op");
     for (const auto& [name, decode] : kOperations) {
       if (op == name) return Outcome((this->*decode)());
