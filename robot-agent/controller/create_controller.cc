@@ -268,8 +268,9 @@ RobotInfo InfoInWorld(const WorldDescription& world, RobotId robot) {
   info.lane_graphs = world.lane_graphs;
   for (const DoorDescription& door : world.doors) info.doors.push_back({.name = world.model(door.model).name});
   for (const LiftDescription& lift : world.lifts) {
-    info.lifts.push_back({.name = world.model(lift.model).name});
-    for (const LiftFloor& floor : lift.floors) info.lifts.back().floors.push_back(floor.name);
+    LiftInfo& seen = info.lifts.emplace_back();
+    seen.name = world.model(lift.model).name;
+    for (const LiftFloor& floor : lift.floors) seen.floors.push_back(floor.name);
   }
   return info;
 }

@@ -241,9 +241,9 @@ Result<ResolvedCommand> Resolve(const RobotInfo& info, const ScriptCommand& comm
     if (!found.ok()) return found.error();
     resolved.command.orders.push_back(found.value());
   }
-  Result<std::vector<Order>> of_building = ResolveBuilding(info, command);
+  const Result<std::vector<Order>> of_building = ResolveBuilding(info, command);
   if (!of_building.ok()) return of_building.error();
-  for (Order& order : of_building.value()) resolved.command.orders.push_back(std::move(order));
+  for (const Order& order : of_building.value()) resolved.command.orders.push_back(order);
   resolved.command.say = command.say.value_or("");
   return resolved;
 }

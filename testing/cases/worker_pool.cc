@@ -161,7 +161,9 @@ void WorkerPool::Terminate(Worker& worker) {
   while (waitpid(worker.pid, nullptr, 0) < 0 && errno == EINTR) {
   }
   close(worker.descriptor);
-  worker = {.counts = worker.counts};
+  Counts* const counts = worker.counts;
+  worker = Worker();
+  worker.counts = counts;
 }
 
 std::optional<Result<std::string>> WorkerPool::Receive(Worker& worker) {
