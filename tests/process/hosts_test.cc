@@ -179,7 +179,7 @@ TEST_F(Hosts, ThatReturnAreConnectedAgain) {
   KillHostOf(run, "--robot=r2");
   run.WaitForLine("host far: connected again; its 1 agent is started again");
   EXPECT_EQ(run.Wait(), 0) << run.output();
-  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent at the end")));
   EXPECT_EQ(json::parse(folder_.Read("summary"))["agents_restarted"], 0);
   OutputOf(Troupe({"run", WorldPath("pen.world"), "--ticks", "100", "--in-process", "--headless", "--controller",
                    "wander", "--hash-log", folder_.Path("alone")}));
@@ -222,7 +222,7 @@ TEST_F(Hosts, StartAKilledAgentAgain) {
   EXPECT_EQ(run.Wait(), 5) << run.output();
   EXPECT_THAT(run.output(), HasSubstr("robot r2: the agent (on host far, process "));
   EXPECT_THAT(run.output(), HasSubstr("; restart 1 of 3"));
-  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent")));
+  EXPECT_THAT(run.output(), testing::Not(HasSubstr("without an agent at the end")));
 }
 
 TEST(LocalHostTest, StartsProgramsWithMoreArgumentsThanTheSystemTakes) {

@@ -13,7 +13,10 @@ namespace {
 
 // Wall times, s.
 constexpr double kFirstResendOfLast = 0.02;  // of the last frame: agents that missed it delay the end
-constexpr double kHaltedResend = 0.5;        // of the frame, while the run waits for lost agents
+// For agents to leave, since the newest one has left: messages may be under way over a slow network.
+constexpr double kMaxEnd = 5.0;
+constexpr double kMaxEndInProcess = 1.0;
+constexpr double kHaltedResend = 0.5;  // of the frame, while the run waits for lost agents
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> SpeedOf(const RunSettings& settings) {
@@ -395,10 +398,14 @@ void TickEngine::Fail(Error error, double now) {
   End(now, run_.members.AbsentRobots());
 }
 
+double TickEngine::EndWithout(double now) const {
+  return now + (run_.endpoint.may_lose_messages() ? kMaxEnd : kMaxEndInProcess);
+}
+
 void TickEngine::End(double now, const std::vector<RobotId>& lost) {
   // First, so that the run ends also if the rest throws.
   run_.phase = run_.members.present_members() == 0 ? RunPhase::kOver : RunPhase::kEnding;
-  end_at_ = now + kMaxEnd;
+  end_at_ = EndWithout(now);
   resend_timer_.Start(now, kFirstResendOfLast);
   if (!std::exchange(run_.frame.last, true)) run_.endpoint.SendFrame(run_.frame);
   for (RobotId robot : lost) run_.lost_robots.push_back(run_.world().robot(robot).name);

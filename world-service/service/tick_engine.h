@@ -143,8 +143,8 @@ class TickEngine {
   void RejectUnknown(AgentId agent, double now);
   void AskToJoin(Member& member, double now);
   void Lose(Member& member, const std::string& reason, double now);
-  // s, for the agents to leave at the end of the run, since the newest one has left.
-  static constexpr double kMaxEnd = 5.0;
+  // Wall time, s, at which the run ends without the agents that have not left, unless one leaves before.
+  double EndWithout(double now) const;
 
   // Tells that the first frame of the run is not answered, and fails after the start timeout.
   void AwaitFirstAnswers(double now);

@@ -153,7 +153,7 @@ void TickEngine::Lose(Member& member, const std::string& reason, double now) {
   run_.members.Lose(member);
   barrier_.RemoveMember(member.id);
   has_new_losses_ = true;
-  end_at_ = now + kMaxEnd;
+  end_at_ = EndWithout(now);
   const bool none_left = run_.members.present_members() == 0;
   if (none_left) halted_since_ = now;
   if (run_.phase == RunPhase::kEnding) {

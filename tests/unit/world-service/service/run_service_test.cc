@@ -60,7 +60,8 @@ TEST_F(RunServiceTest, RunsToTheEnd) {
   EXPECT_FALSE(summary.interrupted);
   EXPECT_EQ(last_status_.tick, 20u);
   EXPECT_THAT(reports_, Contains("started"));
-  EXPECT_THAT(reports_, Contains("tick 0: r0, r1 have an agent (here, pid 1)"));
+  // A line of its own, or one with the other agent, which has the same process here.
+  EXPECT_THAT(reports_, Contains(testing::AllOf(HasSubstr("r1"), HasSubstr("an agent (here, pid 1)"))));
   first.gone.get_future().wait();
 }
 
