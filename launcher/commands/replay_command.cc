@@ -246,7 +246,7 @@ Status CheckOutputs(const ReplayArguments& arguments) {
   const std::vector<OutputName> outputs = {
       {"--hash-log", arguments.outputs.hash_log}, {"--poses", arguments.outputs.poses}, {"--scans", arguments.scans}};
   const auto inputs = [&] { return std::vector{arguments.file}; };
-  if (const Status problem = CheckDistinct(outputs, inputs); !problem.ok()) return problem;
+  if (Status problem = CheckDistinct(outputs, inputs); !problem.ok()) return problem;
   for (const auto& [option, path] : outputs) {
     if (path.empty()) continue;
     if (const Status status = CheckWritable(path); !status.ok()) {

@@ -40,7 +40,7 @@ Status CheckPicture(const SnapshotOptions& options) {
   LoadOverrides overrides;
   overrides.controller = options.controller;
   const auto inputs = [&] { return InputFilesOf(options.file, overrides); };
-  if (const Status problem = CheckDistinct({{"-o", options.output}}, inputs); !problem.ok()) return problem;
+  if (Status problem = CheckDistinct({{"-o", options.output}}, inputs); !problem.ok()) return problem;
   const Status status = CheckWritable(options.output);
   return status.ok() ? status : Error{{options.output, 0, 0}, "cannot write: " + status.error().message};
 }
@@ -232,7 +232,7 @@ int ExportMapCommand(const ExportMapOptions& options) {
   if (options.lanes) outputs.push_back({"--lanes", options.output + kLanesEnding});
   if (options.building) outputs.push_back({"--building", options.output + kBuildingEnding});
   const auto inputs = [&] { return InputFilesOf(options.file, {}); };
-  if (const Status problem = CheckDistinct(outputs, inputs); !problem.ok()) return Fail(problem.error());
+  if (Status problem = CheckDistinct(outputs, inputs); !problem.ok()) return Fail(problem.error());
   Result<LoadedWorld> loaded = LoadWorld(options.file, {});
   if (!loaded.ok()) return Fail(loaded.error());
   if (options.building) {

@@ -85,7 +85,7 @@ std::vector<OutputName> OutputsOf(const TestArguments& arguments) {
 
 // Before the run: hours of cases must not end in a file that cannot be written, or overwrite a file that they read.
 Status CheckOutputs(const TestArguments& arguments, const std::function<std::vector<std::string>()>& inputs) {
-  if (const Status problem = CheckDistinct(OutputsOf(arguments), inputs); !problem.ok()) return problem;
+  if (Status problem = CheckDistinct(OutputsOf(arguments), inputs); !problem.ok()) return problem;
   if (!arguments.junit.empty()) {
     if (const Status status = CheckWritable(arguments.junit); !status.ok()) {
       return Error{{arguments.junit}, "cannot write: " + status.error().message};

@@ -61,10 +61,10 @@ json NumberToJson(double number) {
   return std::isnan(number) ? "nan" : number > 0.0 ? "inf" : "-inf";
 }
 
-double ReadNumber(const JsonReader& json) {
+double ReadNumber(const JsonReader& reader) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  return json.Number(-kInfinity, kInfinity, {{"nan", nan}, {"inf", kInfinity}, {"-inf", -kInfinity}}).value_or(nan);
+  return reader.Number(-kInfinity, kInfinity, {{"nan", nan}, {"inf", kInfinity}, {"-inf", -kInfinity}}).value_or(nan);
 }
 
 json CaseToJson(const TestCase& draws) {
@@ -73,9 +73,9 @@ json CaseToJson(const TestCase& draws) {
   return list;
 }
 
-TestCase ReadCase(const JsonReader& json) {
+TestCase ReadCase(const JsonReader& reader) {
   TestCase draws;
-  for (const JsonReader& draw : json.Items()) {
+  for (const JsonReader& draw : reader.Items()) {
     std::vector<std::string> pair;
     if (!draw.To(pair)) break;
     if (pair.size() != 2) draw.Fail("a path and a value");
@@ -113,15 +113,15 @@ json ToJson(const CaseOutcome& outcome) {
           {"hashes", outcome.hashes}};
 }
 
-CaseOutcome ReadOutcome(const JsonReader& json) {
+CaseOutcome ReadOutcome(const JsonReader& reader) {
   CaseOutcome outcome;
-  outcome.verdict = json.Get<CaseVerdict>("verdict");
-  outcome.error = json.Get<std::string>("error");
-  outcome.decided = json.Get<bool>("decided");
-  outcome.ticks = json.Get<Tick>("ticks");
-  json.ReadHash("state_hash", outcome.state_hash);
-  outcome.tick_seconds = json.Get<double>("tick_seconds");
-  for (const JsonReader& each : json.ItemsOf("expectations")) {
+  outcome.verdict = reader.Get<CaseVerdict>("verdict");
+  outcome.error = reader.Get<std::string>("error");
+  outcome.decided = reader.Get<bool>("decided");
+  outcome.ticks = reader.Get<Tick>("ticks");
+  reader.ReadHash("state_hash", outcome.state_hash);
+  outcome.tick_seconds = reader.Get<double>("tick_seconds");
+  for (const JsonReader& each : reader.ItemsOf("expectations")) {
     ExpectationOutcome expectation;
     expectation.holds = each.Get<bool>("holds");
     if (const auto robustness = each.Find("robustness")) expectation.robustness = ReadNumber(*robustness);
@@ -131,15 +131,15 @@ CaseOutcome ReadOutcome(const JsonReader& json) {
     for (const JsonReader& moment : each.ItemsOf("history")) {
       const std::vector<JsonReader> pair = moment.Items();
       if (pair.size() != 2) moment.Fail("a tick and a robustness");
-      if (!json.ok()) break;
+      if (!reader.ok()) break;
       pair[0].To(expectation.history.emplace_back(Monitor::Moment{0, ReadNumber(pair[1])}).tick);
     }
     outcome.expectations.push_back(std::move(expectation));
   }
-  json.Read("covered", outcome.covered);
-  outcome.metrics = ReadMetrics(json);
-  outcome.undefined = json.Get<std::vector<std::uint64_t>>("undefined");
-  outcome.hashes = json.Get<std::vector<std::uint64_t>>("hashes");
+  reader.Read("covered", outcome.covered);
+  outcome.metrics = ReadMetrics(reader);
+  outcome.undefined = reader.Get<std::vector<std::uint64_t>>("undefined");
+  outcome.hashes = reader.Get<std::vector<std::uint64_t>>("hashes");
   return outcome;
 }
 

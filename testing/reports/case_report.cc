@@ -46,15 +46,15 @@ std::vector<std::string> Problems(const ReportedTest& test, const ReportedCase& 
 
 // The inverses of the functions below, for the lines of a report. Other JSON is an error of the reader.
 
-Result<ReportedTest> ReadTest(const JsonReader& json) {
+Result<ReportedTest> ReadTest(const JsonReader& reader) {
   using Texts = std::vector<std::string>;
-  const auto shard = json.Get<std::string>("shard");
-  const ReportedTest test = {json.Get<std::string>("test"),    json.Get<std::string>("name"),
-                             json.Get<Texts>("vary"),          json.Get<Texts>("expect"),
-                             json.Get<Texts>("formulas"),      json.Get<Texts>("cover"),
-                             json.Get<Texts>("metrics"),       json.Get<Texts>("units"),
-                             json.Get<std::uint64_t>("cases"), ParseShard(shard).value_or(Shard())};
-  if (!json.ok()) return json.status().error();
+  const auto shard = reader.Get<std::string>("shard");
+  const ReportedTest test = {reader.Get<std::string>("test"),    reader.Get<std::string>("name"),
+                             reader.Get<Texts>("vary"),          reader.Get<Texts>("expect"),
+                             reader.Get<Texts>("formulas"),      reader.Get<Texts>("cover"),
+                             reader.Get<Texts>("metrics"),       reader.Get<Texts>("units"),
+                             reader.Get<std::uint64_t>("cases"), ParseShard(shard).value_or(Shard())};
+  if (!reader.ok()) return reader.status().error();
   if (!ParseShard(shard)) return BadInput("found the shard " + Quoted(shard) + ", expected I/N, for instance 2/4");
   return test;
 }
@@ -74,21 +74,21 @@ ReportedCase ReadFault(const JsonReader& fault, const std::filesystem::path& rep
 }
 
 // Of a case without a fault: it has passed, or was not run.
-CaseOutcome ReadPassed(const JsonReader& json) {
+CaseOutcome ReadPassed(const JsonReader& reader) {
   CaseOutcome outcome;
-  const bool passed = json.Get<std::string>("verdict") == NameOf(CaseVerdict::kPassed);
+  const bool passed = reader.Get<std::string>("verdict") == NameOf(CaseVerdict::kPassed);
   outcome.verdict = passed ? CaseVerdict::kPassed : CaseVerdict::kNotRun;
-  outcome.ticks = json.Get<Tick>("ticks");
-  json.ReadHash("state_hash", outcome.state_hash);
-  json.Read("covered", outcome.covered);
-  for (const JsonReader& each : json.ItemsOf("robustness")) {
+  outcome.ticks = reader.Get<Tick>("ticks");
+  reader.ReadHash("state_hash", outcome.state_hash);
+  reader.Read("covered", outcome.covered);
+  for (const JsonReader& each : reader.ItemsOf("robustness")) {
     ExpectationOutcome expectation;
     expectation.holds = true;
     expectation.robustness = ReadNumber(each);
     outcome.expectations.push_back(std::move(expectation));
   }
-  outcome.metrics = ReadMetrics(json);
-  outcome.undefined = json.Get<std::vector<std::uint64_t>>("undefined");
+  outcome.metrics = ReadMetrics(reader);
+  outcome.undefined = reader.Get<std::vector<std::uint64_t>>("undefined");
   return outcome;
 }
 
@@ -242,14 +242,14 @@ Status CaseReport::Merge(const std::string& folder, const std::filesystem::path&
   std::istringstream stream(text.value());
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    const JsonReader json = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
-    const Status added = AddLine(json, from);
-    if (json.ok() && added.ok()) continue;
-    const std::string& problem = json.ok() ? added.error().message : json.status().error().message;
+    const JsonReader reader = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
+    const Status added = AddLine(reader, from);
+    if (reader.ok() && added.ok()) continue;
+    const std::string& problem = reader.ok() ? added.error().message : reader.status().error().message;
     return Error{{file, number, 1},
-                 json.ok() ? problem
-                           : "found no line of a report, expected one as 'troupe test' and 'troupe sweep' write (" +
-                                 problem + ")"};
+                 reader.ok() ? problem
+                             : "found no line of a report, expected one as 'troupe test' and 'troupe sweep' write (" +
+                                   problem + ")"};
   }
   return {};
 }
@@ -311,22 +311,22 @@ Status CaseReport::AddTestOf(const ReportedTest& test) {
   return {};
 }
 
-Status CaseReport::AddLine(const JsonReader& json, const std::filesystem::path& folder) {
-  if (!json.Has("number")) {
-    const Result<ReportedTest> test = ReadTest(json);
+Status CaseReport::AddLine(const JsonReader& reader, const std::filesystem::path& folder) {
+  if (!reader.Has("number")) {
+    const Result<ReportedTest> test = ReadTest(reader);
     return test.ok() ? AddTestOf(test.value()) : test.error();
   }
-  const auto path = json.Get<std::string>("test");
+  const auto path = reader.Get<std::string>("test");
   const auto entry =
       std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.test.path == path; });
   if (entry == entries_.end()) return BadInput("found a case of an unknown test, expected its test before it");
-  const std::optional<JsonReader> fault = json.Find("fault");
+  const std::optional<JsonReader> fault = reader.Find("fault");
   ReportedCase reported = fault ? ReadFault(*fault, folder) : ReportedCase{};
-  if (!fault) reported.outcome = ReadPassed(json);
-  reported.number = json.Get<std::uint64_t>("number");
-  reported.kept = json.Get<bool>("kept");
-  if (const auto draws = json.Find("case")) reported.draws = ReadCase(*draws);
-  if (!json.ok()) return json.status();
+  if (!fault) reported.outcome = ReadPassed(reader);
+  reported.number = reader.Get<std::uint64_t>("number");
+  reported.kept = reader.Get<bool>("kept");
+  if (const auto draws = reader.Find("case")) reported.draws = ReadCase(*draws);
+  if (!reader.ok()) return reader.status();
   if (entry->rows.contains(reported.number)) {
     return BadInput(fmt::format("found case {} of {} again, expected each case once", reported.number, Quoted(path)));
   }

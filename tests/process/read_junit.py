@@ -52,7 +52,7 @@ with tempfile.TemporaryDirectory() as folder:
         assert case.classname == TEST["name"], case.classname
         assert [type(result) for result in case.result] == ([] if kind is None else [kind]), (name, case.result)
     failure = found[draws.format("position", "0.5")].result[0]
-    assert failure.message.startswith("slow <&>: failed at tick "), failure.message
+    assert failure.message.startswith("slow <&>: fails at tick "), failure.message
     assert "troupe test " in failure.text and "--case " in failure.text, failure.text
     error = found[draws.format("none", "0.1")].result[0]
     assert "'none'" in error.message, error.message

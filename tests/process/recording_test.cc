@@ -383,10 +383,10 @@ TEST_F(RecordingTest, IsReadableAfterTheServiceWasKilled) {
 }
 
 TEST_F(RecordingTest, EndsTheRunOnAFullDisk) {
-  for (const std::string mode : {"--headless", "--in-process"}) {
+  for (const std::string mode : {"--headless --on-service-loss end", "--in-process"}) {
     const std::string command = "ulimit -f 200; exec " + ProgramPath("troupe") + " run " + WorldPath("pen.world") +
-                                " --speed max --keyframe-interval 10 --on-service-loss end --domain " +
-                                std::to_string(TestDomain()) + " " + mode + " --record " + Path("run.mcap");
+                                " --speed max --keyframe-interval 10 --domain " + std::to_string(TestDomain()) + " " +
+                                mode + " --record " + Path("run.mcap");
     EXPECT_THAT(OutputOf(Program({"/bin/sh", "-c", command}), 3),
                 HasSubstr("\n" + Path("run.mcap") + ": error: cannot write: File too large"));
     EXPECT_THAT(OutputOf(Replay({}), 3), HasSubstr("their state hashes are equal"));

@@ -31,11 +31,13 @@ class RosDomains : public testing::Test {
         << kRobots << R"(, "region": [4, -40, 80, 40], "controller": "wander", "ros_domain": {"each": )" << kFirstDomain
         << "}}]}";
   }
-  std::vector<std::string> Arguments(std::vector<std::string> more) const {
-    return Words("run % --headless --session % --domain % --ros-interface lo --ros-domain %",
-                 {folder_.Path("fleet.json"), TestSession("domains"), std::to_string(kSimulationDomain),
-                  std::to_string(kRunDomain)}) +
+  std::vector<std::string> ArgumentsWithoutRos(std::vector<std::string> more) const {
+    return Words("run % --headless --session % --domain %",
+                 {folder_.Path("fleet.json"), TestSession("domains"), std::to_string(kSimulationDomain)}) +
            more;
+  }
+  std::vector<std::string> Arguments(std::vector<std::string> more) const {
+    return ArgumentsWithoutRos(Words("--ros-interface lo --ros-domain %", {std::to_string(kRunDomain)}) + more);
   }
 
   TemporaryFolder folder_;
@@ -69,7 +71,8 @@ TEST_F(RosDomains, TheRunIsTheSameAsWithoutRos) {
   std::string hashes[2];
   for (const bool ros : {false, true}) {
     TemporaryFolder outputs;
-    OutputOf(Troupe(Arguments({ros ? "--ros" : "--no-ros", "--ticks", "50", "--hash-log", outputs.Path("hashes")})));
+    const std::vector<std::string> of_run = {"--ticks", "50", "--hash-log", outputs.Path("hashes")};
+    OutputOf(Troupe(ros ? Arguments(of_run) : ArgumentsWithoutRos(std::vector<std::string>{"--no-ros"} + of_run)));
     hashes[ros ? 1 : 0] = outputs.Read("hashes");
   }
   EXPECT_FALSE(hashes[0].empty());

@@ -315,7 +315,11 @@ TEST(RosRun, OpensNothingInTheRosDomainUnlessAsked) {
   const ros::RosNode node = ros::MakeNode(participant, "/", "reader");
   ros::RosReader<ros::Clock> clock(node, "/clock", ros::Stream(10));
   const std::string domain = std::to_string(TestRosNetwork().domain);
-  OutputOf(RunPen({"--ros-interface", "lo", "--ros-domain", domain, "--ticks", "20", "--speed", "10"}));
+  EXPECT_THAT(OutputOf(RunPen({"--ros-domain", domain}), 2),
+              testing::HasSubstr("found a run without ROS 2, expected --ros"));
+  setenv("ROS_DOMAIN_ID", domain.c_str(), 1);
+  OutputOf(RunPen({"--ticks", "20", "--speed", "10"}));
+  unsetenv("ROS_DOMAIN_ID");
   clock.Drain([](const ros::Clock&) { FAIL() << "a clock without --ros"; });
 }
 
