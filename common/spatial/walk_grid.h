@@ -163,9 +163,7 @@ class WalkField {
     return grid_.Nearest(from, [&](std::size_t cell) { return length_[cell] != kUnreached; });
   }
   // A person can stand at the centre of the cell around `p`, and walk from there to the goal.
-  bool Reaches(const Vec2& p) const {
-    return target_ && grid_.Contains(p) && length_[grid_.CellOf(p)] != kUnreached;
-  }
+  bool Reaches(const Vec2& p) const { return target_ && grid_.Contains(p) && length_[grid_.CellOf(p)] != kUnreached; }
   // m, by steps between cells.
   double LengthFrom(std::size_t cell) const { return length_[cell] * grid_.cell() / WalkGrid::kStraight; }
   bool IsTarget(std::size_t cell) const { return length_[cell] == 0; }

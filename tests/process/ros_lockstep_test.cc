@@ -404,7 +404,8 @@ TEST_F(RosLockstepTest, DISABLED_TicksPerSecond) {
 }
 
 TEST_F(RosLockstepTest, RefusesWhatCannotWait) {
-  EXPECT_THAT(OutputOf(RunPen({"--ros-lockstep", "driver"}), 2), HasSubstr("found a run without ROS 2, expected --ros"));
+  EXPECT_THAT(OutputOf(RunPen({"--ros-lockstep", "driver"}), 2),
+              HasSubstr("found a run without ROS 2, expected --ros"));
   EXPECT_THAT(OutputOf(RunPen(RosArguments(Words("--ros-lockstep driver --mode realtime"))), 2),
               HasSubstr("in mode realtime"));
   EXPECT_THAT(OutputOf(RunPen(RosArguments(Words("--ros-lockstep driver --ros-clock-rate 100"))), 2),
