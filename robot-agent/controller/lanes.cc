@@ -198,7 +198,7 @@ class LanesController final : public Controller, public RobotWatcher {
     if (!leg.lane || vertex(leg.from).lift == vertex(leg.to).lift) return true;
     const bool enters = vertex(leg.to).lift.has_value();
     const std::size_t in = enters ? leg.to : leg.from;
-    const bool is_own = controls_.CallLift(in);
+    controls_.CallLift(in);
     if (controls_.StandsOpenAt(in)) return true;
     switch (controls_.PlaceAt(in, position(), radius_)) {
       case SiteControls::AtCabin::kInside:
@@ -207,7 +207,7 @@ class LanesController final : public Controller, public RobotWatcher {
         return !enters;
       case SiteControls::AtCabin::kInDoorway:
         if (!enters) return true;
-        if (!is_own) BackOut(leg);
+        if (controls_.IsOfAnother(in)) BackOut(leg);
         return false;  // the doors open again
     }
     return true;

@@ -45,10 +45,14 @@ void SiteControls::Begin(const Observation& observation, Command& command) {
 bool SiteControls::CallLift(std::size_t vertex) {
   const std::optional<std::uint32_t> lift = LiftOf(vertex);
   if (!lift) return true;
-  const std::optional<RobotId>& session = now_->lifts[*lift].session;
-  if (session && *session != id_) return false;
+  if (IsOfAnother(vertex)) return false;
   command_->orders.push_back(LiftOrder{*lift, graph_->vertices[vertex].floor});
-  return session.has_value();
+  return now_->lifts[*lift].session.has_value();
+}
+
+bool SiteControls::IsOfAnother(std::size_t vertex) const {
+  const std::optional<RobotId>& session = now_->lifts[*LiftOf(vertex)].session;
+  return session && *session != id_;
 }
 
 // At whatever height the cabin is.

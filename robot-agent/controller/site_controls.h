@@ -30,6 +30,8 @@ class SiteControls {
 
   // Calls the lift of a vertex to its floor. True while the session is the robot's own, or there is no lift.
   bool CallLift(std::size_t vertex);
+  // Another robot has the session of the lift of a vertex.
+  bool IsOfAnother(std::size_t vertex) const;
   // As CallLift, for a robot that waits outside. The lift is left to others, and the session is not the
   // robot's own, while another robot is in its cabin, or after a body has blocked the landing door for a while.
   bool AwaitLift(std::size_t vertex, const std::vector<SeenRobot>& others);
