@@ -177,7 +177,9 @@ class CabinMotion {
   static std::optional<double> FirstContactOf(const std::vector<ConvexPiece>& pieces,
                                               const std::vector<ConvexPiece>& obstacles, const Motion& motion) {
     if (pieces.empty() || obstacles.empty()) return std::nullopt;
-    Mover mover{.pieces = pieces, .z = pieces.front().z};
+    Mover mover;
+    mover.pieces = pieces;
+    mover.z = pieces.front().z;
     for (const ConvexPiece& piece : pieces) {
       mover.z = {std::min(mover.z.min, piece.z.min), std::max(mover.z.max, piece.z.max)};
       for (const Vec2& vertex : piece.vertices) mover.radius = std::max(mover.radius, vertex.norm());
