@@ -218,7 +218,7 @@ TEST_F(RosLockstepTest, ATimerOfSimulatedTimeSetsTheCommandOfEachTick) {
   std::string hashes;
   for (const int delay : {0, 10}) {
     const NodeOptions timer{.way = Way::kTimer, .most_delay = delay, .seed = 10};
-    const std::string of_run = HashesOf(timer, Words("--ros-lockstep /r0/cmd_vel --ros-lockstep-limit 3"));
+    const std::string of_run = HashesOf(timer, Words("--ros-lockstep /r0/cmd_vel --ros-lockstep-limit 10"));
     EXPECT_EQ(std::count(of_run.begin(), of_run.end(), '\n'), 61);
     if (hashes.empty()) hashes = of_run;
     EXPECT_EQ(of_run, hashes);
@@ -227,7 +227,7 @@ TEST_F(RosLockstepTest, ATimerOfSimulatedTimeSetsTheCommandOfEachTick) {
 
 TEST_F(RosLockstepTest, ATimerOfSimulatedTimeGoesOnAfterAnEditAndAReset) {
   LockstepNode timer({.way = Way::kTimer});
-  Program run = RunPen(Arguments("", Words("--ros-lockstep /r0/cmd_vel --ros-lockstep-limit 3 --speed 10 "
+  Program run = RunPen(Arguments("", Words("--ros-lockstep /r0/cmd_vel --ros-lockstep-limit 10 --speed 10 "
                                            "--ticks 100000")));
   run.WaitForLine("tick 0 continues without /r0/cmd_vel");
   ASSERT_TRUE(Eventually([&] { return timer.answered() >= 20; }));
