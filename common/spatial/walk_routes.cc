@@ -231,7 +231,7 @@ WalkRoutes::SharedField WalkRoutes::FieldIn(std::size_t slot) const {
 WalkRoutes::SharedField WalkRoutes::MakeField(std::size_t slot, const WalkGrid& grid, const Vec2& target) const {
   const std::scoped_lock lock(making_[slot % making_.size()]);
   if (SharedField other = FieldIn(slot)) return other;  // another thread was first
-  const auto field = std::make_shared<const WalkField>(grid, target);
+  SharedField field = std::make_shared<const WalkField>(grid, target);
   ++made_;
   {
     const std::scoped_lock guard(GuardOf(slot));
