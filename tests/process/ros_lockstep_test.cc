@@ -125,7 +125,7 @@ TEST_F(RosLockstepTest, EditsAreExecutedWhileATickWaits) {
   LockstepNode driver({});
   driver.HaltAt(10);
   Program run = RunPen(Arguments("", {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0", "--ticks", "100000"}));
-  EXPECT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }));
+  ASSERT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }, kSeconds));
   EXPECT_EQ(Call(control::GetStatus()).state, RunState::kPlaying);
   EXPECT_TRUE(Call(control::SetPose{.name = "r1", .pose = {0.0, 2.0, 0.0, 0.0}}).done);
   EXPECT_TRUE(Call(control::Spawn{.source = "rover", .name = "late", .pose = {0, -2.2, 0, 0}}).done);
@@ -147,7 +147,7 @@ TEST_F(RosLockstepTest, ACallOfAServiceBeforeTheAnswerEditsTheTickAndRepeats) {
     LockstepNode driver({});
     driver.HaltAt(10);
     Program run = RunPen(Arguments(prefix, {"--ros-lockstep", "driver", "--ros-lockstep-limit", "0"}));
-    EXPECT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }));
+    ASSERT_TRUE(Eventually([&] { return Call(control::GetStatus()).tick == 10; }, kSeconds));
     const ros::RosParticipant participant(TestRosNetwork());
     TROUPE_SIMULATION_CLIENT(SpawnEntity) spawn(participant, "/world/spawn_entity");
     simulation_interfaces_srv_dds__SpawnEntity_Request_ request{};
