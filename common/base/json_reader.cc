@@ -76,7 +76,7 @@ std::optional<JsonReader> JsonReader::Find(std::string_view key) const {
     Fail("an object");
     return std::nullopt;
   }
-  shared_->asked[node_].emplace_back(key);
+  shared_->asked[node_->span.begin].emplace_back(key);
   const JsonNode* const found = node_->Find(key);
   return found != nullptr ? std::optional(JsonReader(shared_, *found)) : std::nullopt;
 }
@@ -98,7 +98,7 @@ std::vector<JsonReader> JsonReader::Members() const {
   if (!node_->is_object()) Fail("an object");
   if (!node_->is_object()) return members;
   for (const JsonNode& member : node_->items) {
-    shared_->asked[node_].push_back(member.key);
+    shared_->asked[node_->span.begin].push_back(member.key);
     members.push_back(JsonReader(shared_, member));
   }
   return members;
@@ -107,7 +107,7 @@ std::vector<JsonReader> JsonReader::Members() const {
 void JsonReader::RefuseOthers() const {
   if (!ok()) return;
   if (!node_->is_object()) return void(Fail("an object"));
-  const std::vector<std::string>& asked = shared_->asked[node_];
+  const std::vector<std::string>& asked = shared_->asked[node_->span.begin];
   for (const JsonNode& member : node_->items) {
     if (std::find(asked.begin(), asked.end(), member.key) != asked.end()) continue;
     FailAt(shared_->tree.WhereKey(member), UnknownKeyText(member.key, asked, AsPath("in")));

@@ -132,7 +132,8 @@ class JsonReader {
     JsonTree tree;
     std::string subject;
     std::optional<Error> error = {};
-    std::map<const JsonNode*, std::vector<std::string>> asked = {};  // keys that were looked for, by object
+    std::map<std::size_t, std::vector<std::string>> asked =
+        {};  // keys that were looked for, by the place of the object in the text
   };
 
   JsonReader(std::shared_ptr<Shared> shared, const JsonNode& node) : shared_(std::move(shared)), node_(&node) {}

@@ -163,7 +163,7 @@ TEST_F(SnapshotCommandTest, RefusesBadCommandLines) {
       {files + "--seed x", "found 'x'"},
       {files + "--camera missing", "found no robot 'missing'"},
       {files + "--camera r0/nose", "found no camera 'r0/nose', expected one of: eye"},
-      {files + "--camera r0 --rays", "found --camera beside --rays, expected one of the two"},
+      {files + "--camera r0 --rays", "--camera excludes --rays"},
       {files + "--depth", "--depth requires --camera"},
       {Path("good.world") + " -o " + Path("x.svg") + " --camera r0", "found a camera's picture as .svg"},
       {files + "--colour red", "--colour"},

@@ -152,7 +152,7 @@ TEST(CheckControllerTest, ValuesInMessagesAreShortAndOnOneLine) {
 TEST(CheckControllerTest, DeepNestingIsNoTrouble) {
   const std::string deep = std::string(200000, '[') + std::string(200000, ']');
   EXPECT_EQ(MessageOf(CheckController("wander", "{\"speed\": " + deep + "}")),
-            "wander: 1:75: found deeper nesting, expected at most 64 objects and arrays inside each other");
+            "wander: 1:74: found deeper nesting, expected at most 64 objects and arrays inside each other");
 }
 
 TEST(CheckControllerTest, CreatingReportsTheSameError) {

@@ -182,7 +182,7 @@ TEST_F(ScriptedGripperTest, NamesSeveralGrippers) {
   info_.grippers.push_back({&hands_[1], 1, 2, {}});
   auto script = Make(R"({"at": 0, "grippers": {"other": {"gripper": "open"}, "hand": {"lift": 5}}})");
   ASSERT_TRUE(script.ok()) << script.error().message;
-  EXPECT_EQ(CommandsAt(*script.value(), 0), "lift 0 to 5, open 1");
+  EXPECT_EQ(CommandsAt(*script.value(), 0), "open 1, lift 0 to 5");
   EXPECT_EQ(ErrorOf(R"("gripper": "open")"),
             "script: command 2: the robot has 2 grippers, expected 'grippers' with one of: hand, other");
   EXPECT_EQ(ErrorOf(R"("grippers": {"foot": {"lift": 1}})"),

@@ -149,7 +149,7 @@ TEST(PeopleInLifts, PeopleLeaveTheLiftToARobotUntilItsSessionEnds) {
   run.Step({call});
   EXPECT_EQ(run.state.lifts[kLift].session, RobotId(0));
   for (int i = 0; i < 200; ++i) {
-    run.Step();
+    run.Step({Proposal{RobotId(0), {}}});
     EXPECT_EQ(run.state.lifts[kLift].floor, 0u);
   }
   EXPECT_EQ(run.state.people[0].place, 0u);
