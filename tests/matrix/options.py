@@ -34,7 +34,7 @@ VALUES = {
     "--trace": "trace", "--trace-ticks": "1:3", "--faults": "loss=0.01,seed=1", "--robots-per-process": "2",
     "--restart-agents": "1", "--on-service-loss": "end", "--journal": "journal.mcap", "--hosts": "a", "--interface": "lo",
     "--network": "lan", "--security": "on", "--data-sharing": "off", "--lease": "9", "--shuffle-start": "1", "--from": "3",
-    "--to": "11", "--tick": "5", "--view": "side", "--camera": "camera_bot", "--center": ("6", "4"), "--meters": "40",
+    "--to": "11", "--tick": "5", "--view": "side", "--camera": "camera_bot", "--center": ("26", "4"), "--meters": "40",
     "--heights": ("0", "1"), "--width": "300", "--resolution": "0.5", "--height": "0.1", "--jobs": "1", "--shard": "1/2",
     "--case": "seed=2", "--search": "4", "--on": "run.mcap", "--junit": "junit.xml", "--report": "report", "--merge": "shard",
     "--format": "csv", "--listen": "127.0.0.1:0", "--token-file": "token",
@@ -56,6 +56,8 @@ COMMANDS = {
     "sweep": ["-o", "report"],
     "check": ["all.json"],
 }
+# Pairs of which one changes what the other does not show: the camera sees no person, whose place follows from the seed.
+UNSEEN = {("snapshot", "--tick", "--camera"), ("snapshot", "--camera", "--seed")}
 BASES = {"sweep": {"--merge": [], "": ["all.test.json"]}}  # words that stand where the option does not
 
 
@@ -68,6 +70,7 @@ class Trials:
         self.files = folder / "files"
         self.files.mkdir()
         worlds.write(self.files, "all", WORLD)
+        (self.files / "all.json").write_text(json.dumps(worlds.scenario(WORLD) | {"ticks": 12}))
         (self.files / "all.test.json").write_text(json.dumps(worlds.test_of(WORLD, ticks=15) | {
             "vary": {"seed": {"values": [1, 2, 3]}, "robots[rover].pose[0]": {"uniform": [-0.5, 0.5]}},
             "design": {"random": 4}}))
@@ -119,7 +122,11 @@ class Trials:
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             alone = dict(zip(options, pool.map(lambda option: self.try_words(command, [option]), options)))
             base = self.try_words(command, [])
-            pairs = list(itertools.combinations(options, 2))
+            # An option that the base itself excludes (--in-process those of processes) is refused in each pair, too.
+            words = [word for word in COMMANDS[command] if word.startswith("--")]
+            excluded = {option for option, (status, text, _) in alone.items()
+                        if status == 2 and option in text and any(f"{word} beside" in text or f"beside {word}" in text for word in words)}
+            pairs = list(itertools.combinations([option for option in options if option not in excluded], 2))
             outcomes = list(pool.map(lambda pair: self.try_words(command, list(pair)), pairs))
         problems, refused = [], 0
         for (first, second), (status, text, outcome) in zip(pairs, outcomes):
@@ -135,11 +142,11 @@ class Trials:
             elif status not in (0, 1):
                 problems.append(f"{name}: status {status}: {text.strip()}")
             else:
-                for option, other in ((first, second), (second, first)):
+                for option, other in ((first, second), (second, first)) if (command, first, second) not in UNSEEN else ():
                     has_effect = alone[option][0] in (0, 1) and alone[option][2] != base[2]
                     if has_effect and alone[other][0] in (0, 1) and outcome == alone[other][2]:
                         problems.append(f"{name}: accepted, and {option} is ignored")
-        return problems, len(pairs), refused
+        return problems, len(pairs) + len(excluded), refused + len(excluded)
 
 
 def main():
