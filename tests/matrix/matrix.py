@@ -24,7 +24,7 @@ import views
 import worlds
 from rows import ACTIONS, INPUTS, MODES, THINGS, TICKS, VIEWS
 
-SECONDS = 60
+SECONDS = 100
 OUTPUTS = (("--hash-log", ".hashes"), ("--poses", ".poses"), ("--scans", ".scans"))
 WORKS, NONE = "yes", "–"
 
@@ -46,14 +46,23 @@ class Program:
         return subprocess.Popen([self.path, *map(str, words)], cwd=self.folder, env=self.environment, text=True,
                                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
-    def finish(self, *words):
-        with self.start(*words) as process:
+    @staticmethod
+    def end_of(process, words):
+        """All that it printed."""
+        try:
+            return process.communicate(timeout=SECONDS)[0]
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGINT)
             try:
                 text = process.communicate(timeout=SECONDS)[0]
             except subprocess.TimeoutExpired:
-                process.send_signal(signal.SIGINT)
-                text = process.communicate(timeout=SECONDS)[0]
-                raise Failed(f"troupe {' '.join(map(str, words))}: no end within {SECONDS} s: {text}") from None
+                process.kill()
+                text = process.communicate()[0]
+            raise Failed(f"troupe {' '.join(map(str, words))}: no end within {SECONDS} s: {text}") from None
+
+    def finish(self, *words):
+        with self.start(*words) as process:
+            text = self.end_of(process, words)
             return process.returncode, text
 
     def run(self, *words, status=0):
@@ -82,7 +91,7 @@ class Live:
 
     def end(self):
         self.process.send_signal(signal.SIGINT)
-        text = self.process.communicate(timeout=SECONDS)[0]
+        text = self.program.end_of(self.process, ["run"])
         if self.process.returncode not in (0, 130):
             raise Failed(f"the run ended with {self.process.returncode}: {text}")
 
@@ -143,7 +152,7 @@ class Matrix:
                         break
                 for victim in mode.kills:
                     kill(process, victim)
-            text = process.communicate(timeout=SECONDS)[0]
+            text = self.program.end_of(process, words)
         if process.returncode != 0:
             raise Failed(f"troupe {' '.join(map(str, words))}: status {process.returncode}: {text.strip()}")
         return base
