@@ -71,7 +71,7 @@ TEST_F(MemoryOfRobotsTest, AnAgentThatAlwaysDiesAtOneTickEndsTheRun) {
                        "rebuild", "--lease", "0.3", "--domain", std::to_string(TestDomain())}),
                3);
   EXPECT_THAT(run, HasSubstr("error: robot r2: the agent"));
-  EXPECT_THAT(run, HasSubstr("after 5 restarts at tick 20"));
+  EXPECT_THAT(run, HasSubstr("after 3 restarts at tick 20"));
 }
 
 TEST_F(MemoryOfRobotsTest, ALiveRunIsRewound) {
