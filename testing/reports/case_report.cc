@@ -245,7 +245,8 @@ Status CaseReport::Merge(const std::string& folder, const std::filesystem::path&
     const JsonReader reader = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
     const Status added = AddLine(reader, from);
     if (reader.ok() && added.ok()) continue;
-    const std::string& problem = reader.ok() ? added.error().message : reader.status().error().message;
+    const Status status = reader.ok() ? added : reader.status();
+    const std::string& problem = status.error().message;
     return Error{{file, number, 1},
                  reader.ok() ? problem
                              : "found no line of a report, expected one as 'troupe test' and 'troupe sweep' write (" +
