@@ -26,6 +26,13 @@ void Recording(Bytes bytes);  // a recorded run: behind a zero byte a file, behi
 // The language of expectations: a text, as an expectation, or behind a space as a metric.
 void Expectation(Bytes bytes);
 
+// Tests and their reports.
+void TestFile(Bytes bytes);  // a test, and behind a zero byte its kept cases
+void Report(Bytes bytes);    // the lines of a report that is merged
+
+// A request of the page, or of the page of an editor.
+void PageRequest(Bytes bytes);
+
 // Messages of the types in idl/, as CDR.
 void Session(Bytes bytes);
 void Join(Bytes bytes);

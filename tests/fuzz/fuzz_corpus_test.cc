@@ -34,13 +34,16 @@ constexpr Target kTargets[] = {
     {"join", Join},
     {"layout", Layout},
     {"map_yaml", MapYaml},
+    {"page_request", PageRequest},
     {"proposal", Proposal},
     {"recording", Recording},
+    {"report", Report},
     {"ros_sample", RosSample},
     {"scenario", Scenario},
     {"service_report", ServiceReport},
     {"session", Session},
     {"status", Status},
+    {"test_file", TestFile},
     {"world", World},
 };
 
