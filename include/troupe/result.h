@@ -69,10 +69,14 @@ class [[nodiscard]] Result {
     return std::move(*std::get_if<T>(&content_));
   }
 
-  // REQUIRES: !ok()
-  const Error& error() const {
+  // REQUIRES: !ok(). Of a temporary by value, so that no reference outlives it.
+  const Error& error() const& {
     TROUPE_CHECK(!ok());
     return *std::get_if<Error>(&content_);
+  }
+  Error error() && {
+    TROUPE_CHECK(!ok());
+    return std::move(*std::get_if<Error>(&content_));
   }
 
  private:
@@ -87,10 +91,14 @@ class [[nodiscard]] Status {
 
   bool ok() const { return !error_.has_value(); }
 
-  // REQUIRES: !ok()
-  const Error& error() const {
+  // REQUIRES: !ok(). Of a temporary by value, so that no reference outlives it.
+  const Error& error() const& {
     TROUPE_CHECK(!ok());
     return *error_;
+  }
+  Error error() && {
+    TROUPE_CHECK(!ok());
+    return std::move(*error_);
   }
 
  private:
