@@ -3,8 +3,8 @@
 
     run.py [SCENE ...] [--quick] [--rounds N] [--stage PATH] [--argos PATH] [--mvsim PATH] [--output FOLDER]
 
-Scenes: functions, barrier, observers, processes, robots, memory, cave, additions, swarm, peers, scenarios, site_map;
-all of them without names. Each writes FOLDER/SCENE.csv; what a scene wrote before stays until it is measured again, so
+Scenes: functions, barrier, observers, processes, requests, cases, robots, memory, cave, additions, swarm, peers,
+scenarios, site_map; all of them without names. Each writes FOLDER/SCENE.csv; what a scene wrote before stays until it is measured again, so
 that scenes can be measured one by one.
 """
 import argparse

@@ -123,6 +123,27 @@ class Troupe:
         return {"agents": len(agents), **mean, "service_share_mib": service["share"],
                 "together_mib": service["share"] + sum(of_agent["share"] for of_agent in agents)}
 
+    def with_door_requests(self, world, ticks, *options, requests):
+        """The summary of a run of a world with a door, with the number of `requests` that another program has made of it
+        ten times a second, or none."""
+        session, domain = f"bench-door-{os.getpid()}", 78
+        options = [*options, "--session", session, "--domain", domain]
+        if not requests:
+            return {**self.run(world, ticks, *options), "requests": 0}
+        client = subprocess.Popen([self.folder / "door_requests", session, str(domain)], stdout=subprocess.PIPE, text=True)
+        try:
+            summary = self.run(world, ticks, *options)
+            output, _ = client.communicate(timeout=TIME_LIMIT)
+        except BaseException:
+            client.kill()
+            client.communicate()
+            raise
+        return {**summary, **json.loads(output)}
+
+    def test(self, test, *options):
+        """The usage of a session of tests."""
+        return run([self.folder / "troupe", "test", test, *options])[1]
+
     def check(self, world):
         return run([self.folder / "troupe", "check", world])
 

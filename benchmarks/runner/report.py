@@ -124,6 +124,12 @@ def targets(folder):
     for count, target in [(100, "0.5"), (400, "2.5"), (1000, "8")]:
         add(f"{count:,} processes from start to first tick", f"at most {target} s",
             pick(processes, "startup_seconds", robots=count), " s", "processes")
+    add("ticks per second of 100 processes with ten requests a second for a door, against none", "at least 0.98",
+        ratios(read(folder, "requests"), "ticks_per_second", "door", "asked", "none"), "", "requests")
+    cases = read(folder, "cases")
+    add("a case of `troupe test`: 450 ticks of the laboratory, ten expectations", "at most 12 ms",
+        pick(cases, "processor_ms"), " ms", "cases")
+    add("1,000 such cases on two cores", "at most 10 s", pick(cases, "seconds", cases=1000), " s", "cases")
     remembered = read(folder, "memory")
     add("memory of a robot's process in the cave, pages of its own", "at most 2 MiB",
         pick(remembered, "agent_private_mib", world="cave", sharing="on"), " MiB", "memory")

@@ -77,6 +77,28 @@ def processes(setting):
                 worlds.write_yard(setting.folder / f"yard{count}", count), 50, "--lease", 30, "--start-timeout", 120)}
 
 
+def requests(setting):
+    """100 processes of idle robots, beside a tool that opens and closes a door ten times a second, and alone."""
+    count, ticks = (4, 200) if setting.quick else (100, 20_000)
+    world = worlds.write_yard(setting.folder / f"gate{count}", count, door=True)
+    for number in range(setting.rounds):
+        for asked in [False, True]:
+            run = setting.troupe.with_door_requests(world, ticks, requests=asked)
+            yield {"round": number, "door": "asked" if asked else "none", "requests": run["requests"],
+                   "ticks_per_second": run["ticks"] / run["wall_seconds"]}
+
+
+def cases(setting):
+    """Cases of `troupe test`: 450 ticks of the laboratory with ten expectations each; the time of a case is that of many
+    without that of one."""
+    count = 4 if setting.quick else 1000
+    test = worlds.write_lab_test(setting.folder / "cases", count)
+    for number in range(setting.rounds):
+        one, many = (setting.troupe.test(test, *options) for options in [["--case", "seed=1"], []])
+        yield {"round": number, "cases": count, "seconds": many["wall"],
+               "processor_ms": 1e3 * sum(many[key] - one[key] for key in ["user", "system"]) / (count - 1)}
+
+
 def robots(setting):
     """Growth in one process: robots with 12 infrared rays, 8.4 m2 for each."""
     counts = [10, 100] if setting.quick else [10, 100, 1000, 10_000, 100_000]
@@ -180,7 +202,7 @@ def site_map(setting):
                "processor_seconds": usage["user"] + usage["system"]}
 
 
-ALL = {scene.__name__: scene for scene in [functions, barrier, observers, processes, robots, memory, cave, additions,
+ALL = {scene.__name__: scene for scene in [functions, barrier, observers, processes, requests, cases, robots, memory, cave, additions,
                                             swarm, peers, scenarios, site_map]}
 
 

@@ -1,5 +1,6 @@
 """Worlds made for measuring. Troupe and Stage read the same files."""
 import functools
+import json
 import pathlib
 import random
 import re
@@ -106,8 +107,8 @@ def write_swarm(folder, robots, width=140.0, height=60.0, seconds=60):
     return world
 
 
-def write_yard(folder, robots):
-    """Robots without motion, sensors and contacts."""
+def write_yard(folder, robots, door=False):
+    """Robots without motion, sensors and contacts, and a door apart from them."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     side = 1
@@ -115,9 +116,26 @@ def write_yard(folder, robots):
         side += 1
     lines = ["define bot position ( size [ 0.4 0.4 0.3 ] )"]
     lines += [f'bot( name "r{i}" pose [ {i % side} {i // side} 0 0 ] )' for i in range(robots)]
+    if door:
+        lines.append('door ( name "gate" pose [ -5 -5 0 0 ] kind "hinged" opening 0 )')
     world = folder / "yard.world"
     world.write_text("\n".join(lines) + "\n")
     return world
+
+
+def write_lab_test(folder, count):
+    """A test of the laboratory with ten expectations, for so many seeds."""
+    folder = pathlib.Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    robots = ["body_at_cabinet", "laser_at_bench", "mast_at_table", "gripper_at_table", "load_at_table", "carrier"]
+    test = folder / f"lab{count}.test.json"
+    test.write_text(json.dumps({
+        "scenario": str(SCENARIOS / "lab.json"), "vary": {"seed": {"range": [1, count, 1]}},
+        "expect": [f"always speed({robot}) < 5 m/s" for robot in robots] + [
+            "always distance(carrier, laser_at_bench) > 0.1 m", "eventually speed(carrier) > 0.1 m/s",
+            "always z(carrier) < 1 m",
+            "forall o in objects: always fall_speed(o) < 9 m/s"]}))
+    return test
 
 
 def write_site_map(folder, width=50_000, height=35_000):
