@@ -24,6 +24,7 @@ int CheckStandardOutput(int exit_status) {
   return exit_status == kExitDone ? failed : exit_status;
 }
 
+// Each command sets the status in its callback; without a command the help is printed.
 int Main(int argc, const char* const* argv) {
   CLI::App app("Troupe, a distributed 2.5D multi-robot simulator", "troupe");
   app.set_version_flag("--version", std::string("troupe ") + VersionText());

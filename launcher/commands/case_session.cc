@@ -45,6 +45,7 @@ JsonReader ReadMessage(const std::string& text) {
 
 }  // namespace
 
+// All tests are read before an error ends the session, so that a user sees the faults of all files at once.
 Status CaseSession::Load(const std::vector<std::string>& paths) {
   Result<std::vector<std::string>> files = FindTests(paths);
   if (!files.ok()) {
@@ -62,6 +63,7 @@ Status CaseSession::Load(const std::vector<std::string>& paths) {
   return first;
 }
 
+// The world of the first case is loaded here: a test whose world or expectations are wrong fails before any case runs.
 Status CaseSession::LoadTest(const std::string& path) {
   Result<TestFile> read = TestFile::Read(path, options_.fixed);
   if (!read.ok()) return read.error();
@@ -84,6 +86,7 @@ Status CaseSession::LoadTest(const std::string& path) {
   } else {
     const std::uint64_t size = design.size();
     const Shard& shard = options_.shard;
+    // Numbers from 0, shards from 1: case n is of shard n modulo count, plus 1.
     planned_ += size / shard.count + (size % shard.count >= shard.index ? 1 : 0);
   }
   if (options_.keep_failing && options_.fixed.empty()) ReadKept(test);
@@ -133,6 +136,7 @@ void CaseSession::ReadKept(LoadedTest& test) {
   test.first_open = test.first.size();
 }
 
+// Tests in their order. A later test may begin while the search of an earlier one waits, so that no worker is idle.
 std::optional<CaseSession::Job> CaseSession::NextJob() {
   for (std::size_t i = current_; i < tests_.size(); ++i) {
     if (std::optional<Job> job = NextJobOf(i)) {
@@ -147,6 +151,7 @@ std::optional<CaseSession::Job> CaseSession::NextJob() {
   return std::nullopt;
 }
 
+// Cases that failed before come first: a fault that is still there shows within seconds.
 std::optional<CaseSession::Job> CaseSession::NextJobOf(std::size_t number) {
   LoadedTest& test = tests_[number];
   if (!test.first.empty()) {
@@ -170,6 +175,7 @@ std::optional<CaseSession::Job> CaseSession::NextJobOf(std::size_t number) {
   }
 }
 
+// Quoted for a shell: the line is to be copied.
 std::string CaseSession::CommandOf(const LoadedTest& test, const TestCase& draws) const {
   std::string command = "troupe test " + ShellQuoted(test.file->path());
   if (!draws.empty()) command += " --case " + ShellQuoted(CaseText(draws));
@@ -236,6 +242,7 @@ void CaseSession::FinishSearched(LoadedTest& test, Found found) {
   }
 }
 
+// The lists are ordered by place and cut at their ends, so that they are the same whatever the order of outcomes.
 void CaseSession::Report(const Job& job, CaseOutcome outcome, double seconds) {
   LoadedTest& test = tests_[job.test];
   ++done_;
@@ -296,6 +303,7 @@ Result<bool> CaseSession::Run(SignalWatch& signals) {
     return JsonText(PerformCaseWork(*tests_[test].worlds, request, folder, progress));
   });
   std::map<std::string, Job> jobs;  // by request
+  // Requests are texts: the pool passes them to another process.
   const auto next = [&]() -> std::optional<std::string> {
     std::optional<Job> job = NextJob();
     if (!job) return std::nullopt;
@@ -304,6 +312,7 @@ Result<bool> CaseSession::Run(SignalWatch& signals) {
     jobs.emplace(request, std::move(*job));
     return request;
   };
+  // A worker that died or exceeded a limit has no reply: the case is an error, and the session goes on.
   const auto done = [&](const std::string& request, const Result<std::string>& reply) {
     const auto job = jobs.find(request);
     CaseOutcome outcome;
@@ -326,6 +335,7 @@ Result<bool> CaseSession::Run(SignalWatch& signals) {
                SecondsSince(job.began), CommandOf(tests_[job.test], job.draws));
   }
   if (!ran.value() && options_.search == 0) {
+    // The cases without an outcome are in the report as not run.
     const auto leave = [&](const Job& job) { report_.AddCase(job.test, {job.number, job.kept, job.draws}); };
     for (const auto& [request, job] : jobs) leave(job);
     while (const std::optional<Job> job = NextJob()) leave(*job);
@@ -343,6 +353,7 @@ Result<bool> CaseSession::Run(SignalWatch& signals) {
   return examined;
 }
 
+// Without --case-timeout the limit is one of each tick: a long case may be in order, a tick of a minute is not.
 WorkLimits CaseSession::Limits() const {
   WorkLimits limits;
   limits.part = options_.case_timeout;
@@ -350,6 +361,7 @@ WorkLimits CaseSession::Limits() const {
   return limits;
 }
 
+// Only cases that failed are shrunk: an error has no expectation that a smaller case could violate.
 Result<bool> CaseSession::Examine(WorkerPool& pool, bool going_on, const std::function<bool()>& stop,
                                   int stop_descriptor) {
   FaultWork work{pool, stop, stop_descriptor, {}, {}};
@@ -434,6 +446,7 @@ void CaseSession::Print(const ReportedCase& fault, const ReportedTest& test) con
   for (const std::string& line : FaultLines(test, fault, options_.folder)) PrintPlain(stdout, "  {}\n", line);
 }
 
+// Kept cases are counted apart, so that the numbers of the design are comparable from session to session.
 std::vector<std::string> CaseSession::Summary() const {
   const double seconds = SecondsSince(began_);
   const auto counts = [](const auto& count) {

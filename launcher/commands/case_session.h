@@ -66,6 +66,8 @@ class CaseSession {
   std::uint64_t not_run() const { return planned_ > done_ ? planned_ - done_ : 0; }
 
  private:
+  // A case that a worker runs or will run. A case that was kept beside the design or the search has a number behind all
+  // of theirs.
   struct Job {
     std::size_t test = 0;
     std::uint64_t number = 0;
@@ -89,6 +91,7 @@ class CaseSession {
     std::uint64_t reported = 0;  // of its cases, the first ones
     bool ends = false;           // a case did not pass: no further one begins
   };
+  // A test and the state of its cases. Lists of faults and of failing cases are bounded, their counts are not.
   struct LoadedTest {
     std::unique_ptr<TestFile> file;
     std::unique_ptr<CaseWorlds> worlds;
@@ -105,6 +108,7 @@ class CaseSession {
 
   Status LoadTest(const std::string& path);
   void ReadKept(LoadedTest& test);
+  // Nothing: there is no case at present. A search may have one after the next outcome.
   std::optional<Job> NextJob();
   std::optional<Job> NextJobOf(std::size_t number);
   void Finish(const Job& job, CaseOutcome outcome);

@@ -25,6 +25,8 @@ using nlohmann::json;
 constexpr double kSecondsAfter = 2.0;  // simulated, of a recording after the tick that decides
 
 // Runs `troupe` with these arguments to its end. The error has the last line that it printed.
+// The case is recorded by `troupe run` itself, so that the recording is the same as one that a user makes of the
+// scenario.
 Status RunTroupe(const std::vector<std::string>& arguments, const ProgressFunction& progress) {
   Result<std::string> program = FindProgram("troupe");
   if (!program.ok()) return program.error();
@@ -48,6 +50,8 @@ Status RunTroupe(const std::vector<std::string>& arguments, const ProgressFuncti
 }
 
 // A case as a scenario that stands alone, with the expectations of the test.
+// Paths become absolute: the file is in another folder than the test. The expectations of the test are added for the
+// page and for `troupe test`.
 Status WriteScenario(const TestFile& test, const TestCase& draws, const std::string& path) {
   const Result<std::string> text = test.TextOf(draws);
   if (!text.ok()) return text.error();
@@ -67,6 +71,7 @@ Status WriteScenario(const TestFile& test, const TestCase& draws, const std::str
 // The case in processes has the hashes of the case in this one.
 Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::vector<std::uint64_t>& hashes,
                         const std::filesystem::path& scratch, const ProgressFunction& progress) {
+  // By process id: each worker has files of its own in the folder of the session.
   const std::string base = (scratch / std::to_string(getpid())).string();
   const std::string scenario = base + ".json";
   const std::string log = base + ".hashes";
@@ -97,6 +102,7 @@ Status CompareProcesses(const TestFile& test, const TestCase& draws, const std::
   return Failure(fmt::format("the run in processes has {} states, the run in one {}", compared, hashes.size()));
 }
 
+// The histories of expectations of a case that passed are large and not shown: they are not sent.
 json Run(const CaseWorlds& worlds, const TestCase& draws, const std::filesystem::path& scratch,
          const ProgressFunction& progress) {
   CaseRunOptions options;
@@ -131,6 +137,7 @@ Status WriteCasePage(const std::string& file, const StaticPageOptions& page) {
   return WriteStaticPage(recording.value(), ExpectationsOf(recording.value()), page);
 }
 
+// Each artifact is tried though another failed: a picture without a recording is of use.
 json Keep(const CaseWorlds& worlds, const TestCase& draws, const JsonReader& request,
           const std::filesystem::path& folder, const ProgressFunction& progress) {
   const CaseOutcome outcome = ReadOutcome(request.Find("outcome").value());
@@ -171,6 +178,7 @@ json Keep(const CaseWorlds& worlds, const TestCase& draws, const JsonReader& req
 
 }  // namespace
 
+// Any other kind is "run", as the requests are made by CaseSession alone.
 json PerformCaseWork(const CaseWorlds& worlds, const JsonReader& request, const std::filesystem::path& folder,
                      const ProgressFunction& progress) {
   const auto kind = request.Get<std::string>("kind");

@@ -30,6 +30,7 @@ std::string Count(std::size_t number, const char* noun) {
   return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
 }
 
+// Names of the file are printed as plain text here and below: no escape sequence of a world reaches the terminal.
 std::string DescribeRobot(const RobotDescription& robot) {
   std::string text =
       fmt::format("  {}: {} drive, controller {}", robot.name, NameOf(robot.drive.type), robot.controller.name);
@@ -90,6 +91,7 @@ std::string DescribePeople(const WorldDescription& world) {
                      leaders.empty() ? "" : ", " + Count(leaders.size(), "group"));
 }
 
+// The settings as they will be in a run, defaults included, since a scenario rarely names them all.
 std::string DescribeSettings(const LoadedWorld& loaded) {
   const RunSettings& settings = loaded.settings;
   std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "without end";
@@ -170,6 +172,7 @@ double SecondsOf(const Recording& recording) {
   return static_cast<double>(recording.end_time()) / 1e9;
 }
 
+// The damage is printed after the description: the ticks before it can be replayed.
 int CheckRecording(const std::string& file) {
   const Result<Recording> opened = Recording::Open(file);
   if (!opened.ok()) return Fail(opened.error());
@@ -191,6 +194,8 @@ int CheckRecording(const std::string& file) {
 }
 
 // A file with keys of tests, in JSON that can be parsed.
+// A scenario and a test may both be .json files; the keys decide. A file that cannot be read or parsed is left to the
+// loader, which has the better error.
 bool IsTest(const std::string& file) {
   if (file.ends_with(".test.json")) return true;
   if (!file.ends_with(".json")) return false;

@@ -21,6 +21,7 @@ namespace troupe {
 namespace {
 
 // The finite numbers of "1,-2.5,3"; nothing if it is anything else.
+// std::from_chars knows no locale: a comma is always a separator, and a point the decimal point.
 std::optional<std::vector<double>> ParseNumberList(const std::string& text) {
   std::vector<double> numbers;
   const char* position = text.data();
@@ -49,6 +50,8 @@ int Fail(const Error& error) {
   return ExitStatusOf(error);
 }
 
+// Sessions arrive by the discovery of DDS, one after another: the loop ends when the choice is made, and not with the
+// first session.
 Status SelectSession(NetworkSettings& network) {
   if (!network.session.empty()) return {};
   using std::chrono::steady_clock;
@@ -84,6 +87,7 @@ void SessionChoice::Update(const std::set<std::string>& found, bool all_known, d
   is_made_ = sessions_.size() > 1 || now - changed_at_ >= quiet;
 }
 
+// The heading is last in both forms, so that its place does not depend on the height.
 Result<PoseText> ParsePoseText(const std::string& text) {
   const Error failure{{}, "found '" + text + "', expected X,Y,HEADING or X,Y,Z,HEADING, in metres and degrees"};
   const std::optional<std::vector<double>> list = ParseNumberList(text);

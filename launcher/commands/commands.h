@@ -52,11 +52,13 @@ struct ExclusiveOptions {
   const char* option;
   std::vector<const char*> others;
 };
+// Constant; a test goes over all pairs of options by it.
 const std::vector<ExclusiveOptions>& ExclusivePairs();
 // After the commands are added.
 void ExcludeOptions(CLI::App& app);
 
 // Prints the error, and returns the exit status that follows from its code.
+// For a callback: exit_status = Fail(error).
 int Fail(const Error& error);
 
 // For the discovery of a service by a tool.
@@ -98,6 +100,7 @@ Result<PoseText> ParsePoseText(const std::string& text);
 // Reads "X,Y" of each point, and of the last one "X,Y" or "X,Y,HEADING", in metres and degrees. REQUIRES: not empty
 Result<Goal> ParseGoalText(const std::vector<std::string>& points);
 
+// Of a web server of this host.
 struct ListenAddress {
   std::string address;
   std::uint16_t port = 0;

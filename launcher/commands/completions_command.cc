@@ -16,6 +16,7 @@
 namespace troupe {
 namespace {
 
+// What a completion needs of an option, in the terms of no shell.
 struct OptionInfo {
   std::vector<std::string> names;  // with dashes; empty: a positional argument
   std::string help;
@@ -40,6 +41,7 @@ std::string WordsOf(CLI::Option& option) {
   }
 }
 
+// A value is a path if the help text calls it so: the types of options in CLI11 do not tell.
 OptionInfo Describe(CLI::Option& option) {
   OptionInfo info;
   for (const std::string& name : option.get_snames()) info.names.push_back("-" + name);
@@ -52,6 +54,7 @@ OptionInfo Describe(CLI::Option& option) {
   return info;
 }
 
+// Options of the commands around it may follow a command with fallthrough, as those of `ctl` follow its actions.
 CommandInfo Describe(CLI::App& command, const std::string& around) {
   CommandInfo info{around + command.get_name(), command.get_description(), {}, {}};
   for (CLI::App* app = &command; app != nullptr; app = app->get_fallthrough() ? app->get_parent() : nullptr) {
@@ -89,6 +92,8 @@ std::vector<const CommandInfo*> AllOf(const CommandInfo& command) {
   return all;
 }
 
+// The script finds the command by the words before the cursor, then completes the value of the option before it, and
+// else the names of options and commands.
 std::string Bash(const CommandInfo& troupe) {
   std::vector<std::string> commands;
   std::map<std::string, std::vector<std::string>> options;  // by what completes their values
@@ -155,6 +160,7 @@ std::string Quoted(const std::string& text, const std::string& special = "") {
 
 constexpr const char* kZshSpecial = "[]:\\";
 
+// One function for each command, named for its path; zsh calls it by the word of the subcommand.
 std::string ZshFunction(const CommandInfo& command) {
   std::string name = "_" + command.path;
   for (char& c : name) c = c == ' ' ? '_' : c;
@@ -196,6 +202,7 @@ std::string Zsh(const CommandInfo& troupe) {
   return text + "_troupe \"$@\"\n";
 }
 
+// True on a command line that has the words of the command's path, and none of its subcommands yet.
 std::string FishCondition(const CommandInfo& command) {
   std::string condition;
   for (std::size_t at = command.path.find(' '); at != std::string::npos;) {

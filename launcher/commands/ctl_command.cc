@@ -45,6 +45,7 @@ Status SetPoseOfRequest(const CtlOptions& options, ControlClient& client, contro
   return Status();
 }
 
+// One request, one reply: the program keeps no connection, so that each call is the same in a script.
 Result<ControlReply> SendRequest(const CtlOptions& options) {
   NetworkSettings network = options.network;
   if (const Status problem = SelectSession(network); !problem.ok()) return problem.error();
@@ -66,6 +67,7 @@ void PrintSignals(const EntityReport& entity) {
   for (std::string line; std::getline(lines, line);) PrintPlain(stdout, "{}\n", line);
 }
 
+// A robot without an agent has only its name.
 void PrintAgents(const ControlReply& reply) {
   PrintPlain(stdout, "{:<20} {:<8} {:<20} {:>8} {:>10} {:>10}\n", "ROBOT", "AGENT", "HOST", "PID", "ANSWER MS",
              "TIMES LAST");
@@ -81,6 +83,7 @@ void PrintAgents(const ControlReply& reply) {
   }
 }
 
+// The last line has the state after the request, in a form for scripts: words in fixed order, the hash in hexadecimal.
 void Print(const control::Request& request, const ControlReply& reply) {
   if (control::Is<control::Spawnables>(request)) {
     for (const EntityReport& model : reply.entities) PrintPlain(stdout, "{:<24} {}\n", model.name, model.type);
@@ -106,6 +109,7 @@ std::string AbsolutePath(const std::string& source) {
   return std::filesystem::absolute(source).lexically_normal().string();
 }
 
+// Exceptions come from DDS alone, and end as errors of the command.
 int CtlCommand(CtlOptions options) {
   if (auto* const spawn = std::get_if<control::Spawn>(&options.request)) spawn->source = AbsolutePath(spawn->source);
   if (auto* const load = std::get_if<control::LoadWorld>(&options.request)) load->source = AbsolutePath(load->source);

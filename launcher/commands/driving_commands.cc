@@ -28,6 +28,7 @@ constexpr int kPoseMilliseconds = 100;      // ms, between two questions where t
 constexpr double kStill = 1e-3;             // m/s and rad/s: it stands
 constexpr double kHeadingTolerance = 0.05;  // rad
 
+// Of `troupe goto`.
 struct GotoOptions {
   NetworkSettings network;  // session empty: the only one
   std::string robot;
@@ -38,6 +39,7 @@ struct GotoOptions {
   double timeout_seconds = 0.0;
 };
 
+// A command with an empty goal, for one tick: the controller goes on from where the robot is.
 Status Cancel(RobotRemote& remote) {
   RobotCommand command;
   command.goal.emplace();
@@ -64,10 +66,13 @@ Result<Goal> FindGoal(std::vector<std::string> points, double z, Find find) {
   return goal;
 }
 
+// In the plane; m.
 double DistanceTo(const Goal& goal, const Pose& X_WR) {
   return std::sqrt((goal.waypoints.back() - X_WR.translation()).squaredNorm());
 }
 
+// Within the tolerance at rest: a robot that passes its goal has not arrived. Points one above another are on different
+// levels of a building.
 bool HasArrived(const Goal& goal, const EntityReport& robot, double tolerance) {
   constexpr double kLevel = 1.0;  // m
   if (DistanceTo(goal, robot.X_WE) > tolerance) return false;
@@ -77,6 +82,7 @@ bool HasArrived(const Goal& goal, const EntityReport& robot, double tolerance) {
   return std::abs(twist.vx) < kStill && std::abs(twist.vy) < kStill && std::abs(twist.wz) < kStill;
 }
 
+// The state is asked for and not observed: an observer would receive the states of all robots.
 int AwaitArrival(const GotoOptions& options, const Goal& goal, RobotRemote& remote, SignalWatch& signals) {
   const Clock::time_point begin = Clock::now();
   for (;;) {
@@ -103,6 +109,7 @@ int AwaitArrival(const GotoOptions& options, const Goal& goal, RobotRemote& remo
   }
 }
 
+// A goal that is not reached is cancelled, by Ctrl-C or the timeout: the robot must not drive on without its user.
 int Goto(GotoOptions options) {
   if (options.cancel == !options.points.empty()) {
     return Fail({{},
@@ -142,6 +149,7 @@ constexpr double kCommandPeriod = 0.1;    // s, between two commands
 constexpr double kValid = 0.5;            // s of wall time that a command is in force: it ends soon after the tool
 constexpr std::uint64_t kOrderTicks = 2;  // a gripper keeps what it was ordered
 
+// Of `troupe teleop`.
 struct TeleopOptions {
   NetworkSettings network;  // session empty: the only one
   std::string robot;
@@ -152,6 +160,7 @@ double Now() {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
 }
 
+// Why the driving ends: not yet, by the user's key, or by a signal or a lost terminal.
 enum class End : std::uint8_t { kNone, kKey, kSignal };
 
 // Waits for keys until `until`.
@@ -179,6 +188,8 @@ void Show(const std::string& robot, const Twist& twist, const ControlReply& repl
   std::fflush(stdout);
 }
 
+// The twist is repeated in each period though no key has changed: a command is in force for kValid, so that a tool that
+// dies stops the robot.
 Result<End> Drive(const TeleopOptions& options, RobotRemote& remote, TeleopKeys& keys, SignalWatch& signals) {
   for (;;) {
     const double begin = Now();
@@ -211,6 +222,7 @@ int Teleop(TeleopOptions options) {
     TeleopKeys keys(options.settings);
     Result<End> end = End::kNone;
     {
+      // Within this block only, so that errors are printed on a terminal that is as it was.
       const Result<std::unique_ptr<RawTerminal>> terminal = RawTerminal::Open(STDIN_FILENO);
       if (!terminal.ok()) return Fail(terminal.error());
       end = Drive(options, remote.value(), keys, signals);

@@ -28,6 +28,7 @@ struct EditOptions {
   bool view_only = false;
 };
 
+// The token is always there: the page can write files of this user.
 int EditCommand(const EditOptions& options) {
   SignalWatch signals;
   try {

@@ -32,12 +32,14 @@ struct ExportArguments {
   std::optional<std::uint64_t> to;
 };
 
+// The states that were written, for the line at the end.
 struct ExportReport {
   std::uint64_t states = 0;
   Tick first = 0;
   Tick last = 0;
 };
 
+// Another format is one more RunExport (launcher/export/run_export.h).
 Result<std::unique_ptr<RunExport>> MakeExport(const ExportArguments& arguments) {
   if (arguments.format == "foxglove") return MakeFoxgloveExport(arguments.output);
   if (arguments.format == "ros2") return MakeRos2Export(arguments.output);
@@ -74,6 +76,7 @@ Status AddStates(const Recording& recording, const ExportArguments& arguments, R
   return end ? Error{{recording.name()}, *end, ErrorCode::kFailure} : Status();
 }
 
+// The recording must not be overwritten by its own export.
 Status CheckOutputs(const ExportArguments& arguments) {
   std::vector<std::string> files = {arguments.output};
   if (arguments.format == "ros2") files = FilesOfRos2Export(arguments.output);
@@ -83,6 +86,8 @@ Status CheckOutputs(const ExportArguments& arguments) {
   return CheckDistinct(outputs, [&] { return std::vector{arguments.file}; });
 }
 
+// Of a damaged recording the states before the damage are exported and counted, and the exit status is that of the
+// damage.
 int ExportCommand(const ExportArguments& arguments) {
   if (const Status problem = CheckOutputs(arguments); !problem.ok()) return Fail(problem.error());
   const Result<Recording> recording = OpenToReplay(arguments.file);

@@ -68,6 +68,7 @@ Exit status:
   130                         Stopped in order by Ctrl-C, SIGTERM or SIGHUP
 )";
 
+// Null: there is none of this name.
 CLI::App* Subcommand(CLI::App& command, const std::string& name) {
   for (CLI::App* child : command.get_subcommands([](CLI::App*) { return true; })) {
     if (child->get_name() == name) return child;

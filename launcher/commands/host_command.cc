@@ -38,6 +38,10 @@ namespace {
 
 constexpr std::size_t kPieceOfFile = 16384;  // bytes in a message
 
+// `troupe host`: the counterpart of RemoteHost (launcher/hosts/remote_host.h). Requests are JSON lines on standard
+// input, replies and news are JSON lines on standard output; the connection is ssh or any other program that passes
+// both on. The end of standard input kills all processes and deletes the folder: a host keeps nothing of a run that has
+// lost its launcher.
 class HostServer {
  public:
   int Serve();
@@ -57,6 +61,7 @@ class HostServer {
   bool connected_ = true;
 };
 
+// `id`: the launcher's number of the process, in all further messages about it.
 void HostServer::Start(int id, const JsonReader& request) {
   const auto program = request.Get<std::string>("program");
   const auto arguments = request.Get<std::vector<std::string>>("arguments");
@@ -68,6 +73,8 @@ void HostServer::Start(int id, const JsonReader& request) {
   children_[id] = std::move(child).value();
 }
 
+// In pieces, so that a large file neither fills the memory nor delays other messages for long. Hexadecimal: a line of
+// JSON cannot carry any byte.
 void HostServer::SendFile(const std::string& path) {
   const Result<FileDescriptor> file = OpenToRead(path);
   if (!file.ok()) return Send({{"file", path}, {"error", file.error().message}});
@@ -92,6 +99,7 @@ void HostServer::KeepKey(const std::string& name, const std::string& content) {
   Send({{"output", "error: cannot write " + path.string() + ": " + strerror(errno)}});
 }
 
+// Launcher and host are of one version (RemoteHost compares them), so that each request is one of these.
 void HostServer::Execute(const JsonReader& request) {
   if (request.Has("run")) {
     const auto run = request.Get<std::string>("run");
@@ -137,6 +145,7 @@ void HostServer::SendNews() {
   }
 }
 
+// The first line names version, folder and programs: the launcher refuses another version before it starts anything.
 int HostServer::Serve() {
   if (folder_.path().empty()) return Fail(Failure("cannot make a folder for temporary files"));
   for (const char* program : {"world-service", "robot-agent"}) {
@@ -166,6 +175,7 @@ struct KeysOptions {
   std::vector<std::vector<std::string>> agents;  // the robots of each
 };
 
+// The owner of an identity of DDS Security (docs/security.md).
 struct Holder {
   std::string name;  // for users
   Role role;
@@ -205,6 +215,7 @@ Result<KeyAuthority> AuthorityOf(const fs::path& folder) {
   return made;
 }
 
+// Existing identities are kept, so that a robot can be added to a folder that is in use.
 int MakeKeys(const KeysOptions& options) {
   const fs::path folder(options.folder);
   const Result<KeyAuthority> authority = AuthorityOf(folder);

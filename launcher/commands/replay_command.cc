@@ -74,6 +74,7 @@ struct Number {
 };
 
 // The numbers of a proposal.
+// With names, so that a difference is told in the terms of the robot.
 std::vector<Number> NumbersOf(const WorldDescription& world, const Proposal& proposal) {
   std::vector<Number> numbers = {{"vx", proposal.twist.vx}, {"vy", proposal.twist.vy}, {"wz", proposal.twist.wz}};
   std::size_t joint = 0;
@@ -85,6 +86,7 @@ std::vector<Number> NumbersOf(const WorldDescription& world, const Proposal& pro
 }
 
 // Empty if both are equal.
+// Compared exactly: any difference at all shows that the controller is not a function of its inputs.
 std::string DifferenceOf(const WorldDescription& world, const Proposal& found, const Proposal& expected) {
   const std::vector<Number> mine = NumbersOf(world, found);
   const std::vector<Number> recorded = NumbersOf(world, expected);
@@ -97,6 +99,7 @@ std::string DifferenceOf(const WorldDescription& world, const Proposal& found, c
                      expected.joint_velocities.size());
 }
 
+// Deleted robots stay in the description, as ids are places in its lists.
 std::vector<std::string> RobotsOf(const WorldDescription& world) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
@@ -124,6 +127,7 @@ Status ControllerCheck::AddReplica(const ReplayedWorld& world, const std::vector
   return {};
 }
 
+// An edit may replace the world, set robots elsewhere or restart the run: the replicas follow as agents do.
 Status ControllerCheck::Follow(const ReplayedWorld& world) {
   const bool fresh = world.fresh_edition() != fresh_edition_;
   const bool is_first = scene_ == nullptr;
@@ -167,6 +171,7 @@ void ControllerCheck::NoteLosses(const WorldDescription& world, const RecordedTi
   }
 }
 
+// A record is a step, whose proposals are compared, or an edit, before which agents are paused.
 Result<std::optional<std::string>> ControllerCheck::Check(const ReplayedWorld& world, const RecordedTick& next) {
   if (next.number == 0) return std::optional<std::string>();
   if (Status problem = Follow(world); !problem.ok()) return problem.error();
@@ -177,6 +182,7 @@ Result<std::optional<std::string>> ControllerCheck::Check(const ReplayedWorld& w
   return std::optional<std::string>();
 }
 
+// Both lists are in the order of robots, and are compared in one pass.
 std::optional<std::string> ControllerCheck::Compare(const ReplayedWorld& world, const RecordedTick& next) {
   std::vector<Proposal> decided;
   for (const auto& replica : replicas_) {
@@ -271,6 +277,7 @@ std::string ControllersText(const ControllerCheck& check) {
   return text;
 }
 
+// A difference is a failure and not bad input: the file is in order, the step is not deterministic or another one.
 int ReplayCommand(const ReplayArguments& arguments) {
   if (const Status problem = CheckOutputs(arguments); !problem.ok()) return Fail(problem.error());
   const Result<Recording> recording = Recording::Open(arguments.file);

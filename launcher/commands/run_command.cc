@@ -92,6 +92,7 @@ constexpr auto kMaxReply = std::chrono::seconds(10);
 constexpr int kShowEndMilliseconds = 300;  // for viewers to receive the end of the run
 constexpr int kLookMilliseconds = 10;
 
+// Its destructor ends the calls to the handler.
 class MemoryObservation : public RunObservation {
  public:
   MemoryObservation(Transport& transport, ObserverHandler& handler) : endpoint_(transport.MakeObserverEndpoint()) {
@@ -117,6 +118,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
     }
   }
 
+  // The gateway starts here and not in the constructor: without `start.control` it could not answer a page.
   Status OnBegin(const RunStart& start) override {
     control_ = &start.control;
     ViewerGatewayOptions options;
@@ -147,6 +149,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
     return std::unique_ptr<RunObservation>(std::make_unique<MemoryObservation>(transport_, handler));
   }
 
+  // Called by threads of the gateway; the request is answered by the thread of the service.
   Result<ControlReply> Ask(const control::Request& request) override {
     // The reply may come after the wait.
     auto promise = std::make_shared<std::promise<ControlReply>>();
@@ -169,6 +172,7 @@ class InProcessViewer final : public RunObserver, private RunLink {
   std::unique_ptr<ViewerGateway> gateway_;
 };
 
+// All checks come before any process starts: a bad command line costs no time and leaves no file.
 int RunCommand(RunOptions options, const std::vector<std::string>& ros_options) {
   if (const Status status = CompleteRunOptions(options); !status.ok()) return Fail(status.error());
   if (const Status status = CheckOutputs(options); !status.ok()) return Fail(status.error());

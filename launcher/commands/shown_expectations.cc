@@ -17,6 +17,7 @@ ShownExpectations ExpectationsIn(const std::string& file) {
 
 }  // namespace
 
+// Regions are those of the first case: a page shows one world.
 Result<ShownExpectations> ReadExpectations(const std::string& file) {
   const Result<TestFile> test = TestFile::Read(file);
   if (!test.ok()) return test.error();

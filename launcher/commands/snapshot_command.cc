@@ -61,6 +61,7 @@ struct Storey {
   WorldState state;
 };
 
+// Parents precede their children in the list of models, so one pass finds all heights.
 Storey AtHeights(WorldDescription world, WorldState state, double min, double max) {
   std::vector<std::optional<double>> moving(world.models.size());  // m, of the models of robots and objects
   for (std::size_t i = 0; i < world.robots.size(); ++i) moving[world.robots[i].root.index()] = state.robots[i].X_WR.z;
@@ -116,6 +117,7 @@ Result<FoundCamera> FindCamera(const WorldDescription& world, const std::string&
 }
 
 // The picture of a state, or the view of a camera in it.
+// A part of the heights is a world of its own, with a scene and an index of its own: the drawing code knows no storeys.
 Status SaveState(const Scene& scene, const BodyIndex& bodies, const WorldState& state, const SnapshotOptions& options,
                  const PictureOptions& picture, PictureRays rays) {
   if (!options.heights.empty()) {
@@ -141,6 +143,7 @@ Status CheckCameraFormat(const SnapshotOptions& options) {
   return Error{{options.output}, "found a camera's picture as .svg, expected .png"};
 }
 
+// The state is that of the recording, so nothing about its seed or controllers could have an effect.
 int SnapshotRecording(const SnapshotOptions& options, const PictureOptions& picture, PictureRays rays) {
   if (options.seed || options.controller) {
     return Fail({{options.file}, "found a recording, whose seed and controllers cannot be changed"});
@@ -206,6 +209,7 @@ Status WriteBoth(const std::string& image_path, const std::string& image, const 
 }
 
 // Rows from the largest y down, as pictures have them.
+// Unknown cells, which a map of a real robot has, do not occur: a world is known everywhere.
 std::string Pgm(const OccupancyGrid& grid) {
   constexpr char kOccupied = 0;
   constexpr char kFree = '\xfe';  // 254, as map_saver writes it
@@ -219,6 +223,7 @@ std::string Pgm(const OccupancyGrid& grid) {
   return image;
 }
 
+// The thresholds are those of map_saver; with pixels of two values any others would read the same.
 std::string Yaml(const OccupancyGrid& grid, const std::string& image) {
   return fmt::format(
       "image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: "
@@ -226,6 +231,7 @@ std::string Yaml(const OccupancyGrid& grid, const std::string& image) {
       image, grid.resolution, grid.origin_x, grid.origin_y);
 }
 
+// The grid is made last: it may take seconds, and what can fail without it has failed before.
 int ExportMapCommand(const ExportMapOptions& options) {
   std::vector<OutputName> outputs;
   for (const char* ending : {kImageEnding, kMapEnding}) outputs.push_back({"-o", options.output + ending});
@@ -318,6 +324,8 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
   command->final_callback([options, &exit_status] { exit_status = SnapshotCommand(*options); });
 }
 
+// From the cheapest check to the most expensive: texts of options, the file, the camera, the output, and only then the
+// ticks.
 int SnapshotCommand(const SnapshotOptions& options) {
   if (const Result<PictureFormat> format = PictureFormatOf(options.output); !format.ok()) return Fail(format.error());
   const PictureOptions picture_options = ToPictureOptions(options);

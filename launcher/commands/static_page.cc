@@ -40,6 +40,7 @@ constexpr const char* kPolicy =
     "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval' blob:; worker-src blob:; "
     "style-src 'unsafe-inline'; img-src data: blob:; media-src blob:";
 
+// The format that the browser's DecompressionStream reads.
 std::string Gzip(std::string_view bytes) {
   z_stream stream = {};
   if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, MAX_WBITS + kGzip, MAX_MEM_LEVEL, Z_DEFAULT_STRATEGY) !=
@@ -78,6 +79,7 @@ std::string Unpacked(const PageFile& file) {
   return bytes;
 }
 
+// The simulation for the page, as scripts/setup-wasm and the preset wasm build it.
 struct Module {
   std::string wasm;
   std::string worker;  // JavaScript
@@ -99,6 +101,7 @@ Result<Module> ReadModule(std::string folder) {
   return Module{std::move(wasm).value(), loader.value() + "\n" + worker.value()};
 }
 
+// A script element of type text/plain is not run and not shown. Base64, since HTML cannot carry any byte.
 std::string Element(const char* id, std::string_view bytes) {
   return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id, Base64(Gzip(bytes)));
 }
@@ -136,6 +139,8 @@ class Content {
   std::string bytes_;
 };
 
+// Styles and scripts of the page move into the file. A page without the expected elements was built without node and
+// npm.
 Status WritePage(const Content& content, const std::string& name, const StaticPageOptions& options) {
   const Result<Module> module = ReadModule(options.module);
   if (!module.ok()) return module.error();
@@ -182,6 +187,7 @@ std::string CommonFolder(const std::vector<std::string>& files) {
 }
 
 // Why the module cannot run the robots; ok: it can.
+// A library or a class in Python is a program for this machine.
 Status CheckControllers(const WorldDescription& world) {
   for (const RobotDescription& robot : world.robots) {
     const std::string& name = robot.controller.name;
@@ -195,6 +201,7 @@ Status CheckControllers(const WorldDescription& world) {
   return {};
 }
 
+// The module is built without the JPEG library.
 Result<std::string> ReadForPage(const std::string& file) {
   Result<std::string> bytes = ReadWholeFile(file, kMaxContentBytes);
   if (!bytes.ok()) return Error{{file}, "cannot read: " + bytes.error().message};
@@ -231,6 +238,8 @@ Status WriteStaticPage(const Recording& recording, const ShownExpectations& expe
   return WritePage(content, std::filesystem::path(recording.name()).filename().string(), options);
 }
 
+// The copy below is loaded as the page will load it, and must give the same world: a page that fails on another machine
+// is found here.
 Status WriteStaticPage(const std::string& world_file, const ShownExpectations& expectations,
                        const StaticPageOptions& options) {
   LoadOverrides overrides;

@@ -17,6 +17,7 @@
 
 namespace troupe {
 
+// One observation at a time: the run has one handler.
 class StreamedRun::Observation final : public RunObservation {
  public:
   explicit Observation(StreamedRun& run) : run_(run) {}
@@ -31,6 +32,7 @@ class StreamedRun::Observation final : public RunObservation {
   StreamedRun& run_;
 };
 
+// The layout of messages is not stable between versions, so that sender and receiver are of the same one.
 Result<std::unique_ptr<StreamedRun>> StreamedRun::Open(int input) {
   const std::string expected = VersionText();
   const Result<StreamedMessage> first = ReceiveState(input);
@@ -44,11 +46,13 @@ Result<std::unique_ptr<StreamedRun>> StreamedRun::Open(int input) {
 
 StreamedRun::StreamedRun(int input) : input_(input), thread_([this] { Run(); }) {}
 
+// shutdown wakes the thread from its read.
 StreamedRun::~StreamedRun() {
   shutdown(input_, SHUT_RDWR);
   thread_.join();
 }
 
+// The signal ends the main thread's wait as Ctrl-C does: files and sockets are closed in order.
 void StreamedRun::Run() {
   try {
     const Status outcome = OrFailure([this]() -> Status {
@@ -77,6 +81,7 @@ bool StreamedRun::Receive() {
   return true;
 }
 
+// A new observer begins with the newest state; the others are gone.
 Result<std::unique_ptr<RunObservation>> StreamedRun::Observe(ObserverHandler& handler) {
   const std::lock_guard lock(mutex_);
   handler_ = &handler;

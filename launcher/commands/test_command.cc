@@ -28,6 +28,7 @@ namespace {
 constexpr int kExitExpectationFailed = 1;
 constexpr const char* kDefaultFolder = "troupe-test";  // of recordings and pictures without --report
 
+// Of both commands; each declares the options that it has.
 struct TestArguments {
   std::vector<std::string> files;
   std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
@@ -98,6 +99,7 @@ Status CheckOutputs(const TestArguments& arguments, const std::function<std::vec
   return {};
 }
 
+// The JUnit file first: a build server needs it even if the folder of the report cannot be written.
 Status WriteReports(const CaseReport& report, const TestArguments& arguments) {
   if (!arguments.junit.empty()) {
     if (Status error = WriteWholeFile(arguments.junit, report.JUnit(FolderOf(arguments))); !error.ok()) return error;
@@ -109,6 +111,8 @@ Status WriteReports(const CaseReport& report, const TestArguments& arguments) {
 }
 
 // Adds a test, and its outcome on a recording, to the report.
+// The expectations see each recorded state once, as they would in a run. An edit changes the world under them, which no
+// expectation could interpret.
 Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path, CaseReport& report) {
   const Result<Recording> recording = OpenToReplay(path);
   if (!recording.ok()) return recording.error();
@@ -162,6 +166,7 @@ void PrintOutcome(const TestFile& test, const CaseOutcome& outcome) {
   }
 }
 
+// All tests are read before the first replay, which may take long.
 int TestOnRecording(const TestArguments& arguments) {
   const Result<std::vector<std::string>> files = FindTests(arguments.files);
   if (!files.ok()) return Fail(files.error());
@@ -197,6 +202,7 @@ int TestOnRecording(const TestArguments& arguments) {
 // With the verdicts of tests, or as a sweep, in which only a case that cannot be run is a failure.
 enum class Purpose : bool { kTest, kSweep };
 
+// In a sweep a violated expectation is a result.
 int RunCases(const TestArguments& arguments, Purpose purpose) {
   Result<CaseSessionOptions> options = SessionOptions(arguments);
   if (!options.ok()) return Fail(options.error());
@@ -223,6 +229,7 @@ int RunCases(const TestArguments& arguments, Purpose purpose) {
   return any(CaseVerdict::kError) ? kExitFailed : kExitDone;
 }
 
+// Reports of shards: each has the same tests, and other cases.
 int Merge(const TestArguments& arguments) {
   CaseReport report;
   std::vector<std::string> inputs;

@@ -41,11 +41,13 @@ std::vector<SessionInfo> SelectSessions(std::vector<SessionInfo> sessions, const
   return sessions;
 }
 
+// Discovery has no end: the table has what was found in kDiscoveryTime.
 void PrintOnce(SessionMonitor& monitor, const TopOptions& options) {
   for (auto end = Clock::now() + kDiscoveryTime; Clock::now() < end;) monitor.WaitForChange(0.1);
   fmt::print("{}", SessionTable(SelectSessions(monitor.Sessions(), options.network.session)));
 }
 
+// The cursor moves to the top in place of new lines, so that the terminal shows one table.
 void PrintUntilStopped(SessionMonitor& monitor, const TopOptions& options, SignalWatch& signals) {
   while (!signals.ReadStopRequest()) {
     fmt::print("\033[H\033[J{}\nCtrl-C ends this.\n",
@@ -64,6 +66,7 @@ std::size_t TerminalRows() {
   return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 ? size.ws_row : kUsual;
 }
 
+// The observer's thread fills `top`; this one draws it at its own rate, however fast the ticks are.
 int ShowRobots(const TopOptions& options, SignalWatch& signals) {
   SessionTop top;
   const Result<std::unique_ptr<SessionObserver>> observer = ObserveSession(options.network, top);
@@ -96,6 +99,7 @@ int TopCommand(const TopOptions& options) {
 
 constexpr double kNoticeable = 1e-9;  // m/s and rad/s
 
+// In the order of the attention that they need.
 enum class State : std::uint8_t { kLost, kLate, kStalled, kMoving, kIdle };
 constexpr auto NamesOf(State) {
   return std::array{"no agent", "late", "stalled", "moving", "idle"};
@@ -134,6 +138,7 @@ void AddTopCommand(CLI::App& app, int& exit_status) {
   command->final_callback([options, &exit_status] { exit_status = TopCommand(*options); });
 }
 
+// The last column is not padded: it has texts of any length.
 std::string SessionTable(const std::vector<SessionInfo>& sessions) {
   std::vector<Row> rows = {
       {"SESSION", "WORLD", "SERVICE", "TICK", "SIM SECONDS", "X REAL TIME", "AGENTS/ROBOTS", "WAITING FOR"}};
@@ -157,6 +162,7 @@ void SessionTop::OnSession(const SessionMessage& session) {
   session_ = std::make_shared<const SessionMessage>(session);
 }
 
+// Frames of another edition of the world than the known description are left out until that one arrives.
 void SessionTop::OnFrame(const SharedFrame& frame) {
   const std::lock_guard lock(mutex_);
   if (!session_ || frame->run != session_->run || frame->world_edition != session_->world_edition) return;
@@ -193,6 +199,7 @@ bool SessionTop::IsLate(const std::string& robot) const {
          std::find(status_->waiting_for.begin(), status_->waiting_for.end(), robot) != status_->waiting_for.end();
 }
 
+// Phases are shown only where the service measures them.
 std::string SessionTop::RunText(double ticks_per_second, std::size_t lost) const {
   const FrameMessage& frame = *frame_;
   const char* const state = frame.last ? "over" : frame.paused && !frame.holds ? "paused" : "playing";
@@ -210,6 +217,7 @@ std::string SessionTop::RunText(double ticks_per_second, std::size_t lost) const
   return text + "\n";
 }
 
+// The rate is that of the ticks between two calls; it is 0 after a reset or an edit that set the run back.
 std::string SessionTop::Text(std::size_t rows) {
   const std::lock_guard lock(mutex_);
   const Clock::time_point now = Clock::now();

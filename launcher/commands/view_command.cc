@@ -63,6 +63,7 @@ struct ViewOptions {
   StaticPageOptions page;
 };
 
+// A session's name has no dot, so that the two cannot be confused.
 bool IsFile(const std::string& name) {
   return IsRecordingPath(name) || name.ends_with(".world") || name.ends_with(".json") || name.ends_with(".yaml");
 }
@@ -77,6 +78,7 @@ class DdsRunLink : public RunLink {
   DdsRunLink(const NetworkSettings& network, std::optional<JournalFiles> journal, bool runs_again)
       : network_(network), journal_(std::move(journal)), runs_again_(runs_again), control_(network) {}
 
+  // With a journal, states that were not observed can be read later.
   bool follows_always() const override { return !journal_; }
   // A run that has not begun has none.
   std::shared_ptr<RecordedTimeline> ReadJournal(WorldCache& worlds) override {
@@ -109,6 +111,7 @@ class DdsRunLink : public RunLink {
     return bytes.ok() ? std::optional(std::move(bytes).value()) : std::nullopt;
   }
 
+  // Exceptions of DDS end here: the page gets an answer in every case.
   Result<ControlReply> Ask(const control::Request& request) override {
     try {
       if (Status missing = control_.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
@@ -167,6 +170,7 @@ Result<std::string> ReadToken(const std::string& file) {
   return token;
 }
 
+// An address that the user has given is used or refused; only the default one may move to another port.
 ViewerGatewayOptions OptionsOfGateway(const ViewOptions& options) {
   ViewerGatewayOptions gateway_options;
   gateway_options.view_only = options.view_only;
@@ -191,6 +195,7 @@ int ServeUntilStopped(const Result<std::unique_ptr<ViewerGateway>>& gateway, Sig
   return kExitDone;
 }
 
+// After "run again" the page's port and token are those of the run before, so that open pages reconnect.
 int ServeRun(const ViewOptions& options, std::string token, ShownExpectations expectations, SignalWatch& signals) {
   DdsRunLink link(options.network, options.journal, options.runs_again);
   ViewerGatewayOptions gateway_options = OptionsOfGateway(options);
@@ -206,6 +211,7 @@ int ServeRun(const ViewOptions& options, std::string token, ShownExpectations ex
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, link), signals);
 }
 
+// The timeline steps the recording again on demand: a page can go to any tick of it.
 int ServeRecording(const ViewOptions& options, std::string token, ShownExpectations expectations,
                    SignalWatch& signals) {
   Result<Recording> recording = Recording::Open(options.file);
@@ -224,6 +230,7 @@ int ServeRecording(const ViewOptions& options, std::string token, ShownExpectati
   return ServeUntilStopped(ViewerGateway::Start(gateway_options, *timeline.value()), signals);
 }
 
+// No token: the sender chooses no address, and the page can change nothing.
 int ServeStates(const ViewOptions& options, SignalWatch& signals) {
   const Result<std::unique_ptr<StreamedRun>> run = StreamedRun::Open(STDIN_FILENO);
   if (!run.ok()) return Fail(run.error());
@@ -244,6 +251,7 @@ int WriteRecording(const ViewOptions& options, ShownExpectations expectations) {
   return written.ok() ? kExitDone : Fail(written.error());
 }
 
+// Recordings and worlds have different contents in a page, but the same options.
 int WriteFile(const ViewOptions& options) {
   if (options.file.empty()) {
     fmt::print(stderr, "error: --static: found no file, expected a recording, a world or a scenario\n");
@@ -266,6 +274,7 @@ int WriteFile(const ViewOptions& options) {
   return written.ok() ? kExitDone : Fail(written.error());
 }
 
+// What excludes each other is checked before the terminal or the network is used.
 int ViewCommand(ViewOptions options) {
   if (options.is_static) return WriteFile(options);
   if (options.journal && !options.file.empty()) {

@@ -36,6 +36,7 @@ void RestoreAndDie(int signal) {
 
 }  // namespace
 
+// Asks once, so that a wrong name is an error here and not at the first command.
 Result<RobotRemote> RobotRemote::Connect(const NetworkSettings& network, const std::string& robot) {
   auto client = std::make_unique<ControlClient>(network);
   if (Status missing = client->WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
@@ -70,6 +71,7 @@ Result<ControlReply> RobotRemote::Send(const RobotCommand& command, std::uint64_
                                     command.grippers, command.goal});
 }
 
+// A refusal is an error with the service's reason.
 Result<ControlReply> RobotRemote::Call(const control::Request& request) {
   Result<ControlReply> reply = client_->Call(request, kReplySeconds);
   if (!reply.ok()) return reply;
@@ -79,6 +81,8 @@ Result<ControlReply> RobotRemote::Call(const control::Request& request) {
   return reply;
 }
 
+// A new measurement begins after kMeasureSeconds, so that the rate follows a change of speed, or at once when the run
+// was set back.
 void RobotRemote::NoteTick(Tick tick) {
   const Clock::time_point now = Clock::now();
   const double passed = std::chrono::duration<double>(now - measured_at_).count();
@@ -125,6 +129,7 @@ bool TeleopKeys::Press(std::string_view bytes, double now) {
   return true;
 }
 
+// Letters repeat the arrows, since some terminals send no sequences for these. '=' is '+' without the shift key.
 bool TeleopKeys::PressKey(char key, double now) {
   const auto scale = [&](double factor) {
     settings_.speed = std::min(settings_.speed * factor, kMaxSpeed);
@@ -197,6 +202,7 @@ Result<std::unique_ptr<RawTerminal>> RawTerminal::Open(int descriptor) {
   return std::unique_ptr<RawTerminal>(new RawTerminal(descriptor, before));
 }
 
+// VMIN 1 and VTIME 0: read returns with the first byte.
 RawTerminal::RawTerminal(int descriptor, const termios& before) : descriptor_(descriptor), before_(before) {
   restored_descriptor = descriptor;
   restored = before;

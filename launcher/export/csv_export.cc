@@ -21,6 +21,7 @@ namespace {
 // A table of rows; the first row has the names of the columns.
 class Table {
  public:
+  // The header is written at once, so that a run without rows leaves a table with columns.
   static Result<Table> Create(const std::string& path, std::string_view columns) {
     Result<OutputFile> file = OutputFile::Create(path);
     if (!file.ok()) return file.error();
@@ -64,6 +65,7 @@ class Table {
   void Append(const char* text) { file_.Append(text); }
   void Append(double number) { file_.Append(number); }
   void Append(std::uint64_t number) { file_.Append(number); }
+  // Numbers of 0 and 1: pandas reads a column of them without a converter.
   void Append(bool is_true) { file_.Append(is_true ? "1" : "0"); }
 
   OutputFile file_;
@@ -79,6 +81,7 @@ constexpr const char* kReadingsFile = "readings.csv";
 class CsvExport final : public RunExport {
  public:
   // The tables of a folder, or that of robots alone.
+  // The columns come from the tables of the state (common/signals): a new signal is a new column without a change here.
   static Result<std::unique_ptr<RunExport>> Create(const std::string& path) {
     std::unique_ptr<CsvExport> csv(new CsvExport);
     const bool is_file = path.ends_with(".csv");
@@ -144,6 +147,7 @@ class CsvExport final : public RunExport {
 
   CsvExport() = default;
 
+  // A row for each thing that exists; a table that varies has rows of its own number and no names.
   Status AddRows(const ReplayedWorld& world, double time, RowTable& rows) {
     const SignalView view{*things_, world.world(), world.state()};
     const StateTable& table = rows.table;

@@ -11,11 +11,13 @@
 namespace troupe {
 namespace {
 
+// The level of the log message, by which Foxglove filters and colours.
 bool IsWarning(EventType type) {
   return type == EventType::kLeft || type == EventType::kProposalRejected || type == EventType::kBlocked ||
          type == EventType::kStallBegan || type == EventType::kUnstable;
 }
 
+// Scene and map are written when the world changes, all else with each state.
 class FoxgloveExport final : public RunExport {
  public:
   explicit FoxgloveExport(McapFile file) : file_(std::move(file)) {}
@@ -60,6 +62,7 @@ class FoxgloveExport final : public RunExport {
     return {};
   }
 
+  // Only when the sensor is due, as its robot saw it.
   Status AddScan(const foxglove::Channel& channel, std::uint64_t time) {
     if (!readings_.IsDue(channel.robot, channel.sensor)) return {};
     const RangerReading* const reading = readings_.Measure(channel.robot, channel.sensor).ranger();

@@ -22,6 +22,7 @@ Result<McapFile> McapFile::Create(const std::string& path, const std::string& pr
   return McapFile(std::move(writer).value());
 }
 
+// Topics of one type share a schema; a channel is one topic.
 std::uint16_t McapFile::AddTopic(const Topic& topic) {
   auto schema = schemas_.find(topic.schema.name);
   if (schema == schemas_.end()) {
@@ -34,6 +35,7 @@ std::uint16_t McapFile::AddTopic(const Topic& topic) {
   return channel;
 }
 
+// A chunk ends by size, not by time: it is the unit of compression and of an index entry.
 Status McapFile::Write(std::uint16_t topic, std::uint64_t time, std::span<const std::byte> message) {
   TopicCount& count = counts_.at(topic);
   writer_.Add({.channel = topic,

@@ -35,6 +35,7 @@ constexpr std::uint8_t kArrays = 48;      // added to the type: of fixed size,
 constexpr std::uint8_t kBounded = 96;     // with at most so many elements,
 constexpr std::uint8_t kUnbounded = 144;  // or any number
 
+// In the text form of .msg files, since readers of bags without the packages decode by it (MCAP's encoding ros2msg).
 std::string FieldText(const ros::DescribedField& field) {
   const std::uint8_t element = field.type % kArrays;
   std::string text = field.nested_type;
@@ -65,6 +66,7 @@ std::string MessageDefinition(const std::string& ros_type) {
 }
 
 // As rosbag2 writes the quality of service; that of Humble, which later versions read.
+// Numbers of rmw's enums: keep last, reliable, transient local or volatile.
 std::string QosText(bool is_latched) {
   constexpr const char* kForever = "sec: 9223372036\n    nsec: 854775807\n";
   return fmt::format(
@@ -75,12 +77,15 @@ std::string QosText(bool is_latched) {
 
 constexpr const char* kQos = "offered_qos_profiles";
 
+// A bag needs no ROS here: messages are made by the functions of the live topics (ros/messages), and their types are
+// described by the generated descriptors.
 class Ros2Export final : public RunExport {
  public:
   // `metadata`: the path of metadata.yaml; empty: none.
   Ros2Export(McapFile file, std::string name, std::string metadata)
       : file_(std::move(file)), name_(std::move(name)), metadata_(std::move(metadata)) {}
 
+  // The stamps are the times of the recording, which do not decrease, and not the ticks, which an edit may set back.
   Status Add(const ReplayedWorld& world, std::uint64_t time) override {
     constexpr std::uint64_t kSecond = 1'000'000'000;
     world_ = &world;
@@ -119,6 +124,7 @@ class Ros2Export final : public RunExport {
 
   const WorldDescription& description() const { return world_->world(); }
 
+  // Latched topics are written again for each world: the newest message counts for a player that begins later.
   void ChangeWorld() {
     scene_ = world_->scene();
     things_.emplace(description());
@@ -288,6 +294,7 @@ class Ros2Export final : public RunExport {
 };
 
 // A text in quotation marks of YAML.
+// The names of topics need no other escapes: ROS allows letters, digits, '_', '/' and '~'.
 std::string YamlText(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -301,6 +308,7 @@ std::string YamlText(const std::string& text) {
   return quoted + '"';
 }
 
+// Version 5 of the metadata is that of Humble; later versions of rosbag2 read it.
 std::string Ros2Export::MetadataText() const {
   const std::uint64_t duration = file_.last_time() - file_.first_time();
   const std::string name = YamlText(name_);
@@ -323,6 +331,7 @@ std::string Ros2Export::MetadataText() const {
 
 }  // namespace
 
+// rosbag2 names the file for its folder, with the number of the split.
 std::vector<std::string> FilesOfRos2Export(const std::string& path) {
   if (path.ends_with(".mcap")) return {path};
   const std::filesystem::path folder = std::filesystem::absolute(path).lexically_normal();

@@ -38,6 +38,7 @@ std::string NamesOf(const std::vector<const RemoteHost*>& hosts) {
   return names;
 }
 
+// Wakes for each message, each line of an error stream, and signals.
 void WaitForNews(const std::vector<const RemoteHost*>& hosts, const SignalWatch& signals,
                  std::chrono::milliseconds timeout) {
   std::vector<pollfd> waited = {{signals.descriptor(), POLLIN, 0}};
@@ -61,6 +62,7 @@ constexpr int kHeard = 0;
 constexpr int kNotHeard = 3;
 constexpr int kCannotListen = 2;
 
+// Of UDP; closed with the object.
 class Socket {
  public:
   Socket() : descriptor_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
@@ -107,6 +109,7 @@ in_addr AddressOf(const std::string& network_interface) {
   return address;
 }
 
+// The probe uses the port of DDS itself, since a firewall may pass some ports and not others.
 std::vector<std::string> Arguments(const char* task, const std::string& network_interface, std::uint32_t domain,
                                    const std::string& word) {
   // Data by multicast (RTPS 2.2, section 9.6.1).
@@ -117,6 +120,7 @@ std::vector<std::string> Arguments(const char* task, const std::string& network_
 
 }  // namespace
 
+// All connections are begun before the first is waited for.
 Result<RemoteHosts> ConnectHosts(const std::vector<HostSettings>& settings, const std::string& session,
                                  std::chrono::seconds timeout, SignalWatch& signals) {
   for (const HostSettings& host : settings) {
@@ -150,6 +154,7 @@ Result<RemoteHosts> ConnectHosts(const std::vector<HostSettings>& settings, cons
   }
 }
 
+// IPv4 alone: the processes of a run find each other by it.
 std::string OwnAddress(const std::string& network_interface) {
   in_addr address{};
   if (inet_pton(AF_INET, network_interface.c_str(), &address) == 1) return network_interface;
@@ -167,6 +172,8 @@ std::string OwnAddress(const std::string& network_interface) {
   return "127.0.0.1";
 }
 
+// Three passes, by falling precision of the request: names, numbers, shares. Each takes robots that no earlier one has
+// placed.
 Result<std::vector<std::size_t>> PlaceRobots(const std::vector<std::string>& robots,
                                              const std::vector<HostSettings>& hosts) {
   std::vector<std::size_t> places(robots.size(), kNowhere);
@@ -212,6 +219,7 @@ Result<std::vector<std::size_t>> PlaceRobots(const std::vector<std::string>& rob
   return places;
 }
 
+// Until it is killed by the prober; the limit is for a prober that dies.
 int SendMulticast(const MulticastProbe& probe) {
   Socket socket;
   socket.Set(IPPROTO_IP, IP_MULTICAST_IF, AddressOf(probe.network_interface));
@@ -246,6 +254,8 @@ int ListenForMulticast(const MulticastProbe& probe) {
   }
 }
 
+// Listeners start before the sender. A host whose listener cannot start or listen is not deaf: nothing is known about
+// it, and the profile stays.
 std::vector<std::string> HostsWithoutMulticast(const HostOnNetwork& from, const std::vector<HostOnNetwork>& to,
                                                std::uint32_t domain, const std::string& word, SignalWatch& signals) {
   struct Listener {

@@ -28,6 +28,7 @@
 namespace troupe {
 namespace {
 
+// A child of this process.
 class LocalChild : public Child {
  public:
   // `input`: the writing end of a pipe to its standard input, which does not block.
@@ -73,6 +74,7 @@ std::size_t SizeOf(const std::vector<std::string>& command) {
 }
 
 // A file in memory with arguments, for kArgumentsOption.
+// An agent of a thousand robots has a command line beyond the limits of some systems.
 Result<FileDescriptor> ArgumentsFile(const std::vector<std::string>& arguments) {
   std::string text;
   for (const std::string& argument : arguments) text.append(argument).push_back('\0');
@@ -130,6 +132,8 @@ std::string LocalHost::ProgramPath(const std::string& program) const {
   return path.ok() ? path.value() : program;
 }
 
+// Output of all children goes into one pipe, and reports into another: lines are complete, and their order is that of
+// writing.
 Result<std::unique_ptr<Child>> LocalHost::Start(const std::string& program, const std::vector<std::string>& arguments,
                                                 bool reports) {
   Result<std::string> path = FindProgram(program);
@@ -172,6 +176,7 @@ std::string ToLine(const HostMessage& message) {
   return JsonText(message) + "\n";
 }
 
+// The other end is of the same program, but a login script may print into the connection.
 JsonReader ReadHostMessage(const std::string& line) {
   JsonReader message = JsonReader::OfText(line, "", JsonLimits::OfProcesses());
   if (!message.node().is_object()) message.Fail("an object");
@@ -184,6 +189,7 @@ std::string BytesIn(const JsonReader& message, const char* key) {
   return bytes.value_or("");
 }
 
+// Inside single quotes a shell changes nothing; a quote itself ends them, is escaped, and begins them again.
 std::string ShellQuoted(const std::string& word) {
   auto plain = [](char c) {
     return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
@@ -224,6 +230,7 @@ HostFolder::HostFolder() {
   folder_ = LockedFolder::Make((parent / kPrefix).string() + std::to_string(getpid()) + "-" + std::string(kRandom));
 }
 
+// The others are listed before the first ends, as their folders disappear with them.
 void HostFolder::TakeOver(const std::string& name) {
   if (path().empty()) return;
   std::error_code failure;

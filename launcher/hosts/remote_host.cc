@@ -35,6 +35,7 @@ constexpr auto kDisconnectTimeout = std::chrono::seconds(3);  // for the end of 
 constexpr auto kFetchTimeout = std::chrono::seconds(30);      // between two messages while a file is fetched
 constexpr auto kFetchPoll = std::chrono::milliseconds(100);   // longest wait until progress is reported
 
+// The programs are expected in the same folder as here, unless the scenario names another.
 std::string ConnectingCommand(const HostSettings& host) {
   std::string programs = host.programs;
   if (programs.empty()) {
@@ -72,6 +73,7 @@ class RemoteHost::RemoteChild : public Child {
   void Tell(const std::string& line) override {
     if (!state_->end) host_.Send(ToLine({{"tell", id_}, {"line", line}}));
   }
+  // Counted as ended at once: the launcher's own end must not wait for a network.
   void Kill() override {
     Signal(SIGKILL);
     // The host may be unreachable; it kills the process when the connection ends.
@@ -130,6 +132,7 @@ int RemoteHost::Ping() {
   return pings_ - 1;
 }
 
+// The end of its input is the signal to `troupe host`; its last messages are read, since it would block on a full pipe.
 RemoteHost::~RemoteHost() {
   if (requests_ >= 0) close(requests_);
   const auto deadline = Clock::now() + kDisconnectTimeout;
@@ -154,6 +157,8 @@ void RemoteHost::Send(std::string_view line) {
   }
 }
 
+// Asynchronous: "started" or "failed" comes later, and a failure is an end with status 127, as of a program that cannot
+// be executed.
 Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, const std::vector<std::string>& arguments,
                                                  bool reports) {
   if (!connected()) return Failure("host " + name() + ": the connection is lost");
@@ -165,6 +170,7 @@ Result<std::unique_ptr<Child>> RemoteHost::Start(const std::string& program, con
   return std::unique_ptr<Child>(std::make_unique<RemoteChild>(*this, id, std::move(state)));
 }
 
+// Once for each connection: the folder of a new connection is empty.
 Result<std::string> RemoteHost::PlaceKeys(const std::string& keys, const std::string& enclave) {
   if (enclaves_.insert(enclave).second) {
     std::error_code failure;
@@ -195,6 +201,7 @@ void RemoteHost::ReadErrors() {
   }
 }
 
+// The end of the messages is the loss of the host; the status of the connecting program tells the reason (ssh: 255).
 void RemoteHost::Read() {
   ReadErrors();
   for (const std::string& line : messages_->Read()) ApplyMessage(line);
@@ -257,6 +264,7 @@ void RemoteHost::ApplyMessage(const JsonReader& message) {
   }
 }
 
+// All processes there count as ended: the host ends them when it notices (see above).
 void RemoteHost::Lose(const std::string& reason) {
   if (std::exchange(lost_, true)) return;
   std::string text =
@@ -274,6 +282,7 @@ Status RemoteHost::PollLoss() {
   return std::exchange(loss_, Status());
 }
 
+// Other messages arrive meanwhile and are kept, so that no line is lost during a copy.
 Status RemoteHost::Fetch(const std::string& from, const std::string& to, const FetchProgress& progress) {
   const std::string context = "host " + name() + ": cannot fetch " + from + " to " + to + ": ";
   if (!connected()) return Failure(context + "the connection is lost");

@@ -66,6 +66,7 @@ std::string ProcessEnd::ToString() const {
   return "ended with exit status " + std::to_string(exit_code);
 }
 
+// fork and not posix_spawn: PR_SET_PDEATHSIG must be set in the child before exec.
 Result<Process> Process::Start(const std::vector<std::string>& command, const Streams& streams, int kept,
                                Addresses addresses) {
   std::vector<char*> arguments;
@@ -102,12 +103,14 @@ void Process::Signal(int signal) const {
   if (running()) kill(pid_, signal);
 }
 
+// The group first, as a grandchild would outlive its parent.
 void Process::Kill() {
   if (!running()) return;
   kill(-pid_, SIGKILL);
   Wait(0);
 }
 
+// wait4 and not waitpid, for the resource usage.
 bool Process::Wait(int options) {
   int status = 0;
   rusage usage{};
@@ -144,6 +147,7 @@ LineReader::LineReader(int descriptor) : descriptor_(descriptor) {
   fcntl(descriptor_, F_SETFL, fcntl(descriptor_, F_GETFL) | O_NONBLOCK);
 }
 
+// Reads until the pipe is empty, so that one wake-up serves all lines.
 std::vector<std::string> LineReader::Read() {
   while (!at_end_) {
     constexpr std::size_t kPiece = 65536;  // bytes; too many for a small stack (ulimit -s)

@@ -36,6 +36,7 @@ std::vector<std::size_t> StartOrder(std::size_t count, const std::optional<std::
 }
 
 // Robots that share a process.
+// A group becomes one agent process.
 struct Group {
   std::size_t site;
   std::vector<std::string> robots;
@@ -94,6 +95,7 @@ Status AgentFleet::Plan(const std::vector<std::string>& robots, const std::vecto
   const std::size_t first = group_sites_.size();
   // Pointers into sites_, which does not change after Start.
   for (const Group& group : groups) group_sites_.push_back(&sites_[group.site]);
+  // Before any process starts: a part for each group, by index of the group, whatever the order of starts.
   if (Status status = scans_.AddParts(groups.size()); !status.ok()) return status;
   if (Status status = traces_.AddParts(groups.size()); !status.ok()) return status;
   for (const std::size_t index : StartOrder(groups.size(), options_.shuffle_start)) {
@@ -114,6 +116,7 @@ Status AgentFleet::StartUpTo(std::size_t agents) {
   return Status();
 }
 
+// The options are copied and adapted to the site; AgentArguments alone knows the command line of the program.
 Result<std::vector<std::string>> AgentFleet::ArgumentsOf(std::size_t group, const std::vector<std::string>& robots,
                                                          Occasion occasion) const {
   const AgentSite& site = *group_sites_[group];
@@ -158,6 +161,7 @@ Status AgentFleet::StartAgent(WaitingAgent agent) {
 }
 
 Result<AgentFleet::StartedProcess> AgentFleet::StartProcess(std::size_t group, std::vector<std::string> arguments) {
+  // Random and not counted: the service must not take a restarted agent, or one of another run, for its predecessor.
   const AgentId id = MakeRandomId();
   arguments.push_back(fmt::format("--agent-id={:016x}", id));
   Result<std::unique_ptr<Child>> process = group_sites_[group]->host->Start("robot-agent", arguments, false);
@@ -174,12 +178,14 @@ Status AgentFleet::Restart(std::size_t number) {
   if (!arguments.ok()) return arguments.error();
   Result<StartedProcess> started = StartProcess(agent.group, std::move(arguments).value());
   if (!started.ok()) return started.error();
+  // The figure of the process that is replaced, whose end is lost with it.
   peak_memory_mib_ = peak_memory_mib();
   agent.id = started.value().id;
   agent.process = std::move(started.value().process);
   return Status();
 }
 
+// It is printed for the user once automatic restarts are used up: the robots are frozen until then.
 Result<std::string> AgentFleet::RestartCommand(std::size_t number) const {
   const AgentProcess& agent = agents_.at(number);
   const Result<std::vector<std::string>> arguments = ArgumentsOf(agent.group, agent.robots, Occasion::kAgain);
@@ -187,12 +193,14 @@ Result<std::string> AgentFleet::RestartCommand(std::size_t number) const {
   return ShellQuoted(agent.host->ProgramPath("robot-agent")) + " " + ShellQuoted(arguments.value());
 }
 
+// Only the participants change: ports and addresses are those of the first service.
 void AgentFleet::SetService(const std::vector<ServiceParticipant>& participants) {
   for (std::size_t group = 0; group < std::min(ready_.participants.size(), participants.size()); ++group) {
     ready_.participants[group].participant = participants[group].participant;
   }
 }
 
+// Poll is true once for each end, so that no end is reported twice.
 std::vector<std::size_t> AgentFleet::PollEnded() {
   std::vector<std::size_t> ended;
   for (const AgentProcess& agent : agents_) {
@@ -248,6 +256,7 @@ void AgentFleet::NoteLostFiles(const Host& host) {
   }
 }
 
+// A failure does not end the copies: files of the other hosts may be complete.
 Status AgentFleet::FetchOutputs(const std::function<void(const std::string&)>& tell,
                                 const std::function<bool()>& goes_on) {
   std::size_t files = 0;

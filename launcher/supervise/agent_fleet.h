@@ -33,6 +33,7 @@ namespace troupe {
 // The network profile without multicast (transport/dds/binding/domain_config.h).
 inline constexpr const char* kUnicastProfile = "unicast";
 
+// One agent of the fleet. Several robots share a process when the scenario sets robots_per_process.
 struct AgentProcess {
   std::size_t number;              // in the fleet; an agent that is started again keeps it
   AgentId id;                      // of the process in its run; one that is started again has another one
@@ -43,6 +44,7 @@ struct AgentProcess {
 };
 
 // Where agents run.
+// The interface is part of the site and not of the host, because a scenario may name another one for each host.
 struct AgentSite {
   Host* host;
   std::string network_interface;
@@ -91,6 +93,7 @@ class AgentFleet {
   // The largest resident size of an agent that has ended; 0 without one.
   double peak_memory_mib() const;
   // The host names of the robots on remote hosts, by robot.
+  // Robots on this host are not in it.
   std::map<std::string, std::string> hosts() const;
   // The error about an output file of the user that a line reports which was printed on `host`; nothing for another
   // line.
@@ -108,6 +111,9 @@ class AgentFleet {
   const std::vector<std::string>& trace_files() const { return traces_.files(); }
 
  private:
+  // Why an agent is started. A robot of an agent that is started during the run may have been deleted meanwhile, so
+  // that only an agent of the beginning insists on its robots; only a restarted one appends to the scans of its
+  // predecessor.
   enum class Occasion : std::uint8_t {
     kAtBegin,
     kOfNewRobots,  // of an edit, while the run goes on
@@ -143,6 +149,7 @@ class AgentFleet {
   std::vector<AgentProcess> agents_;  // in the order of starting
   std::deque<WaitingAgent> waiting_;
   std::vector<const AgentSite*> group_sites_;  // in the order of robots
+  // Constant after Start: group_sites_ points into it.
   std::vector<AgentSite> sites_;
   ReadyReport ready_;
   std::vector<std::string> service_addresses_;

@@ -12,11 +12,13 @@
 
 namespace troupe {
 
+// Copies come before merges, which read the copied parts.
 Status CollectOutputs(const RunOptions& options, const RunHosts& hosts, ServiceProcess& service, AgentFleet& agents,
                       SignalWatch& signals, Progress& progress) {
   using Clock = std::chrono::steady_clock;
   constexpr auto kCopyLinePeriod = std::chrono::seconds(5);
   Status first;
+  // The first failure is usually the cause of the others.
   const auto keep = [&first](Status status) {
     if (first.ok()) first = std::move(status);
   };
@@ -36,6 +38,7 @@ Status CollectOutputs(const RunOptions& options, const RunHosts& hosts, ServiceP
     }));
     keep(agents.FetchOutputs([&](const std::string& line) { progress.Tell(line); }, goes_on));
   }
+  // kFree: the parts are not read again, and the disk may not have room for scans twice.
   if (!options.scans.empty()) keep(MergeScans(agents.scan_files(), options.scans, LineFile::Space::kFree));
   if (!options.trace.file.empty()) {
     std::vector<std::string> parts = {service.trace_file()};

@@ -43,10 +43,17 @@ constexpr int kMaxPings = 10;
 
 constexpr std::size_t kLongestCommand = 20'000;  // characters that are printed
 
+// For AgentRestarts and RunHosts, which have no clock of their own so that tests can set the time.
 double Seconds(Clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
+// The life of a run over DDS: hosts are connected, the service is started; its "ready" report starts agents, viewer and
+// the program of ROS 2; "started" is the begin of the run; a summary ends it. After that the agents leave, the outputs
+// are collected, and the page may stay open.
+//
+// One thread, one poll (WaitForEvents): signals, ends of children, lines of hosts and times are all events of
+// ProcessEvents, so that no state is shared and none is locked but the lines of the ROS program.
 class DistributedRun {
  public:
   explicit DistributedRun(const RunOptions& options)
@@ -145,6 +152,7 @@ class DistributedRun {
   RunEnd end_;  // without the outcome
 };
 
+// Without a time to wake at, the wait is unlimited: an idle run costs no processor time.
 void DistributedRun::WaitForEvents() {
   std::optional<double> wake = restarts_.NextDue();
   if (service_restarts_.due()) wake = std::min(wake.value_or(*service_restarts_.due()), *service_restarts_.due());
@@ -159,6 +167,7 @@ void DistributedRun::WaitForEvents() {
   poll(waited.data(), waited.size(), timeout);
 }
 
+// The order of the steps matters: ends before output, output before reports, reports before reactions to ends.
 void DistributedRun::ProcessEvents() {
   WaitForEvents();
   // The first Ctrl-C asks for an orderly end, with summary and files; the second one kills.
@@ -216,6 +225,7 @@ void DistributedRun::PrintOutput() {
   for (const std::string& line : std::exchange(ros_lines_, {})) progress_.Tell(line);
 }
 
+// A request for another run counts only from this host and after the run's summary; before, it is a line as any other.
 bool DistributedRun::NotePage(const std::string& line, const Host& host) {
   if (!host.name().empty()) return false;
   if (page_.empty() && line.starts_with(kPageLine)) page_ = line.substr(kPageLine.size());
@@ -258,6 +268,7 @@ bool DistributedRun::NoteOutputFailure(const std::string& line, const Host& host
   return true;
 }
 
+// A line that is no report is skipped (launcher/supervise/reports.h).
 void DistributedRun::ProcessReports() {
   for (const std::string& line : hosts_.service_host().ReadReports()) {
     std::optional<ServiceReport> report = ParseServiceReport(line);
@@ -265,6 +276,8 @@ void DistributedRun::ProcessReports() {
   }
 }
 
+// The service knows the robots only once the world is loaded: nothing about agents is decided before this report. A
+// second one is that of a restarted service.
 void DistributedRun::React(const ReadyReport& ready) {
   if (kill_at_) return;
   if (!service_ports_.empty()) return ReactToReturn(ready);
@@ -296,6 +309,7 @@ void DistributedRun::ReactToReturn(const ReadyReport& ready) {
   }
 }
 
+// The service cannot see processes: an agent is lost only when this process says so.
 void DistributedRun::TellAgents(const std::vector<std::size_t>& ended) {
   for (const AgentId agent : agents_.DrainStarted()) service_.TellStart(agent);
   for (const std::size_t number : ended) {
@@ -305,6 +319,7 @@ void DistributedRun::TellAgents(const std::vector<std::size_t>& ended) {
   }
 }
 
+// A silent host keeps its connection, since it may only be slow: for the service its agents are lost until it answers.
 void DistributedRun::PingHosts() {
   const double now = Seconds(Clock::now());
   if (options_.hosts.empty() || now < next_ping_) return;
@@ -357,6 +372,7 @@ void DistributedRun::React(const NewRobotsReport& report) {
   }
 }
 
+// Joins are counted in statuses: each lets further agents start (AgentFleet::StartAfterJoins).
 void DistributedRun::React(const StatusMessage& status) {
   progress_.Update(status);
   if (!begins_at_) begins_at_ = status.sim_seconds;
@@ -365,6 +381,7 @@ void DistributedRun::React(const StatusMessage& status) {
   if (Status started = agents_.StartAfterJoins(status.agents); !started.ok()) Fail(FailedRun(started.error()));
 }
 
+// The start-up time is measured by this process: it includes the starts of all processes.
 void DistributedRun::React(const StartedReport&) {
   service_started_at_ = Clock::now();
   if (started_) return progress_.Tell("the world service has been started again, and the run continues");
@@ -376,6 +393,8 @@ void DistributedRun::React(const StartedReport&) {
                              options_.network.session, robots_, agents_.size(), on_hosts, startup_seconds_));
 }
 
+// By the agent's exit status, the phase of the run and the restarts that are left: the end of the run, a restart, or a
+// robot without an agent, with a command for the user that starts it again.
 void DistributedRun::ReactToEnd(const AgentProcess& agent) {
   const ProcessEnd& end = *agent.process->end();
   if (end.exit_code == kExitOutputFailed) {
@@ -449,6 +468,7 @@ void DistributedRun::RestartAgent(std::size_t number) {
   if (!status.ok()) TellRestartCommand(agents_.agent(number), status.error().ToString());
 }
 
+// A restart that is due on a lost host waits for the host, without costing another restart of the limit.
 void DistributedRun::RestartAgents() {
   if (kill_at_ || summary_ || !goes_on()) return restarts_.Cancel();
   for (const std::size_t number : restarts_.DrainDue(Seconds(Clock::now()))) {
@@ -484,6 +504,7 @@ bool DistributedRun::PlanRestartOfService() {
   return false;
 }
 
+// The same ports as before: agents and viewer reconnect by the addresses that they have.
 void DistributedRun::RestartService() {
   if (!service_restarts_.due() || Seconds(Clock::now()) < *service_restarts_.due()) return;
   if (kill_at_) return service_restarts_.Cancel();
@@ -498,6 +519,8 @@ void DistributedRun::Fail(RunEnd end) {
   Stop();
 }
 
+// SIGTERM to the service alone once the run has started: it tells the agents of the end, so that all stop at the same
+// tick.
 void DistributedRun::Stop() {
   service_restarts_.Cancel();
   service_.process().Signal(SIGTERM);
@@ -505,6 +528,7 @@ void DistributedRun::Stop() {
   if (!kill_at_) kill_at_ = Clock::now() + kStopTimeout;
 }
 
+// A profile that the user has named stays, but for lan, which would not work without multicast.
 void DistributedRun::ChooseNetworkProfile() {
   std::string& profile = options_.network.network_profile;
   if (!profile.empty() && profile != kMulticastProfile) return;
@@ -519,6 +543,7 @@ void DistributedRun::ChooseNetworkProfile() {
                   name, deaf.size() == 1 ? "host" : "hosts", fmt::join(deaf, ", ")));
 }
 
+// The service decides when a run ends; agents that end before it are restarted or lost.
 void DistributedRun::SuperviseUntilServiceEnds() {
   while (goes_on()) ProcessEvents();
   ProcessReports();
@@ -557,6 +582,7 @@ void DistributedRun::CountFromTheFirstService(RunSummary& run) const {
   run.real_time_factor = (run.sim_seconds - begins_at_.value_or(0.0)) / run.wall_seconds;
 }
 
+// A failure of the run precedes one of its outputs, which usually follows from it.
 RunEnd DistributedRun::End() {
   const Status collected =
       started_ ? CollectOutputs(options_, hosts_, service_, agents_, signals_, progress_) : Status();
@@ -594,6 +620,7 @@ void DistributedRun::AwaitStopOfViewer() {
   while (stays_open()) ProcessEvents();
 }
 
+// The result is reported before the wait for the viewer (launcher/supervise/run_ways.h).
 int DistributedRun::Run(const ReportEnd& report) {
   const RunEnd end = Supervise();
   const bool stays_open = viewer_.running() && StaysOpen(options_, end);
@@ -606,6 +633,7 @@ int DistributedRun::Run(const ReportEnd& report) {
   return exit_status;
 }
 
+// Hosts first, then keys, which are copied to them, then the service.
 RunEnd DistributedRun::Supervise() {
   if (const Status status = hosts_.Connect(signals_); !status.ok()) {
     RunEnd end = FailedRun(status.error());
@@ -630,6 +658,7 @@ int RunDistributed(const RunOptions& options, const ReportEnd& report) {
   std::optional<NewRun> again;
   int exit_status = kExitDone;
   {
+    // Its end closes all connections and files before exec replaces this process.
     DistributedRun run(options);
     exit_status = run.Run(report);
     again = run.again();
@@ -637,6 +666,7 @@ int RunDistributed(const RunOptions& options, const ReportEnd& report) {
   return again ? StartAgain(*again) : exit_status;
 }
 
+// In scripts, which have no terminal, a run ends with its last tick.
 bool StaysOpen(const RunOptions& options, const RunEnd& end) {
   const bool is_done = end.exit_status == kExitDone || end.exit_status == kExitRobotsLost;
   return !options.headless && is_done && Progress::IsInteractive();

@@ -39,6 +39,7 @@ namespace {
 
 // Agents for the robots that edits add to the world, each on a thread of its own: an agent waits for frames most of the
 // time.
+// Start is called on the service's thread, Join and what follows it on that of the run, after the service has ended.
 class NewAgents {
  public:
   // `stop_run` is set when the scans of an agent cannot be written.
@@ -62,6 +63,7 @@ class NewAgents {
       options.scan_log = file.value();
       scan_files_.push_back(file.value());
     }
+    // OrFailure: an exception of DDS or of a controller must end this agent, not the process.
     threads_.emplace_back([this, options] {
       const Result<AgentEnd> end =
           OrFailure([&] { return RunAgent(transport_.MakeAgentEndpoint(options.agent), options, stop_.get_token()); });
@@ -122,6 +124,7 @@ class NewAgents {
   std::vector<std::thread> threads_;
 };
 
+// The same lines as of a run over DDS, by the same Progress.
 class ProgressObserver : public RunObserver {
  public:
   ProgressObserver(std::size_t robots, NewAgents& new_agents) : robots_(robots), new_agents_(new_agents) {}
@@ -143,6 +146,7 @@ class ProgressObserver : public RunObserver {
   Progress progress_;
 };
 
+// The text was checked when the command line was read.
 std::unique_ptr<Transport> MakeTransport(const std::string& faults) {
   std::unique_ptr<Transport> transport = MakeMemoryTransport();
   if (faults.empty()) return transport;
@@ -173,6 +177,7 @@ std::shared_ptr<ThreadPool> MakeThreadPool(const RunOptions& options) {
   return std::make_shared<ThreadPool>(options.threads.value_or(std::thread::hardware_concurrency()));
 }
 
+// The same source as world-service makes of its command line, so that both ways load, branch and record alike.
 RunSource SourceOf(const RunOptions& options) {
   RunSource source;
   source.file = options.file;
@@ -192,6 +197,7 @@ RunSource SourceOf(const RunOptions& options) {
   return source;
 }
 
+// Scenes and libraries are the service's: the world is loaded once in the process.
 AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& service) {
   AgentOptions agent;
   agent.agent = 1;
@@ -208,6 +214,8 @@ AgentOptions MakeAgentOptions(const RunOptions& options, const ServiceOptions& s
 }
 
 // The service and the first agent in threads of their own.
+// The threads share the transport alone. Members are declared in the order of use: the transport outlives the viewer
+// and the agents, which have endpoints of it.
 class InProcessRun {
  public:
   // The run and its observers must outlive this.
@@ -224,6 +232,7 @@ class InProcessRun {
   }
 
   // Runs until service and agents have ended, and merges the scans.
+  // `summary` and `agent` are written by their threads and read after the joins.
   Result<RunSummary> Run(SignalWatch& signals) {
     const WakeEvent done;
     std::stop_source agent_stop;
@@ -276,6 +285,7 @@ class InProcessRun {
 };
 
 // Gives the service and the agent a part of the trace each.
+// Two parts, because service and agent append at the same time.
 Result<std::vector<std::string>> SplitTrace(const TraceOptions& trace, OutputParts& parts, TraceOptions& service,
                                             TraceOptions& agent) {
   std::vector<std::string> files;
@@ -298,6 +308,7 @@ Error WithUsersFile(Error error, const std::vector<std::string>& parts, const st
 
 }  // namespace
 
+// Errors of a step come back in the RunEnd, so that each ends with the same report as a run over DDS.
 int RunInProcess(const RunOptions& options, const MakeViewer& make_viewer, const ReportEnd& report) {
   RunSource source = SourceOf(options);
   TraceOptions agent_trace;

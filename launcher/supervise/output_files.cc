@@ -27,6 +27,7 @@ namespace troupe {
 namespace {
 
 // For `count` parts that are open here, and once more while they are merged.
+// A soft limit of 1024 files, as usual, is too few for a run of a thousand agents. A refusal shows when a part is made.
 void AllowOpenFiles(std::size_t count) {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
@@ -35,6 +36,7 @@ void AllowOpenFiles(std::size_t count) {
 }
 
 // The number after `start`, for instance after {"tick":
+// Only the first number of a line is needed, so that long lines of scans are copied without being parsed.
 std::optional<std::uint64_t> NumberAfter(std::string_view start, const std::string& line) {
   if (!line.starts_with(start)) return std::nullopt;
   std::uint64_t number = 0;
@@ -43,9 +45,12 @@ std::optional<std::uint64_t> NumberAfter(std::string_view start, const std::stri
 }
 
 // The time of a line: the edition of the world, and the tick.
+// Ticks alone are no order: an edit may set the run back to tick 0.
 using When = std::pair<std::uint64_t, std::uint64_t>;
 
 // One part and a position in it.
+// A line {"edition":N} applies to the lines that follow it. A line without a tick ends the part: it is one that a
+// killed agent has left half written.
 class Part {
  public:
   explicit Part(LineFile file) : file_(std::move(file)) { Next(); }
@@ -92,6 +97,7 @@ Status WriteTick(Part& part, const When& when, OutputFile& file) {
   return Status();
 }
 
+// All files that a run may write; an output that is missing here is not checked.
 std::vector<OutputName> OutputsOf(const RunOptions& options) {
   std::vector<OutputName> outputs = {{"--hash-log", options.hash_log}, {"--poses", options.poses},
                                      {"--scans", options.scans},       {"--summary", options.summary},
@@ -106,6 +112,7 @@ bool IsJournal(const OutputName& output) {
   return output.option == "--journal" || output.path.ends_with(".mcap");
 }
 
+// A journal needs seeks and cuts, which a device or a pipe does not have.
 Status CheckOutput(const OutputName& output) {
   const std::string& path = output.path;
   Status status = IsJournal(output) && IsDevice(path) && !std::filesystem::is_directory(path)
@@ -127,6 +134,7 @@ OutputParts::~OutputParts() {
   for (int descriptor : descriptors_) close(descriptor);
 }
 
+// unlink at once: the open descriptor keeps the file, and the system frees it with the last process that has it open.
 Result<std::string> OutputParts::Add() {
   AllowOpenFiles(descriptors_.size() + 1);
   std::string name = folder_ + "/troupe-part-XXXXXX";
@@ -144,6 +152,7 @@ std::optional<Error> OutputFailure(const std::string& line, const std::string& p
   return Error{{output}, line.substr(at + start.size()), ErrorCode::kFailure};
 }
 
+// One pass over all parts, with one line of each in memory: the parts may be larger than the memory.
 Status MergeScans(const std::vector<std::string>& parts, const std::string& output, LineFile::Space space) {
   std::vector<std::unique_ptr<Part>> open;
   for (const std::string& path : parts) {
@@ -178,6 +187,7 @@ Status MergeScans(const std::vector<std::string>& parts, const std::string& outp
   return failure.ok() ? closed : failure;
 }
 
+// The inputs are a function, since they need the files to be parsed: it is called only when an output exists already.
 Status CheckOutputs(const RunOptions& options) {
   if (!options.journal.empty() && options.record.ends_with(".mcap")) {
     return Error{{}, "found --journal and a recording (--record), expected one of them: a recording is a journal, too"};

@@ -21,6 +21,7 @@ namespace troupe {
 namespace {
 
 // `name`: the member with the name of each.
+// The report and the summary file have the same members under two names.
 std::vector<SlowRobot> ReadSlow(const JsonReader& object, const char* list, const char* name) {
   std::vector<SlowRobot> read;
   for (const JsonReader& entry : object.ItemsOf(list)) {
@@ -86,6 +87,7 @@ RunSummary ReadEnd(const JsonReader& json) {
   return summary;
 }
 
+// Members that are missing keep their defaults; a member of a wrong type makes the line no report (JsonReader::ok).
 std::optional<ServiceReport> ReadReport(const JsonReader& json) {
   const auto type = json.Get<std::string>("type");
   if (type == "ready") return ReadReady(json);
@@ -115,6 +117,7 @@ std::size_t TerminalWidth() {
 }
 
 // As people say it: "7 s", "4 min", "3 h". Empty: not known.
+// By the speed of the run so far. Whole units and rounded up: a precise figure would change in each line.
 std::string TimeLeft(const StatusMessage& status) {
   if (status.target_ticks <= status.tick || status.tick == 0 || !(status.real_time_factor > 0.0)) return "";
   const double seconds_per_tick = status.sim_seconds / static_cast<double>(status.tick) / status.real_time_factor;
@@ -128,6 +131,7 @@ std::string HashText(std::uint64_t hash) {
   return fmt::format("{:016x}", hash);
 }
 
+// A run of a thousand robots must not print a thousand names in one line.
 constexpr std::size_t kNamesListed = 10;
 constexpr std::size_t kLinesOfMany = 10;  // in a second
 
@@ -146,6 +150,7 @@ std::optional<ServiceReport> ParseServiceReport(const std::string& line) {
   return json.ok() ? std::move(report) : std::nullopt;
 }
 
+// The first part is the newest tick, which a terminal that is too narrow keeps.
 std::string StatusText(const StatusMessage& status) {
   std::string text = fmt::format("tick {}", status.tick);
   if (status.target_ticks > 0) text += fmt::format("/{}", status.target_ticks);
@@ -174,6 +179,7 @@ Progress::~Progress() {
   ClearStatusLine();
 }
 
+// In a log (no terminal) a line replaces none, so that there are few.
 void Progress::Update(const StatusMessage& status) {
   TellNumberOfOthers(false);
   if (terminal_) {
@@ -187,6 +193,7 @@ void Progress::Update(const StatusMessage& status) {
   }
 }
 
+// Frequent events are in recordings and event topics, for users who need each.
 void Progress::TellEvent(Tick tick, const std::string& event, const std::string& text) {
   const std::optional<EventType> type = FindByName<EventType>(event);
   const bool is_frequent =
@@ -197,6 +204,8 @@ void Progress::TellEvent(Tick tick, const std::string& event, const std::string&
   if (!is_frequent && !start) Tell(text);
 }
 
+// The status line is removed and printed again below the new line. Names of users are printed as plain text: no escape
+// sequence of a world reaches the terminal.
 void Progress::Tell(const std::string& line, const std::string& command) {
   std::string kept = status_line_;
   ClearStatusLine();
@@ -235,6 +244,7 @@ namespace {
 
 constexpr std::size_t kRobotsShown = 12;
 
+// A column without use in any robot (no goals, no battery) is left out.
 struct Column {
   std::string heading;
   std::string (*text)(const RobotTotal& total);
@@ -242,6 +252,7 @@ struct Column {
   bool to_the_right = true;
 };
 
+// Stalls, and the names of the things that were touched.
 std::string ContactsText(const RobotTotal& total) {
   if (total.stalls == 0) return "none";
   std::string text = std::to_string(total.stalls);
@@ -338,6 +349,7 @@ std::string Times(std::uint64_t count, const std::string& thing) {
 
 }  // namespace
 
+// Figures of the simulation come first; faults of processes only where there were any.
 std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& options) {
   const RunSummary& run = outcome.run;
   std::string text;
@@ -363,6 +375,8 @@ std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& opt
   return text;
 }
 
+// All members of the object are always there, with zeros and empty lists, so that scripts need no case for an absent
+// one.
 std::string SummaryJson(const RunOutcome& outcome) {
   const RunSummary& run = outcome.run;
   nlohmann::ordered_json slowest = nlohmann::ordered_json::array();

@@ -33,6 +33,7 @@ constexpr double kSecondDelay = 0.1;  // s, before the second restart at one tic
 
 }  // namespace
 
+// A restart that is still pending is replaced: an agent has one process.
 std::optional<double> AgentRestarts::OnEnd(Agent agent, int exit_status, double now) {
   if (!MayBeRestarted(exit_status) || CountOf(agent) >= limit_) return std::nullopt;
   due_.erase(agent);
@@ -41,6 +42,7 @@ std::optional<double> AgentRestarts::OnEnd(Agent agent, int exit_status, double 
   return due;
 }
 
+// By times only, and not by the order of the map: the result does not depend on the agents' numbers.
 double AgentRestarts::FreeTime(double from) const {
   std::vector<double> taken;
   for (const auto& [agent, due] : due_) taken.push_back(due);
@@ -72,6 +74,8 @@ std::uint32_t AgentRestarts::CountOf(Agent agent) const {
   return count == counts_.end() ? 0 : count->second;
 }
 
+// Progress is a newer state, not a longer life: a service that loads a large world for a minute and dies at the same
+// tick has made none.
 std::optional<double> ServiceRestarts::OnDeath(const StatePlace& newest, double now) {
   without_progress_ = newest_ == newest ? without_progress_ + 1 : 0;
   newest_ = newest;

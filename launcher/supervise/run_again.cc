@@ -41,6 +41,7 @@ std::optional<std::optional<std::uint64_t>> ParseRunAgainLine(std::string_view l
   return seed;
 }
 
+// From the system and not from main's arguments, which CLI11 may have changed and which are not known here.
 std::vector<std::string> OwnCommandLine() {
   std::ifstream file("/proc/self/cmdline");
   std::vector<std::string> words;
@@ -48,6 +49,7 @@ std::vector<std::string> OwnCommandLine() {
   return words;
 }
 
+// Both forms of the option, "--seed N" and "--seed=N"; the new one is last.
 std::vector<std::string> WithSeed(const std::vector<std::string>& words, std::uint64_t seed) {
   std::vector<std::string> result;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -73,6 +75,7 @@ int StartAgain(const NewRun& run) {
   return kExitFailed;
 }
 
+// "http://HOST:PORT/" with "?token=TOKEN" behind it, or without.
 std::optional<PageAddress> ParsePageAddress(const std::string& address) {
   constexpr std::string_view kToken = "/?token=";
   const std::size_t slash = address.find('/', address.find("//") + 2);

@@ -11,6 +11,8 @@ namespace troupe {
 
 namespace fs = std::filesystem;
 
+// The words of --security, or a folder. auto means a token where all processes are on the loopback interface, and
+// identities elsewhere.
 Result<RunKeys> RunKeys::Make(const NetworkSettings& network) {
   RunKeys keys;
   if (network.security == kSecurityOff) return keys;
@@ -41,6 +43,7 @@ Result<std::string> RunKeys::ForService(Host& host) const {
   return PlaceOn(host, {KeyFolder(Role::Service()), KeyFolder(Role::Operator()), KeyFolder(Role::Observer())});
 }
 
+// An identity is written once for each set of robots: a restarted agent is the same party for the others.
 Result<std::string> RunKeys::ForAgent(Host& host, const std::vector<std::string>& robots) const {
   if (token_) return PlaceOn(host, {kTokenFolder});
   const Role role = Role::Agent(AgentName(robots));

@@ -36,6 +36,7 @@ void Append(std::vector<std::string>& arguments, std::vector<std::string> more) 
   for (std::string& argument : more) arguments.push_back(std::move(argument));
 }
 
+// All processes of a run need the same values here: another domain or profile would let them not find each other.
 std::vector<std::string> NetworkArguments(const RunOptions& options) {
   const NetworkSettings& network = options.network;
   std::vector<std::string> arguments;
@@ -50,6 +51,7 @@ std::vector<std::string> NetworkArguments(const RunOptions& options) {
   return arguments;
 }
 
+// Without the command the shell line would start nothing on the host, and the run would wait for it.
 std::string CheckHostStart(const std::string& text) {
   if (text.find("{command") != std::string::npos) return "";
   return "found no '{command}' in '" + text + "', expected one, or '{command_text}'";
@@ -98,6 +100,7 @@ void AddHostFlags(CLI::App& command, RunOptions& options, const char* group) {
       ->group(group);
 }
 
+// Defaults are decided later, by CompleteRunOptions: they depend on the scenario's hosts.
 void AddProcessFlags(CLI::App& command, RunOptions& options) {
   const char* group = "Processes and network";
   command.add_flag("--in-process", options.in_process, "Run service and agents in this process, without DDS")
@@ -195,6 +198,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
   ExcludeOptions(command);
 }
 
+// In this order: hosts, then the interface, whose default depends on them.
 Status CompleteRunOptions(RunOptions& options) {
   NetworkSettings& network = options.network;
   if (Status problem = CheckBranchFlags(options.file, options.branch, options.load.controller); !problem.ok()) {
@@ -230,12 +234,15 @@ Status CompleteRunOptions(RunOptions& options) {
   return Status();
 }
 
+// An address of the host names the interface that has it. A name would have to be resolved on that host, so DDS
+// chooses.
 std::string InterfaceOf(const HostSettings& host) {
   if (!host.network_interface.empty()) return host.network_interface;
   in_addr address{};
   return inet_pton(AF_INET, host.address.c_str(), &address) == 1 ? host.address : kAutomaticInterface;
 }
 
+// "--option=value" in one word, so that a value that begins with a dash stays a value.
 std::vector<std::string> ServiceArguments(const RunOptions& options) {
   std::vector<std::string> arguments;
   if (!options.file.empty()) arguments.push_back(options.file);

@@ -25,6 +25,7 @@ class App;
 namespace troupe {
 
 struct RunOptions {
+  // A world, a scenario or a recording to be continued.
   std::string file;
   RunOverrides run;    // of the scenario's settings
   LoadOverrides load;  // of its seed and controllers

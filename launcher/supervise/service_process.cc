@@ -24,6 +24,8 @@ constexpr double kReconnectTimeout = 30.0;
 ServiceProcess::ServiceProcess(const RunOptions& options, const RunHosts& hosts)
     : options_(options), hosts_(hosts), journal_parts_("", "--journal"), trace_parts_(options.trace.file, "--trace") {}
 
+// On another host the outputs are in the folder of the run, from where FetchOutputs copies them; the world file has the
+// same path on all hosts.
 RunOptions ServiceProcess::OptionsThere() const {
   RunOptions options = options_;
   options.trace.file = trace_file_;
@@ -67,6 +69,7 @@ Status ServiceProcess::MakeJournal() {
   return {};
 }
 
+// For a reader: options about the writing are left out.
 std::vector<std::string> ServiceProcess::JournalOptions() const {
   std::vector<std::string> options = hosts_.service_settings() == nullptr ? journal_ : std::vector<std::string>();
   std::erase_if(options, [](const std::string& o) { return o == "--journal-optional" || o == "--journal-sync"; });
@@ -83,6 +86,7 @@ Status ServiceProcess::Start(const RunKeys& keys) {
   return StartProcess(keys, {});
 }
 
+// A service that died before the run began loads the world file again, as there may be no journal yet.
 Status ServiceProcess::Restart(const RunKeys& keys, const std::vector<std::uint16_t>& ports, bool begun) {
   std::vector<std::string> more = {"--resume"};
   for (const std::uint16_t port : ports) more.push_back("--port=" + std::to_string(port));
@@ -90,6 +94,7 @@ Status ServiceProcess::Restart(const RunKeys& keys, const std::vector<std::uint1
   return StartProcess(keys, more);
 }
 
+// The journal is the recording in that case: a second one would write the same bytes twice.
 Status ServiceProcess::StartProcess(const RunKeys& keys, const std::vector<std::string>& more) {
   Result<std::string> security = keys.ForService(hosts_.service_host());
   if (!security.ok()) return security.error();
@@ -109,6 +114,7 @@ Status ServiceProcess::StartProcess(const RunKeys& keys, const std::vector<std::
   return Status();
 }
 
+// One kind of line: an agent without an end is present.
 void ServiceProcess::TellStart(AgentId agent) const {
   TellEnd(agent, {});
 }
@@ -166,6 +172,7 @@ std::vector<int> RunHosts::descriptors() const {
   return all;
 }
 
+// Written as a failed attempt in the past, so that NextAttempt needs no case for a first attempt.
 void RunHosts::OnLoss(Host& host, double now) {
   lost_[&host] = {now + kFirstReconnect - kReconnectPeriod, true};
 }
@@ -174,6 +181,7 @@ double RunHosts::NextAttempt(const Attempt& attempt) {
   return attempt.since + (attempt.has_failed ? kReconnectPeriod : kReconnectTimeout);
 }
 
+// Connecting is asynchronous: an attempt begins here and is seen to have ended in a later call.
 std::vector<Host*> RunHosts::Reconnect(double now) {
   std::vector<Host*> connected;
   for (auto& [host, attempt] : lost_) {
@@ -221,6 +229,8 @@ std::vector<AgentSite> RunHosts::AgentSites() const {
   return sites;
 }
 
+// Tested, since no setting tells: switches and virtual networks drop multicast silently. An address of the loopback
+// interface shows hosts that are simulated on one machine, where nothing is to be tested.
 std::vector<std::string> RunHosts::WithoutMulticast(SignalWatch& signals) const {
   if (options_.hosts.empty()) return {};
   const HostSettings* const of_service = service_settings();

@@ -65,6 +65,8 @@ class RunHosts {
   Result<std::vector<std::size_t>> PlaceOnSites(const std::vector<std::string>& robots) const;
 
  private:
+  // An attempt to connect a lost host again. The next one follows a failure after kReconnectPeriod, and silence after
+  // the longer kReconnectTimeout.
   struct Attempt {
     double since = 0.0;
     bool has_failed = false;

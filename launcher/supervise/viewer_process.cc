@@ -11,6 +11,8 @@
 
 namespace troupe {
 
+// The command line of the run travels as JSON, for the page's button that runs it again and for the command that it
+// shows.
 Status ViewerProcess::Start(Host& host, const RunOptions& options, const std::string& service_address,
                             const RunKeys& keys, const std::vector<std::string>& journal) {
   const NetworkSettings& network = options.network;
