@@ -47,6 +47,7 @@ bool IsOption(const std::string& argument) {
   return argument.size() > 1 && argument.front() == '-';
 }
 
+// CLI11 names unknown options without the command that would accept them; a typing error is the usual cause.
 std::string UnknownOptions(const CLI::App& command, const std::vector<std::string>& options) {
   std::string text;
   for (const std::string& option : options) {
@@ -95,6 +96,7 @@ std::string Mismatch(const std::string& found, const std::string& expected) {
   return "found '" + found + "', expected " + expected;
 }
 
+// The whole text, without leading blanks or a plus sign, in any locale.
 template <typename T>
 std::optional<T> ParseAll(const std::string& text) {
   T value{};
@@ -137,6 +139,7 @@ std::vector<std::string> CommandNames(const CLI::App& app) {
   return names;
 }
 
+// One line for each error, though CLI11 may print several: scripts read the last line.
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
   try {
     const std::optional<std::string> text = ArgumentsOfFile(argc, argv);
@@ -154,6 +157,7 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
   }
 }
 
+// Exceptions that arrive here are failures of the system (memory, threads, DDS).
 int RunProgram(int (*run)(int argc, const char* const* argv), int argc, const char* const* argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails, as on a full disk
   try {
@@ -233,6 +237,7 @@ CLI::Validator DdsDomain() {
   return WholeNumber(0, kMaxDomain);
 }
 
+// Checked here, because DDS would start without a usable interface and find no peer.
 CLI::Validator InterfaceValue() {
   auto check = [](const std::string& text) -> std::string {
     in_addr address{};
@@ -259,6 +264,7 @@ CLI::Validator NetworkName() {
   return OneOf({"one-host", "lan", "unicast"});
 }
 
+// A GUID prefix of RTPS, 12 bytes.
 CLI::Validator ParticipantValue() {
   auto check = [](const std::string& text) {
     constexpr std::size_t kDigits = 24;

@@ -52,6 +52,7 @@ void AddSecurityFlag(CLI::App& app, NetworkSettings& settings, const std::string
       ->group(group);
 }
 
+// A word in place of a flag: both values can be passed on to child processes.
 void AddDataSharingFlag(CLI::App& app, NetworkSettings& settings, const std::string& group) {
   const auto set = [&settings](const std::string& text) { settings.data_sharing = text == "on"; };
   app.add_option_function<std::string>("--data-sharing", set,
@@ -107,6 +108,7 @@ void AddBranchFlags(CLI::App& app, BranchFlags& flags, const std::string& group)
       ->group(group);
 }
 
+// A value with '=' is an assignment to a robot unless a '/' comes first: a path may have any characters.
 Status CheckBranchFlags(const std::string& file, BranchFlags& flags, std::optional<std::string>& controller) {
   if (file.ends_with(".mcap")) return {};
   if (flags.from_tick) return Error{{}, "option --from-tick: found a world, expected a recording (.mcap)"};
@@ -174,6 +176,7 @@ void AddRunFlags(CLI::App& app, RunOverrides& overrides, const std::string& grou
       ->group(group);
 }
 
+// The inverse of AddRunFlags, AddRobotsPerProcessFlag and the flags of ROS.
 std::vector<std::string> RunArguments(const RunOverrides& overrides) {
   std::vector<std::string> arguments;
   if (overrides.ticks) arguments.push_back(fmt::format("--ticks={}", *overrides.ticks));
@@ -321,6 +324,7 @@ void AddTraceFlags(CLI::App& app, TraceOptions& trace, const std::string& group)
       ->group(group);
 }
 
+// The file is another one for each process (its part).
 std::vector<std::string> TraceArguments(const TraceOptions& trace, const std::string& file) {
   std::vector<std::string> arguments = {"--trace=" + file};
   if (trace.first > 0 || trace.last) {

@@ -8,6 +8,7 @@
 namespace troupe {
 namespace {
 
+// Parameters of ECMA-48's sequence "select graphic rendition".
 const char* CodeOf(TerminalStyle style) {
   switch (style) {
     case TerminalStyle::kBold:
@@ -26,6 +27,7 @@ const char* CodeOf(TerminalStyle style) {
 
 }  // namespace
 
+// TERM=dumb is what editors set for the output of a build.
 bool HasStyles(std::FILE* stream) {
   const char* const none = std::getenv("NO_COLOR");
   const char* const terminal = std::getenv("TERM");
@@ -37,6 +39,7 @@ std::string Styled(TerminalStyle style, std::string_view text, bool has_styles) 
   return has_styles ? fmt::format("\033[{}m{}\033[0m", CodeOf(style), text) : std::string(text);
 }
 
+// Only a word that begins the message: "error: " in a quoted text stays plain.
 std::string StyledLine(std::string_view line, bool has_styles) {
   if (!has_styles) return std::string(line);
   struct Marked {

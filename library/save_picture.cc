@@ -26,6 +26,7 @@ std::vector<std::uint8_t> DepthPixels(const CameraReading& reading) {
 
 }  // namespace
 
+// Options are checked before the sensors are measured, which is most of the time.
 Result<std::string> DrawPicture(const Scene& scene, const BodyIndex& bodies, const WorldState& state,
                                 const PictureOptions& options, PictureRays rays) {
   if (const Status problem = CheckPictureOptions(options); !problem.ok()) return problem.error();

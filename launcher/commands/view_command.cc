@@ -63,7 +63,7 @@ struct ViewOptions {
   StaticPageOptions page;
 };
 
-// A session's name has no dot, so that the two cannot be confused.
+// By the ending: a session with such a name cannot be shown by its name.
 bool IsFile(const std::string& name) {
   return IsRecordingPath(name) || name.ends_with(".world") || name.ends_with(".json") || name.ends_with(".yaml");
 }

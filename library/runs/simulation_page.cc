@@ -45,6 +45,8 @@ constexpr int kEndMilliseconds = 5'000;     // for it to show the end; then it i
 constexpr std::size_t kMaxEvents = 10'000;  // between two frames
 constexpr std::size_t kMaxOutput = 4096;
 
+// The library is loaded from any program, so that the folder of that program says nothing: the installation is found by
+// the library's own file, then by the PATH.
 Result<std::string> FindProgram(const std::string& given) {
   const auto runs = [](const std::string& path) { return access(path.c_str(), X_OK) == 0; };
   if (!given.empty()) {
@@ -73,6 +75,7 @@ Result<std::string> FindProgram(const std::string& given) {
 
 }  // namespace
 
+// Behind a pointer, because the thread keeps its address while the page is moved.
 struct SimulationPage::Impl {
   Impl() = default;
   Impl(const Impl&) = delete;
@@ -107,6 +110,7 @@ struct SimulationPage::Impl {
   std::thread thread;  // last
 };
 
+// posix_spawn and not fork: the program that uses the library may have many threads and much memory.
 Status SimulationPage::Impl::Start(const SimulationPageOptions& options) {
   const Result<std::string> program = FindProgram(options.program);
   if (!program.ok()) return program.error();
@@ -173,6 +177,7 @@ Result<std::string> SimulationPage::Impl::ReadAddress() {
   }
 }
 
+// Keeps pointers alone: a state that no frame shows costs nothing more.
 void SimulationPage::Impl::Show(const Simulation& simulation) {
   const std::lock_guard lock(mutex);
   if (!is_open) return;
@@ -185,6 +190,7 @@ void SimulationPage::Impl::Show(const Simulation& simulation) {
   if (!std::exchange(is_new, true)) changed.notify_one();
 }
 
+// Ends when the program does not read any more, or at the end of the page.
 void SimulationPage::Impl::Run() {
   std::unique_lock lock(mutex);
   fcntl(output.get(), F_SETFL, O_NONBLOCK);
@@ -245,6 +251,7 @@ bool SimulationPage::Impl::SendNewest(std::unique_lock<std::mutex>& lock, bool l
   return sent;
 }
 
+// The last state is sent before the connection ends; then the program has a bounded time to show it.
 SimulationPage::Impl::~Impl() {
   if (thread.joinable()) {
     {

@@ -20,6 +20,7 @@ using Header = std::array<std::uint32_t, 2>;  // the kind and the length in byte
 
 constexpr std::uint32_t kMaxBytes = std::uint32_t{1} << 30;
 
+// False: the receiver is gone. Without a signal (SIGPIPE) in the program that uses the library.
 bool SendAll(int socket, const void* data, std::size_t size) {
   const char* next = static_cast<const char*>(data);
   while (size > 0) {
@@ -32,6 +33,7 @@ bool SendAll(int socket, const void* data, std::size_t size) {
   return true;
 }
 
+// Two writes, as the bytes may be large; the receiver reads the header first.
 bool SendMessage(int socket, Kind kind, std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxBytes) return false;
   const Header header = {static_cast<std::uint32_t>(kind), static_cast<std::uint32_t>(bytes.size())};
@@ -72,6 +74,7 @@ bool SendState(int socket, const FrameMessage& frame) {
   return SendMessage(socket, Kind::kFrame, wire::ToBytes(frame));
 }
 
+// An end within a message counts as the end of the stream.
 Result<StreamedMessage> ReceiveState(int socket) {
   Header header;
   if (!ReceiveAll(socket, header.data(), sizeof(header))) return StreamedMessage();

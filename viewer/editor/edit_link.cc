@@ -27,6 +27,7 @@ constexpr double kProbeSpeed = 0.4;              // m/s
 constexpr std::uint64_t kMaxStepsAtOnce = 1000;  // of a request
 
 // With the static models as objects; without models of maps, which the scene draws in another way.
+// Only the world in view: the file, and a test, keep them as static models.
 WorldDescription WithAllAsObjects(WorldDescription world) {
   std::vector<bool> is_robot(world.models.size(), false);
   for (const RobotDescription& robot : world.robots) is_robot[robot.root.index()] = true;
@@ -62,6 +63,7 @@ class EditLink::Observation final : public RunObservation {
   ObserverHandler& handler_;
 };
 
+// The thread starts last: it uses all other members.
 EditLink::EditLink(std::unique_ptr<Editor> editor) : run_(MakeRandomId()), editor_(std::move(editor)) {
   session_.run = frame_.run = run_;
   session_.begun = true;
@@ -134,6 +136,7 @@ void EditLink::ShowTest() {
   PostWorld(test_->world(), test_->state());
 }
 
+// The page may have written another controller into the text: libraries run only if the user's own file named them.
 Status EditLink::StartTest(const std::string& model, double probe_height) {
   if (editor_->world() == nullptr) return Failure("no world is loaded");
   WorldDescription world = editor_->world()->loaded.world;
@@ -153,6 +156,7 @@ Status EditLink::StartTest(const std::string& model, double probe_height) {
   return Restart();
 }
 
+// The probe drives towards the model from the start, as it has no controller.
 Status EditLink::Restart() {
   Result<Simulation> simulation = Simulation::Create(*test_world_);
   if (!simulation.ok()) return simulation.error();
@@ -177,6 +181,7 @@ void EditLink::EndTest() {
   ShowEdited();
 }
 
+// A command of the page counts down in ticks, as in a run.
 void EditLink::StepTest() {
   test_->Step();
   for (auto it = driven_.begin(); it != driven_.end();) {
@@ -190,6 +195,8 @@ void EditLink::StepTest() {
   PostState(test_->state(), test_->events());
 }
 
+// The next time follows from the one before and not from now, so that the mean rate is exact; after a delay no ticks
+// are made up for.
 void EditLink::Run() {
   std::unique_lock lock(mutex_);
   Clock::time_point next = Clock::now();
@@ -211,6 +218,7 @@ void EditLink::Run() {
   }
 }
 
+// The same checks as in a run.
 Status EditLink::Drive(const control::CommandRobot& request) {
   if (!test_) return Failure("a robot is driven in a test: start one");
   const std::optional<RobotId> robot = test_->FindRobot(request.name);
@@ -227,6 +235,7 @@ Status EditLink::Drive(const control::CommandRobot& request) {
   return test_->Drive(*robot, std::move(command));
 }
 
+// One call operator for each request; the template refuses all others. REQUIRES: the mutex of the link is locked.
 struct EditLink::RequestOfPage {
   EditLink& link;
   ControlReply& reply;
@@ -299,6 +308,7 @@ Status EditLink::Apply(const control::Request& request, ControlReply& reply) {
   return std::visit(RequestOfPage{*this, reply}, request);
 }
 
+// A refused request is a reply, too: the error is for the page. Messages about the edited file need no name of it.
 Result<ControlReply> EditLink::Ask(const control::Request& request) {
   const std::lock_guard lock(mutex_);
   ControlReply reply;

@@ -39,6 +39,7 @@ class EditLink final : public RunLink {
 
  private:
   class Observation;
+  // A robot of the test that a page drives, until its command expires.
   struct Driven {
     std::uint64_t ticks_left = 0;
   };
@@ -46,12 +47,16 @@ class EditLink final : public RunLink {
   void Forget(ObserverHandler& handler);
   void Run();
   // REQUIRES, of all below: mutex_ is held.
+  // The edited world, at its initial state. It replaces a test in view.
   void ShowEdited();
   void ShowTest();
+  // Counts an edition up, so that the gateway takes the world for another one.
   void PostWorld(const WorldDescription& world, const WorldState& state);
   void PostState(const WorldState& state, const std::vector<Event>& events);
   void PostAll();
+  // `model`: empty: the whole world. `probe_height`: m, of the plain robot that is put beside a model that is no robot.
   Status StartTest(const std::string& model, double probe_height);
+  // From the world as it was when the test began, whatever has been edited since.
   Status Restart();
   void EndTest();
   void StepTest();

@@ -67,6 +67,8 @@ struct Names {
   const WorldDescription& world;
 };
 
+// Recursive over the tree, with the poses and full names that the loader gives. Models without an entry in the world,
+// as those that a type implies, are no entities.
 void AddEntities(const WorldNode& parent, const std::string& parent_name, const WorldNode* parent_node,
                  const Pose& X_WP, const Names& names, const std::set<const WorldNode*>& shelf, EditableWorld& edited) {
   const std::vector<std::string> given = ChildNames(parent);
@@ -93,6 +95,7 @@ double Rounded(double value) {
   return std::round(value * 1e4) / 1e4;
 }
 
+// Bounded: a picture is a symbol in the palette, and there may be hundreds.
 void AddToPicture(nlohmann::json& blocks, const Polygon& outline, const ZRange& z, const Pose& X_WM,
                   const Color& color) {
   if (blocks.size() >= kMaxPictureBlocks || outline.size() > kMaxPictureCorners) return;
@@ -112,6 +115,7 @@ constexpr double kWallHeight = 0.5;  // m
 constexpr double kMinHalf = 3.0;     // m, half the width of the room
 constexpr double kProbeWidth = 0.3;  // m
 
+// Entries in the units of the tree to which they are added.
 class TreeBuilder {
  public:
   explicit TreeBuilder(const WorldTree& tree) : units_(UnitsOf(tree.world)) {}
@@ -148,6 +152,7 @@ class TreeBuilder {
   FileUnits units_;
 };
 
+// For the default controller of a tested robot: `wander` needs one.
 bool HasRanger(const WorldNode& node) {
   return std::any_of(node.children.begin(), node.children.end(),
                      [](const WorldNode& child) { return child.type == "ranger" || HasRanger(child); });
@@ -170,11 +175,14 @@ const EditedEntity* EditableWorld::Find(const std::string& name) const {
   return found != entities.end() ? &*found : nullptr;
 }
 
+// Recursive by parents; the depth is bounded by the loader.
 Pose PoseInWorld(const WorldDescription& world, ModelId id) {
   const ModelDescription& model = world.model(id);
   return model.parent ? PoseInWorld(world, *model.parent) * model.X_PM : model.X_PM;
 }
 
+// The tree keeps places in the text, the loaded world is what a run has. An include file has no world, so that a world
+// is made of its models (AddShelf).
 Result<std::unique_ptr<EditableWorld>> MakeEditedWorld(EditedKind kind, const std::string& text,
                                                        const std::string& path, const NamedFiles& files) {
   auto edited = std::make_unique<EditableWorld>();
@@ -221,6 +229,7 @@ std::vector<PaletteModel> PaletteOf(const WorldTree& tree) {
   return found;
 }
 
+// Defines and world properties decide how a model is built; warnings are those of the whole file, and not repeated.
 WorldTree WithoutModels(const WorldTree& tree) {
   const WorldNode& world = tree.world;
   return {.world = {world.type, world.macros, world.properties, {}, world.where},
@@ -266,6 +275,7 @@ nlohmann::json PictureOf(const WorldDescription& world, const std::vector<ModelI
   return blocks;
 }
 
+// A robot meets boxes, and another model meets a robot. The room closes the test, so that nothing leaves the view.
 Result<LoadedWorld> MakeTestWorld(const WorldTree& tree, const std::string& model, double probe_height,
                                   const NamedFiles& files) {
   const Result<LoadedWorld> alone = BuildAlone(tree, model, files);

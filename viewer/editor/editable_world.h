@@ -52,6 +52,7 @@ struct EditedEntity {
   Pose X_WP;                          // the parent's, at load
 };
 
+// The pointers of entities are into the tree: the two live and move together, behind one unique_ptr.
 struct EditableWorld {
   WorldTree tree;
   LoadedWorld loaded;
@@ -71,6 +72,7 @@ struct PaletteModel {
   std::string type;
   SourceLocation where;  // of the define; no file: a type
 };
+// In the order of names, the plain types last.
 std::vector<PaletteModel> PaletteOf(const WorldTree& tree);
 // The world properties, defines and files of a tree, without its models.
 WorldTree WithoutModels(const WorldTree& tree);

@@ -14,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// To notice that another program has changed a file; not for security.
 std::uint64_t HashOf(const std::string& bytes) {
   Hasher hasher;
   hasher.Add(bytes);
@@ -62,6 +63,7 @@ PicturePointer EditedPictures::Find(const PictureVersions& versions, const std::
   return file != files_.end() ? file->second.opened : nullptr;
 }
 
+// Equal pointers first: comparing pixels is slow.
 std::vector<std::string> EditedPictures::Modified(const PictureVersions& versions) const {
   std::vector<std::string> modified;
   for (const auto& [path, file] : files_) {
@@ -72,6 +74,7 @@ std::vector<std::string> EditedPictures::Modified(const PictureVersions& version
   return modified;
 }
 
+// A file that has appeared or disappeared counts as changed.
 Status EditedPictures::CheckUnchanged(const std::string& path) const {
   const auto file = files_.find(path);
   const std::optional<std::uint64_t> now = HashOfFile(path);
@@ -121,6 +124,7 @@ std::size_t EditedFile::BytesOf(const State& state, const State* before) const {
   return bytes;
 }
 
+// Undone states are dropped. When the oldest is dropped, the next one owns the pixels that it shared.
 void EditedFile::Change(std::string text, PictureVersions versions, std::string label) {
   if (text == states_[at_].text && versions == states_[at_].versions) return;
   states_.resize(at_ + 1);
@@ -151,6 +155,7 @@ std::optional<std::string> EditedFile::redo_label() const {
   return at_ + 1 < states_.size() ? std::optional(states_[at_ + 1].label) : std::nullopt;
 }
 
+// First all checks, then all new files, then the replacements: a full disk leaves every file as it was.
 Status EditedFile::Save(bool overwrite, const std::set<std::string>& named) {
   std::vector<std::string> changed = pictures_.Modified(versions());
   std::erase_if(changed, [&](const std::string& path) { return !named.contains(path); });

@@ -26,12 +26,15 @@ void AddFoldersOf(const std::vector<std::string>& files, AllowedPaths& allowed) 
   for (const std::string& file : files) allowed.Add(DirectoryOf(file));
 }
 
+// A scenario must be an object; an empty world file is valid.
 const char* InitialText(EditedKind kind) {
   return kind == EditedKind::kScenario ? "{\n}\n" : "";
 }
 
 }  // namespace
 
+// The file on disk is the user's: what it names at first may be read, libraries included. What the page writes later
+// may not extend that.
 Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path, const std::vector<std::string>& allowed) {
   const Result<EditedKind> kind = KindOf(path);
   if (!kind.ok()) return kind.error();
@@ -56,6 +59,7 @@ Result<std::unique_ptr<Editor>> Editor::Open(const std::string& path, const std:
   return editor;
 }
 
+// For texts that stay whatever they are: typed by the user, undone, or read from the disk.
 void Editor::Load() {
   Result<std::unique_ptr<EditableWorld>> world = MakeEditedWorld(kind_, text(), path(), files());
   error_.reset();
@@ -73,6 +77,7 @@ Status Editor::CheckText() const {
   return {};
 }
 
+// Images that are edited and not saved are read from their versions, others from their files.
 NamedFiles Editor::FilesWith(const PictureVersions& versions) const {
   const auto source = [this, versions](const std::string& path, const PixelRule& rule) -> std::optional<Bitmap> {
     const PicturePointer picture = file_.pictures().Find(versions, path);
@@ -81,6 +86,7 @@ NamedFiles Editor::FilesWith(const PictureVersions& versions) const {
   return {allowed_, source};
 }
 
+// A define that the file does not use is not built with the world, so that it is built alone as well.
 Status Editor::Commit(std::string text, const PictureVersions& versions, const std::string& label,
                       const std::string& model) {
   const NamedFiles files = FilesWith(versions);
@@ -104,6 +110,8 @@ Result<const EditedEntity*> Editor::FindEntity(const std::string& name) const {
   return entity;
 }
 
+// A model may be written in an include file, made by a spawn rule or be a part of a define: the error says where it can
+// be edited.
 Result<Editor::Place> Editor::PlaceOf(const EditedEntity& entity) const {
   const auto elsewhere = [&](const std::string& what) {
     return Error{{}, fmt::format("{} is {} at {}; edit it there", Quoted(entity.name), what, PlaceText(entity.where))};
@@ -144,6 +152,7 @@ Result<Editor::Place> Editor::PlaceOfScenario() const {
   return place;
 }
 
+// Without an upper limit: there are fewer entities than numbers.
 std::string Editor::FreeName(const std::string& prefix) const {
   for (std::size_t number = 1;; ++number) {
     std::string name = prefix + std::to_string(number);
@@ -161,6 +170,7 @@ Value Editor::PoseValue(const EditedEntity& entity, const Pose& pose) const {
   return ChangedPose(std::move(old), {X_PM.x, X_PM.y, z + pose.z - before.z, X_PM.heading}, units);
 }
 
+// A model that has an entry in this file gets the property `pose` there.
 Status Editor::SetPose(const std::string& name, const Pose& pose) {
   const Result<const EditedEntity*> found = FindEntity(name);
   if (!found.ok()) return found.error();
@@ -186,6 +196,7 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
   const std::string flat = fmt::format("[{}, {}, {}]", x, y, heading);
   const std::string raised = fmt::format("[{}, {}, {}, {}]", x, y, z, heading);
   const Pose before = PoseInWorld(world_->loaded.world, entity.model);
+  // Less than half of the last written digit is no change of the height.
   const bool keeps_z = std::abs(pose.z - before.z) < 0.5 * std::pow(10.0, -kLengthDecimals);
   if (entity.where.file == path()) {
     const Result<Place> place = PlaceOf(entity);
@@ -238,6 +249,7 @@ Status Editor::SetScenarioPose(const EditedEntity& entity, const Pose& pose) {
   return Commit(WithMember(text(), root, "override", "[" + rule + "]"), label);
 }
 
+// The syntax is parsed again, as `text` may be another one than the file's.
 Result<std::string> Editor::WithAdded(const std::string& text, const WrittenModel& model, bool is_robot) const {
   if (kind_ != EditedKind::kScenario) {
     const Result<StageTree> syntax = ParseStage(text, path());
@@ -253,6 +265,8 @@ Result<std::string> Editor::WithAdded(const std::string& text, const WrittenMode
   return WithMember(text, root, list, "[\n    " + entry + "\n  ]");
 }
 
+// Libraries are read once and kept: reading them builds each model. A library file that is edited itself is not
+// offered.
 std::vector<const ModelLibrary*> Editor::OtherLibraries() const {
   std::vector<const ModelLibrary*> others;
   const FileUnits units = UnitsOf(world_->tree.world);
@@ -282,6 +296,7 @@ Result<std::string> Editor::WithLibrary(const ModelLibrary& library) const {
   return WithMember(text(), root, "include", "[" + element + "]");
 }
 
+// The models of the file precede those of libraries with the same name.
 Result<std::string> Editor::Add(const std::string& model, const Pose& pose) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   if (!IsFinite(pose)) return Error{{}, "found a pose that is not finite"};
@@ -331,6 +346,7 @@ Status Editor::Remove(const std::string& name) {
   return Commit(WithoutItem(text(), *place.holder, index), "the deletion of " + name);
 }
 
+// Full names: another entity with the name would make references ambiguous.
 Status Editor::Rename(const std::string& before, const std::string& after) {
   const Result<const EditedEntity*> entity = FindEntity(before);
   if (!entity.ok()) return entity.error();

@@ -90,6 +90,8 @@ class Editor {
 
  private:
   // The place of a statement, or of a scenario's entry, that may be edited.
+  // The syntax trees are owned, as the pointers are into them. They are parsed for one edit and dropped: the text is
+  // the only state.
   struct Place {
     std::unique_ptr<StageTree> stage;      // of a Stage file
     const Statement* statement = nullptr;  // in there
@@ -102,12 +104,15 @@ class Editor {
 
   Editor(EditedFile file, EditedKind kind) : file_(std::move(file)), kind_(kind) {}
 
+  // Builds the world of the present text. With an error the previous world stays in view, and error_ has the reason.
   void Load();
   NamedFiles FilesWith(const PictureVersions& versions) const;
   // `model`: a define that must give a model, though the file may have none of it.
   Status Commit(std::string text, const std::string& label, const std::string& model = "") {
     return Commit(std::move(text), file_.versions(), label, model);
   }
+  // The one way in which an edit takes effect: the new text is loaded first, and becomes a state of the history only if
+  // it loads.
   Status Commit(std::string text, const PictureVersions& versions, const std::string& label,
                 const std::string& model = "");
   Status CheckText() const;  // the error of the text, if it has one
@@ -121,6 +126,7 @@ class Editor {
   std::vector<const ModelLibrary*> OtherLibraries() const;
   // The text with the library among its includes.
   Result<std::string> WithLibrary(const ModelLibrary& library) const;
+  // The prefix with the smallest number from 1 that no entity has.
   std::string FreeName(const std::string& prefix) const;
   Value PoseValue(const EditedEntity& entity, const Pose& pose) const;
   Status SetScenarioPose(const EditedEntity& entity, const Pose& pose);

@@ -33,6 +33,7 @@ bool IsPngName(const std::string& path) {
 }
 
 // A name in the folder of the edited file, which no other program reads as something else.
+// No path and no hidden file: the page may write beside the edited file only.
 Status CheckImageName(const std::string& name) {
   const bool plain = name.size() > 4 && name.size() <= 100 && std::isalnum(static_cast<unsigned char>(name[0])) != 0 &&
                      std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -126,6 +127,7 @@ std::set<std::string> Editor::NamedImages() const {
   return images;
 }
 
+// Each refusal has its reason, for the page's tool tip.
 Result<std::string> Editor::DrawableImage(const EditedEntity& entity) const {
   const std::string name = Quoted(entity.name);
   if (kind_ == EditedKind::kScenario) {
@@ -199,6 +201,7 @@ Result<Json> Editor::Execute(const edit::Bitmaps&) {
 Result<Json> Editor::Execute(const edit::CreateBitmap& operation) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   if (kind_ != EditedKind::kWorld) return Error{{}, "a new bitmap belongs to a world file (.world)"};
+  // The tolerance keeps 10 m of 0.1 m from becoming 101 pixels by rounding.
   const auto& [file, size, pixel, pose, runs] = operation;
   if (Status wrong = CheckImageName(file); !wrong.ok()) return wrong.error();
   const double columns = std::ceil(size[0] / pixel - 1e-6);
@@ -241,6 +244,8 @@ Result<Json> Editor::Execute(const edit::CreateBitmap& operation) {
   return Json{{"name", name}};
 }
 
+// All models with this image change, not only the one that is drawn into: their sizes are stretched over the same
+// pixels.
 Result<std::string> Editor::WithPixelsInPlace(const std::string& image, const GreyPicture& before,
                                               const GreyPicture& after) const {
   const PixelBox old_box = SizedBox(before);
@@ -282,6 +287,7 @@ Result<std::string> Editor::WithPixelsInPlace(const std::string& image, const Gr
   return changed;
 }
 
+// A stroke that changes no pixel is no state of the history.
 Result<Json> Editor::Execute(const edit::DrawBitmap& operation) {
   const Result<const EditedEntity*> entity = FindEntity(operation.name);
   if (!entity.ok()) return entity.error();

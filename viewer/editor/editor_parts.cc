@@ -31,17 +31,21 @@ namespace {
 
 using Json = nlohmann::json;
 
+// From metres to the file's unit.
 std::vector<double> InUnits(std::vector<double> lengths, double metres) {
   for (double& length : lengths) length /= metres;
   return lengths;
 }
 
+// The axis is given in frame D and written in the part's own, so that it is turned back by the heading. Its length has
+// no meaning, and is made 1.
 Value AxisValue(const std::vector<Value::Number>& old, const std::vector<double>& axis, double heading) {
   const double length = std::hypot(axis[0], axis[1], axis[2]);
   const Vec2 xy = Transform2(Pose{0.0, 0.0, 0.0, heading}).InverseRotate({axis[0] / length, axis[1] / length});
   return ChangedTuple(old, {xy.x(), xy.y(), axis[2] / length});
 }
 
+// Names of parts are unique below their parent only.
 std::string FreePartName(const std::vector<std::string>& used, const std::string& prefix) {
   std::string name = prefix;
   for (int number = 2; std::find(used.begin(), used.end(), name) != used.end(); ++number) {
@@ -114,6 +118,7 @@ Result<Json> Editor::Execute(const edit::Model& operation) const {
   return report;
 }
 
+// The define is parsed and built for each request: indices of an older text would name other parts.
 Result<std::unique_ptr<Editor::EditedPart>> Editor::FindEditedPart(const edit::PartOperation& operation) const {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   if (kind_ == EditedKind::kScenario) return Error{{}, "a scenario has no models of its own"};
@@ -175,6 +180,7 @@ Result<Json> Editor::Execute(const edit::AddPart& operation) {
   }
   if (shape.pose || !blocks.empty()) {
     Pose X_PN = Inverse(place.X_DP) * X_DN;
+    // The loader adds the height of the parent to the pose of a stacked child.
     X_PN.z -= place.stack;
     part.Set("pose", ChangedPose({}, X_PN, units));
   }

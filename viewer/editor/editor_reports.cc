@@ -23,6 +23,7 @@ using Json = nlohmann::json;
 constexpr std::size_t kMaxPictures = 300;  // of the palette
 constexpr std::size_t kMaxWarnings = 200;  // in a reply
 
+// Lines and columns from 1.
 Json WhereJson(const SourceLocation& where) {
   return {{"file", where.file}, {"line", where.line}, {"column", where.column}};
 }
@@ -34,6 +35,7 @@ Json ParsedJson(std::string_view text) {
 }
 
 // [{"name", "help", "stage": its name in `ctrl`, "arguments": [...], "parameters": [...]}]
+// Limits are given only where they bound the value: an infinite one is no number in JSON.
 Json ControllersJson() {
   Json table = Json::array();
   for (const ControllerHelp& controller : ControllerTable()) {
@@ -73,6 +75,7 @@ bool IsSamePlace(const SourceLocation& a, const SourceLocation& b) {
 
 }  // namespace
 
+// Constant for a version of the program; the page asks once.
 Result<Json> Editor::Execute(const edit::Help&) const {
   Json table = Json::array();
   for (const PropertyHelp& row : PropertyTable()) {
@@ -90,6 +93,7 @@ Result<Json> Editor::Execute(const edit::Help&) const {
               {"schema", Json::parse(kScenarioSchemaText, nullptr, false)}};
 }
 
+// Asked after each edit: lists of names and places, without the text and pictures.
 Result<Json> Editor::Execute(const edit::Document&) const {
   Json document = {{"file", path()},
                    {"kind", NameOf(kind_)},
@@ -138,6 +142,7 @@ Result<Json> Editor::Execute(const edit::Document&) const {
   return document;
 }
 
+// A model of the file hides one of a library with the same name.
 Result<Json> Editor::Execute(const edit::Palette&) const {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   Json models = Json::array();
@@ -169,6 +174,7 @@ Result<Json> Editor::Execute(const edit::Palette&) const {
   return Json{{"models", std::move(models)}};
 }
 
+// `own` tells the values that this entry has itself from those of macros and types, which the page shows as inherited.
 Result<Json> Editor::Execute(const edit::Entity& operation) const {
   const Result<const EditedEntity*> found = FindEntity(operation.name);
   if (!found.ok()) return found.error();

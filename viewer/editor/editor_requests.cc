@@ -37,6 +37,7 @@ Result<Json> Editor::Execute(const edit::SetText& operation) {
   return Json{{"error", error_ ? error_->ToString() : ""}};
 }
 
+// Files of images that the text no longer names are not written.
 Result<Json> Editor::Execute(const edit::Save& operation) {
   return Done(file_.Save(operation.overwrite, NamedImages()));
 }
@@ -75,6 +76,7 @@ Result<Json> Editor::Execute(const edit::Rename& operation) {
   return Done(Rename(operation.name, operation.to));
 }
 
+// In a scenario `pose` and `name` are members of the entry, all else is in its object `properties`.
 Status Editor::SetBody(const Place& place, const std::string& name, const std::optional<Value>& value,
                        const std::string& label) {
   if (place.statement != nullptr) {
@@ -88,6 +90,7 @@ Status Editor::SetBody(const Place& place, const std::string& name, const std::o
   return Commit(WithMember(text(), entry, "properties", "{" + Json(name).dump() + ": " + ToJson(*value) + "}"), label);
 }
 
+// The name of an entity is changed by Rename, which checks that it is free.
 Status Editor::ChangeProperty(const edit::SetProperty& operation) {
   const auto& [name, change] = operation;
   const auto& [property, value] = change;
@@ -116,6 +119,7 @@ Status Editor::ChangeProperty(const edit::SetProperty& operation) {
   return SetBody(place.value(), property, value, fmt::format("the {} of {}", property, name));
 }
 
+// A new warning about the property is a part of the reply: the property is set, and has no effect.
 Result<Json> Editor::Execute(const edit::SetProperty& operation) {
   const std::size_t warnings_before = world_ != nullptr ? world_->loaded.warnings.size() : 0;
   if (Status failure = ChangeProperty(operation); !failure.ok()) return failure.error();
@@ -129,6 +133,7 @@ Result<Json> Editor::Execute(const edit::SetProperty& operation) {
   return reply;
 }
 
+// The objects on the path that exist are kept with their members.
 Result<Json> Editor::Execute(const edit::SetMember& operation) {
   if (kind_ != EditedKind::kScenario) return Error{{}, "found no scenario"};
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
@@ -221,6 +226,7 @@ Result<Json> Editor::Execute(const edit::AddModel& operation) {
   return Json{{"name", name}};
 }
 
+// With a base a new define is made; without one the define of this file is changed.
 Result<Json> Editor::Execute(const edit::SetModel& operation) {
   if (Status broken = CheckText(); !broken.ok()) return broken.error();
   if (kind_ == EditedKind::kScenario) {

@@ -9,6 +9,7 @@ namespace {
 constexpr std::uint8_t kWhite = 255;
 
 // Calls with each pixel of the straight line, both ends included.
+// Bresenham's algorithm, in all octants (J. E. Bresenham, Algorithm for computer control of a digital plotter, 1965).
 template <typename Visit>
 void VisitLine(Pixel at, const Pixel& to, Visit visit) {
   const int dx = std::abs(to.x - at.x);
@@ -32,6 +33,7 @@ void VisitLine(Pixel at, const Pixel& to, Visit visit) {
 
 }  // namespace
 
+// All tiles are one shared white tile.
 GreyPicture::GreyPicture(int width, int height)
     : width_(width), height_(height), columns_((width + kTile - 1) / kTile) {
   const auto white = std::make_shared<Tile>();
@@ -40,6 +42,7 @@ GreyPicture::GreyPicture(int width, int height)
   tiles_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows), white);
 }
 
+// By runs of one value: floor plans are mostly white, which costs nothing.
 GreyPicture::GreyPicture(const GreyImage& image) : GreyPicture(image.width, image.height) {
   for (int y = 0; y < height_; ++y) {
     const std::uint8_t* const row =
@@ -57,6 +60,7 @@ std::uint8_t GreyPicture::value(int x, int y) const {
   return (*tiles_[TileOf(x, y)])[WithinTile(x, y)];
 }
 
+// A tile is copied only if a pixel of it really changes.
 void GreyPicture::Fill(const PixelBox& box, std::uint8_t value) {
   const PixelBox within{std::max(box.x0, 0), std::max(box.y0, 0), std::min(box.x1, width_), std::min(box.y1, height_)};
   for (int y = within.y0; y < within.y1; ++y) {
@@ -95,6 +99,7 @@ Bitmap GreyPicture::Occupied(const PixelRule& rule) const {
   return bitmap;
 }
 
+// By the rule of Stage files, as only their bitmaps are edited.
 std::optional<PixelBox> GreyPicture::OccupiedBox() const {
   const PixelRule rule = StagePixelRule();
   PixelBox box{width_, height_, 0, 0};
@@ -123,6 +128,7 @@ bool GreyPicture::operator==(const GreyPicture& other) const {
                     [](const auto& a, const auto& b) { return a == b || *a == *b; });
 }
 
+// A brush of even width is one pixel wider to the right and below.
 void Draw(const PixelStroke& stroke, GreyPicture& picture) {
   const int before = (stroke.width - 1) / 2;
   const int after = stroke.width - before;

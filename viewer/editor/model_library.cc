@@ -30,6 +30,8 @@ bool HasOwnBody(const WorldNode& node) {
   return has_blocks || is_given("size") || is_given("bitmap");
 }
 
+// A file that cannot be read or parsed is a library without models: a broken file of the installation must not hide the
+// others.
 ModelLibrary ReadLibrary(const std::string& path) {
   ModelLibrary library{path, {}};
   NamedFiles files;
@@ -51,6 +53,7 @@ ModelLibrary ReadLibrary(const std::string& path) {
 
 }  // namespace
 
+// In the order in which includes are looked for.
 std::vector<std::string> LibraryFolders() {
   std::vector<std::string> found;
   const char* const folders = std::getenv("STAGEPATH");
@@ -64,6 +67,7 @@ std::vector<std::string> LibraryFolders() {
   return found;
 }
 
+// Sorted by name within a folder: the order of a directory is any.
 std::vector<ModelLibrary> ReadLibraries() {
   std::vector<ModelLibrary> libraries;
   std::set<std::string> seen;

@@ -14,6 +14,8 @@ using Json = nlohmann::json;
 
 constexpr int kDeepest = 8;
 
+// Joins the entries of the text with the nodes of the built define, by line and column: names may be missing or
+// repeated.
 class PartFinder {
  public:
   PartFinder(const BuiltDefine& built, const std::string& path) : path_(path) {
@@ -58,6 +60,7 @@ void AddListed(const std::vector<ModelPart>& parts, std::map<ModelId, const Mode
 }
 
 // The listed part that a model belongs to: itself or its nearest ancestor; null: none.
+// A body that a type implies, as the paddles of a gripper, is drawn with the part that has it.
 const ModelPart* OwnerOf(const BuiltDefine& built, const std::map<ModelId, const ModelPart*>& listed, ModelId id) {
   for (std::optional<ModelId> at = id; at; at = built.world.model(*at).parent) {
     if (const auto found = listed.find(*at); found != listed.end()) return found->second;
@@ -84,6 +87,7 @@ Json JointJson(const JointDescription& joint, const Pose& X_DN) {
           {"max_speed", joint.max_speed}};
 }
 
+// The report is one pass over the parts, with the bodies sorted by their owners before.
 class PartReporter {
  public:
   PartReporter(const BuiltDefine& built, const std::vector<ModelPart>& parts, const std::string& text)
@@ -168,6 +172,7 @@ class PartReporter {
   std::map<const ModelPart*, std::vector<ModelId>> bodies_;
 };
 
+// The old number keeps its text, "0.10" for instance.
 Value::Number ChangedNumber(const Value::Number* old, double number, double change, int decimals) {
   const bool is_same = old != nullptr && std::abs(change) < 0.5 * std::pow(10.0, -decimals);
   return is_same ? *old : RoundedNumber(number, decimals);
@@ -198,6 +203,7 @@ const ModelPart* FindPart(const std::vector<ModelPart>& parts, const PartPath& p
   return found;
 }
 
+// stack_children is on unless the model says 0.
 PartPlace PlaceBelow(const BuiltDefine& built, const std::vector<ModelPart>& parts, const PartPath& path) {
   const ModelPart* const parent = FindPart(parts, path);
   const WorldNode* const node = parent != nullptr ? parent->node : &built.node;
@@ -253,6 +259,7 @@ Value ChangedTuple(const std::vector<Value::Number>& old, const std::vector<doub
   return {std::move(tuple), {}};
 }
 
+// Headings are compared as angles: 359.999 and -0.001 are the same.
 Value ChangedPose(std::vector<Value::Number> old, const Pose& pose, const FileUnits& units) {
   old.resize(4, Value::Number{0.0, "0"});
   const bool in_radians = units.radians == 1.0;
@@ -315,6 +322,7 @@ FittedBody Fitted(const std::vector<DrawnBlock>& blocks) {
   return body;
 }
 
+// Exact comparisons: the page makes the corners of a box from its sides.
 bool IsBox(const std::vector<DrawnBlock>& blocks) {
   if (blocks.size() != 1 || blocks[0].outline.size() != 4 || blocks[0].z_min != 0.0) return false;
   const BlockBounds bounds = BoundsOf(blocks);

@@ -34,6 +34,8 @@ struct BuiltDefine {
 };
 Result<BuiltDefine> BuildDefine(const WorldTree& tree, const std::string& name, const NamedFiles& files);
 
+// `statement` and `node` are two views of one entry: its bytes in the text, and its properties with those that macros
+// and types give.
 struct ModelPart {
   PartPath path;
   const Statement* statement = nullptr;

@@ -18,6 +18,7 @@ constexpr int kUint8 = 1;                                    // of foxglove.Pack
 constexpr int kInfo = 2;                                     // of foxglove.Log
 constexpr int kWarning = 3;
 
+// Foxglove has quaternions; a heading turns about z alone.
 Json PoseOf(const Pose& pose) {
   const auto [sine, cosine] = SinCos(0.5 * pose.heading);
   return {{"position", {{"x", pose.x}, {"y", pose.y}, {"z", pose.z}}},
@@ -30,6 +31,7 @@ Json TrianglesOf(const ConvexPiece& piece, const Color& color) {
   const auto add = [&](const Vec2& point, double z) {
     points.push_back({{"x", point.x()}, {"y", point.y()}, {"z", z}});
   };
+  // Two triangles for each side, and a fan for the top. The bottom is never seen.
   const std::size_t count = piece.vertices.size();
   for (std::size_t i = 0; i < count; ++i) {
     const Vec2& a = piece.vertices[i];
@@ -52,6 +54,7 @@ Json TrianglesOf(const ConvexPiece& piece, const Color& color) {
           {"indices", Json::array()}};
 }
 
+// All lists of the schema are given: clients reject an entity without one of them.
 Json Entity(const std::string& id, const std::string& frame, Json triangles, Time time) {
   Json entity = {{"timestamp", TimeOf(time)}, {"frame_id", frame},    {"id", id},
                  {"lifetime", TimeOf(0)},     {"frame_locked", true}, {"triangles", std::move(triangles)}};
@@ -61,6 +64,7 @@ Json Entity(const std::string& id, const std::string& frame, Json triangles, Tim
   return entity;
 }
 
+// Names of frames are the contract of messages.h.
 std::string FrameOf(const WorldDescription& world, ModelId root, const std::optional<JointId>& joint) {
   const std::string& name = world.model(root).name;
   return joint ? name + "/" + world.joint(*joint).name : name;
@@ -80,6 +84,7 @@ void AddBody(const Scene& scene, BodyId id, ModelId root, Time time, Json& entit
   }
 }
 
+// Bounded; a client gets the rest by the grid of /map.
 void AddStaticMap(const Scene& scene, Time time, Json& entities) {
   const WorldDescription& world = scene.world();
   Json triangles = Json::array();
@@ -95,6 +100,7 @@ void AddStaticMap(const Scene& scene, Time time, Json& entities) {
 }
 
 // Calls `visit` with each body of the world, its root and its pose.
+// Deleted entities stay in the description, and are left out.
 template <typename Visit>
 void VisitBodies(const Scene& scene, const WorldState& state, const Visit& visit) {
   const WorldDescription& world = scene.world();
@@ -111,6 +117,7 @@ void VisitBodies(const Scene& scene, const WorldState& state, const Visit& visit
   }
 }
 
+// Written without a tree of JSON: it is the message of each update, with a row for each body.
 void WriteTransform(const std::string& parent, const std::string& child, const Pose& pose, Time time,
                     JsonWriter& json) {
   const auto [sine, cosine] = SinCos(0.5 * pose.heading);
@@ -180,6 +187,7 @@ std::string SchemaOf(const StateTable& table) {
                {"properties", {{"timestamp", timestamp}, {"rows", rows}}}});
 }
 
+// A sensor of a single ray is no scan.
 void AddScans(const WorldDescription& world, RobotId robot, std::vector<Channel>& channels) {
   const RobotDescription& description = world.robot(robot);
   for (std::size_t i = 0; i < description.sensors.size(); ++i) {
@@ -222,6 +230,7 @@ std::string SceneText(const Scene& scene, Time time) {
   return Dump({{"deletions", std::move(deletions)}, {"entities", std::move(entities)}});
 }
 
+// Links are relative to the root of their body, so that they need no transform of their own while joints rest.
 std::string TransformsText(const Scene& scene, const WorldState& state, Time time) {
   const WorldDescription& world = scene.world();
   std::vector<double> positions;
@@ -243,6 +252,7 @@ std::string TransformsText(const Scene& scene, const WorldState& state, Time tim
   return text;
 }
 
+// Values as in ROS: 100 is occupied.
 std::string MapText(const Scene& scene, Time time) {
   const OccupancyGrid grid = MakeOccupancyGrid(scene, std::nullopt, UsualMapHeight(scene), kMaxCells);
   std::string data(grid.occupied.size(), '\0');
@@ -289,6 +299,7 @@ std::string TableText(const StateTable& table, const SignalView& view, Time time
   return text;
 }
 
+// In the same order for the same world, since ids are places in this list.
 std::vector<Channel> ChannelsOf(const WorldDescription& world) {
   std::vector<Channel> channels = {{.id = 1, .kind = ChannelKind::kScene, .topic = "/scene"},
                                    {.id = 2, .kind = ChannelKind::kTransforms, .topic = "/tf"},

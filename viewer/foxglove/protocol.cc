@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxSubscriptions = 1000;  // in a message
 
+// A request of the page, offered as a service.
 struct Service {
   const char* name;
   const char* command;
@@ -54,6 +55,7 @@ ClientMessage ReadUnsubscribe(const JsonReader& object) {
   return unsubscribe;
 }
 
+// An unknown service is no error of the protocol: it is answered with a failure.
 Result<ClientMessage> ParseServiceCall(ByteReader reader) {
   ServiceCall call;
   call.service = reader.Read<std::uint32_t>();
@@ -67,6 +69,7 @@ Result<ClientMessage> ParseServiceCall(ByteReader reader) {
   return ClientMessage(std::move(call));
 }
 
+// Layout: command u8, speed f32, has a seek time u8, time u64, request id as text.
 Result<ClientMessage> ParsePlaybackControl(ByteReader reader) {
   PlaybackControl control;
   const auto command = reader.Read<std::uint8_t>();
@@ -84,6 +87,7 @@ Result<ClientMessage> ParsePlaybackControl(ByteReader reader) {
 
 }  // namespace
 
+// A recording can be played and not changed, a run can be changed and not played.
 std::string ServerInfoText(const std::string& name, const std::optional<PlaybackRange>& range) {
   Json text = {{"op", "serverInfo"},
                {"name", name},
@@ -140,6 +144,7 @@ std::string ServiceFailureText(std::uint32_t service, std::uint32_t call, const 
   return Dump({{"op", "serviceCallFailure"}, {"serviceId", service}, {"callId", call}, {"message", problem}});
 }
 
+// Layout: opcode u8, subscription u32, time u64, content.
 std::string DataMessage(std::uint32_t subscription, Time time, std::string_view content) {
   std::string bytes;
   ByteWriter writer(bytes);
@@ -183,6 +188,7 @@ std::string PlaybackStateMessage(PlaybackStatus status, Time time, float speed, 
   return bytes;
 }
 
+// Operations beyond those are optional parts of the protocol.
 Result<ClientMessage> ParseText(std::string_view text) {
   const JsonReader object = JsonReader::OfText(text);
   const auto op = object.Get<std::string>("op");

@@ -21,6 +21,7 @@ namespace troupe::foxglove {
 // Subprotocols that a client may name.
 inline constexpr const char* kSubprotocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
+// Simulated time, ns.
 struct PlaybackRange {
   Time begin = 0;
   Time end = 0;
@@ -43,6 +44,7 @@ std::string PlaybackStateMessage(PlaybackStatus status, Time time, float speed, 
                                  const std::string& request);
 
 // Messages of the client.
+// `id` is chosen by the client and repeated in each DataMessage.
 struct Subscribe {
   struct One {
     std::uint32_t id = 0;

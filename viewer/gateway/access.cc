@@ -36,6 +36,7 @@ bool AreEqual(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+// The order matters for the message: a wrong host is told before a wrong token.
 Access AccessRules::ForPage(std::string_view host, std::string_view given_token) const {
   const std::string name = NameIn(host);
   const bool known = name == "localhost" || (loopback_only ? IsLoopback(name) : IsAddress(name)) ||
@@ -45,6 +46,7 @@ Access AccessRules::ForPage(std::string_view host, std::string_view given_token)
   return Access::kGranted;
 }
 
+// Browsers do not apply the same-origin policy to WebSockets, so that the server compares the origin.
 Access AccessRules::ForSocket(std::string_view host, std::string_view origin, std::string_view given_token) const {
   const Access page = ForPage(host, given_token);
   if (page == Access::kWrongHost) return page;
@@ -59,6 +61,7 @@ Access AccessRules::ForProgram(std::string_view host, std::string_view origin, s
   return page;
 }
 
+// The header replaces the rule of hosts, not that of the token.
 Access AccessRules::ForDownload(std::string_view host, std::string_view given_token, std::string_view bearer) const {
   if (bearer.empty() || token.empty()) return ForPage(host, given_token);
   return AreEqual(token, bearer) ? Access::kGranted : Access::kWrongToken;
@@ -68,6 +71,7 @@ std::string MakeToken() {
   return fmt::format("{:016x}{:016x}", MakeRandomId(), MakeRandomId());
 }
 
+// Names are none: "localhost" is compared as a word.
 bool IsLoopback(const std::string& address) {
   in_addr parsed{};
   return inet_pton(AF_INET, address.c_str(), &parsed) == 1 && (ntohl(parsed.s_addr) >> 24) == 127;

@@ -17,6 +17,7 @@
 
 namespace troupe {
 
+// The first rule that is violated decides.
 enum class Access : std::uint8_t { kGranted, kWrongHost, kWrongOrigin, kWrongToken };
 // One line for the user.
 constexpr auto NamesOf(Access) {

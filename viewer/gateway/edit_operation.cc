@@ -41,6 +41,7 @@ std::string SpacedJson(const JsonNode& value) {
 }
 
 // A name, perhaps with an index: "point[0]".
+// `include` and `define` are statements: as names of properties they would change what the file reads or means.
 bool IsPropertyName(std::string_view name) {
   if (name.empty() || name.size() > 100 || std::isalpha(static_cast<unsigned char>(name[0])) == 0) return false;
   if (name == "include" || name == "define") return false;
@@ -103,6 +104,7 @@ class Decoder {
     return pose.value_or(Pose());
   }
 
+  // A polygon that crosses itself is refused here, where the user can be told which stroke it was.
   static DrawnBlock BlockOf(const JsonReader& object) {
     DrawnBlock block;
     if (const auto z = Numbers(object, "z", 2)) {
@@ -132,6 +134,7 @@ class Decoder {
   }
 
   // A value of a world file in a text. Nothing after an error.
+  // Values travel as texts of a world file, so that the page shows and sends what the user types.
   static std::optional<Value> ValueIn(const JsonReader& text) {
     std::string written;
     if (!text.To(written)) return std::nullopt;
@@ -141,6 +144,7 @@ class Decoder {
     return std::nullopt;
   }
 
+  // Null and a missing value both remove the property.
   PropertyChange Change() {
     PropertyChange change{Text("property"), {}};
     if (!IsPropertyName(change.property)) Fail("found the property " + Quoted(change.property) + ", expected a name");
@@ -163,6 +167,7 @@ class Decoder {
     return properties;
   }
 
+  // Of a name that the editor completes by a number.
   std::string Prefix() {
     std::string prefix = Text("name");
     if (const Status wrong = CheckName(prefix); !wrong.ok()) Fail(wrong.error().message);
@@ -176,6 +181,7 @@ class Decoder {
     return path;
   }
 
+  // Members that are not given stay as they are in the file.
   PartShape Shape(bool may_be_empty) {
     PartShape shape;
     const std::optional<JsonReader> given = request_.Find("shape");
@@ -223,6 +229,7 @@ class Decoder {
     return roles;
   }
 
+  // In pixels that the brush covers: points and width together decide the time of a stroke.
   static std::int64_t WorkOf(const PixelStroke& stroke) {
     if (stroke.tool != PixelStroke::Tool::kLine) return 0;  // at most the picture, twice
     std::int64_t steps = 1;
@@ -264,6 +271,7 @@ class Decoder {
   }
 
   // The operations.
+  // An operation without members.
   template <typename Operation>
   EditOperation Plain() {
     return Operation();
@@ -430,6 +438,7 @@ Result<EditOperation> DecodeEditOperation(const JsonReader& request) {
   return Decoder(request).Decode();
 }
 
+// Line ends, quotes and backslashes would end or change the string in a file.
 Status CheckName(const std::string& name) {
   const bool plain = !name.empty() && name.size() <= 100 && FindInvalidUtf8(name) == std::string::npos &&
                      std::none_of(name.begin(), name.end(),

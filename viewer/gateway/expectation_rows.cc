@@ -27,6 +27,7 @@ bool HoldsAtEnd(Monitor monitor) {
   return monitor.verdict() == Verdict::kTrue;
 }
 
+// An undecided expectation is shown by the outcome that it would have if the run ended now.
 RowMark MarkOf(const Monitor& monitor) {
   if (monitor.verdict() == Verdict::kUndecided) return HoldsAtEnd(monitor) ? kHolds : kOpen;
   return monitor.verdict() == Verdict::kTrue ? kHolds : kViolated;
@@ -34,6 +35,7 @@ RowMark MarkOf(const Monitor& monitor) {
 
 }  // namespace
 
+// Short lists in place of objects: the static page has them in its text.
 Json ToJson(const ShownExpectations& expectations) {
   Json list = Json::array();
   for (const ShownExpectation& each : expectations.list) list.push_back({each.name, each.text});
@@ -71,12 +73,15 @@ ExpectationRows::ExpectationRows(Timeline& past, ShownExpectations expectations)
   for (ShownExpectation& shown : expectations.list) rows_.push_back({std::move(shown)});
 }
 
+// A rewind shortens the past, and another run replaces it: both begin again.
 bool ExpectationRows::Continues(const TimeSpans& spans) {
   if (first_ == nullptr || spans.first() > next_ || spans.last() < last_->position) return false;
   const Result<SharedState> last = past_.At(spans.last());
   return last.ok() && last.value()->world->run == first_->world->run;
 }
 
+// An expectation that cannot be parsed for this world, for instance of a robot that it has not, is a row with a
+// problem.
 void ExpectationRows::Begin(const SharedState& state) {
   const WorldDescription& world = state->world->description();
   bodies_.emplace(*state->world->scene);
@@ -136,6 +141,7 @@ void ExpectationRows::Push(Row& row, const TimelineState& state) {
   if ((state.position - first_->position) % stride_ == 0) row.marks.push_back(MarkOf(*row.monitor));
 }
 
+// At most kMaxPastAnswer for the states; the page shows the rows so far and asks again.
 PageReply ExpectationRows::Answer(const ExpectationsRequest& request) {
   const std::shared_ptr<const TimeSpans> spans = past_.Spans();
   if (spans->empty()) return ReplyToEdit(request.id, Failure("there is no past state"));
@@ -163,6 +169,7 @@ PageReply ExpectationRows::Answer(const ExpectationsRequest& request) {
                                       {"rows", std::move(rows)}});
 }
 
+// Of an open row the cause is that of its end now.
 Json ExpectationRows::Describe(const Row& row) const {
   Json json = {{"name", row.shown.name}, {"text", row.shown.text}, {"problem", row.problem}};
   if (!row.monitor) return json;

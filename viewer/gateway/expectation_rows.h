@@ -27,6 +27,7 @@ struct ShownExpectation {
   std::string name;
   std::string text;  // in the language of expectations
 };
+// Regions are those of the scenario, since a recording has none.
 struct ShownExpectations {
   std::vector<ShownExpectation> list;
   std::vector<NamedRegion> regions;  // that they name

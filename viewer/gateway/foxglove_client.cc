@@ -34,11 +34,13 @@ foxglove::Time FoxgloveClient::ShownTime() const {
   return static_cast<foxglove::Time>(count) * static_cast<foxglove::Time>(shown()->world->description().interval_ns);
 }
 
+// Beyond the limit messages are dropped: the client does not read, and would otherwise fill the memory.
 void FoxgloveClient::Send(std::string content, bool is_text) {
   if (waiting_.size() >= kMaxWaiting) return;
   waiting_.push_back({std::make_shared<const std::string>(std::move(content)), is_text});
 }
 
+// At most one state in kStatePeriod: JSON of all topics is larger than an update of the page.
 bool FoxgloveClient::NeedsMessage() const {
   if (!waiting_.empty()) return true;
   if (shown() == nullptr) return !introduced_ && !spans_;
@@ -67,6 +69,7 @@ void FoxgloveClient::Introduce() {
   if (!spans_) Send(foxglove::AdvertiseServicesText(), true);
 }
 
+// Suites and bodies are of the scene, and are made again.
 void FoxgloveClient::ChangeWorld() {
   std::vector<foxglove::Channel> before;
   for (const auto& [id, channel] : channels_) before.push_back(channel);
@@ -87,6 +90,7 @@ void FoxgloveClient::ChangeWorld() {
   world_ = world.number;
 }
 
+// A service call becomes a request for the gateway; the other messages concern this client alone.
 Result<std::optional<PageRequest>> FoxgloveClient::Receive(std::string_view message, bool is_text) {
   const Result<foxglove::ClientMessage> parsed =
       is_text ? foxglove::ParseText(message) : foxglove::ParseBinary(message);
@@ -116,6 +120,7 @@ std::optional<PageRequest> FoxgloveClient::RequestOf(const foxglove::ServiceCall
   return std::nullopt;
 }
 
+// A reply without a call is of a client that called twice with one id.
 void FoxgloveClient::Answer(PageReply reply) {
   const auto known = calls_.find(reply.id);
   if (known == calls_.end()) return;
@@ -135,6 +140,7 @@ void FoxgloveClient::Subscribe(const foxglove::Subscribe& subscribe) {
   version_ = 0;  // of no state: the present one is sent again
 }
 
+// The position is set to the tick that contains the time.
 void FoxgloveClient::Control(const foxglove::PlaybackControl& playback) {
   if (!spans_ || shown() == nullptr) return;
   if (playback.seek) {
@@ -148,6 +154,7 @@ void FoxgloveClient::Control(const foxglove::PlaybackControl& playback) {
   SendPlaybackState(playback.seek.has_value(), playback.request);
 }
 
+// The client shows its buttons by this message alone.
 void FoxgloveClient::SendPlaybackState(bool did_seek, const std::string& request) {
   const bool ended = spans_ && position_ >= static_cast<double>(spans_->last());
   const auto status = playing_ ? (ended ? foxglove::PlaybackStatus::kEnded : foxglove::PlaybackStatus::kPlaying)
@@ -156,6 +163,7 @@ void FoxgloveClient::SendPlaybackState(bool did_seek, const std::string& request
   Send(foxglove::PlaybackStateMessage(status, time, speed_, did_seek, request), false);
 }
 
+// Called in each period; the position has a fraction, so that slow playing advances, too.
 std::optional<std::uint64_t> FoxgloveClient::PositionToShow() {
   if (!spans_ || shown() == nullptr) return std::nullopt;
   if (playing_) {

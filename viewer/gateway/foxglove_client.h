@@ -51,8 +51,11 @@ class FoxgloveClient final : public Viewer {
   std::optional<PageRequest> RequestOf(const foxglove::ServiceCall& call);
   void Subscribe(const foxglove::Subscribe& subscribe);
   void Control(const foxglove::PlaybackControl& playback);
+  // The server info is the first message, with the services of a run; then the channels of the world.
   void Introduce();
+  // Withdraws the channels of the world before, and advertises those of the new one.
   void ChangeWorld();
+  // All subscribed channels that the new state concerns.
   void SendState();
   void SendScan(std::uint32_t subscription, const foxglove::Channel& channel);
   void SendEvents(std::uint32_t subscription);

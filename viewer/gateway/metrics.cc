@@ -19,6 +19,7 @@ std::string Quoted(const std::string& value) {
   return text + '"';
 }
 
+// The format wants HELP and TYPE once before the lines of a figure.
 class Writer {
  public:
   explicit Writer(const std::string& session) : labels_("session=" + Quoted(session)) {}
@@ -50,6 +51,7 @@ class Writer {
 
 }  // namespace
 
+// The first of several with the same time, in the order of the list.
 std::optional<SlowestRobot> SlowestOf(const std::vector<EntityReport>& entities) {
   const EntityReport* slowest = nullptr;
   for (const EntityReport& entity : entities) {

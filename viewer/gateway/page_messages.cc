@@ -8,6 +8,7 @@
 namespace troupe {
 namespace {
 
+// Shapes are floats: they are drawn and not calculated with.
 void Write(PageWriter& writer, const Polygon& outline) {
   writer.WriteCount(outline.size());
   for (const Vec2& point : outline) {
@@ -72,6 +73,7 @@ void PageValue<Shape>::Write(PageWriter& writer, const Shape& shape) {
   if (shape.area) WritePixels(writer, *shape.area);
 }
 
+// One comparison for each row; rows of tables that the page does not show cost none.
 void StateRows::Assign(std::shared_ptr<const WorldState> state, std::uint64_t number, bool fresh) {
   if (state == state_ && !fresh) return;
   std::size_t table_number = 0;
@@ -88,6 +90,7 @@ void StateRows::Assign(std::shared_ptr<const WorldState> state, std::uint64_t nu
   state_ = std::move(state);
 }
 
+// Each row has its index, as most rows have not changed.
 void StateRows::Write(PageWriter& writer, std::uint64_t since) const {
   std::size_t table_number = 0;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
@@ -107,6 +110,8 @@ void StateRows::Write(PageWriter& writer, std::uint64_t since) const {
   });
 }
 
+// The layout is at the start of the message, so that an old page that reconnects to a new program notices it before it
+// reads anything else.
 std::string EncodeWorld(const SessionMessage& session, std::uint32_t number) {
   const WorldDescription& world = session.world;
   std::string bytes;

@@ -40,6 +40,7 @@ class StateRows {
   void Write(PageWriter& writer, std::uint64_t since) const;
 
  private:
+  // Compared row by row with the next state.
   std::shared_ptr<const WorldState> state_ = std::make_shared<const WorldState>();
   // The update of the last change, by row; in the order of the fields of WorldState.
   std::array<std::vector<std::uint64_t>, std::tuple_size_v<decltype(kFields<WorldState>)>> changed_;

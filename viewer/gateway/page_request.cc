@@ -21,6 +21,7 @@ Error Malformed(const std::string& found, const std::string& expected) {
 }
 
 // A model of the run's world file, and no file.
+// By its form: a name that could be a path or a file is refused, whether or not the file exists.
 bool IsModelName(const std::string& source) {
   if (source.empty() || source.find_first_of("/#") != std::string::npos) return false;
   for (const char* ending : {".world", ".inc", ".json", ".yaml", ".yml"}) {
@@ -36,6 +37,7 @@ constexpr bool kIsRequired = std::is_same_v<Part, Pose> || std::is_same_v<Part, 
                              std::is_same_v<Part, double> || std::is_same_v<Part, std::uint64_t> ||
                              (std::is_same_v<Part, bool> && std::is_same_v<Row, control::Light>);
 
+// The members of a request follow from its list of fields.
 template <typename Row>
 void ReadRow(const JsonReader& object, Row& row) {
   ForEachField<Row>([&]<typename Part>(const Field<Row, Part>& field) {
@@ -111,6 +113,7 @@ Status ReadNamed(const std::string& name, const JsonReader& object, control::Req
   return outcome;
 }
 
+// Commands of the page have the names of the requests (transport/protocol).
 Result<PageControl> DecodeControl(std::uint64_t id, const std::string& name, const JsonReader& object) {
   PageControl control{id, {}};
   constexpr auto kRequests = std::make_index_sequence<std::variant_size_v<control::Request>>();
@@ -200,6 +203,7 @@ Result<PageRequest> ReadPageRequest(const std::string& type, const JsonReader& o
 
 }  // namespace
 
+// The length is checked before the text is parsed.
 Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest) {
   if (text.size() > longest) return Malformed("a long text", std::to_string(longest) + " bytes at most");
   const JsonReader object = JsonReader::OfText(text);
@@ -221,6 +225,7 @@ Result<PageControl> ParseControl(std::uint64_t id, const std::string& command, s
   return DecodeControl(id, command, JsonReader::OfText(json.empty() ? "{}" : json));
 }
 
+// `conflict`: the page offers to overwrite the file.
 PageReply ReplyToEdit(std::uint64_t id, const Result<Json>& reply) {
   Json text = reply.ok() ? reply.value() : Json::object();
   const std::string problem = reply.ok() ? "" : reply.error().message;

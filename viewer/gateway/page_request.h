@@ -48,6 +48,7 @@ inline constexpr std::size_t kMaxPageRequest = 8192;       // bytes
 inline constexpr std::size_t kMaxEditRequest = 1'000'000;  // bytes, of the page of an editor
 inline constexpr std::size_t kMaxSelected = 64;            // robots by name
 
+// The robots whose readings are measured for this viewer; each measurement costs as much as in the agent.
 struct SelectRequest {
   bool all = false;
   std::vector<std::string> robots;
@@ -55,18 +56,21 @@ struct SelectRequest {
   bool operator==(const SelectRequest&) const = default;
 };
 
+// A request to the service. The reply has the same id.
 struct PageControl {
   std::uint64_t id = 0;  // repeated in the reply
   control::Request request;
   bool operator==(const PageControl&) const = default;
 };
 
+// One of both. A tick is that of the newest edition that has it.
 struct SeekRequest {
   std::optional<std::uint64_t> position;
   std::optional<Tick> tick;
   bool operator==(const SeekRequest&) const = default;
 };
 
+// Ends the showing of a past state.
 struct LiveRequest {
   bool operator==(const LiveRequest&) const = default;
 };
@@ -78,6 +82,7 @@ struct PageEdit {
 
 inline constexpr std::size_t kMaxSignals = 32;
 
+// Values of signals at the positions from, from + every, ... up to `to`.
 struct SeriesRequest {
   std::uint64_t id = 0;  // repeated in the reply
   std::vector<SignalName> signals;
@@ -87,16 +92,19 @@ struct SeriesRequest {
   bool operator==(const SeriesRequest&) const = default;
 };
 
+// The sums over the whole past.
 struct TotalsRequest {
   std::uint64_t id = 0;  // repeated in the reply
   bool operator==(const TotalsRequest&) const = default;
 };
 
+// The verdicts over the past so far.
 struct ExpectationsRequest {
   std::uint64_t id = 0;  // repeated in the reply
   bool operator==(const ExpectationsRequest&) const = default;
 };
 
+// Values are for pages that run their scenario themselves.
 struct RunAgainRequest {
   std::uint64_t id = 0;  // repeated in the reply
   std::optional<std::uint64_t> seed = {};
@@ -114,6 +122,7 @@ Result<PageRequest> ParsePageRequest(std::string_view text, std::size_t longest 
 // The same for a service of Foxglove: `json` has the members of a command but for "type", "id" and "command".
 Result<PageControl> ParseControl(std::uint64_t id, const std::string& command, std::string_view json);
 
+// `text` is made where the answer is known, since only that place knows its members.
 struct PageReply {
   std::uint64_t id = 0;
   bool done = false;

@@ -29,6 +29,7 @@ std::string SessionText(const ViewerGatewayOptions& options, const SessionFacts&
                                  {"problem", facts.problem}});
 }
 
+// A page cannot show a thousand names; the count says how many there are.
 std::shared_ptr<const std::string> StatusText(std::optional<StatusMessage> status) {
   if (!status) return nullptr;
   const std::size_t count = status->waiting_for.size();

@@ -15,6 +15,7 @@
 namespace troupe {
 
 // The facts about a session that the page gets beside the options of the gateway.
+// `problem`: why the run cannot be observed; empty: it is, or is not wanted.
 struct SessionFacts {
   bool connected = false;
   bool recording = false;

@@ -45,6 +45,7 @@ bool IsCamera(const Sensor& sensor) {
 
 }  // namespace
 
+// A selection concerns this viewer alone; all else is a request for the gateway.
 Result<std::optional<PageRequest>> PageViewer::Receive(std::string_view message, bool) {
   Result<PageRequest> request = ParsePageRequest(message, longest_);
   if (!request.ok()) return request.error();
@@ -86,6 +87,8 @@ bool PageViewer::NeedsUpdate() const {
   return !is_shown || selection_is_new_ || (readings_missing_ && may_follow && Clock::now() >= next_pictures_);
 }
 
+// In the order in which the page needs them: the session decides what the page is, replies are awaited, a status needs
+// its world.
 std::optional<WebMessage> PageViewer::Next() {
   if (session_ != run_.session) {
     session_ = run_.session;
@@ -110,6 +113,7 @@ std::optional<WebMessage> PageViewer::Next() {
   return WebMessage{world.message, false};
 }
 
+// The layout is read by viewer/web/src/protocol.ts; a change of it counts kPageProtocol up.
 std::string PageViewer::MakeUpdate() {
   const TimelineState& state = *shown();
   const FeedContent& content = run_.content;
@@ -146,6 +150,7 @@ void PageViewer::WriteRows(PageWriter& writer) const {
   rows.Write(writer, 0);
 }
 
+// Events are sent once each. A new list of events replaces all that the page has.
 void PageViewer::WriteEvents(PageWriter& writer) {
   if (event_list_ != run_.content.event_list) event_ = 0;
   event_list_ = run_.content.event_list;
@@ -160,6 +165,7 @@ void PageViewer::WriteEvents(PageWriter& writer) {
   writer.FillCount(place, count);
 }
 
+// By name, so that a selection outlives an edit of the world.
 std::vector<RobotId> PageViewer::SelectedRobots() const {
   const WorldDescription& world = shown()->world->description();
   std::vector<RobotId> robots;
@@ -175,6 +181,7 @@ std::vector<RobotId> PageViewer::SelectedRobots() const {
   return robots;
 }
 
+// The time of the measuring decides when the next one of all robots, or the next image, is due.
 void PageViewer::WriteReadings(PageWriter& writer) {
   const auto start = Clock::now();
   const WorldDescription& world = shown()->world->description();
@@ -197,6 +204,7 @@ void PageViewer::WriteReadings(PageWriter& writer) {
   if (selected_.all) readings_.next_all = end + kMeasuringShare * (end - start);
 }
 
+// Suites are kept from state to state: making one costs more than a measurement.
 void RobotReadings::SetState(const SharedState& state) {
   if (state == state_) return;
   if (state_ == nullptr || state->world->scene != state_->world->scene) {
@@ -208,6 +216,7 @@ void RobotReadings::SetState(const SharedState& state) {
   for (auto& [id, robot] : robots_) robot.encoded.assign(robot.encoded.size(), {});
 }
 
+// The bodies are placed once for each state, and only if a reading is needed.
 const std::string& RobotReadings::Encoded(Robot& robot, std::size_t sensor) {
   std::string& encoded = robot.encoded[sensor];
   if (!encoded.empty()) return encoded;

@@ -28,6 +28,7 @@ PageReply Reply(std::uint64_t id, Json text, const std::string& problem = "") {
 
 }  // namespace
 
+// A JournalRequest is the one question without an answer.
 PastAnswer PastAnswers::Answer(const PastQuestion& question) {
   if (const auto* series = std::get_if<SeriesRequest>(&question)) return Series(*series);
   if (const auto* totals = std::get_if<TotalsRequest>(&question)) return Totals(*totals);
@@ -57,6 +58,7 @@ void PastAnswers::ReadJournal() {
   journal_at_ = end + std::max<Clock::duration>(kJournalPeriod, kJournalShare * (end - start));
 }
 
+// A bounded number of samples for a bounded time, and the position to go on with.
 PageReply PastAnswers::Series(const SeriesRequest& request) {
   const std::shared_ptr<const TimeSpans> spans = past_.Spans();
   if (spans->empty()) return Reply(request.id, Json::object(), "there is no past state");
@@ -90,6 +92,7 @@ PageReply PastAnswers::Series(const SeriesRequest& request) {
   return Reply(request.id, std::move(text));
 }
 
+// As in ExpectationRows::Continues.
 bool PastAnswers::TotalsContinue(const TimeSpans& spans) {
   if (first_ == nullptr) return false;
   if (spans.first() < first_->position || spans.last() + 1 < next_) return false;
@@ -97,6 +100,7 @@ bool PastAnswers::TotalsContinue(const TimeSpans& spans) {
   return last.ok() && last.value()->world->run == first_->world->run;
 }
 
+// Continues where the call before ended.
 PageReply PastAnswers::Totals(const TotalsRequest& request) {
   const std::shared_ptr<const TimeSpans> spans = past_.Spans();
   if (spans->empty()) return Reply(request.id, Json::object(), "there is no past state");

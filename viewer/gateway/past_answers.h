@@ -52,7 +52,9 @@ class PastAnswers {
     bool has_store = false;
   };
 
+  // The state at a position; the error is for the viewer.
   FoundState Find(std::uint64_t position);
+  // Reading costs time in proportion to the run, so it is not repeated earlier than kJournalShare times its duration.
   void ReadJournal();
 
   // The values of signals at the states from a position to another one, each `every`-th: {"ticks", "positions",

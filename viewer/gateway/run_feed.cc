@@ -126,11 +126,13 @@ void RunFeed::CountLosses(const FrameMessage& frame) {
   }
 }
 
+// Without kept states the journal's last one precedes.
 std::uint64_t RunFeed::NextPosition() const {
   if (!kept_.empty()) return kept_.last()->position + 1;
   return recorded_ == nullptr ? 0 : recorded_->Spans()->last() + 1;
 }
 
+// Joined once for each change, as it is asked for in each update of each viewer.
 std::shared_ptr<const TimeSpans> RunFeed::Spans() const {
   const std::lock_guard lock(mutex_);
   if (all_spans_ != nullptr) return all_spans_;
@@ -141,6 +143,7 @@ std::shared_ptr<const TimeSpans> RunFeed::Spans() const {
   return all_spans_ = std::move(spans);
 }
 
+// The recording is read without the mutex: stepping it may take a while, and frames must not wait.
 Result<SharedState> RunFeed::At(std::uint64_t position) {
   std::shared_ptr<RecordedTimeline> recorded;
   SharedState nearest;
@@ -154,6 +157,7 @@ Result<SharedState> RunFeed::At(std::uint64_t position) {
   return nearest == nullptr || position <= recorded->Spans()->last() ? recorded->At(position) : nearest;
 }
 
+// The numbers begin again, so that viewers replace their lists (event_list).
 std::uint64_t RunFeed::CompleteEvents(const RecordedTimeline& recorded) {
   const std::uint64_t last = recorded.Spans()->last();
   std::deque<NumberedEvent> events = recorded.Events();
@@ -169,6 +173,7 @@ std::uint64_t RunFeed::CompleteEvents(const RecordedTimeline& recorded) {
   return last;
 }
 
+// A journal of another run than the one in view is not used.
 void RunFeed::SetRecorded(const std::shared_ptr<RecordedTimeline>& recorded) {
   // Before others can call it.
   Result<SharedState> end = Failure("it continues");
@@ -199,6 +204,7 @@ bool RunFeed::lacks_states() const {
   return lacks_states_;
 }
 
+// A status has no tick: it is accepted for the run in view.
 void RunFeed::OnStatus(const StatusMessage& status) {
   const std::lock_guard lock(mutex_);
   if (!content_.state || content_.state->world->run != status.run) return;
@@ -212,6 +218,7 @@ void RunFeed::OnServiceGone() {
   service_gone_ = true;
 }
 
+// The end of a run stays in view, for viewers that come later.
 void RunFeed::Clear() {
   announced_.reset();
   const std::lock_guard lock(mutex_);
@@ -231,6 +238,7 @@ Follower::~Follower() {
   thread_.join();
 }
 
+// Under the mutex for the value alone: the server's thread must not wait for an observation.
 void Follower::SetWanted(bool wanted) {
   {
     const std::lock_guard lock(mutex_);
@@ -253,6 +261,7 @@ std::string Follower::problem() const {
   return problem_;
 }
 
+// Without the mutex while an observation is opened or closed or a journal is read, each of which may take seconds.
 void Follower::Run() {
   std::unique_ptr<RunObservation> observation;
   Clock::time_point journal_at;  // it is not read again earlier

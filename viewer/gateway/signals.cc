@@ -15,6 +15,7 @@ constexpr const char* kCount = "count";
 
 }  // namespace
 
+// Everything that is found by name belongs to a world.
 void SignalReader::SetState(const SharedState& state) {
   if (state == state_) return;
   if (state_ == nullptr || state->world != state_->world) {
@@ -31,6 +32,7 @@ SensorSuite& SignalReader::SuiteOf(RobotId robot) {
   return suites_.try_emplace(robot, *state_->world->scene, robot).first->second;
 }
 
+// Tables first: a robot's signal of the state has precedence over a range.
 SignalReader::Source SignalReader::Find(const SignalName& name) {
   for (std::size_t kind = 0; kind < StateTables().size(); ++kind) {
     const StateTable& table = StateTables()[kind];

@@ -50,6 +50,7 @@ class SignalReader {
     std::size_t sensor = 0;               // of the robot
     std::optional<std::size_t> ray = {};  // nothing: the nearest
   };
+  // Where a signal is in the world of the state: found once, used for each state.
   struct Source {
     const StateTable* table = nullptr;  // null: a range, or none
     const Signal* signal = nullptr;     // of the table; null: the number of its rows

@@ -7,6 +7,7 @@
 
 namespace troupe {
 
+// The rows are compared once for all viewers.
 void ShownRun::Follow(const RunFeed& feed) {
   const SharedState before = content.state;
   const std::optional<StatusMessage> status_before = content.status;

@@ -56,6 +56,7 @@ class Viewer {
   virtual void Answer(PageReply reply) = 0;
   // Next has a message.
   virtual bool NeedsMessage() const = 0;
+  // Nothing: there is no message at present.
   virtual std::optional<WebMessage> Next() = 0;
   // The position to seek to now, of a viewer that plays a recording.
   virtual std::optional<std::uint64_t> PositionToShow() { return std::nullopt; }

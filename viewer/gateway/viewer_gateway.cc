@@ -59,6 +59,8 @@ class Viewers final : public WebHandler {
   // For any thread.
   bool have_seen_end() const { return have_seen_end_; }
 
+  // The discovery of a run takes about as long as a page needs to load, so that it begins with the request for the
+  // page.
   void OnPage() override {
     if (follower_) follower_->Expect(kPageTime);
   }
@@ -128,6 +130,7 @@ std::string Viewers::Metrics() {
   return MetricsText(options_.session, head, losses, slowest_);
 }
 
+// The period runs only while there are viewers.
 void Viewers::OnOpened(WebLoop& loop, ViewerId id, std::string_view protocol) {
   if (viewers_.empty()) loop.SetPeriod(1.0 / kUpdatesPerSecond);
   std::unique_ptr<Viewer>& viewer = viewers_[id];
@@ -161,6 +164,7 @@ bool Viewers::OnMessage(WebLoop& loop, ViewerId id, std::string_view message, bo
   return true;
 }
 
+// Refusals are answered at once; what may take long goes to one of the queues.
 void Viewers::Execute(WebLoop& loop, ViewerId id, PageRequest request) {
   if (auto* const seek = std::get_if<SeekRequest>(&request)) {
     const std::optional<std::uint64_t> position = seek->position ? seek->position : past_.Spans()->Last(*seek->tick);
@@ -192,6 +196,7 @@ void Viewers::Execute(WebLoop& loop, ViewerId id, PageRequest request) {
   }
 }
 
+// A viewer that only shows may still ask, since a question changes nothing.
 std::string Viewers::Refusal(const PageControl& control) const {
   if (!changes_) return "a recording cannot be changed";
   const bool may = !options_.view_only || control::KindOf(control.request) == RequestKind::kQuestion;
@@ -223,6 +228,7 @@ Viewers::Changed Viewers::Executed(RunLink& link, const Change& change) {
   return ReplyToControl(control.id, OrFailure([&] { return link.Ask(control.request); }));
 }
 
+// A seek replaces the one before, and precedes the questions that wait.
 void Viewers::Seek(ViewerId id, std::uint64_t position) {
   viewers_.at(id)->AwaitPast();
   questions_.Replace(id, position);
@@ -266,6 +272,7 @@ void Viewers::OnWake(WebLoop& loop) {
   }
 }
 
+// One look at the feed for all viewers, then a message for each that needs one.
 void Viewers::OnPeriod(WebLoop& loop) {
   run_.Follow(feed_);
   NameSession();
@@ -289,6 +296,7 @@ void Viewers::OnPeriod(WebLoop& loop) {
   have_seen_end_ = periods_at_end_ >= (state == nullptr || know_all ? 1 : kPeriodsAtEnd);
 }
 
+// A new pointer only for a new text: viewers compare pointers.
 void Viewers::NameSession() {
   std::string text = SessionText(options_, {.connected = run_.content.state != nullptr || is_recording_,
                                             .recording = is_recording_,
@@ -321,6 +329,7 @@ class RunGateway final : public ViewerGateway {
   }
   ~RunGateway() override { server_->Stop(); }  // before the viewers end, whose queues may wake it still
 
+  // The name of this host in place of 0.0.0.0, which no browser can open elsewhere.
   std::string Address() const override {
     const std::string host = options_.address == "0.0.0.0" ? HostName() : options_.address;
     const std::string page = "http://" + host + ":" + std::to_string(server_->port()) + "/";

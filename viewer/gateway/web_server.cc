@@ -50,6 +50,7 @@ std::string Header(lws* socket, lws_token_indexes token) {
   return length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : std::string();
 }
 
+// Of the address "/?token=TOKEN".
 std::string TokenIn(lws* socket) {
   std::array<char, 128> text{};
   const char* value = lws_get_urlarg_by_name(socket, "token=", text.data(), static_cast<int>(text.size()));
@@ -69,6 +70,7 @@ int Refuse(lws* socket, unsigned status, const char* reason) {
 
 }  // namespace
 
+// libwebsockets calls Callback for all events, on the thread of Serve; only Wake and Stop are for other threads.
 class WebServer::Implementation final : public WebLoop {
  public:
   explicit Implementation(const Options& options) : options_(options) { period_.owner = this; }
@@ -188,6 +190,7 @@ Status WebServer::Implementation::Listen() {
   return Status();
 }
 
+// Scheduled again first, so that an exception ends no period but its own.
 void WebServer::Implementation::OnTimer(lws_sorted_usec_list_t* timer) {
   Implementation& self = *reinterpret_cast<Period*>(timer)->owner;
   lws_sul_schedule(self.context_, 0, timer, OnTimer, self.period_us_);

@@ -63,6 +63,7 @@ class WebLoop {
   ~WebLoop() = default;
 };
 
+// The application behind the server. Calls come one at a time.
 class WebHandler {
  public:
   virtual ~WebHandler() = default;

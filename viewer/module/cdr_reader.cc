@@ -26,6 +26,7 @@ struct Sequence {
   bool release;
 };
 
+// Nothing: the type is no number.
 std::optional<std::size_t> SizeOfNumber(std::uint32_t type) {
   switch (type) {
     case DDS_OP_VAL_1BY:
@@ -69,6 +70,7 @@ bool IsEnd(const std::uint32_t* ops) {
   return DDS_OP(*ops) == DDS_OP_RTS;
 }
 
+// What ReadStructure has allocated, of a sample that is whole or zero from some member on.
 void Free(const std::uint32_t* ops, std::uint8_t* sample) {
   for (; !IsEnd(ops); ops = Member(ops).next) {
     const Member member(ops);
@@ -87,6 +89,7 @@ void Free(const std::uint32_t* ops, std::uint8_t* sample) {
 }
 
 // Stops at the first problem.
+// The bytes may be those of a damaged file: each length is checked before it is used.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : in_(bytes), size_(bytes.size()) {}

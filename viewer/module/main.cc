@@ -16,6 +16,7 @@
 namespace troupe {
 namespace {
 
+// Line by line the files of the host's program, so that a comparison of bytes is the test.
 class Logs {
  public:
   Status Open(const std::string& hashes, const std::string& scans) {

@@ -6,6 +6,7 @@
 namespace troupe::mcap {
 namespace {
 
+// CRC-32 of IEEE 802.3, as of zlib, by a table of bytes.
 constexpr std::array<std::uint32_t, 256> kCrcOfByte = [] {
   std::array<std::uint32_t, 256> table{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {

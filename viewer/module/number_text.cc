@@ -55,6 +55,7 @@ const char* EndOfNumber(const char* first, const char* last) {
 
 }  // namespace
 
+// strtod accepts more than from_chars does (leading blanks, hexadecimal digits), so that the end is found first.
 from_chars_result from_chars(const char* first, const char* last, double& value) {
   const char* const end = EndOfNumber(first, last);
   if (end == first) return {first, errc::invalid_argument};

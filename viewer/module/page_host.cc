@@ -34,6 +34,7 @@ namespace {
 using Json = nlohmann::json;
 
 // Steps a recording from its start, and compares the hash of each state with the recorded one.
+// It has a reader of its own, so that the page can go to any state meanwhile.
 class Proof {
  public:
   static Result<Proof> Begin(Recording recording) {
@@ -97,6 +98,7 @@ class PageHost {
     return host;
   }
 
+  // As Viewers of the gateway, for one viewer and without queues.
   void Receive(const std::string& text) {
     Result<std::optional<PageRequest>> request = viewer_->Receive(text, true);
     if (!request.ok() || !request.value()) return;
@@ -139,6 +141,8 @@ class PageHost {
   }
 
   // The next message; false: there is none.
+  // Proof and scenario before the viewer's own messages. A seek is answered here, so that of several between two calls
+  // only the newest costs time.
   bool Next() {
     if (!messages_.empty()) {
       message_ = {std::make_shared<const std::string>(std::move(messages_.front())), true};
@@ -164,6 +168,7 @@ class PageHost {
 
   Timeline& past() { return recorded_ ? static_cast<Timeline&>(*recorded_) : feed_; }
 
+  // Two readers of the file: one for the page, one for the proof.
   Status OpenRecording() {
     Result<Recording> shown = Recording::Open(file_);
     if (!shown.ok()) return shown.error();

@@ -17,12 +17,14 @@ namespace {
 constexpr double kStatusPeriod = 0.5;
 constexpr double kNever = 1e9;  // a page may sleep for any time, and loses no agent by that
 
+// Wall time, s.
 double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
 
+// Observers are called at once, agents by the queue: a page must not be behind its own run.
 class PageRun::Service final : public ServiceEndpoint {
  public:
   explicit Service(PageRun& run) : run_(run) {}
@@ -39,6 +41,7 @@ class PageRun::Service final : public ServiceEndpoint {
   PageRun& run_;
 };
 
+// The protocol of an agent process, whose thread is Work.
 class PageRun::Agent final : public AgentEndpoint {
  public:
   Agent(PageRun& run, AgentOptions options)
@@ -159,6 +162,7 @@ void PageRun::AddAgent(const std::vector<std::string>& robots) {
   if (session_ != nullptr) agents_.back()->protocol().OnSession(*session_);
 }
 
+// An agent that is over is told to the service as a process that ended.
 void PageRun::WorkOfAgents(double now) {
   if (const std::vector<std::string> robots = coordinator_->DrainNewRobots(); !robots.empty()) AddAgent(robots);
   for (auto at = agents_.begin(); at != agents_.end();) {
@@ -183,6 +187,7 @@ void PageRun::Report(double now) {
   endpoint_->SendStatus(coordinator_->MakeStatus(now));
 }
 
+// Infinity once the run is over: the page then only waits for requests.
 double PageRun::NextDue() const {
   if (coordinator_->phase() == RunPhase::kOver) return std::numeric_limits<double>::infinity();
   double next = std::min(coordinator_->NextPoll(), next_status_);
@@ -192,6 +197,7 @@ double PageRun::NextDue() const {
   return next;
 }
 
+// Messages first: they are what a network would have delivered meanwhile.
 double PageRun::Work(double seconds) {
   const double end = Now() + seconds;
   for (;;) {
@@ -215,6 +221,7 @@ double PageRun::Work(double seconds) {
   }
 }
 
+// Spawns read a file of the page's memory, as the service does on a thread of its own.
 void PageRun::Request(const control::Request& request, const ControlReplyTo& reply) {
   const bool lists = control::Is<control::Spawnables>(request);
   if (!lists && !control::Is<control::Spawn>(request)) return coordinator_->Control(request, reply, Now());

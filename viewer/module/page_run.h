@@ -47,6 +47,7 @@ class PageRun {
   const Status& failure() const { return coordinator_->error(); }
 
  private:
+  // The endpoints put messages into the queue, in place of a network.
   class Service;
   class Agent;
   using Message = std::function<void(double now)>;
@@ -56,6 +57,7 @@ class PageRun {
   // Robots by name; empty: all.
   void AddAgent(const std::vector<std::string>& robots);
   void WorkOfAgents(double now);
+  // Status for the page twice in a second; events are in the frames.
   void Report(double now);
   double NextDue() const;
 

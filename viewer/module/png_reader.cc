@@ -14,6 +14,7 @@
 namespace troupe {
 namespace {
 
+// Rows from the top, `channels` bytes for each pixel.
 struct Image {
   struct Free {
     void operator()(stbi_uc* pixels) const { stbi_image_free(pixels); }

@@ -9,6 +9,7 @@ namespace {
 
 using Json = nlohmann::json;
 
+// Values are named for the thing that a reader knows: a robot, a rule or the run.
 class ValueList {
  public:
   Json Release() { return std::move(list_); }
