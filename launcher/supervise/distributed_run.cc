@@ -1,32 +1,17 @@
+#include "launcher/supervise/distributed_run.h"
+
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 
 #include <algorithm>
-#include <chrono>
-#include <iterator>
-#include <map>
-#include <mutex>
-#include <optional>
-#include <set>
 #include <utility>
 
 #include "command_line/terminal.h"
-#include "launcher/process/process.h"
-#include "launcher/supervise/agent_fleet.h"
 #include "launcher/supervise/collect_outputs.h"
-#include "launcher/supervise/reports.h"
-#include "launcher/supervise/restarts.h"
-#include "launcher/supervise/run_again.h"
-#include "launcher/supervise/run_ways.h"
-#include "launcher/supervise/service_process.h"
-#include "launcher/supervise/viewer_process.h"
-#include "ros/link/host_program.h"
 
 namespace troupe {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // A process that has not ended this long after the request to stop is killed.
 constexpr auto kStopTimeout = std::chrono::seconds(10);
@@ -36,121 +21,7 @@ constexpr auto kLeaveTimeout = std::chrono::seconds(5);
 // Network profiles (transport/dds/binding/domain_config.h).
 constexpr const char* kMulticastProfile = "lan";
 
-// s, from a request to a host for a sign of life to the next one, and the number of them without an answer after which
-// its agents are lost. Counted, not measured: this process may have been stopped, too.
-constexpr double kPingPeriod = 1.0;
-constexpr int kMaxPings = 10;
-
-constexpr std::size_t kLongestCommand = 20'000;  // characters that are printed
-
-// For AgentRestarts and RunHosts, which have no clock of their own so that tests can set the time.
-double Seconds(Clock::time_point time) {
-  return std::chrono::duration<double>(time.time_since_epoch()).count();
-}
-
-// The life of a run over DDS: hosts are connected, the service is started; its "ready" report starts agents, viewer and
-// the program of ROS 2; "started" is the begin of the run; a summary ends it. After that the agents leave, the outputs
-// are collected, and the page may stay open.
-//
-// One thread, one poll (WaitForEvents): signals, ends of children, lines of hosts and times are all events of
-// ProcessEvents, so that no state is shared and none is locked but the lines of the ROS program.
-class DistributedRun {
- public:
-  explicit DistributedRun(const RunOptions& options)
-      : options_(options), hosts_(options_), service_(options_, hosts_), agents_(options_, keys_) {}
-
-  int Run(const ReportEnd& report);
-  // The run that its page has asked for at the end of Run.
-  const std::optional<NewRun>& again() const { return again_; }
-
- private:
-  RunEnd Supervise();
-  // Changes to the network profile `unicast` on a network that does not pass multicast on.
-  void ChooseNetworkProfile();
-  void SuperviseUntilServiceEnds();
-  void StartViewer();
-  Status StartRosProgram(const ReadyReport& ready);
-  void AwaitProcesses();
-  void StopViewer();
-  void AwaitStopOfViewer();
-  // Waits for events, at most until kill_at_, and reacts to them.
-  void ProcessEvents();
-  void WaitForEvents();
-  void ProcessReports();
-  void React(const ReadyReport& ready);
-  // Reacts to the report of a service that continues the run.
-  void ReactToReturn(const ReadyReport& ready);
-  void React(const NewRobotsReport& report);
-  void React(const StartedReport&);
-  void React(const StatusMessage& status);
-  void React(const EventReport& event) { progress_.TellEvent(event.tick, event.event, event.text); }
-  void React(const RunSummary& summary) { summary_ = summary; }
-  void PrintOutput();
-  // True for the request of the page to start the run again. Notes the address of the page, too.
-  bool NotePage(const std::string& line, const Host& host);
-  // False for a line that does not report the failure of an output file.
-  bool NoteOutputFailure(const std::string& line, const Host& host);
-  // Tells the service which agents have started and ended: only then are they lost, and silent ones are waited for.
-  void TellAgents(const std::vector<std::size_t>& ended);
-  // Asks the hosts for signs of life.
-  void PingHosts();
-  void ReactToEnd(const AgentProcess& agent);
-  void ReactToLoss(Host& host, const Error& loss);
-  void ReconnectHosts();
-  void NoteIncompleteFiles(const AgentProcess& agent);
-  void TellRestartCommand(const AgentProcess& agent, const std::string& reason);
-  void RestartAgents();
-  void RestartAgent(std::size_t number);
-  // The service has ended: whether it is to be started again.
-  bool PlanRestartOfService();
-  void RestartService();
-  // The service runs, or will be started again.
-  bool goes_on() const { return service_.process().running() || service_restarts_.due(); }
-  void CountFromTheFirstService(RunSummary& run) const;
-  void Stop();
-  // Ends the run. Only the first failure counts.
-  void Fail(RunEnd end);
-  RunEnd End();
-  bool failed() const { return end_.exit_status != kExitDone && end_.exit_status != kExitInterrupted; }
-
-  RunOptions options_;
-  SignalWatch signals_;
-  RunHosts hosts_;
-  RunKeys keys_;
-  Progress progress_;
-  ServiceProcess service_;
-  AgentFleet agents_;
-  ViewerProcess viewer_;
-  std::string page_;  // address of the page; empty: none yet
-  std::optional<NewRun> again_;
-  std::mutex ros_mutex_;                         // guards the lines
-  std::vector<std::string> ros_lines_;           // about the program below, to be reported
-  std::optional<ros::HostProgram> ros_program_;  // of this host
-  AgentRestarts restarts_;                       // none before the world service is ready
-  std::uint32_t restarted_ = 0;
-  double next_ping_ = 0.0;                                  // s
-  std::set<Host*> silent_hosts_;                            // whose agents the service has been told to have lost
-  std::multimap<Host*, std::size_t> agents_of_lost_hosts_;  // to be started again once their host is connected
-  ServiceRestarts service_restarts_;
-  std::vector<std::uint16_t> service_ports_;    // by group of agents, once it is ready
-  StatePlace newest_;                           // state, as the newest status reports it
-  Edition new_robots_edition_ = 0;              // the newest that has added robots
-  bool rebuilds_ = false;                       // restarts of agents are counted anew at each tick
-  std::map<std::size_t, StatePlace> ended_at_;  // with rebuilds_: by agent, when it last ended
-  const Clock::time_point start_ = Clock::now();
-  Clock::time_point started_at_;                     // of the first world service
-  Clock::time_point service_started_at_;             // of the last one
-  std::optional<double> begins_at_;                  // simulated time of the first status, s
-  std::optional<Clock::time_point> stop_agents_at_;  // at the end of the run
-  std::optional<Clock::time_point> kill_at_;         // set by a request to stop
-  std::size_t robots_ = 0;
-  double startup_seconds_ = 0.0;
-  bool started_ = false;
-  bool error_printed_ = false;  // by a child
-  std::optional<Error> output_failure_;
-  std::optional<RunSummary> summary_;
-  RunEnd end_;  // without the outcome
-};
+}  // namespace
 
 // Without a time to wake at, the wait is unlimited: an idle run costs no processor time.
 void DistributedRun::WaitForEvents() {
@@ -235,29 +106,6 @@ bool DistributedRun::NotePage(const std::string& line, const Host& host) {
   return seed.has_value();
 }
 
-// The run goes on without its agents, as `on_agent_loss` says.
-void DistributedRun::ReactToLoss(Host& host, const Error& loss) {
-  agents_.NoteLostFiles(host);
-  if (summary_ || kill_at_) return;
-  const bool connects = started_ && &host != &hosts_.service_host() && restarts_.limit() > 0;
-  if (connects) hosts_.OnLoss(host, Seconds(Clock::now()));
-  progress_.Tell(loss.ToString() + (connects ? "; it is connected again once it can be reached, and its agents are "
-                                               "started again"
-                                             : ""));
-}
-
-void DistributedRun::ReconnectHosts() {
-  if (kill_at_ || summary_ || !goes_on()) return hosts_.GiveUp();
-  for (Host* host : hosts_.Reconnect(Seconds(Clock::now()))) {
-    const auto [first, last] = agents_of_lost_hosts_.equal_range(host);
-    progress_.Tell(fmt::format("host {}: connected again; its {} {} started again", host->name(),
-                               std::distance(first, last),
-                               std::distance(first, last) == 1 ? "agent is" : "agents are"));
-    for (auto agent = first; agent != last; ++agent) RestartAgent(agent->second);
-    agents_of_lost_hosts_.erase(host);
-  }
-}
-
 // Every process whose disk is full prints a line. The first one becomes the error of the run.
 bool DistributedRun::NoteOutputFailure(const std::string& line, const Host& host) {
   if (line.find(": error: ") == std::string::npos) return false;
@@ -306,38 +154,6 @@ void DistributedRun::ReactToReturn(const ReadyReport& ready) {
   for (std::size_t number = 0; number < agents_.started(); ++number) {
     const AgentProcess& agent = agents_.agent(number);
     if (agent.process->running()) service_.TellStart(agent.id);
-  }
-}
-
-// The service cannot see processes: an agent is lost only when this process says so.
-void DistributedRun::TellAgents(const std::vector<std::size_t>& ended) {
-  for (const AgentId agent : agents_.DrainStarted()) service_.TellStart(agent);
-  for (const std::size_t number : ended) {
-    const AgentProcess& agent = agents_.agent(number);
-    service_.TellEnd(agent.id, agent.host->connected() ? "its process " + agent.process->end()->ToString()
-                                                       : "the connection to its host is lost");
-  }
-}
-
-// A silent host keeps its connection, since it may only be slow: for the service its agents are lost until it answers.
-void DistributedRun::PingHosts() {
-  const double now = Seconds(Clock::now());
-  if (options_.hosts.empty() || now < next_ping_) return;
-  next_ping_ = now + kPingPeriod;
-  for (const auto& host : hosts_.all()) {
-    const bool answers = host->Ping() < kMaxPings;
-    if (answers != silent_hosts_.contains(host.get())) continue;
-    answers ? silent_hosts_.erase(host.get()) : silent_hosts_.insert(host.get()).second;
-    for (std::size_t number = 0; number < agents_.started(); ++number) {
-      const AgentProcess& agent = agents_.agent(number);
-      if (agent.host != host.get() || !agent.process->running()) continue;
-      if (answers) {
-        service_.TellStart(agent.id);
-      } else {
-        service_.TellEnd(agent.id,
-                         fmt::format("host {} has not answered for {:.0f} s", host->name(), kMaxPings * kPingPeriod));
-      }
-    }
   }
 }
 
@@ -391,126 +207,6 @@ void DistributedRun::React(const StartedReport&) {
   const std::string on_hosts = options_.hosts.empty() ? "" : fmt::format(" on {} hosts", options_.hosts.size());
   progress_.Tell(fmt::format("session {}: {} robots in {} agent processes{}, ready after {:.2f} s",
                              options_.network.session, robots_, agents_.size(), on_hosts, startup_seconds_));
-}
-
-// By the agent's exit status, the phase of the run and the restarts that are left: the end of the run, a restart, or a
-// robot without an agent, with a command for the user that starts it again.
-void DistributedRun::ReactToEnd(const AgentProcess& agent) {
-  const ProcessEnd& end = *agent.process->end();
-  if (end.exit_code == kExitOutputFailed) {
-    return Fail(FailedRun(output_failure_.value_or(Failure("an agent cannot write its output files"))));
-  }
-  if (!end.ok() && summary_ && !failed()) return NoteIncompleteFiles(agent);
-  if (end.ok() || kill_at_ || summary_ || !goes_on()) return;
-  const std::string& host = agent.host->name();
-  if (hosts_.is_lost(*agent.host)) {
-    agents_of_lost_hosts_.emplace(agent.host, agent.number);
-    return;
-  }
-  const std::string text = fmt::format(
-      "{} {}: the agent ({}process {}) {}", agent.robots.size() == 1 ? "robot" : "robots", ListText(agent.robots),
-      host.empty() ? "" : "on host " + host + ", ", agent.process->pid(), end.ToString());
-  // Before the start a refusal is the user's error, which the agent has printed: the run ends with its exit status.
-  // Later the same status can only be a fault, and the agent's restarts decide.
-  const bool refused = end.exit_code == kExitBadInput || end.exit_code == kExitFailed;
-  if (started_ || !refused) {
-    const auto [before, is_first] = ended_at_.try_emplace(agent.number, newest_);
-    if (rebuilds_ && !is_first && std::exchange(before->second, newest_) != newest_) restarts_.Forgive(agent.number);
-    if (restarts_.OnEnd(agent.number, end.exit_code, Seconds(Clock::now()))) {
-      progress_.TellOneOfMany(
-          fmt::format("{}; restart {} of {}", text, restarts_.CountOf(agent.number), restarts_.limit()));
-    } else if (rebuilds_ && restarts_.limit() > 0) {
-      // One that was refused, or whose files cannot be written, would end the same way after a restart.
-      const std::uint32_t restarts = restarts_.CountOf(agent.number);
-      Fail(FailedRun(Failure(restarts < restarts_.limit()
-                                 ? text
-                                 : fmt::format("{} after {} restarts at tick {}", text, restarts, newest_.tick))));
-    } else if (!started_) {
-      Fail(FailedRun(Failure(text + " before the run began")));
-    } else {
-      TellRestartCommand(agent, text);
-    }
-  } else {
-    Fail({end.exit_code, std::nullopt, std::nullopt});
-  }
-}
-
-// All of a run that ended in order is written, but not the last scans of an agent that died then. An agent that the run
-// has lost before is in its summary.
-void DistributedRun::NoteIncompleteFiles(const AgentProcess& agent) {
-  const auto is_lost = [&](const std::string& robot) {
-    return std::find(summary_->lost.begin(), summary_->lost.end(), robot) != summary_->lost.end();
-  };
-  if (agent.process->end()->exit_code == kExitInterrupted) return;  // it was stopped in order, and its file is whole
-  if (options_.scans.empty() || std::all_of(agent.robots.begin(), agent.robots.end(), is_lost)) return;
-  if (hosts_.is_lost(*agent.host) || output_failure_) return;
-  output_failure_ = Error{{options_.scans},
-                          fmt::format("the last scans of {} are missing: the agent (process {}) {}",
-                                      ListText(agent.robots), agent.process->pid(), agent.process->end()->ToString()),
-                          ErrorCode::kFailure};
-}
-
-void DistributedRun::TellRestartCommand(const AgentProcess& agent, const std::string& reason) {
-  // The keys of an agent are gone with the connection to its host.
-  const Result<std::string> command = agents_.RestartCommand(agent.number);
-  if (!agent.host->connected() || !command.ok()) return progress_.TellOneOfMany(reason + "; it is not started again");
-  if (command.value().size() > kLongestCommand) {
-    return progress_.TellOneOfMany(
-        fmt::format("{}; it is not started again (the command for its {} robots is too long to print)", reason,
-                    agent.robots.size()));
-  }
-  const std::string there = agent.host->name().empty() ? "" : " there";
-  progress_.TellOneOfMany(reason + "; to start it again" + there + ":", command.value());
-}
-
-void DistributedRun::RestartAgent(std::size_t number) {
-  const Status status = agents_.Restart(number);
-  if (!status.ok()) TellRestartCommand(agents_.agent(number), status.error().ToString());
-}
-
-// A restart that is due on a lost host waits for the host, without costing another restart of the limit.
-void DistributedRun::RestartAgents() {
-  if (kill_at_ || summary_ || !goes_on()) return restarts_.Cancel();
-  for (const std::size_t number : restarts_.DrainDue(Seconds(Clock::now()))) {
-    Host* const host = agents_.agent(number).host;
-    if (hosts_.is_lost(*host)) {
-      agents_of_lost_hosts_.emplace(host, number);
-    } else {
-      ++restarted_;
-      RestartAgent(number);
-    }
-  }
-}
-
-// A service that ended in order, or refused its input or its files, would end the same way.
-bool DistributedRun::PlanRestartOfService() {
-  const ProcessEnd& end = *service_.process().end();
-  const bool died = end.exit_code != kExitDone && end.exit_code != kExitBadInput && end.exit_code != kExitFailed &&
-                    end.exit_code != kExitOutputFailed && end.exit_code != kExitInterrupted;
-  if (!died || failed() || kill_at_ || summary_ || !service_.can_restart()) return false;
-  const std::string& host = hosts_.service_host().name();
-  const std::string text =
-      fmt::format("the world service {}(process {}) {}", host.empty() ? "" : "on host " + host + " ",
-                  service_.process().pid(), end.ToString());
-  if (!hosts_.service_host().connected()) {
-    progress_.Tell(text);
-    return false;
-  }
-  if (service_restarts_.OnDeath(newest_, Seconds(Clock::now()))) {
-    progress_.Tell(text + "; it is started again");
-    return true;
-  }
-  progress_.Tell(text + ", time and again at the same tick");
-  return false;
-}
-
-// The same ports as before: agents and viewer reconnect by the addresses that they have.
-void DistributedRun::RestartService() {
-  if (!service_restarts_.due() || Seconds(Clock::now()) < *service_restarts_.due()) return;
-  if (kill_at_) return service_restarts_.Cancel();
-  const Status started = service_.Restart(keys_, service_ports_, started_);
-  service_restarts_.OnStart();
-  if (!started.ok()) Fail(FailedRun(started.error()));
 }
 
 void DistributedRun::Fail(RunEnd end) {
@@ -650,8 +346,6 @@ RunEnd DistributedRun::Supervise() {
   AwaitProcesses();
   return End();
 }
-
-}  // namespace
 
 int RunDistributed(const RunOptions& options, const ReportEnd& report) {
   signal(SIGPIPE, SIG_IGN);  // a connection to a host may be lost during a write
