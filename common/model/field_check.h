@@ -39,6 +39,12 @@ class FieldCheck {
     return CheckValue(row, {});
   }
 
+  // One value, by the limits of its field; the path of its problem begins below the field.
+  template <typename Value>
+  bool CheckField(const Value& value, const FieldInfo& field) {
+    return CheckValue(value, field);
+  }
+
   // "drive.wheelbase: found 0, expected above 0 m", after Check has failed.
   const std::string& problem() const { return problem_; }
 

@@ -6,11 +6,15 @@
 #include <filesystem>
 #include <memory>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <variant>
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
 #include "common/base/print.h"
 #include "launcher/commands/commands.h"
+#include "launcher/commands/request_options.h"
 #include "transport/dds/tools/control_client.h"
 #include "transport/protocol/message_texts.h"
 #include "troupe/deterministic_math.h"
@@ -22,22 +26,14 @@ struct CtlOptions {
   NetworkSettings network;  // session empty: the only one
   control::Request request;
   double timeout_seconds = 0.0;  // 0: no limit
-  std::string pose;              // text for ParsePoseText; empty: none
+  bool has_height = false;       // of the pose of the request
   bool lists_agents = false;     // of the entities
 };
 
-// The pose of the command line. Without a height an entity keeps the one that it has.
-Status SetPoseOfRequest(const CtlOptions& options, ControlClient& client, control::Request& request) {
-  if (options.pose.empty()) return Status();
-  const Result<PoseText> pose = ParsePoseText(options.pose);
-  if (!pose.ok()) return pose.error();
-  const Pose& X_WE = pose.value().X_WE;
-  if (auto* const spawn = std::get_if<control::Spawn>(&request)) spawn->pose = X_WE;
-  if (auto* const restore = std::get_if<control::Restore>(&request)) restore->pose = X_WE;
+// A moved entity keeps its height, unless the command line has one.
+Status SetHeight(const CtlOptions& options, ControlClient& client, control::Request& request) {
   auto* const move = std::get_if<control::SetPose>(&request);
-  if (move == nullptr) return Status();
-  move->pose = X_WE;
-  if (pose.value().has_height) return Status();
+  if (move == nullptr || options.has_height) return Status();
   const Result<ControlReply> reply = client.Call(control::Entities{.name = move->name}, options.timeout_seconds);
   if (!reply.ok()) return reply.error();
   if (!reply.value().done) return Failure(reply.value().problem);
@@ -52,7 +48,7 @@ Result<ControlReply> SendRequest(const CtlOptions& options) {
   ControlClient client(network);
   if (Status missing = client.WaitForService(kDiscoverySeconds); !missing.ok()) return missing.error();
   control::Request request = options.request;
-  if (Status failure = SetPoseOfRequest(options, client, request); !failure.ok()) return failure.error();
+  if (Status failure = SetHeight(options, client, request); !failure.ok()) return failure.error();
   return client.Call(request, options.timeout_seconds);
 }
 
@@ -139,29 +135,15 @@ struct Action {
 };
 
 template <typename Request>
-Action<Request> AddAction(CLI::App* command, const SharedOptions& options, const char* name, const char* help) {
+Action<Request> AddAction(CLI::App* command, const SharedOptions& options, const std::string& name,
+                          const std::string& help) {
   Action<Request> action{command->add_subcommand(name, help)->fallthrough(), std::make_shared<Request>()};
   action.app->callback([options, request = action.request] { options->request = *request; });
   return action;
 }
 
-template <typename Request>
-void AddName(const Action<Request>& action, const char* help = "Name of a robot, an object or a model") {
-  action.app->add_option("NAME", action.request->name, help)->required();
-}
-
-CLI::Option* AddPose(CLI::App* action, const SharedOptions& options, const char* help) {
-  const auto check = [](const std::string& text) {
-    const Result<PoseText> pose = ParsePoseText(text);
-    return pose.ok() ? std::string() : pose.error().message;
-  };
-  return action->add_option("--pose", options->pose, help)
-      ->check(CLI::Validator(check, ""))
-      ->type_name("X,Y[,Z],HEADING");
-}
-
 // Options of a reset of some parts only.
-void AddResetScopes(const Action<control::Reset>& reset) {
+void AddParameters(const Action<control::Reset>& reset, const SharedOptions& /*options*/) {
   const auto add = [&](const char* name, const char* help, std::uint8_t scope) {
     reset.app->add_flag_callback(
         name,
@@ -175,109 +157,39 @@ void AddResetScopes(const Action<control::Reset>& reset) {
   add("--state", "Reset the states of robots and objects", kResetState);
   add("--spawned", "Delete all spawned entities", kResetSpawned);
 }
-
-void AddTimeActions(CLI::App* command, const SharedOptions& options) {
-  AddAction<control::GetStatus>(command, options, "status",
-                                "Print the state of the run: playing or paused, tick, state hash");
-  AddAction<control::Pause>(command, options, "pause", "Pause the run at the end of the current tick");
-  AddAction<control::Play>(command, options, "play", "Resume the run");
-  const auto step =
-      AddAction<control::Step>(command, options, "step", "Run a paused run for some ticks, and pause it again");
-  step.app->add_option("TICKS", step.request->ticks, "Number of ticks (default: 1)")->check(WholeNumber(1));
-  const auto speed = AddAction<control::Speed>(command, options, "speed", "Set the speed of the run");
-  speed.app
-      ->add_option_function<std::string>(
-          "SPEED", [request = speed.request](const std::string& text) { request->speed = ParseSpeed(text).value(); },
-          "Multiple of real time; max: as fast as possible")
-      ->required()
-      ->check(SpeedValue())
-      ->type_name("X|max");
-  const auto rewind = AddAction<control::Rewind>(
-      command, options, "rewind",
-      "Set the run back to an earlier tick, by its recording; controllers remember the ticks before");
-  rewind.app->add_option("TICK", rewind.request->tick, "The tick")->check(WholeNumber(0))->required();
+template <typename Request>
+void AddParameters(const Action<Request>& action, const SharedOptions& options) {
+  RequestOptions(*action.app, options->has_height).AddAll(*action.request);
 }
 
-void AddSpawn(CLI::App* command, const SharedOptions& options) {
-  const auto spawn =
-      AddAction<control::Spawn>(command, options, "spawn", "Add a robot, an object or a model to the world");
-  control::Spawn& request = *spawn.request;
-  spawn.app
-      ->add_option("SOURCE", request.source, "A model of the run's world file, a file with one model, or FILE#MODEL")
-      ->required();
-  spawn.app->add_option("--name", request.name, "Its name (default: derived from the model)")->type_name("NAME");
-  spawn.app->add_flag("--rename", request.rename, "Choose another name if this one is in use");
-  spawn.app
-      ->add_option(
-          "--ros-domain", request.ros_domain,
-          "Its own ROS domain, with plain names (default: as its spawn rule or file says, else that of the run)")
-      ->check(DdsDomain())
-      ->type_name("D");
-  spawn.app
-      ->add_option("--controller", request.controller,
-                   "Controller of the robot, with its default parameters (default: as the model says)")
-      ->type_name("NAME");
-  AddPose(spawn.app, options,
-          "Pose in the world frame, in metres and degrees; without Z on the ground (default: 0,0,0)");
+template <typename Request>
+void AddActionOf(CLI::App* command, const SharedOptions& options) {
+  if constexpr (requires { Request::kHelp; }) {
+    AddParameters(AddAction<Request>(command, options, WithDashes(Request::kName), std::string(Request::kHelp)),
+                  options);
+  }
 }
 
-void AddEditActions(CLI::App* command, const SharedOptions& options) {
-  AddResetScopes(
-      AddAction<control::Reset>(command, options, "reset",
-                                "Reset the run to the world as loaded, at tick 0; with options: the named parts only"));
-  const auto load = AddAction<control::LoadWorld>(command, options, "load", "Replace the world by that of a file");
-  AddWorldFile(*load.app, load.request->source);
-  AddSpawn(command, options);
-  AddName(AddAction<control::Delete>(command, options, "delete", "Delete a robot, an object or a model"));
-  const auto restore =
-      AddAction<control::Restore>(command, options, "restore", "Add a deleted robot, object or model again");
-  restore.app->add_option("NAME", restore.request->source, "Its name when it was deleted")->required();
-  restore.app->add_option("--name", restore.request->name, "Its name from now on (default: the same)")
-      ->type_name("NAME");
-  AddPose(restore.app, options, "Pose in the world frame, in metres and degrees; without Z on the ground")->required();
-  const auto move =
-      AddAction<control::SetPose>(command, options, "set-pose", "Move a robot, an object or a model to a pose");
-  AddName(move);
-  AddPose(move.app, options, "Pose in the world frame, in metres and degrees; without Z at its present height")
-      ->required();
+// Each request with a help text is an action.
+template <std::size_t... I>
+void AddActions(CLI::App* command, const SharedOptions& options, std::index_sequence<I...>) {
+  (AddActionOf<std::variant_alternative_t<I, control::Request>>(command, options), ...);
 }
 
-void AddDeviceActions(CLI::App* command, const SharedOptions& options) {
-  const auto door = AddAction<control::Door>(command, options, "door", "Open or close a door");
-  AddName(door, "Its name");
-  door.app
-      ->add_option_function<std::string>(
-          "ACTION",
-          [request = door.request](const std::string& action) { request->opening = action == "open" ? 1.0 : 0.0; },
-          "open or close")
-      ->required()
-      ->check(CLI::IsMember({"open", "close"}))
-      ->type_name("open|close");
-  const auto lift = AddAction<control::Lift>(command, options, "lift", "Call a lift to a floor");
-  AddName(lift, "Its name");
-  lift.app->add_option("FLOOR", lift.request->floor, "The name of the floor")->required();
-  const auto light = AddAction<control::Light>(command, options, "light", "Switch a light of a robot on or off");
-  AddName(light, "Its name, with that of the robot: r0.beacon");
-  light.app
-      ->add_option_function<std::string>(
-          "ACTION", [request = light.request](const std::string& action) { request->on = action == "on"; }, "on or off")
-      ->required()
-      ->check(CLI::IsMember({"on", "off"}))
-      ->type_name("on|off");
-}
-
+// One request has three actions.
 void AddListActions(CLI::App* command, const SharedOptions& options) {
   AddAction<control::Entities>(command, options, "list",
                                "List the robots, objects and people of the world with their poses");
-  AddName(AddAction<control::Entities>(
-      command, options, "get", "Print the pose of a robot, an object, a person, a model or a place, and its signals"));
+  const auto get = AddAction<control::Entities>(
+      command, options, "get", "Print the pose of a robot, an object, a person, a model or a place, and its signals");
+  get.app->add_option("NAME", get.request->name, "Name of a robot, an object, a person, a model or a place")
+      ->required();
   AddAction<control::Entities>(command, options, "agents",
                                "List the agents of the robots: host, process id, time to answer a frame")
       .app->callback([options] {
         options->request = control::Entities();
         options->lists_agents = true;
       });
-  AddAction<control::Spawnables>(command, options, "spawnables", "List the models of the run's world file");
 }
 
 }  // namespace
@@ -291,9 +203,7 @@ void AddCtlCommand(CLI::App& app, int& exit_status) {
   command->add_option("--timeout", options->timeout_seconds, "Seconds to wait for the reply; 0: no limit (default)")
       ->check(NumberFromZero())
       ->type_name("SECONDS");
-  AddTimeActions(command, options);
-  AddEditActions(command, options);
-  AddDeviceActions(command, options);
+  AddActions(command, options, std::make_index_sequence<std::variant_size_v<control::Request>>());
   AddListActions(command, options);
   command->final_callback([options, &exit_status] { exit_status = CtlCommand(*options); });
 }

@@ -1,5 +1,6 @@
 // What tools ask of a run (troupe ctl, the page, services of ROS 2): one struct for each request, with its parameters.
-// Their fields are listed once: from the lists come the sample of idl/control.idl and the decoder of the page's JSON.
+// Their fields are listed once: from the lists come the sample of idl/control.idl, the decoder of the page's JSON, the
+// check of numbers, and the options of `troupe ctl` with their help.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,7 @@
 #include "troupe/pose.h"
 #include "troupe/result.h"
 #include "troupe/robot_command.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
 
@@ -35,19 +37,49 @@ inline constexpr std::uint8_t kResetState = 2;    // robots and objects back to 
 inline constexpr std::uint8_t kResetSpawned = 4;  // deletes the spawned entities
 inline constexpr std::uint8_t kResetAll = 255;    // the world as loaded, with the entities deleted since
 
+// How `troupe ctl` has a field.
+enum class CtlPlace : std::uint8_t {
+  kOption,    // --name VALUE; every plain Field
+  kRequired,  // an argument, or for a pose an option, that must be there
+  kArgument,  // an argument that may be left out
+  kNone,
+};
+
+template <typename Row, typename Part>
+struct RequestField : Field<Row, Part> {
+  CtlPlace place;
+  std::string_view word;  // that stands for its value in help texts; empty: the last word of its name, in capitals
+};
+
+// Requests with a text kHelp are actions of `troupe ctl` by their names, with '-' for '_'.
 namespace control {
 
-// The state of the run, which each reply has.
+template <typename Row, typename Part>
+constexpr RequestField<Row, Part> Required(const Field<Row, Part>& field, std::string_view word = {}) {
+  return {field, CtlPlace::kRequired, word};
+}
+template <typename Row, typename Part>
+constexpr RequestField<Row, Part> Argument(const Field<Row, Part>& field) {
+  return {field, CtlPlace::kArgument, {}};
+}
+template <typename Row, typename Part>
+constexpr RequestField<Row, Part> NotOfCtl(const Field<Row, Part>& field) {
+  return {field, CtlPlace::kNone, {}};
+}
+
+// Each reply has the state.
 struct GetStatus {
   static constexpr std::string_view kName = "status";
+  static constexpr std::string_view kHelp = "Print the state of the run: playing or paused, tick, state hash";
   static constexpr RequestKind kKind = RequestKind::kQuestion;
   bool operator==(const GetStatus&) const = default;
   static constexpr auto Fields() { return std::tuple{}; }
 };
 
-// After the open tick; answered when the pause is quiescent.
+// Answered when the pause is quiescent.
 struct Pause {
   static constexpr std::string_view kName = "pause";
+  static constexpr std::string_view kHelp = "Pause the run at the end of the current tick";
   static constexpr RequestKind kKind = RequestKind::kTime;
   bool operator==(const Pause&) const = default;
   static constexpr auto Fields() { return std::tuple{}; }
@@ -55,88 +87,107 @@ struct Pause {
 
 struct Play {
   static constexpr std::string_view kName = "play";
+  static constexpr std::string_view kHelp = "Resume the run";
   static constexpr RequestKind kKind = RequestKind::kTime;
   bool operator==(const Play&) const = default;
   static constexpr auto Fields() { return std::tuple{}; }
 };
 
-// From a pause: some ticks, and pause again; answered when that pause is quiescent.
+// Answered when the pause after the ticks is quiescent.
 struct Step {
   static constexpr std::string_view kName = "step";
+  static constexpr std::string_view kHelp = "Run a paused run for some ticks, and pause it again";
   static constexpr RequestKind kKind = RequestKind::kTime;
   std::uint64_t ticks = 1;
   bool operator==(const Step&) const = default;
-  static constexpr auto Fields() { return std::tuple{Field{"ticks", &Step::ticks}}; }
+  static constexpr auto Fields() {
+    return std::tuple{Argument(Field{"ticks", &Step::ticks, "the number of ticks (default: 1)"}.In("tick").AtLeast(1))};
+  }
 };
 
 struct Reset {
   static constexpr std::string_view kName = "reset";
+  static constexpr std::string_view kHelp =
+      "Reset the run to the world as loaded, at tick 0; with options: the named parts only";
   static constexpr RequestKind kKind = RequestKind::kEdit;
   std::uint8_t scopes = kResetAll;
   bool operator==(const Reset&) const = default;
-  static constexpr auto Fields() { return std::tuple{Field{"scopes", &Reset::scopes}}; }
+  static constexpr auto Fields() {
+    return std::tuple{Field{"scopes", &Reset::scopes, "a sum of kResetTime, kResetState and kResetSpawned, or all"}};
+  }
 };
 
-// Replaces the world. Without a file and a text by an empty one.
+// Without a file and a text: an empty world.
 struct LoadWorld {
-  static constexpr std::string_view kName = "load_world";
+  static constexpr std::string_view kName = "load";
+  static constexpr std::string_view kHelp = "Replace the world by that of a file";
   static constexpr RequestKind kKind = RequestKind::kEdit;
-  std::string source = {};  // the file
-  std::string text = {};    // of a file, in its place
+  std::string source = {};
+  std::string text = {};
   bool operator==(const LoadWorld&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"source", &LoadWorld::source},
-        Field{"text", &LoadWorld::text},
+        Required(Field{"source", &LoadWorld::source, "a world, scenario, building or map, as of 'troupe run'"}, "FILE"),
+        NotOfCtl(Field{"text", &LoadWorld::text, "of a file, in its place"}),
     };
   }
 };
 
-// Adds an entity.
 struct Spawn {
   static constexpr std::string_view kName = "spawn";
+  static constexpr std::string_view kHelp = "Add a robot, an object or a model to the world";
   static constexpr RequestKind kKind = RequestKind::kEdit;
-  std::string source = {};  // a model of the run's world file, a file with one model, or FILE#MODEL
-  std::string text = {};    // of a file, in its place
-  std::string name = {};    // empty: derived from the source
-  Pose pose = {};           // in W
-  bool rename = false;      // choose another name if this one is in use
-  std::optional<std::uint32_t> ros_domain = {};  // RosIdentity::domain of the robot; none: as its source says
-  std::string ros_namespace = {};                // RosIdentity::name_space of the robot
-  std::string controller = {};                   // name of the robot's; empty: as its source says
+  std::string source = {};
+  std::string text = {};
+  std::string name = {};
+  Pose pose = {};
+  bool rename = false;
+  std::optional<std::uint32_t> ros_domain = {};
+  std::string ros_namespace = {};
+  std::string controller = {};
   bool operator==(const Spawn&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"source", &Spawn::source},
-        Field{"text", &Spawn::text},
-        Field{"name", &Spawn::name},
-        Field{"pose", &Spawn::pose},
-        Field{"rename", &Spawn::rename},
-        Field{"ros_domain", &Spawn::ros_domain},
-        Field{"ros_namespace", &Spawn::ros_namespace},
-        Field{"controller", &Spawn::controller},
+        Required(
+            Field{"source", &Spawn::source, "a model of the run's world file, a file with one model, or FILE#MODEL"}),
+        NotOfCtl(Field{"text", &Spawn::text, "of a file, in its place"}),
+        Field{"name", &Spawn::name, "its name (default: derived from the model)"},
+        Field{"pose", &Spawn::pose,
+              "pose in the world frame, in metres and degrees; without Z on the ground (default: 0,0,0)"},
+        Field{"rename", &Spawn::rename, "choose another name if this one is in use"},
+        Field{"ros_domain", &Spawn::ros_domain,
+              "its own ROS domain, with plain names (default: as its spawn rule or file says, else that of the run)"}
+            .Within(0, kMaxRosDomain),
+        Field{"ros_namespace", &Spawn::ros_namespace, "of its topics in ROS, \"/fleet/anna\" (default: its name)"},
+        Field{"controller", &Spawn::controller,
+              "controller of the robot, with its default parameters (default: as the model says)"},
     };
   }
 };
 
 struct Delete {
   static constexpr std::string_view kName = "delete";
+  static constexpr std::string_view kHelp = "Delete a robot, an object or a model";
   static constexpr RequestKind kKind = RequestKind::kEdit;
   std::string name = {};
   bool operator==(const Delete&) const = default;
-  static constexpr auto Fields() { return std::tuple{Field{"name", &Delete::name}}; }
+  static constexpr auto Fields() {
+    return std::tuple{Required(Field{"name", &Delete::name, "name of a robot, an object or a model"})};
+  }
 };
 
 struct SetPose {
   static constexpr std::string_view kName = "set_pose";
+  static constexpr std::string_view kHelp = "Move a robot, an object or a model to a pose";
   static constexpr RequestKind kKind = RequestKind::kEdit;
-  std::string name = {};  // of an entity
-  Pose pose = {};         // in W
+  std::string name = {};
+  Pose pose = {};
   bool operator==(const SetPose&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"name", &SetPose::name},
-        Field{"pose", &SetPose::pose},
+        Required(Field{"name", &SetPose::name, "name of a robot, an object or a model"}),
+        Required(Field{"pose", &SetPose::pose,
+                       "pose in the world frame, in metres and degrees; without Z at its present height"}),
     };
   }
 };
@@ -144,20 +195,20 @@ struct SetPose {
 struct Entities {
   static constexpr std::string_view kName = "entities";
   static constexpr RequestKind kKind = RequestKind::kQuestion;
-  std::string name = {};    // of an entity or a place; empty: all entities
-  bool with_boxes = false;  // report their boxes
+  std::string name = {};
+  bool with_boxes = false;
   bool operator==(const Entities&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"name", &Entities::name},
-        Field{"with_boxes", &Entities::with_boxes},
+        Field{"name", &Entities::name, "name of a robot, an object, a person, a model or a place; empty: all entities"},
+        Field{"with_boxes", &Entities::with_boxes, "report their boxes"},
     };
   }
 };
 
-// The models of the run's world file.
 struct Spawnables {
   static constexpr std::string_view kName = "spawnables";
+  static constexpr std::string_view kHelp = "List the models of the run's world file";
   static constexpr RequestKind kKind = RequestKind::kQuestion;
   bool operator==(const Spawnables&) const = default;
   static constexpr auto Fields() { return std::tuple{}; }
@@ -165,10 +216,15 @@ struct Spawnables {
 
 struct Speed {
   static constexpr std::string_view kName = "speed";
+  static constexpr std::string_view kHelp = "Set the speed of the run";
   static constexpr RequestKind kKind = RequestKind::kTime;
-  std::optional<double> speed = {};  // multiple of real time, positive; none: as fast as possible
+  std::optional<double> speed = {};
   bool operator==(const Speed&) const = default;
-  static constexpr auto Fields() { return std::tuple{Field{"speed", &Speed::speed}.Above(0)}; }
+  static constexpr auto Fields() {
+    return std::tuple{
+        Required(Field{"speed", &Speed::speed, "multiple of real time; max, or none: as fast as possible"}.Above(0)),
+    };
+  }
 };
 
 // A command for a robot, in force for some ticks. Each of its parts (RobotCommand) replaces the previous one; a goal
@@ -178,43 +234,48 @@ struct CommandRobot {
   static constexpr RequestKind kKind = RequestKind::kTime;
   std::string name = {};
   std::uint64_t ticks = 1;
-  std::optional<Twist> twist = {};  // in R
+  std::optional<Twist> twist = {};
   std::vector<GripperOrder> grippers = {};
   std::optional<Goal> goal = {};
   bool operator==(const CommandRobot&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"name", &CommandRobot::name},   Field{"ticks", &CommandRobot::ticks},
-        Field{"twist", &CommandRobot::twist}, Field{"grippers", &CommandRobot::grippers},
+        Field{"name", &CommandRobot::name, "of a robot"},
+        Field{"ticks", &CommandRobot::ticks, "for which it is in force"}.In("tick").Within(1, kMaxCommandTicks),
+        Field{"twist", &CommandRobot::twist, "in R"},
+        Field{"grippers", &CommandRobot::grippers},
         Field{"goal", &CommandRobot::goal},
     };
   }
 };
 
-// Adds a deleted entity again. A robot has a new id, and its controller starts.
+// A robot has a new id, and its controller starts.
 struct Restore {
   static constexpr std::string_view kName = "restore";
+  static constexpr std::string_view kHelp = "Add a deleted robot, object or model again";
   static constexpr RequestKind kKind = RequestKind::kEdit;
-  std::string source = {};  // its name when it was deleted
-  std::string name = {};    // from now on; empty: the same
-  Pose pose = {};           // in W
+  std::string source = {};
+  std::string name = {};
+  Pose pose = {};
   bool operator==(const Restore&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"source", &Restore::source},
-        Field{"name", &Restore::name},
-        Field{"pose", &Restore::pose},
+        Required(Field{"source", &Restore::source, "its name when it was deleted"}, "NAME"),
+        Field{"name", &Restore::name, "its name from now on (default: the same)"},
+        Required(
+            Field{"pose", &Restore::pose, "pose in the world frame, in metres and degrees; without Z on the ground"}),
     };
   }
 };
 
-// Back to an earlier tick, from the recording of the run.
 struct Rewind {
   static constexpr std::string_view kName = "rewind";
+  static constexpr std::string_view kHelp =
+      "Set the run back to an earlier tick, by its recording; controllers remember the ticks before";
   static constexpr RequestKind kKind = RequestKind::kEdit;
   std::uint64_t tick = 0;
   bool operator==(const Rewind&) const = default;
-  static constexpr auto Fields() { return std::tuple{Field{"tick", &Rewind::tick}}; }
+  static constexpr auto Fields() { return std::tuple{Required(Field{"tick", &Rewind::tick, "the tick"})}; }
 };
 
 // In recordings only: another seed and other controllers (WorldChanges::ToText).
@@ -259,42 +320,45 @@ struct SetTwist {
 
 struct Door {
   static constexpr std::string_view kName = "door";
+  static constexpr std::string_view kHelp = "Open or close a door";
   static constexpr RequestKind kKind = RequestKind::kInput;
   std::string name = {};
-  double opening = 1.0;  // from 0, closed, to 1
+  double opening = 1.0;
   bool operator==(const Door&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"name", &Door::name},
-        Field{"opening", &Door::opening}.Within(0, 1),
+        Required(Field{"name", &Door::name, "its name"}),
+        Required(Field{"opening", &Door::opening, "close, open, or a number from 0, closed, to 1"}.Within(0, 1)),
     };
   }
 };
 
 struct Lift {
   static constexpr std::string_view kName = "lift";
+  static constexpr std::string_view kHelp = "Call a lift to a floor";
   static constexpr RequestKind kKind = RequestKind::kInput;
   std::string name = {};
-  std::string floor = {};  // its name
+  std::string floor = {};
   bool operator==(const Lift&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"name", &Lift::name},
-        Field{"floor", &Lift::floor},
+        Required(Field{"name", &Lift::name, "its name"}),
+        Required(Field{"floor", &Lift::floor, "the name of the floor"}),
     };
   }
 };
 
 struct Light {
   static constexpr std::string_view kName = "light";
+  static constexpr std::string_view kHelp = "Switch a light of a robot on or off";
   static constexpr RequestKind kKind = RequestKind::kInput;
-  std::string name = {};  // of its model: "r0.beacon"
+  std::string name = {};
   bool on = true;
   bool operator==(const Light&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
-        Field{"name", &Light::name},
-        Field{"on", &Light::on},
+        Required(Field{"name", &Light::name, "its name, with that of the robot: r0.beacon"}),
+        Required(Field{"on", &Light::on, "on or off"}),
     };
   }
 };
@@ -313,8 +377,9 @@ bool Is(const Request& request) {
   return std::holds_alternative<Kind>(request);
 }
 
-// Checks what a request alone can tell: that its names are there, and its counts and numbers of ticks in range. Poses,
-// twists, goals and what the world has are checked where they are applied (CheckPose, CheckInput, CheckRobotCommand).
+// Checks what a request alone can tell: that its names are there, and its numbers within the limits of their fields.
+// Poses, twists, goals and what the world has are checked where they are applied (CheckPose, CheckInput,
+// CheckRobotCommand).
 // The error is for the user.
 Status CheckRequest(const Request& request);
 

@@ -273,7 +273,7 @@ TEST_F(RobotCommandTest, TheSpeedOfARunChangesFromTheNextTickOn) {
   Propose(1);
   EXPECT_EQ(tick(), 2u) << "without a pace the last proposal makes the step";
   request.speed = -1.0;
-  EXPECT_THAT(Ask(request).problem, HasSubstr("not a positive number"));
+  EXPECT_THAT(Ask(request).problem, HasSubstr("speed: found"));
   EXPECT_EQ(coordinator->MakeStatus(now).speed, std::nullopt);
 }
 
