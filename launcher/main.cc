@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "command_line/exclusive_options.h"
 #include "command_line/parse_command_line.h"
 #include "common/base/identity.h"
 #include "common/base/system_error.h"
@@ -48,7 +49,9 @@ int Main(int argc, const char* const* argv) {
   AddHostCommand(app, exit_status);
   AddCompletionsCommand(app, exit_status);
   AddHelpCommand(app, exit_status);
-  ExcludeOptions(app);
+  for (CLI::App* const command : app.get_subcommands([](CLI::App*) { return true; })) {
+    ExcludeOptions(*command, command->get_name());
+  }
   if (const std::optional<int> ended = ParseCommandLine(app, argc, argv)) return CheckStandardOutput(*ended);
   if (app.get_subcommands().empty()) fmt::print("{}", app.help());
   return CheckStandardOutput(exit_status);

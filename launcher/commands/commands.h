@@ -45,18 +45,6 @@ void AddCompletionsCommand(CLI::App& app, int& exit_status);
 // After all others: it also adds examples to the help texts of theirs.
 void AddHelpCommand(CLI::App& app, int& exit_status);
 
-// Options of one command that are refused together, with both names: one of them would be without effect. A pair that
-// is not in the table is effective.
-struct ExclusiveOptions {
-  const char* command;
-  const char* option;
-  std::vector<const char*> others;
-};
-// Constant; a test goes over all pairs of options by it.
-const std::vector<ExclusiveOptions>& ExclusivePairs();
-// After the commands are added.
-void ExcludeOptions(CLI::App& app);
-
 // Prints the error, and returns the exit status that follows from its code.
 // For a callback: exit_status = Fail(error).
 int Fail(const Error& error);

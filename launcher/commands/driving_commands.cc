@@ -253,19 +253,15 @@ void AddGotoCommand(CLI::App& app, int& exit_status) {
                    "Where to, in the world frame, in metres and degrees, or the name of a place; of several, one after "
                    "another")
       ->type_name("X,Y[,HEADING]|PLACE");
-  CLI::Option* const cancel = command->add_flag("--cancel", options->cancel, "End the goal; the controller continues");
-  CLI::Option* const no_wait = command->add_flag("--no-wait", options->no_wait, "Send the goal and exit");
-  CLI::Option* const tolerance =
-      command->add_option("--tolerance", options->tolerance, "Metres within which it has arrived (default: 0.2)")
-          ->check(PositiveNumber())
-          ->type_name("METRES");
-  CLI::Option* const timeout = command
-                                   ->add_option("--timeout", options->timeout_seconds,
-                                                "Seconds until the goal is cancelled; 0: no limit (default)")
-                                   ->check(NumberFromZero())
-                                   ->type_name("SECONDS");
-  for (CLI::Option* const waits : {tolerance, timeout}) waits->excludes(no_wait)->excludes(cancel);
-  no_wait->excludes(cancel);
+  command->add_flag("--cancel", options->cancel, "End the goal; the controller continues");
+  command->add_flag("--no-wait", options->no_wait, "Send the goal and exit");
+  command->add_option("--tolerance", options->tolerance, "Metres within which it has arrived (default: 0.2)")
+      ->check(PositiveNumber())
+      ->type_name("METRES");
+  command
+      ->add_option("--timeout", options->timeout_seconds, "Seconds until the goal is cancelled; 0: no limit (default)")
+      ->check(NumberFromZero())
+      ->type_name("SECONDS");
   AddSessionFlag(*command, options->network, "Session of the run (default: the only one in the domain)");
   AddToolNetworkFlags(*command, options->network);
   command->final_callback([options, &exit_status] { exit_status = Goto(*options); });

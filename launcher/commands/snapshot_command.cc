@@ -316,11 +316,7 @@ void AddSnapshotCommand(CLI::App& app, int& exit_status) {
       ->check(NotEmpty())
       ->type_name("NAME")
       ->group(run);
-  // The options of a picture of the world do not concern a camera's, and the other way round.
   command->get_option("--depth")->needs(command->get_option("--camera"));
-  for (const char* name : {"--view", "--rays", "--center", "--meters", "--heights", "--width"}) {
-    command->get_option("--camera")->excludes(command->get_option(name));
-  }
   command->final_callback([options, &exit_status] { exit_status = SnapshotCommand(*options); });
 }
 

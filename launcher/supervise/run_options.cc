@@ -142,22 +142,6 @@ void AddOutputFlags(CLI::App& command, RunOptions& options) {
   AddTraceFlags(command, options.trace, group);
 }
 
-// The options that have no meaning beside others: none is accepted and ignored.
-void ExcludeOptions(CLI::App& command) {
-  const auto exclude = [&command](const char* name, std::initializer_list<const char*> others) {
-    for (const char* other : others) command.get_option(name)->excludes(command.get_option(other));
-  };
-  exclude("--in-process",
-          {"--robots-per-process", "--restart-agents", "--on-service-loss", "--journal", "--journal-sync", "--hosts",
-           "--interface", "--network", "--security", "--data-sharing", "--lease", "--shuffle-start"});
-  exclude("--ros", {"--no-ros"});
-  command.get_option("--trace-ticks")->needs(command.get_option("--trace"));
-  CLI::Option* const no_ros = command.get_option("--no-ros");
-  for (CLI::Option* const option : command.get_options()) {
-    if (option->get_name().starts_with("--ros-")) no_ros->excludes(option);
-  }
-}
-
 }  // namespace
 
 void AddRunOptions(CLI::App& command, RunOptions& options) {
@@ -195,7 +179,7 @@ void AddRunOptions(CLI::App& command, RunOptions& options) {
       ->check(WholeNumber(0))
       ->type_name("SEED")
       ->group("Testing");
-  ExcludeOptions(command);
+  command.get_option("--trace-ticks")->needs(command.get_option("--trace"));
 }
 
 // In this order: hosts, then the interface, whose default depends on them.

@@ -1,8 +1,8 @@
 // RunOptions: the options of `troupe run`.
 //
-// One struct for both ways of running; which options exclude each other is checked in AddRunOptions, so that nothing
-// later has to consider a combination without meaning. ServiceArguments and AgentArguments are the only places that
-// know the command lines of the two programs.
+// One struct for both ways of running; which options exclude each other is in command_line/exclusive_options.cc, so
+// that nothing later has to consider a combination without meaning. ServiceArguments and AgentArguments are the only
+// places that know the command lines of the two programs.
 #pragma once
 
 #include <cstdint>

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "command_line/exclusive_options.h"
 #include "common/spatial/occupancy_grid.h"
 #include "launcher/commands/commands.h"
 #include "launcher/supervise/run_ways.h"
@@ -57,6 +58,7 @@ class SnapshotCommandTest : public ::testing::Test, public test::TemporaryFolder
     CLI::App app;
     int status = -1;
     AddSnapshotCommand(app, status);
+    ExcludeOptions(*app.get_subcommand("snapshot"), "snapshot");
     message_.clear();
     ::testing::internal::CaptureStderr();
     try {

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fstream>
 
+#include "command_line/exclusive_options.h"
 #include "launcher/commands/check_command.h"
 #include "launcher/supervise/output_files.h"
 #include "tests/support/files.h"
@@ -28,6 +29,7 @@ Parsed Parse(std::vector<std::string> words) {
   Parsed parsed;
   CLI::App app;
   AddRunOptions(app, parsed.options);
+  ExcludeOptions(app, "run");
   std::reverse(words.begin(), words.end());  // the order that CLI11 expects
   try {
     app.parse(words);
