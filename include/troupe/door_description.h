@@ -50,8 +50,8 @@ struct DoorDescription {
         Field{"reach", &DoorDescription::detection_radius, "it opens for robots nearer to its model; 0: for none"}
             .In("m")
             .AtLeast(0),
-        Field{"opening", &DoorDescription::opening, "at load"}.Within(0, 1),
-        Field{"operated", &DoorDescription::is_operated, "false: it stays as it is"},
+        Field{"opening", &DoorDescription::opening, "at load: 0 is closed, 1 open"}.Within(0, 1),
+        Field{"operated", &DoorDescription::is_operated, "if not, requests have no effect"},
     };
   }
 };
@@ -87,7 +87,7 @@ struct LiftDescription {
         Field{"cabin_doors", &LiftDescription::cabin_doors, "moving with the cabin, in WorldDescription::doors"},
         Field{"floors", &LiftDescription::floors},
         Field{"floor", &LiftDescription::floor, "at load"},
-        Field{"speed", &LiftDescription::speed}.In("m/s").AtLeast(1e-3),
+        Field{"speed", &LiftDescription::speed, "of the cabin"}.In("m/s").AtLeast(1e-3),
     };
   }
 };

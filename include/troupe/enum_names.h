@@ -53,4 +53,16 @@ std::vector<std::string> AllNames() {
   return {kNames.begin(), kNames.end()};
 }
 
+// The words of Stage worlds for the values: their names, but for a type with words of its own beside it. Readers,
+// writers and forms have them from here.
+template <NamedEnum Value>
+constexpr auto StageWordsOf(Value value) {
+  return NamesOf(value);
+}
+// REQUIRES: a known value
+template <NamedEnum Value>
+constexpr const char* StageWordOf(Value value) {
+  return StageWordsOf(Value())[static_cast<std::size_t>(value)];
+}
+
 }  // namespace troupe

@@ -253,8 +253,9 @@ struct RadioParameters {
   static constexpr auto Fields() {
     return std::tuple{
         Field{"pose", &RadioParameters::X_MS},
-        Field{"channel", &RadioParameters::channel},
-        Field{"range", &RadioParameters::range, "between the antennas, without walls"}.In("m").AtLeast(0),
+        Field{"channel", &RadioParameters::channel, "radios of other channels do not hear it"},
+        Field{"range", &RadioParameters::range, "of its messages, between the antennas, without walls"}.In("m").AtLeast(
+            0),
         Field{"bandwidth", &RadioParameters::bandwidth, "that it can send"}.In("byte/s").AtLeast(0),
         Field{"delay", &RadioParameters::delay, "until a message arrives, rounded up to whole ticks"}.In("s").Within(
             0, kMaxRadioDelay),
@@ -262,16 +263,19 @@ struct RadioParameters {
         Field{"range_loss", &RadioParameters::range_loss,
               "the probability of another loss, at `range`; in proportion to the distance"}
             .Within(0, 1),
-        Field{"power", &RadioParameters::power, "at 1 m"}.In("dBm"),
-        Field{"path_loss_exponent", &RadioParameters::path_loss_exponent, "2: as in free space"}.Above(0),
-        Field{"wall_loss", &RadioParameters::wall_loss, "of each wall between the antennas"}.In("dB").AtLeast(0),
-        Field{"body_loss", &RadioParameters::body_loss, "of each robot or object between the antennas"}
+        Field{"power", &RadioParameters::power, "of its messages at 1 m"}.In("dBm"),
+        Field{"path_loss_exponent", &RadioParameters::path_loss_exponent,
+              "how fast the strength falls; 2 as in free space"}
+            .Above(0),
+        Field{"wall_loss", &RadioParameters::wall_loss, "lost at each wall between the antennas"}.In("dB").AtLeast(0),
+        Field{"body_loss", &RadioParameters::body_loss, "lost at each robot or object between the antennas"}
             .In("dB")
             .AtLeast(0),
         Field{"range_and_bearing", &RadioParameters::range_and_bearing,
               "it measures the ranges and bearings of the senders"},
-        Field{"range_noise", &RadioParameters::range_noise, "standard deviation"}.In("m").AtLeast(0),
-        Field{"bearing_noise", &RadioParameters::bearing_noise, "standard deviation"}.In("rad").AtLeast(0),
+        Field{"range_noise", &RadioParameters::range_noise, "standard deviation of the ranges"}.In("m").AtLeast(0),
+        Field{"bearing_noise", &RadioParameters::bearing_noise, "standard deviation of the bearings"}.In("rad").AtLeast(
+            0),
     };
   }
 };
@@ -292,11 +296,17 @@ struct ImuParameters {
   static constexpr auto Fields() {
     return std::tuple{
         Field{"pose", &ImuParameters::X_MS},
-        Field{"heading_noise", &ImuParameters::heading_noise}.In("rad").AtLeast(0),
-        Field{"gyro_noise", &ImuParameters::gyro_noise}.In("rad/s").AtLeast(0),
-        Field{"gyro_bias", &ImuParameters::gyro_bias}.In("rad/s").AtLeast(0),
-        Field{"acceleration_noise", &ImuParameters::acceleration_noise, "along each axis"}.In("m/s^2").AtLeast(0),
-        Field{"acceleration_bias", &ImuParameters::acceleration_bias, "along each axis"}.In("m/s^2").AtLeast(0),
+        Field{"heading_noise", &ImuParameters::heading_noise, "standard deviation of the heading"}.In("rad").AtLeast(0),
+        Field{"gyro_noise", &ImuParameters::gyro_noise, "standard deviation of the yaw rate"}.In("rad/s").AtLeast(0),
+        Field{"gyro_bias", &ImuParameters::gyro_bias, "standard deviation of its constant error"}.In("rad/s").AtLeast(
+            0),
+        Field{"acceleration_noise", &ImuParameters::acceleration_noise,
+              "standard deviation of the force along each axis"}
+            .In("m/s^2")
+            .AtLeast(0),
+        Field{"acceleration_bias", &ImuParameters::acceleration_bias, "standard deviation of its constant error"}
+            .In("m/s^2")
+            .AtLeast(0),
     };
   }
 };

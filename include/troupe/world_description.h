@@ -213,6 +213,9 @@ enum class DriveType : std::uint8_t {
 constexpr auto NamesOf(DriveType) {
   return std::array{"differential", "omni", "car"};
 }
+constexpr auto StageWordsOf(DriveType) {
+  return std::array{"diff", "omni", "car"};
+}
 
 // Bounds of each component of a twist (m/s, m/s, rad/s) or of its rate of change (m/s^2, m/s^2, rad/s^2).
 struct TwistBounds {
@@ -253,6 +256,9 @@ enum class LocalizationType : std::uint8_t {
 constexpr auto NamesOf(LocalizationType) {
   return std::array{"gps", "odometry"};
 }
+constexpr auto StageWordsOf(LocalizationType) {
+  return std::array{"gps", "odom"};
+}
 
 struct LocalizationDescription {
   LocalizationType type = LocalizationType::kGps;
@@ -279,6 +285,9 @@ enum class JointType : std::uint8_t {
 };
 constexpr auto NamesOf(JointType) {
   return std::array{"prismatic", "revolute"};
+}
+constexpr auto StageWordsOf(JointType) {
+  return std::array{"linear", "rotational"};
 }
 
 // One degree of freedom of a robot: its model, with everything below, moves relative to the parent. At position q the

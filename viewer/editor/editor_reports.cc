@@ -12,6 +12,7 @@
 #include "worldfile/edit/written_model.h"
 #include "worldfile/models/properties/color_names.h"
 #include "worldfile/models/types/position_type.h"
+#include "worldfile/models/types/property_table.h"
 #include "worldfile/scenario/scenario_schema.h"
 #include "worldfile/stage/stage_world.h"
 

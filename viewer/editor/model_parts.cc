@@ -81,7 +81,7 @@ const JointDescription* JointOf(const BuiltDefine& built, ModelId model) {
 
 Json JointJson(const JointDescription& joint, const Pose& X_DN) {
   const Vec2 axis = Transform2(X_DN).Rotate(joint.axis_xy);
-  return {{"type", joint.type == JointType::kRevolute ? "rotational" : "linear"},
+  return {{"type", StageWordOf(joint.type)},
           {"axis", {axis.x(), axis.y(), joint.axis_z}},
           {"limits", {joint.position.min, joint.position.max}},
           {"max_speed", joint.max_speed}};

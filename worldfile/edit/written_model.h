@@ -1,14 +1,11 @@
-// WrittenModel: a model to be added to a file, and its text in the two languages; and the table of all properties for
-// forms.
+// WrittenModel: a model to be added to a file, and its text in the two languages.
 //
 // Numbers are rounded when the value is made, not when it is written: what a form shows, what the file gets and what a
 // later comparison reads are then the same number. Four decimals are 0.1 mm for metres and 0.4 mm at 200 m for degrees.
 // No exponents: the Stage language has none.
 #pragma once
 
-#include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -51,19 +48,5 @@ std::string ToDefine(const WrittenModel& model, const std::string& name, const s
 // An entry of "models", "robots" or "children" of a scenario, on one line: "name" and "pose" are members of their own,
 // the pose in metres and degrees.
 std::string ToScenarioEntry(const WrittenModel& model);
-
-// The properties of world files, for help and for forms: docs/world-files.md and docs/sensors.md as a table.
-
-struct PropertyHelp {
-  std::string_view type;  // of the models that have it; "*": all; "world": the file itself
-  std::string_view name;  // without an index
-  std::string_view
-      form;  // "number", "flag" (0 or 1), "text", "texts", "color", "controller", choices "a|b", or names "x y z"
-  std::string_view unit;     // "m", "deg" (as unit_length and unit_angle say), "ms" ...; empty: none
-  std::string_view initial;  // the default, as in a file; empty: none
-  std::string_view help;
-};
-
-std::span<const PropertyHelp> PropertyTable();
 
 }  // namespace troupe

@@ -1,7 +1,6 @@
 #include "worldfile/sites/building_parts.h"
 
 #include <algorithm>
-#include <map>
 #include <numbers>
 #include <set>
 
@@ -65,12 +64,11 @@ SiteDoor ReadDoor(YamlReader& yaml, const SiteEdge& edge, const YamlNode& params
   door.name = yaml.Text(yaml.Parameter(params, "name"), "a door's name");
   const YamlNode& kind = yaml.Parameter(params, "type");
   const std::string text = yaml.Text(kind, "the type of door " + Quoted(door.name), "hinged");
-  const std::map<std::string, DoorKind> kinds{
-      {"hinged", DoorKind::kHinged},     {"double_hinged", DoorKind::kDoubleHinged},
-      {"sliding", DoorKind::kSliding},   {"double_sliding", DoorKind::kDoubleSliding},
-      {"telescope", DoorKind::kSliding}, {"double_telescope", DoorKind::kDoubleSliding}};
-  if (const auto found = kinds.find(text); found != kinds.end()) {
-    door.kind = found->second;
+  constexpr std::string_view kTelescope = "telescope";  // slides
+  std::string word = text;
+  if (text.ends_with(kTelescope)) word.replace(text.size() - kTelescope.size(), kTelescope.size(), "sliding");
+  if (const auto found = FindByName<DoorKind>(word)) {
+    door.kind = *found;
   } else {
     yaml.Fail(kind,
               "found the door type " + Quoted(text) + ", expected hinged, double_hinged, sliding or double_sliding");

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "troupe/world_description.h"
 #include "worldfile/sites/node_maker.h"
 
 namespace troupe {
@@ -54,7 +55,7 @@ Define MakeRobot(const SiteRobotModel& model, const SourceLocation& where) {
   std::vector<double> velocity = symmetric(model.max_speed, model.max_turn_rate);
   velocity[0] = model.min_speed;
   NodeMaker robot("position", where);
-  robot.Text("drive", model.is_car ? "car" : "diff");
+  robot.Text("drive", StageWordOf(model.is_car ? DriveType::kCar : DriveType::kDifferential));
   if (model.is_car) robot.Number("wheelbase", 1.3);
   robot.Numbers("size", {model.size.begin(), model.size.end()})
       .Numbers("origin", {model.origin_x, 0.0, 0.0, 0.0})

@@ -19,6 +19,11 @@ constexpr auto NamesOf(DoorKind) {
   return std::array{"hinged", "double_hinged", "sliding", "double_sliding"};
 }
 
+enum class DoorSide : std::uint8_t { kRight, kLeft };
+constexpr auto NamesOf(DoorSide) {
+  return std::array{"right", "left"};
+}
+
 // The doorway is from the left to the right, x along it, y to the back.
 struct DoorDraft {
   DoorKind kind = DoorKind::kHinged;

@@ -348,13 +348,13 @@ std::string PropertyReader::Text(std::string_view name, const std::string& other
   return texts.empty() ? otherwise : texts.front();
 }
 
-std::size_t PropertyReader::WordNumber(std::string_view name, std::span<const std::string_view> words) {
+std::size_t PropertyReader::WordNumber(std::string_view name, std::span<const char* const> words) {
   const std::string text = Text(name, std::string(words.front()));
   const auto same = [&text](std::string_view word) { return EqualInAnyCase(word, text); };
   const auto found = std::find_if(words.begin(), words.end(), same);
   const auto nearest = found != words.end() ? found : words.begin();
   const auto number = static_cast<std::size_t>(nearest - words.begin());
-  if (*nearest == text) return number;
+  if (text == *nearest) return number;
   std::string expected;
   for (std::size_t i = 0; i < words.size(); ++i) {
     expected += (i == 0 ? "" : i + 1 < words.size() ? ", " : " or ") + ('"' + std::string(words[i]) + '"');

@@ -69,15 +69,11 @@ class PropertyReader {
   std::int64_t Integer(std::string_view name, std::int64_t otherwise, std::int64_t min, std::int64_t max);
   bool Flag(std::string_view name, bool otherwise);  // 0 or not 0
   std::string Text(std::string_view name, const std::string& otherwise);
-  // One of the words, in lower case, which the file may write in any case; the first one without the property, or with
-  // a warning for another word.
-  std::string Word(std::string_view name, std::span<const std::string_view> words) {
-    return std::string(words[WordNumber(name, words)]);
-  }
-  // Likewise the value of an enumeration, for whose values the words are, in their order.
-  template <typename Value>
-  Value Choice(std::string_view name, std::span<const std::string_view> words) {
-    return static_cast<Value>(WordNumber(name, words));
+  // The value whose word (StageWordsOf) the file has, in any case; the first one without the property, or with a
+  // warning for another word.
+  template <NamedEnum Value>
+  Value Choice(std::string_view name) {
+    return static_cast<Value>(WordNumber(name, StageWordsOf(Value())));
   }
 
   // `count` numbers without unit, none larger than `limit`; nothing if the property is not there, or has fewer, or is a
@@ -96,7 +92,7 @@ class PropertyReader {
   std::vector<const Property*> Unused() const;
 
  private:
-  std::size_t WordNumber(std::string_view name, std::span<const std::string_view> words);
+  std::size_t WordNumber(std::string_view name, std::span<const char* const> words);
   // A single number; nothing as Numbers.
   std::optional<double> OneNumber(std::string_view name, double limit = kMaxMagnitude);
   // Reads as many numbers as there are in `numbers`; false: as Numbers.

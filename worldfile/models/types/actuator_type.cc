@@ -12,11 +12,6 @@
 namespace troupe {
 namespace {
 
-JointType ReadJointType(PropertyReader& reader) {
-  constexpr std::string_view kTypes[] = {"linear", "rotational"};
-  return reader.Choice<JointType>("type", kTypes);
-}
-
 // A unit vector in the model's frame.
 struct Axis {
   Vec2 xy{0.0, 0.0};
@@ -85,7 +80,7 @@ class ActuatorReader : public ModelReader {
       return;
     }
     reader.diagnostics().Warn(draft.node.where, "this actuator is on no robot, so it does not move");
-    const JointType type = ReadJointType(reader);
+    const JointType type = reader.Choice<JointType>("type");
     reader.Use("axis");
     ReadLimits(reader, type);
   }
@@ -93,7 +88,7 @@ class ActuatorReader : public ModelReader {
  private:
   static void AddJoint(PropertyReader& reader, const ModelDraft& draft, WorldDescription& world) {
     JointDescription joint;
-    joint.type = ReadJointType(reader);
+    joint.type = reader.Choice<JointType>("type");
     const std::optional<Axis> axis = ReadAxis(reader, joint.type);
     const Limits limits = ReadLimits(reader, joint.type);
     if (!axis) return;

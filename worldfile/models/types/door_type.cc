@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "worldfile/models/types/field_properties.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/text/text_file.h"
 
@@ -45,12 +46,10 @@ class DoorReader : public ModelReader {
   }
 
   void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
-    constexpr std::string_view kKinds[] = {"hinged", "double_hinged", "sliding", "double_sliding"};
-    constexpr std::string_view kSides[] = {"right", "left"};
     DoorDraft door = draft.node.DraftOf<DoorDraft>();
     const auto has = [&](const char* property) { return reader.node().Find(property) != nullptr; };
-    if (has("kind")) door.kind = reader.Choice<DoorKind>("kind", kKinds);
-    if (has("side")) door.at_left = reader.Word("side", kSides) == "left";
+    if (has("kind")) door.kind = reader.Choice<DoorKind>("kind");
+    if (has("side")) door.at_left = reader.Choice<DoorSide>("side") == DoorSide::kLeft;
     if (has("swing"))
       door.swing = reader.units().Angle(reader.Number("swing", reader.units().degrees ? 90.0 : 0.5 * kPi));
     const bool is_double = door.kind == DoorKind::kDoubleHinged || door.kind == DoorKind::kDoubleSliding;
@@ -72,11 +71,9 @@ class DoorReader : public ModelReader {
     } else {
       leaves_ = {SlidingLeaf(0.0, width, at_left ? -width : width)};
     }
-    door_.seconds = reader.Number("seconds", 3.0, 1e-3, 1e6);
-    // 0, the default, switches the automatic opening off.
-    door_.detection_radius = std::max(0.0, reader.Length("reach", 0.0));
-    door_.opening = reader.Number("opening", door.opening, 0.0, 1.0);
-    door_.is_operated = reader.Flag("operated", door.is_operated);
+    door_.opening = door.opening;
+    door_.is_operated = door.is_operated;
+    ReadFields(reader, door_);
     if (draft.robot || draft.model.gripper_return) {
       context.diagnostics.Fail(
           draft.node.where, "found a 'door' on a robot, or that can be gripped, expected one at a place of the world");

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "worldfile/models/types/field_properties.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/text/text_file.h"
 
@@ -45,7 +46,7 @@ class LiftReader : public ModelReader {
     if (lift_.floors[lift_.floor].z != draft.X_WM.z) {
       return fail("pose", "found a 'lift' at none of its 'heights', expected its z to be one of them");
     }
-    lift_.speed = std::max(1e-3, reader.Length("speed", 1.0));
+    ReadFields(reader, lift_);
     if (reader.node().Find("cabin_doors") != nullptr) draft_.cabin_doors = reader.Texts("cabin_doors");
     if (reader.node().Find("floor_doors") != nullptr) ReadFloorDoors(reader);
     if (draft.robot || draft.model.gripper_return) {

@@ -40,8 +40,7 @@ TwistBounds ReadBounds(PropertyReader& reader, std::string_view name) {
 
 DriveDescription ReadDrive(PropertyReader& reader) {
   DriveDescription drive;
-  constexpr std::string_view kTypes[] = {"diff", "omni", "car"};
-  drive.type = reader.Choice<DriveType>("drive", kTypes);
+  drive.type = reader.Choice<DriveType>("drive");
   constexpr double kMinLength = 1e-6;  // m
   const double wheelbase = reader.Length("wheelbase", 1.0);
   drive.wheelbase = std::fabs(wheelbase) > kMinLength ? std::fabs(wheelbase) : 1.0;
@@ -57,8 +56,7 @@ DriveDescription ReadDrive(PropertyReader& reader) {
 // `X_WR`: the robot at load; `robot` and `seed` pick its random numbers.
 LocalizationDescription ReadLocalization(PropertyReader& reader, const Pose& X_WR, RobotId robot, std::uint64_t seed) {
   LocalizationDescription localization;
-  constexpr std::string_view kTypes[] = {"gps", "odom"};
-  localization.type = reader.Choice<LocalizationType>("localization", kTypes);
+  localization.type = reader.Choice<LocalizationType>("localization");
   const std::optional<Pose> X_WO = reader.ReadPose("localization_origin");
   const auto error = reader.Numbers("odom_error", 4);
   if (localization.type == LocalizationType::kGps) {

@@ -7,6 +7,7 @@
 
 #include "common/geometry/limits.h"
 #include "worldfile/models/properties/color_names.h"
+#include "worldfile/models/types/field_properties.h"
 #include "worldfile/models/types/model_types.h"
 #include "worldfile/text/text_file.h"
 
@@ -173,37 +174,19 @@ class ImuReader : public ModelReader {
   void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
     ImuParameters imu;
     imu.X_MS = draft.X_MD;
-    imu.heading_noise = ReadAngle(reader, "heading_noise", imu.heading_noise);
-    imu.gyro_noise = ReadAngle(reader, "gyro_noise", imu.gyro_noise);
-    imu.gyro_bias = ReadAngle(reader, "gyro_bias", imu.gyro_bias);
-    imu.acceleration_noise = reader.Number("acceleration_noise", imu.acceleration_noise, 0.0);
-    imu.acceleration_bias = reader.Number("acceleration_bias", imu.acceleration_bias, 0.0);
+    ReadFields(reader, imu);
     AddSensor(reader, draft, "IMU", imu, context);
   }
 };
 
 // `radio`: sends messages of the robot's controller to the radios of other robots, and receives theirs.
 
-constexpr double kMaxDecibels = 1000.0;
-
 class RadioReader : public ModelReader {
  public:
   void ReadProperties(PropertyReader& reader, ModelDraft& draft, BuildContext& context) override {
     RadioParameters radio;
     radio.X_MS = draft.X_MD;
-    radio.channel = static_cast<std::int32_t>(reader.Integer("channel", radio.channel, -1'000'000'000, 1'000'000'000));
-    radio.range = ReadDistance(reader, "range", radio.range);
-    radio.bandwidth = reader.Number("bandwidth", radio.bandwidth, 0.0);
-    radio.delay = reader.Number("delay", radio.delay, 0.0, kMaxRadioDelay);
-    radio.loss = reader.Number("loss", radio.loss, 0.0, 1.0);
-    radio.range_loss = reader.Number("range_loss", radio.range_loss, 0.0, 1.0);
-    radio.power = reader.Number("power", radio.power, -kMaxDecibels, kMaxDecibels);
-    radio.path_loss_exponent = reader.Number("path_loss_exponent", radio.path_loss_exponent, 1e-3, 100.0);
-    radio.wall_loss = reader.Number("wall_loss", radio.wall_loss, 0.0, kMaxDecibels);
-    radio.body_loss = reader.Number("body_loss", radio.body_loss, 0.0, kMaxDecibels);
-    radio.range_and_bearing = reader.Flag("range_and_bearing", radio.range_and_bearing);
-    radio.range_noise = ReadDistance(reader, "range_noise", radio.range_noise);
-    radio.bearing_noise = ReadAngle(reader, "bearing_noise", radio.bearing_noise);
+    ReadFields(reader, radio);
     if (const Property* const period = reader.Use("update_interval")) {
       reader.diagnostics().Warn(period->where,
                                 "property 'update_interval' has no effect: a radio receives in every tick");
