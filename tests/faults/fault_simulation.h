@@ -19,7 +19,7 @@
 #include "tests/faults/simulated_peers.h"
 #include "transport/dds/transport/dds_service_endpoint.h"
 #include "transport/protocol/run_progress.h"
-#include "world-service/service/run_history.h"
+#include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
 #include "world-service/service/tick_coordinator.h"
 

@@ -22,7 +22,7 @@
 #include "recording/journal.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/run_recorder.h"
-#include "world-service/service/run_history.h"
+#include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {

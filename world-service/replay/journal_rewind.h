@@ -1,4 +1,4 @@
-// The states of a rewind (world-service/service/run_history.h), made from the recording of the run and appended to all
+// The states of a rewind (world-service/service/rewind.h), made from the recording of the run and appended to all
 // recordings that it writes: by the service that was asked, or by the one that continues after its death.
 //
 // The first is the one with which the robots of the tick began, as the result of an edit that replaces the world; the
@@ -12,6 +12,7 @@
 #include "transport/protocol/messages.h"
 #include "troupe/result.h"
 #include "world-service/observers/recorder/run_recorder.h"
+#include "world-service/service/resumed_run.h"
 #include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"
 

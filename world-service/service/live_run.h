@@ -25,7 +25,8 @@
 #include "troupe/result.h"
 #include "world-service/service/event_log.h"
 #include "world-service/service/membership.h"
-#include "world-service/service/run_history.h"
+#include "world-service/service/resumed_run.h"
+#include "world-service/service/robot_memories.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {

@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "world-service/service/live_run.h"
-#include "world-service/service/run_history.h"
+#include "world-service/service/rewind.h"
 #include "world-service/service/run_observer.h"
 #include "world-service/service/tick_engine.h"
 #include "world-service/service/world_editor.h"

@@ -25,6 +25,7 @@
 #include "common/trace/tick_trace.h"
 #include "transport/protocol/transport.h"
 #include "troupe/result.h"
+#include "world-service/service/resumed_run.h"
 #include "world-service/service/robot_totals.h"
 #include "world-service/service/run_history.h"
 #include "world-service/service/run_observer.h"

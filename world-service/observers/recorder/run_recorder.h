@@ -32,7 +32,7 @@
 #include "recording/recording_writer.h"
 #include "transport/protocol/run_progress.h"
 #include "troupe/result.h"
-#include "world-service/service/run_history.h"
+#include "world-service/service/resumed_run.h"
 #include "world-service/service/run_observer.h"
 
 namespace troupe {

@@ -1,3 +1,5 @@
+#include "world-service/service/rewind.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -5,7 +7,7 @@
 #include <stdexcept>
 
 #include "tests/unit/world-service/service/coordinator_fixture.h"
-#include "world-service/service/run_history.h"
+#include "world-service/service/robot_memories.h"
 
 namespace troupe {
 namespace {

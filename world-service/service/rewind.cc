@@ -1,6 +1,5 @@
-#include "world-service/service/run_history.h"
+#include "world-service/service/rewind.h"
 
-#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -14,30 +13,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kWorkTime(20);  // so that the run sees a stop soon
 
 }  // namespace
-
-void RobotMemories::OnNewRobots(const std::vector<std::string>& robots, Edition edition) {
-  for (const std::string& robot : robots) spawned_[robot] = edition;
-}
-
-void RobotMemories::OnFreshStart(Edition edition) {
-  fresh_edition_ = edition;
-  spawned_.clear();
-}
-
-std::optional<HistoryRequest> RobotMemories::MissingFor(const JoinMessage& join, const FrameMessage& newest) const {
-  // An agent makes all its robots at once, so the oldest of them decides from where it needs the states.
-  Edition made = newest.edition;
-  for (const std::string& robot : join.robots) {
-    const auto spawned = spawned_.find(robot);
-    made = std::min(made, spawned == spawned_.end() ? fresh_edition_ : spawned->second);
-  }
-  if (!previous_ || IsFirstOf(made, newest)) return std::nullopt;
-  // A memory of before the fresh start is worthless: the robots are made again and see the whole history.
-  if (!join.memory || join.memory->edition < made) return HistoryRequest{{}, made};
-  // The newest state itself comes with the frame after the admission.
-  if (*join.memory >= *previous_) return std::nullopt;
-  return HistoryRequest{join.memory, 0};
-}
 
 void Rewind::Start(const control::Rewind& request, const FrameMessage& newest) {
   stage_ = Stage::kMaking;
