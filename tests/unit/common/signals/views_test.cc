@@ -1,4 +1,5 @@
-// Every table of things is in every view of users: expectations, exported tables, recorded lines, Foxglove and plots.
+// Every table of things is in every view of users: expectations, exported tables, recorded lines, poses, Foxglove and
+// plots; and every type of event in expectations.
 // The views of Python are in tests/python/test_tables.py, that of ROS in tests/process/export_test.cc.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +8,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -111,6 +114,41 @@ TEST(SignalViews, EveryOtherTableIsInTheRecordedLines) {
     ++found;
   }
   EXPECT_GE(found, 5u);  // doors, lifts, people, levels, lanes
+}
+
+// A table whose things have no pose of their own stands here, so that each new table has been thought of.
+TEST(SignalViews, EveryTableOfThingsWithAPoseIsInThePoses) {
+  const std::set<std::string> without_pose = {"grippers", "stores", "imus", "lights", "cameras"};
+  const WorldDescription world = Guesthouse();
+  const Things things(world);
+  test::TemporaryFolder folder;
+  const std::unique_ptr<Recorder> recorder = test::ValueOf(Recorder::Create(world, {.poses = folder.Path("poses")}));
+  EXPECT_TRUE(recorder->OnTick({FrameMessage{.state = PlacedState(world)}, {}}).ok());
+  EXPECT_TRUE(recorder->OnEnd().ok());
+  const std::string poses = folder.Read("poses");
+  int found = 0;
+  ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& field) {
+    const StateTable& table = StateTables()[KindOf(field.name)];
+    if (table.varies || without_pose.contains(table.name) || things.count(KindOf(table.name)) == 0) return;
+    EXPECT_THAT(poses, testing::HasSubstr("," + table.singular + ",")) << table.name;
+    ++found;
+  });
+  EXPECT_GE(found, 5);  // robots, objects, doors, lifts, people
+}
+
+TEST(SignalViews, EveryTypeOfEventIsInExpectations) {
+  const WorldDescription world = Guesthouse();
+  const ExpectationScope scope{world};
+  for (const std::string& type : AllNames<EventType>()) {
+    const std::string singular = type.substr(0, type.find('_'));
+    const auto of_singular = [&](const StateTable& table) { return table.singular == singular; };
+    const auto table = std::find_if(StateTables().begin(), StateTables().end(), of_singular);
+    const std::string text = table == StateTables().end()
+                                 ? "always not event(" + type + ")"
+                                 : "forall v in " + table->name + ": always not event(" + type + ", v)";
+    const Result<Expectation> parsed = Expectation::Parse(text, scope);
+    EXPECT_TRUE(parsed.ok()) << text << ": " << parsed.error().message;
+  }
 }
 
 // The topics of the export for ROS have the same rows: tests/process/export_test.cc.
