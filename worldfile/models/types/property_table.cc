@@ -195,16 +195,16 @@ PropertyHelp HelpOf(std::string_view type, const FieldInfo& field, bool initial)
 const std::vector<PropertyHelp>& PropertyTable() {
   static const std::vector<PropertyHelp> table = [] {
     std::vector<PropertyHelp> rows;
-    for (const Row& row : kRows) {
-      rows.push_back({std::string(row.type), std::string(row.name), std::string(row.form), std::string(row.unit),
-                      std::string(row.initial), std::string(row.help)});
-    }
     rows.push_back(ChoiceOf<DriveType>("position", "drive", "How it moves"));
     rows.push_back(
         ChoiceOf<LocalizationType>("position", "localization", "gps: it knows its pose; odom: it adds up its motion"));
     rows.push_back(ChoiceOf<DoorKind>("door", "kind", "How its leaves move"));
     rows.push_back(ChoiceOf<DoorSide>("door", "side", "Of the hinge of a single leaf, or to which it slides"));
     rows.push_back(ChoiceOf<JointType>("actuator", "type", "Shifts along the axis, or turns about the vertical"));
+    for (const Row& row : kRows) {
+      rows.push_back({std::string(row.type), std::string(row.name), std::string(row.form), std::string(row.unit),
+                      std::string(row.initial), std::string(row.help)});
+    }
     AppendFields<DoorDescription>("door", rows);
     AppendFields<LiftDescription>("lift", rows);
     AppendFields<RadioParameters>("radio", rows);
