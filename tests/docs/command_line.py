@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Runs the examples of all help texts as a user would, asks bash for completions, and reads the scripts for zsh and fish
-by these shells where they are installed. Fails at the first example that does not do what it says.
+"""Runs the examples of all help texts as a user would, asks bash for completions, reads the scripts for zsh and fish by
+these shells where they are installed, and looks for the actions and options of `troupe ctl` in the manual. Fails at the
+first example that does not do what it says.
 
 usage: command_line.py TROUPE ROOT     TROUPE: the program, ROOT: the source tree
 """
@@ -118,6 +119,21 @@ def check_completions():
             subprocess.run([shell, "-n", f"troupe.{shell}"], check=True)
 
 
+def check_reference(troupe, root):
+    """Each action of `troupe ctl` and each option of it, made from the lists of the requests, is in docs/running.md."""
+    page = (root / "docs/running.md").read_text(encoding="utf-8")
+    section = page.partition("\n## troupe ctl\n")[2].partition("\n## ")[0]
+    text = subprocess.run([troupe, "ctl", "--help"], capture_output=True, text=True, check=True).stdout
+    actions = re.findall(r"^  ([a-z-]+) ", text.partition("Subcommands:")[2].partition("Examples:")[0], re.MULTILINE)
+    if len(actions) < 15:
+        fail(f"found the actions {actions} of troupe ctl, expected more")
+    for action in actions:
+        text = subprocess.run([troupe, "ctl", action, "--help"], capture_output=True, text=True, check=True).stdout
+        for word in [action, *re.findall(r"^  (--[a-z-]+)", text, re.MULTILINE)]:
+            if not re.search(rf"(?<![\w-]){word}(?![\w-])", section):
+                fail(f"docs/running.md does not have {word} of troupe ctl {action}")
+
+
 def main():
     troupe, root = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
     lines = examples(troupe)
@@ -149,6 +165,7 @@ def main():
             process.send_signal(signal.SIGINT)
             process.communicate(timeout=SECONDS)
         check_completions()
+    check_reference(troupe, root)
 
 
 if __name__ == "__main__":
