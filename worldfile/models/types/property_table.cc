@@ -17,11 +17,11 @@
 namespace troupe {
 namespace {
 
-struct Row {
+struct TableRow {
   std::string_view type, name, form, unit, initial, help;  // of PropertyHelp
 };
 
-constexpr Row kRows[] = {
+constexpr TableRow kRows[] = {
     {"world", "name", "text", "", "", "Shown in summaries; without it the file's name"},
     {"world", "interval_sim", "number", "ms", "100", "Length of a tick"},
     {"world", "gravity", "number", "m/s2", "9.81", "0: released objects stay in the air"},
@@ -201,7 +201,7 @@ const std::vector<PropertyHelp>& PropertyTable() {
     rows.push_back(ChoiceOf<DoorKind>("door", "kind", "How its leaves move"));
     rows.push_back(ChoiceOf<DoorSide>("door", "side", "Of the hinge of a single leaf, or to which it slides"));
     rows.push_back(ChoiceOf<JointType>("actuator", "type", "Shifts along the axis, or turns about the vertical"));
-    for (const Row& row : kRows) {
+    for (const TableRow& row : kRows) {
       rows.push_back({std::string(row.type), std::string(row.name), std::string(row.form), std::string(row.unit),
                       std::string(row.initial), std::string(row.help)});
     }
