@@ -61,7 +61,7 @@ struct ThingName {
   std::optional<ModelId> model = {};
   std::optional<RobotId> robot = {};  // that it is a part of
 };
-// The names of the rows of all tables, by table. Those of a table that varies: none.
+// The names of the rows of all tables, by table. A table that varies has none.
 std::vector<std::vector<ThingName>> NameThings(const WorldDescription& world);
 
 // The value of a signal in JSON: a number, 0 or 1 of a truth, or a text; null if it has none.

@@ -5,8 +5,8 @@
 namespace troupe {
 namespace {
 
-constexpr double kFinestCell = 0.1;       // m
-constexpr double kCoarsestCell = 0.25;    // m
+constexpr double kMinWalkCell = 0.1;      // m
+constexpr double kMaxWalkCell = 0.25;     // m
 constexpr double kManyCells = 400'000.0;  // with more, cells are coarser
 constexpr double kMaxGridCells = 16e6;
 constexpr double kComfort = 0.2;  // m: a cell so near to a wall counts twice
@@ -18,7 +18,7 @@ constexpr std::uint8_t kNoStep = 0xfe;
 // m, of a cell.
 double SideOf(const Rectangle& bounds) {
   const double area = bounds.width() * bounds.height();
-  return std::max(std::clamp(std::sqrt(area / kManyCells), kFinestCell, kCoarsestCell),
+  return std::max(std::clamp(std::sqrt(area / kManyCells), kMinWalkCell, kMaxWalkCell),
                   std::sqrt(area / kMaxGridCells));
 }
 

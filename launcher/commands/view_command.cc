@@ -204,7 +204,7 @@ int ServeRun(const ViewOptions& options, std::string token, ShownExpectations ex
   gateway_options.session = options.network.session;
   gateway_options.token = token.empty() ? TokenOf(options.network) : std::move(token);
   gateway_options.command = options.run_command;
-  if (const std::optional<PageAddress> before = options.runs_again ? PageOfRunBefore() : std::nullopt) {
+  if (const std::optional<PageAddress> before = options.runs_again ? PageOfPreviousRun() : std::nullopt) {
     gateway_options.port = before->port;
     gateway_options.token = before->token;
   }

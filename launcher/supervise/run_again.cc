@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kRunAgain = "run again";
 // Of the environment, which other users cannot read, as the address has the token.
-constexpr const char* kPageVariable = "TROUPE_PAGE_OF_RUN_BEFORE";
+constexpr const char* kPageVariable = "TROUPE_PAGE_OF_PREVIOUS_RUN";
 
 template <typename Number>
 std::optional<Number> ParseNumber(std::string_view text) {
@@ -88,7 +88,7 @@ std::optional<PageAddress> ParsePageAddress(const std::string& address) {
   return PageAddress{*port, rest.starts_with(kToken) ? std::string(rest.substr(kToken.size())) : ""};
 }
 
-std::optional<PageAddress> PageOfRunBefore() {
+std::optional<PageAddress> PageOfPreviousRun() {
   const char* const address = std::getenv(kPageVariable);
   return address == nullptr ? std::nullopt : ParsePageAddress(address);
 }

@@ -40,6 +40,6 @@ struct PageAddress {
 // Of an address as ViewerGateway::Address has it.
 std::optional<PageAddress> ParsePageAddress(const std::string& address);
 // In a process of a run that was started again.
-std::optional<PageAddress> PageOfRunBefore();
+std::optional<PageAddress> PageOfPreviousRun();
 
 }  // namespace troupe

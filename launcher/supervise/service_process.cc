@@ -26,7 +26,7 @@ ServiceProcess::ServiceProcess(const RunOptions& options, const RunHosts& hosts)
 
 // On another host the outputs are in the folder of the run, from where FetchOutputs copies them; the world file has the
 // same path on all hosts.
-RunOptions ServiceProcess::OptionsThere() const {
+RunOptions ServiceProcess::OptionsOnHost() const {
   RunOptions options = options_;
   options.trace.file = trace_file_;
   const HostSettings* settings = hosts_.service_settings();
@@ -48,7 +48,7 @@ RunOptions ServiceProcess::OptionsThere() const {
 
 // The recording of the user, if there is one, is the journal.
 Status ServiceProcess::MakeJournal() {
-  const RunOptions there = OptionsThere();
+  const RunOptions there = OptionsOnHost();
   const bool records = there.record.ends_with(".mcap");
   if (options_.on_service_loss == OnServiceLoss::kEnd && options_.journal.empty()) return {};
   std::string file = !there.journal.empty() ? there.journal : records ? there.record : std::string();
@@ -98,7 +98,7 @@ Status ServiceProcess::Restart(const RunKeys& keys, const std::vector<std::uint1
 Status ServiceProcess::StartProcess(const RunKeys& keys, const std::vector<std::string>& more) {
   Result<std::string> security = keys.ForService(hosts_.service_host());
   if (!security.ok()) return security.error();
-  RunOptions options = OptionsThere();
+  RunOptions options = OptionsOnHost();
   options.network.security = std::move(security).value();
   if (has_begun_) {  // in the journal alone, with the changes of a branch
     options.file.clear();
@@ -126,7 +126,7 @@ void ServiceProcess::TellEnd(AgentId agent, const std::string& end) const {
 }
 
 std::vector<std::pair<std::string, std::string>> ServiceProcess::Outputs() const {
-  const RunOptions there = OptionsThere();
+  const RunOptions there = OptionsOnHost();
   return {{there.hash_log, options_.hash_log},
           {there.poses, options_.poses},
           {there.record, options_.record},

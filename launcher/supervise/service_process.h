@@ -108,7 +108,7 @@ class ServiceProcess {
 
  private:
   // The options with the paths and the network interface of the service's host.
-  RunOptions OptionsThere() const;
+  RunOptions OptionsOnHost() const;
   // The paths of its output files there, with the user's paths.
   std::vector<std::pair<std::string, std::string>> Outputs() const;
 

@@ -10,6 +10,7 @@
 
 namespace troupe {
 
+// Bounds are wide: they exclude values without sense, not unusual robots.
 Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   LaneSettings settings;
   const JsonReader reader = JsonReader::OfText(text, "lanes");
@@ -32,6 +33,7 @@ Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   return settings;
 }
 
+// Checked when the controller is made, so that a misspelt place is an error of the file and not of the run.
 Result<const LaneGraph*> FindLanes(const LaneSettings& settings, const RobotInfo& info) {
   if (info.lane_graphs.empty()) {
     return Error{{}, "lanes: the world has no lanes, expected a building or a layout with some"};

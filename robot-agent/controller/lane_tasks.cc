@@ -22,6 +22,7 @@ std::string NameOf(const LaneGraph& graph, std::size_t vertex) {
   return name.empty() ? "vertex " + std::to_string(vertex) : name;
 }
 
+// A goal's points are moved to the nearest vertices, on their level if the goal has heights.
 std::vector<std::size_t> VerticesOf(const Goal& goal, const LaneGraph& graph, double z) {
   std::vector<std::size_t> vertices;
   for (std::size_t i = 0; i < goal.waypoints.size(); ++i) {
@@ -50,6 +51,7 @@ void LaneTasks::Update(const Observation& observation, std::size_t at) {
   ReadEnergy(observation, at);
 }
 
+// A goal of a user interrupts the round; its number tells a new goal from the same one.
 void LaneTasks::ReadGoal(const Observation& observation) {
   const Goal* const goal = observation.goal;
   const std::optional<std::uint32_t> number = goal != nullptr ? std::optional(goal->number) : std::nullopt;
@@ -84,6 +86,7 @@ void LaneTasks::ReadEnergy(const Observation& observation, std::size_t at) {
   if (!charger_) charge_after_ = observation.time + kNextCharge;
 }
 
+// By falling precedence: giving way, charging, a user's goal, the round, the way home.
 std::optional<std::size_t> LaneTasks::target() const {
   if (aside_) return aside_;
   if (charger_) return charger_;
@@ -92,6 +95,7 @@ std::optional<std::size_t> LaneTasks::target() const {
   return home_;
 }
 
+// True: the stop is over and the next target counts.
 bool LaneTasks::Rest(const Observation& observation, double rested, Command& command) {
   if (aside_) {
     if (rested < aside_seconds_) return false;
@@ -114,6 +118,7 @@ void LaneTasks::NextStop() {
   if (repeat_ && next_stop_ == stops_.size()) next_stop_ = 0;
 }
 
+// A target that cannot be reached is dropped, of whatever kind it is.
 void LaneTasks::LeaveOut(const Observation& observation) {
   if (aside_) {
     aside_.reset();
@@ -137,6 +142,7 @@ bool LaneTasks::Charge(const Observation& observation, double rested, Command& c
   return true;
 }
 
+// The heading counts at the last point only; a car cannot turn in place.
 bool LaneTasks::ArriveAtGoal(const Observation& observation, Command& command) {
   const bool is_last = next_goal_ + 1 == goal_stops_.size();
   const double error = is_last && goal_heading_ ? WrapAngle(*goal_heading_ - observation.pose_estimate.heading) : 0.0;

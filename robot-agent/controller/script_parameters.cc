@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
+// Whether the robot is a car is known only when the controller is made: both forms are read here.
 void ReadMotion(const JsonReader& reader, ScriptCommand& command) {
   Command& motion = command.motion;
   for (const auto& [key, value] :
@@ -59,6 +60,7 @@ void ReadManipulation(const JsonReader& reader, ScriptCommand& command) {
   }
 }
 
+// Times grow from command to command; all other keys are optional.
 ScriptCommand ParseCommand(const JsonReader& reader, std::optional<double> before) {
   ScriptCommand command;
   const std::optional<double> at = reader.Number("at", 0.0, kUnbounded);
@@ -94,6 +96,7 @@ ScriptCommand ParseCommand(const JsonReader& reader, std::optional<double> befor
 
 }  // namespace
 
+// Without a period a repeated script has that of its last command, which is then the first one again.
 Result<ScriptParameters> ParseScript(const std::string& text) {
   ScriptParameters p;
   const JsonReader reader = JsonReader::OfText(text, "script");

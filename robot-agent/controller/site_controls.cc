@@ -15,6 +15,7 @@ constexpr double kLeafBeside = 0.1;  // m, that a sliding leaf reaches out of it
 
 }  // namespace
 
+// m along the path to the first point within the disc; nothing: the path stays outside.
 std::optional<double> WayIntoDisc(std::span<const Vec2> path, const Vec2& center, double radius) {
   double before = 0.0;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
@@ -42,6 +43,7 @@ void SiteControls::Begin(const Observation& observation, Command& command) {
   command_ = &command;
 }
 
+// The order is repeated in each tick: an order for the present floor changes nothing.
 bool SiteControls::CallLift(std::size_t vertex) {
   const std::optional<std::uint32_t> lift = LiftOf(vertex);
   if (!lift) return true;
@@ -97,6 +99,7 @@ bool SiteControls::StandsAt(std::uint32_t lift, std::size_t vertex) const {
   return state.floor == place.floor && std::fabs(state.z - place.z) <= 1e-6;
 }
 
+// All doors at the floor: a robot drives in only when none of them moves.
 bool SiteControls::StandsOpenAt(std::size_t vertex) const {
   const std::optional<std::uint32_t> lift = LiftOf(vertex);
   if (!lift) return true;
@@ -105,6 +108,7 @@ bool SiteControls::StandsOpenAt(std::size_t vertex) const {
   return std::all_of(doors.begin(), doors.end(), [&](std::size_t door) { return now_->doors[door].opening >= kOpen; });
 }
 
+// By the planes of the doors, as cabins are open nowhere else.
 SiteControls::AtCabin SiteControls::PlaceAt(std::size_t vertex, const Vec2& position, double radius) const {
   constexpr double kLeaf = 0.05;  // m, half the thickness of a leaf and more
   const LiftInfo& lift = lifts_[*LiftOf(vertex)];
@@ -122,6 +126,7 @@ SiteControls::AtCabin SiteControls::PlaceAt(std::size_t vertex, const Vec2& posi
   return place;
 }
 
+// A session that is not needed any more blocks other robots.
 void SiteControls::EndSessions(const std::vector<std::size_t>& needed) {
   for (std::size_t i = 0; i < now_->lifts.size(); ++i) {
     if (now_->lifts[i].session != id_) continue;
@@ -186,6 +191,7 @@ bool SiteControls::IsClear(const Vec2& from, const Vec2& to, double z, double ra
   });
 }
 
+// True: it is open.
 bool SiteControls::OpenDoor(const LaneDoor& door) {
   command_->orders.push_back(DoorOrder{door.door, 1.0});
   Note(door.door);
@@ -221,6 +227,7 @@ bool SiteControls::IsNearLeaves(const DoorInfo& door, const Vec2& position, doub
   });
 }
 
+// Only doors that this robot has opened, once it is through and no robot is near the leaves.
 void SiteControls::CloseBehind(const std::vector<Leg>& legs, const Vec2& position, double radius,
                                const std::vector<SeenRobot>& others) {
   for (Passing& passing : passing_) {

@@ -16,13 +16,14 @@ namespace {
 constexpr double kReached = 0.02;              // m
 constexpr double kReachedHeld = 0.04;          // m: turning in place may move it
 constexpr double kReachedByCar = 0.5;          // m
-constexpr double kFarthestStart = 1.0;         // m
+constexpr double kMaxStartDistance = 1.0;      // m
 constexpr double kFacing = 5.0 * kPi / 180.0;  // rad: it drives towards a point that is not farther to a side
 constexpr double kYawTolerance = 0.01;         // rad
 constexpr double kMaxBraking = 100.0;          // m/s^2, rad/s^2: stops within any tick
 
 }  // namespace
 
+// docs/controllers.md has the units and defaults.
 Result<SlotcarParameters> ReadSlotcarParameters(const std::string& text) {
   SlotcarParameters p;
   Parameters reader("slotcar", text);
@@ -46,9 +47,10 @@ double SpeedFor(double way, double most, double braking, double seconds) {
   return std::max(std::min({most, way / seconds, std::sqrt(half * half + 2.0 * a * way) - half}), 0.0);
 }
 
+// False: the path begins too far away; the robot stands.
 bool PathFollower::Follow(std::vector<PathPoint> path, const Vec2& at) {
   was_held_ = false;
-  if ((path.front().position - at).norm() > kFarthestStart) {
+  if ((path.front().position - at).norm() > kMaxStartDistance) {
     Clear();
     return false;
   }

@@ -13,12 +13,15 @@ namespace {
 constexpr double kRideSeconds = 20.0;  // of a ride, beside 1 s for each m of height
 constexpr double kDoorSeconds = 3.0;
 
+// A way out of a vertex: a lane, or without one a ride in a lift.
 struct Exit {
   std::size_t vertex = 0;
   std::optional<std::size_t> lane = {};
   double seconds = 0.0;
 };
 
+// Times in s at the robot's speed and the lanes' limits, with a share for doors and rides, so that a route through a
+// lift competes with one around it.
 std::vector<std::vector<Exit>> ExitsOf(const LaneGraph& graph, double speed, const std::vector<std::size_t>& closed) {
   const std::vector<LaneVertex>& vertices = graph.vertices;
   std::vector<std::vector<Exit>> exits(vertices.size());
@@ -46,6 +49,7 @@ std::vector<std::vector<Exit>> ExitsOf(const LaneGraph& graph, double speed, con
 
 }  // namespace
 
+// Dijkstra's search by time.
 std::optional<LaneRoute> FastestRoute(const LaneGraph& graph, std::size_t from, std::size_t to, double speed,
                                       const std::vector<std::size_t>& closed) {
   struct Reached {

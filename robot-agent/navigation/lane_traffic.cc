@@ -11,12 +11,14 @@ constexpr double kStill = 1e-3;  // m/s and rad/s
 constexpr double kZone = 0.6;    // m: a robot is at a vertex within it
 constexpr double kSlack = 0.02;  // m, of bodies that pass each other
 
+// On the vertex's level.
 bool IsAt(const LaneVertex& vertex, const SeenRobot& robot) {
   return std::fabs(robot.z - vertex.z) < kLevelGap && (robot.position - vertex.position).norm() < kZone;
 }
 
 }  // namespace
 
+// m: a circle about the origin that contains the body at any heading.
 double RadiusOf(const WorldDescription& world, RobotId robot) {
   const ModelDescription& root = world.model(world.robot(robot).root);
   double radius = 0.5 * Vec2(root.size_x, root.size_y).norm();
@@ -27,6 +29,7 @@ double RadiusOf(const WorldDescription& world, RobotId robot) {
   return radius;
 }
 
+// From the state, which all robots of a fleet know alike: so their decisions agree without messages.
 std::vector<SeenRobot> SeeOthers(const WorldDescription& world, const WorldState& state, RobotId own,
                                  const std::vector<double>& radii) {
   std::vector<SeenRobot> others;
@@ -39,6 +42,7 @@ std::vector<SeenRobot> SeeOthers(const WorldDescription& world, const WorldState
   return others;
 }
 
+// Entries are the vertices from which a lane leads into the group: there robots wait.
 MutexGroup::MutexGroup(const LaneGraph& graph, std::string name) : name_(std::move(name)) {
   const auto is_inside = [&](std::size_t vertex) { return graph.vertices[vertex].mutex == name_; };
   for (std::size_t i = 0; i < graph.vertices.size(); ++i) {
@@ -80,6 +84,7 @@ bool MutexGroup::Contains(const LaneGraph& graph, const SeenRobot& robot) const 
   return false;
 }
 
+// A robot that moves at an entry counts as the holder: it is driving in or has not left yet.
 MutexGroup::View MutexGroup::Look(const LaneGraph& graph, const std::vector<SeenRobot>& others) const {
   View view;
   for (const SeenRobot& robot : others) {
@@ -94,6 +99,8 @@ MutexGroup::View MutexGroup::Look(const LaneGraph& graph, const std::vector<Seen
   return view;
 }
 
+// A robot waits a turn for each robot that stood at the entries before it, and a shorter time for each smaller id, so
+// that two robots do not enter together.
 bool MutexTurn::MayEnter(const MutexGroup::View& view, RobotId own, double time) {
   if (!has_begun_) first_ = view.standing;
   has_begun_ = true;
@@ -109,6 +116,7 @@ bool MutexTurn::MayEnter(const MutexGroup::View& view, RobotId own, double time)
   return time - *free_since_ >= turns;
 }
 
+// Robots whose bodies overlap the strip of the way. `room` is m between the bodies.
 std::optional<RobotAhead> FindRobotAhead(const std::vector<SeenRobot>& others, const Vec2& position, double z,
                                          const Vec2& direction, double way, double radius, double half_width) {
   std::optional<RobotAhead> nearest;
@@ -132,6 +140,7 @@ bool IsTaken(const LaneVertex& vertex, const std::vector<SeenRobot>& others, dou
   });
 }
 
+// For giving way: lanes that can be driven now to a vertex that is free now.
 std::vector<Leg> FreeLegs(const LaneGraph& graph, std::size_t from, const std::vector<SeenRobot>& others, double radius,
                           double half_width) {
   std::vector<Leg> legs;

@@ -14,6 +14,8 @@ namespace {
 constexpr double kPlanInterval = 2.0;  // s
 constexpr double kNear = 0.6;          // m: a point of the way within it is passed
 
+// Evidence of a ray: a hit counts for three passes, so that few rays past an edge do not erase it. The limit lets the
+// map follow a door that opens.
 constexpr int kHit = 3;
 constexpr int kPass = -1;
 constexpr int kMaxEvidence = 12;
@@ -27,6 +29,7 @@ constexpr std::uint32_t kTightFactor = 20;  // nearer to an obstacle than the cl
 constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
 
 // The cells within `clearance` m of an occupied one.
+// By the distance of centres of cells.
 std::vector<bool> TightCells(const EvidenceGrid& grid, double clearance) {
   std::vector<bool> tight(grid.size(), false);
   const auto width = static_cast<std::int64_t>(grid.width());
@@ -118,6 +121,7 @@ std::optional<std::vector<Vec2>> Search(const EvidenceGrid& grid, const Vec2& fr
 MappedRoute::MappedRoute(const RobotInfo& info, std::size_t ranger, const Settings& settings)
     : settings_(settings), ranger_(ranger), rays_(PlacedRaysOf(info, ranger)) {}
 
+// The map is in the frame of the pose estimate: with odometry that drifts it is as wrong as that.
 void MappedRoute::Observe(const Observation& observation) {
   if (!grid_) grid_.emplace(observation.pose_estimate.translation(), settings_.side, settings_.cell);
   const SensorReading& reading = observation.sensors[ranger_];
@@ -134,6 +138,7 @@ bool MappedRoute::IsPlanDue(const Observation& observation) const {
   return planned_at_ < 0.0 || observation.time - planned_at_ >= kPlanInterval;
 }
 
+// The farthest point that is near counts as passed, so that a robot that was pushed along does not turn back.
 std::optional<Vec2> MappedRoute::FollowPath(const Observation& observation) {
   if (path_.empty()) return std::nullopt;
   const Vec2 here = observation.pose_estimate.translation();
@@ -145,6 +150,7 @@ std::optional<Vec2> MappedRoute::FollowPath(const Observation& observation) {
   return path_.front();
 }
 
+// Planned again in each interval, since the map has grown meanwhile.
 std::optional<Vec2> MappedRoute::NextPoint(const Observation& observation, const Vec2& goal, double reach) {
   const bool is_same = goal_ && (*goal_ - goal).squaredNorm() < settings_.cell * settings_.cell;
   if (!is_same || IsPlanDue(observation)) {
@@ -218,6 +224,7 @@ void EvidenceGrid::Observe(const Vec2& origin, const Vec2& direction, double ran
   if (end) Add(*end, kHit);
 }
 
+// Through unknown cells at a higher cost: they may be free.
 std::optional<std::vector<Vec2>> PlanPath(const EvidenceGrid& grid, const Vec2& from, const Vec2& goal, double reach,
                                           double clearance) {
   if (!grid.IndexOf(goal)) return std::nullopt;
@@ -226,6 +233,7 @@ std::optional<std::vector<Vec2>> PlanPath(const EvidenceGrid& grid, const Vec2& 
                 [&](std::size_t cell, bool) { return (grid.CenterOf(cell) - goal).squaredNorm() <= limit; });
 }
 
+// The nearest known cell beside an unknown one (frontier exploration, Yamauchi 1997).
 std::optional<std::vector<Vec2>> PlanToUnknown(const EvidenceGrid& grid, const Vec2& from, double clearance) {
   std::size_t unknown = 0;
   std::optional<std::vector<Vec2>> path = Search(grid, from, clearance, false, [&](std::size_t cell, bool tight) {

@@ -13,6 +13,7 @@ const RangerParameters* RangerOf(const SensorInfo& sensor) {
   return std::get_if<RangerParameters>(&sensor.description->parameters);
 }
 
+// In the robot's frame; the indices are places in the ranges of a reading.
 std::vector<PlacedRay> ListRays(const SensorInfo& sensor) {
   std::vector<PlacedRay> rays;
   std::size_t place = 0;
@@ -33,6 +34,7 @@ std::vector<PlacedRay> ListRays(const SensorInfo& sensor) {
 
 }  // namespace
 
+// Interned: robots of one model share the list.
 Shared<std::vector<RangerRay>> RaysOf(const RobotInfo& info, std::size_t ranger) {
   std::vector<RangerRay> rays;
   for (const PlacedRay& placed : ListRays(info.sensors[ranger])) rays.push_back(placed.ray);
@@ -43,6 +45,7 @@ Shared<std::vector<PlacedRay>> PlacedRaysOf(const RobotInfo& info, std::size_t r
   return Intern(ListRays(info.sensors[ranger]));
 }
 
+// The ranger whose sensor has most rays; a sensor of one ray is no scanner.
 std::optional<std::size_t> FindScanner(const RobotInfo& info) {
   std::optional<std::size_t> found;
   std::uint32_t most = 1;
@@ -73,6 +76,7 @@ std::optional<std::size_t> FindRanger(const RobotInfo& info) {
   return std::nullopt;
 }
 
+// A scanner, else a ring of sonars, else any ranger.
 std::optional<std::size_t> FindBestRanger(const RobotInfo& info) {
   std::optional<std::size_t> ranger = FindScanner(info);
   if (!ranger) ranger = FindSonar(info);

@@ -27,6 +27,8 @@ void CommandInput::Readers<T>::Open(const ros::RosNode& node, bool reliable_only
                                                   reliable_only ? ros::Part::kOnlyReader : ros::Part::kReliableReader);
 }
 
+// A reliable reader does not match a best-effort writer. The second reader is opened only when there is such a writer,
+// as each reader costs discovery.
 template <typename T>
 void CommandInput::Readers<T>::OpenMissing() {
   if (!reliable_ || best_effort_ || !reliable_->missed_writer()) return;
@@ -42,6 +44,7 @@ CommandInput::CommandInput(const ros::RosNode& node, const ros::RobotTopics& top
   if (topics.command_type != ros::CommandType::kTwist) stamped_twists_.Open(node, topics.reliable_commands);
 }
 
+// The newest command counts, until it is older than the timeout in simulated time: a paused run ages no command.
 std::optional<Command> CommandInput::CommandAt(Tick tick) {
   twists_.Drain([&](const ros::TwistMessage& twist) { Apply(twist, tick); });
   stamped_twists_.Drain([&](const ros::TwistStamped& stamped) { Apply(stamped.twist, tick); });
@@ -52,6 +55,7 @@ std::optional<Command> CommandInput::CommandAt(Tick tick) {
   return command_;
 }
 
+// Messages of the past belong to the time before the reset.
 void CommandInput::Restart() {
   twists_.Drain([](const ros::TwistMessage&) {});
   stamped_twists_.Drain([](const ros::TwistStamped&) {});
@@ -59,6 +63,7 @@ void CommandInput::Restart() {
   received_ = 0;
 }
 
+// The frame of a stamped twist is not looked at: commands are in the robot's frame.
 void CommandInput::Apply(const ros::TwistMessage& twist, Tick tick) {
   const Twist wanted{twist.linear.x, twist.linear.y, twist.angular.z};
   if (!IsFinite(wanted)) {
@@ -89,6 +94,7 @@ RadioPort::RadioPort(const ros::RosNode& node, const Scene& scene, RobotId robot
   }
 }
 
+// A message that the radio could not send in a tick is refused here, with its reason.
 void RadioPort::AddMessages(std::vector<RadioMessage>& messages) {
   for (Radio& radio : radios_) {
     radio.input->Drain([&](const ros::String& sample) {
@@ -104,6 +110,7 @@ void RadioPort::AddMessages(std::vector<RadioMessage>& messages) {
   }
 }
 
+// One sample for each reception, only while the topic has a reader.
 void RadioPort::Publish(const RobotView& robot) {
   for (const Radio& radio : radios_) {
     if (!radio.output->wanted()) continue;

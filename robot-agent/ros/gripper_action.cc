@@ -22,6 +22,7 @@ constexpr std::int64_t kPatienceNs = 1'000'000'000;
 
 }  // namespace
 
+// The server starts last: its calls come on other threads, and need all members.
 GripperAction::GripperAction(const ros::RosNode& node, const std::string& name, const WorldDescription& world,
                              GripperId gripper)
     : world_(&world),
@@ -37,6 +38,7 @@ GripperAction::GripperAction(const ros::RosNode& node, const std::string& name, 
   server_.Start();
 }
 
+// Goals end as aborted, so that their clients do not wait for ever.
 GripperAction::~GripperAction() {
   const std::lock_guard lock(mutex_);
   goals_.AbortAll();
@@ -76,6 +78,7 @@ std::optional<std::string> GripperAction::DrainReport() {
                      refused);
 }
 
+// Called by the thread of the connection; the order itself is given by the agent's thread, in Begin.
 void GripperAction::SendGoal(const RosCaller& caller, const Types::SendGoalRequest& request) {
   const std::lock_guard lock(mutex_);
   const GoalId id = ros::ToGoalId(request.goal_id);
@@ -111,6 +114,8 @@ void GripperAction::AnswerCallers() {
 GripperGoals::GripperGoals(double largest_opening, double opening, std::int64_t interval_ns)
     : largest_opening_(largest_opening), interval_ns_(interval_ns), opening_(opening) {}
 
+// Openings outside of the gripper's travel are refused and not clamped: the client would wait for a position that
+// cannot be reached.
 bool GripperGoals::Accept(const GoalId& id, double opening, double max_effort) {
   const bool possible = std::isfinite(max_effort) && opening >= -kTolerance && opening <= largest_opening_ + kTolerance;
   if (!possible) return false;
@@ -121,6 +126,7 @@ bool GripperGoals::Accept(const GoalId& id, double opening, double max_effort) {
   return goals_.Add(goal);
 }
 
+// The newest goal is executed; older ones are aborted. A cancelled goal orders the fingers to stay.
 std::optional<GripperGoals::Order> GripperGoals::Begin(Tick tick) {
   GripperGoal* newest = nullptr;
   for (auto goal = goals_.all().rbegin(); goal != goals_.all().rend(); ++goal) {
@@ -156,6 +162,8 @@ void GripperGoals::AbortAll() {
   goals_.RemoveOldEnded();
 }
 
+// Success is the position, or an object between the fingers on the way to a smaller opening. A motion that ends
+// elsewhere is a failure.
 void GripperGoals::Observe(Tick tick, const ros::GripperMotion& motion) {
   opening_ = motion.opening;
   now_ns_ = static_cast<std::int64_t>(tick) * interval_ns_;

@@ -28,6 +28,7 @@ double ToPercent(double opening, double largest) {
 
 }  // namespace
 
+// Fingers and lifts are commanded by their gripper; all other joints have a topic each.
 ManipulatorPort::ManipulatorPort(const ros::RosNode& node, const Scene& scene, RobotId robot) : world_(&scene.world()) {
   const std::span<const JointId> joints = scene.joints_of(robot);
   std::vector<bool> in_gripper(joints.size(), false);
@@ -64,6 +65,7 @@ Command ManipulatorPort::WithCommands(Tick tick, Command command) {
   return command;
 }
 
+// A command on the topic takes precedence, and ends the goals of the action: two sources must not pull the fingers.
 void ManipulatorPort::AppendGripperCommands(Tick tick, Gripper& gripper, Command& command) {
   const auto open = [&](double opening) {
     command.grippers.push_back({.gripper = gripper.number, .opening = ToPercent(opening, gripper.largest_opening)});
@@ -113,6 +115,7 @@ std::vector<std::string> ManipulatorPort::DrainReports() {
 PositionInput::PositionInput(const ros::RosNode& node, const std::string& topic, const Interval& range)
     : topic_(node.Resolve(topic)), range_(range), reader_(node, topic, ros::Commands(true)) {}
 
+// m or rad, within the limits of the joint; nothing: no command has arrived since the last call.
 std::optional<double> PositionInput::Latest() {
   std::optional<double> position;
   reader_.Drain([&](const ros::Float64& command) {

@@ -57,7 +57,7 @@ class ManipulatorPort {
  private:
   struct Gripper {
     GripperId id;
-    std::size_t number;               // index among those of the robot
+    std::size_t number;               // index in the robot
     std::optional<std::size_t> lift;  // index among the joints of the robot
     double largest_opening;           // m
     std::unique_ptr<PositionInput> opening;
@@ -66,7 +66,7 @@ class ManipulatorPort {
     std::unique_ptr<ros::RosWriter<ros::String>> state;
   };
   struct Joint {
-    std::size_t number;  // index among those of the robot
+    std::size_t number;  // index in the robot
     std::unique_ptr<PositionInput> position;
   };
 

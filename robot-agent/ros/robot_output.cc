@@ -29,6 +29,7 @@ bool IsPressed(const SensorReading& reading) {
 
 }  // namespace
 
+// Writers exist from the start, so that tools see the topics; samples are made only for readers.
 RobotOutput::RobotOutput(const ros::RosNode& node, const ros::RobotTopics& settings, const Scene& scene, RobotId robot,
                          const ros::RobotInRos& in_ros)
     : connection_(*node.connection),
@@ -82,6 +83,7 @@ bool RobotOutput::Due(Tick tick, std::size_t sensor) const {
   return tick % description().sensors[sensor].period_ticks == 0;
 }
 
+// In every tick, whether or not the odometry has a reader: its covariance grows with the way.
 void RobotOutput::AddMotion(const RobotView& robot) {
   odometry_error_.AddMotion(robot.state().twist, scene_->world().interval_seconds());
 }
@@ -92,6 +94,7 @@ bool RobotOutput::IsNew(std::optional<Motion>& last, Tick tick, const RobotView&
   return std::exchange(last, motion) != motion || connection_.addresses_newcomers();
 }
 
+// A topic without a reader costs one test.
 void RobotOutput::Publish(Tick tick, const RobotView& robot) {
   const RobotState& state = robot.state();
   if (odom_.is_addressed() && IsNew(last_odometry_, tick, robot)) {
@@ -115,6 +118,7 @@ void RobotOutput::Publish(Tick tick, const RobotView& robot) {
   if (battery_ && battery_->is_addressed()) PublishBattery(tick, robot);
 }
 
+// A sonar's ranges as points, for costmaps that know no Range messages.
 void RobotOutput::PublishPoints(Tick tick, const RobotView& robot, Sonar& sonar) {
   const std::size_t ranger = sonar.topic.ranger;
   if (!sonar.points->is_addressed() || !Due(tick, ranger)) return;
@@ -176,6 +180,7 @@ void RobotOutput::PublishSonar(Tick tick, const RobotView& robot, Sonar& sonar) 
   }
 }
 
+// odom to base, and the links that joints move.
 std::vector<ros::TransformStamped> RobotOutput::MovingTransforms(Tick tick, const RobotView& robot,
                                                                  dds::WireArena& arena) {
   std::vector<ros::TransformStamped> transforms;
@@ -190,6 +195,7 @@ std::vector<ros::TransformStamped> RobotOutput::MovingTransforms(Tick tick, cons
   return transforms;
 }
 
+// Stamped with 0: they hold at any time.
 std::vector<ros::TransformStamped> RobotOutput::StaticTransforms(const RobotView& robot, dds::WireArena& arena) const {
   std::vector<ros::TransformStamped> transforms;
   for (const ros::FixedFrame& frame : tree_.fixed) {
@@ -280,6 +286,7 @@ void SensorOutput::Publish(const ros::Time& stamp, Tick tick, const RobotView& r
   }
 }
 
+// One measurement for all four topics of a camera.
 void SensorOutput::PublishCamera(const ros::Time& stamp, const RobotView& robot, Camera& camera) {
   if (!camera.colors->is_addressed() && !camera.info->is_addressed() && !camera.depths->is_addressed() &&
       !camera.depth_info->is_addressed()) {

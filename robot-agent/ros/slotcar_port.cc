@@ -30,6 +30,7 @@ bool IsValid(const ros::LocationMessage& location) {
          std::isfinite(location.approach_speed_limit) && std::max(std::fabs(location.x), std::fabs(location.y)) < 1e6F;
 }
 
+// Times of Open-RMF are s of simulated time, by /clock.
 PathPoint PointOf(const ros::RmfLocation& location) {
   return {Vec2(location.x, location.y), WrapAngle(location.yaw),
           location.obeys_speed_limit ? std::max(static_cast<double>(location.speed_limit), 0.0) : 0.0,
@@ -41,6 +42,7 @@ PathPoint PointOf(const ros::RmfLocation& location) {
 SlotcarPort::OfJazzy::OfJazzy(const ros::RosNode& node) : states(node, "/robot_state", ros::Stream(kRmfDepth)) {}
 SlotcarPort::OfKilted::OfKilted(const ros::RosNode& node) : states(node, "/robot_state", ros::Stream(kRmfDepth)) {}
 
+// Robots with another controller only report their states. Types of fleet messages differ from Kilted on.
 SlotcarPort::SlotcarPort(const ros::RosNode& node, const Scene& scene, const std::vector<RobotId>& robots)
     : scene_(&scene) {
   for (const RobotId id : robots) members_.push_back(MakeMember(id));
@@ -75,6 +77,7 @@ SlotcarPort::Member SlotcarPort::MakeMember(RobotId robot) const {
   return member;
 }
 
+// Requests for robots of other agents arrive on the same topics, and are ignored.
 SlotcarPort::Member* SlotcarPort::Find(const char* name) {
   const auto found = std::find_if(members_.begin(), members_.end(), [name](const Member& member) {
     return member.follower && name != nullptr && member.robot.name == name;
@@ -93,6 +96,7 @@ void SlotcarPort::Receive(const WorldState& state) {
   if (kilted_) kilted_->modes->Drain(apply_mode);
 }
 
+// A path replaces the one before. Texts are bounded, since each state of the robot repeats them.
 void SlotcarPort::ApplyPath(const ros::PathRequest& request, const WorldState& state) {
   Member* const member = Find(request.robot_name);
   if (member == nullptr) return;
@@ -130,6 +134,7 @@ void SlotcarPort::ApplyPath(const ros::PathRequest& request, const WorldState& s
       member->robot.name, PlainLine(task, kMaxShown), path.front().x, path.front().y));
 }
 
+// A pause at a checkpoint lets the robot drive to that point of its path.
 void SlotcarPort::ApplyPause(const ros::PauseRequest& request) {
   Member* const member = Find(request.robot_name);
   if (member == nullptr) return;
@@ -156,6 +161,7 @@ void SlotcarPort::ApplyMode(const char* name, std::uint32_t mode, std::uint64_t 
   }
 }
 
+// Nothing: the robot has no path from Open-RMF, and its controller decides.
 std::optional<Command> SlotcarPort::CommandFor(RobotId robot, const WorldState& state) {
   Receive(state);
   const auto member =
@@ -187,6 +193,7 @@ bool SlotcarPort::IsBlocked(const Member& member, const WorldState& state) const
                      [&](const PersonState& person) { return is_near(person.X_WP); });
 }
 
+// The order is that of importance for the fleet adapter: a failure first, then why the robot stands.
 ros::RobotMode SlotcarPort::ModeOf(const Member& member, const WorldState& state) const {
   if (member.has_failed) return ros::RobotMode::kAdapterError;
   const Twist& twist = state.robots[member.id.index()].twist;
@@ -226,6 +233,7 @@ ros::RmfRobot SlotcarPort::StateOf(Member& member, const WorldState& state) cons
   return robot;
 }
 
+// All robots of the agent at once, each kRobotStatePeriod. `all`: also between the periods.
 void SlotcarPort::Publish(std::span<const RobotView* const> robots, bool all) {
   if (robots.empty() || !(jazzy_ ? jazzy_->states.is_addressed() : kilted_->states.is_addressed())) return;
   const WorldState& state = robots.front()->world_state();

@@ -26,7 +26,7 @@ const dds_topic_descriptor_t* FindTopicType(const std::string& name, Distributio
   static const Types humble =
       TypesWith({dds::TopicTraits<humble_sensor_msgs_msg_dds__Range_>::descriptor(),
                  dds::TopicTraits<humble_rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>::descriptor()});
-  // Those of Open-RMF that Kilted and later have.
+  // The types of Open-RMF in Kilted and later.
   const dds_topic_descriptor_t* const fleet =
       dds::TopicTraits<kilted_rmf_fleet_msgs_msg_dds__FleetState_>::descriptor();
   const dds_topic_descriptor_t* const mode =

@@ -69,7 +69,7 @@ std::string FleetOf(const WorldDescription& world, RobotId robot);
 // What follows `prefix` in the first tag of the place that begins with it; nothing without one.
 std::optional<std::string> TagAfter(const NamedPlace& place, const std::string& prefix);
 
-// The doors that take requests of their own: those that are operated, but for those of lifts. By number.
+// The doors that take requests of their own: operated doors without those of lifts. By number.
 std::vector<std::size_t> DoorsOf(const WorldDescription& world);
 
 // The name of the level at a height.

@@ -119,7 +119,7 @@ ReusableService::~ReusableService() {
   if (fast_dds_ != nullptr) fast_dds_->Remove(fast_id_);
 }
 
-// Those of a side that was started again have other endpoints.
+// A side that was started again has other endpoints.
 void ReusableService::ListServed(const ServedContent& served) {
   Unlist();
   served_ = served;

@@ -168,9 +168,9 @@ class Bounder {
     if (IsKnown(syntax)) {
       const Worth worth = Evaluator(names_, known_).Evaluate(syntax);
       if (worth.is_text) return std::nullopt;
-      // A condition that is false by nothing.
+      // A condition that is violated by 0: the least negative number, as 0 counts as true.
       if (IsCondition(syntax) && worth.number == 0.0 && std::signbit(worth.number))
-        return Interval{-kLeastFalse, -kLeastFalse};
+        return Interval{-kMinViolation, -kMinViolation};
       return Interval{worth.number, worth.number};
     }
     if (syntax.kind != SyntaxKind::kOperator) return draws_[IndexOf(syntax)].numbers;
@@ -195,7 +195,7 @@ class Bounder {
 
  private:
   static constexpr Interval kAnything{-kInfinity, kInfinity};
-  static constexpr double kLeastFalse = std::numeric_limits<double>::min();
+  static constexpr double kMinViolation = std::numeric_limits<double>::min();
 
   static bool IsCondition(const Syntax& syntax) {
     const std::string& name = syntax.name;

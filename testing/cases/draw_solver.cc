@@ -10,12 +10,12 @@ namespace troupe {
 namespace {
 
 constexpr std::uint64_t kDesignStream = 0x6465'7369'676e;
-constexpr std::uint64_t kFirstTries = 1000;   // before bounds are asked, which cost more than these
-constexpr std::uint64_t kMostTries = 50'000;  // of a case
+constexpr std::uint64_t kFirstTries = 1000;  // before bounds are asked, which cost more than these
+constexpr std::uint64_t kMaxTries = 50'000;  // of a case
 constexpr std::uint64_t kRandomTries = 100'000;
 constexpr std::uint64_t kRandomHits = 10;  // of these, at least: then a random case takes 10,000 tries on average
 constexpr std::size_t kMaxBoxes = 2000;    // parts of the ranges of random numbers
-constexpr double kSmallestBox = 1e-6;      // as a part of a range
+constexpr double kMinBox = 1e-6;           // as a part of a range
 
 }  // namespace
 
@@ -72,7 +72,7 @@ std::optional<TestCase> DrawSolver::Draw(const Indices& indices, std::uint64_t n
 }
 
 TestCase DrawSolver::DrawFound(const Indices& indices, std::uint64_t number) const {
-  std::optional<TestCase> draws = Draw(indices, number, kMostTries);
+  std::optional<TestCase> draws = Draw(indices, number, kMaxTries);
   return draws ? *std::move(draws) : FromIndices(indices, RandomBits({kDesignStream, seed_, number, 0}));
 }
 
@@ -93,7 +93,7 @@ bool DrawSolver::IsRefuted(const Indices& indices) const {
       width = part;
       widest = i;
     }
-    if (width < kSmallestBox || count >= kMaxBoxes) return false;
+    if (width < kMinBox || count >= kMaxBoxes) return false;
     const Interval range = *box[widest].numbers;
     const double middle = 0.5 * (range.min + range.max);
     box[widest].numbers = Interval{range.min, middle};
@@ -133,7 +133,7 @@ bool DrawSolver::Visit(Walk& walk, std::size_t variation) const {
   const std::uint64_t number = walk.number_of(indices);
   bool found = Draw(indices, number, kFirstTries).has_value();
   const bool is_refuted = !found && (!has_random_ || IsRefuted(indices));
-  if (!found && !is_refuted) found = Draw(indices, number, kMostTries).has_value();
+  if (!found && !is_refuted) found = Draw(indices, number, kMaxTries).has_value();
   if (found) {
     ++walk.tries.met;
     return walk.visit(indices);
@@ -147,7 +147,7 @@ bool DrawSolver::Visit(Walk& walk, std::size_t variation) const {
     walk.status = Error{{},
                         fmt::format("found constraints that none of {} draws of random numbers{} meets, expected "
                                     "weaker ones, or one that leaves out these values",
-                                    kMostTries, values)};
+                                    kMaxTries, values)};
     return false;
   }
   walk.tries.failed += has_random_ ? kFirstTries : 1;

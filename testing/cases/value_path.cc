@@ -21,6 +21,7 @@ Error PathError(std::string_view text, std::size_t offset, const std::string& fo
           fmt::format("found {} in the path {}, expected {}", found, Quoted(text), expected)};
 }
 
+// For a message: the character at the offset.
 std::string Found(std::string_view text, std::size_t offset) {
   return offset < text.size() ? Quoted(text.substr(offset, 1)) : "the end";
 }

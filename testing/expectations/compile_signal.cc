@@ -12,6 +12,7 @@ namespace {
 constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {
     {"turn_rate", "wz"}, {"joint", "position"}, {"joint_speed", "velocity"}};
 
+// Letters of SignalInfo::parameters: r robot, o object, m robot or sensor, t any thing, others a body.
 std::vector<std::size_t> KindsOf(char parameter) {
   if (parameter == 'r') return {RobotKind()};
   if (parameter == 'o') return {ObjectKind()};
@@ -24,7 +25,7 @@ std::vector<std::size_t> KindsOf(char parameter) {
   return kinds;
 }
 
-// Those of parts of robots.
+// The kinds of things that are parts of robots.
 std::vector<std::size_t> KindsOfParts(std::vector<std::size_t> kinds) {
   std::erase_if(kinds, [](std::size_t kind) { return !StateTables()[kind].of_robots; });
   return kinds;
@@ -32,6 +33,7 @@ std::vector<std::size_t> KindsOfParts(std::vector<std::size_t> kinds) {
 
 }  // namespace
 
+// Functions, then signals of the run, then signals of tables.
 TypedValue Compiler::Call(const Syntax& syntax) {
   if (syntax.kind == SyntaxKind::kCall && IsFunction(syntax.name)) return Function(syntax);
   if (const SignalInfo* const run_signal = FindRunSignal(syntax.name)) return RunSignal(syntax, *run_signal);
@@ -39,6 +41,7 @@ TypedValue Compiler::Call(const Syntax& syntax) {
   return kinds.empty() ? UnknownName(syntax) : TableSignal(syntax, kinds);
 }
 
+// The most helpful message first: a variable without a signal, an old name, a similar name.
 TypedValue Compiler::UnknownName(const Syntax& syntax) {
   const bool is_variable =
       std::any_of(scoped_.begin(), scoped_.end(), [&](const Scoped& scoped) { return scoped.name == syntax.name; });
@@ -88,6 +91,7 @@ TypedValue Compiler::Function(const Syntax& syntax) {
   return value;
 }
 
+// Units have whole exponents, so that only squares have a root.
 TypedValue Compiler::SquareRoot(const Syntax& syntax, TypedValue value) {
   const Dimension& squared = value.dimension;
   if (squared.metre % 2 != 0 || squared.second % 2 != 0 || squared.radian % 2 != 0 || squared.joule % 2 != 0) {
@@ -99,6 +103,7 @@ TypedValue Compiler::SquareRoot(const Syntax& syntax, TypedValue value) {
   return value;
 }
 
+// A table's rows, or events of a type since the start.
 TypedValue Compiler::Count(const Syntax& argument) {
   if (argument.kind == SyntaxKind::kName) {
     for (std::size_t table = 0; table < StateTables().size(); ++table) {
@@ -123,6 +128,7 @@ TypedValue Compiler::Count(const Syntax& argument) {
   return {Add(std::move(counting)), ValueType::kNumber};
 }
 
+// A signal that a thing has not (NaN in the placed state) is an error of the text, and not a value at run time.
 TypedValue Compiler::TableSignal(const Syntax& syntax, const Kinds& kinds) {
   const std::string& name = syntax.name;
   const Kinds kinds_of_parts = KindsOfParts(kinds);
@@ -161,6 +167,7 @@ TypedValue Compiler::TableSignal(const Syntax& syntax, const Kinds& kinds) {
   return value;
 }
 
+// An inner variable hides an outer one, and a variable hides a thing of its name.
 std::optional<Compiler::ThingArgument> Compiler::FindThing(const Syntax& argument, const Kinds& kinds) {
   const auto check = [&](std::size_t kind) {
     if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) return;
@@ -245,6 +252,7 @@ void Compiler::EventArgument(const Syntax& argument, SignalUse& signal) {
   }
 }
 
+// Distances are computed to outlines, which a dense bitmap has not.
 bool Compiler::IsWholeStaticModel(const Syntax& argument, ModelId model) {
   const WorldDescription& world = names_.world();
   for (std::size_t i = 0; i < world.models.size(); ++i) {
@@ -296,6 +304,7 @@ std::optional<Compiler::ThingArgument> Compiler::DistanceTarget(const Syntax& ar
   return std::nullopt;
 }
 
+// The letters of the parameters decide how each argument is read; those behind '?' may be missing.
 TypedValue Compiler::RunSignal(const Syntax& syntax, const SignalInfo& info) {
   const std::string_view parameters = info.parameters;
   const std::size_t optional = parameters.find('?');
@@ -333,6 +342,7 @@ TypedValue Compiler::RunSignal(const Syntax& syntax, const SignalInfo& info) {
   return {Add(std::move(node)), info.type, info.dimension};
 }
 
+// A node has a lane for each combination of the things of its variables; a constant thing is the same in all lanes.
 void Compiler::SetLanes(const std::vector<ThingArgument>& things, Node& node) {
   for (const ThingArgument& thing : things) {
     if (thing.variable) node.variables.push_back(*thing.variable);
@@ -388,6 +398,7 @@ void Compiler::FindDevices(const Syntax& syntax, const SignalInfo& info, const S
   }
 }
 
+// Joints shift (m) or turn (rad): one signal has one unit.
 void Compiler::SetUnitOfJoints(const Syntax& at, const std::vector<ThingId>& joints, Dimension& dimension) {
   if (dimension.metre == 0 || joints.empty()) return;
   const ThingId first = names_.things().first(KindOf("joints"));

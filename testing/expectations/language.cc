@@ -31,7 +31,7 @@ std::string UpperCase(std::string text) {
   return text;
 }
 
-// The signals of the tables of things. Those of one name and meaning are one row.
+// The signals of the tables of things. Signals of one name and meaning are one row.
 void AddTableSignals(std::vector<LanguageEntry>& entries) {
   std::map<std::tuple<std::string, std::string, std::string>, std::size_t> known;
   for (const StateTable& table : StateTables()) {

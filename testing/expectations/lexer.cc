@@ -9,6 +9,8 @@
 namespace troupe {
 namespace {
 
+// Factors to SI; the dimension has exponents of m, s, rad and J. A tick has that of a time, whose length is the
+// world's.
 constexpr std::array kUnits{
     Unit{"m/s^2", 1.0, {1, -2, 0, 0}},
     Unit{"m/s", 1.0, {1, -1, 0, 0}},
@@ -47,6 +49,7 @@ bool IsSpace(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
+// Offsets are bytes of the text, so that errors name the column.
 class Lexer {
  public:
   explicit Lexer(std::string_view text, NameSyntax names = NameSyntax::kWord) : text_(text), names_(names) {}
@@ -97,6 +100,7 @@ class Lexer {
         at_, "found '" + PlainLine(text_.substr(at_, length)) + "', expected a name, a number or an operator" + hint);
   }
 
+  // In constraints of tests a name is a path of values, "spawn[0].count".
   bool IsOfPath(char c) const { return names_ == NameSyntax::kPath && (c == '.' || c == '[' || c == '$'); }
 
   std::string ReadWord() {
@@ -121,6 +125,7 @@ class Lexer {
     return Token{TokenKind::kText, begin, std::string(text_.substr(begin + 1, end - begin - 1)), 0.0};
   }
 
+  // A word behind a number that is neither a unit nor reserved is an error here, as no rule allows it.
   Result<Token> ReadNumber() {
     Token token{TokenKind::kNumber, at_, {}, 0.0};
     const char* const begin = text_.data() + at_;

@@ -8,6 +8,7 @@
 namespace troupe {
 namespace {
 
+// A robot has sensors of several kinds; a signal belongs to one of them.
 bool Measures(const SensorParameters& parameters, SignalKind kind) {
   switch (kind) {
     case SignalKind::kPressed:
@@ -25,6 +26,7 @@ const char* NameOfSensor(SignalKind kind) {
 
 }  // namespace
 
+// A world may have thousands of names: an error lists the first.
 std::string WorldNames::Listing(const std::vector<std::string>& names) {
   constexpr std::size_t kMax = 8;
   std::string text;
@@ -47,11 +49,13 @@ std::string NameOfKinds(const std::vector<std::size_t>& kinds) {
 WorldNames::WorldNames(const ExpectationScope& scope)
     : scope_(scope), things_(std::make_shared<const Things>(scope.world)) {}
 
+// Made when first needed: most expectations do not look at values of the start.
 const WorldState& WorldNames::placed() const {
   if (!placed_) placed_ = PlacedState(world());
   return *placed_;
 }
 
+// A pattern without a match is an error, as it is likely misspelt; a table without things is not.
 Result<std::vector<ThingId>> WorldNames::Domain(const Syntax& bound) const {
   const std::span<const StateTable> tables = StateTables();
   const auto table =
@@ -106,6 +110,7 @@ const NamedRegion* WorldNames::FindRegion(const std::string& name) const {
   return nullptr;
 }
 
+// m; nothing in a world without levels, where height does not matter.
 std::optional<double> WorldNames::FloorAt(double z) const {
   const std::vector<LevelDescription>& levels = world().levels;
   if (levels.empty()) return std::nullopt;
@@ -119,6 +124,7 @@ bool WorldNames::IsName(const std::string& name) const {
   return FindStaticModel(name) || FindPlace(name) != nullptr || FindRegion(name) != nullptr;
 }
 
+// The most similar known name is a part of the message.
 Error WorldNames::Unknown(const Syntax& at, const std::string& expected, const std::vector<std::string>& names) {
   std::string found = "something else";
   if (at.kind == SyntaxKind::kName || at.kind == SyntaxKind::kText) found = "'" + PlainLine(at.name, 40) + "'";
@@ -151,6 +157,7 @@ std::vector<std::string> WorldNames::RegionNames() const {
   return names;
 }
 
+// Names of parts are "ROBOT.PART"; in an expectation the part alone is written.
 Result<ThingId> WorldNames::FindPart(ThingId robot, const std::vector<std::size_t>& kinds, const Syntax& at) const {
   const std::string& robot_name = things_->name(robot);
   std::vector<std::string> names;
@@ -168,6 +175,7 @@ Result<ThingId> WorldNames::FindPart(ThingId robot, const std::vector<std::size_
                  names);
 }
 
+// An endless store never runs empty: kNone, as for a robot without a store.
 std::uint32_t WorldNames::FindFiniteStore(ThingId robot) const {
   const std::vector<ModelId> stores = FindStores(world());
   for (std::size_t i = 0; i < stores.size(); ++i) {

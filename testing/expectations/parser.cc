@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kNumberBinders{"min", "max", "sum", "mean", "count"};
 
+// Recursive descent, a function for each level of precedence; docs/testing.md lists the operators. The first error ends
+// the parse, and its position is that of the token.
 class Parser {
  public:
   explicit Parser(std::vector<Token> tokens) : tokens_(std::move(tokens)) {}
@@ -99,6 +101,7 @@ class Parser {
   }
 
   // Each rule returns anything once there is an error.
+  // The limit protects the stack of parser, compiler and printer, which are recursive.
   class Depth {
    public:
     explicit Depth(Parser& parser) : parser_(parser) {
@@ -110,6 +113,7 @@ class Parser {
     Parser& parser_;
   };
 
+  // "->" is the weakest operator, and associates to the right.
   Syntax Formula() {
     const Depth depth(*this);
     if (error_) return {};
@@ -136,6 +140,7 @@ class Parser {
     return Combine(SyntaxKind::kOperator, token, std::move(children));
   }
 
+  // Associates to the right, as usual for temporal operators.
   Syntax Until() {
     const Depth depth(*this);
     if (error_) return {};
@@ -152,6 +157,7 @@ class Parser {
     return syntax;
   }
 
+  // Prefix operators bind more than until, and less than comparisons.
   Syntax Unary() {
     const Depth depth(*this);
     if (error_) return {};
@@ -201,6 +207,7 @@ class Parser {
     return left;
   }
 
+  // min, max and count are functions before '(' and quantifiers before a variable.
   Syntax Factor() {
     const Depth depth(*this);
     if (error_) return {};
@@ -258,6 +265,7 @@ class Parser {
     return Combine(SyntaxKind::kCall, token, std::move(arguments));
   }
 
+  // The formula behind ':' reaches as far as possible.
   Syntax Bound() {
     Syntax bound = Combine(SyntaxKind::kBound, tokens_[at_++], {});
     do {

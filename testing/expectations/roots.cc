@@ -12,10 +12,12 @@ bool IsCombination(RootOp op) {
          op == RootOp::kExists;
 }
 
+// Zeros of two signs differ: -0 counts as violated, 0 as fulfilled.
 bool IsSame(double a, double b) {
   return a == b && std::signbit(a) == std::signbit(b);
 }
 
+// An input without variables has one value for all lanes.
 std::size_t LaneOf(const NodeInput& input, std::size_t lane, std::size_t input_lanes) {
   if (!input.lane_of.empty()) return input.lane_of[lane];
   return input_lanes == 1 ? 0 : lane;
@@ -69,6 +71,7 @@ void Roots::Update(const Network& network, std::size_t level, Tick now) {
   if (changed_) Combine(program);
 }
 
+// Only what improves the best value so far is a decision; its tick and things are the cause that users see.
 void Roots::UpdateRoot(const Network& network, const RootNode& root, State& state, Tick time) {
   if (root.op == RootOp::kValue || root.op == RootOp::kFinally) {
     if (root.op == RootOp::kValue && time > 0) return;
@@ -112,6 +115,7 @@ void Roots::UpdateRoot(const Network& network, const RootNode& root, State& stat
   if (changed_) SetBounds(root, state);
 }
 
+// `way` is the least robustness of the left side up to here: the right side cannot count for more.
 void Roots::UpdateUntil(const Network& network, const RootNode& root, State& state, Tick time) {
   const std::span<const double> left = network.values(root.inputs[0].node);
   const std::size_t right_node = root.inputs[1].node;
@@ -144,6 +148,7 @@ void Roots::Decide(const Network& network, State& state, std::size_t lane, const
   network.FindCause(decision.node, decision.lane, state.things[lane]);
 }
 
+// The robustness of the whole run lies between the two whatever follows; they meet when it is decided.
 void Roots::SetBounds(const RootNode& root, State& state) const {
   for (std::size_t i = 0; i < root.lanes; ++i) {
     const double best = state.best[i];
@@ -178,6 +183,7 @@ void Roots::Finish(const Network& network) {
   Combine(program);
 }
 
+// Inputs of a combination precede it in the list, so one pass suffices.
 void Roots::Combine(const MonitorProgram& program) {
   changed_ = false;
   for (std::size_t k = 0; k < states_.size(); ++k) {
@@ -227,6 +233,7 @@ double Roots::KeyOf(std::size_t root, std::size_t lane, bool is_least) const {
   return high < kInfinity ? high : low;
 }
 
+// Follows the operand that decides, from the whole formula down to one temporal operator.
 void Roots::AddCause(const MonitorProgram& program, std::size_t number, std::size_t lane, Cause& cause) const {
   const RootNode& root = program.roots[number];
   const State& state = states_[number];

@@ -23,6 +23,7 @@ constexpr std::size_t kMaxLineBytes = 2'000'000'000;
 constexpr std::size_t kMaxNamedShards = 20;  // in one message
 constexpr std::size_t kMaxPathShown = 200;
 
+// Quoted as RFC 4180 asks.
 std::string CsvField(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -147,6 +148,7 @@ void CaseReport::AddTest(const ReportedTest& test) {
   entries_.push_back({test});
 }
 
+// Rows are kept only for a report: a session of millions of cases otherwise needs memory for its counts alone.
 void CaseReport::AddCase(std::size_t test, ReportedCase reported, std::optional<double> seconds) {
   Entry& entry = entries_[test];
   const CaseOutcome& outcome = reported.outcome;
@@ -201,6 +203,7 @@ std::vector<std::string> CaseReport::Uncovered() const {
   return missing;
 }
 
+// cases.jsonl: each test, then its cases, in the order of numbers: the same bytes for the same outcomes.
 std::string CaseReport::Lines() const {
   std::string lines;
   for (const Entry& entry : entries_) {
@@ -231,6 +234,7 @@ std::string CaseReport::Lines() const {
   return lines;
 }
 
+// The lines are from other machines: each is checked.
 Status CaseReport::Merge(const std::string& folder, const std::filesystem::path& into) {
   const std::string file = (std::filesystem::path(folder) / "cases.jsonl").string();
   const Result<std::string> text = ReadWholeFile(file, kMaxLineBytes);
@@ -255,6 +259,7 @@ Status CaseReport::Merge(const std::string& folder, const std::filesystem::path&
   return {};
 }
 
+// A whole sweep, or an error that names the missing shards.
 Status CaseReport::FinishMerge() {
   const auto names = [](const Entry& entry, const auto& is_meant) {
     std::vector<std::string> list;
@@ -366,6 +371,7 @@ std::string CaseReport::Csv(const Entry& entry) const {
   return csv;
 }
 
+// In the form that Jenkins and GitLab read: failures are violated expectations, errors are cases that could not be run.
 std::string CaseReport::JUnit(const std::filesystem::path& report) const {
   const auto count = [](const Entry& entry, CaseVerdict verdict) {
     const auto i = static_cast<std::size_t>(verdict);
@@ -413,6 +419,7 @@ std::string CaseReport::JUnit(const std::filesystem::path& report) const {
       tests, total(CaseVerdict::kFailed), total(CaseVerdict::kError), suites);
 }
 
+// The page is last: if it is there, the files that it links to are.
 Status CaseReport::Write(const std::string& folder) const {
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);

@@ -17,6 +17,7 @@ constexpr std::size_t kMaxFaults = 100;   // that the page shows in full
 constexpr std::size_t kFirstFaults = 10;  // of them, those that are not behind one more click
 constexpr std::size_t kMaxGroups = 200;   // rows of a table of metrics
 
+// In the page, which is one file without scripts, to be opened from a disk or a build server.
 constexpr const char* kStyle =
     R"(body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:70em;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.25em;border-bottom:1px solid #ccc;margin-top:2em}h3{font-size:1.05em}
@@ -63,6 +64,7 @@ std::string LinkTo(const std::string& file) {
   return link;
 }
 
+// Everything that a reader needs to repeat the fault: case, command, recording, picture, course of the robustness.
 std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool open) {
   const CaseOutcome& outcome = fault.outcome;
   const std::string text = CaseText(fault.draws);
@@ -110,6 +112,7 @@ std::string FaultText(const ReportedTest& test, const ReportedCase& fault, bool 
 
 }  // namespace
 
+// Each metric over each variation; the seed is averaged over, with the confidence of the mean.
 std::vector<std::pair<std::string, std::string>> CaseReport::Plots(const Entry& entry) {
   std::vector<std::pair<std::string, std::string>> plots;
   const ReportedTest& test = entry.test;
@@ -138,6 +141,7 @@ std::vector<std::pair<std::string, std::string>> CaseReport::Plots(const Entry& 
   return plots;
 }
 
+// A row for all cases that differ in the seed alone.
 std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
   struct Group {
     std::uint64_t runs = 0;
@@ -184,6 +188,7 @@ std::string CaseReport::MetricTable(const Entry& entry, std::size_t metric) {
   return html;
 }
 
+// The least robustness tells how near a test that passes is to failing.
 std::string CaseReport::PageOf(const Entry& entry) const {
   const ReportedTest& test = entry.test;
   const std::uint64_t kept = Sum(entry.kept_counts);

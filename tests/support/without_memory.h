@@ -27,11 +27,11 @@ inline void UseUpMemory() {
   GrowStack();
   const rlimit none = {0, 0};
   setrlimit(RLIMIT_AS, &none);
-  constexpr std::size_t kLargestOfOneSize = 2048;  // bytes; the allocator keeps free pieces by size
-  for (std::size_t size = std::size_t{1} << 24; size > kLargestOfOneSize; size /= 2) {
+  constexpr std::size_t kMaxOfOneSize = 2048;  // bytes; the allocator keeps free pieces by size
+  for (std::size_t size = std::size_t{1} << 24; size > kMaxOfOneSize; size /= 2) {
     while (IsAllocated(size)) continue;
   }
-  for (std::size_t size = kLargestOfOneSize; size >= 8; size -= 8) {
+  for (std::size_t size = kMaxOfOneSize; size >= 8; size -= 8) {
     while (IsAllocated(size)) continue;
   }
 }

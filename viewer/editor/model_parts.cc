@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kDeepest = 8;
+constexpr int kMaxDepth = 8;
 
 // Joins the entries of the text with the nodes of the built define, by line and column: names may be missing or
 // repeated.
@@ -41,7 +41,7 @@ class PartFinder {
         part.name = FullName(name, given[i]);
         if (const auto found = models_.find(part.name); found != models_.end()) part.model = found->second;
       }
-      if (part.path.size() <= kDeepest) part.parts = Find(statement, part.node, part.name, part.path);
+      if (part.path.size() <= kMaxDepth) part.parts = Find(statement, part.node, part.name, part.path);
       parts.push_back(std::move(part));
     }
     return parts;

@@ -225,7 +225,7 @@ std::string SceneText(const Scene& scene, Time time) {
     if (world.model(world.people[i].root).removed) continue;
     AddBody(scene, scene.body_of(PersonId(i)), world.people[i].root, time, entities);
   }
-  // Those of the world before.
+  // All entities of the previous world.
   Json deletions = Json::array({{{"timestamp", TimeOf(time)}, {"type", 1}, {"id", ""}}});
   return Dump({{"deletions", std::move(deletions)}, {"entities", std::move(entities)}});
 }

@@ -15,19 +15,19 @@
 namespace troupe {
 namespace {
 
-constexpr double kLargest = 1e6;  // of world files
+constexpr double kMaxNumber = 1e6;  // of world files
 constexpr std::size_t kMaxBlocks = 200;
 constexpr std::size_t kMaxCorners = 1000;
 constexpr std::size_t kMaxProperties = 100;
 constexpr std::size_t kMaxPath = 20;            // of a part
 constexpr std::size_t kMaxPoints = 5000;        // of a stroke
-constexpr int kFarthest = 100'000;              // pixels
-constexpr int kWidest = 500;                    // pixels
+constexpr int kMaxCoordinate = 100'000;         // pixels
+constexpr int kMaxWidth = 500;                  // pixels
 constexpr std::int64_t kMaxWork = 100'000'000;  // pixels that a stroke fills, some of them again
 constexpr double kMinPixel = 0.001;             // m
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kFreed = 255;
-constexpr std::size_t kDeepest = 4;  // objects around a member
+constexpr std::size_t kMaxDepth = 4;  // objects around a member
 
 // The text of a value on one line, with the blanks that people write.
 std::string SpacedJson(const JsonNode& value) {
@@ -90,7 +90,7 @@ class Decoder {
 
   static std::optional<std::vector<double>> Numbers(const JsonReader& object, const char* key, std::size_t count) {
     const std::optional<JsonReader> list = object.Find(key);
-    return list ? list->Numbers(count, kLargest) : std::nullopt;
+    return list ? list->Numbers(count, kMaxNumber) : std::nullopt;
   }
 
   static std::optional<Pose> FindPose(const JsonReader& object) {
@@ -114,7 +114,7 @@ class Decoder {
     if (block.z_max <= block.z_min) object.Fail("a block whose top, in 'z', is above its underside");
     if (const std::optional<JsonReader> outline = object.Find("outline")) {
       for (const JsonReader& corner : outline->Items(kMaxCorners)) {
-        if (const auto xy = corner.Numbers(2, kLargest)) block.outline.emplace_back((*xy)[0], (*xy)[1]);
+        if (const auto xy = corner.Numbers(2, kMaxNumber)) block.outline.emplace_back((*xy)[0], (*xy)[1]);
       }
     }
     if (const Result<Polygon> simple = Normalized(block.outline); !simple.ok()) {
@@ -251,13 +251,13 @@ class Decoder {
       Fail("found the tool " + Quoted(tool) + ", expected line, frame or filled");
     }
     stroke.width = request_.Get<int>("width");
-    if (stroke.width < 1 || stroke.width > kWidest) Fail("found no width of a brush, expected 1 to 500 pixels");
+    if (stroke.width < 1 || stroke.width > kMaxWidth) Fail("found no width of a brush, expected 1 to 500 pixels");
     stroke.value = Flag("erase") ? kFreed : kOccupied;
     const std::optional<JsonReader> points = request_.Find("points");
     for (const JsonReader& point : points ? points->Items(kMaxPoints) : std::vector<JsonReader>()) {
       std::vector<int> xy;
       if (!point.To(xy)) return stroke;
-      if (xy.size() != 2 || std::max(std::abs(xy[0]), std::abs(xy[1])) > kFarthest) {
+      if (xy.size() != 2 || std::max(std::abs(xy[0]), std::abs(xy[1])) > kMaxCoordinate) {
         point.Fail("two whole numbers within 100000 pixels");
         return stroke;
       }
@@ -291,7 +291,7 @@ class Decoder {
     edit::SetMember operation{Text("name"), {}, Text("key"), {}};
     if (!IsPropertyName(operation.key)) Fail("found the key " + Quoted(operation.key) + ", expected a name");
     request_.Read("inside", operation.inside);
-    if (operation.inside.size() > kDeepest ||
+    if (operation.inside.size() > kMaxDepth ||
         !std::all_of(operation.inside.begin(), operation.inside.end(), IsPropertyName)) {
       Fail("found other keys as 'inside', expected at most 4 names");
     }
@@ -357,7 +357,7 @@ class Decoder {
     edit::CreateBitmap operation;
     operation.file = Text("file");
     operation.size = Numbers(request_, "size", 3).value_or(std::vector<double>(3));
-    operation.pixel = request_.Number("pixel", kMinPixel, kLargest).value_or(0.0);
+    operation.pixel = request_.Number("pixel", kMinPixel, kMaxNumber).value_or(0.0);
     operation.pose = PoseOf();
     if (!(operation.pixel > 0.0) || !(operation.size[2] > 0.0)) {
       Fail("found no size or pixel, expected lengths in m, and pixels of at least 0.001 m");

@@ -67,7 +67,7 @@ class DoorTurn {
     return found;
   }
 
-  // Those of the first leaf: the leaves of a door have one height.
+  // The heights of the first leaf: all leaves of a door have the same.
   ZRange Heights() const {
     const BodyId leaf = workspace_.scene.body_of(door_.leaves.front().object);
     return workspace_.scene.body(leaf).z + workspace_.bodies.X_WB(leaf).z;

@@ -43,7 +43,7 @@ class OwnRecording {
   const Recording& recording() const { return *recording_; }
   const ReplayCursor& cursor() const { return *cursor_; }
   const ReplayedWorld& world() const { return cursor_->world(); }
-  // As those of ReplayCursor.
+  // As ReplayCursor::Restart and Approach.
   Status Restart(std::size_t chunk) { return Checked(cursor_->Restart(chunk)); }
   Status Approach(std::uint64_t position) { return Checked(cursor_->Approach(position)); }
   // The tick that follows the state; null: none is in the file yet.

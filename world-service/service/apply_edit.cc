@@ -228,7 +228,7 @@ void SetAgents(const WorldDescription& world, const Membership& members, std::ve
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (RobotExists(world, RobotId(i))) robots.emplace(world.robots[i].name, RobotId(i));
   }
-  const std::vector<Membership::Waits> waits = members.WaitsOfRobots();
+  const std::vector<Membership::Waits> waits = members.RobotWaits();
   for (EntityReport& entity : entities) {
     const auto robot = robots.find(entity.name);
     const Member* const member = robot == robots.end() ? nullptr : members.MemberOf(robot->second);

@@ -42,7 +42,7 @@ Membership::WorldChange Membership::ChangeWorld(const WorldDescription& world, E
   std::vector<std::string> names;  // of the robots before, by id
   for (const RobotDescription& robot : world_->robots) names.push_back(robot.name);
   const std::map<std::string, RobotId> before = robot_by_name_;
-  const std::vector<Waits> waits_before = WaitsOfRobots();
+  const std::vector<Waits> waits_before = RobotWaits();
   ResetForWorld(world);
   world_edition_ = edition;
   // The present id of an earlier robot. After a fresh edit (a load, a reset, a rewind) ids are those of another world,
@@ -232,7 +232,7 @@ void Membership::AddWaits(const Member& member, std::vector<Waits>& waits) {
   }
 }
 
-std::vector<Membership::Waits> Membership::WaitsOfRobots() const {
+std::vector<Membership::Waits> Membership::RobotWaits() const {
   std::vector<Waits> waits = waits_of_forgotten_;
   for (const auto& [agent, member] : members_) AddWaits(member, waits);
   return waits;

@@ -101,7 +101,7 @@ class Membership {
     double waited_seconds = 0.0;
   };
   // The waits of the barrier for each robot, by robot id, all its agents together.
-  std::vector<Waits> WaitsOfRobots() const;
+  std::vector<Waits> RobotWaits() const;
 
  private:
   // An agent that joins for a robot of another agent.

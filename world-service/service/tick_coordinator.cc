@@ -348,7 +348,7 @@ RunSummary RunStatistics::MakeSummary() const {
 
 std::vector<SlowRobot> RunStatistics::SlowestRobots() const {
   std::vector<SlowRobot> slowest;
-  const std::vector<Membership::Waits> waits = run_.members.WaitsOfRobots();
+  const std::vector<Membership::Waits> waits = run_.members.RobotWaits();
   for (std::size_t i = 0; i < waits.size(); ++i) {
     if (waits[i].times_last == 0) continue;
     slowest.push_back({run_.world().robots[i].name, waits[i].times_last, waits[i].waited_seconds});

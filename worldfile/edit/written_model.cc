@@ -37,6 +37,7 @@ std::string Joined(const Value& value, const char* separator, std::string (*writ
   return tuple + "]";
 }
 
+// Two blanks for each level, as in the files of Stage.
 std::string BodyLines(const WrittenModel& model, const std::string& indent, const std::string& end_of_line) {
   std::string text = indent + "(" + end_of_line;
   for (const auto& [name, value] : model.properties) {
@@ -69,6 +70,8 @@ Value Tuple(const std::vector<double>& numbers, int decimals) {
   return {std::move(tuple), {}};
 }
 
+// By the parser of files, as the value of a property: what the page sends is what a file may have. Line ends and
+// comments would add statements.
 Result<Value> ReadValueText(const std::string& text) {
   const Result<StageTree> tree = ParseStage("value " + text, "");
   const bool is_one = tree.ok() && tree.value().statements.size() == 1 &&
@@ -103,6 +106,7 @@ WrittenModel WrittenBlock(const std::vector<Vec2>& outline, double z_min, double
   return block;
 }
 
+// On one line where it is short enough to be read.
 std::string ToStage(const WrittenModel& model, const std::string& indent, const std::string& end_of_line) {
   std::string line = model.type + "(";
   for (const auto& [name, value] : model.properties) line += " " + name + " " + ToStage(value);
@@ -117,6 +121,8 @@ std::string ToDefine(const WrittenModel& model, const std::string& name, const s
   return "define " + name + " " + model.type + end_of_line + BodyLines(model, "", end_of_line);
 }
 
+// `name`, `model` and `pose` are keys of an entry; all else is in `properties`. A sensor's pose is a property of the
+// world file.
 std::string ToScenarioEntry(const WrittenModel& model) {
   std::string text = "{";
   const auto add = [&](const std::string& key, const std::string& value) {

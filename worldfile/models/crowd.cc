@@ -14,6 +14,8 @@
 namespace troupe {
 namespace {
 
+// Turns the crowd of a building (states, goal sets, transitions, groups) into goal sets and rules for people. A state
+// becomes one goal set, whose successors are the targets of its transitions.
 class CrowdMaker {
  public:
   explicit CrowdMaker(LoadedWorld& loaded)
@@ -42,6 +44,7 @@ class CrowdMaker {
     return static_cast<std::uint32_t>(found - crowd_.states.begin());
   }
 
+  // A state without goals, or with an unknown set, makes people stay: the file loads with a warning.
   GoalSet GoalsOf(const CrowdState& state) {
     GoalSet goals;
     goals.name = state.name;

@@ -44,6 +44,7 @@ std::optional<double> HalfWidthOfNarrowestRobot(const WorldDescription& world) {
   return narrowest;
 }
 
+// A leaf of a door as it stands when the door is open.
 struct OpenLeaf {
   ModelId model;
   std::vector<ConvexPiece> pieces;  // in W
@@ -67,6 +68,7 @@ std::string NameOf(const LaneVertex& vertex) {
                              : Quoted(vertex.name);
 }
 
+// Finds lanes on which no robot of the world could pass an open door, a frequent fault of drawn buildings.
 class NarrowLanes {
  public:
   explicit NarrowLanes(const WorldDescription& world)
@@ -122,6 +124,7 @@ class NarrowLanes {
 
 }  // namespace
 
+// Warnings: a robot that is not known yet might be narrower.
 std::vector<std::string> FindNarrowLanes(const WorldDescription& world) {
   if (world.lane_graphs.empty() || world.doors.empty()) return {};
   return NarrowLanes(world).Find();

@@ -28,6 +28,7 @@ Result<Interval> ReadInterval(const JsonTree& tree, const JsonNode& value) {
   return tree.ErrorAt(value.items[1], "found a greatest value below the least, expected one that is not");
 }
 
+// Goals by name are resolved later: a place may be that of a building.
 Result<PeopleEntry> ReadEntry(const JsonTree& tree, const JsonNode& object) {
   PeopleEntry entry;
   PeopleRule& rule = entry.rule;
@@ -103,6 +104,7 @@ Result<std::uint32_t> AddGoals(WorldDescription& world, const PeopleEntry& entry
 
 }  // namespace
 
+// [xmin, ymin, xmax, ymax], or a list of corners; m, in W.
 Result<Polygon> ReadRegion(const JsonTree& tree, const JsonNode& region) {
   const bool rectangle = region.items[0].is_number();
   for (const JsonNode& item : region.items) {
@@ -128,6 +130,7 @@ Result<std::vector<PeopleEntry>> ReadPeopleEntries(const JsonTree& tree, const J
   return entries;
 }
 
+// The world's seed draws places and speeds of people, so that a seed gives one crowd.
 Result<LoadedWorld> AddPeople(LoadedWorld loaded, const std::vector<PeopleEntry>& entries) {
   std::vector<PeopleRule> rules;
   for (std::size_t i = 0; i < entries.size(); ++i) {

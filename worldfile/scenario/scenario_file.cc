@@ -20,6 +20,7 @@ class Reader {
   Result<ScenarioFile> Read();
 
  private:
+  // Only what the schema cannot say is checked here: types, required keys and ranges of numbers were checked before.
   void Fail(const JsonNode& value, std::string message) {
     if (!error_) error_ = tree_.ErrorAt(value, std::move(message));
   }
@@ -97,6 +98,7 @@ std::optional<ControllerEntry> Reader::ReadController(const JsonNode& object) co
   return entry;
 }
 
+// JSON to the values of a Stage file, so that one set of readers serves both.
 std::vector<Property> Reader::ReadProperties(const JsonNode& object, const Refused& refused) {
   std::vector<Property> properties;
   for (const JsonNode& value : object.ItemsOf("properties")) {
@@ -186,6 +188,7 @@ std::vector<RegionOfScenario> Reader::ReadRegions(const JsonNode& root) {
   return regions;
 }
 
+// [x, y, heading] or [x, y, z, heading]: m and degrees in the file, radians from here on.
 PoseEntry Reader::ReadPose(const JsonNode& numbers) const {
   PoseEntry entry;
   entry.has_z = numbers.items.size() == 4;
@@ -226,6 +229,7 @@ Polygon Reader::ReadRegion(const JsonNode& region) {
   return {};
 }
 
+// No heading, or "random": drawn for each model.
 SpawnEntry Reader::ReadSpawn(const JsonNode& object) {
   SpawnEntry spawn;
   spawn.where = tree_.Where(object);
@@ -249,6 +253,7 @@ SpawnEntry Reader::ReadSpawn(const JsonNode& object) {
   return spawn;
 }
 
+// The limit is for all rules together, and is checked before any model is made.
 std::vector<SpawnEntry> Reader::ReadSpawns(const JsonNode& root) {
   std::vector<SpawnEntry> spawns;
   std::uint32_t total = 0;
@@ -273,6 +278,7 @@ OverrideEntry Reader::ReadOverride(const JsonNode& object) {
   return entry;
 }
 
+// A speed of the file counts with and without a viewer.
 RunSettings Reader::ReadSettings(const JsonNode& root) {
   RunSettings settings;
   root.Read("ticks", settings.ticks);
@@ -294,6 +300,7 @@ RunSettings Reader::ReadSettings(const JsonNode& root) {
   return settings;
 }
 
+// A text is an address alone. `robots`: names with wildcards, or a number.
 HostSettings Reader::ReadHost(const JsonNode& entry) {
   HostSettings host;
   host.where = tree_.Where(entry);
@@ -318,6 +325,7 @@ HostSettings Reader::ReadHost(const JsonNode& entry) {
   return host;
 }
 
+// Names are unique, as messages and files of hosts have them.
 HostsOfScenario Reader::ReadHosts(const JsonNode& root) {
   HostsOfScenario result;
   root.Read("network", result.network);
@@ -334,6 +342,7 @@ HostsOfScenario Reader::ReadHosts(const JsonNode& root) {
   return result;
 }
 
+// In the order of the schema; names are resolved later, when the world is known.
 Result<ScenarioFile> Reader::Read() {
   const JsonNode& root = tree_.root();
   ScenarioFile file;

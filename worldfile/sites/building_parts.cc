@@ -21,6 +21,8 @@ Vec2 ReadPoint(YamlReader& yaml, const YamlNode& list, const std::string& what) 
   return {x, y};
 }
 
+// [x, y, z, name, {parameters}] in the plan's coordinates; y points down where they are pixels. Unknown parameters are
+// warnings: editors of buildings add their own.
 SiteVertex ReadVertex(YamlReader& yaml, const YamlNode& node) {
   SiteVertex vertex;
   if (!yaml.HasItems(node, 2, "a vertex")) return vertex;
@@ -42,6 +44,7 @@ SiteVertex ReadVertex(YamlReader& yaml, const YamlNode& node) {
   return vertex;
 }
 
+// Only dispensers and ingestors have a meaning here; other models of a building are left out.
 std::optional<SiteWorkcell> ReadWorkcell(YamlReader& yaml, const YamlNode& model) {
   const std::string model_name = yaml.Text(yaml.Find(model, "model_name"), "a model's name");
   const std::string kind = model_name.substr(model_name.rfind('/') + 1);  // "OpenRobotics/TeleportDispenser", too
@@ -58,6 +61,7 @@ std::optional<SiteWorkcell> ReadWorkcell(YamlReader& yaml, const YamlNode& model
   return workcell;
 }
 
+// Most files leave parameters out, so that each has a default. A telescope door is simulated as a sliding one.
 SiteDoor ReadDoor(YamlReader& yaml, const SiteEdge& edge, const YamlNode& params) {
   SiteDoor door;
   door.edge = edge;
@@ -82,6 +86,7 @@ SiteDoor ReadDoor(YamlReader& yaml, const SiteEdge& edge, const YamlNode& params
   return door;
 }
 
+// `is_bidirectional` is the name in older files.
 SiteLane ReadLane(YamlReader& yaml, const SiteEdge& edge, const YamlNode& params) {
   SiteLane lane;
   lane.edge = edge;

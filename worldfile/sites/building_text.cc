@@ -28,6 +28,7 @@ std::string InList(const std::vector<std::string>& texts) {
 }
 
 // `key: [type, value]`, as the editor of building files writes parameters.
+// The number before each value is its type in that editor: 1 text, 2 integer, 3 number, 4 flag.
 class ParameterList {
  public:
   void Text(std::string_view key, const std::string& text) {
@@ -48,6 +49,7 @@ class ParameterList {
   std::vector<std::string> entries_;
 };
 
+// Flags that are not set are left out, as the editor does.
 std::string VertexText(const SiteVertex& vertex) {
   ParameterList parameters;
   for (const auto& [key, member] : kVertexFlags) {
@@ -171,6 +173,7 @@ std::string GoalSetText(const CrowdGoalSet& set) {
   return fmt::format("{{set_id: {}, capacity: {}, set_area: {}}}", set.id, set.capacity, InList(areas));
 }
 
+// A transition has both conditions in Troupe, the one that is not given with 0.
 std::string TransitionText(const CrowdTransition& transition) {
   std::vector<std::string> targets;
   for (const CrowdChoice& choice : transition.to) {
@@ -198,6 +201,7 @@ std::string CrowdText(const SiteCrowd& crowd) {
 
 }  // namespace
 
+// In metres and with y up (cartesian_meters): plans, scales and measurements have been applied.
 std::string BuildingText(const Site& site) {
   std::string text = fmt::format("name: {}\ncoordinate_system: cartesian_meters\n", InQuotes(site.name));
   text += CrowdText(site.crowd);

@@ -11,6 +11,7 @@ namespace {
 constexpr double kMinRadius = 0.05;       // m, of a person
 constexpr std::size_t kMaxItems = 5'000;  // of each list
 
+// Reads `crowd_sim` of a building. Names are checked here, so that each name in a SiteCrowd is known.
 class CrowdReader {
  public:
   explicit CrowdReader(YamlReader& yaml) : yaml_(yaml) {}
@@ -45,6 +46,7 @@ class CrowdReader {
   double Number(const YamlNode& map, const char* key, double otherwise) {
     return yaml_.Number(yaml_.Find(map, key), Quoted(key), otherwise);
   }
+  // 0: not given; the maker of people has the usual value.
   double Positive(const YamlNode& map, const char* key, double most = kMaxMagnitude) {
     return yaml_.Number(yaml_.Find(map, key), Quoted(key), 0.0, 0.0, most);
   }
@@ -68,6 +70,7 @@ class CrowdReader {
     return profile;
   }
 
+  // `set_area` has the names that vertices give as `human_goal_set_name`.
   CrowdGoalSet ReadGoalSet(const YamlNode& item) {
     CrowdGoalSet set;
     set.where = yaml_.At(item);

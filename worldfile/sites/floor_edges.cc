@@ -35,6 +35,7 @@ Cover CoverOf(Polygon outline) {
 }
 
 // Appends the parts of the way from `from` to `to` that are in an area, as shares of the way.
+// The way is cut where it crosses the outline; each part is inside or outside as its middle is.
 void AppendCovered(const Vec2& from, const Vec2& to, const Cover& cover, std::vector<Interval>& covered) {
   Rectangle box = Rectangle::Nothing();
   box.Extend(from);
@@ -65,6 +66,8 @@ Polygon OutlineOf(const Pose& X_WF, double half_x, double half_y) {
 
 }  // namespace
 
+// An edge is open where no wall is on it and no other floor or cabin begins behind it. The lowest level has ground
+// everywhere. A building beyond kMaxPairs has no edges rather than a slow start.
 std::vector<FloorEdge> FindFloorEdges(const Site& site, const SiteLevel& level) {
   const bool is_lowest = std::none_of(site.levels.begin(), site.levels.end(),
                                       [&](const SiteLevel& other) { return other.elevation < level.elevation; });

@@ -28,6 +28,8 @@ double AngleOf(double value) {
   return WrapAngle(std::fabs(value) > 2.0 * kPi + 0.01 ? DegreesToRadians(value) : value);
 }
 
+// LIF 1.0 (VDMA, Layout Interchange Format): nodes become vertices, edges lanes, stations docks. A layout has no walls
+// and no heights: its levels are kLayoutStorey apart.
 class LayoutReader {
  public:
   explicit LayoutReader(JsonTree tree) : root_(std::move(tree)) {
@@ -97,6 +99,7 @@ class LayoutReader {
     return object.ItemsOf(key);
   }
 
+  // Layouts of one level id are one level.
   std::size_t LevelOf(const JsonReader& layout) {
     std::string name = Text(layout, "layoutLevelId", false);
     if (name.empty()) name = Text(layout, "layoutId", true);
@@ -110,6 +113,7 @@ class LayoutReader {
     return site_.levels.size() - 1;
   }
 
+  // Positions are in m in the project's frame, which becomes W.
   void ReadNodes(const JsonReader& layout) {
     const std::size_t number = LevelOf(layout);
     SiteLevel& level = site_.levels[number];
@@ -194,10 +198,13 @@ class LayoutReader {
     }
   }
 
+  // Each vehicle type has its own lanes, as each robot type of a building has a graph; numbers in the order of the
+  // file.
   std::uint32_t GraphOf(const std::string& vehicle_type) {
     return graphs_.emplace(vehicle_type, static_cast<std::uint32_t>(graphs_.size())).first->second;
   }
 
+  // LIF has any angle between vehicle and edge; lanes know forward, backward and any. Angles between count as any.
   std::string OrientationOf(const JsonReader& properties, const SiteLevel& level, const SiteEdge& edge) {
     const std::optional<double> angle = properties.Number("vehicleOrientation", -kMaxMagnitude, kMaxMagnitude);
     if (!angle) return "";
@@ -240,6 +247,7 @@ class LayoutReader {
 
 }  // namespace
 
+// The inverse, without what LIF has no key for: walls, doors and lifts. Each direction of a lane is an edge.
 std::string LayoutText(const Site& site, const std::string& timestamp) {
   using Json = nlohmann::ordered_json;
   Json layouts = Json::array();

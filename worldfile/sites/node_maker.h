@@ -11,6 +11,9 @@
 
 namespace troupe {
 
+// Values are numbers with the text that a file would have, because a site is read by the same readers as a Stage file.
+// Lengths in m; At takes radians and writes degrees, the unit of such files. All parts have the place `where` in the
+// user's file, for messages.
 class NodeMaker {
  public:
   NodeMaker(std::string type, const SourceLocation& where) {

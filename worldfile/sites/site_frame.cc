@@ -8,6 +8,7 @@
 namespace troupe {
 namespace {
 
+// One fiducial on two levels.
 struct FiducialPair {
   Vec2 reference;
   Vec2 own;
@@ -15,6 +16,7 @@ struct FiducialPair {
 
 }  // namespace
 
+// m for a pixel: the mean over all measurements.
 std::optional<double> ScaleOf(const LevelPlan& level) {
   if (level.measurements.empty()) return std::nullopt;
   double sum = 0.0;
@@ -56,6 +58,7 @@ std::optional<PlaneMap> AlignLevel(const LevelPlan& reference, double scale, con
   return map;
 }
 
+// To W: metres, y up. The offset moves the world near the origin, where coordinates are precise.
 Vec2 SiteFrame::operator*(const Vec2& p) const {
   switch (coordinates_) {
     case SiteCoordinates::kReferenceImage:
@@ -72,6 +75,8 @@ Vec2 SiteFrame::operator*(const Vec2& p) const {
   return p;
 }
 
+// To a micrometre: the results of projections differ in their last bits from machine to machine. The zero that is added
+// turns -0 into 0.
 Vec2 Rounded(const Vec2& p) {
   const auto round = [](double value) { return std::round(value * 1e6) / 1e6 + 0.0; };
   return {round(p.x()), round(p.y())};

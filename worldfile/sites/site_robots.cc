@@ -26,6 +26,7 @@ struct SiteRobotModel {
   bool is_car = false;
 };
 
+// The robots of rmf_demos, by their names there.
 constexpr SiteRobotModel kModels[] = {
     {"SiteRobot", "SteelBlue", {0.6, 0.6, 0.5}, 0.0, -0.5, 0.5, 34.4, 0.75, 114.6, 0.25, -0.3},
     {"TinyRobot", "SteelBlue", {0.45, 0.42, 0.3}, -0.1, -0.5, 0.5, 34.4, 0.75, 114.6, 0.05, -0.1},
@@ -69,6 +70,7 @@ Define MakeRobot(const SiteRobotModel& model, const SourceLocation& where) {
 
 }  // namespace
 
+// Defines and not models: a site, a scenario or a spawn request makes robots of them.
 std::map<std::string, Define> SiteRobots(const SourceLocation& where) {
   std::map<std::string, Define> defines;
   defines.emplace("SiteLidar", MakeLidar(where));

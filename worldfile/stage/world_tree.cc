@@ -7,6 +7,7 @@
 
 namespace troupe {
 
+// Copy on write: instances of a define share their children until one of them is changed.
 WorldNode& ChildNodes::Change(std::size_t i) {
   if (nodes_[i].use_count() > 1) nodes_[i] = std::make_shared<WorldNode>(*nodes_[i]);
   return *nodes_[i];
@@ -38,6 +39,7 @@ void WorldNode::Set(Property property) {
   }
 }
 
+// The last value counts, at the place of the first: the order of properties stays that of the file.
 std::vector<Property> LastOfEachName(std::vector<Property> properties) {
   if (properties.size() < 2) return properties;
   std::vector<std::size_t> order(properties.size());
@@ -66,6 +68,7 @@ std::vector<Property> LastOfEachName(std::vector<Property> properties) {
   return properties;
 }
 
+// Factors to metres and radians. Stage's own units are metres and degrees.
 FileUnits UnitsOf(const WorldNode& world) {
   const auto is = [&](const char* name, const char* unit) {
     const std::string* const text = world.FindContent<std::string>(name);
@@ -75,10 +78,12 @@ FileUnits UnitsOf(const WorldNode& world) {
   return {metres, is("unit_angle", "radians") ? 1.0 : std::numbers::pi / 180.0};
 }
 
+// Blocks, sensors of a ranger and the window are parts of others and have no name.
 bool IsModelType(const std::string& type) {
   return type != "block" && type != "sensor" && type != "window";
 }
 
+// A number is a name, too, in its spelling.
 std::optional<std::string> GivenName(const WorldNode& node) {
   std::string name;
   if (const auto* const text = node.FindContent<std::string>("name")) {
@@ -90,6 +95,7 @@ std::optional<std::string> GivenName(const WorldNode& node) {
   return is_usable ? std::optional(name) : std::nullopt;
 }
 
+// Each name has its next number, so that thousands of equal names do not cost a search each.
 std::string FreeNames::Add(const std::string& name) {
   const auto [entry, is_new] = next_.emplace(name, 2);
   if (is_new) return name;
@@ -100,6 +106,7 @@ std::string FreeNames::Add(const std::string& name) {
   return free;
 }
 
+// As Stage counts: "TYPE:N" with N among the siblings of the type.
 std::vector<std::string> ChildNames(const WorldNode& parent) {
   std::map<std::string, int> counts;
   FreeNames free;
@@ -115,6 +122,7 @@ std::vector<std::string> ChildNames(const WorldNode& parent) {
   return names;
 }
 
+// A leading slash makes a name that does not depend on the parent.
 std::string FullName(const std::string& parent_name, const std::string& name) {
   if (name.starts_with('/')) return name.substr(1);
   return parent_name.empty() ? name : parent_name + "." + name;

@@ -199,7 +199,7 @@ const std::vector<StageControllerName>& KnownControllers() {
   return known;
 }
 
-constexpr std::size_t kDeepest = 8;  // nesting of lists; they are written by recursion
+constexpr std::size_t kMaxDepth = 8;  // nesting of lists; they are written by recursion
 
 // A JSON value, or nothing. Words that are no JSON are texts, but for numbers such as .5 and +1.
 std::optional<Json> ParseValue(const std::string& text) {
@@ -208,7 +208,7 @@ std::optional<Json> ParseValue(const std::string& text) {
   for (const char c : text) {
     if (c == '[' || c == '{') ++depth;
     if ((c == ']' || c == '}') && depth > 0) --depth;
-    if (depth > kDeepest) return std::nullopt;
+    if (depth > kMaxDepth) return std::nullopt;
   }
   const Json value = Json::parse(text, nullptr, false);
   if (!value.is_discarded()) return value;

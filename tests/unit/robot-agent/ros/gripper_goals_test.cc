@@ -12,7 +12,7 @@ namespace troupe {
 namespace {
 
 constexpr std::int64_t kIntervalNs = 100'000'000;
-constexpr double kLargest = 0.3;  // m
+constexpr double kMaxGripperOpening = 0.3;  // m
 
 GoalId Id(std::uint8_t number) {
   GoalId id{};
@@ -38,7 +38,7 @@ class GripperGoalsTest : public testing::Test {
     return result.answer;
   }
 
-  GripperGoals goals_{kLargest, kLargest, kIntervalNs};
+  GripperGoals goals_{kMaxGripperOpening, kMaxGripperOpening, kIntervalNs};
   troupe::Tick tick_ = 0;
   std::vector<GripperGoal> canceling_;
 };
@@ -82,12 +82,12 @@ TEST_F(GripperGoalsTest, SucceedOnAnObjectAndAbortOnAnObstacle) {
 }
 
 TEST_F(GripperGoalsTest, WaitASecondForFingersThatDoNotMove) {
-  See(kLargest, false);
+  See(kMaxGripperOpening, false);
   goals_.Accept(Id(1), 0.0, 0.0);
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(StatusOf(1), i == 0 ? GoalStatus::kAccepted : GoalStatus::kExecuting) << i;
     Tick();
-    See(kLargest, false);
+    See(kMaxGripperOpening, false);
   }
   EXPECT_EQ(StatusOf(1), GoalStatus::kAborted);
 }

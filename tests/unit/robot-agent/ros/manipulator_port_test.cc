@@ -28,7 +28,7 @@ using Feedback = control_msgs_action_dds__GripperCommand_FeedbackMessage_;
 using Statuses = action_msgs_msg_dds__GoalStatusArray_;
 using Uuid = unique_identifier_msgs_msg_dds__UUID_;
 
-constexpr double kWidest = 0.3;  // m, opening of the gripper
+constexpr double kMaxOpening = 0.3;  // m, opening of the gripper
 
 // A robot with a gripper, an arm that turns, and a box of 0.1 m between its fingers. Fingers move 0.01 m in a tick, the
 // lift 0.05 m.
@@ -117,7 +117,7 @@ class ManipulatorPortTest : public testing::Test {
     return id;
   }
   double position(std::size_t joint) const { return state_.joints[joint].position; }
-  double opening() const { return kWidest - position(1) - position(2); }
+  double opening() const { return kMaxOpening - position(1) - position(2); }
 
   HostParticipant host_;
   ros::RosParticipant participant_{TestRosNetwork()};
@@ -140,7 +140,7 @@ TEST_F(ManipulatorPortTest, ObeysPositionsOfFingersLiftAndJoints) {
   EXPECT_EQ(position(0), 0.25);
   Command("/a/arm/command", -0.5, [&] { return position(3) <= -0.5; });
   EXPECT_EQ(position(3), -0.5);
-  Command("/a/gripper/command", 1e30, [&] { return opening() >= kWidest; });
+  Command("/a/gripper/command", 1e30, [&] { return opening() >= kMaxOpening; });
   Command("/a/arm/command", 7.0, [&] { return position(3) >= 1.0; });
   Tick(3);
   EXPECT_EQ(position(3), 1.0) << "bounded";
@@ -179,7 +179,7 @@ TEST_F(ManipulatorPortTest, ServesAGoalUntilItIsReached) {
   std::vector<int> statuses;
   ASSERT_TRUE(SendGoalOf(0.2, 1));
   Tick();
-  EXPECT_EQ(opening(), kWidest - 0.02) << "from the next tick on";
+  EXPECT_EQ(opening(), kMaxOpening - 0.02) << "from the next tick on";
   AskForResultOf(1);
   const auto response = ResultAfterTicks();
   EXPECT_EQ(response.status, 4);
@@ -223,7 +223,7 @@ TEST_F(ManipulatorPortTest, RefusesGoalsOutOfLimitsAndSaysSo) {
   }
   EXPECT_FALSE(SendGoalOf(0.1, 1, std::nan("")));
   Tick(2);
-  EXPECT_EQ(opening(), kWidest);
+  EXPECT_EQ(opening(), kMaxOpening);
   ASSERT_EQ(reports_.size(), 1u);
   EXPECT_EQ(reports_[0], "/a/gripper/gripper_cmd: refused a goal of 0.1 m, expected 0 to 0.3 (5 so far)");
 }
@@ -256,7 +256,7 @@ TEST_F(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
   AskForResultOf(1);
   Pause();
   EXPECT_FALSE(get_result_.Receive([](const auto&) {}));
-  EXPECT_EQ(opening(), kWidest);
+  EXPECT_EQ(opening(), kMaxOpening);
   const ProposalMessage answer = replica_->Decide(state_);
   state_ = Step(scene_, state_, answer.proposals).state;
   Pause();
@@ -268,7 +268,7 @@ TEST_F(ManipulatorPortTest, AGoalSentInAPauseStartsWithTheStep) {
 TEST_F(ManipulatorPortTest, ACommandOnTheTopicEndsAGoal) {
   ASSERT_TRUE(SendGoalOf(0.15, 1));
   Tick(2);
-  Command("/a/gripper/command", kWidest, [&] { return opening() == kWidest; });
+  Command("/a/gripper/command", kMaxOpening, [&] { return opening() == kMaxOpening; });
   AskForResultOf(1);
   EXPECT_EQ(ResultAfterTicks().status, 6);
 }

@@ -123,7 +123,7 @@ TEST_F(MembershipTest, RemembersTheWaitsOfAgentsThatAreForgotten) {
   Join(1, {"r0"}).member->times_last = 3;
   members_.Lose(*members_.Find(1));
   Join(2, {"r0"}).member->times_last = 4;
-  EXPECT_EQ(members_.WaitsOfRobots()[0].times_last, 7u);
+  EXPECT_EQ(members_.RobotWaits()[0].times_last, 7u);
 }
 
 TEST_F(MembershipTest, AgentsThatJoinAndLeaveDoNotGrowTheMembership) {
