@@ -23,6 +23,7 @@ void AddChoice(CLI::App& app, const std::string& group, const std::string& name,
   AddText(app, group, name, help, AllNames<Value>(), [set](const std::string& word) { set(*FindByName<Value>(word)); });
 }
 
+// An option replaces the environment, and with it the fault that the environment has.
 void AddRosSecurityFlags(CLI::App& app, ros::RosSecurity& security, const std::string& group) {
   AddChoice<ros::SecurityStrategy>(
       app, group, "--ros-security",
@@ -42,6 +43,7 @@ void AddRosSecurityFlags(CLI::App& app, ros::RosSecurity& security, const std::s
       ->group(group);
 }
 
+// The arguments below are the inverses of the flags: what one program was told, another is told in the same words.
 template <typename... Lists>
 std::vector<std::string> Joined(Lists... lists) {
   std::vector<std::string> all;

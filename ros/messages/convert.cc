@@ -18,6 +18,7 @@ constexpr std::uint8_t kFloat32 = 7;  // of a PointField
 constexpr std::uint32_t kBytesPerFloat = 4;
 
 // Only x, y and the heading vary in the plane.
+// Zeros would be taken for unknown, or make filters singular.
 void SetDiagonal(double (&covariance)[36], double x, double y, double heading) {
   const double variances[kColumns] = {x, y, 0.0, 0.0, 0.0, heading};
   for (std::size_t i = 0; i < kColumns; ++i) covariance[i * kColumns + i] = std::max(variances[i], kMinVariance);
@@ -117,12 +118,14 @@ std::map<ModelId, std::vector<const ConvexPiece*>> ByModel(const std::vector<Con
 
 }  // namespace
 
+// Stamps are simulated time, from 0 at tick 0.
 Time ToTime(Tick tick, std::int64_t interval_ns) {
   const std::int64_t ns = static_cast<std::int64_t>(tick) * interval_ns;
   return {static_cast<std::int32_t>(ns / kNanosecondsPerSecond),
           static_cast<std::uint32_t>(ns % kNanosecondsPerSecond)};
 }
 
+// The transform that a localization would publish: map to odom.
 Pose OdomInMap(const LocalizationDescription& localization, const Pose& X_WR, const Pose& estimate) {
   if (localization.type == LocalizationType::kGps) return {};  // exactly, without rounding
   return X_WR * Inverse(estimate);
@@ -176,6 +179,7 @@ OdometryMessage MakeOdometry(const Time& stamp, const std::string& frame, const 
   return odometry;
 }
 
+// Rays without a hit read the maximum; REP 117 asks for infinity, and some tools for the maximum.
 LaserScan MakeLaserScan(const Time& stamp, const std::string& frame, const RangeScan& scan, double period_seconds,
                         bool infinite, dds::WireArena& arena) {
   LaserScan message{};
@@ -197,6 +201,7 @@ LaserScan MakeLaserScan(const Time& stamp, const std::string& frame, const Range
   return message;
 }
 
+// A sonar: the single range of a cone.
 RangeMessage MakeRange(const Time& stamp, const std::string& frame, const RangeScan& scan, dds::WireArena& arena) {
   RangeMessage message{};
   message.header = MakeHeader(stamp, frame, arena);
@@ -209,6 +214,7 @@ RangeMessage MakeRange(const Time& stamp, const std::string& frame, const RangeS
   return message;
 }
 
+// In the frame F of the sensors' poses, m.
 PointCloud2 MakePointCloud(const Time& stamp, const std::string& frame, const std::vector<Pose>& X_FS,
                            const std::vector<double>& ranges, const std::vector<double>& limits,
                            dds::WireArena& arena) {
@@ -235,6 +241,7 @@ PointCloud2 MakePointCloud(const Time& stamp, const std::string& frame, const st
   return cloud;
 }
 
+// Only the share of the store has a meaning here: values that are not simulated are NaN, as the message asks.
 BatteryState MakeBatteryState(const Time& stamp, const std::string& frame, const PowerDescription& power,
                               const StoreState& store, dds::WireArena& arena) {
   constexpr std::uint8_t kCharging = 1;
@@ -256,6 +263,7 @@ BatteryState MakeBatteryState(const Time& stamp, const std::string& frame, const
   return message;
 }
 
+// m or rad, and their rates; the effort is left empty, as no force is simulated.
 JointStateMessage MakeJointState(const Time& stamp, const std::vector<NamedJoint>& joints, dds::WireArena& arena) {
   JointStateMessage message{};
   message.header = MakeHeader(stamp, "", arena);
@@ -274,6 +282,7 @@ HumbleRangeMessage WithoutVariance(const RangeMessage& range) {
   return {range.header, range.radiation_type, range.field_of_view, range.min_range, range.max_range, range.range};
 }
 
+// Sums of absolute motions: the error is proportional to the way, and its sign is not known to a filter.
 void OdometryError::AddMotion(const Twist& twist, double seconds) {
   twist_ = twist;
   along_x_ += std::fabs(twist.vx) * seconds;
@@ -293,6 +302,7 @@ Covariance OdometryError::covariance() const {
           .wz = Square(localization_.error_heading * twist_.wz)};
 }
 
+// Stamp 0 and latched: the map holds for the whole world.
 OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena) {
   OccupancyGridMessage message{};
   message.header = MakeHeader({}, kMapFrame, arena);
@@ -305,6 +315,7 @@ OccupancyGridMessage MakeMap(const OccupancyGrid& grid, dds::WireArena& arena) {
   return message;
 }
 
+// A static marker in the map's frame, and one for each link of a robot, which moves with its frame on tf.
 MarkerArray MakeBlockMarkers(const Scene& scene, const std::vector<std::vector<std::string>>& robot_frames,
                              dds::WireArena& arena, bool replaces) {
   Markers markers(scene.world(), "blocks");

@@ -12,6 +12,7 @@
 namespace troupe::ros {
 namespace {
 
+// Samples are copied as the bytes of messages that say little-endian.
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::uint8_t kFloatField = 7;  // of a PointField
@@ -59,6 +60,7 @@ ImageMessage MakeDepthImage(const Time& stamp, const std::string& frame, const C
   return MakeImage(stamp, frame, reading, "32FC1", kFloatSize, reading.depths.data(), arena);
 }
 
+// A pinhole camera without distortion: K and P have the same numbers, R is the identity.
 CameraInfo MakeCameraInfo(const Time& stamp, const std::string& frame, const CameraReading& reading,
                           dds::WireArena& arena) {
   CameraInfo info{};
@@ -77,6 +79,7 @@ CameraInfo MakeCameraInfo(const Time& stamp, const std::string& frame, const Cam
   return info;
 }
 
+// REP 103: an optical frame has z ahead, x to the right, y down.
 TransformStamped MakeOpticalTransform(const Time& stamp, const std::string& camera, const std::string& optical,
                                       dds::WireArena& arena) {
   TransformStamped transform = MakeTransform(stamp, camera, optical, {}, arena);
@@ -84,6 +87,7 @@ TransformStamped MakeOpticalTransform(const Time& stamp, const std::string& came
   return transform;
 }
 
+// In the frame of the sensor; rays without a hit are left out.
 PointCloud2 MakeScanCloud(const Time& stamp, const std::string& frame, const RangeScan& scan, dds::WireArena& arena) {
   std::vector<float> values;
   values.reserve(4 * scan.ranges.size());
@@ -115,6 +119,7 @@ PointCloud2 MakeScanCloud(const Time& stamp, const std::string& frame, const Ran
   return cloud;
 }
 
+// The hypothesis is the fiducial's id, the detection's id the name of the model.
 Detection3dArray MakeFiducialDetections(const Time& stamp, const std::string& frame, const WorldDescription& world,
                                         const FiducialReading& reading, dds::WireArena& arena) {
   Detection3dArray array{};
@@ -134,6 +139,7 @@ Detection3dArray MakeFiducialDetections(const Time& stamp, const std::string& fr
   return array;
 }
 
+// Roll and pitch are 0 in two and a half dimensions; their variances are the smallest that filters accept.
 ImuMessage MakeImuMessage(const Time& stamp, const std::string& frame, const ImuReading& reading,
                           dds::WireArena& arena) {
   ImuMessage message{};
@@ -151,6 +157,7 @@ ImuMessage MakeImuMessage(const Time& stamp, const std::string& frame, const Imu
   return message;
 }
 
+// Pixels for the box; the hypothesis has the place in the plane, from the column and the range.
 Detection2dArray MakeBlobDetections(const Time& stamp, const std::string& frame, const BlobfinderReading& reading,
                                     dds::WireArena& arena) {
   Detection2dArray array{};

@@ -42,11 +42,13 @@ bool IsLaser(const RaySensorDescription& sensor) {
   return sensor.samples > 1 || !sensor.elevations.empty();
 }
 
+// The names of topics that tools expect (scan, sonar) where the file gives none.
 std::string BaseName(const std::string& name, const RangerParameters& ranger) {
   if (!IsAutomatic(name)) return RosName(name);
   return std::any_of(ranger.ray_sensors->begin(), ranger.ray_sensors->end(), IsLaser) ? "scan" : "sonar";
 }
 
+// The robot with plain names where --ros-names plain is set; robots with a domain of their own always have them.
 std::optional<RobotId> FirstOfRun(const WorldDescription& world) {
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     if (!world.robots[i].ros.domain && RobotExists(world, RobotId(i))) return RobotId(i);
@@ -74,6 +76,7 @@ RobotInRos Find(const WorldDescription& world, RobotId robot, const std::string&
 
 }  // namespace
 
+// Letters, digits and single underscores, beginning with a letter: ROS allows no other names of topics.
 std::string RosName(const std::string& text) {
   std::string name;
   for (const char c : text) {
@@ -88,6 +91,7 @@ std::string RosName(const std::string& text) {
   return IsDigit(name.front()) ? "n" + name : name;
 }
 
+// Names that are valid as they are come first, so that no other robot takes them.
 std::vector<std::string> RobotNames(const WorldDescription& world) {
   UniqueNames unique;
   std::vector<std::string> names(world.robots.size());
@@ -108,6 +112,8 @@ FrameNames FramesOf(const std::string& robot, bool prefixed) {
   return {.odom = prefix + "odom", .base = prefix + "base_link", .prefix = prefix};
 }
 
+// In the order of the description, so that names do not change from run to run. Topics and frames have name spaces of
+// their own.
 SensorTopics SensorTopicsOf(const RobotDescription& robot) {
   SensorTopics topics;
   UniqueNames names;
@@ -166,6 +172,7 @@ SensorTopics SensorTopicsOf(const RobotDescription& robot) {
   return topics;
 }
 
+// Joints come after the sensors, whose frames are the more common names.
 std::vector<JointName> JointNamesOf(const WorldDescription& world, RobotId robot) {
   UniqueNames names;
   UniqueNames frames;
@@ -207,6 +214,7 @@ std::vector<GripperName> GripperNamesOf(const WorldDescription& world, RobotId r
   return grippers;
 }
 
+// "/a/b": a slash before each part, and none at the end.
 bool IsNamespace(const std::string& text) {
   if (!text.starts_with("/")) return false;
   for (std::size_t start = 1; start <= text.size();) {
@@ -218,6 +226,7 @@ bool IsNamespace(const std::string& text) {
   return text.size() > 1;
 }
 
+// In one domain, the types of the simulation and those of ROS would be discovered by tools of the other.
 Status CheckDomains(const WorldDescription& world, std::uint32_t run_domain, const RosNames& names,
                     std::optional<std::uint32_t> simulation_domain) {
   if (simulation_domain == run_domain) {
@@ -263,6 +272,7 @@ std::vector<std::pair<RobotId, RobotInRos>> FindRobotsInRos(const WorldDescripti
   return found;
 }
 
+// A user who looks for a robot's topics by its name must learn of another one.
 std::vector<std::string> NoticesOfNames(const WorldDescription& world, std::uint32_t run_domain,
                                         const RosNames& names) {
   constexpr std::size_t kMaxNotices = 10;

@@ -8,12 +8,14 @@
 
 namespace troupe::ros {
 
+// At the first tick of each period of simulated time, whatever the length of a tick.
 bool IsDue(Tick tick, std::int64_t interval_ns, double period_seconds) {
   const auto period_ns = static_cast<std::int64_t>(std::llround(period_seconds * 1e9));
   const auto time_ns = static_cast<std::int64_t>(tick) * interval_ns;
   return tick == 0 || time_ns / period_ns != (time_ns - interval_ns) / period_ns;
 }
 
+// Worlds without doors, lifts and slotcars have no topics of Open-RMF.
 bool HasRmf(const WorldDescription& world) {
   return !world.doors.empty() || !world.lifts.empty() ||
          std::any_of(world.robots.begin(), world.robots.end(),
@@ -27,6 +29,7 @@ std::optional<std::string> TagAfter(const NamedPlace& place, const std::string& 
   return std::nullopt;
 }
 
+// The controller's parameter, else the tag of the robot's place in a building, else the robot's type.
 std::string FleetOf(const WorldDescription& world, RobotId robot) {
   const RobotDescription& description = world.robot(robot);
   if (description.controller.name == kPathController) {
@@ -40,6 +43,7 @@ std::string FleetOf(const WorldDescription& world, RobotId robot) {
   return world.model(description.root).type;
 }
 
+// Doors of a lift follow the lift: Open-RMF has no requests for them.
 std::vector<std::size_t> DoorsOf(const WorldDescription& world) {
   std::vector<bool> is_of_lift(world.doors.size(), false);
   for (const LiftDescription& lift : world.lifts) {
@@ -67,6 +71,7 @@ DoorStateMessage MakeDoorState(const Time& stamp, const std::string& name, const
   return {stamp, arena.Copy(name), {static_cast<std::uint32_t>(ModeOf(door))}};
 }
 
+// The nearest floor, also while the cabin is between two.
 std::size_t FloorOf(const LiftDescription& lift, const LiftState& state) {
   const auto nearest = std::min_element(
       lift.floors.begin(), lift.floors.end(),
@@ -74,6 +79,7 @@ std::size_t FloorOf(const LiftDescription& lift, const LiftState& state) {
   return static_cast<std::size_t>(nearest - lift.floors.begin());
 }
 
+// All doors of a floor as one: open or closed only if all are.
 DoorMode DoorsAt(const LiftDescription& lift, const WorldState& state, std::size_t floor) {
   bool is_open = true;
   bool is_closed = true;
@@ -85,6 +91,7 @@ DoorMode DoorsAt(const LiftDescription& lift, const WorldState& state, std::size
   return is_open ? DoorMode::kOpen : is_closed ? DoorMode::kClosed : DoorMode::kMoving;
 }
 
+// The two modes are those in which a lift adapter and people use it; Troupe's lifts know no others.
 LiftStateMessage MakeLiftState(const Time& stamp, const WorldDescription& world, std::size_t lift,
                                const WorldState& state, LiftMode mode, const std::string& session,
                                dds::WireArena& arena) {

@@ -16,6 +16,7 @@ Pose PoseOnModel(const SensorDescription& description, std::size_t ray_sensor) {
   return (*std::get<RangerParameters>(description.parameters).ray_sensors)[ray_sensor].X_MS;
 }
 
+// URDF has roll, pitch and yaw in rad.
 std::string Origin(const Pose& pose) {
   return fmt::format(R"(<origin xyz="{:.6g} {:.6g} {:.6g}" rpy="0 0 {:.6g}"/>)", pose.x, pose.y, pose.z, pose.heading);
 }
@@ -49,6 +50,7 @@ std::string MovingJoint(const MovingFrame& frame, const JointDescription& joint)
 
 }  // namespace
 
+// The tree of tf: a frame for each link and each sensor. Names are the same in tf, URDF and headers of messages.
 RobotFrames RobotFramesOf(const Scene& scene, RobotId robot, const FrameNames& names) {
   const Body& body = scene.body(scene.body_of(robot));
   RobotFrames frames;
@@ -85,6 +87,7 @@ Pose X_PF(const MovingFrame& frame, const WorldDescription& world, double positi
   return frame.X_PF * JointMotion(world.joint(frame.joint), position);
 }
 
+// URDF with boxes around the blocks: enough for a viewer, and without files that another host lacks.
 std::string MakeRobotDescription(const Scene& scene, RobotId robot, const std::string& name, const FrameNames& names) {
   const WorldDescription& world = scene.world();
   const RobotFrames frames = RobotFramesOf(scene, robot, names);

@@ -86,6 +86,7 @@ Status CheckKeys(const RosSecurity& security, const std::string& folder) {
 
 }  // namespace
 
+// A faulty variable is kept as a fault and reported only by a run that uses ROS: others must not fail for it.
 RosOptions OptionsFromEnvironment() {
   RosOptions options;
   RosNetwork& network = options.network;
@@ -113,6 +114,7 @@ RosOptions OptionsFromEnvironment() {
   return options;
 }
 
+// The inverse of the flags, for child processes: they must not read the environment of another host.
 std::vector<std::string> NetworkArguments(const RosNetwork& network) {
   std::vector<std::string> arguments = {
       "--ros-domain=" + std::to_string(network.domain),
@@ -134,11 +136,13 @@ bool HasFastDds() {
   return TROUPE_HAS_FAST_DDS;
 }
 
+// Services for clients on Fast DDS need a participant of it. It has no keys, so that a secured run has none.
 bool UsesFastDds(const RosNetwork& network) {
   return HasFastDds() && network.service_clients != ServiceClients::kCyclone &&
          network.security.strategy == SecurityStrategy::kOff && network.discovery != DiscoveryRange::kOff;
 }
 
+// The variables of SROS 2; security is on only if ROS_SECURITY_ENABLE is true.
 RosSecurity SecurityFromEnvironment() {
   RosSecurity security;
   security.keystore = Variable("ROS_SECURITY_KEYSTORE");
@@ -158,6 +162,7 @@ RosSecurity SecurityFromEnvironment() {
   return security;
 }
 
+// Missing keys are an error where security is enforced, and a warning where it is permissive.
 Result<Enclave> FindEnclave(const RosSecurity& security, const std::string& own_name) {
   if (!security.fault.empty()) return Error{{}, security.fault};
   if (security.strategy == SecurityStrategy::kOff) return Enclave{};

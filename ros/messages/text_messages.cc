@@ -41,12 +41,14 @@ bool IsUtf8(const std::string& text) {
 
 }  // namespace
 
+// m: the ways of both fingers together.
 double LargestOpening(const WorldDescription& world, GripperId gripper) {
   const Interval& left = world.joint(world.gripper(gripper).left).position;
   const Interval& right = world.joint(world.gripper(gripper).right).position;
   return left.max - left.min + right.max - right.min;
 }
 
+// Positions of fingers count towards closing, so that the opening is what is left of their travel.
 GripperMotion MotionOf(const WorldDescription& world, GripperId gripper, const WorldState& state) {
   GripperMotion motion;
   for (const JointId id : {world.gripper(gripper).left, world.gripper(gripper).right}) {
@@ -81,6 +83,7 @@ std::string GripperJson(const WorldDescription& world, GripperId gripper, const 
   return JsonText(json);
 }
 
+// Bytes always, and a text as well if they are one.
 std::string ReceptionJson(const WorldDescription& world, const RadioReception& reception) {
   nlohmann::json json = {{"from", world.robot(reception.from).name},
                          {"to_all", reception.to_all},
@@ -97,6 +100,7 @@ std::string ReceptionJson(const WorldDescription& world, const RadioReception& r
   return JsonText(json);
 }
 
+// The length is checked before the text is parsed.
 Result<RadioMessage> ReadRadioMessage(const WorldDescription& world, std::size_t radio, const std::string& text) {
   if (text.size() > kMaxText) return BadInput("a text that is too long");
   const JsonReader json = JsonReader::OfText(text);
