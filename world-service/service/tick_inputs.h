@@ -24,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "common/spatial/scene.h"
 #include "transport/protocol/messages.h"
 #include "transport/protocol/run_progress.h"
 #include "troupe/ids.h"
