@@ -33,10 +33,6 @@ inline std::string WithDashes(std::string_view name) {
 }
 
 class RequestOptions {
-  template <typename Value>
-  static constexpr bool kIsNumber = std::is_same_v<Value, std::optional<std::uint32_t>> ||
-                                    (std::is_unsigned_v<Value> && !std::is_same_v<Value, bool>);
-
  public:
   // `has_height`: becomes true if a pose of the command line has a height.
   RequestOptions(CLI::App& app, bool& has_height) : app_(app), has_height_(has_height) {}
@@ -47,6 +43,10 @@ class RequestOptions {
   }
 
  private:
+  template <typename Value>
+  static constexpr bool kIsNumber = std::is_same_v<Value, std::optional<std::uint32_t>> ||
+                                    (std::is_unsigned_v<Value> && !std::is_same_v<Value, bool>);
+
   template <typename Request, typename Part>
   void AddField(Request& request, const Field<Request, Part>& field, CtlPlace place, const std::string& word) {
     if (place == CtlPlace::kNone) return;

@@ -251,7 +251,7 @@ TEST_F(RosStepsTest, StopsWhenCancelledOrPausedAndAcceptsOneGoalAtATime) {
   const Ended none = ResultOf(4);
   EXPECT_EQ(none.status, GoalStatus::kAborted);
   EXPECT_EQ(none.result, kFailed);
-  EXPECT_EQ(none.message, "ticks: found 0, expected at least 1 tick");
+  EXPECT_EQ(none.message, "ticks: found 0, expected at least 1");
 
   EXPECT_EQ(SetState(kPlaying), kOk);
   ASSERT_TRUE(Send(5, 3));

@@ -101,7 +101,7 @@ struct Step {
   std::uint64_t ticks = 1;
   bool operator==(const Step&) const = default;
   static constexpr auto Fields() {
-    return std::tuple{Argument(Field{"ticks", &Step::ticks, "the number of ticks (default: 1)"}.In("tick").AtLeast(1))};
+    return std::tuple{Argument(Field{"ticks", &Step::ticks, "the number of ticks (default: 1)"}.AtLeast(1))};
   }
 };
 

@@ -128,7 +128,7 @@ TEST_F(ControlTest, RefusesToStepWhilePlayingOrByZeroTicks) {
   EXPECT_EQ(replies[0].problem, "the run is playing; only a paused one can step");
   EXPECT_EQ(replies[0].state, RunState::kPlaying);
   Ask(control::Step{.ticks = 0});
-  EXPECT_EQ(replies[1].problem, "ticks: found 0, expected at least 1 tick");
+  EXPECT_EQ(replies[1].problem, "ticks: found 0, expected at least 1");
 }
 
 TEST_F(ControlTest, ResendsAPausedFrameThatAnAgentMissed) {
