@@ -37,10 +37,12 @@ std::optional<WayAround> GivingWay::OnBlocked(const LanePlace& place, RobotId ot
     give_way_seconds_ = kGiveWaySeconds * ((other < own_ ? 1.0 : 2.0) + 0.5 * place.now.Random(0));
   }
   if (time - *blocked_since_ < give_way_seconds_) return std::nullopt;
+  // Also without a way: the robot then waits anew.
   blocked_since_.reset();
   LanePlace start = place;
   start.vertex = leg.from;  // also while it drives back to the vertex that it left
   if (graph_->vertices[start.vertex].lift || !leg.lane) return std::nullopt;  // the others make room
+  // Away from the vertex it has to drive back first, which a lane of one direction forbids.
   const std::optional<std::size_t> back = graph_->LaneBetween(leg.to, leg.from);
   if (is_away && !back) return std::nullopt;
   std::optional<WayAround> way = FindDetour(start, leg);
@@ -94,6 +96,7 @@ std::optional<WayAround> GivingWay::StepAside(const LanePlace& place, std::optio
   std::vector<Leg> ways = FreeLegs(*graph_, place.vertex, place.others, place.radius, place.half_width);
   std::erase_if(ways, [&](const Leg& way) { return way.to == not_to; });
   if (ways.empty()) return std::nullopt;
+  // At random, so that two robots that make room for each other do not choose in step.
   const auto chosen = static_cast<std::size_t>(place.now.Random(1) * static_cast<double>(ways.size()));
   return WayAround{.legs = {ways[chosen]}, .seconds_aside = kAsideSeconds * (1.0 + place.now.Random(2))};
 }

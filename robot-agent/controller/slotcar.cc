@@ -92,9 +92,11 @@ Twist PathFollower::DriveTo(const PathPoint& point, const Pose& X_WR, double int
                                   -drive_.acceleration.x.min, interval);
     return {speed, 0.0, speed * 2.0 * p_R.y() / std::max(distance * distance, 1e-6)};
   }
+  // A point behind the robot is reached backwards where the drive can, with the smaller turn.
   const bool reverses = p_R.x() < 0.0 && drive_.velocity.x.min < 0.0;
   const double bearing = reverses ? Atan2(-p_R.y(), -p_R.x()) : Atan2(p_R.y(), p_R.x());
   Twist twist{0.0, 0.0, TurnBy(bearing, interval)};
+  // It turns on the spot until it faces the point, and so leaves the line to the point little.
   if (std::fabs(bearing) >= kFacing) return twist;
   const double speed = SpeedFor(distance, std::min(most, reverses ? -drive_.velocity.x.min : drive_.velocity.x.max),
                                 reverses ? drive_.acceleration.x.max : -drive_.acceleration.x.min, interval);
@@ -125,6 +127,7 @@ Twist PathFollower::Update(const Pose& X_WR, double time, double interval, bool 
   if (twist == Twist()) return twist;
   state_ = pause_ == Pause::kNow ? State::kHolds : is_blocked && twist.vx != 0.0 ? State::kWaits : State::kDrives;
   if (state_ != State::kDrives) twist.vx = 0.0;
+  // A car does not turn where it stands.
   if (drive_.type == DriveType::kCar && twist.vx == 0.0) return {};
   return twist;
 }
@@ -145,6 +148,7 @@ class Slotcar final : public Controller {
       goal_.reset();
     } else if (goal_ != goal->number) {
       goal_ = goal->number;
+      // Follow expects a path that begins near the robot.
       std::vector<PathPoint> path = {{observation.pose_estimate.translation()}};
       for (const Vec2& point : goal->waypoints) path.push_back({point, observation.pose_estimate.heading});
       if (goal->heading) path.back().heading = *goal->heading;

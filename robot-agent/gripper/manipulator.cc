@@ -225,6 +225,7 @@ void JointMotor::MoveTo(double position) {
 
 void JointMotor::MoveAt(double velocity) {
   target_.reset();
+  // A velocity holds up to the limit of the joint; at 0 the joint stays without a target.
   if (velocity != 0.0) target_ = velocity > 0.0 ? joint_->position.max : joint_->position.min;
   speed_ = std::min(std::abs(velocity), joint_->max_speed);
 }
@@ -238,6 +239,7 @@ double JointMotor::Velocity(const JointState& state, double tick_seconds) {
   } else if (to_limit || std::abs(way) >= speed_ * tick_seconds) {
     proposed_ = way > 0.0 ? speed_ : -speed_;
   } else {
+    // The rest of the way in this one tick: it stops at the target and not behind it.
     proposed_ = way / tick_seconds;
   }
   return proposed_;
@@ -245,6 +247,7 @@ double JointMotor::Velocity(const JointState& state, double tick_seconds) {
 
 bool JointMotor::moving(const JointState& state) const {
   const double way = RemainingWay(state);
+  // A contact ends a motion only in the direction that was proposed; the way back is free.
   const bool is_blocked = state.blocked && proposed_ * way > 0.0;
   return way != 0.0 && speed_ > 0.0 && !is_blocked;
 }
@@ -272,8 +275,10 @@ void GripperMachine::SetOpening(double fraction) {
 void GripperMachine::UpdateBeams(bool is_broken, const GripperState& gripper) {
   if (!autosnatch_) return;
   const FingerCommand own = is_broken ? FingerCommand::kClose : FingerCommand::kOpen;
+  // A command of the robot holds until the beams ask for the same; from then on they decide again.
   if (commanded_ && command_ != own) return;
   commanded_ = false;
+  // What is clamped need not be where the beams are: that they see nothing does not let it go.
   if (own == FingerCommand::kOpen && gripper.clamped) return;
   command_ = own;
 }

@@ -10,6 +10,7 @@
 namespace troupe::ros {
 namespace {
 
+// Batches of requests whose callers have no reader yet. The oldest ends, because a peer need never make one.
 constexpr std::size_t kMaxWaiting = 100;
 
 // 16 random bytes as ROS writes them, "01.0f.10...".
@@ -44,6 +45,7 @@ bool HasReaderOf(dds_entity_t writer, const dds_guid_t& participant) {
   dds_return_t count = 0;
   for (;;) {
     count = dds_get_matched_subscriptions(writer, subscriptions.data(), subscriptions.size());
+    // Cyclone DDS returns the number of all, also of those that had no room.
     if (count <= static_cast<dds_return_t>(subscriptions.size())) break;
     subscriptions.resize(static_cast<std::size_t>(count));
   }
@@ -174,6 +176,7 @@ void DdsService::Start() {
   dds::SetListener(reader_.handle(), reader_listener_);
   writer_listener_.on_publication_matched = [this](const dds::PublicationMatchedStatus&) { Serve(); };
   dds::SetListener(writer_.handle(), writer_listener_);
+  // Requests that came before the listeners.
   Serve();
 }
 

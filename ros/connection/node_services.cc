@@ -19,6 +19,7 @@ using Descriptor = rcl_interfaces_msg_dds__ParameterDescriptor_;
 constexpr std::int32_t kDepth = 1000;
 constexpr std::uint8_t kNotSet = 0;
 
+// As rcl_interfaces/msg/ParameterType numbers them: 1 bool, 2 integer, 3 double, 4 string.
 std::uint8_t TypeOf(const ParameterValue& value) {
   return static_cast<std::uint8_t>(value.index() + 1);  // in the order of the variant
 }
@@ -133,6 +134,7 @@ struct ParameterServices::Services {
     list.Respond(caller, response);
   }
 
+  // A parameter that the node does not have reads as not set: the response has no other way to say so.
   void Get(const RosCaller& caller, const std::vector<std::string>& names) {
     dds::WireArena arena;
     rcl_interfaces_srv_dds__GetParameters_Response_ response{};
@@ -193,6 +195,7 @@ struct ParameterServices::Services {
     set.Respond(caller, response);
   }
 
+  // One parameter that may not be set refuses all, and then nothing is announced.
   void SetAtomically(const RosCaller& caller, const rcl_interfaces_srv_dds__SetParametersAtomically_Request_& request) {
     dds::WireArena arena;
     rcl_interfaces_srv_dds__SetParametersAtomically_Response_ response{};

@@ -321,6 +321,7 @@ void WriterWatch::Expect(dds_entity_t reader, bool accepts_best_effort) {
   const dds_return_t result = dds_get_qos(reader, qos);
   Expected& expected = expected_[name];
   expected.types.insert(type);
+  // Not the reader's policy alone: beside a reliable reader there may be one that takes what best-effort writers send.
   expected.reliable = expected.reliable && !accepts_best_effort && result == DDS_RETCODE_OK && IsReliable(qos);
   dds_delete_qos(qos);
 }

@@ -48,6 +48,7 @@ void ClockOutput::Show(Tick tick, std::int64_t interval_ns, bool stays) {
   const auto now = WallClock::now();
   const std::lock_guard lock(mutex_);
   std::optional<double> speed = speed_;
+  // Not over a pause or a reset, which say nothing about the speed.
   if (interval_ns_ > 0 && !stays_ && ns > tick_ns_ && now > shown_at_) {
     const std::chrono::duration<double, std::nano> elapsed = now - shown_at_;
     speed = static_cast<double>(ns - tick_ns_) / elapsed.count();
@@ -126,6 +127,7 @@ void MapOutput::ChangeWorld(const Scene& scene) {
 
 void MapOutput::Poll() {
   if (written_ || scene_ == nullptr || !map_.wanted()) return;
+  // Before the thread begins, which takes it back if it fails.
   written_ = true;
   Join();
   thread_ = std::thread([this] {

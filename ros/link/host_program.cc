@@ -168,8 +168,10 @@ void HostProgram::Run(int connection) {
     close(*open);
     open.reset();
     if (stop_) return;
+    // Here the program has ended, or has closed the connection.
     if (Clock::now() - opened > kHealthyProgram) delay = kFirstStartDelay;
     int status = 0;
+    // Zero where another process has started the program: only its parent can wait for it.
     if (const pid_t ended = std::exchange(child_, 0); ended > 0) {
       if (waitpid(ended, &status, 0) == ended) {
         Report([&] {

@@ -25,6 +25,7 @@ using nlohmann::json;
 
 constexpr std::int32_t kMaxDepth = 1'000'000;  // samples
 
+// The text is of a peer: one line of plain text in the log, and not all of it.
 Error Malformed(std::string_view text) {
   return {{}, "found '" + PlainLine(text, 200) + "', expected a version, a node, an endpoint or a watch"};
 }

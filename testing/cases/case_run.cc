@@ -267,6 +267,7 @@ CaseOutcome Simulate(const CaseWorlds& worlds, LoadedWorld loaded, const CaseRun
       }
       break;
     }
+    // A whole case runs to its end although all is decided: metrics, covers and the hash of its state are of all ticks.
     if (simulation.tick() >= ticks || (options.only && monitors.decided())) break;
     simulation.Step();
     if (!simulation.failures().empty()) return ErrorOutcome(simulation.failures().front());
@@ -292,6 +293,8 @@ CaseOutcome RunCase(const CaseWorlds& worlds, const TestCase& draws, const CaseR
                    [](const auto& robot) { return NamesLibrary(robot.controller.name); })) {
     return Simulate(worlds, std::move(loaded).value(), options);
   }
+  // A library is code of a user, which may crash or leave state behind: a copy of the process runs it, and how the copy
+  // died is the outcome of this case alone.
   const Result<std::string> reply = RunInCopy([&] {
     return ToJson(Simulate(worlds, std::move(loaded).value(), options))
         .dump(-1, ' ', false, json::error_handler_t::replace);

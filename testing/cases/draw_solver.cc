@@ -76,6 +76,9 @@ TestCase DrawSolver::DrawFound(const Indices& indices, std::uint64_t number) con
   return draws ? *std::move(draws) : FromIndices(indices, RandomBits({kDesignStream, seed_, number, 0}));
 }
 
+// Branch and bound, depth first: a box in which bounds exclude one of the constraints is dropped, any other is halved
+// along the side that is relatively the longest. Without an answer it ends at boxes so small that bounds exclude no
+// more, or after as many boxes as a design can wait for.
 bool DrawSolver::IsRefuted(const Indices& indices) const {
   const std::vector<DrawBounds> whole = BoundsOf({indices.begin(), indices.end()});
   std::vector<std::vector<DrawBounds>> boxes = {whole};
@@ -117,6 +120,7 @@ struct DrawSolver::Walk {
 bool DrawSolver::Visit(Walk& walk, std::size_t variation) const {
   while (variation < variations_.size() && (variations_[variation].size() == 0 || walk.choice[variation])) ++variation;
   if (variation < variations_.size()) {
+    // No case has the values chosen so far: all combinations with them are left out at once.
     if (!CanMeet(walk.choice)) return true;
     const std::uint64_t size = variations_[variation].size();
     bool goes_on = true;
@@ -127,10 +131,13 @@ bool DrawSolver::Visit(Walk& walk, std::size_t variation) const {
     walk.choice[variation].reset();
     return goes_on;
   }
+  // Without random numbers, the draw below is one exact test.
   if (has_random_ && !CanMeet(walk.choice)) return true;
   Indices indices;
   for (const std::optional<std::uint64_t>& index : walk.choice) indices.push_back(index.value_or(0));
   const std::uint64_t number = walk.number_of(indices);
+  // The cheapest question first: most values are met by one of a few draws. Only then the proof that none meets them,
+  // and the many tries if there is none.
   bool found = Draw(indices, number, kFirstTries).has_value();
   const bool is_refuted = !found && (!has_random_ || IsRefuted(indices));
   if (!found && !is_refuted) found = Draw(indices, number, kMaxTries).has_value();
@@ -150,6 +157,8 @@ bool DrawSolver::Visit(Walk& walk, std::size_t variation) const {
                                     kMaxTries, values)};
     return false;
   }
+  // Refuted values count as the tries that they took, so that a design of which almost nothing can occur ends with an
+  // error.
   walk.tries.failed += has_random_ ? kFirstTries : 1;
   if (walk.tries.failed <= walk.tries.most) return true;
   walk.status = Error{{},
@@ -184,6 +193,7 @@ TestCase DrawSolver::Random(std::uint64_t key) const {
 }
 
 Status DrawSolver::CheckRandom() const {
+  // Else an estimate of how often a draw meets them. It ends at once where bounds exclude all draws.
   if (constraints_.empty()) return {};
   std::uint64_t hits = 0;
   for (std::uint64_t draw = 0; draw < kRandomTries && CanMeet(Choice(variations_.size())); ++draw) {

@@ -45,7 +45,7 @@ class DrawSolver {
   // Case `number` of these values: with the first random numbers that meet the constraints; nothing if none of `tries`
   // does.
   std::optional<TestCase> Draw(const Indices& indices, std::uint64_t number, std::uint64_t tries) const;
-  // As above, with as many tries as Find has.
+  // As above, with as many tries as ForEach makes.
   TestCase DrawFound(const Indices& indices, std::uint64_t number) const;
   // Calls visit(indices) for all values of the variations that `choice` leaves open, as far as they have a case of
   // number number_of(indices), until it returns false. The last variation changes fastest, each from value `from` on,

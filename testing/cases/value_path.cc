@@ -128,6 +128,8 @@ Result<ScenarioText> ScenarioText::Parse(std::string text, const std::string& fi
   return ScenarioText(std::move(text), std::move(tree).value());
 }
 
+// Only the last key may be missing: With adds a member to an object, but makes no objects around it. A message names
+// the part of the path that was found, because a typing error is right behind it.
 Result<ScenarioText::Place> ScenarioText::Locate(const ValuePath& path) const {
   const JsonNode* node = &tree_.root();
   std::string passed;  // the path so far
@@ -207,6 +209,8 @@ Result<std::string> ScenarioText::With(const std::vector<DrawnValue>& draws) con
   return edits.Apply(text_);
 }
 
+// Each kind of file as a load looks for it: libraries, bitmaps, the world and the scenario beside the text, maps and
+// includes also in the other folders of FindFile.
 std::string ScenarioText::WithAbsolutePaths(const std::string& path) const {
   const std::string directory = DirectoryOf(path);
   const auto beside = [&](const std::string& name) {
