@@ -53,7 +53,8 @@ void ClockOutput::Show(Tick tick, std::int64_t interval_ns, bool stays) {
     const std::chrono::duration<double, std::nano> elapsed = now - shown_at_;
     speed = static_cast<double>(ns - tick_ns_) / elapsed.count();
   }
-  const bool wakes = interval_ns_ == 0 || Advances(stays_, speed_) != Advances(stays, speed);
+  // In a wait for the next tick the thread sleeps for the longer period.
+  const bool wakes = interval_ns_ == 0 || Advances(stays_, speed_) != Advances(stays, speed) || AwaitsTick();
   if (ns < tick_ns_) written_ns_ = ns;  // a reset
   tick_ns_ = ns;
   interval_ns_ = interval_ns;
@@ -81,7 +82,7 @@ void ClockOutput::Run() {
 }
 
 ClockOutput::WallClock::time_point ClockOutput::NextWrite() const {
-  const bool waits = !Advances(stays_, speed_) || written_ns_ >= tick_ns_ + interval_ns_;  // for the next tick
+  const bool waits = !Advances(stays_, speed_) || AwaitsTick();
   const std::chrono::duration<double> period = waits ? kRepeatPeriod : std::chrono::duration<double>(1.0 / rate_);
   return written_at_ + std::chrono::duration_cast<WallClock::duration>(period);
 }

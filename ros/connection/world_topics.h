@@ -42,6 +42,8 @@ class ClockOutput {
   void Write(std::int64_t ns, WallClock::time_point now);
   // `speed`: as of speed_.
   bool Advances(bool stays, std::optional<double> speed) const { return !stays && speed && rate_ > 0.0; }
+  // The times up to the next tick are written.
+  bool AwaitsTick() const { return written_ns_ >= tick_ns_ + interval_ns_; }
 
   RosConnection& connection_;
   const double rate_;

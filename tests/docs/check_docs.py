@@ -193,7 +193,7 @@ STATEFUL = {
     "RobotCommands": "world-service/service/tick_inputs.h",
     "WorldEditor": "world-service/service/world_editor.h",
     "RunControl": "world-service/service/run_control.h",
-    "RobotMemories": "world-service/service/run_history.h",
+    "RobotMemories": "world-service/service/robot_memories.h",
     "RunStatistics": "world-service/service/tick_coordinator.h",
     "EventLog": "world-service/service/event_log.h",
     "NoticeList": "world-service/service/event_log.h",

@@ -216,7 +216,7 @@ TEST_F(RobotCommandTest, CountsInAPauseFromTheNextTickOn) {
 TEST_F(RobotCommandTest, IsRefusedWithTheReason) {
   MakeAndStart(1);
   EXPECT_THAT(Command("missing", Drive(1.0), 1).problem, HasSubstr("no robot 'missing'"));
-  EXPECT_THAT(Command("r0", Drive(1.0), 0).problem, HasSubstr("0 ticks"));
+  EXPECT_THAT(Command("r0", Drive(1.0), 0).problem, HasSubstr("ticks: found 0, expected from 1"));
   RobotCommand grip;
   grip.grippers = {{.gripper = 0, .opening = 0.0}};
   EXPECT_THAT(Command("r0", grip, 1).problem, HasSubstr("gripper 0, but it has 0"));
