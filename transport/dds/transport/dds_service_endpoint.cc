@@ -159,11 +159,16 @@ void DdsServiceEndpoint::DrainJoins(AgentGroup& group) {
 }
 
 bool DdsServiceEndpoint::Bind(AgentId agent, const Sender& sender) {
-  if (const auto known = agents_.find(agent); known != agents_.end()) return known->second.writer == sender.writer;
+  const auto known = agents_.find(agent);
+  if (known != agents_.end() && known->second.writer == sender.writer) return true;
+  if (known != agents_.end() && known->second.participant != sender.participant) return false;
   std::set<AgentId>& of_writer = agents_of_writer_[sender.writer];
   if (of_writer.size() >= kAgentsOfWriter) return false;
+  // A writer that is discovered again after its lease has another handle, and its samples may come before the notice of
+  // the end of the first one: which then ends no agent.
+  if (known != agents_.end()) agents_of_writer_[known->second.writer].erase(agent);
   of_writer.insert(agent);
-  agents_.emplace(agent, sender);
+  agents_.insert_or_assign(agent, sender);
   lost_agents_.Remove(agent);
   if (segment_) segment_->Bind(agent);
   return true;
@@ -184,9 +189,9 @@ bool DdsServiceEndpoint::MayJoinFor(const troupe_wire_Join& join, const Sender& 
 
 void DdsServiceEndpoint::Leave(AgentId agent, const Sender& sender) {
   const auto known = agents_.find(agent);
-  if (known == agents_.end() || known->second.writer != sender.writer) return;
+  if (known == agents_.end() || known->second.participant != sender.participant) return;
+  agents_of_writer_[known->second.writer].erase(agent);
   agents_.erase(known);
-  agents_of_writer_[sender.writer].erase(agent);
   if (segment_) segment_->Unbind(agent);
   handler_->OnAgentGone(agent);
 }

@@ -147,7 +147,8 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   // Calls a member below; the handler gets a report of a message for which there was no memory.
   void Deliver(const std::function<void()>& drain);
   void DrainJoins(AgentGroup& group);
-  // Binds the agent to its first writer; false for any other one.
+  // Binds the agent to the newest writer of its first participant; false for a writer of another participant, and for
+  // one of too many agents.
   bool Bind(AgentId agent, const Sender& sender);
   // Whether the sender's keys are for an agent of the robots of the join.
   bool MayJoinFor(const troupe_wire_Join& join, const Sender& sender) const;
@@ -181,7 +182,7 @@ class DdsServiceEndpoint : public ServiceEndpoint {
   ServiceHandler* handler_ = nullptr;
   const bool secured_;
   const bool proven_;                 // all senders whose samples pass are of the run
-  std::map<AgentId, Sender> agents_;  // that have sent a join and are alive: the writer of their joins
+  std::map<AgentId, Sender> agents_;  // that have sent a join and are alive: the writer of the last one
   std::map<dds_instance_handle_t, std::set<AgentId>> agents_of_writer_;  // the same, by the writer
   LostAgents lost_agents_;
   std::thread collector_;

@@ -159,6 +159,37 @@ TEST_F(StrangerTest, ForgedJoinsAndProposalsAreNotTheAgents) {
   EXPECT_TRUE(service_.gone.WaitFor(20.0, [](AgentId agent) { return agent == kAgent; }));
 }
 
+// As after a lease that expires for a moment: the end of the first writer may be noticed after the joins of the second.
+TEST_F(StrangerTest, AnAgentWhoseWriterIsDiscoveredAgainStaysAnAgent) {
+  constexpr AgentId kOther = 9;
+  JoinMessage join = Join();
+  join.agent = kOther;
+  const auto joins_with = [this](const std::string& robot) {
+    return service_.joins.WaitFor(
+        20.0, [&](const JoinMessage& one) { return one.agent == kOther && one.robots.front() == robot; });
+  };
+  const Stranger other(options_.session);
+  auto first = std::make_unique<Forger<troupe_wire_Join>>(other, other.agent_publisher, topics::kJoin,
+                                                          dds::qos_profiles::Join(1.0));
+  ASSERT_TRUE(first->Found());
+  first->Send(join);
+  ASSERT_TRUE(joins_with("r0"));
+  auto again = std::make_unique<Forger<troupe_wire_Join>>(other, other.agent_publisher, topics::kJoin,
+                                                          dds::qos_profiles::Join(1.0));
+  ASSERT_TRUE(again->Found());
+  join.robots = {"r1"};
+  again->Send(join);
+  ASSERT_TRUE(joins_with("r1"));
+  first.reset();
+  join.robots = {"r2"};
+  again->Send(join);
+  ASSERT_TRUE(joins_with("r2"));
+  EXPECT_TRUE(service_.gone.items().empty());
+  EXPECT_FALSE(service_problems_.Have("troupe/join: ignored participant"));
+  again.reset();
+  EXPECT_TRUE(service_.gone.WaitFor(20.0, [](AgentId agent) { return agent == kOther; }));
+}
+
 TEST_F(StrangerTest, AFloodOfAgentsOfOneWriterIsCutOff) {
   const Stranger stranger(options_.session);
   Forger<troupe_wire_Join> joins(stranger, stranger.agent_publisher, topics::kJoin, dds::qos_profiles::Join(1.0));
