@@ -88,14 +88,16 @@ bool ReadCommands(ByteReader& in, std::vector<CommandInForce>& commands, std::ve
 
 void AddProgress(ByteWriter<>& out, const RunProgress& progress) {
   // All members: a new one does not compile without a place here, and one in ReadProgress.
-  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, speed_is_set, speed, commands, inputs,
-               first_number, is_rewinding] = progress;
+  const auto& [incarnation, ticks_to_pause, absent, newcomers, stalls, rejected, frozen, speed_is_set, speed, commands,
+               inputs, first_number, is_rewinding] = progress;
   out.Write(incarnation);
   out.Write(ticks_to_pause.value_or(kNoPause));
   out.Write(stalls);
   out.Write(rejected);
   AddRobots(out, absent);
   AddRobots(out, newcomers);
+  out.Write(static_cast<std::uint32_t>(frozen.size()));
+  for (const std::string& name : frozen) out.WriteText(name);
   out.Write(static_cast<std::uint8_t>(speed_is_set));
   out.Write(speed.value_or(kNoSpeed));
   AddCommands(out, commands, inputs);
@@ -112,6 +114,7 @@ bool ReadProgress(ByteReader& in, RunProgress& progress) {
   progress.rejected = in.Read<std::uint64_t>();
   progress.absent = ReadRobots(in);
   progress.newcomers = ReadRobots(in);
+  for (auto left = in.Read<std::uint32_t>(); left > 0 && in.ok(); --left) progress.frozen.insert(in.ReadText());
   progress.speed_is_set = in.Read<std::uint8_t>() != 0;
   const auto speed = in.Read<double>();
   if (speed > kNoSpeed) progress.speed = speed;

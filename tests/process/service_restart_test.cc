@@ -79,6 +79,26 @@ TEST_F(ServiceRestartTest, ARunThatPlaysHasTheSameFiles) {
   EXPECT_LE(summary["real_time_factor"].get<double>(), 11.2);
 }
 
+TEST_F(ServiceRestartTest, TheSummaryCountsTheRobotsThatStoodStillBefore) {
+  Program run = Start({"--paused", "--restart-agents", "0", "--on-agent-loss", "freeze", "--summary", Path("summary")});
+  for (const pid_t child : ChildrenOf(run.pid())) {
+    if (CommandLineOf(child).find("--robot=r1") != std::string::npos) ASSERT_EQ(kill(child, SIGKILL), 0);
+  }
+  const std::string command = run.WaitForLineAfter("to start it again:");
+  run.WaitForLine("r1 has lost its agent");
+  Call(control::Step{.ticks = 3});
+  Program agent({"/bin/sh", "-c", "exec " + command});
+  run.WaitForLine("r1 has an agent");
+  Kill(run);
+  Call(control::Play());
+  EXPECT_EQ(run.Wait(), 5) << run.output();
+  EXPECT_EQ(agent.Wait(), 0) << agent.output();
+  const nlohmann::json summary = nlohmann::json::parse(folder_.Read("summary"), nullptr, false);
+  EXPECT_EQ(summary["service_restarted"], 1);
+  EXPECT_EQ(summary["lost"], nlohmann::json::array());
+  EXPECT_EQ(summary["frozen"], 1);
+}
+
 TEST_F(ServiceRestartTest, ARunThatContinuesARecordingHasTheSameFiles) {
   OutputOf(RunPen({"--ticks", "40", "--in-process", "--record", Path("source.mcap")}));
   const auto start = [&](const std::string& prefix, const std::string& more) {

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "transport/protocol/messages.h"
@@ -28,8 +30,9 @@ struct RunProgress {
   std::vector<RobotId> newcomers;               // robots of the newest edit that have no agent yet
   std::uint64_t stalls = 0;                     // so far, for the summary
   std::uint64_t rejected = 0;
-  bool speed_is_set = false;         // during the run, to:
-  std::optional<double> speed = {};  // a multiple of real time; nothing: no pacing
+  std::set<std::string> frozen = {};  // names of the robots that have stood still without an agent
+  bool speed_is_set = false;          // during the run, to:
+  std::optional<double> speed = {};   // a multiple of real time; nothing: no pacing
   std::vector<CommandInForce> commands = {};
   std::vector<Input> inputs = {};  // that enter the next step, in the sequence of their arrival
   // Of the state that the run began with: its journal has the earlier states, too, if it continues another run.

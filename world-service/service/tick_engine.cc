@@ -77,6 +77,7 @@ TickEngine::TickEngine(LiveRun& run, double now)
     ticks_to_pause_ = resumed.progress.ticks_to_pause;
     run_.frame.paused = ticks_to_pause_ == 0U;
     run_.events.RestoreCounts(resumed.progress.stalls, resumed.progress.rejected);
+    frozen_ = resumed.progress.frozen;
   } else {
     run_.frame.state = InitialState(*run_.scene);
     run_.frame.state_hash = StateHash(run_.frame.state);
@@ -221,6 +222,7 @@ RunProgress TickEngine::Progress() const {
   progress.newcomers = run_.newcomers;
   progress.stalls = run_.events.stalls();
   progress.rejected = run_.events.rejected();
+  progress.frozen = frozen_;
   progress.speed_is_set = speed_is_set_;
   if (speed_is_set_) progress.speed = speed();
   progress.commands = commands_.InForce();

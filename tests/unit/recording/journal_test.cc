@@ -55,6 +55,7 @@ class JournalTest : public testing::Test {
                          .absent = {RobotId(0)},
                          .newcomers = {RobotId(1), RobotId(2)},
                          .stalls = stalls,
+                         .frozen = {"r0", "a robot"},
                          .speed_is_set = true,
                          .speed = 2.5};
     progress.commands = {{{.robot = RobotId(1), .twist = Twist{0.5, 0.0, 0.1}}, 7, true},
