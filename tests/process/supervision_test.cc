@@ -289,6 +289,23 @@ TEST(AgentLoss, AKilledAgentIsStartedAgainAndRejoins) {
   run.ExpectNoProcessLeft();
 }
 
+// As one that a malformed message of the handshake has ended.
+TEST(AgentLoss, WithKeysARunGoesOnAfterASegmentationFaultOfAnAgent) {
+  TemporaryFolder folder;
+  LongRun run({"--security", "on", "--ticks", "100", "--summary", folder.Path("summary"), "--hash-log",
+               folder.Path("hashes"), "--on-agent-loss", "rebuild"});
+  kill(run.Child("--robot=r1"), SIGSEGV);
+  EXPECT_EQ(run.program().Wait(), 0) << run.program().output();
+  EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 11 (Segmentation fault"));
+  EXPECT_THAT(run.program().output(), HasSubstr("restart 1 of "));
+  const nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
+  EXPECT_EQ(summary["agents_restarted"], 1);
+  EXPECT_EQ(summary["lost"], nlohmann::json::array());
+  OutputOf(RunPen({"--ticks", "100", "--in-process", "--hash-log", folder.Path("undisturbed")}));
+  EXPECT_EQ(folder.Read("hashes"), folder.Read("undisturbed"));
+  run.ExpectNoProcessLeft();
+}
+
 TEST(AgentLoss, AnAgentThatDiesBeforeTheRunBeginsIsStartedAgain) {
   Program run = RunPen({"--ticks", "5", "--lease", "0.5", "--shuffle-start", "3"});
   pid_t agent = 0;
