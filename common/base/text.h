@@ -47,8 +47,8 @@ std::optional<std::string> ClosestName(std::string_view found, const std::vector
 // The end of a message: "; did you mean 'speed'?", or "" without a close name.
 std::string DidYouMean(std::string_view found, const std::vector<std::string>& names);
 
-// FloodLimiter: passes the first lines of each second on, and a count of the others, so that a hostile peer cannot fill
-// a disk with reports about itself. Safe to use from several threads.
+// FloodLimiter: passes the first kLinesInASecond lines of each second on, and a count of the others, so that a hostile
+// peer cannot fill a disk with reports about itself. Safe to use from several threads.
 class FloodLimiter {
  public:
   static constexpr int kLinesInASecond = 5;
