@@ -9,6 +9,9 @@
 #include <map>
 #include <string_view>
 
+#include "common/base/file.h"
+#include "common/base/hash.h"
+#include "common/base/paths.h"
 #include "troupe/check.h"
 
 namespace troupe::dds {
@@ -77,6 +80,8 @@ std::string Peers(const DomainConfig& config) {
   return peers;
 }
 
+constexpr std::size_t kMaxCertificate = 100'000;  // bytes
+
 bool IsFree(std::uint16_t port) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket < 0) return true;
@@ -99,6 +104,16 @@ DomainConfig ToolConfig(std::uint32_t domain, const std::string& network_interfa
   config.peers = {service_address.empty() ? "127.0.0.1" : service_address};
   config.heartbeat_seconds = 0.1;  // a tool ends when its requests are acknowledged
   return config;
+}
+
+void SetKeys(DomainConfig& config, const std::string& enclave) {
+  config.security_enclave = enclave;
+  if (enclave.empty()) return;
+  const Result<std::string> authority = ReadWholeFile(enclave + "/" + kIdentityCaFile, kMaxCertificate);
+  if (!authority.ok()) return;  // the participant cannot be made, and says why
+  Hasher hash;
+  hash.Add(std::string_view(authority.value()));
+  config.tag = "troupe_keys_" + std::to_string(hash.value());
 }
 
 std::uint16_t DiscoveryPort(std::uint32_t domain, std::uint32_t participant_index) {

@@ -48,6 +48,11 @@ struct DomainConfig {
 // The configuration of a tool that looks for world services. An empty address: the services of this machine.
 DomainConfig ToolConfig(std::uint32_t domain, const std::string& network_interface, const std::string& service_address);
 
+// Sets the keys: the folder with them, or empty for none. Their tag is a hash of the authority's certificate, so that
+// participants with keys of other authorities, as of other runs, are not discovered: each handshake with one would end
+// with a warning on both sides.
+void SetKeys(DomainConfig& config, const std::string& enclave);
+
 // The UDP port at which a participant with this index listens for discovery (RTPS 2.2, section 9.6.1).
 std::uint16_t DiscoveryPort(std::uint32_t domain, std::uint32_t participant_index);
 

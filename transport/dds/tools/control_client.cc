@@ -163,7 +163,7 @@ Status ControlClient::WaitForService(double seconds) {
     if (!connection_ || connection_->keys() != keys.value()) {
       dds::PrintFirstNetworkMessage();
       dds::DomainConfig config = dds::ToolConfig(network_.domain, network_.network_interface, network_.service_address);
-      config.security_enclave = keys.value().enclave;
+      dds::SetKeys(config, keys.value().enclave);
       connection_ = std::make_unique<Connection>(config, network_.session, keys.value());
     }
     if (connection_->Greet()) return {};

@@ -188,7 +188,7 @@ class SessionMonitor::Implementation {
   void AddParticipant(const std::string& enclave) {
     dds::PrintFirstNetworkMessage();
     dds::DomainConfig config = dds::ToolConfig(network_.domain, network_.network_interface, network_.service_address);
-    config.security_enclave = enclave;
+    dds::SetKeys(config, enclave);
     auto participant = std::make_unique<MonitoringParticipant>(config);
     participant->ForEachCondition([this](const auto& condition) { changes_.attach(condition, next_token_++); });
     participants_.emplace(enclave, std::move(participant));

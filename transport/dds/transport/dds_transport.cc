@@ -107,7 +107,7 @@ DomainConfig ConfigOf(const DdsOptions& options) {
   // the answer to a reader that has asked for samples before its writer had discovered it.
   if (options.data_sharing) config.heartbeat_seconds = kHeartbeatWithSharing;
   config.linger_seconds = 0.0;  // the endpoints wait for acknowledgments
-  config.security_enclave = options.keys.enclave;
+  dds::SetKeys(config, options.keys.enclave);
   return config;
 }
 

@@ -1,11 +1,14 @@
 // The permissions of the roles, as Cyclone's plugins enforce them between participants on the network.
 #include <arpa/inet.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <fstream>
 #include <memory>
+#include <mutex>
+#include <string>
 #include <vector>
 
 #include "common/base/paths.h"
@@ -13,6 +16,8 @@
 #include "tests/support/files.h"
 #include "transport/dds/binding/data_reader.h"
 #include "transport/dds/binding/data_writer.h"
+#include "transport/dds/binding/domain_config.h"
+#include "transport/dds/binding/network_log.h"
 #include "transport/dds/convert/convert.h"
 #include "transport/protocol/messages.h"
 #include "transport/security/certificate.h"
@@ -27,7 +32,7 @@ using test::TestConfig;
 
 DomainConfig ConfigWith(const std::string& enclave) {
   DomainConfig config = TestConfig();
-  config.security_enclave = enclave;
+  config.security_enclave = enclave;  // without the tag of the authority, as another program
   return config;
 }
 
@@ -213,6 +218,39 @@ TEST_F(PermissionsTest, StrangersAreInvisible) {
   EXPECT_TRUE(Eventually([&] { return MatchedBy(frame) >= 1 && MatchedBy(frames) >= 1; }));
   for (const DataWriter<Sample>* writer : {&open_writer, &foreign_writer, &frame}) EXPECT_EQ(MatchedBy(*writer), 1);
   for (const DataReader<Sample>* reader : {&open_reader, &foreign_reader, &frames}) EXPECT_EQ(MatchedBy(*reader), 1);
+}
+
+// Otherwise each of two runs in a domain would warn of every process of the other one.
+TEST_F(PermissionsTest, ParticipantsOfTwoAuthoritiesDoNotDiscoverEachOther) {
+  const auto with_keys = [](const std::string& enclave) {
+    DomainConfig config = TestConfig();
+    SetKeys(config, enclave);
+    return config;
+  };
+  const Result<KeyAuthority> other = KeyAuthority::Create();
+  const DomainConfig service_config = with_keys(Keys(Role::Service()));
+  const DomainConfig agent_config = with_keys(Keys(Role::Agent("a1")));
+  const DomainConfig foreign_config = with_keys(Keys(other, "other/service", Role::Service()));
+  EXPECT_EQ(service_config.tag, agent_config.tag);
+  EXPECT_NE(service_config.tag, foreign_config.tag);
+  EXPECT_TRUE(with_keys("").tag.empty());
+  std::mutex mutex;
+  std::vector<std::string> lines;
+  {
+    const NetworkLog log([&](const std::string& line) {
+      const std::lock_guard lock(mutex);
+      lines.push_back(line);
+    });
+    Participant foreign(foreign_config);
+    const DataWriter<Sample> foreign_frame = foreign.Writer(topics::kFrame, session_);
+    Participant service(service_config);
+    Participant agent(agent_config);
+    const DataWriter<Sample> frame = service.Writer(topics::kFrame, session_);
+    const DataReader<Sample> frames = agent.Reader(topics::kFrame, session_);
+    EXPECT_TRUE(Eventually([&] { return MatchedBy(frame) == 1 && MatchedBy(frames) == 1; }));
+    EXPECT_EQ(MatchedBy(foreign_frame), 0);
+  }
+  EXPECT_THAT(lines, testing::IsEmpty());
 }
 
 TEST_F(PermissionsTest, AForgedEndOfAParticipantCountsWithoutKeysOnly) {
