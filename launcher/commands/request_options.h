@@ -92,9 +92,9 @@ class RequestOptions {
   }
 
   CLI::Option* Add(const std::string& name, Pose& value, const FieldInfo&) {
-    const auto read = [&value, &has_height = has_height_](const std::string& text) {
+    const auto read = [name, &value, &has_height = has_height_](const std::string& text) {
       const Result<PoseText> pose = ParsePoseText(text);
-      if (!pose.ok()) throw CLI::ValidationError(pose.error().message);
+      if (!pose.ok()) throw CLI::ValidationError(name, pose.error().message);
       value = pose.value().X_WE;
       has_height = pose.value().has_height;
     };
