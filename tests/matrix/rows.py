@@ -201,7 +201,7 @@ ACTIONS = (
     Action("step", ("step", "5")),
     Action("set pose", ("set-pose", "{name}", "--pose", "{x},{y},0"), ("robots", "objects", "people", "stores"), "{name}"),
     Action("delete", ("delete", "{name}"), ("robots", "objects", "people", "stores"), "{name}"),
-    Action("restore", ("restore", "{name}", "--pose", "{x},{y},0"), ("robots", "objects", "people", "stores"), "{name}"),
+    Action("restore", ("restore", "{name}", "--pose", "{x},{y},0"), ("robots", "objects", "stores"), "{name}"),
     Action("door", ("door", "{name}", "open"), ("doors",), "{name}"),
     Action("lift", ("lift", "{name}", "high"), ("lifts",), "{name}"),
     Action("light", ("light", "{name}", "off"), ("lights",), "{name}"),

@@ -410,6 +410,9 @@ TEST_F(RosLockstepTest, RefusesWhatCannotWait) {
               HasSubstr("in mode realtime"));
   EXPECT_THAT(OutputOf(RunPen(RosArguments(Words("--ros-lockstep driver --ros-clock-rate 100"))), 2),
               HasSubstr("--ros-clock-rate: found times between ticks"));
+  for (const char* option : {"--ros-lockstep-period 2", "--ros-lockstep-limit 3", "--ros-lockstep-at-limit end"}) {
+    EXPECT_THAT(OutputOf(RunPen(RosArguments(Words(option))), 2), HasSubstr("expected --ros-lockstep")) << option;
+  }
 }
 
 }  // namespace

@@ -144,7 +144,15 @@ pid_t Listener(const LocalAddress& address) {
 }
 
 Status CheckLockstep(const RunSource& source, const RunSettings& settings, const RosLockstep& lockstep) {
-  if (lockstep.names.empty()) return {};
+  if (lockstep.names.empty()) {
+    const RosLockstep& given = source.ros.lockstep;
+    const char* const name = given.period          ? "--ros-lockstep-period"
+                             : given.limit_seconds ? "--ros-lockstep-limit"
+                             : given.ends_at_limit ? "--ros-lockstep-at-limit"
+                                                   : nullptr;
+    if (name == nullptr) return {};
+    return Error{{}, std::string(name) + ": found no ticks that wait for ROS, expected --ros-lockstep"};
+  }
   if (!settings.ros) {
     if (source.ros.lockstep.names.empty()) return {};  // a scenario whose ROS the command line has switched off
     return Error{{}, "--ros-lockstep: found a run without ROS, expected --ros"};

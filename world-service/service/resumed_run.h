@@ -25,7 +25,7 @@ struct UnfinishedRewind {
 // An entity that a request has deleted, and another one may restore.
 struct DeletedEntity {
   std::string name;
-  std::shared_ptr<const WorldDescription> entity;  // a world with it alone
+  std::shared_ptr<const WorldDescription> entity;  // a world with it alone; null: a person, whose goals are the world's
 };
 inline constexpr std::size_t kMaxDeleted = 100;
 

@@ -40,8 +40,9 @@ void RunControl::Execute(const control::Request& request, ControlReplyTo reply, 
     if (const Status problem = CheckRewind(*rewind); !problem.ok()) return Reply(open, problem.error());
   }
   if (const auto* const restore = std::get_if<control::Restore>(&request)) {
-    open.world = {editor_.Deleted(restore->source)};
-    if (open.world.world == nullptr) return Reply(open, BadInput("no entity '" + restore->source + "' was deleted"));
+    Result<std::shared_ptr<const WorldDescription>> deleted = editor_.Deleted(restore->source);
+    if (!deleted.ok()) return Reply(open, deleted.error());
+    open.world = {std::move(deleted).value()};
     // From here on a restored entity is a spawned one, with its description in place of a file. The recording has the
     // spawn.
     open.request = control::Spawn{.source = restore->source,

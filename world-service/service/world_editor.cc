@@ -86,7 +86,10 @@ Result<control::Request> WorldEditor::Apply(control::Request request, const Requ
   if (const auto* const removal = std::get_if<control::Delete>(&request)) {
     const Result<ModelId> root = FindEntity(run_.world(), removal->name);
     if (!root.ok()) return root.error();
-    deleted = {removal->name, std::make_shared<const WorldDescription>(ExtractEntity(run_.world(), root.value()))};
+    deleted = {removal->name, nullptr};
+    if (!run_.scene->person_of(root.value())) {
+      deleted->entity = std::make_shared<const WorldDescription>(ExtractEntity(run_.world(), root.value()));
+    }
   }
   const AppliedEdit edit{request, deleted ? deleted->entity.get() : world};
   Result<EditedWorld> edited = ApplyIfRoom(edit);
@@ -141,10 +144,12 @@ Result<WorldDescription> WorldEditor::WithRosDomain(std::uint32_t first, const W
                    ", expected one for the robot, as for those of its spawn rule"};
 }
 
-std::shared_ptr<const WorldDescription> WorldEditor::Deleted(const std::string& name) const {
+Result<std::shared_ptr<const WorldDescription>> WorldEditor::Deleted(const std::string& name) const {
   const auto found = std::find_if(deleted_.rbegin(), deleted_.rend(),
                                   [&](const DeletedEntity& deleted) { return deleted.name == name; });
-  return found == deleted_.rend() ? nullptr : found->entity;
+  if (found == deleted_.rend()) return BadInput("no entity '" + name + "' was deleted");
+  if (found->entity == nullptr) return BadInput("'" + name + "' is a person, whom a reset of the run restores");
+  return found->entity;
 }
 
 Result<EditedWorld> WorldEditor::ApplyIfRoom(const AppliedEdit& edit) const {

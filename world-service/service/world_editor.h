@@ -36,8 +36,9 @@ class WorldEditor {
   // Both outlive the editor.
   WorldEditor(LiveRun& run, TickEngine& engine);
 
-  // The entity called `name` that was deleted last, for a spawn; null: none, or kMaxDeleted were deleted since.
-  std::shared_ptr<const WorldDescription> Deleted(const std::string& name) const;
+  // The entity called `name` that was deleted last, for a spawn; never null. The error: it is a person, or there is
+  // none among the last kMaxDeleted.
+  Result<std::shared_ptr<const WorldDescription>> Deleted(const std::string& name) const;
 
   // Applies an edit and publishes the edited frame, which is paused. Returns the request with the name that a spawned
   // entity has. After an error nothing has changed. REQUIRES: the pause is quiescent.
