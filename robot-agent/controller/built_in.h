@@ -28,8 +28,8 @@ struct BuiltInController {
   Status (*check)(const std::string& parameters);
   // The error names the controller.
   Result<std::unique_ptr<Controller>> (*create)(const RobotInfo& info);
-  // Checks what the controller needs of the world, by the parameters, the start, the lanes, and the names of doors,
-  // lifts and their floors of the info. Null: nothing.
+  // Checks what the controller needs of the robot and the world, by an info without poses of sensors, break beams and
+  // places of doors and lifts (InfoInWorld). Null: nothing.
   Status (*check_in_world)(const RobotInfo& info) = nullptr;
   // Checks that the robot can reach a goal from its pose. The error is the reason. Null: a goal on its level.
   Status (*check_goal)(const RobotInfo& info, const Pose& X_WR, const Goal& goal) = nullptr;

@@ -258,12 +258,41 @@ Status CheckController(const std::string& name, const std::string& parameters) {
   return UnknownName(name);
 }
 
+std::string_view NameOnRobot(const RobotDescription& robot, const ModelDescription& model) {
+  const std::string_view name = model.name;
+  return name.starts_with(robot.name + ".") ? name.substr(robot.name.size() + 1) : name;
+}
+
 namespace {
 
-// Without what only its robot has.
+// The joints, grippers, lights and sensors of the robot.
+void AddParts(const WorldDescription& world, RobotInfo& info) {
+  std::vector<std::size_t> number_of(world.joints.size());
+  for (std::size_t i = 0; i < world.joints.size(); ++i) {
+    if (world.joints[i].robot != info.id) continue;
+    number_of[i] = info.joints.size();
+    info.joints.push_back(&world.joints[i]);
+  }
+  for (const GripperDescription& gripper : world.grippers) {
+    if (gripper.robot != info.id) continue;
+    GripperInfo& added = info.grippers.emplace_back();
+    added.description = &gripper;
+    added.left = number_of[gripper.left.index()];
+    added.right = number_of[gripper.right.index()];
+    if (gripper.lift) added.lift = number_of[gripper.lift->index()];
+  }
+  for (const LightPlace& light : FindLights(world)) {
+    if (light.robot != info.id) continue;
+    info.lights.push_back({light.model, NameOnRobot(*info.robot, world.model(light.model))});
+  }
+  for (const SensorDescription& sensor : info.robot->sensors) info.sensors.push_back({&sensor, {}});
+}
+
+// Without the poses of sensors, the break beams, and the places of doors and lifts.
 RobotInfo InfoInWorld(const WorldDescription& world, RobotId robot) {
   const RobotDescription& description = world.robot(robot);
   RobotInfo info{.id = robot, .robot = &description, .parameters = description.controller.parameters};
+  AddParts(world, info);
   info.start = world.model(description.root).X_PM;
   info.lane_graphs = world.lane_graphs;
   for (const DoorDescription& door : world.doors) info.doors.push_back({.name = world.model(door.model).name});

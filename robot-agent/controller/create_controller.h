@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/paths.h"
@@ -27,7 +28,11 @@ Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info, cons
 // Checks name and parameters without making a controller; a library is not opened.
 Status CheckController(const std::string& name, const std::string& parameters);
 
-// Checks that the world has what the controller of the robot needs, as lanes and places. The error names both.
+// The part of a model's name after that of its robot.
+std::string_view NameOnRobot(const RobotDescription& robot, const ModelDescription& model);
+
+// Checks that robot and world have what the controller of the robot needs, as joints, lanes and places. The error names
+// the robot and the controller.
 Status CheckControllerInWorld(const WorldDescription& world, RobotId robot);
 
 // Checks that the built-in controller of the robot knows a way to the goal from its pose: along lanes, or on its level.

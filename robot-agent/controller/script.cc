@@ -264,16 +264,10 @@ Result<std::unique_ptr<Controller>> CreateScript(const RobotInfo& info) {
   return std::unique_ptr<Controller>(std::make_unique<ScriptController>(std::move(commands), script.value().period));
 }
 
-// A door or a lift that the world does not have.
+// Something that the robot or the world does not have.
 Status CheckScriptInWorld(const RobotInfo& info) {
-  const Result<ScriptParameters> script = ParseScript(info.parameters);
-  if (!script.ok()) return script.error();
-  const std::vector<ScriptCommand>& commands = script.value().commands;
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    const Result<std::vector<Order>> orders = ResolveBuilding(info, commands[i]);
-    if (!orders.ok()) return InCommand(i, orders.error());
-  }
-  return Status();
+  const Result<std::unique_ptr<Controller>> script = CreateScript(info);
+  return script.ok() ? Status() : script.error();
 }
 
 }  // namespace

@@ -32,12 +32,6 @@ constexpr std::uint64_t kControllerStream = 0x636f6e74726f6c;
 
 constexpr std::size_t kMaxReport = 300;  // bytes
 
-// The part of a model's name after that of its robot.
-std::string_view NameOnRobot(const RobotDescription& robot, const ModelDescription& model) {
-  const std::string_view name = model.name;
-  return name.starts_with(robot.name + ".") ? name.substr(robot.name.size() + 1) : name;
-}
-
 std::vector<LeafSweep> SweepsOf(const WorldDescription& world, const DoorDescription& door) {
   std::vector<LeafSweep> sweeps;
   for (const DoorLeaf& leaf : door.leaves) {

@@ -334,7 +334,7 @@ TEST(Lanes, LeadToAGoalOnItsLevelOrAreRefused) {
 }
 
 // As `troupe check` does, before a run.
-TEST(Scripts, NameDoorsAndLiftsOfTheWorld) {
+TEST(Scripts, NameThingsOfTheRobotAndItsWorld) {
   test::TemporaryFolder folder;
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
@@ -351,6 +351,13 @@ TEST(Scripts, NameDoorsAndLiftsOfTheWorld) {
               HasSubstr("robot 'tiny_1': script: command 1: unknown lift 'lift', expected"));
   EXPECT_THAT(error(R"("lifts": {"guest_lift": "L3"})"), HasSubstr("unknown floor 'L3' of lift 'guest_lift'"));
   EXPECT_THAT(error(R"("doors": {"door": "open"})"), HasSubstr("unknown door 'door'"));
+  // And of its robot.
+  EXPECT_THAT(error(R"("gripper": "open")"), HasSubstr("script: command 1: the robot has no gripper"));
+  EXPECT_THAT(error(R"("grippers": {"left": {"gripper": "open"}})"),
+              HasSubstr("unknown gripper 'left', expected none"));
+  EXPECT_THAT(error(R"("joints": {"arm": 0.7})"), HasSubstr("unknown joint 'arm', expected none"));
+  EXPECT_THAT(error(R"("lights": {"beacon": true})"), HasSubstr("unknown light 'beacon', expected none"));
+  EXPECT_THAT(error(R"("cameras": {"eye": {"pan": 0.5}})"), HasSubstr("unknown camera 'eye', expected none"));
 }
 
 // As `troupe ctl spawn TinyRobot --name late` in a run of the building.
