@@ -102,7 +102,8 @@ set(may_include_world-service
   common/base command_line transport/dds/binding transport/dds/transport ros/messages ros/link common/run transport/security common/spatial
   world-service/program world-service/observers/status world-service/service)
 
-set(may_include_robot-agent/navigation common/base common/geometry common/model include/troupe/controller.h include/troupe/sensor.h)
+set(may_include_robot-agent/navigation
+  common/base common/geometry common/model common/spatial include/troupe/controller.h include/troupe/sensor.h)
 set(may_include_robot-agent/controller
   common/base common/geometry common/model include/troupe/controller.h include/troupe/parameters.h
   include/troupe/sensor.h robot-agent/navigation)

@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kAsking = 0.6;          // m, between bodies of which one may wait for the other
 constexpr double kGiveWaySeconds = 6.0;  // behind another robot; twice that for the one of the smaller id
-constexpr double kDetourSeconds = 60.0;  // a longer way round another robot is worth it
 constexpr double kAsideSeconds = 4.0;    // beside the way of another robot, and up to as many more
 constexpr double kAtVertex = 0.3;        // m
 
@@ -29,7 +28,7 @@ bool IsParked(const LaneGraph& graph, const SeenRobot& robot) {
 
 }  // namespace
 
-std::optional<WayAround> GivingWay::OnBlocked(const LanePlace& place, RobotId other, const Leg& leg, bool is_away) {
+std::optional<BlockEnd> GivingWay::OnBlocked(const LanePlace& place, RobotId other, const Leg& leg, bool is_away) {
   const double time = place.now.time;
   if (!blocked_since_) {
     blocked_since_ = time;
@@ -42,25 +41,64 @@ std::optional<WayAround> GivingWay::OnBlocked(const LanePlace& place, RobotId ot
   LanePlace start = place;
   start.vertex = leg.from;  // also while it drives back to the vertex that it left
   if (graph_->vertices[start.vertex].lift || !leg.lane) return std::nullopt;  // the others make room
+  const ClosedLanes::Block block = closed_.Count(*leg.lane);
+  BlockEnd end;
+  // A robot in traffic has moved on by then: only a second block in a row is worth a word.
+  if (block.is_longer && block.seconds > ClosedLanes::kFirstSeconds) end.closed = block.seconds;
   // Away from the vertex it has to drive back first, which a lane of one direction forbids.
-  const std::optional<std::size_t> back = graph_->LaneBetween(leg.to, leg.from);
-  if (is_away && !back) return std::nullopt;
-  std::optional<WayAround> way = FindDetour(start, leg);
-  if (!way) way = StepAside(start, leg.to);
-  if (way && is_away) {
-    way->is_on_first = true;
-    way->legs.insert(way->legs.begin(), {leg.to, leg.from, back});
+  if (is_away && !graph_->LaneBetween(leg.to, leg.from)) return end;
+  end.way = FindDetour(start, leg, block.seconds);
+  if (!end.way) end.way = StepAside(start, leg.to);
+  if (end.way && is_away) end.way = BackFirst(*std::move(end.way), leg);
+  return end;
+}
+
+std::optional<BlockEnd> GivingWay::OnObstacle(const LanePlace& place, const Leg& leg, bool is_away, bool is_back_free) {
+  const double time = place.now.time;
+  if (!obstacle_wait_) obstacle_wait_ = {.until = time + kObstacleSeconds};
+  ObstacleWait& wait = *obstacle_wait_;
+  BlockEnd end;
+  if (time >= wait.until) {
+    end.closed = closed_.Count(*leg.lane).seconds;
+    closed_.Close(*leg.lane, time);
+    wait = {time + *end.closed, true};
+  } else if (!wait.is_closed || wait.target == place.target) {
+    return std::nullopt;
   }
+  wait.target = place.target;
+  if (is_away && (!is_back_free || !graph_->LaneBetween(leg.to, leg.from))) return end;
+  std::optional<LaneRoute> route = LaneRoute();
+  if (place.target) route = FastestRoute(*graph_, leg.from, *place.target, speed_, closed_.At(time));
+  if (!route) return end;
+  end.way = WayAround{.legs = std::move(route->legs)};
+  if (is_away) end.way = BackFirst(*std::move(end.way), leg);
+  obstacle_wait_.reset();
+  return end;
+}
+
+WayAround GivingWay::BackFirst(WayAround way, const Leg& leg) const {
+  way.is_on_first = true;
+  way.legs.insert(way.legs.begin(), {leg.to, leg.from, graph_->LaneBetween(leg.to, leg.from)});
   return way;
 }
 
-std::optional<WayAround> GivingWay::FindDetour(const LanePlace& place, const Leg& leg) const {
+// A detour is worth `worth` s more than the way that it would take.
+std::optional<WayAround> GivingWay::FindDetour(const LanePlace& place, const Leg& leg, double worth) {
   if (!place.target) return std::nullopt;
-  // Against the way that it would take: a detour is worth its extra time only up to a limit.
-  const std::optional<LaneRoute> route = FastestRoute(*graph_, place.vertex, *place.target, speed_);
-  std::optional<LaneRoute> around = FastestRoute(*graph_, place.vertex, *place.target, speed_, {*leg.lane});
-  if (!route || !around || around->seconds > route->seconds + kDetourSeconds) return std::nullopt;
+  std::vector<std::size_t> closed = closed_.At(place.now.time);
+  const std::optional<LaneRoute> route = FastestRoute(*graph_, place.vertex, *place.target, speed_, closed);
+  closed.push_back(*leg.lane);
+  std::optional<LaneRoute> around = FastestRoute(*graph_, place.vertex, *place.target, speed_, closed);
+  if (!around || around->seconds > route->seconds + worth) return std::nullopt;
+  closed_.Close(*leg.lane, place.now.time);
   return WayAround{.legs = std::move(around->legs)};
+}
+
+std::optional<LaneRoute> GivingWay::FindRoute(std::size_t from, std::size_t to, double time) const {
+  const std::vector<std::size_t> closed = closed_.At(time);
+  std::optional<LaneRoute> route = FastestRoute(*graph_, from, to, speed_, closed);
+  if (route || closed.empty()) return route;
+  return FastestRoute(*graph_, from, to, speed_);
 }
 
 bool GivingWay::StandsNear(const LanePlace& place, const SeenRobot& other) {
@@ -94,7 +132,10 @@ bool GivingWay::IsInTheWay(const LanePlace& place) const {
 
 std::optional<WayAround> GivingWay::StepAside(const LanePlace& place, std::optional<std::size_t> not_to) const {
   std::vector<Leg> ways = FreeLegs(*graph_, place.vertex, place.others, place.radius, place.half_width);
-  std::erase_if(ways, [&](const Leg& way) { return way.to == not_to; });
+  const std::vector<std::size_t> closed = closed_.At(place.now.time);
+  std::erase_if(ways, [&](const Leg& way) {
+    return way.to == not_to || std::binary_search(closed.begin(), closed.end(), *way.lane);
+  });
   if (ways.empty()) return std::nullopt;
   // At random, so that two robots that make room for each other do not choose in step.
   const auto chosen = static_cast<std::size_t>(place.now.Random(1) * static_cast<double>(ways.size()));

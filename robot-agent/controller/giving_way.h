@@ -1,10 +1,13 @@
 // GivingWay: what a robot on lanes does when another one is in its way, or waits for it: it takes another route, or
-// goes to a free vertex beside the way for a while.
+// goes to a free vertex beside the way for a while; and what it does before a box, a person or a door.
 //
 // Robots do not talk to each other: each sees the others in the frame, and decides by rules that break symmetry. The
 // robot with the larger id gives way after a shorter time; random parts of the times come from Observation::Random, so
 // that a run repeats. Two robots face to face are resolved because after different times one of them takes a detour or
 // steps aside.
+//
+// What does not give way itself closes the lane for the robot, for a time that doubles with each block of the same lane
+// (ClosedLanes), so that it neither tries in vain for ever nor misses for long that the lane is free again.
 #pragma once
 
 #include <cstddef>
@@ -35,6 +38,12 @@ struct WayAround {
   std::optional<double> seconds_aside = {};  // at the end of the legs, which is no destination
 };
 
+// What a robot does after it has been blocked for a while.
+struct BlockEnd {
+  std::optional<WayAround> way = {};  // nothing: it goes on waiting
+  std::optional<double> closed = {};  // s, that the lane counts as closed; nothing: it does not, or did already
+};
+
 class GivingWay {
  public:
   // `graphs`: all of the world, of which `graph` is its own; they outlive this. `speed`: m/s.
@@ -42,10 +51,22 @@ class GivingWay {
       : own_(own), graph_(&graph), graphs_(graphs), speed_(speed) {}
 
   // Another robot blocks `leg`; `is_away`: this one has left the start of the leg. Called in each tick in which that is
-  // so. After a while there is a way, if one exists.
-  std::optional<WayAround> OnBlocked(const LanePlace& place, RobotId other, const Leg& leg, bool is_away);
+  // so. After a while there is an end, with a way if one exists.
+  std::optional<BlockEnd> OnBlocked(const LanePlace& place, RobotId other, const Leg& leg, bool is_away);
+  // The same of an obstacle that makes no room. `is_back_free`: nothing is on the way back to the start of the leg. If
+  // no other route leads to its target, the robot stays, and asks again once the lane does not count as closed any
+  // more, or for another target. Without a target it goes back. REQUIRES: the leg has a lane
+  std::optional<BlockEnd> OnObstacle(const LanePlace& place, const Leg& leg, bool is_away, bool is_back_free);
+  static constexpr double kObstacleSeconds = 8.0;  // until a lane with an obstacle counts as closed
   // In each other tick, so that waits for other things are no part of that while.
-  void OnFree() { blocked_since_.reset(); }
+  void OnFree() {
+    blocked_since_.reset();
+    obstacle_wait_.reset();
+  }
+  void OnPassed(std::size_t lane) { closed_.Forget(lane); }
+
+  // The fastest route without closed lanes; with them if there is no other.
+  std::optional<LaneRoute> FindRoute(std::size_t from, std::size_t to, double time) const;
 
   // Another robot stands near this one, `towards` it (zero: on any side), and so perhaps waits for it.
   static bool IsAskedForRoom(const LanePlace& place, const Vec2& towards);
@@ -59,7 +80,15 @@ class GivingWay {
 
  private:
   static bool StandsNear(const LanePlace& place, const SeenRobot& other);
-  std::optional<WayAround> FindDetour(const LanePlace& place, const Leg& leg) const;
+  std::optional<WayAround> FindDetour(const LanePlace& place, const Leg& leg, double worth);
+  WayAround BackFirst(WayAround way, const Leg& leg) const;
+
+  // Before an obstacle.
+  struct ObstacleWait {
+    double until = 0.0;  // s, simulated
+    bool is_closed = false;
+    std::optional<std::size_t> target = {};  // for which it has found no way
+  };
 
   RobotId own_;
   const LaneGraph* graph_;
@@ -67,6 +96,8 @@ class GivingWay {
   double speed_;
   std::optional<double> blocked_since_;  // s, simulated
   double give_way_seconds_ = 0.0;
+  std::optional<ObstacleWait> obstacle_wait_;
+  ClosedLanes closed_;
 };
 
 }  // namespace troupe

@@ -2,7 +2,8 @@
 //
 // A route is a list of legs from vertex to vertex (lane_route.h). The robot drives along the front leg, and enters it
 // only when all that it needs is there: lifts, then doors, then mutex groups, in this order, for the reasons at
-// MayEnter. Deadlocks that remain are resolved by giving way (giving_way.h).
+// MayEnter. Deadlocks that remain are resolved by giving way (giving_way.h). Before all that is no robot it stops too
+// (lane_obstacles.h), and then goes round it or says that it waits.
 //
 // The parts are separate: LaneTasks says where to go, FastestRoute how, SiteControls operates doors and lifts,
 // MutexGroup and MutexTurn decide which robot enters a group, GivingWay finds the way out of a block. All of them read
@@ -59,11 +60,13 @@ class LanesController final : public Controller, public RobotWatcher {
 
   bool AcceptsGoals() const override { return true; }
 
-  void WatchRobots(const WorldDescription& world, const WorldState& state) override {
+  void WatchRobots(const Surroundings& around) override {
+    around_.emplace(around);
+    const WorldDescription& world = around.world();
     while (radii_.size() < world.robots.size()) radii_.push_back(RadiusOf(world, RobotId(radii_.size())));
     radius_ = radii_[id_.index()];
     half_width_ = std::min(radius_, 0.5 * world.model(world.robot(id_).root).size_y);
-    others_ = SeeOthers(world, state, id_, radii_);
+    others_ = SeeOthers(world, around.state, id_, radii_);
   }
 
   Command Update(const Observation& observation) override {
@@ -82,7 +85,11 @@ class LanesController final : public Controller, public RobotWatcher {
     } else {
       Follow();
     }
-    if (!is_blocked_) giving_way_.OnFree();
+    if (!is_blocked_) {
+      giving_way_.OnFree();
+      start_blocked_since_.reset();
+      has_said_start_ = false;
+    }
     if (settings_.close_doors) controls_.CloseBehind(legs_, position(), radius_, others_);
     controls_.EndSessions(NeededVertices());
     return std::move(command_);
@@ -107,26 +114,39 @@ class LanesController final : public Controller, public RobotWatcher {
   Vec2 WayOf(const Leg& leg) const { return graph_->Way(leg.from, leg.to); }
   LanePlace place() const { return {*now_, at_, target_, others_, radius_, half_width_}; }
 
-  // The way to a vertex of the level is the first leg: to the nearest one whose way keeps clear of the leaves of doors,
-  // if there is one.
+  // The way to a vertex of the level is the first leg: to the nearest one whose way is clear, if there is one.
   void Start() {
     has_started_ = true;
-    const double z = now_->pose_estimate.z;
-    at_ = FindNearestVertex(*graph_, position(), z, kOnOneLevel)->vertex;
-    if (!controls_.IsClear(position(), vertex(at_).position, z, radius_)) {
-      std::optional<double> least;
-      for (std::size_t i = 0; i < graph_->vertices.size(); ++i) {
-        const LaneVertex& to = vertex(i);
-        const double distance = (to.position - position()).norm();
-        if (std::fabs(to.z - z) >= kLevelGap || (least && distance >= *least)) continue;
-        if (!controls_.IsClear(position(), to.position, z, radius_)) continue;
-        least = distance;
-        at_ = i;
-      }
-    }
-    // A leg without a lane: straight to the vertex.
+    const std::size_t nearest = FindNearestVertex(*graph_, position(), now_->pose_estimate.z, kOnOneLevel)->vertex;
+    GoStraightTo(IsClearTo(nearest) ? nearest : FindClearVertex().value_or(nearest));
+  }
+
+  // A leg without a lane.
+  void GoStraightTo(std::size_t vertex) {
+    at_ = vertex;
     legs_ = {{at_, at_, {}}};
     is_on_leg_ = true;
+  }
+
+  // The straight way keeps clear of the leaves of doors, also open ones, and nothing is on it.
+  bool IsClearTo(std::size_t to) const {
+    const Vec2 way = vertex(to).position - position();
+    const double length = way.norm();
+    if (!controls_.IsClear(position(), vertex(to).position, now_->pose_estimate.z, radius_)) return false;
+    return length == 0.0 || !FindObstacle(position(), way / length, length - settings_.tolerance, false);
+  }
+
+  std::optional<std::size_t> FindClearVertex() const {
+    std::optional<std::size_t> clear;
+    double least = 0.0;
+    for (std::size_t i = 0; i < graph_->vertices.size(); ++i) {
+      const double distance = (vertex(i).position - position()).norm();
+      if (std::fabs(vertex(i).z - now_->pose_estimate.z) >= kLevelGap || (clear && distance >= least)) continue;
+      if (!IsClearTo(i)) continue;
+      least = distance;
+      clear = i;
+    }
+    return clear;
   }
 
   void SetTarget() {
@@ -140,7 +160,7 @@ class LanesController final : public Controller, public RobotWatcher {
   }
 
   void PlanTo(std::size_t target) {
-    std::optional<LaneRoute> route = FastestRoute(*graph_, at_, target, steer_.speed);
+    std::optional<LaneRoute> route = giving_way_.FindRoute(at_, target, now_->time);
     is_unreachable_ = !route;
     if (!route) {
       command_.report = fmt::format("no lanes lead from {} to {}", NameOf(*graph_, at_), NameOf(*graph_, target));
@@ -223,6 +243,7 @@ class LanesController final : public Controller, public RobotWatcher {
 
   void Finish(const Leg& leg) {
     backs_out_ = false;
+    if (leg.lane) giving_way_.OnPassed(*leg.lane);
     at_ = leg.to;
     legs_.erase(legs_.begin());
     is_on_leg_ = false;
@@ -266,7 +287,7 @@ class LanesController final : public Controller, public RobotWatcher {
     }
     for (const SiteControls::DoorAhead& ahead : controls_.DoorsAhead(legs_, position(), 0.0, radius_)) {
       if (ahead.way_before > 0.0 || controls_.OpenDoor(*ahead.door)) continue;
-      if (controls_.IsBlocked(*ahead.door)) Block(id_, leg);  // by this robot, perhaps
+      if (controls_.IsStuck(*ahead.door)) ObstructByDoor(*ahead.door, leg, 0.0);
       return false;
     }
     return EnterGroups(leg);
@@ -302,25 +323,58 @@ class LanesController final : public Controller, public RobotWatcher {
     const Vec2 aim = leg.lane ? Vec2(vertex(leg.from).position + std::min(at + kLookAhead, length) * along) : end;
 
     double most = steer_.speed;
-    if (PausesAtEnd(along)) most = std::min(most, BrakingSpeed(drive_, rest));
+    if (PausesAfter(0, along)) most = std::min(most, BrakingSpeed(drive_, rest));
     if (is_docking && rest < kLookAhead) most = std::min(most, settings_.dock_speed);
     const double limit = leg.lane ? lane(*leg.lane).speed_limit : 0.0;
     if (limit > 0.0) most = std::min(most, limit);
     for (const SiteControls::DoorAhead& ahead : controls_.DoorsAhead(legs_, position(), at, radius_)) {
       if (controls_.OpenDoor(*ahead.door)) continue;
       most = std::min(most, BrakingSpeed(drive_, ahead.way_before));
-      if (most < kCreep && controls_.IsBlocked(*ahead.door)) return Block(id_, leg, at);
+      if (most < kCreep && controls_.IsStuck(*ahead.door)) return ObstructByDoor(*ahead.door, leg, at);
+    }
+    const Vec2 start = leg.lane ? Vec2(vertex(leg.from).position + at * along) : position();
+    if (const std::optional<LaneObstacle> obstacle = FindObstacleOnWay(start, along, length - at, tolerance)) {
+      most = std::min(most, BrakingSpeed(drive_, obstacle->room));
+      if (most < kCreep) return Obstruct(obstacle->name, leg, at);
     }
     SteerTo(aim, most, leg, at);
   }
 
-  // At the end of the present leg, along that: it stands there, waits, or turns.
-  bool PausesAtEnd(const Vec2& along) const {
-    if (legs_.size() < 2 || !legs_[1].lane) return true;
-    const Leg& next = legs_[1];
+  // The robot as it would be at `start` on the line along `along`: a robot beside it comes back to it.
+  std::optional<LaneObstacle> FindObstacle(const Vec2& start, const Vec2& along, double way, bool backward) const {
+    if (!around_) return std::nullopt;
+    const double heading = Atan2(along.y(), along.x());
+    const Pose X_WR{start.x(), start.y(), now_->pose_estimate.z, backward ? WrapAngle(heading + kPi) : heading};
+    return FindObstacleAhead(*around_, id_, X_WR, along, way);
+  }
+
+  // What is on the rest of the present leg, less the gap that it keeps, or on those after it that it begins without a
+  // pause. For the latter there is room at least to the end of the present leg. `tolerance`: m, that it ends before.
+  std::optional<LaneObstacle> FindObstacleOnWay(Vec2 start, Vec2 along, double rest, double tolerance) const {
+    double before = 0.0;  // m, of the legs before
+    for (std::size_t i = 0;; ++i) {
+      const double most = i == 0 ? std::min(rest - tolerance, kSeeAhead) : std::min(rest, kSeeAhead - before);
+      std::optional<LaneObstacle> obstacle = FindObstacle(start, along, most, DrivesBackward(legs_[i]));
+      if (obstacle) {
+        obstacle->room = i == 0 ? obstacle->room - kGap : before + std::max(obstacle->room - kGap, 0.0);
+        return obstacle;
+      }
+      before += rest;
+      if (before >= kSeeAhead || PausesAfter(i, along)) return std::nullopt;
+      const Vec2 way = WayOf(legs_[i + 1]);
+      start = vertex(legs_[i + 1].from).position;
+      rest = way.norm();
+      along = way / rest;
+    }
+  }
+
+  // At the end of the leg `i`, along that: it stands there, waits, or turns.
+  bool PausesAfter(std::size_t i, const Vec2& along) const {
+    if (legs_.size() < i + 2 || !legs_[i + 1].lane) return true;
+    const Leg& next = legs_[i + 1];
     const Lane& there = lane(*next.lane);
     if (!there.mutex.empty() || !vertex(next.to).mutex.empty() || vertex(next.to).lift) return true;
-    if (legs_.size() > 2 && vertex(legs_[2].to).lift) return true;
+    if (legs_.size() > i + 2 && vertex(legs_[i + 2].to).lift) return true;
     if (!there.doors.empty() || there.facing != LaneFacing::kAny) return true;
     const Vec2 way = WayOf(next);
     return way.norm() == 0.0 || way.normalized().dot(along) < kStraightOn;
@@ -358,7 +412,60 @@ class LanesController final : public Controller, public RobotWatcher {
   // Another robot is in the way.
   void Block(RobotId other, const Leg& leg, double at = 0.0) {
     is_blocked_ = true;
-    Take(giving_way_.OnBlocked(place(), other, leg, is_on_leg_ && at >= kAtStart));
+    std::optional<BlockEnd> end = giving_way_.OnBlocked(place(), other, leg, is_on_leg_ && at >= kAtStart);
+    if (!end) return;
+    const std::string& name = around_ ? around_->world().robot(other).name : "";
+    End(*std::move(end), name, leg);
+  }
+
+  void ObstructByDoor(const LaneDoor& door, const Leg& leg, double at) {
+    Obstruct(fmt::format("door {}, which does not open,", controls_.NameOf(door)), leg, at);
+  }
+
+  // Something that is no robot is in the way.
+  void Obstruct(const std::string& what, const Leg& leg, double at) {
+    is_blocked_ = true;
+    if (!leg.lane) return ObstructStart(what);
+    if (at < kAtStart) is_on_leg_ = false;  // it asks again for what it needs
+    const Vec2 way = WayOf(leg);
+    const double length = way.norm();
+    const bool is_away = is_on_leg_;
+    const bool is_back_free =
+        is_away && !FindObstacle(vertex(leg.from).position + at / length * way, -way / length, at, false);
+    std::optional<BlockEnd> end = giving_way_.OnObstacle(place(), leg, is_away, is_back_free);
+    if (!end) return;
+    const bool has_way = end->way.has_value();
+    End(*std::move(end), what, leg);
+    if (!has_way && tasks_.is_aside()) tasks_.LeaveOut(*now_);
+  }
+
+  // Before it is on a lane: another vertex may be free.
+  void ObstructStart(const std::string& what) {
+    if (!start_blocked_since_) start_blocked_since_ = now_->time;
+    if (backs_out_ || now_->time - *start_blocked_since_ < GivingWay::kObstacleSeconds) return;
+    const std::optional<std::size_t> other = FindClearVertex();
+    if (!other && has_said_start_) return;
+    has_said_start_ = !other;
+    command_.report = fmt::format("{} is in the way to {}: {}", what, NameOf(*graph_, at_),
+                                  other ? "goes to " + NameOf(*graph_, *other) : "waits");
+    if (other) GoStraightTo(*other);
+  }
+
+  void End(BlockEnd end, const std::string& what, const Leg& leg) {
+    if (end.closed) {
+      std::string then = "waits";
+      if (end.way && end.way->seconds_aside) {
+        then = "goes aside, and tries again";
+      } else if (end.way) {
+        then = fmt::format("{}; the lane counts as closed for {:.0f} s", target_ ? "goes round" : "goes back",
+                           *end.closed);
+      } else if (target_) {
+        then = "waits, since there is no better way to " + NameOf(*graph_, *target_);
+      }
+      command_.report = fmt::format("{} is in the way from {} to {}: {}", what, NameOf(*graph_, leg.from),
+                                    NameOf(*graph_, leg.to), then);
+    }
+    Take(std::move(end.way));
   }
 
   // False if there is no such way.
@@ -387,16 +494,19 @@ class LanesController final : public Controller, public RobotWatcher {
   double half_width_ = 0.0;
 
   // Of this tick.
+  std::optional<Surroundings> around_;
   const Observation* now_ = nullptr;
   Command command_;
   std::vector<SeenRobot> others_;
   bool is_blocked_ = false;
 
   bool has_started_ = false;
-  std::size_t at_ = 0;      // the vertex that it was at last
-  std::vector<Leg> legs_;   // to do, the present one first
-  bool is_on_leg_ = false;  // false: it waits at the start
-  bool backs_out_ = false;  // the present leg leads back out of a doorway
+  std::size_t at_ = 0;                         // the vertex that it was at last
+  std::vector<Leg> legs_;                      // to do, the present one first
+  bool is_on_leg_ = false;                     // false: it waits at the start
+  bool backs_out_ = false;                     // the present leg leads back out of a doorway
+  std::optional<double> start_blocked_since_;  // s, simulated: on a leg without a lane
+  bool has_said_start_ = false;
   std::optional<std::size_t> target_;
   bool is_unreachable_ = false;
   std::vector<std::string> held_;  // mutex groups of the present leg

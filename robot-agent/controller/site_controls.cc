@@ -41,6 +41,9 @@ SiteControls::SiteControls(const RobotInfo& info, const LaneGraph& graph)
 void SiteControls::Begin(const Observation& observation, Command& command) {
   now_ = &observation;
   command_ = &command;
+  openings_before_.swap(openings_);
+  openings_.clear();
+  for (const DoorState& door : observation.doors) openings_.push_back(door.opening);
 }
 
 // The order is repeated in each tick: an order for the present floor changes nothing.
@@ -198,8 +201,8 @@ bool SiteControls::OpenDoor(const LaneDoor& door) {
   return now_->doors[door.door].opening >= kOpen;
 }
 
-bool SiteControls::IsBlocked(const LaneDoor& door) const {
-  return now_->doors[door.door].blocked;
+bool SiteControls::IsStuck(const LaneDoor& door) const {
+  return door.door < openings_before_.size() && openings_before_[door.door] == openings_[door.door];
 }
 
 void SiteControls::Note(std::uint32_t door) {

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "robot-agent/navigation/lane_route.h"
@@ -54,7 +55,8 @@ class SiteControls {
   bool IsClear(const Vec2& from, const Vec2& to, double z, double radius) const;
   // Requests it. True if it is open.
   bool OpenDoor(const LaneDoor& door);
-  bool IsBlocked(const LaneDoor& door) const;  // a leaf by a body
+  bool IsStuck(const LaneDoor& door) const;  // it has not moved since the tick before
+  const std::string& NameOf(const LaneDoor& door) const { return doors_[door.door].name; }
   // A lane that the robot begins: its doors count as requested, also if they are open.
   void Note(const Lane& lane);
   // Closes the requested doors through which the robot is, or that are on no lane of its `legs` any more, once no robot
@@ -84,6 +86,8 @@ class SiteControls {
   std::vector<LiftInfo> lifts_;
   std::vector<std::optional<double>> blocked_since_;  // s, by lift: the landing door at which the robot waits
   std::vector<Passing> passing_;
+  std::vector<double> openings_;         // by door, of this tick
+  std::vector<double> openings_before_;  // and of the last one
   const Observation* now_ = nullptr;
   Command* command_ = nullptr;
 };

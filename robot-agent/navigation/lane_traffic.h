@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "robot-agent/navigation/lane_obstacles.h"
 #include "robot-agent/navigation/lane_route.h"
 #include "troupe/ids.h"
 #include "troupe/pose.h"
@@ -29,12 +30,12 @@ struct SeenRobot {
   bool moves = false;
 };
 
-// A controller that sees the other robots of its world.
+// A controller that sees the other bodies of its world.
 class RobotWatcher {
  public:
   virtual ~RobotWatcher() = default;
-  // Called before each Update, with the same tick.
-  virtual void WatchRobots(const WorldDescription& world, const WorldState& state) = 0;
+  // Called before each Update, with the same tick; all of it lives until that has returned.
+  virtual void WatchRobots(const Surroundings& around) = 0;
 };
 
 // The radius (m) around a robot's origin that contains its declared size and its blocks.

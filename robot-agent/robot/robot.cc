@@ -220,12 +220,12 @@ Proposal Robot::Decide(const WorldState& state, const BodyIndex& bodies, const E
   Sense(state, bodies);
   if (scan_log_ != nullptr) LogReadings(state, bodies);
   Enter(trace, TickPhase::kDecide, state.tick + 1, id_);
-  return Propose(state, external);
+  return Propose(state, bodies, external);
 }
 
 Proposal Robot::Retrace(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external) {
   Sense(state, bodies);
-  return Propose(state, external);
+  return Propose(state, bodies, external);
 }
 
 void Robot::Prefetch() const {
@@ -240,13 +240,13 @@ void Robot::Sense(const WorldState& state, const BodyIndex& bodies) {
   sensors_.Update({*scene_, bodies, &state}, state.tick);
 }
 
-Proposal Robot::Propose(const WorldState& state, const ExternalCommand& external) {
+Proposal Robot::Propose(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external) {
   const RobotState& own = state.robots[id_.index()];
   manipulator_.Update(state, sensors_.readings());
   report_.clear();
   // Called also while an external command overrides it: a controller sees every tick.
   // After a failure the robot stands still for the rest of the run: a controller that threw has an unknown state.
-  Command command = failure_.empty() ? AskController(state, external.goal) : Command{};
+  Command command = failure_.empty() ? AskController(state, bodies, external.goal) : Command{};
   std::vector<RadioMessage> messages = std::move(command.messages);
   messages.insert(messages.end(), external.command.messages.begin(), external.command.messages.end());
   // The external orders come last, so that they win where one order replaces another.
@@ -299,7 +299,7 @@ const Goal* Robot::EstimatedGoal(const std::optional<Goal>& goal, const Pose& X_
   return &*goal_;
 }
 
-Command Robot::AskController(const WorldState& state, const std::optional<Goal>& goal) {
+Command Robot::AskController(const WorldState& state, const BodyIndex& bodies, const std::optional<Goal>& goal) {
   const WorldDescription& world = scene_->world();
   const RobotState& own = state.robots[id_.index()];
   Observation observation;
@@ -328,7 +328,7 @@ Command Robot::AskController(const WorldState& state, const std::optional<Goal>&
   // By tick, not by a running generator: a controller that is started late or copied draws the same numbers.
   observation.random_key = RandomBits({kControllerStream, world.seed, id_.index(), state.tick});
   observation.goal = EstimatedGoal(goal, own.X_WR);
-  if (watcher_ != nullptr) watcher_->WatchRobots(world, state);
+  if (watcher_ != nullptr) watcher_->WatchRobots({*scene_, bodies, state});
   Result<Command> command = RunController(observation);
   if (command.ok()) {
     StoreReport(command.value().report);

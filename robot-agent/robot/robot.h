@@ -121,9 +121,9 @@ class Robot {
   void Sense(const WorldState& state, const BodyIndex& bodies);
   void LogReadings(const WorldState& state, const BodyIndex& bodies);
   // Decides with the readings of Sense.
-  Proposal Propose(const WorldState& state, const ExternalCommand& external);
+  Proposal Propose(const WorldState& state, const BodyIndex& bodies, const ExternalCommand& external);
   // Stores the controller's failure, if it fails.
-  Command AskController(const WorldState& state, const std::optional<Goal>& goal);
+  Command AskController(const WorldState& state, const BodyIndex& bodies, const std::optional<Goal>& goal);
   // The goal in the frame of the pose estimate: fixed there when it arrives, so that a drift of odometry does not move
   // it for the controller.
   const Goal* EstimatedGoal(const std::optional<Goal>& goal, const Pose& X_WR);
@@ -134,7 +134,7 @@ class Robot {
   RobotId id_;
   ScanLog* scan_log_;
   std::unique_ptr<Controller> controller_;
-  RobotWatcher* watcher_ = nullptr;  // the controller, if it watches other robots
+  RobotWatcher* watcher_ = nullptr;  // the controller, if it watches other bodies
   Odometry odometry_;
   Manipulator manipulator_;
   SensorSuite sensors_;

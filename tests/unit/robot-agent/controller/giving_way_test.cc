@@ -41,7 +41,8 @@ class GivingWayTest : public ::testing::Test {
   std::optional<std::pair<double, WayAround>> WaitForWay(RobotId other, const Leg& leg, bool is_away = false) {
     for (double time = 0.0; time < 30.0; time += 1.0) {
       now_.time = time;
-      if (std::optional<WayAround> way = giving_.OnBlocked(place_, other, leg, is_away)) return std::pair(time, *way);
+      const std::optional<BlockEnd> end = giving_.OnBlocked(place_, other, leg, is_away);
+      if (end && end->way) return std::pair(time, *end->way);
     }
     return std::nullopt;
   }
@@ -90,7 +91,7 @@ TEST_F(GivingWayTest, DrivesOnAgainWhereItIsBlockedOnItsWayBack) {
 TEST_F(GivingWayTest, GoesAsideWhereNoOtherRouteIsWorthIt) {
   place_.vertex = 1;
   place_.target = 2;
-  graph_.vertices[3].position = {5, 80};                         // a long way round
+  graph_.vertices[3].position = {5, 800};                        // a long way round
   others_.push_back({RobotId(1), {0.0, 0.0}, 0.0, 0.3, false});  // so that 0 is no free vertex
   const auto way = WaitForWay(RobotId(1), {1, 2, 1});
   ASSERT_TRUE(way);
@@ -100,6 +101,96 @@ TEST_F(GivingWayTest, GoesAsideWhereNoOtherRouteIsWorthIt) {
   EXPECT_LE(*way->second.seconds_aside, 8.0);
   others_.push_back({RobotId(2), {5.0, -3.0}, 0.0, 0.3, false});
   EXPECT_FALSE(WaitForWay(RobotId(1), {1, 2, 1})) << "no vertex is free";
+}
+
+// A robot that never moves is worth a longer way each time.
+TEST_F(GivingWayTest, TakesALongerWayRoundARobotThatStays) {
+  place_.vertex = 0;
+  place_.target = 2;
+  graph_.vertices[3].position = {5, 100};
+  std::vector<double> closed;
+  std::optional<WayAround> way;
+  for (double time = 0.0; time < 60.0 && !way; time += 1.0) {
+    now_.time = time;
+    others_ = {{RobotId(1), {5.0, 0.0}, 0.0, 0.3, false}, {RobotId(2), {5.0, 100.0}, 0.0, 0.3, false}};
+    std::optional<BlockEnd> end = giving_.OnBlocked(place_, RobotId(1), {0, 1, 0}, false);
+    if (end && end->closed) closed.push_back(*end->closed);
+    if (end) way = std::move(end->way);
+  }
+  ASSERT_TRUE(way);
+  EXPECT_THAT(way->legs, ElementsAre(Leg{0, 3, 2}, Leg{3, 2, 3}));
+  EXPECT_THAT(closed, ElementsAre(120.0, 240.0)) << "the first block is no news";
+}
+
+class ObstacleTest : public GivingWayTest {
+ protected:
+  // Each second from now on: the first end.
+  std::optional<BlockEnd> Wait(const Leg& leg, double seconds, bool is_away = false, bool is_back_free = true) {
+    for (double time = 0.0; time < seconds; time += 1.0, now_.time += 1.0) {
+      if (std::optional<BlockEnd> end = giving_.OnObstacle(place_, leg, is_away, is_back_free)) return end;
+    }
+    return std::nullopt;
+  }
+};
+
+TEST_F(ObstacleTest, ClosesTheLaneForItsRoutesUntilItHasPassed) {
+  place_.target = 2;
+  const std::optional<BlockEnd> end = Wait({0, 1, 0}, 10.0);
+  ASSERT_TRUE(end && end->way);
+  EXPECT_EQ(now_.time, 8.0);
+  EXPECT_EQ(end->closed, 60.0);
+  EXPECT_THAT(end->way->legs, ElementsAre(Leg{0, 3, 2}, Leg{3, 2, 3}));
+  EXPECT_THAT(giving_.FindRoute(0, 2, 67.0)->legs, ElementsAre(Leg{0, 3, 2}, Leg{3, 2, 3}));
+  EXPECT_THAT(giving_.FindRoute(0, 2, 68.0)->legs, ElementsAre(Leg{0, 1, 0}, Leg{1, 2, 1}));
+  EXPECT_THAT(giving_.FindRoute(0, 4, 67.0)->legs, ElementsAre(Leg{0, 3, 2}, Leg{3, 2, 3}, Leg{2, 1, 1}, Leg{1, 4, 4}));
+  now_.time = 100.0;
+  EXPECT_EQ(Wait({0, 1, 0}, 10.0)->closed, 120.0);
+  giving_.OnPassed(0);
+  EXPECT_EQ(Wait({0, 1, 0}, 10.0)->closed, 60.0);
+}
+
+TEST_F(ObstacleTest, WaitsWithoutAnotherRouteAndAsksAgain) {
+  place_.vertex = 1;
+  place_.target = 4;
+  std::optional<BlockEnd> end = Wait({1, 4, 4}, 10.0);
+  ASSERT_TRUE(end);
+  EXPECT_FALSE(end->way);
+  EXPECT_EQ(end->closed, 60.0);
+  EXPECT_THAT(giving_.FindRoute(1, 4, now_.time)->legs, ElementsAre(Leg{1, 4, 4})) << "closed, and the only one";
+  const double closed_at = now_.time;
+  end = Wait({1, 4, 4}, 100.0);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(now_.time, closed_at + 60.0);
+  EXPECT_EQ(end->closed, 120.0);
+  place_.target = 2;  // by a user, say
+  end = Wait({1, 4, 4}, 1.0);
+  ASSERT_TRUE(end && end->way);
+  EXPECT_THAT(end->way->legs, ElementsAre(Leg{1, 2, 1}));
+  EXPECT_FALSE(end->closed) << "it was said before";
+}
+
+TEST_F(ObstacleTest, TurnsBackOnItsLaneWhereItCan) {
+  place_.target = 2;
+  std::optional<BlockEnd> end = Wait({0, 1, 0}, 10.0, true);
+  ASSERT_TRUE(end && end->way);
+  EXPECT_TRUE(end->way->is_on_first);
+  EXPECT_THAT(end->way->legs, ElementsAre(Leg{1, 0, 0}, Leg{0, 3, 2}, Leg{3, 2, 3}));
+  end = Wait({0, 1, 0}, 10.0, true, false);
+  ASSERT_TRUE(end);
+  EXPECT_FALSE(end->way) << "something is behind it";
+  giving_.OnFree();
+  place_.target = 0;
+  end = Wait({0, 1, 0}, 10.0, true);
+  ASSERT_TRUE(end && end->way);
+  EXPECT_THAT(end->way->legs, ElementsAre(Leg{1, 0, 0}));
+  place_.target.reset();
+  end = Wait({0, 1, 0}, 10.0, true);
+  ASSERT_TRUE(end && end->way);
+  EXPECT_THAT(end->way->legs, ElementsAre(Leg{1, 0, 0}));
+  graph_.lanes[0].is_bidirectional = false;
+  end = Wait({0, 1, 0}, 10.0, true);
+  ASSERT_TRUE(end);
+  EXPECT_FALSE(end->way);
 }
 
 TEST_F(GivingWayTest, BeginsToWaitAnewWhenTheWayWasFree) {

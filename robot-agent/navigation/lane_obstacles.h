@@ -1,0 +1,72 @@
+// What is on lanes beside robots: boxes, people, walls, open leaves of doors; and the lanes that a robot keeps off
+// because of them.
+//
+// A robot looks along its lane with its own body: the exact sweep of the step (common/spatial/sweep.h) from its place
+// on the line. So a lane on which it fits is free however near the walls are, and one on which anything would stop it
+// is not. Robots are found by lane_traffic.h, since they move on.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "troupe/ids.h"
+#include "troupe/pose.h"
+#include "troupe/world_description.h"
+#include "troupe/world_state.h"
+
+namespace troupe {
+
+class BodyIndex;
+class Scene;
+
+// A state with its scene and its bodies, in one tick.
+struct Surroundings {
+  const Scene& scene;
+  const BodyIndex& bodies;
+  const WorldState& state;
+
+  const WorldDescription& world() const;
+};
+
+struct LaneObstacle {
+  std::string name;   // of the static model, or of the root of the object or person
+  double room = 0.0;  // m, that the robot can move until it touches it
+};
+
+// The first contact of the robot, if it were at X_WR and moved by `way` m along `direction` (a unit vector, W) without
+// turning. Nothing also where the first contact is with a robot, or with a leaf of a door that is not open: it moves.
+std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
+                                              const Vec2& direction, double way);
+
+// The lanes that a robot keeps off for a time, which doubles with each block of a lane until it has passed it.
+class ClosedLanes {
+ public:
+  static constexpr double kFirstSeconds = 60.0;
+  static constexpr double kMostSeconds = 1920.0;
+
+  struct Block {
+    double seconds = 0.0;    // for which the lane is closed, if it is
+    bool is_longer = false;  // than after the last block
+  };
+  // Counts a block of the lane.
+  Block Count(std::size_t lane);
+  // From `time` (s) on, for the seconds of the last block. REQUIRES: Count
+  void Close(std::size_t lane, double time);
+  void Forget(std::size_t lane);
+
+  std::vector<std::size_t> At(double time) const;  // ascending
+
+ private:
+  struct Entry {
+    std::size_t lane = 0;
+    double seconds = 0.0;
+    double until = 0.0;  // s, simulated
+  };
+  std::vector<Entry>::iterator Find(std::size_t lane);
+
+  std::vector<Entry> entries_;  // ascending
+};
+
+}  // namespace troupe
