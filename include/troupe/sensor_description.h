@@ -26,6 +26,7 @@ inline constexpr std::uint32_t kMaxRays = 4'000'000;       // of one ray sensor,
 inline constexpr std::uint32_t kMaxImageSide = 4096;       // pixels
 inline constexpr std::uint32_t kMaxBumpers = 1000;         // segments of one bumper
 inline constexpr double kMaxRadioDelay = 60.0;             // s
+inline constexpr double kMaxRadioDecibels = 1000.0;        // of powers and losses
 inline constexpr double kMaxElevation = 85.0 / 180 * kPi;  // rad, of a ray of a scanner or the edge of an image
 
 // One fan of rays, or several one above another. Frame S: the sensor; rays leave from its origin.
@@ -263,14 +264,16 @@ struct RadioParameters {
         Field{"range_loss", &RadioParameters::range_loss,
               "the probability of another loss, at `range`; in proportion to the distance"}
             .Within(0, 1),
-        Field{"power", &RadioParameters::power, "of its messages at 1 m"}.In("dBm"),
+        Field{"power", &RadioParameters::power, "of its messages at 1 m"}.In("dBm").Within(-kMaxRadioDecibels,
+                                                                                           kMaxRadioDecibels),
         Field{"path_loss_exponent", &RadioParameters::path_loss_exponent,
               "how fast the strength falls; 2 as in free space"}
-            .Above(0),
-        Field{"wall_loss", &RadioParameters::wall_loss, "lost at each wall between the antennas"}.In("dB").AtLeast(0),
+            .Within(1e-3, 100),
+        Field{"wall_loss", &RadioParameters::wall_loss, "lost at each wall between the antennas"}.In("dB").Within(
+            0, kMaxRadioDecibels),
         Field{"body_loss", &RadioParameters::body_loss, "lost at each robot or object between the antennas"}
             .In("dB")
-            .AtLeast(0),
+            .Within(0, kMaxRadioDecibels),
         Field{"range_and_bearing", &RadioParameters::range_and_bearing,
               "it measures the ranges and bearings of the senders"},
         Field{"range_noise", &RadioParameters::range_noise, "standard deviation of the ranges"}.In("m").AtLeast(0),
