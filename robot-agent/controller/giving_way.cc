@@ -57,11 +57,13 @@ std::optional<BlockEnd> GivingWay::OnObstacle(const LanePlace& place, const Leg&
   const double time = place.now.time;
   if (!obstacle_wait_) obstacle_wait_ = {.until = time + kObstacleSeconds};
   ObstacleWait& wait = *obstacle_wait_;
+  wait.seen_at = time;
   BlockEnd end;
   if (time >= wait.until) {
     end.closed = closed_.Count(*leg.lane).seconds;
     closed_.Close(*leg.lane, time);
-    wait = {time + *end.closed, true};
+    wait.until = time + *end.closed;
+    wait.is_closed = true;
   } else if (!wait.is_closed || wait.target == place.target) {
     return std::nullopt;
   }

@@ -59,10 +59,12 @@ class GivingWay {
   std::optional<BlockEnd> OnObstacle(const LanePlace& place, const Leg& leg, bool is_away, bool is_back_free);
   static constexpr double kObstacleSeconds = 8.0;  // until a lane with an obstacle counts as closed
   // In each other tick, so that waits for other things are no part of that while.
-  void OnFree() {
+  void OnFree(double time) {
     blocked_since_.reset();
-    obstacle_wait_.reset();
+    // A robot that moves to and fro before a person has not passed it.
+    if (obstacle_wait_ && time - obstacle_wait_->seen_at > kFreeSeconds) obstacle_wait_.reset();
   }
+  static constexpr double kFreeSeconds = 2.0;
   void OnPassed(std::size_t lane) { closed_.Forget(lane); }
 
   // The fastest route without closed lanes; with them if there is no other.
@@ -85,7 +87,8 @@ class GivingWay {
 
   // Before an obstacle.
   struct ObstacleWait {
-    double until = 0.0;  // s, simulated
+    double until = 0.0;    // s, simulated
+    double seen_at = 0.0;  // likewise: the last time
     bool is_closed = false;
     std::optional<std::size_t> target = {};  // for which it has found no way
   };

@@ -38,9 +38,12 @@ constexpr double kStraightOn = 0.955;    // cosine of the turn between two lanes
 constexpr double kCreep = 0.02;          // m/s: it rather stands
 constexpr double kDockTolerance = 0.03;  // m
 constexpr double kGap = 0.3;             // m: behind another robot
+constexpr double kPersonGap = 0.05;      // m: people step aside for a robot that comes near
 constexpr double kSeeAhead = 4.0;        // m
 constexpr double kNoWaySeconds = 1.0;    // at rest, until it leaves a destination out to which no lanes lead
 constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
+// s at rest before a person, who perhaps waits for it: until it moves anywhere, so that the person can pass.
+constexpr double kPersonPatience = 3.0;
 
 class LanesController final : public Controller, public RobotWatcher {
  public:
@@ -75,7 +78,10 @@ class LanesController final : public Controller, public RobotWatcher {
     is_blocked_ = false;
     controls_.Begin(observation, command_);
     if (!has_started_) Start();
-    const double patience = observation.stalled ? Recovery::kPatience : Recovery::kNever;
+    const double patience = observation.stalled ? Recovery::kPatience
+                            : waits_for_person_ ? kPersonPatience
+                                                : Recovery::kNever;
+    waits_for_person_ = false;
     if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) return *recovery;
     tasks_.Update(observation, at_);
     SetTarget();
@@ -86,7 +92,7 @@ class LanesController final : public Controller, public RobotWatcher {
       Follow();
     }
     if (!is_blocked_) {
-      giving_way_.OnFree();
+      giving_way_.OnFree(now_->time);
       start_blocked_since_.reset();
       has_said_start_ = false;
     }
@@ -335,7 +341,10 @@ class LanesController final : public Controller, public RobotWatcher {
     const Vec2 start = leg.lane ? Vec2(vertex(leg.from).position + at * along) : position();
     if (const std::optional<LaneObstacle> obstacle = FindObstacleOnWay(start, along, length - at, tolerance)) {
       most = std::min(most, BrakingSpeed(drive_, obstacle->room));
-      if (most < kCreep) return Obstruct(obstacle->name, leg, at);
+      if (most < kCreep) {
+        waits_for_person_ = obstacle->is_person;
+        return Obstruct(obstacle->name, leg, at);
+      }
     }
     SteerTo(aim, most, leg, at);
   }
@@ -356,7 +365,8 @@ class LanesController final : public Controller, public RobotWatcher {
       const double most = i == 0 ? std::min(rest - tolerance, kSeeAhead) : std::min(rest, kSeeAhead - before);
       std::optional<LaneObstacle> obstacle = FindObstacle(start, along, most, DrivesBackward(legs_[i]));
       if (obstacle) {
-        obstacle->room = i == 0 ? obstacle->room - kGap : before + std::max(obstacle->room - kGap, 0.0);
+        const double gap = obstacle->is_person ? kPersonGap : kGap;
+        obstacle->room = i == 0 ? obstacle->room - gap : before + std::max(obstacle->room - gap, 0.0);
         return obstacle;
       }
       before += rest;
@@ -500,6 +510,7 @@ class LanesController final : public Controller, public RobotWatcher {
   std::vector<SeenRobot> others_;
   bool is_blocked_ = false;
 
+  bool waits_for_person_ = false;  // in the last tick
   bool has_started_ = false;
   std::size_t at_ = 0;                         // the vertex that it was at last
   std::vector<Leg> legs_;                      // to do, the present one first

@@ -76,10 +76,14 @@ std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotI
   if (const std::optional<ObjectId> object = scene.object_of(model)) {
     if (IsMovingLeaf(around, *object)) return std::nullopt;
     model = world.objects[object->index()];
-  } else if (const std::optional<PersonId> person = scene.person_of(model)) {
+  }
+  const std::optional<PersonId> person = scene.person_of(model);
+  if (person) {
+    const PersonState& walker = around.state.people[person->index()];
+    if (walker.vx != 0.0 || walker.vy != 0.0) return std::nullopt;
     model = world.person(*person).root;
   }
-  return LaneObstacle{world.model(model).name, contact->time};
+  return LaneObstacle{world.model(model).name, contact->time, person.has_value()};
 }
 
 ClosedLanes::Block ClosedLanes::Count(std::size_t lane) {

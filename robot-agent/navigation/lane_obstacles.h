@@ -33,10 +33,12 @@ struct Surroundings {
 struct LaneObstacle {
   std::string name;   // of the static model, or of the root of the object or person
   double room = 0.0;  // m, that the robot can move until it touches it
+  bool is_person = false;
 };
 
 // The first contact of the robot, if it were at X_WR and moved by `way` m along `direction` (a unit vector, W) without
-// turning. Nothing also where the first contact is with a robot, or with a leaf of a door that is not open: it moves.
+// turning. Nothing also where the first contact is with a robot, a person that walks, or a leaf of a door that is not
+// open: these move.
 std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotId own, const Pose& X_WR,
                                               const Vec2& direction, double way);
 

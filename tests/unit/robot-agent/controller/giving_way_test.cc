@@ -178,7 +178,8 @@ TEST_F(ObstacleTest, TurnsBackOnItsLaneWhereItCan) {
   end = Wait({0, 1, 0}, 10.0, true, false);
   ASSERT_TRUE(end);
   EXPECT_FALSE(end->way) << "something is behind it";
-  giving_.OnFree();
+  now_.time += 3.0;
+  giving_.OnFree(now_.time);
   place_.target = 0;
   end = Wait({0, 1, 0}, 10.0, true);
   ASSERT_TRUE(end && end->way);
@@ -199,7 +200,7 @@ TEST_F(GivingWayTest, BeginsToWaitAnewWhenTheWayWasFree) {
   for (double time = 0.0; time < 40.0; time += 5.0) {
     now_.time = time;
     EXPECT_FALSE(giving_.OnBlocked(place_, RobotId(1), {0, 1, 0}, false));
-    giving_.OnFree();
+    giving_.OnFree(time);
   }
 }
 
