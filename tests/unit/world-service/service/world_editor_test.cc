@@ -51,10 +51,9 @@ TEST_F(WorldEditorTest, AnErrorChangesNothing) {
 
 TEST_F(WorldEditorTest, KeepsDeletedEntitiesForARestoration) {
   MakeEditor();
-  EXPECT_EQ(editor_->Deleted("r0"), nullptr);
+  EXPECT_FALSE(editor_->Deleted("r0").ok());
   ASSERT_TRUE(editor_->Apply(control::Delete{.name = "r0"}, {}, now_).ok());
-  const auto deleted = editor_->Deleted("r0");
-  ASSERT_NE(deleted, nullptr);
+  const auto deleted = test::ValueOf(editor_->Deleted("r0"));
   control::Spawn spawn{.name = "again", .pose = {0.0, 5.0, 0.0, 0.0}};
   ASSERT_TRUE(editor_->Apply(spawn, {deleted}, now_).ok());
   EXPECT_EQ(run_->world().robots.back().name, "again");
