@@ -121,6 +121,141 @@ TEST(LanesOverDds, LeadToPlacesThatUsersName) {
   run.Interrupt();
 }
 
+// A robot that a user calls the lift away from, at the moment at which it enters, rides all the same.
+TEST(LanesOverDds, LeadThroughALiftThatAUserCallsAway) {
+  TemporaryFolder folder;
+  const std::string session = TestSession("lanecall");
+  Program run = Troupe(Words(
+      "run % --headless --no-ros --paused --domain % --session %",
+      {folder.Write("s.json", R"({"world": ")" + WorldPath("../../../worlds/sites/guesthouse.building.yaml") + R"(",
+                "people": [], "robots": [{"name": "tiny_1", "controller": {"name": "lanes",
+                  "parameters": {"places": ["room_1"], "repeat": false}}},
+                {"name": "delivery_1", "pose": [2, -5, 0], "controller": "idle"}]})"),
+       std::to_string(TestDomain()), session}));
+  run.WaitForLine("ready");
+  const auto ctl = [&](const std::vector<std::string>& words) { return OutputOf(Ctl(session, words)); };
+  ctl({"step", "288"});
+  EXPECT_THAT(ctl({"get", "guest_lift"}), testing::HasSubstr(R"("session":"tiny_1")"));
+  ctl({"lift", "guest_lift", "L2"});
+  ctl({"step", "1"});
+  EXPECT_THAT(ctl({"get", "guest_lift"}), testing::HasSubstr(R"("session":"")"));
+  ctl({"step", "600"});
+  EXPECT_THAT(ctl({"get", "tiny_1"}), testing::ContainsRegex("position +(2\\.9|3\\.0)[0-9]+,-5\\.[45][0-9]+,4\\.000"));
+  EXPECT_THAT(ctl({"get", "L2"}), testing::HasSubstr(R"(level {"name":"L2","z":4,"robots":1)"));
+  run.Interrupt();
+}
+
+// The session of a robot ends with its process, which is not started again; another robot has the lift then.
+TEST(LanesOverDds, LeaveTheLiftOfALostRobotToOthers) {
+  TemporaryFolder folder;
+  const std::string session = TestSession("lanelost");
+  Program run = Troupe(Words(
+      "run % --headless --no-ros --paused --domain % --session % --restart-agents 0 --lease 1",
+      {folder.Write("s.json", R"({"world": ")" + WorldPath("../../../worlds/sites/guesthouse.building.yaml") + R"(",
+                "people": [], "without": ["delivery_1"], "robots": [
+                {"name": "tiny_1", "controller": {"name": "lanes", "parameters": {"places": ["room_1", "charger_1"]}}},
+                {"name": "tiny_2", "model": "TinyRobot", "pose": [4, -5.5, 0], "controller": "idle"}]})"),
+       std::to_string(TestDomain()), session}));
+  run.WaitForLine("ready");
+  const auto ctl = [&](const std::vector<std::string>& words) { return OutputOf(Ctl(session, words)); };
+  ctl({"step", "200"});
+  EXPECT_THAT(ctl({"get", "guest_lift"}), testing::HasSubstr(R"("session":"tiny_1")"));
+  Kill(run, "--robot=tiny_1");
+  ctl({"step", "20"});
+  EXPECT_THAT(ctl({"get", "guest_lift"}), testing::HasSubstr(R"("session":"")"));
+  run.Signal(SIGINT);
+  run.Wait();
+  EXPECT_THAT(run.output(), testing::HasSubstr("tiny_1"));
+}
+
+// Two levels with places one above the other.
+TEST(LanesOverDds, LeadToAPlaceOnItsLevel) {
+  TemporaryFolder folder;
+  const std::string session = TestSession("stacked");
+  const std::string building = folder.Write("s.building.yaml", R"(
+coordinate_system: cartesian_meters
+levels:
+  A:
+    vertices: [[7, 3, 0, cabA, {lift_cabin: [1, up]}], [7, 6, 0, doorA],
+               [11, 8, 0, eA, {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, r1]}]]
+    lanes: [[0, 1, {bidirectional: true}], [1, 2, {bidirectional: true}]]
+  B:
+    elevation: 4
+    vertices: [[7, 3, 0, cabB, {lift_cabin: [1, up]}], [7, 6, 0, doorB], [11, 8, 0, eB]]
+    lanes: [[0, 1, {bidirectional: true}], [1, 2, {bidirectional: true}]]
+lifts:
+  up:
+    {width: 2, depth: 2, x: 7, y: 3, yaw: 0, initial_floor_name: A,
+     doors: {d: {motion_axis_orientation: 0, width: 1.2, x: 0, y: 1}}, level_doors: {A: [d], B: [d]}}
+)");
+  Program run = Troupe(Words("run % --headless --no-ros --domain % --session % --speed 50",
+                             {building, std::to_string(TestDomain()), session}));
+  run.WaitForLine("ready");
+  const auto go = [&](const std::string& place) {
+    return OutputOf(Troupe(Words("goto --domain % --session % r1 %", {std::to_string(TestDomain()), session, place})));
+  };
+  go("eB");
+  const auto at = [&] { return OutputOf(Ctl(session, {"get", "r1"})); };
+  EXPECT_THAT(at(), testing::ContainsRegex("position +(10\\.9|11\\.0)[0-9]+,(7\\.9|8\\.0)[0-9]+,4\\.000"));
+  go("eA");
+  EXPECT_THAT(at(), testing::ContainsRegex("position +(10\\.9|11\\.0)[0-9]+,(7\\.9|8\\.0)[0-9]+,0\\.000"));
+  run.Interrupt();
+}
+
+// A square of lanes, and a box, a person, a robot or a door that stays closed on one side of it.
+class ObstructedLanes : public testing::Test {
+ protected:
+  // The output of a run in which the robot `r` is to drive from a to b; `lanes`: those after the one from a to b. The
+  // robot is to be there at the end, or not.
+  std::string Run(const std::string& lanes, const std::string& obstacle, bool arrives) {
+    folder_.Write("s.building.yaml", R"(
+coordinate_system: cartesian_meters
+levels:
+  L1:
+    vertices: [[0, 0, 0, a, {spawn_robot_type: [1, TinyRobot], spawn_robot_name: [1, r]}], [6, 0, 0, b], [6, 5, 0, c],
+               [0, 5, 0, d], [3, 0.6, 0, ""], [3, -0.6, 0, ""]]
+    lanes: [[0, 1, {bidirectional: true}])" +
+                                         lanes + R"(]
+    doors: [[4, 5, {name: gate, type: hinged, motion_axis: start, motion_degrees: 90, motion_direction: 1}]]
+)");
+    const std::string scenario = folder_.Write(
+        "s.json", R"~({"world": "s.building.yaml", "ticks": 900, "expect": ["eventually at(r, \"b\")"], "robots": [
+          {"name": "r", "controller": {"name": "lanes", "parameters": {"places": ["b"], "repeat": false}}})~" +
+                      obstacle + "}");
+    OutputOf(Troupe({"test", scenario, "--no-shrink"}), arrives ? 0 : 1);
+    return OutputOf(Troupe({"run", scenario, "--in-process", "--headless", "--no-ros"}));
+  }
+
+  TemporaryFolder folder_;
+};
+
+constexpr const char* kRound =
+    ", [1, 2, {bidirectional: true}], [2, 3, {bidirectional: true}], [3, 0, {bidirectional: true}]";
+constexpr const char* kBox = R"(], "models": [{"name": "box", "model": "model", "pose": [1.6, 0, 0],
+  "properties": {"size": [0.4, 0.4, 0.6]}}])";
+
+TEST_F(ObstructedLanes, AreLeftForOtherLanes) {
+  const std::string closed =
+      R"(], "override": [{"match": {"name": "gate"}, "properties": {"operated": 0, "opening": 0}}])";
+  const std::pair<std::string, std::string> obstacles[] = {
+      {kBox, "box is in the way from a to b: goes round"},
+      {R"(], "people": [{"count": 1, "region": [1.59, -0.01, 1.61, 0.01], "name_prefix": "guest"}])", ""},
+      {R"(, {"name": "lost", "model": "TinyRobot", "pose": [1.6, 0, 0], "controller": "idle"}])", ""},
+      {closed, "door gate, which does not open, is in the way from a to b: goes round"},
+  };
+  for (const auto& [obstacle, report] : obstacles) {
+    const std::string output = Run(kRound, obstacle, true);
+    EXPECT_THAT(output, testing::HasSubstr(report));
+    EXPECT_THAT(output, testing::HasSubstr(" 0 stalls"));
+  }
+}
+
+TEST_F(ObstructedLanes, AreWaitedForWithoutOthers) {
+  const std::string output = Run("", kBox, false);
+  EXPECT_THAT(output, testing::HasSubstr("box is in the way from a to b: waits, since there is no better way to b"));
+  EXPECT_THAT(output, testing::HasSubstr(" 0 stalls"));
+}
+
 TEST(DoorsOverDds, AreTheSameWhateverDies) {
   TemporaryFolder folder;
   Program run =
