@@ -240,13 +240,16 @@ void SetAgents(const WorldDescription& world, const Membership& members, std::ve
 
 void SetSignals(const WorldDescription& world, const WorldState& state, EntityReport& entity) {
   const Result<ModelId> root = FindEntity(world, entity.name);
-  if (!root.ok()) return;
+  const bool may_be_level = entity.kind == EntityKind::kModel;
   const Things things(world);
   const SignalView view{things, world, state};
   for (const StateTable& table : StateTables()) {
     const std::size_t kind = KindOf(table.name);
     for (ThingId thing = things.first(kind); thing < things.first(kind) + things.count(kind); ++thing) {
-      if (things.model(thing) != root.value() || !things.exists(thing) || things.name(thing) != entity.name) continue;
+      // A level has no model, but that of a building has its name.
+      const std::optional<ModelId> model = things.model(thing);
+      const bool is_entity = model ? root.ok() && *model == root.value() : may_be_level;
+      if (!is_entity || !things.exists(thing) || things.name(thing) != entity.name) continue;
       entity.signals += (entity.signals.empty() ? "" : "\n") + table.singular + " ";
       JsonWriter json(entity.signals);
       WriteRow(table, view, thing - things.first(kind), json);

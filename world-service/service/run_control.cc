@@ -292,8 +292,17 @@ Result<std::vector<EntityReport>> RunControl::Entities(const control::Entities& 
       const std::vector<NamedPlace>& places = run_.world().places;
       const auto place =
           std::find_if(places.begin(), places.end(), [&](const auto& each) { return each.name == name; });
-      if (place == places.end()) return root.error();
-      return std::vector<EntityReport>{{.name = name, .type = "place", .X_WE = place->X_WN}};
+      if (place != places.end()) {
+        return std::vector<EntityReport>{{.name = name, .type = "place", .X_WE = place->X_WN}};
+      }
+      // The levels of layouts, and the floors of lifts, have no model.
+      const std::vector<LevelDescription>& levels = run_.world().levels;
+      const auto level =
+          std::find_if(levels.begin(), levels.end(), [&](const auto& each) { return each.name == name; });
+      if (level == levels.end()) return root.error();
+      std::vector<EntityReport> found{{.name = name, .type = "level", .X_WE = {0.0, 0.0, level->z, 0.0}}};
+      SetSignals(run_.world(), run_.frame.state, found.front());
+      return found;
     }
     std::erase_if(entities, [&](const EntityReport& entity) { return entity.name != name; });
     for (EntityReport& entity : entities) SetSignals(run_.world(), run_.frame.state, entity);
