@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "common/base/json.h"
 #include "common/base/print.h"
@@ -99,13 +100,25 @@ Status CaseSession::LoadTest(const std::string& path) {
 }
 
 std::vector<std::string> CaseSession::InputFiles() const {
+  // Cases that are looked at. Only texts can name files, and few of the many cases of a design differ in these.
+  constexpr std::uint64_t kMaxLookedAt = 10'000;
   std::vector<std::string> files;
   for (const LoadedTest& test : tests_) {
     files.insert(files.end(), {test.file->path(), test.file->scenario_path(), KeptCasesPath(*test.file)});
-    const Result<LoadedWorld> loaded = test.worlds->Load(test.file->design().At(0));
-    if (!loaded.ok()) continue;
-    const std::vector<std::string> named = InputFilesOf(loaded.value());
-    files.insert(files.end(), named.begin(), named.end());
+    std::set<std::vector<std::string>> seen;
+    const CaseDesign& design = test.file->design();
+    for (std::uint64_t number = 0; number < std::min(design.size(), kMaxLookedAt); ++number) {
+      const TestCase draws = design.At(number);
+      std::vector<std::string> texts;
+      for (const DrawnValue& draw : draws) {
+        if (draw.value.starts_with('"')) texts.push_back(draw.value);
+      }
+      if (!seen.insert(std::move(texts)).second) continue;
+      const Result<LoadedWorld> loaded = test.worlds->Load(draws);
+      if (!loaded.ok()) continue;
+      const std::vector<std::string> named = InputFilesOf(loaded.value());
+      files.insert(files.end(), named.begin(), named.end());
+    }
   }
   return files;
 }

@@ -23,6 +23,9 @@ class OwnInputsTest : public testing::Test {
     folder_.Write("own.json", R"({"world": "own.world", "ticks": 5})");
     folder_.Write("own.test.json", R"~({"scenario": "own.json", "ticks": 3,
       "expect": ["forall r: always speed(r) < 1 m/s"], "metrics": {"top": "max of speed(r)"}})~");
+    folder_.Write("second.world", "position ( name \"a\" )\n");
+    folder_.Write("worlds.test.json", R"~({"scenario": "own.json", "ticks": 3,
+      "vary": {"world": ["own.world", "second.world"]}, "expect": ["forall r: always speed(r) < 1 m/s"]})~");
     folder_.Write("map.yaml",
                   "image: map.pgm\nmode: trinary\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n"
                   "occupied_thresh: 0.65\nfree_thresh: 0.25\n");
@@ -97,6 +100,7 @@ TEST_F(OwnInputsTest, OfTests) {
   for (const char* input : {"own.test.json", "own.json", "own.world", "own.inc"}) {
     ExpectRefused({"test", "@own.test.json", "--junit", std::string("@bag/../") + input});
   }
+  ExpectRefused({"test", "@worlds.test.json", "--junit", "@second.world"});
   ExpectRefused({"test", "@own.test.json", "--report", "@sweep"});
   ExpectRefused({"sweep", "@own.test.json", "-o", "@sweep"});
   ExpectRefused({"sweep", "--merge", "@sweep", "-o", "@sweep"});
