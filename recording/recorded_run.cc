@@ -64,6 +64,24 @@ std::vector<std::byte> RunToBytes(const RecordedRun& run) {
   wire.agent_deadline = run.settings.agent_deadline_seconds;
   wire.ros = run.settings.ros;
   wire.world = dds::ToWire(run.world, arena);
+  auto* expectation = arena.Fill(wire.expectations, run.expectations.size());
+  for (const RecordedExpectation& each : run.expectations) {
+    expectation->name = arena.Copy(each.name);
+    expectation->text = arena.Copy(each.text);
+    ++expectation;
+  }
+  auto* region = arena.Fill(wire.regions, run.regions.size());
+  for (const RecordedRegion& each : run.regions) {
+    region->name = arena.Copy(each.name);
+    double* coordinate = arena.Fill(region->outline, 2 * each.outline.size());
+    for (const Vec2& vertex : each.outline) {
+      *coordinate++ = vertex.x();
+      *coordinate++ = vertex.y();
+    }
+    region->has_z = each.z.has_value();
+    region->z = each.z.value_or(0.0);
+    ++region;
+  }
   return wire::ToCdr(wire);
 }
 
@@ -83,6 +101,24 @@ Result<RecordedRun> RunFromBytes(std::span<const std::byte> bytes) {
   run.keyframe_interval = wire.keyframe_interval;
   run.settings = std::move(settings).value();
   run.world = std::move(world).value();
+  for (const auto& each : dds::Elements(wire.expectations)) {
+    run.expectations.push_back({dds::Text(each.name), dds::Text(each.text)});
+  }
+  for (const auto& each : dds::Elements(wire.regions)) {
+    const auto coordinates = dds::Elements(each.outline);
+    Polygon corners;
+    for (std::size_t i = 0; i + 1 < coordinates.size(); i += 2) {
+      corners.emplace_back(coordinates[i], coordinates[i + 1]);
+    }
+    Result<Polygon> outline = Normalized(std::move(corners));
+    if (!outline.ok() || coordinates.size() % 2 != 0 || !std::isfinite(each.z)) {
+      return BadInput("recorded run with a region that is no polygon");
+    }
+    RecordedRegion& region = run.regions.emplace_back();
+    region.name = dds::Text(each.name);
+    region.outline = std::move(outline).value();
+    if (each.has_z) region.z = each.z;
+  }
   return run;
 }
 

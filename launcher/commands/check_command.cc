@@ -185,6 +185,9 @@ int CheckRecording(const std::string& file) {
   LoadedWorld begin;
   begin.world = run.world;
   begin.settings = run.settings;
+  for (const RecordedExpectation& each : run.expectations) {
+    PrintPlain(stdout, "  expect {}: {}\n", each.name, each.text);
+  }
   PrintPlain(stdout, "world: {}\n", run.world.name);
   fmt::print("{}", DescribeContent(begin));
   std::fflush(stdout);

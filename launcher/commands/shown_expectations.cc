@@ -1,6 +1,5 @@
 #include "launcher/commands/shown_expectations.h"
 
-#include <filesystem>
 #include <utility>
 
 #include "testing/cases/case_run.h"
@@ -40,10 +39,10 @@ ShownExpectations ExpectationsOfRun(const std::string& file) {
 }
 
 ShownExpectations ExpectationsOf(const Recording& recording) {
-  const std::filesystem::path named = recording.run().file;
-  const std::filesystem::path beside = std::filesystem::path(recording.name()).parent_path() / named.filename();
-  std::error_code failure;
-  return ExpectationsIn((std::filesystem::exists(named, failure) ? named : beside).string());
+  ShownExpectations shown;
+  for (const RecordedExpectation& each : recording.run().expectations) shown.list.push_back({each.name, each.text});
+  for (const RecordedRegion& each : recording.run().regions) shown.regions.push_back({each.name, each.outline, each.z});
+  return shown;
 }
 
 }  // namespace troupe

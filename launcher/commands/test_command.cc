@@ -110,16 +110,27 @@ Status WriteReports(const CaseReport& report, const TestArguments& arguments) {
   return {};
 }
 
+// Those of the recording, as they were; those that only the test knows, from its scenario as it is now, if that loads.
+std::vector<RegionOfScenario> RegionsFor(const TestFile& test, const RecordedRun& run) {
+  std::vector<RegionOfScenario> regions;
+  for (const RecordedRegion& each : run.regions) regions.push_back({each.name, each.outline, each.z});
+  const Result<LoadedWorld> loaded = CaseWorlds(test).Load(test.design().At(0));
+  if (!loaded.ok()) return regions;
+  for (const RegionOfScenario& each : loaded.value().regions) {
+    const auto same = [&](const RegionOfScenario& other) { return other.name == each.name; };
+    if (std::none_of(regions.begin(), regions.end(), same)) regions.push_back(each);
+  }
+  return regions;
+}
+
 // Adds a test, and its outcome on a recording, to the report.
 // The expectations see each recorded state once, as they would in a run. An edit changes the world under them, which no
 // expectation could interpret.
 Result<CaseOutcome> TestRecording(const TestFile& test, const std::string& path, CaseReport& report) {
   const Result<Recording> recording = OpenToReplay(path);
   if (!recording.ok()) return recording.error();
-  const CaseWorlds worlds(test);
-  const Result<LoadedWorld> loaded = worlds.Load(test.design().At(0));
-  if (!loaded.ok()) return loaded.error();
-  Result<CaseMonitors> monitors = CaseMonitors::Make(test, recording.value().run().world, loaded.value().regions);
+  const RecordedRun& run = recording.value().run();
+  Result<CaseMonitors> monitors = CaseMonitors::Make(test, run.world, RegionsFor(test, run));
   if (!monitors.ok()) return monitors.error();
   const Status unedited =
       recording.value().VisitEdits(recording.value().chunks(), [&](std::uint64_t, const RecordedEdit& edit) -> Status {

@@ -130,6 +130,30 @@ TEST_F(FleetTests, PrintWhatFailsWithItsSmallestCaseAndWhatShowsIt) {
                     HasSubstr("\nrecording: " + recording + "\n")));
 }
 
+// Whatever becomes of the scenario: its expectations and regions are in the recording.
+TEST(RecordedExpectations, AreThoseOfTheRun) {
+  TemporaryFolder folder;
+  folder.Write("w.world", "position ( name \"r\" pose [1 0 0 0] )\n");
+  const auto write = [&](const char* region, const char* speed) {
+    return folder.Write(
+        "s.json", R"({"world": "w.world", "ticks": 5, "regions": [{"name": "zone", "region": )" + std::string(region) +
+                      R"(}], "expect": [{"name": "slow", "that": "always speed(r) < )" + speed + R"( m/s"}]})");
+  };
+  const std::string scenario = write("[0, -1, 2, 1]", "2");
+  const std::string test =
+      folder.Write("zone.test.json",
+                   R"~({"scenario": "s.json", "expect": [{"name": "inside", "that": "always in(r, \"zone\")"}]})~");
+  const std::string recording = folder.Path("run.mcap");
+  OutputOf(Troupe({"run", scenario, "--in-process", "--headless", "--no-ros", "--record", recording}));
+  write("[5, 5, 6, 6]", "7");
+  EXPECT_THAT(OutputOf(Troupe({"test", test, "--no-shrink", "--report", folder.Path("report")}), 1),
+              HasSubstr("1 failed"));
+  EXPECT_THAT(OutputOf(Troupe({"test", test, "--on", recording})), HasSubstr("holds inside"));
+  EXPECT_THAT(OutputOf(Troupe({"check", recording})), HasSubstr("  expect slow: always speed(r) < 2 m/s\n"));
+  std::filesystem::remove(folder.Path("w.world"));
+  EXPECT_THAT(OutputOf(Troupe({"test", test, "--on", recording})), HasSubstr("holds inside"));
+}
+
 TEST_F(FleetTests, RunCasesThatHaveFailedFirst) {
   Run({"test", test_, "--report", report_});
   // Whole cases of the design, each of which fails.

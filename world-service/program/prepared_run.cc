@@ -33,6 +33,12 @@ Result<PreparedRun> LoadFile(const RunSource& source) {
   PreparedRun run;
   run.scene = std::make_shared<const Scene>(std::move(loaded.value().world));
   run.files = std::move(loaded.value().files);
+  for (ExpectationOfScenario& each : loaded.value().expectations) {
+    run.expectations.push_back({std::move(each.name), std::move(each.text)});
+  }
+  for (RegionOfScenario& each : loaded.value().regions) {
+    run.regions.push_back({std::move(each.name), std::move(each.outline), each.z});
+  }
   run.site = std::move(loaded.value().site);
   run.site_world = run.scene->world().name;
   run.first_world = WorldOf(run.scene);
@@ -234,6 +240,8 @@ Result<RunObservers> MakeObservers(PreparedRun& run, const RunSource& source) {
     const bool needs_memory = resumed || run.options.settings.on_agent_loss == OnAgentLoss::kRebuild;
     OutputFiles outputs = source.outputs;
     outputs.begin = run.begin;
+    outputs.expectations = run.expectations;
+    outputs.regions = run.regions;
     Result<Recorders> recorders = MakeRecorders(*run.first_world, outputs, run.options.world_file, needs_memory);
     if (!recorders.ok()) return recorders.error();
     run.recorders = std::move(recorders).value();

@@ -43,6 +43,12 @@ struct RegionOfScenario {
   std::optional<double> z = {};  // m, of its floor; nothing: at any height
 };
 
+// An entry of "expect" of a scenario: text in the language of expectations, which is not read here.
+struct ExpectationOfScenario {
+  std::string name;  // of an entry without one: its text
+  std::string text;
+};
+
 // LoadedWorld: the result of reading a file that names a world.
 struct LoadedWorld {
   WorldDescription world;
@@ -56,6 +62,7 @@ struct LoadedWorld {
   std::optional<std::uint32_t> ros_domains_from = {};
   RosLockstep ros_lockstep = {};  // of a scenario
   std::vector<RegionOfScenario> regions = {};
+  std::vector<ExpectationOfScenario> expectations = {};
   std::shared_ptr<const Site> site = {};  // of a building; null for other files
 };
 

@@ -161,6 +161,7 @@ void Complete(LoadedWorld& loaded, const ScenarioFile& file, const ScenarioPlan&
   });
   loaded.world.places.insert(loaded.world.places.end(), file.places.begin(), file.places.end());
   loaded.regions = file.regions;
+  loaded.expectations = file.expectations;
   loaded.ros_lockstep = file.ros_lockstep;
   loaded.ros_lockstep.names.insert(loaded.ros_lockstep.names.end(), plan.ros_lockstep.begin(), plan.ros_lockstep.end());
   for (RobotDescription& robot : loaded.world.robots) {

@@ -365,6 +365,11 @@ Result<ScenarioFile> Reader::Read() {
   for (const JsonNode& entry : root.ItemsOf("override")) file.overrides.push_back(ReadOverride(entry));
   file.places = ReadPlaces(root);
   file.regions = ReadRegions(root);
+  for (const JsonNode& entry : root.ItemsOf("expect")) {
+    const std::string& text = entry.is_string() ? entry.text : entry.Member("that").text;
+    const JsonNode* const name = entry.is_object() ? entry.Find("name") : nullptr;
+    file.expectations.push_back({name != nullptr ? name->text : text, text});
+  }
   Result<std::vector<PeopleEntry>> people = ReadPeopleEntries(tree_, root);
   if (people.ok()) {
     file.people = std::move(people).value();

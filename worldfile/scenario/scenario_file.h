@@ -100,6 +100,7 @@ struct ScenarioFile {
   std::vector<OverrideEntry> overrides;
   std::vector<NamedPlace> places;
   std::vector<RegionOfScenario> regions;
+  std::vector<ExpectationOfScenario> expectations;
   std::vector<PeopleEntry> people;
   std::vector<PlacedText> without;  // robots and models that are left out, after all are placed
   std::vector<Warning> warnings;

@@ -30,6 +30,9 @@ RecordedRun MakeRun() {
   run.settings.speed = 2.5;
   run.settings.on_agent_loss = OnAgentLoss::kPause;
   run.world = world.world();
+  run.expectations = {{"slow", "forall r: always speed(r) < 1 m/s"}, {"", "true"}};
+  run.regions = {{"hall", {{0.0, 0.0}, {2.0, 0.0}, {2.0, 1.0}}, {}},
+                 {"attic", {{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}}, 4.0}};
   return run;
 }
 
@@ -140,6 +143,13 @@ TEST(Recording, ReturnsTheRunAndItsTicks) {
   EXPECT_EQ(found.settings.speed, 2.5);
   EXPECT_EQ(found.settings.on_agent_loss, OnAgentLoss::kPause);
   EXPECT_EQ(found.world, run.world);
+  EXPECT_EQ(found.expectations, run.expectations);
+  ASSERT_EQ(found.regions.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(found.regions[i].name, run.regions[i].name);
+    EXPECT_EQ(found.regions[i].outline, run.regions[i].outline);
+    EXPECT_EQ(found.regions[i].z, run.regions[i].z);
+  }
   bool whole = false;
   EXPECT_EQ(CountEqualTicks(opened.value(), ticks, whole), ticks.size());
   EXPECT_TRUE(whole);

@@ -362,6 +362,8 @@ RecordingOptions RecordingOptionsOf(const OutputFiles& files, const std::string&
   options.world_file = world_file;
   options.keyframe_interval = files.keyframe_interval;
   options.begin = files.begin;
+  options.expectations = files.expectations;
+  options.regions = files.regions;
   options.journal = files.journal;
   options.sync = files.journal_sync;
   options.journal_is_optional = files.journal_is_optional;

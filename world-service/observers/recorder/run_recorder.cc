@@ -113,7 +113,10 @@ Status RunRecorder::OnBegin(const RunStart& start) {
     run.file = options_.world_file;
     run.keyframe_interval = options_.keyframe_interval;
     run.settings = start.settings;
-    run.world = options_.begin ? options_.begin->source->run().world : start.scene->world();
+    const RecordedRun* const before = options_.begin ? &options_.begin->source->run() : nullptr;
+    run.world = before != nullptr ? before->world : start.scene->world();
+    run.expectations = before != nullptr ? before->expectations : options_.expectations;
+    run.regions = before != nullptr ? before->regions : options_.regions;
     Result<RecordingWriter> writer = RecordingWriter::Create(std::move(sink_), run);
     if (!writer.ok()) return writer.error();
     if (options_.journal) {

@@ -128,7 +128,10 @@ struct RecordingOptions {
   std::optional<JournalFiles> journal = {};
   JournalSync sync = JournalSync::kNo;
   std::shared_ptr<const RecordedStart> begin = {};  // null: the recording begins with the run
-  bool journal_is_optional = false;                 // a run whose journal cannot be written continues without it
+  // Of the scenario, for one that begins with the run; others have those of their start.
+  std::vector<RecordedExpectation> expectations = {};
+  std::vector<RecordedRegion> regions = {};
+  bool journal_is_optional = false;  // a run whose journal cannot be written continues without it
 };
 
 class RunRecorder final : public RunObserver {
