@@ -12,6 +12,7 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <limits>
@@ -204,7 +205,14 @@ bool JsonReader::ToInteger(Integer& value) const {
   const std::string& digits = node_->text;
   Integer read = 0;
   const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), read);
-  if (!node_->is_number() || end.ec != std::errc() || end.ptr != digits.data() + digits.size()) {
+  const bool is_integer = end.ec == std::errc() && end.ptr == digits.data() + digits.size();
+  // Many programs write whole numbers as 2.0 or 1e3. Doubles up to 2^53 are exact.
+  constexpr double kExact = 9007199254740992.0;
+  const double number = node_->number;
+  if (!is_integer && node_->is_number() && std::fabs(number) <= kExact && number == std::trunc(number) &&
+      std::in_range<Integer>(static_cast<std::int64_t>(number))) {
+    read = static_cast<Integer>(number);
+  } else if (!node_->is_number() || !is_integer) {
     return Fail(Expected<Integer>());
   }
   value = read;

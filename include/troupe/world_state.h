@@ -154,7 +154,8 @@ struct DoorState {
     return std::tuple{
         Field{"opening", &DoorState::opening, "from 0, closed, to 1"}.Within(0, 1),
         Field{"target", &DoorState::target, "the opening that was requested last"}.Within(0, 1),
-        Field{"held", &DoorState::held, "open for a robot in its reach or a person, whatever the target"},
+        Field{"held", &DoorState::held,
+              "open for a robot in its reach, a person, or a body that stopped it at a lift, whatever the target"},
         Field{"blocked", &DoorState::blocked, "the motion of the last tick was cut short by a body"},
     };
   }

@@ -45,6 +45,9 @@ TEST(JsonReaderTest, ReadsARowByItsFields) {
       R"({"name": "a", "count": 255, "side": "right", "on": true, "spots": [[1, 2], {"y": 3}], "other": 7})");
   EXPECT_EQ(test::ValueOf(all), (Entry{"a", 255, Side::kRight, true, {{1.0, 2.0}, {0.0, 3.0}}}));
   EXPECT_EQ(test::ValueOf(RowFromJson<Entry>(R"({"on": null})")), Entry()) << "missing members keep their values";
+  for (const char* whole : {"200", "200.0", "2e2"}) {
+    EXPECT_EQ(test::ValueOf(RowFromJson<Entry>(std::string(R"({"count": )") + whole + "}")).count, 200) << whole;
+  }
 }
 
 TEST(JsonReaderTest, NamesTheValueItsPathAndTheExpectation) {
