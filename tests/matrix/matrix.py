@@ -1,410 +1,496 @@
 #!/usr/bin/env python3
-"""Goes over all pairs of the rows of rows.py: each pair works, by the same checks for all, or is refused by one line that
-names it. Writes the page of the pairs, and fails if docs/matrix.md is another one.
+"""Goes over all pairs of the rows of rows.py: each pair works, by the same checks for all, is refused by one line that names
+it, or does not exist, for a reason. Writes the page of the pairs, and fails if docs/matrix.md is another one.
 
-usage: matrix.py TROUPE [--all] [--write FILE] [--page FILE]      --write: the page; --page: compares with this one
+usage: matrix.py TROUPE NODE [--all] [--write FILE] [--page FILE]
+NODE: matrix_ros_node; --write: writes the page; --page: compares with this one
 
-A world with all things has all of their pairs with a mode or a view in one run. Without --all the live edits are made in one
-mode; with it in each.
+Without --all many things are in one run, and of the pairs that need a run of their own there is a sample, which has each row. The
+page is of all.
 """
 
 import argparse
-import collections
 import concurrent.futures
+import itertools
 import os
 import pathlib
-import re
-import signal
-import subprocess
 import sys
 import tempfile
 import time
 
+import commands
+import live
+import pages
 import views
 import worlds
-from rows import ACTIONS, INPUTS, MODES, THINGS, TICKS, VIEWS
+from live import Failed, Live, Program, RosNode
+from pages import FAILS, NONE, REFUSED, WORKS
+from rows import ACTIONS, INPUTS, MODES, MOVED, RESTORED, ROS, THINGS, TICKS, VIEWS
 
-SECONDS = 100
-OUTPUTS = (("--hash-log", ".hashes"), ("--poses", ".poses"), ("--scans", ".scans"))
-WORKS, NONE = "yes", "–"
-
-
-class Failed(Exception):
-    pass
-
-
-class Program:
-    """troupe, for runs in a domain of this test."""
-
-    def __init__(self, path, folder):
-        self.path, self.folder = path, folder
-        self.domain = 101 + os.getpid() % 100
-        self.environment = {**os.environ, "TROUPE_DOMAIN": str(self.domain), "NO_COLOR": "1"}
-        self.environment.pop("TROUPE_SESSION", None)
-
-    def start(self, *words):
-        return subprocess.Popen([self.path, *map(str, words)], cwd=self.folder, env=self.environment, text=True,
-                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-
-    @staticmethod
-    def end_of(process, words):
-        """All that it printed."""
-        try:
-            return process.communicate(timeout=SECONDS)[0]
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGINT)
-            try:
-                text = process.communicate(timeout=SECONDS)[0]
-            except subprocess.TimeoutExpired:
-                process.kill()
-                text = process.communicate()[0]
-            raise Failed(f"troupe {' '.join(map(str, words))}: no end within {SECONDS} s: {text}") from None
-
-    def finish(self, *words):
-        with self.start(*words) as process:
-            text = self.end_of(process, words)
-            return process.returncode, text
-
-    def run(self, *words, status=0):
-        found, text = self.finish(*words)
-        if found != status:
-            raise Failed(f"troupe {' '.join(map(str, words))}: status {found}: {text.strip()}")
-        return text
+ONE = MODES[0]
+OUTPUTS = (("--hash-log", ".hashes"), ("--poses", ".poses"), ("--scans", ".scans"), ("--record", ".mcap"))
+FILES = [view for view in VIEWS if not view.live]
+LIVE_MODE = "packed"  # of the live runs of inputs, and of that without --all
 
 
-class Live:
-    """A paused run with tools beside it."""
-
-    def __init__(self, program, words, session):
-        self.program, self.session = program, session
-        self.process = program.start("run", *words, "--headless", "--paused", "--session", session)
-        self.text = ""
-        while "ready" not in self.text:
-            line = self.process.stdout.readline()
-            if not line:
-                raise Failed(f"troupe run {' '.join(map(str, words))}: {self.text}")
-            self.text += line
-
-    def ctl(self, *words):
-        """(status, text)"""
-        return self.program.finish("ctl", "--session", self.session, *words)
-
-    def end(self):
-        self.process.send_signal(signal.SIGINT)
-        text = self.program.end_of(self.process, ["run"])
-        if self.process.returncode not in (0, 130):
-            raise Failed(f"the run ended with {self.process.returncode}: {text}")
+def no_view(thing, view):
+    """Why the view cannot have the thing, or None."""
+    if view.name in ("expectations", "report"):
+        return None if thing.holds else NONE + "it has no signal, so no expectation is about it"
+    if view.name == "ROS topics":
+        return None if thing.topic else NONE + "ROS 2 has no topic of it"
+    if view.tables == ():
+        return NONE + "the view has the whole run, and no single things"
+    if not thing.table:
+        return None if view.marks else NONE + "it has no row in a table of the state"
+    if view.tables is not None and thing.table not in view.tables:
+        return NONE + f"{view.name} has {', '.join(view.tables)}"
+    return None
 
 
-def descendants(pid):
-    found = []
-    for task in pathlib.Path(f"/proc/{pid}/task").glob("*/children"):
-        for child in task.read_text().split():
-            found += [int(child), *descendants(child)]
-    return found
+def option_names(mode):
+    return [word for word in mode.options if word.startswith("--")]
 
 
-def kill(process, program):
-    """Kills one child of that program once it works."""
-    deadline = time.monotonic() + SECONDS
-    while time.monotonic() < deadline and process.poll() is None:
-        for pid in descendants(process.pid):
-            try:
-                if pathlib.Path(f"/proc/{pid}/comm").read_text().strip() == program[:15]:
-                    os.kill(pid, signal.SIGKILL)
-                    return
-            except (OSError, ProcessLookupError):
-                continue
-        time.sleep(0.01)
+def joined_options(first, second):
+    """Those of the second as far as the first has none of the name."""
+    words, name = list(first.options), None
+    for word in second.options:
+        name = word if word.startswith("--") else name
+        if name not in first.options:
+            words.append(word)
+    return words
 
 
 class Matrix:
-    def __init__(self, program, folder):
-        self.program, self.folder = program, folder
-        self.cells = {}  # (row, row) by name of kind and row -> WORKS, NONE or a refusal
+    def __init__(self, program, folder, whole):
+        self.program, self.folder, self.whole = program, folder, whole
+        self.cells = {}
         self.failures = []
+        self.reference = None
 
     def note(self, first, second, outcome):
-        self.cells[first, second] = outcome
+        """Of several trials of a pair a failure counts, else the first."""
+        before = pages.outcome_of(self.cells, first, second)
+        if before is None or outcome == FAILS:
+            self.cells.pop((second, first), None)
+            self.cells[first, second] = outcome
 
     def check(self, first, second, work, *arguments):
-        """`work` returns nothing, or the reason for which there is no such pair."""
+        """`work` returns nothing, or the outcome of a pair that does not work."""
         try:
-            self.note(first, second, work(*arguments) or WORKS)
-        except (Failed, AssertionError, OSError, KeyError, ValueError, IndexError) as failure:
+            outcome = work(*arguments) or WORKS
+        except (Failed, AssertionError, OSError, KeyError, ValueError, IndexError, TypeError) as failure:
             text = " ".join(str(failure).split()) or repr(failure)
             self.failures.append(f"{' '.join(first)} x {' '.join(second)}: {text}")
-            self.note(first, second, "FAILS")
+            outcome = FAILS
+        self.note(first, second, outcome)
+        return outcome
 
-    # Runs of a world NAME.json in a mode; their outputs are NAME-MODE.*.
-    def run(self, name, mode, *more):
-        base = f"{name}-{mode.name.replace(' ', '_')}"
-        outputs = [word for option, ending in OUTPUTS for word in (option, f"{base}{ending}")]
-        words = ["run", f"{name}.json", "--headless", *mode.options, *outputs, *more]
+    # Runs.
+    def run(self, base, file, mode, *more, options=None):
+        """Of FILE, with the outputs BASE.*."""
+        words = ["run", file, "--headless", *(mode.options if options is None else options)]
+        words += [word for option, ending in OUTPUTS if option not in more for word in (option, f"{base}{ending}")]
+        words += more
         if not mode.in_process:
             words += ["--session", f"{base}-{os.getpid()}"]
-        if "ROS" in mode.name:
-            words += ["--ros-domain", self.program.domain - 100]
-        with self.program.start(*words) as process:
-            if mode.kills:
-                for line in process.stdout:
-                    if "ready" in line:
-                        break
-                for victim in mode.kills:
-                    kill(process, victim)
-            text = self.program.end_of(process, words)
+        node = RosNode(self.program) if mode.answers else None
+        try:
+            with self.program.start(*words) as process:
+                if mode.kills:
+                    for line in process.stdout:
+                        if "ready" in line:
+                            break
+                    for victim in mode.kills:
+                        live.kill(process, victim)
+                text = self.program.end_of(process, words)
+        finally:
+            if node:
+                node.end()
         if process.returncode != 0:
             raise Failed(f"troupe {' '.join(map(str, words))}: status {process.returncode}: {text.strip()}")
         return base
 
-    def read(self, base, ending):
-        return (self.folder / f"{base}{ending}").read_text()
+    def output(self, base, file="all.json", test="all.test.json"):
+        return views.Output(self.program, self.folder, base, file, test)
 
-    def same_output(self, made, mode, reference, ending):
-        base = made[0]
+    def same(self, base, reference, ending, mode=ONE):
         if not mode.same or (ending == ".scans" and mode.kills):
             return  # those that a killed agent had not written yet are missing
-        ours, theirs = self.read(base, ending).splitlines(), self.read(reference, ending).splitlines()
+        ours, theirs = ((self.folder / f"{name}{ending}").read_text().splitlines() for name in (base, reference))
         if ours != theirs:
             at = next((i for i, pair in enumerate(zip(ours, theirs)) if pair[0] != pair[1]), min(len(ours), len(theirs)))
             raise Failed(f"{ending[1:]} differ from those of one process in line {at + 1}")
 
-    def replays(self, made, mode):
-        recording = f"{mode.name.replace(' ', '_')}.mcap"
-        self.program.run("replay", recording, "--verify", "--hash-log", f"{made[0]}.replayed")
-        assert self.read(made[0], ".replayed") == self.read(made[0], ".hashes"), "the replay has other hashes"
+    # The sections.
+    def one_process(self):
+        """All things in one run: with all views that are files, and with what happens to a whole run."""
+        self.reference = self.run("all", "all.json", ONE)
+        self.run("all-lines", "all.json", ONE, "--record", "all.jsonl")
+        output = self.output(self.reference)
+        for view in FILES:
+            made = []
+            outcome = self.check(("mode", ONE.name), ("view", view.name), lambda view=view, made=made: made.append(
+                views.MAKERS[view.name](output, TICKS)))
+            for thing in THINGS:
+                self.check(("thing", thing.name), ("view", view.name), self.thing_in, thing, view, made)
+            for other in FILES:
+                if other is not view:
+                    self.note(("view", view.name), ("view", other.name), outcome)
+        for name, command in commands.COMMANDS.items():
+            outcome = self.check(("action", name), ("mode", ONE.name), command, self.program, output, ONE)
+            for thing in THINGS:
+                known = thing.holds or name in ("replay", "branch")
+                self.note(("action", name), ("thing", thing.name),
+                          outcome if known else NONE + "it has no signal, so no expectation is about it")
+            for view in VIEWS:
+                has = view.name in (("replay", "hash log", "poses", "scans") if name == "replay" else ("expectations", "report"))
+                if name == "branch":
+                    continue  # views_of_branch
+                self.note(("action", name), ("view", view.name), outcome if has else NONE + f"{name} has no such output")
+        self.views_of_branch()
 
-    def things_with_views(self, name, things):
-        """All files of one run, and things in them."""
-        self.run(name, MODES[0], "--record", f"{name}.mcap")
-        reference = f"{name}-one_process"
-        self.program.run("run", f"{name}.json", "--headless", "--in-process", "--record", f"{name}.jsonl")
-        for _, ending in OUTPUTS:
-            (self.folder / f"{name}{ending}").write_text(self.read(reference, ending))
-        output = views.Output(self.program, self.folder, name, self.program.environment)
+    def views_of_branch(self):
+        """All outputs of a run that goes on from a recording."""
+        recording = f"{self.reference}.mcap"
+        words = ("--from-tick", TICKS // 2, "--ticks", TICKS)
+        self.run("branch", recording, ONE, *words)
+        self.run("branch-lines", recording, ONE, *words, "--record", "branch.jsonl")
+        output = self.output("branch", recording)
         for view in VIEWS:
             if view.live:
-                continue
-            column = ("view", view.name)
-            made = []
-            self.check(("mode", "one process"), column, lambda: made.append(views.MAKERS[view.name](output, TICKS)))
-            for thing in things:
-                self.check(("thing", thing.name), column, self.thing_in, thing, view, made)
-        return reference
+                self.note(("action", "branch"), ("view", view.name), NONE + "a branch is a run as others")
+            else:
+                self.check(("action", "branch"), ("view", view.name), self.make, output, view.name)
+
+    @staticmethod
+    def make(output, view, ticks=None):
+        views.MAKERS[view](output, ticks)
 
     @staticmethod
     def thing_in(thing, view, made):
         if not made:
             raise Failed("there is no such view")
-        if not thing.table and view.name != "expectations":
-            return NONE
-        if view.tables is not None and thing.table not in view.tables:
-            return NONE
+        if outcome := no_view(thing, view):
+            return outcome
         if not made[0](thing):
             raise Failed("the thing is not in it")
         return None
 
+    def modes(self):
+        """All things in each mode; the recording is that of one process."""
+        for i, mode in enumerate(MODES):  # one after another: each runs several processes
+            base = self.reference if mode is ONE else f"all-{mode.name}".replace(" ", "_")
+            if mode is not ONE:
+                self.check(("mode", mode.name), ("view", "hash log"), lambda base=base, mode=mode: self.run(
+                    base, "all.json", mode) and None)
+            output = self.output(base)
+            for ending, view in ((".hashes", "hash log"), (".poses", "poses"), (".scans", "scans")):
+                self.check(("mode", mode.name), ("view", view), self.same, base, self.reference, ending, mode)
+            made = [view for view in FILES if not view.of_run and view.name != "replay"]
+            for view in made if self.whole else made[i % len(made)::len(made)]:
+                self.check(("mode", mode.name), ("view", view.name), self.file_view, output, view, mode)
+            self.check(("mode", mode.name), ("view", "replay"), commands.replay, self.program, output, mode)
+            self.note(("mode", mode.name), ("action", "replay"), self.cells[("mode", mode.name), ("view", "replay")])
+            if self.whole or i % 4 == 1:
+                self.check(("mode", mode.name), ("view", "JSON lines"), self.lines, base, mode)
+            for name in ("branch", "test", "sweep", "shard", "search") if self.whole else ("branch",) if i % 4 == 2 else ():
+                self.check(("mode", mode.name), ("action", name), commands.COMMANDS[name], self.program,
+                           self.output(self.reference), mode)
+            outcomes = {self.cells[("mode", mode.name), ("view", view)] for view in ("hash log", "poses", "scans", "replay")}
+            for thing in THINGS:
+                self.note(("thing", thing.name), ("mode", mode.name), FAILS if FAILS in outcomes else WORKS)
+                if mode.kills == ("robot-agent",):
+                    self.note(("thing", thing.name), ("action", "kill"), FAILS if FAILS in outcomes else WORKS)
+        self.kinds_of_kill()
+
+    def kinds_of_kill(self):
+        rebuilt = self.output("all-rebuild")
+        for view in FILES:
+            if view.name == "JSON lines":
+                self.note(("action", "kill"), ("view", view.name), self.cells.get(
+                    (("mode", "rebuild"), ("view", view.name)), WORKS))
+            elif self.whole or view.of_run:
+                self.check(("action", "kill"), ("view", view.name), self.make, rebuilt, view.name,
+                           None if view.name == "scans" else TICKS)
+
+    def file_view(self, output, view, mode):
+        if view.name == "Python" and not mode.same:
+            return NONE + "Python steps its runs itself, in lockstep"
+        views.MAKERS[view.name](output, TICKS)
+        return None
+
+    def lines(self, base, mode):
+        self.run(f"{base}-lines", "all.json", mode, "--record", f"{base}.jsonl")
+        if mode.same:
+            self.same(base, "all", ".jsonl")
+
+    def modes_with_modes(self):
+        def pair(first, second):
+            words = joined_options(first, second)
+            mode = type(first)(f"{first.name}+{second.name}", tuple(words), first.same and second.same,
+                               first.in_process or second.in_process, first.kills + second.kills, first.answers or second.answers)
+            base = mode.name.replace(" ", "_")
+            refusal = self.refusal_of("run", "all.json", "--headless", *words, "--ticks", "1") if any(
+                option in ("--in-process", "--mode") for option in words) else None
+            if refusal:
+                for one in (first, second):
+                    assert any(option in refusal for option in option_names(one)) or not one.options, refusal
+                return REFUSED + refusal
+            self.run(base, "all.json", mode)
+            self.same(base, self.reference, ".hashes", mode)
+            return None
+        for first, second in itertools.combinations(MODES, 2):
+            self.check(("mode", first.name), ("mode", second.name), pair, first, second)
+
+    def refusal_of(self, *words):
+        """The line with which the words are refused, or None."""
+        status, text = self.program.finish(*words)
+        if status != 2:
+            return None
+        lines = text.strip().splitlines()
+        assert len(lines) == 1, text
+        return lines[0]
+
     def things_with_things(self):
-        """Each pair in a world of its own, in one process."""
+        """Each pair in a world of its own, in one process; a sample: each thing with its next."""
         def pair(first, second):
             name = f"{first.name}+{second.name}".replace(" ", "_")
             worlds.write(self.folder, name, [first, second])
-            base = self.run(name, MODES[0], "--record", f"{name}.mcap")
-            self.program.run("replay", f"{name}.mcap", "--hash-log", f"{name}.replayed")
-            assert self.read(name, ".replayed") == self.read(base, ".hashes"), "the replay has other hashes"
-            text = self.program.run("test", f"{name}.test.json", "--on", f"{name}.mcap")
+            output = self.output(self.run(name, f"{name}.json", ONE), f"{name}.json", f"{name}.test.json")
+            commands.replay(self.program, output, ONE)
+            text = self.program.run("test", output.test, "--on", output.path(".mcap"))
             for thing in (first, second):
                 assert not thing.holds or f"holds {thing.name}:" in text, text
-        pairs = [(a, b) for i, a in enumerate(THINGS) for b in THINGS[i + 1:]]
-        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(lambda ab: self.check(("thing", ab[0].name), ("thing", ab[1].name), pair, *ab), pairs))
+        chosen = itertools.combinations(THINGS, 2) if self.whole else zip(THINGS[::2], THINGS[1::2])
+        self.side_by_side([(("thing", a.name), ("thing", b.name), pair, a, b) for a, b in chosen])
 
-    def things_with_modes(self, name, things, reference):
-        for mode in MODES:  # one after another: each runs several processes
-            base = []
-            self.check(("mode", mode.name), ("view", "hash log"), lambda mode=mode: base.append(
-                self.run(name, mode, "--record", f"{mode.name.replace(' ', '_')}.mcap")))
-            for _, ending in OUTPUTS:
-                view = {".hashes": "hash log"}.get(ending, ending[1:])
-                self.check(("mode", mode.name), ("view", view), self.same_output, base, mode, reference, ending)
-            self.check(("mode", mode.name), ("view", "replay"), self.replays, base, mode)
-            outcomes = {self.cells[("mode", mode.name), ("view", view)] for view in ("hash log", "poses", "scans", "replay")}
-            for thing in things:
-                self.note(("thing", thing.name), ("mode", mode.name), "FAILS" if "FAILS" in outcomes else WORKS)
+    def side_by_side(self, checks):
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(lambda words: self.check(*words), checks))
+
+    def inputs(self):
+        """Each input with views, modes and other inputs, and the things in it."""
+        for i, source in enumerate(INPUTS):
+            row, base = ("input", source.name), worlds.base_of(source)
+            output = self.output(base, source.file, None if source.name == "recording" else f"{base}.test.json")
+            if source.runs:
+                if self.check(row, ("mode", ONE.name), lambda base=base, source=source: self.run(
+                        base, source.file, ONE, *self.ticks_of(source)) and None) == FAILS:
+                    continue
+                self.run(f"{base}-lines", source.file, ONE, *self.ticks_of(source), "--record", f"{base}.jsonl")
+            else:
+                self.check(row, ("mode", ONE.name), commands.test, self.program, output, ONE)
+            for view in FILES if self.whole or not source.runs else FILES[i::len(INPUTS)]:
+                self.check(row, ("view", view.name), self.input_view, source, base, view)
+            for name, command in commands.COMMANDS.items():
+                if self.whole or name == "test":
+                    self.check(row, ("action", name), self.input_action, source, output, name, command)
+            for at, mode in enumerate(MODES):
+                if mode is not ONE and (self.whole or at == 2 * i + 3):
+                    self.check(row, ("mode", mode.name), self.input_mode, source, output, mode)
+            for other in INPUTS[i + 1:]:
+                self.check(row, ("input", other.name), self.inputs_together, source, other)
+        self.things_with_inputs()
+
+    @staticmethod
+    def ticks_of(source):
+        return ("--from-tick", 0, "--ticks", TICKS) if source.name == "recording" else ("--no-ros", "--ticks", TICKS)
+
+    def input_view(self, source, base, view):
+        if not source.runs:
+            return None if view.name in ("expectations", "report") else NONE + "a case has only its report"
+        if view.name == "Python" and source.name == "recording":
+            return NONE + "Python steps no recording, but reads it"
+        views.MAKERS[view.name](self.output(base, source.file, f"{base}.test.json"), TICKS)
+        return None
+
+    def input_action(self, source, output, name, command):
+        if not source.runs and name in ("replay", "branch"):
+            return NONE + "a case has a recording only if it fails"
+        return command(self.program, output, ONE)
+
+    def input_mode(self, source, output, mode):
+        if not source.runs:
+            return commands.test(self.program, output, mode)
+        words = [word for word in self.ticks_of(source) if word != "--no-ros"]
+        base = self.run(f"{output.base}-{mode.name}".replace(" ", "_"), source.file, mode, *words)
+        self.same(base, output.base, ".hashes", mode)
+        return None
+
+    def inputs_together(self, source, other):
+        if not other.runs:
+            return commands.test(self.program, self.output(worlds.base_of(source), source.file, f"{worlds.base_of(source)}.test.json"
+                                                           if source.name != "recording" else None), ONE)
+        if source.name != "scenario":
+            return NONE + "a run has one of them"
+        file = f"{worlds.base_of(other)}.of_scenario.json"
+        (self.folder / file).write_text(f'{{"world": "{other.file}"}}')
+        refusal = self.refusal_of("run", file, "--headless", "--in-process", "--no-ros", "--ticks", 5)
+        if refusal:
+            assert other.file in refusal, refusal
+            return REFUSED + refusal.replace(file, "'FILE'")
+        return None
 
     def things_with_inputs(self):
-        def one(thing, source):
-            if not worlds.can_be_written(thing, source):
-                return NONE
-            if source.name in ("building", "layout (LIF)"):
-                file = source.file
-            elif source.name == "recording":
-                file = f"{thing.name}.json".replace(" ", "_")
-            else:
-                file = f"{thing.name}.{source.file.split('.', 1)[1]}".replace(" ", "_")
+        """All things that an input has in one file, or with --all each in a file of its own."""
+        def content(source, file):
+            """A function that says whether a thing is there."""
+            base = f"{file}-{source.name.split()[0]}".replace(".", "_")
             if source.name == "test":
                 self.program.run("test", file, "--no-shrink")
-                return None
-            base = f"{file}-{source.name.split()[0]}".replace(".", "_")
-            self.program.run("run", file, "--headless", "--in-process", "--no-ros", "--ticks", TICKS, "--record",
-                             f"{base}.mcap", "--hash-log", f"{base}.hashes")
+                return lambda thing: True
+            self.run(base, file, ONE, "--no-ros", "--ticks", TICKS)
+            output = self.output(base, file)
             if source.name == "recording":
-                self.program.run("run", f"{base}.mcap", "--headless", "--in-process", "--from-tick", TICKS // 2, "--ticks", TICKS,
-                                 "--hash-log", f"{base}.branch")
-                branch = self.read(base, ".branch").splitlines()
-                assert branch[-1] == self.read(base, ".hashes").splitlines()[-1], "the continued run has other hashes"
-            self.program.run("export", f"{base}.mcap", "--format", "csv", "-o", f"{base}.tables")
-            if thing.table:
-                table = "poses" if thing.table == "robots" else thing.table
-                rows = views.rows_of_csv(self.folder / f"{base}.tables/{table}.csv")
-                assert len(rows) > 1, f"{table}.csv has no row"
-            return None
-        for thing in THINGS:
-            worlds.write(self.folder, thing.name.replace(" ", "_"), [thing])
-        pairs = [(thing, source) for thing in THINGS for source in INPUTS]
-        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(lambda pair: self.check(("thing", pair[0].name), ("input", pair[1].name), one, *pair), pairs))
+                commands.branch(self.program, output, ONE)
+            views.tables(output, TICKS)
+            folder = output.path(".tables")
+            return lambda thing: not thing.table or len(views.rows_of_csv(
+                folder / ("poses.csv" if thing.table == "robots" else f"{thing.table}.csv"))) > 1
 
-    def actions(self, name, things, mode, number):
-        """Every action on every thing, in a live run of a mode: done, or refused with the name of the thing. Its hash log."""
-        session = f"live-{number}-{os.getpid()}"
-        live = Live(self.program, [f"{name}.json", *mode.options, "--ticks", 100000, "--hash-log", f"live{number}.hashes", "--record",
-                                   f"live{number}.mcap"], session)
+        def one(thing, source, made):
+            if not worlds.can_be_written(thing, source):
+                return NONE + f"{source.name} has no such thing"
+            if not made:
+                own = source.name in ("building", "layout (LIF)")
+                ending = "json" if source.name == "recording" else source.file.split(".", 1)[1]
+                made = [content(source, source.file if own else f"{thing.name}.{ending}".replace(" ", "_"))]
+            assert made[0](thing), "its table has no row"
+            return None
+
+        for thing in THINGS if self.whole else ():
+            worlds.write(self.folder, thing.name.replace(" ", "_"), [thing])
+        checks = []
+        for source in INPUTS:
+            made = []
+            if not self.whole and source.name != "ROS map":
+                self.check(("input", source.name), ("mode", ONE.name), lambda source=source, made=made: made.append(
+                    content(source, "all.json" if source.name == "recording" else source.file)))
+            checks += [(("thing", thing.name), ("input", source.name), one, thing, source, made) for thing in THINGS]
+        self.side_by_side(checks)
+
+    def live_run(self, row, file, mode, things, number):
+        """Views and actions of a paused run, which are on the page in row and column of `row`. Returns its hash log."""
+        base = f"live{number}"
+        lines = number == 1  # with these instead of a recording
+        outputs = [word for option, ending in OUTPUTS for word in (option, f"{base}{ending}")]
+        outputs[-1] = f"{base}.jsonl" if lines else outputs[-1]
+        run = Live(self.program, [file, *mode.options, *(() if "--ros" in mode.options else ROS), *(
+            ("--from-tick", 0) if file.endswith(".mcap") else ()), "--ticks", 100000, *outputs], f"{base}-{os.getpid()}", mode.kills)
         try:
-            self.live_views(live, things)
+            before = {view: self.check(row, ("view", view), self.live_view, run, view, things) for view in live.MAKERS}
             for action in ACTIONS:
-                for thing in things if action.of else (None,):
-                    first = ("action", action.name)
-                    second = ("thing", thing.name) if thing else ("mode", mode.name)
-                    self.check(first, second, self.act, live, action, thing)
-                    if thing:
-                        outcome = self.cells[first, second]
-                        if outcome == "FAILS" or (first, ("mode", mode.name)) not in self.cells:
-                            self.cells[first, ("mode", mode.name)] = outcome if outcome == "FAILS" else WORKS
-                live.ctl("step", "2")
+                if action.words:
+                    self.do(run, action, row, things)
+            after = {view: self.check(row, ("view", view), self.live_view, run, view, things) for view in live.MAKERS}
+            self.check(("action", "kill"), row, commands.kill, run)
         finally:
-            live.end()
-        self.program.run("replay", f"live{number}.mcap", "--hash-log", f"live{number}.replayed")
-        assert self.read(f"live{number}", ".replayed") == self.read(f"live{number}", ".hashes"), "the replay differs"
-        return self.read(f"live{number}", ".hashes")
+            run.end()
+        log = (self.folder / f"{base}.hashes").read_text()
+        if things:  # all
+            self.views_of_live_run(base, before, after, lines)
+        if not lines:
+            self.check(row, ("view", "replay"), commands.replay, self.program, self.output(base), ONE)
+        return log
+
+    def live_view(self, run, view, things):
+        made = [live.MAKERS[view](run)]
+        of = next(one for one in VIEWS if one.name == view)
+        for thing in things if self.whole or view != "ctl get" else things[::4]:
+            self.check(("thing", thing.name), ("view", view), self.thing_in, thing, of, made)
+
+    def views_of_live_run(self, base, before, after, lines):
+        """Of a run with all actions: the views beside it, and those of its files."""
+        output = self.output(base)
+        outcomes = dict(after)
+        for view in FILES:
+            if (view.name == "JSON lines") != lines:
+                continue
+            outcomes[view.name] = self.check(("action", "reset"), ("view", view.name), self.make, output, view.name)
+        for name, outcome in outcomes.items():
+            for action in ACTIONS:
+                if action.words or (action.name == "kill" and name in after):
+                    self.note(("action", action.name), ("view", name), outcome)
+            for other in before:
+                if name != other:
+                    self.note(("view", name), ("view", other), outcome)
+
+    def do(self, run, action, row, things):
+        """An action on each of the things, or on the whole run, in which all of them stay."""
+        first = ("action", action.name)
+        if not action.of:
+            outcome = self.check(first, row, self.act, run, action, None)
+            tables = run.tables()
+            for thing in things:
+                there = not thing.row or thing.row in tables[thing.table]
+                self.note(first, ("thing", thing.name), outcome if there else FAILS)
+                if not there:
+                    self.failures.append(f"action {action.name} x thing {thing.name}: it is gone")
+        for i, thing in enumerate(things if action.of else ()):
+            if self.whole or i % 4 == 0 or (action.of not in (MOVED, RESTORED) and {thing.table, thing.name} & set(action.of)):
+                outcome = self.check(first, ("thing", thing.name), self.act, run, action, thing)
+                self.note(first, row, outcome if outcome == FAILS else WORKS)
+        if action.of and not things:
+            self.note(first, row, NONE + "its things are those of other inputs")
+        run.ask("ctl", "step", "2")
 
     @staticmethod
     def entity_of(thing):
         return thing.row or thing.mark
 
-    def act(self, live, action, thing):
+    def act(self, run, action, thing):
+        """Done, or refused with the name of the thing."""
         place = {} if thing is None else {"name": self.entity_of(thing), "x": -3, "y": 2 * THINGS.index(thing)}
         words = [word.format(**place) for word in action.words]
-        status, text = live.ctl(*words)
-        if thing is None or thing.table in action.of:
+        status, text = run.ask(*words)
+        if thing is None or {thing.table, thing.name} & set(action.of):
             if status != 0:
-                raise Failed(f"troupe ctl {' '.join(words)}: status {status}: {text.strip()}")
+                raise Failed(f"troupe {' '.join(words)}: status {status}: {text.strip()}")
             return None
         if status == 0:
             return None  # a model that is edited like others
         lines = text.strip().splitlines()
-        assert status in (2, 3) and len(lines) == 1, f"troupe ctl {' '.join(words)}: status {status}: {text.strip()}"
-        assert self.entity_of(thing) in text, f"troupe ctl {' '.join(words)}: the refusal does not name it: {text.strip()}"
-        return "refused: " + lines[0]
+        assert status in (2, 3) and len(lines) == 1, f"troupe {' '.join(words)}: status {status}: {text.strip()}"
+        assert self.entity_of(thing) in text, f"troupe {' '.join(words)}: the refusal does not name it: {text.strip()}"
+        return REFUSED + lines[0]
 
-    def live_views(self, live, things):
-        _, listed = live.ctl("list")
-        for thing in things:
-            def get(thing=thing):
-                if thing.table not in VIEWS[-2].tables:
-                    return NONE
-                status, text = live.ctl("get", self.entity_of(thing))
-                assert status == 0 and thing.row in text, text
-                return None
-            def find(thing=thing):
-                if thing.table not in VIEWS[-1].tables:
-                    return NONE
-                assert re.search(rf"\b{re.escape(thing.row)}\b", listed), "it is not listed"
-                return None
-            self.check(("thing", thing.name), ("view", "ctl get"), get)
-            self.check(("thing", thing.name), ("view", "ctl list"), find)
-
-
-KINDS = (("input", INPUTS), ("thing", THINGS), ("mode", MODES), ("view", VIEWS), ("action", ACTIONS))
-REFUSED = "refused: "
-
-
-def blocks(cells):
-    """(title, rows, columns, cell of names) of each table of the page."""
-    for i, (kind, rows) in enumerate(KINDS):
-        for other, columns in KINDS[i:]:
-            found = {}
-            for at, row in enumerate(rows):
-                for column in columns[at + 1:] if other == kind else columns:
-                    a, b = (kind, row.name), (other, column.name)
-                    outcome = cells.get((a, b), cells.get((b, a)))
-                    if outcome is not None:
-                        found[row.name, column.name] = outcome
-            if found:
-                used_rows = [row.name for row in rows if any(row.name == pair[0] for pair in found)]
-                used = [column.name for column in columns if any(column.name == pair[1] for pair in found)]
-                yield f"{kind.capitalize()}s and {other}s", used_rows, used, found
-
-
-def reason_of(outcome):
-    """A refusal without the names of the pair."""
-    return re.sub(r"'[^']*'", "'…'", outcome.removeprefix(REFUSED).removeprefix("error: "))
-
-
-def page(cells):
-    """docs/matrix.md."""
-    lines, counts = [], collections.Counter()
-    for title, rows, columns, found in blocks(cells):
-        lines += [f"## {title}", "", "| | " + " | ".join(columns) + " |", "|" + "---|" * (len(columns) + 1)]
-        reasons = {}
-        for row in rows:
-            texts = []
-            for column in columns:
-                outcome = found.get((row, column), "")
-                if outcome.startswith(REFUSED):
-                    counts[REFUSED] += 1
-                    outcome = f"no ({reasons.setdefault(reason_of(outcome), len(reasons) + 1)})"
-                else:
-                    counts[outcome] += 1
-                texts.append(outcome)
-            lines.append(f"| {row} | " + " | ".join(texts) + " |")
-        lines += ["", *(f"{number}. `{reason}`" for reason, number in reasons.items()), *[""] * bool(reasons)]
-    total = counts[WORKS] + counts[REFUSED] + counts["FAILS"]
-    head = ["# All features in pairs", "",
-            "`tests/matrix/matrix.py --write docs/matrix.md` makes this page. It goes over all pairs of the list in "
-            "`tests/matrix/rows.py`:", "a pair works (yes), is refused (no) by the line below its table, or does not exist (–).", "",
-            f"{total} pairs: {counts[WORKS]} work, {counts[REFUSED]} are refused, {counts['FAILS']} fail; {counts[NONE]} more do "
-            "not exist.", ""]
-    return "\n".join(head + lines).rstrip("\n") + "\n"
-
-
-def read_page(text):
-    """The cells of a page by its titles, rows and columns; a refusal has its reason."""
-    cells = {}
-    for block in text.split("\n## ")[1:]:
-        lines = block.splitlines()
-        table = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("|")]
-        reasons = dict(re.findall(r"^(\d+)\. `(.*)`$", block, re.MULTILINE))
-        for row in table[2:]:
-            for column, cell in zip(table[0][1:], row[1:]):
-                number = re.fullmatch(r"no \((\d+)\)", cell)
-                cells[lines[0], row[0], column] = REFUSED + reasons[number[1]] if number else cell
-    return cells
-
-
-def differences(cells, text):
-    """The pairs that the page does not have, or otherwise."""
-    shown = read_page(text)
-    for title, _, _, found in blocks(cells):
-        for (row, column), outcome in found.items():
-            expected = REFUSED + reason_of(outcome) if outcome.startswith(REFUSED) else outcome
-            if shown.get((title, row, column)) != expected:
-                yield f"{title}: {row}, {column}: the page has '{shown.get((title, row, column))}', found '{expected}'"
+    def live_runs(self):
+        """Live runs of all things, in a mode or in each, and of each input."""
+        for mode in MODES:
+            if mode.in_process:
+                for view in live.MAKERS:
+                    self.note(("mode", mode.name), ("view", view), NONE + "a run in one process has no network")
+                for action in ACTIONS:
+                    if action.words or action.name == "kill":
+                        self.note(("mode", mode.name), ("action", action.name), NONE + "a run in one process has no network")
+        logs = {}
+        for number, mode in enumerate(mode for mode in MODES if not mode.in_process):
+            if self.whole or mode.name == LIVE_MODE:
+                row = ("mode", mode.name)
+                self.check(row, ("action", "step"), lambda mode=mode, row=row, number=number: logs.update(
+                    {mode.name: self.live_run(row, "all.json", mode, THINGS, number)}))
+        if len({log for name, log in logs.items() if next(mode for mode in MODES if mode.name == name).same}) > 1:
+            self.failures.append("actions: the hashes of live runs differ with the mode")
+        mode = next(mode for mode in MODES if mode.name == LIVE_MODE)
+        for number, source in enumerate(INPUTS, len(MODES)):
+            row = ("input", source.name)
+            if not source.runs:
+                for view in live.MAKERS:
+                    self.note(row, ("view", view), NONE + "a case has only its report")
+                for action in ACTIONS:
+                    if action.words or action.name == "kill":
+                        self.note(row, ("action", action.name), NONE + "a case takes no requests")
+            elif self.whole:
+                self.check(row, ("action", "step"), lambda source=source, row=row, number=number: self.live_run(
+                    row, source.file, mode, (), number) and None)
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("troupe", type=pathlib.Path)
+    parser.add_argument("node", type=pathlib.Path)
     parser.add_argument("--all", action="store_true")
     parser.add_argument("--write", type=pathlib.Path)
     parser.add_argument("--page", type=pathlib.Path)
@@ -412,38 +498,27 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = arguments.folder or pathlib.Path(temporary)
-        program = Program(arguments.troupe.resolve(), folder)
-        matrix = Matrix(program, folder)
+        folder.mkdir(exist_ok=True)
+        matrix = Matrix(Program(arguments.troupe.resolve(), arguments.node.resolve(), folder), folder, arguments.all)
         worlds.write(folder, "all", THINGS)
-        began = time.monotonic()
-
-        def report(name):
-            print(f"{name}: {time.monotonic() - began:.1f} s", flush=True)
-
-        reference = matrix.things_with_views("all", THINGS)
-        report("views")
-        matrix.things_with_modes("all", THINGS, reference)
-        report("modes")
-        matrix.things_with_inputs()
-        report("inputs")
-        matrix.things_with_things()
-        report("things")
-        live_modes = [mode for mode in MODES if not mode.in_process and mode.same and not mode.kills and mode.name != "ROS 2"]
-        logs = [matrix.actions("all", THINGS, mode, i) for i, mode in enumerate(live_modes if arguments.all else live_modes[1:2])]
-        if len(set(logs)) > 1:
-            matrix.failures.append("actions: the hashes of live runs differ with the mode")
-        report("actions")
+        sections = [matrix.one_process, matrix.inputs, matrix.modes, matrix.things_with_things, matrix.live_runs]
+        for section in [*sections, *([matrix.modes_with_modes] if arguments.all else [])]:
+            began, used = time.monotonic(), os.times()
+            section()
+            now = os.times()
+            used = now.children_user + now.children_system - used.children_user - used.children_system
+            print(f"{section.__name__}: {time.monotonic() - began:.1f} s, {used:.1f} s of the processor", flush=True)
         if arguments.write:
-            arguments.write.write_text(page(matrix.cells))
+            arguments.write.write_text(pages.page(matrix.cells))
         for failure in matrix.failures:
             print(failure)
         if matrix.failures:
             sys.exit(f"error: {len(matrix.failures)} pairs fail")
-        stale = list(differences(matrix.cells, arguments.page.read_text())) if arguments.page else []
+        stale = list(pages.differences(matrix.cells, arguments.page.read_text())) if arguments.page else []
         for line in stale:
             print(line)
         if stale:
-            sys.exit(f"error: {arguments.page} is out of date, expected that of matrix.py --write {arguments.page}")
+            sys.exit(f"error: {arguments.page} is out of date, expected that of matrix.py --all --write {arguments.page}")
         print(f"{len(matrix.cells)} pairs")
 
 

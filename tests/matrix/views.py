@@ -1,28 +1,37 @@
 """The views of the rows: how each is made from a run, and how a thing is found in it. A thing that a view must have and
 has not is an error of the pair."""
 
+import base64
 import csv
+import gzip
+import html
 import json
+import re
 import subprocess
 import sys
 
 PYTHON = """
 import json, sys, troupe
-sim = troupe.Simulation(sys.argv[1])
-sim.step(int(sys.argv[2]))
+last = troupe.Recording(sys.argv[3])[-1]
+if sys.argv[2] == "None":
+    sim = last
+else:
+    sim = troupe.Simulation(sys.argv[1])
+    sim.step(int(sys.argv[2]))
 print(json.dumps({"tables": {name: list(sim.table(name).get("name", ())) for name in sim.tables},
-                  "models": list(sim.robots), "hash": f"{sim.state_hash:016x}"}))
+                  "hashes": [f"{state.state_hash:016x}" for state in (sim, last)]}))
 """
+TEXT = "<script type=\"text/plain\" id=\"static-content\">([^<]*)<"
 
 
 class Output:
-    """What `troupe run` has written of a world of the rows."""
+    """What `troupe run FILE` has written as BASE.*; `test`: of the same world."""
 
-    def __init__(self, program, folder, name, environment):
-        self.program, self.folder, self.name, self.environment = program, folder, name, environment
+    def __init__(self, program, folder, base, file="all.json", test="all.test.json"):
+        self.program, self.folder, self.base, self.file, self.test = program, folder, base, file, test
 
     def path(self, ending):
-        return self.folder / f"{self.name}{ending}"
+        return self.folder / f"{self.base}{ending}"
 
     def troupe(self, *words, status=0):
         return self.program.run(*words, status=status)
@@ -35,27 +44,27 @@ def rows_of_csv(path):
 
 def hash_log(output, ticks):
     lines = output.path(".hashes").read_text().splitlines()
-    assert len(lines) == ticks + 1, f"found {len(lines)} lines, expected {ticks + 1}"
+    assert ticks is None or len(lines) == ticks + 1, f"found {len(lines)} lines, expected {ticks + 1}"
     return lambda thing: True
 
 
 def poses(output, ticks):
     rows = rows_of_csv(output.path(".poses"))
-    assert rows[-1][0] == str(ticks), f"the last line is of tick {rows[-1][0]}, expected {ticks}"
+    assert len(rows) == 1 or ticks is None or rows[-1][0] == str(ticks), f"the last line is of tick {rows[-1][0]}, expected {ticks}"
     names = {row[1] for row in rows[1:]}
     return lambda thing: thing.row in names
 
 
 def scans(output, ticks):
     lines = [json.loads(line) for line in output.path(".scans").read_text().splitlines()]
-    assert max(line["tick"] for line in lines) == ticks - 1, "the last tick has no readings"
+    assert not lines or ticks is None or max(line["tick"] for line in lines) == ticks - 1, "the last tick has no readings"
     robots = {line["robot"] for line in lines}
     return lambda thing: thing.row.split(".")[0] in robots
 
 
 def json_lines(output, ticks):
     lines = [json.loads(line) for line in output.path(".jsonl").read_text().splitlines()]
-    assert lines[-1]["tick"] == ticks
+    assert ticks is None or lines[-1]["tick"] == ticks
     header = lines[0]
     names = {name for key in ("robots", "joints", "grippers", "objects") for name in header.get(key, ())}
     tables = header.get("tables", {})
@@ -72,8 +81,10 @@ def json_lines(output, ticks):
 
 
 def replay(output, ticks):
-    output.troupe("replay", output.path(".mcap"), "--verify", "--controllers", "--hash-log", output.path(".replayed"))
-    assert output.path(".replayed").read_text() == output.path(".hashes").read_text(), "the replay has other hashes"
+    controllers = [] if ticks is None else ["--controllers"]  # of a run without edits
+    output.troupe("replay", output.path(".mcap"), "--verify", *controllers, "--hash-log", output.path(".replayed"))
+    logs = [output.path(ending).read_text() for ending in (".replayed", ".hashes")]
+    assert logs[0] == logs[1] or (ticks is None and logs[0].endswith(logs[1])), "the replay has other hashes"  # of a branch
     return lambda thing: True
 
 
@@ -103,28 +114,55 @@ def ros_bag(output, ticks):
     return _exported(".ros2.mcap", output, "ros2")
 
 
+def judged(output, ticks, *more):
+    """After edits an expectation may fail."""
+    words = ("test", output.test, "--on", output.path(".mcap"), *more)
+    status, text = output.program.finish(*words)
+    assert status == 0 or (status == 1 and ticks is None), f"{words}: status {status}: {text}"
+    return text
+
+
 def expectations(output, ticks):
-    """All expectations of the test, in its run and on the recording."""
-    text = output.troupe("test", output.path(".test.json"), "--on", output.path(".mcap"))
+    """All expectations of the test on the recording."""
+    text = judged(output, ticks)
     return lambda thing: not thing.holds or f"holds {thing.name}:" in text
+
+
+def report(output, ticks):
+    judged(output, ticks, "--report", output.path(".report"))
+    text = html.unescape((output.path(".report") / "index.html").read_text())
+    return lambda thing: not thing.holds or thing.holds in text
+
+
+def static_page(output, ticks):
+    """What the document has, without the module that computes it."""
+    module = output.folder / "module"
+    module.mkdir(exist_ok=True)
+    for name in ("troupe-core.wasm", "troupe-core.js", "page_worker.js"):
+        (module / name).write_text("none")
+    output.troupe("view", "--static", output.path(".mcap"), "--module", module, "-o", output.path(".html"))
+    content = gzip.decompress(base64.b64decode(re.search(TEXT, output.path(".html").read_text())[1]))
+    return lambda thing: (thing.row or thing.mark).encode() in content
 
 
 def picture(output, ticks):
     for ending in ("png", "svg"):
-        output.troupe("snapshot", output.path(".mcap"), "--rays", "--tick", ticks, "-o", output.path(f".{ending}"))
+        tick = [] if ticks is None else ["--tick", ticks]
+        output.troupe("snapshot", output.path(".mcap"), "--rays", *tick, "-o", output.path(f".{ending}"))
         assert output.path(f".{ending}").stat().st_size > 500
     return lambda thing: True
 
 
 def python(output, ticks):
-    found = subprocess.run([sys.executable, "-c", PYTHON, output.path(".json"), str(ticks)], capture_output=True, text=True,
-                           env=output.environment, check=False)
+    """A run of its own, which ends as the recorded one, and the recording; of one with edits only that."""
+    found = subprocess.run([sys.executable, "-c", PYTHON, output.file, str(ticks), output.path(".mcap")], capture_output=True,
+                           text=True, cwd=output.folder, env=output.program.environment, check=False)
     assert found.returncode == 0, found.stderr.strip().splitlines()[-1]
     content = json.loads(found.stdout)
-    last = output.path(".hashes").read_text().splitlines()[-1].split()[1]
-    assert content["hash"] == last, f"found the hash {content['hash']}, expected {last}"
+    assert len(set(content["hashes"])) == 1, f"the hashes are {content['hashes']}"
     return lambda thing: thing.row in content["tables"][thing.table] if thing.row else bool(content["tables"][thing.table])
 
 
 MAKERS = {"hash log": hash_log, "poses": poses, "scans": scans, "JSON lines": json_lines, "replay": replay, "CSV": tables,
-          "Foxglove": foxglove, "ROS bag": ros_bag, "expectations": expectations, "picture": picture, "Python": python}
+          "Foxglove": foxglove, "ROS bag": ros_bag, "expectations": expectations, "report": report, "picture": picture,
+          "static page": static_page, "Python": python}

@@ -83,6 +83,20 @@ def test_of(things, **more):
                                "metrics": {"robots": "count(robots)"}} | more
 
 
+def base_of(source):
+    """The begin of the names of files that are made from an input."""
+    return "of_" + source.name.split()[0]
+
+
+def test_of_file(source):
+    """A test of the world of an input; a recording is tested by `--on`."""
+    if source.name in ("scenario", "test"):
+        return test_of(THINGS)
+    world = {} if source.name == "recording" else {"world": source.file}
+    return {**world, "ticks": TICKS, "expect": [{"name": "it runs", "that": "always count(robots) >= 0"}],
+            "vary": {"seed": {"values": [5, 6]}}, "metrics": {"robots": "count(robots)"}}
+
+
 def write(folder, name, things):
     """Writes NAME.json, NAME.test.json, NAME.world and the site of these things."""
     (folder / f"{name}.json").write_text(json.dumps(scenario(things)))
@@ -90,6 +104,8 @@ def write(folder, name, things):
     (folder / f"{name}.world").write_text('name "matrix"\n' + "".join(thing.stage + "\n" for thing in things))
     if not (folder / "house.building.yaml").exists():
         (folder / "house.building.yaml").write_text(HOUSE)
+        for source in INPUTS:
+            (folder / f"{base_of(source)}.test.json").write_text(json.dumps(test_of_file(source)))
         (folder / "lanes.lif.json").write_text(json.dumps(LANES))
         (folder / "map.yaml").write_text(MAP)
         (folder / "map.pgm").write_bytes(b"P5\n4 4\n255\n" + bytes([0, 254, 254, 254] * 4))

@@ -19,7 +19,7 @@ class Update(typing.NamedTuple):
 
 
 class PageClient:
-    def __init__(self, address):
+    def __init__(self, address, protocol="troupe"):
         url = urllib.parse.urlparse(address)
         self._socket = socket.create_connection((url.hostname, url.port), timeout=SECONDS)
         self._file = self._socket.makefile("rb")
@@ -27,7 +27,7 @@ class PageClient:
         query = f"?{url.query}" if url.query else ""
         self._socket.sendall((f"GET /socket{query} HTTP/1.1\r\nHost: {url.netloc}\r\nUpgrade: websocket\r\n"
                               f"Origin: http://{url.netloc}\r\nConnection: Upgrade\r\nSec-WebSocket-Key: {key}\r\n"
-                              "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: troupe\r\n\r\n").encode())
+                              f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: {protocol}\r\n\r\n").encode())
         status = self._file.readline()
         if b" 101 " not in status:
             raise AssertionError(f"no WebSocket: {status}")
@@ -38,7 +38,7 @@ class PageClient:
         self._file.close()
         self._socket.close()
 
-    def _read(self):
+    def read(self):
         """(opcode, bytes) of the next message."""
         whole = b""
         kind = 0
@@ -56,7 +56,7 @@ class PageClient:
         """The first update with that tick, or the last one of the run."""
         deadline = time.monotonic() + SECONDS
         while time.monotonic() < deadline:
-            kind, message = self._read()
+            kind, message = self.read()
             if kind != 2 or message[0] != UPDATE:
                 continue
             _, _, flags, at, digest = struct.unpack_from("<BIBQQ", message)
@@ -65,14 +65,17 @@ class PageClient:
                 return update
         raise AssertionError(f"no update with tick {tick}")
 
-    def ask(self, request):
-        """The reply to a request."""
-        data = json.dumps({**request, "id": 7}).encode()
+    def send(self, message):
+        data = json.dumps(message).encode()
         mask = os.urandom(4)
         header = struct.pack(">BBH", 129, 254, len(data))
         self._socket.sendall(header + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(data)))
+
+    def ask(self, request):
+        """The reply to a request."""
+        self.send({**request, "id": 7})
         while True:
-            kind, message = self._read()
+            kind, message = self.read()
             if kind == 1:
                 reply = json.loads(message)
                 if reply.get("type") == "reply" and reply.get("id") == 7:

@@ -1,0 +1,210 @@
+"""Runs that go on: a paused run with tools, the page, Foxglove and ROS 2 beside it; and how a thing is found in each."""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import struct
+import subprocess
+import sys
+import time
+
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+from page_client import PageClient
+
+SECONDS = 100
+WORLD, DATA = 1, 1  # the first bytes of a message of the page and of Foxglove
+ANSWERER = "answerer"  # the node of ROS 2
+
+
+class Failed(Exception):
+    pass
+
+
+class Program:
+    """troupe, for runs in a domain of this test, and the node of ROS 2 (`node`)."""
+
+    def __init__(self, path, node, folder):
+        self.path, self.node, self.folder = path, node, folder
+        self.domain = 101 + os.getpid() % 100
+        self.ros_domain = self.domain - 100
+        self.environment = {**os.environ, "TROUPE_DOMAIN": str(self.domain), "NO_COLOR": "1"}
+        self.environment.pop("TROUPE_SESSION", None)
+
+    def words(self, words):
+        """Of a row, with the domain of ROS 2."""
+        return [str(word).format(ros_domain=self.ros_domain) if "{" in str(word) else str(word) for word in words]
+
+    def start(self, *words):
+        return subprocess.Popen([self.path, *self.words(words)], cwd=self.folder, env=self.environment, text=True,
+                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+    @staticmethod
+    def end_of(process, words):
+        """All that it printed."""
+        try:
+            return process.communicate(timeout=SECONDS)[0]
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGINT)
+            try:
+                text = process.communicate(timeout=SECONDS)[0]
+            except subprocess.TimeoutExpired:
+                process.kill()
+                text = process.communicate()[0]
+            raise Failed(f"troupe {' '.join(map(str, words))}: no end within {SECONDS} s: {text}") from None
+
+    def finish(self, *words):
+        """(status, text)"""
+        with self.start(*words) as process:
+            text = self.end_of(process, words)
+            return process.returncode, text
+
+    def run(self, *words, status=0):
+        found, text = self.finish(*words)
+        if found != status:
+            raise Failed(f"troupe {' '.join(map(str, words))}: status {found}: {text.strip()}")
+        return text
+
+
+class RosNode:
+    """Answers ticks, and knows the topics."""
+
+    def __init__(self, program):
+        self.process = subprocess.Popen([program.node, str(program.ros_domain), ANSWERER], text=True, stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE)
+        os.set_blocking(self.process.stdout.fileno(), False)
+        self.text = ""
+
+    def await_topic(self, topic):
+        deadline = time.monotonic() + 10
+        while f"topic {topic}" not in self.text:  # or topics below it
+            self.text += self.process.stdout.read() or ""
+            if time.monotonic() > deadline:
+                raise Failed(f"no topic {topic}; found {self.text.split()[1::2]}")
+            time.sleep(0.01)
+
+    def end(self):
+        self.process.communicate(timeout=SECONDS)
+
+
+def descendants(pid):
+    found = []
+    for task in pathlib.Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in task.read_text().split():
+            found += [int(child), *descendants(child)]
+    return found
+
+
+def kill(process, program):
+    """Kills one child of that program once it works."""
+    deadline = time.monotonic() + SECONDS
+    while time.monotonic() < deadline and process.poll() is None:
+        for pid in descendants(process.pid):
+            try:
+                if pathlib.Path(f"/proc/{pid}/comm").read_text().strip() == program[:15]:
+                    os.kill(pid, signal.SIGKILL)
+                    return
+            except (OSError, ProcessLookupError):
+                continue
+        time.sleep(0.01)
+
+
+class Live:
+    """A paused run, with ROS 2, and the server of the page."""
+
+    def __init__(self, program, words, session, kills=()):
+        self.program, self.session = program, session
+        self.node = RosNode(program)
+        self.process = program.start("run", *words, "--headless", "--paused", "--session", session)
+        self.viewer = None
+        self.await_text(self.process, "ready")
+        for victim in kills:
+            kill(self.process, victim)
+        self.viewer = program.start("view", session, "--listen", "127.0.0.1:0")
+        self.address = re.search(r"http://\S+", self.await_text(self.viewer, "http://"))[0]
+        self.page = PageClient(self.address)
+        while True:
+            kind, self.world = self.page.read()
+            if kind == 2 and self.world[0] == WORLD:
+                break
+
+    def await_text(self, process, part):
+        text = ""
+        while part not in text:
+            line = process.stdout.readline()
+            if not line:
+                self.end()
+                raise Failed(f"{' '.join(map(str, process.args[1:]))}: no {part}: {text}")
+            text += line
+        return text
+
+    def ask(self, command, *words):
+        """(status, text) of a tool"""
+        return self.program.finish(command, "--session", self.session, *words)
+
+    def end(self):
+        if self.viewer:
+            self.viewer.send_signal(signal.SIGINT)
+            self.program.end_of(self.viewer, ["view"])
+        self.process.send_signal(signal.SIGINT)
+        text = self.program.end_of(self.process, ["run"])
+        self.node.end()
+        if self.process.returncode not in (0, 5, 130):
+            raise Failed(f"the run ended with {self.process.returncode}: {text}")
+
+    def tables(self):
+        """Of the page's list of plots: the names of the things with signals, by table."""
+        reply = self.page.ask({"type": "series", "from": 0, "to": 1, "every": 1, "signals": []})
+        return {table["name"]: table["things"] for table in reply["tables"] if table["signals"]}
+
+
+def ctl_get(live):
+    def has(thing):
+        status, text = live.ask("ctl", "get", thing.row)
+        return status == 0 and thing.row in text
+    return has
+
+
+def ctl_list(live):
+    _, listed = live.ask("ctl", "list")
+    return lambda thing: re.search(rf"\b{re.escape(thing.row)}\b", listed)
+
+
+def page(live):
+    """The description of the world that it draws."""
+    return lambda thing: (thing.row or thing.mark).encode() in live.world
+
+
+def plots(live):
+    tables = live.tables()
+    return lambda thing: thing.row in tables[thing.table] if thing.row else bool(tables[thing.table])
+
+
+def foxglove(live):
+    client = PageClient(live.address, "foxglove.sdk.v1")
+    topics = None
+    while topics is None:
+        kind, message = client.read()
+        text = json.loads(message) if kind == 1 else {}
+        if text.get("op") == "advertise":
+            topics = {channel["id"]: channel["topic"] for channel in text["channels"] if "/tables/" in channel["topic"]}
+    client.send({"op": "subscribe", "subscriptions": [{"id": channel, "channelId": channel} for channel in topics]})
+    rows = {}
+    while len(rows) < len(topics):
+        kind, message = client.read()
+        if kind == 2 and message[0] == DATA:
+            subscription, _ = struct.unpack_from("<IQ", message, 1)
+            rows[topics[subscription].split("/")[-1]] = [row["name"] for row in json.loads(message[13:])["rows"]]
+    return lambda thing: thing.row in rows[thing.table] if thing.row else bool(rows[thing.table])
+
+
+def ros_topics(live):
+    def has(thing):
+        live.node.await_topic(thing.topic)
+        return True
+    return has
+
+
+MAKERS = {"ctl get": ctl_get, "ctl list": ctl_list, "page": page, "plots": plots, "Foxglove live": foxglove,
+          "ROS topics": ros_topics}
