@@ -289,21 +289,22 @@ TEST(AgentLoss, AKilledAgentIsStartedAgainAndRejoins) {
   run.ExpectNoProcessLeft();
 }
 
-// As one that a malformed message of the handshake has ended.
+// As one that a malformed message of the handshake has ended. With the usual lease: a shorter one can expire during a
+// handshake, which then never completes (docs/reliability.md).
 TEST(AgentLoss, WithKeysARunGoesOnAfterASegmentationFaultOfAnAgent) {
   TemporaryFolder folder;
-  LongRun run({"--security", "on", "--ticks", "100", "--summary", folder.Path("summary"), "--hash-log",
-               folder.Path("hashes"), "--on-agent-loss", "rebuild"});
-  kill(run.Child("--robot=r1"), SIGSEGV);
-  EXPECT_EQ(run.program().Wait(), 0) << run.program().output();
-  EXPECT_THAT(run.program().output(), HasSubstr("was killed by signal 11 (Segmentation fault"));
-  EXPECT_THAT(run.program().output(), HasSubstr("restart 1 of "));
+  Program run = RunPen({"--security", "on", "--speed", "10", "--ticks", "100", "--summary", folder.Path("summary"),
+                        "--hash-log", folder.Path("hashes"), "--on-agent-loss", "rebuild"});
+  run.WaitForLine("4 robots in 4 agent processes, ready");
+  for (const pid_t agent : ChildrenWith(run, "--robot=r1")) kill(agent, SIGSEGV);
+  EXPECT_EQ(run.Wait(), 0) << run.output();
+  EXPECT_THAT(run.output(), HasSubstr("was killed by signal 11 (Segmentation fault"));
+  EXPECT_THAT(run.output(), HasSubstr("restart 1 of "));
   const nlohmann::json summary = nlohmann::json::parse(folder.Read("summary"), nullptr, false);
   EXPECT_EQ(summary["agents_restarted"], 1);
   EXPECT_EQ(summary["lost"], nlohmann::json::array());
   OutputOf(RunPen({"--ticks", "100", "--in-process", "--hash-log", folder.Path("undisturbed")}));
   EXPECT_EQ(folder.Read("hashes"), folder.Read("undisturbed"));
-  run.ExpectNoProcessLeft();
 }
 
 TEST(AgentLoss, AnAgentThatDiesBeforeTheRunBeginsIsStartedAgain) {
