@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
 
 #include "launcher/hosts/host.h"
 #include "launcher/process/process.h"
@@ -184,6 +186,23 @@ TEST_F(Hosts, ThatReturnAreConnectedAgain) {
   OutputOf(Troupe({"run", WorldPath("pen.world"), "--ticks", "100", "--in-process", "--headless", "--controller",
                    "wander", "--hash-log", folder_.Path("alone")}));
   EXPECT_EQ(folder_.Read("hashes"), folder_.Read("alone"));
+}
+
+// The keys of a run count from a day before it on.
+TEST_F(Hosts, WhoseClockDoesNotFitTheKeysAreNamed) {
+#ifdef TROUPE_SANITIZED
+  GTEST_SKIP() << "a sanitizer has to be loaded before all other libraries";
+#endif
+  for (const auto& [days, text] :
+       {std::pair(-3, "error: the keys count from "), std::pair(4000, "error: the keys count until ")}) {
+    json far = HostHere("far");
+    far["robots"] = {"r1", "r3"};
+    far["start"] = "env LD_PRELOAD=" SHIFTED_CLOCK " CLOCK_SHIFT=" + std::to_string(days * 86400) + " {command}";
+    Program run = Run({HostHere("near"), far}, {"--ticks", "5", "--security", "on"});
+    EXPECT_EQ(run.Wait(), 3) << run.output();
+    EXPECT_THAT(run.output(), HasSubstr(text));
+    EXPECT_THAT(run.output(), testing::ContainsRegex("far: agent of r[13]: .*, but the clock of host .* says "));
+  }
 }
 
 TEST_F(Hosts, DeleteTheFoldersOfThoseThatWereKilled) {
