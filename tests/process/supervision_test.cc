@@ -386,7 +386,7 @@ TEST(AgentLoss, AnAgentIsStartedAgainForTheRobotsThatWereNotDeleted) {
 // service.
 void ExpectToSurviveDeathsAfterAReturn(const std::vector<std::string>& more, const control::Request& back) {
   const std::string session = TestSession("returned");
-  std::vector<std::string> arguments = Words("--paused --speed max --ticks 40 --lease 0.5 --robots-per-process 2", {});
+  std::vector<std::string> arguments = Words("--paused --speed max --ticks 40 --robots-per-process 2", {});
   arguments.insert(arguments.end(), {"--session", session});
   arguments.insert(arguments.end(), more.begin(), more.end());
   Program run = RunPen(arguments);
