@@ -137,9 +137,7 @@ TEST(LanesOverDds, LeadThroughALiftThatAUserCallsAway) {
   ctl({"step", "288"});
   EXPECT_THAT(ctl({"get", "guest_lift"}), testing::HasSubstr(R"("session":"tiny_1")"));
   ctl({"lift", "guest_lift", "L2"});
-  ctl({"step", "1"});
-  EXPECT_THAT(ctl({"get", "guest_lift"}), testing::HasSubstr(R"("session":"")"));
-  ctl({"step", "600"});
+  ctl({"step", "601"});
   EXPECT_THAT(ctl({"get", "tiny_1"}), testing::ContainsRegex("position +(2\\.9|3\\.0)[0-9]+,-5\\.[45][0-9]+,4\\.000"));
   EXPECT_THAT(ctl({"get", "L2"}), testing::HasSubstr(R"(level {"name":"L2","z":4,"robots":1)"));
   run.Interrupt();
@@ -162,7 +160,7 @@ TEST(LanesOverDds, LeaveTheLiftOfALostRobotToOthers) {
   EXPECT_THAT(ctl({"get", "guest_lift"}), testing::HasSubstr(R"("session":"tiny_1")"));
   Kill(run, "--robot=tiny_1");
   ctl({"step", "20"});
-  EXPECT_THAT(ctl({"get", "guest_lift"}), testing::HasSubstr(R"("session":"")"));
+  EXPECT_THAT(ctl({"get", "guest_lift"}), testing::Not(testing::HasSubstr("session")));
   run.Signal(SIGINT);
   run.Wait();
   EXPECT_THAT(run.output(), testing::HasSubstr("tiny_1"));
