@@ -123,11 +123,15 @@ class Live:
             kill(self.process, victim)
         self.viewer = program.start("view", session, "--listen", "127.0.0.1:0")
         self.address = re.search(r"http://\S+", self.await_text(self.viewer, "http://"))[0]
-        self.page = PageClient(self.address)
+        self.open_page()
+
+    def open_page(self):
+        """(a new client, the description of the world that it was sent). The server ends one that does not answer for a while."""
+        client = PageClient(self.address)
         while True:
-            kind, self.world = self.page.read()
-            if kind == 2 and self.world[0] == WORLD:
-                break
+            kind, message = client.read()
+            if kind == 2 and message[0] == WORLD:
+                return client, message
 
     def await_text(self, process, part):
         text = ""
@@ -155,7 +159,8 @@ class Live:
 
     def tables(self):
         """Of the page's list of plots: the names of the things with signals, by table."""
-        reply = self.page.ask({"type": "series", "from": 0, "to": 1, "every": 1, "signals": []})
+        client, _ = self.open_page()
+        reply = client.ask({"type": "series", "from": 0, "to": 1, "every": 1, "signals": []})
         return {table["name"]: table["things"] for table in reply["tables"] if table["signals"]}
 
 
@@ -173,7 +178,8 @@ def ctl_list(live):
 
 def page(live):
     """The description of the world that it draws."""
-    return lambda thing: (thing.row or thing.mark).encode() in live.world
+    _, world = live.open_page()
+    return lambda thing: (thing.row or thing.mark).encode() in world
 
 
 def plots(live):
@@ -183,19 +189,17 @@ def plots(live):
 
 def foxglove(live):
     client = PageClient(live.address, "foxglove.sdk.v1")
-    topics = None
-    while topics is None:
+    topics, rows = {}, {}
+    while not topics or len(rows) < len(topics):
         kind, message = client.read()
         text = json.loads(message) if kind == 1 else {}
-        if text.get("op") == "advertise":
-            topics = {channel["id"]: channel["topic"] for channel in text["channels"] if "/tables/" in channel["topic"]}
-    client.send({"op": "subscribe", "subscriptions": [{"id": channel, "channelId": channel} for channel in topics]})
-    rows = {}
-    while len(rows) < len(topics):
-        kind, message = client.read()
+        if text.get("op") == "advertise":  # again, with other ids, for a world that was edited meanwhile
+            topics, rows = {channel["id"]: channel["topic"] for channel in text["channels"] if "/tables/" in channel["topic"]}, {}
+            client.send({"op": "subscribe", "subscriptions": [{"id": channel, "channelId": channel} for channel in topics]})
         if kind == 2 and message[0] == DATA:
             subscription, _ = struct.unpack_from("<IQ", message, 1)
-            rows[topics[subscription].split("/")[-1]] = [row["name"] for row in json.loads(message[13:])["rows"]]
+            if subscription in topics:
+                rows[topics[subscription].split("/")[-1]] = [row["name"] for row in json.loads(message[13:])["rows"]]
     return lambda thing: thing.row in rows[thing.table] if thing.row else bool(rows[thing.table])
 
 

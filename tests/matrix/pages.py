@@ -53,7 +53,7 @@ def page(cells):
                 outcome = outcome_of(cells, a, b) if (a, b) in own else ""
                 sort = next((sort for sort in (REFUSED, NONE) if outcome and outcome.startswith(sort)), outcome)
                 if (a, b) in own:
-                    counts[sort] += 1
+                    counts[sort or UNTRIED] += 1
                 if sort in (REFUSED, NONE):
                     number = reasons.setdefault(reason_of(outcome), len(reasons) + 1)
                     outcome = f"{'no' if sort == REFUSED else '–'} ({number})"
@@ -62,7 +62,7 @@ def page(cells):
         lines += ["", *(f"{number}. `{reason}`" for reason, number in reasons.items()), *[""] * bool(reasons)]
     total = counts[WORKS] + counts[REFUSED] + counts[FAILS]
     numbers = (f"{total} pairs: {counts[WORKS]} work, {counts[REFUSED]} are refused, {counts[FAILS]} fail; {counts[NONE]} more do "
-               f"not exist.\n\n")
+               f"not exist" + (f", {counts[UNTRIED]} are not tried yet" if counts[UNTRIED] else "") + ".\n\n")
     return HEAD + numbers + "\n".join(lines).rstrip("\n") + "\n"
 
 
