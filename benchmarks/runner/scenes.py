@@ -79,6 +79,8 @@ def processes(setting):
 
 def requests(setting):
     """100 processes of idle robots, beside a tool that opens and closes a door ten times a second, and alone."""
+    if not setting.troupe.has("door_requests"):
+        return
     count, ticks = (4, 200) if setting.quick else (100, 20_000)
     world = worlds.write_yard(setting.folder / f"gate{count}", count, door=True)
     for number in range(setting.rounds):
