@@ -14,7 +14,7 @@ namespace troupe {
 Result<LaneSettings> ParseLaneSettings(const std::string& text) {
   LaneSettings settings;
   const JsonReader reader = JsonReader::OfText(text, "lanes");
-  reader.Read("graph", settings.graph);
+  if (reader.Number("graph", 0.0, 1e6)) reader.Read("graph", settings.graph);
   reader.Read("places", settings.places);
   reader.Read("repeat", settings.repeat);
   reader.Read("close_doors", settings.close_doors);
