@@ -98,7 +98,7 @@ Result<Simulation> Simulation::Load(const std::string& file, const SimulationOpt
   overrides.seed = options.seed;
   overrides.controller = options.controller;
   if (options.run_controllers) overrides.check_controller = CheckController;
-  if (options.run_controllers) overrides.check_in_world = CheckControllerInWorld;
+  if (options.run_controllers) overrides.check_in_world = CheckControllerNeeds;
   Result<LoadedWorld> loaded = LoadWorld(file, overrides);
   if (!loaded.ok()) return loaded.error();
   Result<Simulation> simulation = Make(std::move(loaded.value().world), options);

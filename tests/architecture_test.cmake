@@ -106,7 +106,7 @@ set(may_include_robot-agent/navigation
   common/base common/geometry common/model common/spatial include/troupe/controller.h include/troupe/sensor.h)
 set(may_include_robot-agent/controller
   common/base common/geometry common/model include/troupe/controller.h include/troupe/parameters.h
-  include/troupe/sensor.h robot-agent/navigation)
+  include/troupe/sensor.h robot-agent/gripper robot-agent/navigation)
 set(may_include_robot-agent/drive common/base common/geometry common/model include/troupe/controller.h)
 set(may_include_robot-agent/gripper common/base common/model include/troupe/controller.h)
 set(may_include_robot-agent/robot

@@ -256,7 +256,7 @@ int CheckCommand(const std::string& file) {
   if (const Status status = CheckControllers(file); !status.ok()) return Fail(status.error());
   LoadOverrides overrides;
   overrides.check_controller = CheckController;  // also of what a scenario adds to a world
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   const Result<LoadedWorld> loaded = LoadWorld(file, overrides);
   if (!loaded.ok()) return Fail(loaded.error());
   fmt::print("{}", DescribeWorld(loaded.value()));
@@ -291,7 +291,7 @@ Status CheckControllers(const std::string& file, const std::optional<std::string
   }
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   return file.ends_with(".json") ? CheckScenario(file, overrides) : Status();
 }
 

@@ -244,7 +244,7 @@ Status WriteStaticPage(const std::string& world_file, const ShownExpectations& e
                        const StaticPageOptions& options) {
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   const Result<LoadedWorld> loaded = LoadWorld(world_file, overrides);
   if (!loaded.ok()) return loaded.error();
   for (const Warning& warning : loaded.value().warnings) PrintPlain(stderr, "{}\n", warning.ToString());

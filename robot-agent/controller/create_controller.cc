@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <exception>
@@ -15,6 +16,7 @@
 #include "common/base/paths.h"
 #include "common/base/text.h"
 #include "robot-agent/controller/built_in.h"
+#include "robot-agent/gripper/manipulator.h"
 #include "robot-agent/navigation/steering.h"
 #include "troupe/parameters.h"
 
@@ -25,6 +27,13 @@ std::array<BuiltInController, 20> BuiltIns() {
   return {Dynamic(), Expand(), Fasr(),       Fasr2(),  FasrPlan(), Fetch(),     Flock(),  Follow(), GoTo(),
           Idle(),    Lanes(),  LaserNoise(), Patrol(), Flocking(), Rasterize(), Script(), Sink(),   SlotcarController(),
           Source(),  Wander()};
+}
+
+std::optional<BuiltInController> FindBuiltIn(const std::string& name) {
+  for (const BuiltInController& built_in : BuiltIns()) {
+    if (name == built_in.name) return built_in;
+  }
+  return std::nullopt;
 }
 
 Error UnknownName(const std::string& name) {
@@ -238,10 +247,8 @@ std::vector<std::string> BuiltInControllers() {
 Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info, const AllowedPaths& libraries) {
   const std::string& name = info.robot->controller.name;
   if (NamesLibrary(name)) return CreateLibraryController(name, info, libraries);
-  for (const BuiltInController& built_in : BuiltIns()) {
-    if (name == built_in.name) return built_in.create(info);
-  }
-  return UnknownName(name);
+  const std::optional<BuiltInController> built_in = FindBuiltIn(name);
+  return built_in ? built_in->create(info) : UnknownName(name);
 }
 
 Status CheckController(const std::string& name, const std::string& parameters) {
@@ -252,65 +259,46 @@ Status CheckController(const std::string& name, const std::string& parameters) {
     // The library alone knows its keys.
     return Parameters(fmt::format("controller library {}", name), parameters).status();
   }
-  for (const BuiltInController& built_in : BuiltIns()) {
-    if (name == built_in.name) return built_in.check(parameters);
-  }
-  return UnknownName(name);
+  const std::optional<BuiltInController> built_in = FindBuiltIn(name);
+  return built_in ? built_in->check(parameters) : UnknownName(name);
 }
 
-std::string_view NameOnRobot(const RobotDescription& robot, const ModelDescription& model) {
-  const std::string_view name = model.name;
-  return name.starts_with(robot.name + ".") ? name.substr(robot.name.size() + 1) : name;
-}
-
-namespace {
-
-// The joints, grippers, lights and sensors of the robot.
-void AddParts(const WorldDescription& world, RobotInfo& info) {
-  std::vector<std::size_t> number_of(world.joints.size());
-  for (std::size_t i = 0; i < world.joints.size(); ++i) {
-    if (world.joints[i].robot != info.id) continue;
-    number_of[i] = info.joints.size();
-    info.joints.push_back(&world.joints[i]);
-  }
-  for (const GripperDescription& gripper : world.grippers) {
-    if (gripper.robot != info.id) continue;
-    GripperInfo& added = info.grippers.emplace_back();
-    added.description = &gripper;
-    added.left = number_of[gripper.left.index()];
-    added.right = number_of[gripper.right.index()];
-    if (gripper.lift) added.lift = number_of[gripper.lift->index()];
-  }
-  for (const LightPlace& light : FindLights(world)) {
-    if (light.robot != info.id) continue;
-    info.lights.push_back({light.model, NameOnRobot(*info.robot, world.model(light.model))});
-  }
-  for (const SensorDescription& sensor : info.robot->sensors) info.sensors.push_back({&sensor, {}});
-}
-
-// Without the poses of sensors, the break beams, and the places of doors and lifts.
-RobotInfo InfoInWorld(const WorldDescription& world, RobotId robot) {
+RobotInfo InfoInWorld(const WorldDescription& world, RobotId robot, const Manipulator& manipulator,
+                      std::span<const LightPlace> lights) {
   const RobotDescription& description = world.robot(robot);
   RobotInfo info{.id = robot, .robot = &description, .parameters = description.controller.parameters};
-  AddParts(world, info);
-  info.start = world.model(description.root).X_PM;
-  info.lane_graphs = world.lane_graphs;
+  info.joints = manipulator.joints();
+  info.grippers = manipulator.grippers();
+  for (const LightPlace& light : lights) {
+    std::string_view name = world.model(light.model).name;
+    if (name.starts_with(description.name + ".")) name.remove_prefix(description.name.size() + 1);
+    info.lights.push_back({light.model, name});
+  }
   for (const DoorDescription& door : world.doors) info.doors.push_back({.name = world.model(door.model).name});
   for (const LiftDescription& lift : world.lifts) {
     LiftInfo& seen = info.lifts.emplace_back();
     seen.name = world.model(lift.model).name;
-    for (const LiftFloor& floor : lift.floors) seen.floors.push_back(floor.name);
+    for (const LiftFloor& floor : lift.floors) {
+      seen.floors.push_back(floor.name);
+      seen.doors.push_back(floor.doors);
+    }
   }
+  info.start = world.model(description.root).X_PM;
+  info.lane_graphs = world.lane_graphs;
   return info;
 }
 
-}  // namespace
-
-Status CheckControllerInWorld(const WorldDescription& world, RobotId robot) {
-  const RobotDescription& description = world.robot(robot);
-  for (const BuiltInController& built_in : BuiltIns()) {
-    if (description.controller.name != built_in.name || built_in.check_in_world == nullptr) continue;
-    if (Status status = built_in.check_in_world(InfoInWorld(world, robot)); !status.ok()) {
+Status CheckControllerNeeds(const WorldDescription& world, std::span<const RobotId> robots) {
+  const std::vector<LightPlace> lights = FindLights(world);
+  const auto is_before = [](const LightPlace& a, const LightPlace& b) { return a.robot < b.robot; };
+  for (const RobotId robot : robots) {
+    const RobotDescription& description = world.robot(robot);
+    const std::optional<BuiltInController> controller = FindBuiltIn(description.controller.name);
+    if (!controller || controller->check_in_world == nullptr) continue;
+    const auto [first, last] = std::equal_range(lights.begin(), lights.end(), LightPlace{robot, {}}, is_before);
+    RobotInfo info = InfoInWorld(world, robot, Manipulator(world, robot), std::span(first, last));
+    for (const SensorDescription& sensor : description.sensors) info.sensors.push_back({&sensor, {}});
+    if (Status status = controller->check_in_world(info); !status.ok()) {
       return Error{{}, fmt::format("robot '{}': {}", description.name, status.error().message)};
     }
   }
@@ -319,17 +307,17 @@ Status CheckControllerInWorld(const WorldDescription& world, RobotId robot) {
 
 Status CheckGoalOfController(const WorldDescription& world, RobotId robot, const Pose& X_WR, const Goal& goal) {
   constexpr double kLevel = 1.0;  // m: a goal on a table is on the level of the floor
-  for (const BuiltInController& built_in : BuiltIns()) {
-    const std::string& name = world.robot(robot).controller.name;
-    if (name != built_in.name) continue;
-    if (built_in.check_goal != nullptr) return built_in.check_goal(InfoInWorld(world, robot), X_WR, goal);
-    for (const double z : goal.heights) {
-      if (std::fabs(z - X_WR.z) <= kLevel) continue;
-      return BadInput(
-          fmt::format("the goal is at a height of {:.2f} m and the robot at {:.2f} m, and controller {} stays "
-                      "on its level",
-                      z, X_WR.z, name));
-    }
+  const std::optional<BuiltInController> controller = FindBuiltIn(world.robot(robot).controller.name);
+  if (!controller) return Status();
+  if (controller->check_goal != nullptr) {
+    return controller->check_goal(InfoInWorld(world, robot, Manipulator(world, robot), {}), X_WR, goal);
+  }
+  for (const double z : goal.heights) {
+    if (std::fabs(z - X_WR.z) <= kLevel) continue;
+    return BadInput(
+        fmt::format("the goal is at a height of {:.2f} m and the robot at {:.2f} m, and controller {} stays "
+                    "on its level",
+                    z, X_WR.z, controller->name));
   }
   return Status();
 }

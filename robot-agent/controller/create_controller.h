@@ -8,15 +8,18 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/base/paths.h"
 #include "troupe/controller.h"
 #include "troupe/result.h"
+#include "troupe/world_description.h"
 
 namespace troupe {
+
+class Manipulator;
 
 // Names of the built-in controllers, sorted.
 std::vector<std::string> BuiltInControllers();
@@ -28,12 +31,14 @@ Result<std::unique_ptr<Controller>> CreateController(const RobotInfo& info, cons
 // Checks name and parameters without making a controller; a library is not opened.
 Status CheckController(const std::string& name, const std::string& parameters);
 
-// The part of a model's name after that of its robot.
-std::string_view NameOnRobot(const RobotDescription& robot, const ModelDescription& model);
+// The part of a controller's information that follows from the description alone: without sensors, and without the
+// places of doors and lifts. `manipulator`, `lights`: of the robot. The world outlives the result.
+RobotInfo InfoInWorld(const WorldDescription& world, RobotId robot, const Manipulator& manipulator,
+                      std::span<const LightPlace> lights);
 
-// Checks that robot and world have what the controller of the robot needs, as joints, lanes and places. The error names
-// the robot and the controller.
-Status CheckControllerInWorld(const WorldDescription& world, RobotId robot);
+// Checks that each robot and the world have the parts that the controller of the robot needs, as joints, lanes and
+// places. The error names the robot and the controller.
+Status CheckControllerNeeds(const WorldDescription& world, std::span<const RobotId> robots);
 
 // Checks that the built-in controller of the robot knows a way to the goal from its pose: along lanes, or on its level.
 // Success for a library, which alone knows. The error is the reason.

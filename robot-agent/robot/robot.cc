@@ -151,33 +151,16 @@ const RobotDescription& Robot::description() const {
 }
 
 RobotInfo Robot::Info() const {
-  RobotInfo info{.id = id_,
-                 .robot = &description(),
-                 .parameters = description().controller.parameters,
-                 .sensors = {},
-                 .joints = manipulator_.joints(),
-                 .grippers = manipulator_.grippers(),
-                 .lights = {},
-                 .doors = {},
-                 .lifts = {},
-                 .start = scene_->world().model(description().root).X_PM,
-                 .lane_graphs = scene_->world().lane_graphs};
-  for (const DoorDescription& door : scene_->world().doors) {
-    const Pose& X_WD = scene_->X_LM(door.model);
-    info.doors.push_back(
-        {scene_->world().model(door.model).name, X_WD.translation(), X_WD.z, SweepsOf(scene_->world(), door)});
+  const WorldDescription& world = scene_->world();
+  RobotInfo info = InfoInWorld(world, id_, manipulator_, scene_->lights_of(id_));
+  for (std::size_t i = 0; i < world.doors.size(); ++i) {
+    const Pose& X_WD = scene_->X_LM(world.doors[i].model);
+    info.doors[i].middle = X_WD.translation();
+    info.doors[i].z = X_WD.z;
+    info.doors[i].sweeps = SweepsOf(world, world.doors[i]);
   }
-  for (const LiftDescription& lift : scene_->world().lifts) {
-    LiftInfo& added = info.lifts.emplace_back();
-    added.name = scene_->world().model(lift.model).name;
-    added.middle = scene_->X_LM(lift.model).translation();
-    for (const LiftFloor& floor : lift.floors) {
-      added.floors.push_back(floor.name);
-      added.doors.push_back(floor.doors);
-    }
-  }
-  for (const LightPlace& light : scene_->lights_of(id_)) {
-    info.lights.push_back({light.model, NameOnRobot(description(), scene_->world().model(light.model))});
+  for (std::size_t i = 0; i < world.lifts.size(); ++i) {
+    info.lifts[i].middle = scene_->X_LM(world.lifts[i].model).translation();
   }
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const SensorDescription& sensor = sensors_.sensor(i).description();

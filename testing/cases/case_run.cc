@@ -180,7 +180,7 @@ Result<LoadedWorld> CaseWorlds::Load(const TestCase& draws, const LoadOverrides&
 Status CaseWorlds::Check(const TestCase& draws) const {
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   const Result<LoadedWorld> loaded = Load(draws, overrides);
   if (!loaded.ok()) return loaded.error();
   if (!loaded.value().settings.ticks) {

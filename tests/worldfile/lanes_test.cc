@@ -59,7 +59,7 @@ WorldDescription LoadOnLanes(const test::TemporaryFolder& folder, const std::str
   folder.Write("s.building.yaml", building);
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   return ValueOf(LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" + robots + "]}"),
                            overrides))
       .world;
@@ -153,7 +153,7 @@ TEST(Lanes, RobotsThatMeetHeadOnMakeRoom) {
 TEST(Lanes, OfTheGuesthouseLeadThroughTheDoorAndTheLift) {
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   ScenarioRun run(ValueOf(LoadWorld(LaneSites() + "guesthouse_lanes.json", overrides)).world);
   const std::size_t door = *FindDoor(run.scene().world(), "lobby_door");
   int rooms = 0;  // ticks at the places
@@ -263,7 +263,7 @@ TEST(Lanes, OfABuildingAreNamedByControllersAndInErrors) {
   folder.Write("s.building.yaml", kNarrow);
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   const auto error = [&](const std::string& parameters) {
     const std::string robots = OnLanes("alpha", parameters);
     return LoadWorld(folder.Write("s.json", R"({"world": "s.building.yaml", "robots": [)" + robots + "]}"), overrides)
@@ -338,7 +338,7 @@ TEST(Scripts, NameThingsOfTheRobotAndItsWorld) {
   test::TemporaryFolder folder;
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   const auto error = [&](const std::string& command) {
     const std::string scenario = R"({"world": ")" + LaneSites() + R"(guesthouse.building.yaml", "robots": [{"name":
       "tiny_1", "controller": {"name": "script", "parameters": {"commands": [{"at": 0, )" +
@@ -365,7 +365,7 @@ TEST(Lanes, AreThoseOfTheWorldForSpawnedRobots) {
   const std::string building = LaneSites() + "guesthouse.building.yaml";
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   const auto scene = std::make_shared<const Scene>(ValueOf(LoadWorld(building, overrides)).world);
   WorldDescription robot = ValueOf(LoadSpawnable(building, "TinyRobot", overrides)).world;
   ASSERT_EQ(robot.robots.size(), 1u);
@@ -375,9 +375,9 @@ TEST(Lanes, AreThoseOfTheWorldForSpawnedRobots) {
       ValueOf(SpawnEntity(scene, InitialState(*scene), robot, "late", Pose{3.0, -7.0, 0.0, 0.0}));
   WorldDescription world = edited.scene->world();
   const RobotId late = *FindRobot(world, "late");
-  EXPECT_TRUE(CheckControllerInWorld(world, late).ok());
+  EXPECT_TRUE(CheckControllerNeeds(world, std::array{late}).ok());
   world.robots[late.index()].controller.parameters = R"({"places": ["nowhere"]})";
-  EXPECT_FALSE(CheckControllerInWorld(world, late).ok());
+  EXPECT_FALSE(CheckControllerNeeds(world, std::array{late}).ok());
   ScenarioRun run(edited.scene->world());
   run.Run(900);
   EXPECT_TRUE(IsNearPlace(run["late"], 7, -3.75));

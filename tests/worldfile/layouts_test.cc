@@ -216,7 +216,7 @@ TEST(Layouts, AreWorldsOfRobotsOnLanes) {
                              Field(&NamedPlace::tags, ElementsAre("ground", "charger", "dock:dock_b")))));
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   ScenarioRun run(ValueOf(LoadWorld(LayoutSites() + "warehouse_lanes.json", overrides)).world);
   int at_rack[2] = {0, 0};
   int at_end[2] = {0, 0};

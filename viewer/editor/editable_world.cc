@@ -189,7 +189,7 @@ Result<std::unique_ptr<EditableWorld>> MakeEditedWorld(EditedKind kind, const st
   std::set<const WorldNode*> shelf;
   LoadOverrides overrides;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   overrides.allowed = files.allowed;
   if (kind == EditedKind::kScenario) {
     Result<LoadedWorld> loaded = LoadScenarioText(text, path, overrides);

@@ -116,7 +116,7 @@ Result<std::unique_ptr<PageRun>> PageRun::Start(const std::string& file, std::op
   LoadOverrides overrides;
   overrides.seed = seed;
   overrides.check_controller = CheckController;
-  overrides.check_in_world = CheckControllerInWorld;
+  overrides.check_in_world = CheckControllerNeeds;
   Result<LoadedWorld> loaded = LoadWorld(file, overrides);
   if (!loaded.ok()) return loaded.error();
   return std::unique_ptr<PageRun>(new PageRun(std::move(loaded).value(), file, overrides, scenes, observer));

@@ -198,7 +198,7 @@ Status CheckOutputs(const RunSource& source, const PreparedRun& run) {
 Result<PreparedRun> PrepareRun(const RunSource& unchecked) {
   RunSource source = unchecked;
   source.overrides.check_controller = CheckController;
-  source.overrides.check_in_world = CheckControllerInWorld;
+  source.overrides.check_in_world = CheckControllerNeeds;
   Result<PreparedRun> run = Prepare(source);
   if (!run.ok()) return run;
   if (Status problem = CheckOutputs(source, run.value()); !problem.ok()) return problem.error();

@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,7 +51,7 @@ struct CoordinatorOptions {
   // ServiceOptions::check_world.
   std::function<Status(const WorldDescription& world)> check_world = {};
   // LoadOverrides::check_in_world, of robots that are spawned.
-  std::function<Status(const WorldDescription& world, RobotId robot)> check_in_world = {};
+  std::function<Status(const WorldDescription& world, std::span<const RobotId> robots)> check_in_world = {};
   // ServiceOptions::check_goal.
   std::function<Status(const WorldDescription& world, RobotId robot, const Pose& X_WR, const Goal& goal)> check_goal =
       {};

@@ -120,7 +120,7 @@ void WorldEditor::ReportRequest(const control::Request& request) {
 Status WorldEditor::CheckSpawned(const WorldDescription& world, const std::string& name) const {
   const std::optional<RobotId> robot = FindRobot(world, name);
   const auto& check = run_.options.check_in_world;
-  return robot && check ? check(world, *robot) : Status();
+  return robot && check ? check(world, {&*robot, 1}) : Status();
 }
 
 Status WorldEditor::CheckWorld(const WorldDescription& world) const {

@@ -365,11 +365,10 @@ Result<LoadedWorld> BuildWorld(const WorldTree& tree, const LoadOverrides& overr
 
 Status CheckControllersInWorld(const LoadedWorld& loaded, const std::string& file, const LoadOverrides& overrides) {
   if (!overrides.check_in_world) return Status();
-  for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) {
-    const Status checked = overrides.check_in_world(loaded.world, RobotId(i));
-    if (!checked.ok()) return Error{{file}, checked.error().message};
-  }
-  return Status();
+  std::vector<RobotId> robots;
+  for (std::size_t i = 0; i < loaded.world.robots.size(); ++i) robots.emplace_back(i);
+  const Status checked = overrides.check_in_world(loaded.world, robots);
+  return checked.ok() ? Status() : Error{{file}, checked.error().message};
 }
 
 void AppendPlacementWarnings(const std::string& file, LoadedWorld& loaded) {

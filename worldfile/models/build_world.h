@@ -21,6 +21,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -73,8 +74,8 @@ struct LoadOverrides {
   // Checks the name and the parameters of every controller that a file names; this library has no controllers. A fault
   // is an error of a scenario, and a warning of a Stage world. Nothing: they are not checked.
   std::function<Status(const std::string& name, const std::string& parameters)> check_controller;
-  // Checks that the world has what a robot's controller needs. Nothing: that is not checked.
-  std::function<Status(const WorldDescription& world, RobotId robot)> check_in_world = {};
+  // Checks that the world has what the controllers of the robots need. Nothing: that is not checked.
+  std::function<Status(const WorldDescription& world, std::span<const RobotId> robots)> check_in_world = {};
   AllowedPaths allowed = AllowedPaths::All();  // the files that may be read: the world, its includes, its images
 };
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -293,7 +294,7 @@ TEST(LanesController, NamesFaultsOfItsParametersAndPlaces) {
   world.robots[0].root = ModelId(0);
   const auto in_world = [&](const std::string& parameters) {
     world.robots[0].controller.parameters = parameters;
-    return MessageOf(CheckControllerInWorld(world, RobotId(0)));
+    return MessageOf(CheckControllerNeeds(world, std::array{RobotId(0)}));
   };
   EXPECT_EQ(in_world("{}"), "robot 'r0': lanes: the world has no lanes, expected a building or a layout with some");
   world.lane_graphs = {Square()};
