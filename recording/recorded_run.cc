@@ -65,13 +65,13 @@ std::vector<std::byte> RunToBytes(const RecordedRun& run) {
   wire.ros = run.settings.ros;
   wire.world = dds::ToWire(run.world, arena);
   auto* expectation = arena.Fill(wire.expectations, run.expectations.size());
-  for (const RecordedExpectation& each : run.expectations) {
+  for (const NamedExpectation& each : run.expectations) {
     expectation->name = arena.Copy(each.name);
     expectation->text = arena.Copy(each.text);
     ++expectation;
   }
   auto* region = arena.Fill(wire.regions, run.regions.size());
-  for (const RecordedRegion& each : run.regions) {
+  for (const NamedRegion& each : run.regions) {
     region->name = arena.Copy(each.name);
     double* coordinate = arena.Fill(region->outline, 2 * each.outline.size());
     for (const Vec2& vertex : each.outline) {
@@ -114,7 +114,7 @@ Result<RecordedRun> RunFromBytes(std::span<const std::byte> bytes) {
     if (!outline.ok() || coordinates.size() % 2 != 0 || !std::isfinite(each.z)) {
       return BadInput("recorded run with a region that is no polygon");
     }
-    RecordedRegion& region = run.regions.emplace_back();
+    NamedRegion& region = run.regions.emplace_back();
     region.name = dds::Text(each.name);
     region.outline = std::move(outline).value();
     if (each.has_z) region.z = each.z;

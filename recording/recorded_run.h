@@ -21,25 +21,12 @@
 #include "common/run/run_settings.h"
 #include "recording/mcap/format.h"
 #include "transport/protocol/messages.h"
-#include "troupe/polygon.h"
+#include "troupe/named_expectation.h"
 #include "troupe/result.h"
 
 namespace troupe {
 
 // A recorded run: its start, and each committed tick with all that determines it. docs/recording.md describes the file.
-
-// An expectation of the scenario, and an area that expectations name. They do not change the run, and are in the
-// recording so that it is judged as it was meant, whatever becomes of the file.
-struct RecordedExpectation {
-  std::string name;
-  std::string text;  // in the language of expectations
-  bool operator==(const RecordedExpectation&) const = default;
-};
-struct RecordedRegion {
-  std::string name;
-  Polygon outline;               // m, frame W
-  std::optional<double> z = {};  // m, of its floor; nothing: at all heights
-};
 
 // The start of a run.
 struct RecordedRun {
@@ -50,8 +37,9 @@ struct RecordedRun {
   Tick keyframe_interval = 0;
   RunSettings settings;
   WorldDescription world;  // with the seed
-  std::vector<RecordedExpectation> expectations = {};
-  std::vector<RecordedRegion> regions = {};
+  // Of the scenario, so that the run is judged as it was meant, whatever becomes of the file.
+  std::vector<NamedExpectation> expectations = {};
+  std::vector<NamedRegion> regions = {};
 };
 
 // An edit that was applied.

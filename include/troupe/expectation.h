@@ -23,7 +23,7 @@
 #include "troupe/enum_names.h"
 #include "troupe/ids.h"
 #include "troupe/interval.h"
-#include "troupe/polygon.h"
+#include "troupe/named_expectation.h"
 #include "troupe/result.h"
 #include "troupe/world_description.h"
 
@@ -31,13 +31,6 @@ namespace troupe {
 
 class Simulation;
 struct TickView;  // testing/expectations/tick_view.h: a tick without a Simulation, for instance of a recording
-
-// An area that an expectation names: in(r, door).
-struct NamedRegion {
-  std::string name;
-  Polygon outline;               // m, in W; simple
-  std::optional<double> z = {};  // m, of its floor: a region of one level of a building; nothing: at any height
-};
 
 // What names in expectations refer to: the robots, objects, places and sensors of a world, and regions.
 struct ExpectationScope {

@@ -107,7 +107,11 @@ std::vector<std::string> CaseSession::InputFiles() const {
     files.insert(files.end(), {test.file->path(), test.file->scenario_path(), KeptCasesPath(*test.file)});
     std::set<std::vector<std::string>> seen;
     const CaseDesign& design = test.file->design();
-    for (std::uint64_t number = 0; number < std::min(design.size(), kMaxLookedAt); ++number) {
+    const std::vector<Variation>& variations = design.variations();
+    const bool are_numbers = std::all_of(variations.begin(), variations.end(),
+                                         [](const Variation& each) { return each.NumberBounds().has_value(); });
+    const std::uint64_t count = are_numbers ? 1 : std::min(design.size(), kMaxLookedAt);
+    for (std::uint64_t number = 0; number < count; ++number) {
       const TestCase draws = design.At(number);
       std::vector<std::string> texts;
       for (const DrawnValue& draw : draws) {

@@ -185,7 +185,7 @@ int CheckRecording(const std::string& file) {
   LoadedWorld begin;
   begin.world = run.world;
   begin.settings = run.settings;
-  for (const RecordedExpectation& each : run.expectations) {
+  for (const NamedExpectation& each : run.expectations) {
     PrintPlain(stdout, "  expect {}: {}\n", each.name, each.text);
   }
   PrintPlain(stdout, "world: {}\n", run.world.name);

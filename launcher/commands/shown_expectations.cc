@@ -24,11 +24,9 @@ Result<ShownExpectations> ReadExpectations(const std::string& file) {
   for (const TestClause& clause : test.value().expect()) shown.list.push_back({clause.name, clause.text});
   if (shown.list.empty()) return Error{{file}, "found no 'expect', expected a test or a scenario with expectations"};
   const CaseWorlds worlds(test.value());
-  const Result<LoadedWorld> loaded = worlds.Load(test.value().design().At(0));
+  Result<LoadedWorld> loaded = worlds.Load(test.value().design().At(0));
   if (!loaded.ok()) return loaded.error();
-  for (const RegionOfScenario& region : loaded.value().regions) {
-    shown.regions.push_back({region.name, region.outline, region.z});
-  }
+  shown.regions = std::move(loaded.value().regions);
   return shown;
 }
 
@@ -39,10 +37,7 @@ ShownExpectations ExpectationsOfRun(const std::string& file) {
 }
 
 ShownExpectations ExpectationsOf(const Recording& recording) {
-  ShownExpectations shown;
-  for (const RecordedExpectation& each : recording.run().expectations) shown.list.push_back({each.name, each.text});
-  for (const RecordedRegion& each : recording.run().regions) shown.regions.push_back({each.name, each.outline, each.z});
-  return shown;
+  return {recording.run().expectations, recording.run().regions};
 }
 
 }  // namespace troupe

@@ -111,13 +111,12 @@ Status WriteReports(const CaseReport& report, const TestArguments& arguments) {
 }
 
 // Those of the recording, as they were; those that only the test knows, from its scenario as it is now, if that loads.
-std::vector<RegionOfScenario> RegionsFor(const TestFile& test, const RecordedRun& run) {
-  std::vector<RegionOfScenario> regions;
-  for (const RecordedRegion& each : run.regions) regions.push_back({each.name, each.outline, each.z});
+std::vector<NamedRegion> RegionsFor(const TestFile& test, const RecordedRun& run) {
+  std::vector<NamedRegion> regions = run.regions;
   const Result<LoadedWorld> loaded = CaseWorlds(test).Load(test.design().At(0));
   if (!loaded.ok()) return regions;
-  for (const RegionOfScenario& each : loaded.value().regions) {
-    const auto same = [&](const RegionOfScenario& other) { return other.name == each.name; };
+  for (const NamedRegion& each : loaded.value().regions) {
+    const auto same = [&](const NamedRegion& other) { return other.name == each.name; };
     if (std::none_of(regions.begin(), regions.end(), same)) regions.push_back(each);
   }
   return regions;

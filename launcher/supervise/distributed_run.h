@@ -30,8 +30,8 @@ inline double Seconds(std::chrono::steady_clock::time_point time) {
 }
 
 // The life of a run over DDS: hosts are connected, the service is started; its "ready" report starts agents, viewer and
-// the program of ROS 2; "started" is the begin of the run; a summary ends it. After that the agents leave, the outputs
-// are collected, and the page may stay open.
+// the program of ROS 2; "started" reports the first tick of the run, and a summary its end. After that the agents
+// leave, the outputs are collected, and the page may stay open.
 //
 // One thread, one poll (WaitForEvents): signals, ends of children, lines of hosts and times are all events of
 // ProcessEvents, so that no state is shared and none is locked but the lines of the ROS program.

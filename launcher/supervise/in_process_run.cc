@@ -308,7 +308,7 @@ Error WithUsersFile(Error error, const std::vector<std::string>& parts, const st
 
 }  // namespace
 
-// Errors of a step come back in the RunEnd, so that each ends with the same report as a run over DDS.
+// The error of a step is part of the RunEnd: the report of the end is that of a run over DDS.
 int RunInProcess(const RunOptions& options, const MakeViewer& make_viewer, const ReportEnd& report) {
   RunSource source = SourceOf(options);
   TraceOptions agent_trace;

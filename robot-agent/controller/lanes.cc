@@ -349,7 +349,7 @@ class LanesController final : public Controller, public RobotWatcher {
     SteerTo(aim, most, leg, at);
   }
 
-  // The robot as it would be at `start` on the line along `along`: a robot beside it comes back to it.
+  // The first obstacle on `way` m along `along` from `start`, for the robot on that line: one beside it returns to it.
   std::optional<LaneObstacle> FindObstacle(const Vec2& start, const Vec2& along, double way, bool backward) const {
     if (!around_) return std::nullopt;
     const double heading = Atan2(along.y(), along.x());

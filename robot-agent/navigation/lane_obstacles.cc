@@ -90,7 +90,7 @@ ClosedLanes::Block ClosedLanes::Count(std::size_t lane) {
   auto entry = Find(lane);
   if (entry == entries_.end() || entry->lane != lane) entry = entries_.insert(entry, {.lane = lane});
   const double before = entry->seconds;
-  entry->seconds = before == 0.0 ? kFirstSeconds : std::min(2.0 * before, kMostSeconds);
+  entry->seconds = before == 0.0 ? kFirstSeconds : std::min(2.0 * before, kMaxSeconds);
   return {entry->seconds, entry->seconds > before};
 }
 

@@ -46,7 +46,7 @@ std::optional<LaneObstacle> FindObstacleAhead(const Surroundings& around, RobotI
 class ClosedLanes {
  public:
   static constexpr double kFirstSeconds = 60.0;
-  static constexpr double kMostSeconds = 1920.0;
+  static constexpr double kMaxSeconds = 1920.0;
 
   struct Block {
     double seconds = 0.0;    // for which the lane is closed, if it is

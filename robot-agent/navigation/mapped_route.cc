@@ -28,8 +28,7 @@ constexpr std::uint32_t kUnknownFactor = 2;
 constexpr std::uint32_t kTightFactor = 20;  // nearer to an obstacle than the clearance
 constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
 
-// The cells within `clearance` m of an occupied one.
-// By the distance of centres of cells.
+// The cells whose centres are within `clearance` m of that of an occupied one.
 std::vector<bool> TightCells(const EvidenceGrid& grid, double clearance) {
   std::vector<bool> tight(grid.size(), false);
   const auto width = static_cast<std::int64_t>(grid.width());

@@ -191,10 +191,8 @@ Status CaseWorlds::Check(const TestCase& draws) const {
 }
 
 Result<CaseMonitors> CaseMonitors::Make(const TestFile& test, const WorldDescription& world,
-                                        const std::vector<RegionOfScenario>& regions, std::optional<std::size_t> only) {
-  std::vector<NamedRegion> named;
-  for (const RegionOfScenario& region : regions) named.push_back({region.name, region.outline, region.z});
-  const ExpectationScope scope{world, named};
+                                        const std::vector<NamedRegion>& regions, std::optional<std::size_t> only) {
+  const ExpectationScope scope{world, regions};
   CaseMonitors monitors;
   const auto add = [&](const std::vector<TestClause>& clauses, std::vector<Monitor>& list) -> Status {
     for (const TestClause& clause : clauses) {

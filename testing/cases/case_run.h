@@ -118,7 +118,7 @@ class CaseMonitors {
   // The error is a clause that the world does not fit, at its place in the test's file. `only`: as above; the other
   // clauses are checked.
   static Result<CaseMonitors> Make(const TestFile& test, const WorldDescription& world,
-                                   const std::vector<RegionOfScenario>& regions, std::optional<std::size_t> only = {});
+                                   const std::vector<NamedRegion>& regions, std::optional<std::size_t> only = {});
 
   template <typename TickSource>  // Simulation or TickView
   Status Push(const TickSource& tick) {

@@ -1,5 +1,6 @@
 // Robots that follow the lanes of buildings: through doors, with lifts, past each other.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>

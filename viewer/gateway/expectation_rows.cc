@@ -38,7 +38,7 @@ RowMark MarkOf(const Monitor& monitor) {
 // Short lists in place of objects: the static page has them in its text.
 Json ToJson(const ShownExpectations& expectations) {
   Json list = Json::array();
-  for (const ShownExpectation& each : expectations.list) list.push_back({each.name, each.text});
+  for (const NamedExpectation& each : expectations.list) list.push_back({each.name, each.text});
   Json regions = Json::array();
   for (const NamedRegion& region : expectations.regions) {
     Json outline = Json::array();
@@ -70,7 +70,7 @@ Result<ShownExpectations> ShownExpectationsFromJson(std::string_view text) {
 
 ExpectationRows::ExpectationRows(Timeline& past, ShownExpectations expectations)
     : past_(past), regions_(std::move(expectations.regions)) {
-  for (ShownExpectation& shown : expectations.list) rows_.push_back({std::move(shown)});
+  for (NamedExpectation& shown : expectations.list) rows_.push_back({std::move(shown)});
 }
 
 // A rewind shortens the past, and another run replaces it: both begin again.

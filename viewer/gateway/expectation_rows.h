@@ -23,13 +23,8 @@
 
 namespace troupe {
 
-struct ShownExpectation {
-  std::string name;
-  std::string text;  // in the language of expectations
-};
-// Regions are those of the scenario, since a recording has none.
 struct ShownExpectations {
-  std::vector<ShownExpectation> list;
+  std::vector<NamedExpectation> list;
   std::vector<NamedRegion> regions;  // that they name
 };
 // For a page that judges them itself.
@@ -53,7 +48,7 @@ class ExpectationRows {
 
  private:
   struct Row {
-    ShownExpectation shown;
+    NamedExpectation shown;
     std::optional<Monitor> monitor = {};
     std::string problem = {};
     std::vector<std::uint8_t> marks = {};                // at every stride_-th state, until it is decided

@@ -33,12 +33,8 @@ Result<PreparedRun> LoadFile(const RunSource& source) {
   PreparedRun run;
   run.scene = std::make_shared<const Scene>(std::move(loaded.value().world));
   run.files = std::move(loaded.value().files);
-  for (ExpectationOfScenario& each : loaded.value().expectations) {
-    run.expectations.push_back({std::move(each.name), std::move(each.text)});
-  }
-  for (RegionOfScenario& each : loaded.value().regions) {
-    run.regions.push_back({std::move(each.name), std::move(each.outline), each.z});
-  }
+  run.expectations = std::move(loaded.value().expectations);
+  run.regions = std::move(loaded.value().regions);
   run.site = std::move(loaded.value().site);
   run.site_world = run.scene->world().name;
   run.first_world = WorldOf(run.scene);

@@ -49,8 +49,8 @@ struct PreparedRun {
   ServiceOptions options;
   std::shared_ptr<const WorldDescription> first_world;  // of which the recorders have the names
   std::shared_ptr<const RecordedStart> begin;           // of the recordings; null: they begin with the run
-  std::vector<RecordedExpectation> expectations;        // of the scenario, for recordings that begin with the run
-  std::vector<RecordedRegion> regions;
+  std::vector<NamedExpectation> expectations;        // of the scenario, for recordings that begin with the run
+  std::vector<NamedRegion> regions;
   Recorders recorders;
   std::unique_ptr<RunHistory> history;   // null: none
   std::unique_ptr<RunObserver> gateway;  // to ROS 2; null: none

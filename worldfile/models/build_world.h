@@ -29,26 +29,13 @@
 #include "common/image/image_file.h"
 #include "common/run/ros_lockstep.h"
 #include "common/run/run_settings.h"
-#include "troupe/polygon.h"
+#include "troupe/named_expectation.h"
 #include "troupe/result.h"
 #include "troupe/world_description.h"
 #include "worldfile/map/map_yaml.h"
 #include "worldfile/stage/world_tree.h"
 
 namespace troupe {
-
-// An area of the plane that a scenario names, for tests.
-struct RegionOfScenario {
-  std::string name;
-  Polygon outline;               // normalized, m, frame W
-  std::optional<double> z = {};  // m, of its floor; nothing: at any height
-};
-
-// An entry of "expect" of a scenario: text in the language of expectations, which is not read here.
-struct ExpectationOfScenario {
-  std::string name;  // of an entry without one: its text
-  std::string text;
-};
 
 // LoadedWorld: the result of reading a file that names a world.
 struct LoadedWorld {
@@ -62,8 +49,8 @@ struct LoadedWorld {
   // The first ROS domain of a model whose spawn rule gives each robot one: that of the rule's first robot.
   std::optional<std::uint32_t> ros_domains_from = {};
   RosLockstep ros_lockstep = {};  // of a scenario
-  std::vector<RegionOfScenario> regions = {};
-  std::vector<ExpectationOfScenario> expectations = {};
+  std::vector<NamedRegion> regions = {};
+  std::vector<NamedExpectation> expectations = {};
   std::shared_ptr<const Site> site = {};  // of a building; null for other files
 };
 

@@ -39,7 +39,7 @@ class Reader {
   std::vector<std::string> ReadLockstepNames(const JsonNode& object);
   RosLockstep ReadLockstep(const JsonNode& root);
   std::vector<NamedPlace> ReadPlaces(const JsonNode& root);
-  std::vector<RegionOfScenario> ReadRegions(const JsonNode& root);
+  std::vector<NamedRegion> ReadRegions(const JsonNode& root);
   PoseEntry ReadPose(const JsonNode& numbers) const;
   ModelEntry ReadModel(const JsonNode& object);
   std::vector<ModelEntry> ReadModels(const JsonNode& object, const char* key);
@@ -174,12 +174,12 @@ RosLockstep Reader::ReadLockstep(const JsonNode& root) {
   return lockstep;
 }
 
-std::vector<RegionOfScenario> Reader::ReadRegions(const JsonNode& root) {
-  std::vector<RegionOfScenario> regions;
+std::vector<NamedRegion> Reader::ReadRegions(const JsonNode& root) {
+  std::vector<NamedRegion> regions;
   for (const JsonNode& entry : root.ItemsOf("regions")) {
-    RegionOfScenario region{entry.Member("name").text, ReadRegion(entry.Member("region"))};
+    NamedRegion region{entry.Member("name").text, ReadRegion(entry.Member("region"))};
     if (const JsonNode* const z = entry.Find("z")) region.z = z->number;
-    const auto same = [&](const RegionOfScenario& other) { return other.name == region.name; };
+    const auto same = [&](const NamedRegion& other) { return other.name == region.name; };
     if (std::any_of(regions.begin(), regions.end(), same)) {
       Fail(entry.Member("name"), "found the region '" + region.name + "' again, expected another name");
     }

@@ -99,8 +99,8 @@ struct ScenarioFile {
   std::vector<SpawnEntry> spawns;
   std::vector<OverrideEntry> overrides;
   std::vector<NamedPlace> places;
-  std::vector<RegionOfScenario> regions;
-  std::vector<ExpectationOfScenario> expectations;
+  std::vector<NamedRegion> regions;
+  std::vector<NamedExpectation> expectations;
   std::vector<PeopleEntry> people;
   std::vector<PlacedText> without;  // robots and models that are left out, after all are placed
   std::vector<Warning> warnings;

@@ -41,8 +41,8 @@ struct OutputFiles {
   std::uint64_t keyframe_interval = kDefaultKeyframeInterval;  // of a recording
   std::shared_ptr<const RecordedStart> begin = {};  // of the recording and the journal; null: they begin with the run
   // Of the scenario, for recordings that begin with the run.
-  std::vector<RecordedExpectation> expectations = {};
-  std::vector<RecordedRegion> regions = {};
+  std::vector<NamedExpectation> expectations = {};
+  std::vector<NamedRegion> regions = {};
   // A journal, from which another service can continue the run; nothing: none.
   std::optional<JournalFiles> journal = {};
   JournalSync journal_sync = JournalSync::kNo;

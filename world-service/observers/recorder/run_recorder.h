@@ -129,8 +129,8 @@ struct RecordingOptions {
   JournalSync sync = JournalSync::kNo;
   std::shared_ptr<const RecordedStart> begin = {};  // null: the recording begins with the run
   // Of the scenario, for one that begins with the run; others have those of their start.
-  std::vector<RecordedExpectation> expectations = {};
-  std::vector<RecordedRegion> regions = {};
+  std::vector<NamedExpectation> expectations = {};
+  std::vector<NamedRegion> regions = {};
   bool journal_is_optional = false;  // a run whose journal cannot be written continues without it
 };
 

@@ -151,8 +151,8 @@ PropertyHelp ChoiceOf(std::string_view type, std::string_view name, std::string_
   return {std::string(type), std::string(name), std::move(words), "", std::move(first), std::string(help)};
 }
 
-// Of a field whose lowest number is excluded.
-constexpr double kSmallest = 1e-3;
+// Above the limit of a field that excludes its limit.
+constexpr double kMinDistance = 1e-3;
 
 }  // namespace
 
@@ -164,7 +164,7 @@ double ReadField(PropertyReader& reader, const FieldInfo& field, double otherwis
     return std::clamp(reader.Length(field.name, otherwise), limits.min, limits.max);
   }
   return reader.Number(field.name, otherwise,
-                       std::max(limits.is_min_excluded ? limits.min + kSmallest : limits.min, -kMaxMagnitude),
+                       std::max(limits.is_min_excluded ? limits.min + kMinDistance : limits.min, -kMaxMagnitude),
                        std::min(limits.max, kMaxMagnitude));
 }
 
