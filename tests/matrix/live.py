@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import re
+import select
 import signal
 import struct
 import subprocess
@@ -79,10 +80,11 @@ class RosNode:
     def await_topic(self, topic):
         deadline = time.monotonic() + 10
         while f"topic {topic}" not in self.text:  # or topics below it
-            self.text += self.process.stdout.read() or ""
-            if time.monotonic() > deadline:
+            ready, _, _ = select.select([self.process.stdout], [], [], max(0, deadline - time.monotonic()))
+            part = self.process.stdout.read() if ready else ""
+            if not part:  # none in time, or the node has ended
                 raise Failed(f"no topic {topic}; found {self.text.split()[1::2]}")
-            time.sleep(0.01)
+            self.text += part
 
     def end(self):
         self.process.communicate(timeout=SECONDS)
