@@ -1,5 +1,5 @@
-// The texts by which a scenario says how its runs are judged. A run is the same with and without them; files, recordings
-// and pages pass them on, and troupe/expectation.h reads them.
+// The texts by which a scenario says how its runs are judged. A run is the same with and without them; files,
+// recordings and pages pass them on, and troupe/expectation.h reads them.
 #pragma once
 
 #include <optional>
