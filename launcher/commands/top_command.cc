@@ -41,10 +41,20 @@ std::vector<SessionInfo> SelectSessions(std::vector<SessionInfo> sessions, const
   return sessions;
 }
 
-// Discovery has no end: the table has what was found in kDiscoveryTime.
+// Discovery has no end: the table has what was found in kDiscoveryTime. Reading the sessions takes their samples, which
+// would end each wait at once.
 void PrintOnce(SessionMonitor& monitor, const TopOptions& options) {
-  for (auto end = Clock::now() + kDiscoveryTime; Clock::now() < end;) monitor.WaitForChange(0.1);
-  fmt::print("{}", SessionTable(SelectSessions(monitor.Sessions(), options.network.session)));
+  std::vector<SessionInfo> sessions;
+  for (auto end = Clock::now() + kDiscoveryTime; Clock::now() < end;) {
+    monitor.WaitForChange(0.1);
+    sessions = monitor.Sessions();
+  }
+  fmt::print("{}", SessionTable(SelectSessions(std::move(sessions), options.network.session)));
+}
+
+void WaitForRefresh(SignalWatch& signals) {
+  pollfd waited = {signals.descriptor(), POLLIN, 0};
+  poll(&waited, 1, static_cast<int>(1000.0 * kRefreshSeconds));
 }
 
 // The cursor moves to the top in place of new lines, so that the terminal shows one table.
@@ -53,9 +63,7 @@ void PrintUntilStopped(SessionMonitor& monitor, const TopOptions& options, Signa
     fmt::print("\033[H\033[J{}\nCtrl-C ends this.\n",
                SessionTable(SelectSessions(monitor.Sessions(), options.network.session)));
     std::fflush(stdout);
-    for (auto next = Clock::now() + std::chrono::duration<double>(kRefreshSeconds); Clock::now() < next;) {
-      monitor.WaitForChange(kRefreshSeconds);
-    }
+    WaitForRefresh(signals);
   }
 }
 
@@ -75,8 +83,7 @@ int ShowRobots(const TopOptions& options, SignalWatch& signals) {
   while (!signals.ReadStopRequest()) {
     fmt::print("\033[H\033[J{}: {}\nCtrl-C ends this.\n", options.network.session, top.Text(TerminalRows() - kFooter));
     std::fflush(stdout);
-    pollfd waited = {signals.descriptor(), POLLIN, 0};
-    poll(&waited, 1, static_cast<int>(1000.0 * kRefreshSeconds));
+    WaitForRefresh(signals);
   }
   return kExitDone;
 }
