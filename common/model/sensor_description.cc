@@ -8,15 +8,12 @@
 #include <string_view>
 #include <variant>
 
+#include "common/base/source_text.h"
 #include "common/model/field_check.h"
 #include "troupe/interval.h"
 
 namespace troupe {
 namespace {
-
-std::string CountOf(std::size_t number, const char* noun) {
-  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
-}
 
 std::string Metres(double value) {
   std::string text = std::to_string(value);
@@ -65,7 +62,7 @@ Status RangerParameters::Check() const {
 std::string RangerParameters::Summary() const {
   std::size_t rays = 0;
   for (const RaySensorDescription& sensor : *ray_sensors) rays += sensor.samples * sensor.planes();
-  return CountOf(ray_sensors->size(), "sensor") + ", " + CountOf(rays, "ray");
+  return CountText(ray_sensors->size(), "sensor") + ", " + CountText(rays, "ray");
 }
 
 Status BreakBeamParameters::Check() const {
@@ -74,7 +71,7 @@ Status BreakBeamParameters::Check() const {
 }
 
 std::string BreakBeamParameters::Summary() const {
-  return CountOf(beams.size(), "beam");
+  return CountText(beams.size(), "beam");
 }
 
 std::string FiducialParameters::Summary() const {
@@ -87,11 +84,11 @@ Status BumperParameters::Check() const {
 }
 
 std::string BumperParameters::Summary() const {
-  return CountOf(segments.size(), "segment");
+  return CountText(segments.size(), "segment");
 }
 
 std::string BlobfinderParameters::Summary() const {
-  return Pixels(width, height) + ", " + (colors.empty() ? "all colors" : CountOf(colors.size(), "color"));
+  return Pixels(width, height) + ", " + (colors.empty() ? "all colors" : CountText(colors.size(), "color"));
 }
 
 Status CameraParameters::Check() const {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "common/base/source_text.h"
 #include "common/picture/canvas.h"
 #include "common/picture/viewport.h"
 #include "common/picture/views.h"
@@ -126,10 +127,6 @@ void DrawCaption(Canvas& canvas, const Viewport& viewport, const Caption& captio
   write(caption.alarm, alarm, 1.0);
 }
 
-std::string Count(std::size_t count, const char* what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 Caption MakeCaption(const WorldDescription& world, const WorldState& state, PictureView view) {
   const double seconds = static_cast<double>(state.tick) * world.interval_seconds();
   char time[48];
@@ -143,7 +140,7 @@ Caption MakeCaption(const WorldDescription& world, const WorldState& state, Pict
   }
   Caption caption;
   caption.title = world.name;
-  caption.detail = "tick " + std::to_string(state.tick) + ", " + time + ", " + Count(robots, "robot");
+  caption.detail = "tick " + std::to_string(state.tick) + ", " + time + ", " + CountText(robots, "robot");
   if (view == PictureView::kSide) caption.detail += ", seen along +y";
   if (stalled > 0) caption.alarm = std::to_string(stalled) + " stalled";
   return caption;

@@ -13,6 +13,7 @@
 #include "command_line/run_flags.h"
 #include "common/base/json_tree.h"
 #include "common/base/print.h"
+#include "common/base/source_text.h"
 #include "launcher/commands/commands.h"
 #include "recording/recording.h"
 #include "robot-agent/controller/create_controller.h"
@@ -24,11 +25,6 @@
 
 namespace troupe {
 namespace {
-
-// "1 ray", "2 rays"
-std::string Count(std::size_t number, const char* noun) {
-  return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
-}
 
 // Names of the file are printed as plain text here and below: no escape sequence of a world reaches the terminal.
 std::string DescribeRobot(const RobotDescription& robot) {
@@ -51,9 +47,10 @@ std::string DescribeJoint(const JointDescription& joint) {
 
 std::string DescribeGripper(const WorldDescription& world, const GripperDescription& gripper) {
   const std::string lift = gripper.lift ? "lift " + world.joint(*gripper.lift).name : std::string("no lift");
-  const std::string text = fmt::format("    gripper {}: fingers {} and {}, {}, {}{}", gripper.name,
-                                       world.joint(gripper.left).name, world.joint(gripper.right).name, lift,
-                                       Count(gripper.beams.size(), "beam"), gripper.autosnatch ? ", autosnatch" : "");
+  const std::string text =
+      fmt::format("    gripper {}: fingers {} and {}, {}, {}{}", gripper.name, world.joint(gripper.left).name,
+                  world.joint(gripper.right).name, lift, CountText(gripper.beams.size(), "beam"),
+                  gripper.autosnatch ? ", autosnatch" : "");
   return PlainLine(text) + "\n";
 }
 
@@ -88,13 +85,13 @@ std::string DescribePeople(const WorldDescription& world) {
     if (person.leader) leaders.insert(*person.leader);
   }
   return fmt::format("people: {}{}\n", world.people.size(),
-                     leaders.empty() ? "" : ", " + Count(leaders.size(), "group"));
+                     leaders.empty() ? "" : ", " + CountText(leaders.size(), "group"));
 }
 
 // The settings as they will be in a run, defaults included, since a scenario rarely names them all.
 std::string DescribeSettings(const LoadedWorld& loaded) {
   const RunSettings& settings = loaded.settings;
-  std::string ticks = settings.ticks ? Count(*settings.ticks, "tick") : "without end";
+  std::string ticks = settings.ticks ? CountText(*settings.ticks, "tick") : "without end";
   const auto text = [](const Speed& speed) {
     return speed ? fmt::format("{} x real time", *speed) : std::string("as fast as possible");
   };
@@ -103,7 +100,7 @@ std::string DescribeSettings(const LoadedWorld& loaded) {
     speed += fmt::format(", {} with a viewer", text(settings.watched_speed));
   return fmt::format("run: {}, {} s a tick, seed {}, {}, {}, on_agent_loss {}, {} per process\n", ticks,
                      static_cast<double>(loaded.world.interval_ns) / 1e9, loaded.world.seed, NameOf(settings.mode),
-                     speed, NameOf(settings.on_agent_loss), Count(settings.robots_per_process, "robot"));
+                     speed, NameOf(settings.on_agent_loss), CountText(settings.robots_per_process, "robot"));
 }
 
 std::string DescribeLevel(const SiteLevel& level) {
@@ -111,11 +108,11 @@ std::string DescribeLevel(const SiteLevel& level) {
   for (const SiteLane& lane : level.lanes) graphs.insert(lane.graph);
   std::string text = fmt::format("  level {}: elevation {:g} m", level.name, level.elevation);
   if (!level.drawing.empty()) text += fmt::format(", drawing {} of {:.5g} m a pixel", level.drawing, level.scale);
-  text +=
-      fmt::format(", {}, {}, {}, {} in {}, {}", Count(level.walls.size(), "wall"), Count(level.doors.size(), "door"),
-                  Count(level.floors.size(), "floor"), Count(level.lanes.size(), "lane"), Count(graphs.size(), "graph"),
-                  fmt::format("{} vertices", level.vertices.size()));
-  if (!level.human_lanes.empty()) text += ", " + Count(level.human_lanes.size(), "lane") + " of people";
+  text += fmt::format(", {}, {}, {}, {} in {}, {}", CountText(level.walls.size(), "wall"),
+                      CountText(level.doors.size(), "door"), CountText(level.floors.size(), "floor"),
+                      CountText(level.lanes.size(), "lane"), CountText(graphs.size(), "graph"),
+                      fmt::format("{} vertices", level.vertices.size()));
+  if (!level.human_lanes.empty()) text += ", " + CountText(level.human_lanes.size(), "lane") + " of people";
   return PlainLine(text) + "\n";
 }
 
@@ -123,8 +120,8 @@ std::string DescribeLevel(const SiteLevel& level) {
 std::string DescribeSite(const LoadedWorld& loaded) {
   if (loaded.site == nullptr) return "";
   const Site& site = *loaded.site;
-  std::string text = PlainLine(fmt::format("building: {}, {}, {}", site.name, Count(site.levels.size(), "level"),
-                                           Count(site.lifts.size(), "lift"))) +
+  std::string text = PlainLine(fmt::format("building: {}, {}, {}", site.name, CountText(site.levels.size(), "level"),
+                                           CountText(site.lifts.size(), "lift"))) +
                      "\n";
   for (const SiteLevel& level : site.levels) text += DescribeLevel(level);
   for (const SiteLift& lift : site.lifts) {
@@ -142,8 +139,8 @@ std::string DescribeSite(const LoadedWorld& loaded) {
   for (const auto& [role, count] : roles) places += fmt::format(", {} {}", count, role);
   text += PlainLine(places) + "\n";
   if (site.crowd.people() > 0) {
-    text += fmt::format("  crowd: {} people in {}{}\n", site.crowd.people(), Count(site.crowd.groups.size(), "group"),
-                        site.crowd.is_enabled ? "" : ", off");
+    text += fmt::format("  crowd: {} people in {}{}\n", site.crowd.people(),
+                        CountText(site.crowd.groups.size(), "group"), site.crowd.is_enabled ? "" : ", off");
   }
   return text;
 }
@@ -158,8 +155,8 @@ std::string DescribeContent(const LoadedWorld& loaded) {
     rectangles += shape.area ? shape.area->cover().count() : shape.rectangles.size();
     blocks += shape.blocks.size();
   }
-  std::string text = fmt::format("models: {} ({}, {} from bitmaps)\n", world.models.size(), Count(blocks, "block"),
-                                 Count(rectangles, "rectangle"));
+  std::string text = fmt::format("models: {} ({}, {} from bitmaps)\n", world.models.size(), CountText(blocks, "block"),
+                                 CountText(rectangles, "rectangle"));
   text += fmt::format("robots: {}\n", world.robots.size());
   for (std::size_t i = 0; i < world.robots.size(); ++i) {
     text += DescribeRobot(world.robots[i]) + DescribeManipulation(world, RobotId(i));
@@ -180,8 +177,8 @@ int CheckRecording(const std::string& file) {
   const RecordedRun& run = recording.run();
   PrintPlain(stdout, "recording: of troupe {}, step version {}, {}\n", run.program_version, run.step_version, run.file);
   fmt::print("recorded: ticks 0 to {}, {} s simulated, {}, {}, {} bytes\n", recording.spans().greatest(),
-             SecondsOf(recording), Count(recording.spans().all().size() - 1, "edit"),
-             Count(recording.keyframes(), "keyframe"), recording.size());
+             SecondsOf(recording), CountText(recording.spans().all().size() - 1, "edit"),
+             CountText(recording.keyframes(), "keyframe"), recording.size());
   LoadedWorld begin;
   begin.world = run.world;
   begin.settings = run.settings;
@@ -266,7 +263,7 @@ int CheckCommand(const std::string& file) {
 }  // namespace
 
 std::string DescribeWorld(const LoadedWorld& loaded) {
-  std::string text = fmt::format("world: {} ({})\n", loaded.world.name, Count(loaded.files.size(), "file"));
+  std::string text = fmt::format("world: {} ({})\n", loaded.world.name, CountText(loaded.files.size(), "file"));
   text += loaded.map_width == 0 ? std::string("map: none\n")
                                 : fmt::format("map: {} x {} pixels\n", loaded.map_width, loaded.map_height);
   text += DescribeSite(loaded);

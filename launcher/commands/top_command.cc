@@ -15,6 +15,7 @@
 
 #include "command_line/parse_command_line.h"
 #include "command_line/run_flags.h"
+#include "common/base/source_text.h"
 #include "common/base/text.h"
 #include "launcher/commands/commands.h"
 #include "launcher/process/process.h"
@@ -214,8 +215,9 @@ std::string SessionTop::RunText(double ticks_per_second, std::size_t lost) const
       fmt::format("{} on {}:{}, {}, tick {} ({:.1f} s)", shown_->world->name, shown_->host, shown_->pid, state,
                   frame.state.tick, static_cast<double>(frame.state.tick) * shown_->world->interval_seconds());
   if (!status_) return text + "\n";
-  text += fmt::format("\n{:.1f} ticks a second, {:.2f} x real time, {} robots, {} agents, {} robots have lost theirs",
-                      ticks_per_second, status_->real_time_factor, status_->robots, status_->agents, lost);
+  text += fmt::format("\n{:.1f} ticks a second, {:.2f} x real time, {}, {}, {} without an agent", ticks_per_second,
+                      status_->real_time_factor, CountText(status_->robots, "robot"),
+                      CountText(status_->agents, "agent"), lost);
   if (const PhaseSeconds& phases = status_->phases; phases != PhaseSeconds()) {
     text += fmt::format("\nphases of a tick: wait {:.2f} ms, step {:.2f} ms, record {:.2f} ms, publish {:.2f} ms",
                         1e3 * phases.wait, 1e3 * phases.step, 1e3 * phases.record, 1e3 * phases.publish);

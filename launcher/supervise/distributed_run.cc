@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "command_line/terminal.h"
+#include "common/base/source_text.h"
 #include "launcher/supervise/collect_outputs.h"
 
 namespace troupe {
@@ -205,8 +206,9 @@ void DistributedRun::React(const StartedReport&) {
   started_at_ = service_started_at_;
   startup_seconds_ = std::chrono::duration<double>(Clock::now() - start_).count();
   const std::string on_hosts = options_.hosts.empty() ? "" : fmt::format(" on {} hosts", options_.hosts.size());
-  progress_.Tell(fmt::format("session {}: {} robots in {} agent processes{}, ready after {:.2f} s",
-                             options_.network.session, robots_, agents_.size(), on_hosts, startup_seconds_));
+  progress_.Tell(fmt::format("session {}: {} in {} agent {}{}, ready after {:.2f} s", options_.network.session,
+                             CountText(robots_, "robot"), agents_.size(), agents_.size() == 1 ? "process" : "processes",
+                             on_hosts, startup_seconds_));
 }
 
 void DistributedRun::Fail(RunEnd end) {

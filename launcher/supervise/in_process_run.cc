@@ -20,6 +20,7 @@
 #include "command_line/terminal.h"
 #include "common/base/or_failure.h"
 #include "common/base/print.h"
+#include "common/base/source_text.h"
 #include "common/base/thread_pool.h"
 #include "common/base/wake_event.h"
 #include "common/trace/tick_trace.h"
@@ -132,7 +133,8 @@ class ProgressObserver : public RunObserver {
   void OnNewRobots(const std::vector<std::string>& robots, Edition) override { new_agents_.Start(robots); }
 
   void OnStarted(double startup_seconds) override {
-    progress_.Tell(fmt::format("{} robots in this process, ready after {:.2f} s", robots_, startup_seconds));
+    progress_.Tell(
+        fmt::format("{} in this process, ready after {:.2f} s", CountText(robots_, "robot"), startup_seconds));
   }
   void OnStatus(const StatusMessage& status) override { progress_.Update(status); }
   void OnEvent(const Event& event, const std::string& text) override {

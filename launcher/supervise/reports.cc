@@ -13,6 +13,7 @@
 #include "command_line/terminal.h"
 #include "common/base/json.h"
 #include "common/base/json_reader.h"
+#include "common/base/source_text.h"
 #include "common/base/text.h"
 #include "transport/protocol/message_texts.h"
 #include "troupe/event.h"
@@ -156,7 +157,7 @@ std::string StatusText(const StatusMessage& status) {
   if (status.target_ticks > 0) text += fmt::format("/{}", status.target_ticks);
   text += fmt::format(", {:.1f} s, {:.1f} x real time", status.sim_seconds, status.real_time_factor);
   if (const std::string left = TimeLeft(status); !left.empty()) text += ", " + left + " left";
-  text += fmt::format(", {} robots", status.robots);
+  text += ", " + CountText(status.robots, "robot");
   if (!status.waiting_for.empty()) text += ", waiting for " + WaitingText(status);
   return text;
 }
@@ -343,10 +344,6 @@ std::string ProcessesText(const RunOutcome& outcome) {
   return text;
 }
 
-std::string Times(std::uint64_t count, const std::string& thing) {
-  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
-}
-
 }  // namespace
 
 // Figures of the simulation come first; faults of processes only where there were any.
@@ -354,20 +351,20 @@ std::string SummaryText(const RunOutcome& outcome, const SummaryTextOptions& opt
   const RunSummary& run = outcome.run;
   std::string text;
   if (run.interrupted) text += "stopped before its end\n";
-  text += fmt::format("{}, {:.1f} s simulated in {:.2f} s: {:.1f} x real time\n", Times(run.ticks, "tick"),
+  text += fmt::format("{}, {:.1f} s simulated in {:.2f} s: {:.1f} x real time\n", CountText(run.ticks, "tick"),
                       run.sim_seconds, run.wall_seconds, run.real_time_factor);
-  text += fmt::format("{}, {}, state hash {}\n", Times(run.robots, "robot"), Times(run.stalls, "stall"),
+  text += fmt::format("{}, {}, state hash {}\n", CountText(run.robots, "robot"), CountText(run.stalls, "stall"),
                       HashText(run.state_hash));
   text += RobotsText(run, options.has_styles);
-  if (run.rejected > 0) text += Times(run.rejected, "proposal") + " rejected\n";
+  if (run.rejected > 0) text += CountText(run.rejected, "proposal") + " rejected\n";
   if (options.with_stats) text += ProcessesText(outcome);
   if (outcome.service_restarted > 0) {
-    text += Times(outcome.service_restarted, "restart") + " of the world service, which died\n";
+    text += CountText(outcome.service_restarted, "restart") + " of the world service, which died\n";
   }
-  if (outcome.agents_restarted > 0) text += Times(outcome.agents_restarted, "restart") + " of agents that died\n";
+  if (outcome.agents_restarted > 0) text += CountText(outcome.agents_restarted, "restart") + " of agents that died\n";
   for (const std::string& missing : outcome.missing_files) text += "missing: " + missing + "\n";
   if (run.frozen > 0) {
-    text += Times(run.frozen, "robot") +
+    text += CountText(run.frozen, "robot") +
             " stood still in some ticks, without an agent: the result depends on the time "
             "of the loss\n";
   }

@@ -72,7 +72,7 @@ TEST(StatusText, OmitsEmptyParts) {
 
 TEST(StatusText, EstimatesTheRestAsPeopleSayIt) {
   StatusMessage status{.tick = 10, .target_ticks = 600, .sim_seconds = 1.0, .real_time_factor = 1.0, .robots = 1};
-  EXPECT_EQ(StatusText(status), "tick 10/600, 1.0 s, 1.0 x real time, 59 s left, 1 robots");
+  EXPECT_EQ(StatusText(status), "tick 10/600, 1.0 s, 1.0 x real time, 59 s left, 1 robot");
   status.target_ticks = 6000;
   EXPECT_THAT(StatusText(status), HasSubstr(", 10 min left"));
   status.target_ticks = 600000;
@@ -162,11 +162,11 @@ TEST(SessionTop, ARobotThatHasLostItsAgentIsTheSameRobotAfterALoad) {
   top.OnStatus(status);
   EXPECT_THAT(top.Text(20), ContainsRegex("\nb +no agent"));
   EXPECT_THAT(top.Text(20), ContainsRegex("\nc +idle"));
-  EXPECT_THAT(top.Text(20), HasSubstr(" 1 robots have lost theirs"));
+  EXPECT_THAT(top.Text(20), HasSubstr(" 1 without an agent"));
   const SessionMessage third = SessionOf({"c"}, 2);
   top.OnSession(third);
   top.OnFrame(std::make_shared<const FrameMessage>(FrameOf(third)));
-  EXPECT_THAT(top.Text(20), HasSubstr(" 0 robots have lost theirs"));
+  EXPECT_THAT(top.Text(20), HasSubstr(" 0 without an agent"));
 }
 
 RunOutcome SomeOutcome() {
