@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "common/base/paths.h"
+#include "transport/dds/binding/network_log.h"
 
 namespace troupe::dds {
 namespace {
@@ -155,6 +156,7 @@ SharedDomain OpenDomain(const DomainConfig& config) {
   if (!config.security_enclave.empty()) {
     const Status enclave = CheckEnclave(config.security_enclave);
     if (!enclave.ok()) throw Exception(DDS_RETCODE_BAD_PARAMETER, Starting(config) + ": " + enclave.error().ToString());
+    LeaveOutEarlyParticipants();
   }
   return config.numbered_as_on_network ? OpenNumberedDomain(config) : CreateDomain(config);
 }

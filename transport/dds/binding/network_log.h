@@ -23,6 +23,11 @@ class NetworkLog {
   FloodLimiter lines_;
 };
 
+// Leaves out from now on that a secured participant was refused. Cyclone says so of each one of which it hears between
+// the start of a domain and that of its first participant; it hears of it again. For processes with secured
+// participants.
+void LeaveOutEarlyParticipants();
+
 // For a tool: prints the first message of the process alone, to standard error. Tools look again and again for a
 // service that no packet may reach.
 void PrintFirstNetworkMessage();
