@@ -1,0 +1,92 @@
+// TrafficGraph: all graphs of lanes of a world as one, with the relation that traffic is planned by: which vertices and
+// lanes two bodies cannot be on at the same time.
+//
+// Two vertices or lanes conflict if they are on one level and nearer to each other than the clearance, or in one group:
+// a mutex, or the cabin of a lift with its vertices on all floors. A body on a lane is anywhere on it, ends included;
+// so lanes that share a vertex conflict. A ride of a lift is a lane, too, after those of the graphs.
+//
+// Vertices are numbered through all graphs, in their order, and so are lanes. A pure function of its arguments. Cost:
+// linear in the lanes and their conflicts.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "troupe/site_description.h"
+
+namespace troupe {
+
+// A way out of a vertex.
+struct TrafficExit {
+  std::uint32_t to = 0;
+  std::uint32_t lane = 0;
+  double seconds = 0.0;  // of the way, at 1 m/s or the limit of the lane, with a time for doors and rides
+};
+
+class TrafficGraph {
+ public:
+  // `clearance`: m, between the origins of two bodies.
+  TrafficGraph(std::span<const LaneGraph> graphs, double clearance);
+
+  std::size_t vertices() const { return exits_.size(); }
+  std::size_t lanes() const { return lanes_.size(); }
+  std::uint32_t VertexOf(std::size_t graph, std::size_t vertex) const {
+    return first_vertex_[graph] + static_cast<std::uint32_t>(vertex);
+  }
+  // The number among the vertices of its graph.
+  std::uint32_t NumberOf(std::size_t graph, std::uint32_t vertex) const { return vertex - first_vertex_[graph]; }
+  bool IsOf(std::size_t graph, std::uint32_t vertex) const {
+    return vertex >= first_vertex_[graph] && vertex < first_vertex_[graph + 1];
+  }
+  // The number of a lane among those of its graph; kRide for a ride.
+  static constexpr std::uint32_t kRide = 0xffffffff;
+  std::uint32_t LaneNumberOf(std::size_t graph, std::uint32_t lane) const {
+    return lane < first_lane_.back() ? lane - first_lane_[graph] : kRide;
+  }
+
+  std::span<const TrafficExit> exits(std::uint32_t vertex) const { return exits_[vertex]; }
+  // The ends of a lane.
+  std::uint32_t start(std::uint32_t lane) const { return lanes_[lane].start; }
+  std::uint32_t end(std::uint32_t lane) const { return lanes_[lane].end; }
+  // Nearer than the clearance; ascending, itself included.
+  std::span<const std::uint32_t> VerticesNearVertex(std::uint32_t vertex) const { return vertices_.at(vertex).near; }
+  std::span<const std::uint32_t> VerticesNearLane(std::uint32_t lane) const { return lanes_[lane].near_vertices; }
+  std::span<const std::uint32_t> LanesNearLane(std::uint32_t lane) const { return lanes_[lane].near_lanes; }
+  // Groups that a body there has for itself; ascending, from 0 on.
+  std::size_t groups() const { return group_count_; }
+  std::span<const std::uint32_t> GroupsOfVertex(std::uint32_t vertex) const { return vertices_[vertex].groups; }
+  std::span<const std::uint32_t> GroupsOfLane(std::uint32_t lane) const { return lanes_[lane].groups; }
+  // A vertex at which a body may wait without a group or a lift that others need.
+  bool IsOpen(std::uint32_t vertex) const { return vertices_[vertex].groups.empty(); }
+
+ private:
+  struct Vertex {
+    Vec2 position{0.0, 0.0};
+    double z = 0.0;
+    std::vector<std::uint32_t> near = {};
+    std::vector<std::uint32_t> groups = {};
+  };
+  struct Way {
+    std::uint32_t start = 0;
+    std::uint32_t end = 0;
+    std::vector<std::uint32_t> near_vertices = {};
+    std::vector<std::uint32_t> near_lanes = {};
+    std::vector<std::uint32_t> groups = {};
+  };
+
+  void AddRides(std::span<const LaneGraph> graphs);
+  void AddWay(std::uint32_t start, std::uint32_t end, double seconds, bool is_bidirectional);
+  void FindGroups(std::span<const LaneGraph> graphs);
+  void FindConflicts(double clearance);
+
+  std::vector<Vertex> vertices_;
+  std::vector<Way> lanes_;
+  std::vector<std::vector<TrafficExit>> exits_;
+  std::vector<std::uint32_t> first_vertex_;  // by graph, and the end
+  std::vector<std::uint32_t> first_lane_;    // likewise
+  std::size_t group_count_ = 0;
+};
+
+}  // namespace troupe

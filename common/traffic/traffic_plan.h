@@ -1,0 +1,86 @@
+// TrafficPlan: the traffic of all robots on the lanes of a world, planned as one.
+//
+// A plan is a sequence of moves of robots along lanes, one after another, such that each keeps clear of all robots at
+// rest. It is executed by an action dependency graph (Hoenig and others, 2019): a robot may begin a move once all
+// earlier moves that conflict with it have been finished. Moves that do not conflict happen at the same time, in
+// whatever order robots are ready; so no delay of a robot breaks the plan, and the earliest move can always begin:
+// there is no deadlock. Moves that have not been granted can be dropped at any time: the robots at rest, and those on
+// granted moves at their ends, are again free of conflicts, and a new plan begins there.
+//
+// Each tick plans moves for robots that have few left. The one whose goal is the oldest has the first choice: its whole
+// way to the goal is planned, and all others make room. The others plan some moves ahead, and move away only robots
+// without a goal or with a younger one. So each robot becomes the one with the oldest goal, and arrives, if the graph
+// has room for it.
+//
+// A pure function of its arguments: the plan is a part of the state of the world, and depends on no clock, no packing
+// and no earlier call. Memory: kMaxMoves for each robot, and one whole way. Cost of a tick: linear in the moves, and
+// kMaxSearches searches.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/traffic/traffic_graph.h"
+#include "troupe/ids.h"
+
+namespace troupe {
+
+// What a robot reports and wants in a tick. It takes part in the traffic as long as it sends one in each tick.
+struct TrafficRequest {
+  RobotId robot;
+  std::uint32_t at = 0;  // the vertex of the graph that it is at, until it takes part
+  std::optional<std::uint32_t> goal = {};
+  bool holds = false;          // it stays where it is, for instance while it is loaded
+  std::uint32_t finished = 0;  // moves since it takes part, modulo 2^32
+  bool is_blocked = false;     // a body that takes no part is in the way of its present move
+};
+
+struct TrafficRobot {
+  RobotId robot;
+  std::uint32_t at = 0;  // the vertex that it was at last
+  std::optional<std::uint32_t> goal = {};
+  Tick since = 0;  // of the goal
+  bool holds = false;
+  std::uint32_t finished = 0;
+  bool operator==(const TrafficRobot&) const = default;
+};
+
+struct TrafficMove {
+  RobotId robot;
+  std::uint32_t lane = 0;
+  std::uint32_t to = 0;  // an end of the lane; the start of the move, if the robot turns back
+  bool granted = false;
+  bool operator==(const TrafficMove&) const = default;
+};
+
+// A lane that no plan uses for a time.
+struct TrafficClosure {
+  std::uint32_t lane = 0;
+  Tick until = 0;
+  bool operator==(const TrafficClosure&) const = default;
+};
+
+struct TrafficPlan {
+  std::vector<TrafficRobot> robots;      // ascending
+  std::vector<TrafficMove> moves;        // in the order of the plan
+  std::vector<TrafficClosure> closures;  // ascending
+  bool operator==(const TrafficPlan&) const = default;
+};
+
+inline constexpr std::size_t kMaxMoves = 8;      // planned ahead, for a robot that has not the oldest goal
+inline constexpr std::size_t kMinMoves = 4;      // with fewer it plans again
+inline constexpr std::size_t kMaxGrants = 4;     // moves of a robot that it may make without another decision
+inline constexpr std::size_t kMaxSearches = 32;  // of a tick
+inline constexpr Tick kClosedTicks = 600;        // a lane that a body blocks
+inline constexpr Tick kAnyWayTicks = 10;         // between searches for a way around others
+
+// The plan of the next tick. `requests`: ascending, at most one for each robot. `obstructed`: lanes that bodies outside
+// of the traffic are on, by lane; no move begins there. A robot takes part once its vertex is free of others, and no
+// longer without a request.
+// REQUIRES: the plan is empty, or of this function for the same graph.
+void PlanTraffic(const TrafficGraph& graph, std::span<const TrafficRequest> requests,
+                 const std::vector<bool>& obstructed, Tick tick, TrafficPlan& plan);
+
+}  // namespace troupe

@@ -1,0 +1,258 @@
+#include "common/traffic/traffic_plan.h"
+
+#include <gmock/gmock.h>
+
+#include <deque>
+#include <set>
+
+#include "common/traffic/traffic_search.h"
+#include "tests/unit/common/traffic/traffic_world.h"
+
+namespace troupe {
+namespace {
+
+using Goals = std::vector<std::vector<std::uint32_t>>;  // by robot: one after another, again and again
+
+// Each robot begins at the last of its goals.
+void ExpectAllArrive(const LaneGraph& lanes, const Goals& goals, std::size_t arrivals, Tick ticks) {
+  TrafficRun run({lanes}, 1);
+  for (const std::vector<std::uint32_t>& its : goals) run.Place(its.back());
+  while (run.tick < ticks) {
+    run.RunTick([&](std::size_t robot) {
+      return std::optional(goals[robot][run.robots[robot].arrivals % goals[robot].size()]);
+    });
+    ASSERT_FALSE(::testing::Test::HasFatalFailure());
+  }
+  for (const TrafficRun::Robot& robot : run.robots) EXPECT_GE(robot.arrivals, arrivals);
+}
+
+TEST(TrafficPlanTest, RobotsPassAJunction) {
+  LaneDraft draft;
+  const std::uint32_t a = draft.Add(6, 2);
+  const std::uint32_t b = draft.Add(2, 6);
+  const std::uint32_t junction = draft.Add(6, 6);
+  const std::uint32_t c = draft.Add(10, 10);
+  const std::uint32_t d = draft.Add(14, 14);
+  for (const std::uint32_t end : {a, b, c}) draft.Join(end, junction);
+  draft.Join(c, d);
+  ExpectAllArrive(draft.graph, {{d, a}, {c, b}}, 10, 2000);
+}
+
+TEST(TrafficPlanTest, RobotsMergeAndExchangeTheirEnds) {
+  LaneDraft draft;
+  const std::uint32_t right = draft.Add(0, 0);
+  const std::uint32_t charger_1 = draft.Add(3, -2);
+  const std::uint32_t charger_2 = draft.Add(3, 2);
+  const std::uint32_t left = draft.Add(-10, 0);
+  const std::uint32_t goal_1 = draft.Add(-13, -2);
+  const std::uint32_t goal_2 = draft.Add(-13, 2);
+  draft.Join(charger_1, right);
+  draft.Join(charger_2, right);
+  draft.Join(right, left);
+  draft.Join(left, goal_1);
+  draft.Join(left, goal_2);
+  ExpectAllArrive(draft.graph, {{goal_1, charger_1}, {goal_2, charger_2}}, 10, 2000);
+}
+
+TEST(TrafficPlanTest, RobotsTakeTurnsAtADockInADeadEnd) {
+  LaneDraft draft;
+  const std::uint32_t dock = draft.Add(10, 2, "dock");
+  const std::uint32_t gate = draft.Add(10, 6);
+  std::vector<std::uint32_t> homes;
+  draft.Join(dock, gate);
+  for (const Vec2& home : {Vec2(4, 9), Vec2(16, 9), Vec2(10, 10)}) {
+    homes.push_back(draft.Add(home.x(), home.y()));
+    draft.Join(gate, homes.back());
+  }
+  ExpectAllArrive(draft.graph, {{dock, homes[0]}, {dock, homes[1]}, {dock, homes[2]}}, 10, 4000);
+}
+
+TEST(TrafficPlanTest, RobotsPassEachOtherAtASiding) {
+  for (const bool has_siding : {true, false}) {
+    LaneDraft draft;
+    for (int i = 0; i < 5; ++i) draft.Add(5.0 * i, 0.0);
+    for (std::uint32_t i = 0; i + 1 < 5; ++i) draft.Join(i, i + 1);
+    const std::uint32_t left = draft.Add(-3, -2);
+    const std::uint32_t right = draft.Add(23, -2);
+    draft.Join(left, 0);
+    draft.Join(right, 4);
+    // The only place to pass: in the middle, or at one end.
+    const std::uint32_t siding = has_siding ? draft.Add(10, 2) : draft.Add(-3, 2);
+    draft.Join(has_siding ? 2 : 0, siding);
+    ExpectAllArrive(draft.graph, {{right, left}, {left, right}}, 8, 4000);
+  }
+}
+
+TEST(TrafficPlanTest, RobotsMoveOnAOneWayLoopWithOneFreeVertex) {
+  LaneDraft draft;
+  for (int i = 0; i < 6; ++i) draft.Add(3.0 * (i < 3 ? i : 5 - i), i < 3 ? 0.0 : 3.0);
+  for (std::uint32_t i = 0; i < 6; ++i) draft.Join(i, (i + 1) % 6, false);
+  TrafficRun run({draft.graph}, 1);
+  for (std::uint32_t i = 0; i < 5; ++i) run.Place(i);
+  Draws goals(3);
+  while (run.tick < 4000) {
+    run.RunTick([&](std::size_t) { return std::optional(static_cast<std::uint32_t>(goals.Below(6))); });
+    ASSERT_FALSE(HasFatalFailure());
+  }
+  for (const TrafficRun::Robot& robot : run.robots) EXPECT_GE(robot.arrivals, 5u);
+}
+
+// Any graph on which each robot can reach each vertex: the grids have loops, and more free vertices than robots in
+// their dead ends.
+TEST(TrafficPlanTest, AllArriveOnRandomGrids) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    Draws draws(seed);
+    const std::size_t width = 2 + draws.Below(4);
+    const std::size_t height = 2 + draws.Below(4);
+    const LaneGraph lanes = RandomGrid(draws, width, height, draws.Chance(0.5) ? 0.0 : 0.4);
+    TrafficRun run({lanes}, seed);
+    const std::size_t robots = 1 + draws.Below(width * height / 2);
+    for (std::uint32_t i = 0; i < robots; ++i) run.Place(i);
+    while (run.tick < 1500) {
+      run.RunTick([&](std::size_t) { return std::optional(static_cast<std::uint32_t>(draws.Below(width * height))); });
+      ASSERT_FALSE(HasFatalFailure()) << "seed " << seed;
+      ASSERT_LE(run.plan.moves.size(), 64 * robots + 256);
+    }
+    for (const TrafficRun::Robot& robot : run.robots) {
+      EXPECT_LT(run.tick - robot.since, 1000u) << "seed " << seed;
+      EXPECT_GE(robot.arrivals, 1u) << "seed " << seed;
+    }
+  }
+}
+
+// All places of one robot and of others that cannot be told apart, reached by single moves.
+bool CanReach(const TrafficGraph& graph, const std::vector<std::uint32_t>& places, std::uint32_t goal) {
+  const auto key = [](std::vector<std::uint32_t> all) {
+    std::sort(all.begin() + 1, all.end());
+    return all;
+  };
+  std::set<std::vector<std::uint32_t>> seen = {key(places)};
+  std::deque<std::vector<std::uint32_t>> open = {key(places)};
+  while (!open.empty()) {
+    const std::vector<std::uint32_t> now = open.front();
+    open.pop_front();
+    if (now.front() == goal) return true;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      for (const TrafficExit& exit : graph.exits(now[i])) {
+        if (std::find(now.begin(), now.end(), exit.to) != now.end()) continue;
+        std::vector<std::uint32_t> next = now;
+        next[i] = exit.to;
+        if (seen.insert(key(next)).second) open.push_back(key(next));
+      }
+    }
+  }
+  return false;
+}
+
+TEST(TrafficPlanTest, ASearchFindsAWayIfThereIsOne) {
+  std::size_t solvable = 0;
+  std::size_t missed = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Draws draws(seed);
+    const std::size_t width = 2 + draws.Below(3);
+    const std::size_t height = 2 + draws.Below(2);
+    const LaneGraph lanes = RandomGrid(draws, width, height, draws.Chance(0.3) ? 0.3 : 1.0);
+    const TrafficGraph graph(std::vector{lanes}, kClearance);
+    std::vector<std::uint32_t> places;
+    const std::size_t robots = 2 + draws.Below(width * height - 2);
+    for (std::uint32_t i = 0; i < width * height; ++i) places.push_back(i);
+    for (std::size_t i = places.size(); i > 1; --i) std::swap(places[i - 1], places[draws.Below(i)]);
+    places.resize(robots);
+    const auto goal = static_cast<std::uint32_t>(draws.Below(width * height));
+    const std::vector<bool> closed(graph.lanes(), false);
+    const std::vector<bool> is_fixed(robots, false);
+    const TrafficSearch search(graph, closed, is_fixed);
+    Formation formation(graph, places);
+    const bool found = search.Find(formation, 0, goal) || search.FindAnyWay(formation, 0, goal);
+    const bool can = CanReach(graph, places, goal);
+    ASSERT_TRUE(can || !found);
+    solvable += can ? 1 : 0;
+    missed += can && !found ? 1 : 0;
+    if (found) EXPECT_EQ(formation.place(0), goal);
+  }
+  EXPECT_GT(solvable, 100u);
+  EXPECT_EQ(missed, 0u);
+}
+
+TEST(TrafficPlanTest, ALostRobotIsPassedByOthers) {
+  LaneDraft draft;  // a ring
+  for (int i = 0; i < 8; ++i) draft.Add(3.0 * (i < 4 ? i : 7 - i), i < 4 ? 0.0 : 3.0);
+  for (std::uint32_t i = 0; i < 8; ++i) draft.Join(i, (i + 1) % 8);
+  TrafficRun run({draft.graph}, 1);
+  for (const std::uint32_t place : {0u, 2u, 5u}) run.Place(place);
+  Draws goals(3);
+  const auto next_goal = [&](std::size_t) { return std::optional(static_cast<std::uint32_t>(goals.Below(8))); };
+  while (run.tick < 500) run.RunTick(next_goal);
+  // It is lost at a vertex, which is obstructed for the others from then on.
+  while (run.robots[0].moves) run.RunTick(next_goal);
+  run.robots[0].is_lost = true;
+  const std::uint32_t lost_at = run.robots[0].at;
+  for (const TrafficExit& exit : run.graph.exits(lost_at)) run.obstructed[exit.lane] = true;
+  for (TrafficRun::Robot& robot : run.robots) robot.goal.reset();
+  const std::vector<TrafficRun::Robot> before = run.robots;
+  const auto other_goal = [&](std::size_t) {
+    auto goal = static_cast<std::uint32_t>(goals.Below(8));
+    if (goal == lost_at) goal = (goal + 1) % 8;
+    return std::optional(goal);
+  };
+  for (int i = 0; i < 2000; ++i) {
+    run.RunTick(other_goal);
+    ASSERT_FALSE(HasFatalFailure());
+  }
+  // Two robots on what is a chain now may want to pass each other: both cannot always arrive.
+  EXPECT_GT(run.robots[1].arrivals + run.robots[2].arrivals, before[1].arrivals + before[2].arrivals + 4);
+}
+
+TEST(TrafficPlanTest, ABlockedRobotTurnsBackAndGoesRound) {
+  LaneDraft draft;
+  for (const Vec2& place : {Vec2(0, 0), Vec2(5, 0), Vec2(0, 5), Vec2(5, 5)}) draft.Add(place.x(), place.y());
+  draft.Join(0, 1);
+  draft.Join(0, 2);
+  draft.Join(2, 3);
+  draft.Join(3, 1);
+  const TrafficGraph graph(std::vector{draft.graph}, kClearance);
+  const std::vector<bool> obstructed(graph.lanes(), false);
+  TrafficPlan plan;
+  TrafficRequest request{.robot = RobotId(0), .at = 0, .goal = 1};
+  PlanTraffic(graph, std::span(&request, 1), obstructed, 1, plan);
+  ASSERT_EQ(plan.moves.size(), 1u);
+  EXPECT_EQ(plan.moves[0], (TrafficMove{RobotId(0), 0, 1, true}));
+  request.is_blocked = true;
+  PlanTraffic(graph, std::span(&request, 1), obstructed, 2, plan);
+  request.is_blocked = false;
+  EXPECT_EQ(plan.closures, (std::vector<TrafficClosure>{{0, 2 + kClosedTicks}}));
+  std::vector<std::uint32_t> ends;
+  for (const TrafficMove& move : plan.moves) ends.push_back(move.to);
+  EXPECT_EQ(ends, (std::vector<std::uint32_t>{0, 2, 3, 1}));
+  EXPECT_TRUE(plan.moves[0].granted);
+  // The lane opens again.
+  PlanTraffic(graph, std::span(&request, 1), obstructed, 2 + kClosedTicks, plan);
+  EXPECT_TRUE(plan.closures.empty());
+}
+
+TEST(TrafficPlanTest, ARobotStartsToTakePartWhereNoOtherIs) {
+  LaneDraft draft;
+  for (int i = 0; i < 3; ++i) draft.Add(3.0 * i, 0.0);
+  draft.Join(0, 1);
+  draft.Join(1, 2);
+  const TrafficGraph graph(std::vector{draft.graph}, kClearance);
+  const std::vector<bool> obstructed(graph.lanes(), false);
+  TrafficPlan plan;
+  std::vector<TrafficRequest> requests = {{.robot = RobotId(0), .at = 1}, {.robot = RobotId(4), .at = 1, .goal = 2}};
+  PlanTraffic(graph, requests, obstructed, 1, plan);
+  ASSERT_EQ(plan.robots.size(), 1u);
+  requests[0].goal = 0;
+  PlanTraffic(graph, requests, obstructed, 2, plan);
+  requests[0].finished = 1;
+  PlanTraffic(graph, requests, obstructed, 3, plan);
+  ASSERT_EQ(plan.robots.size(), 2u);
+  EXPECT_EQ(plan.robots[0].at, 0u);
+  EXPECT_EQ(plan.robots[1].at, 1u);
+  // Without a request it takes no part any more.
+  PlanTraffic(graph, std::span(requests).first(1), obstructed, 4, plan);
+  EXPECT_EQ(plan.robots.size(), 1u);
+  EXPECT_TRUE(plan.moves.empty());
+}
+
+}  // namespace
+}  // namespace troupe

@@ -1,0 +1,222 @@
+// Graphs of lanes, and robots on them that follow a plan with delays: an oracle of its own looks whether two of them
+// are where they would touch.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/traffic/traffic_plan.h"
+#include "troupe/random.h"
+
+namespace troupe {
+
+inline constexpr double kClearance = 0.6;  // m
+
+// Repeatable numbers.
+class Draws {
+ public:
+  explicit Draws(std::uint64_t seed) : seed_(seed) {}
+  std::size_t Below(std::size_t count) { return static_cast<std::size_t>(Next() * static_cast<double>(count)); }
+  bool Chance(double share) { return Next() < share; }
+
+ private:
+  double Next() { return RandomUniform({seed_, next_++}); }
+  std::uint64_t seed_;
+  std::uint64_t next_ = 0;
+};
+
+class LaneDraft {
+ public:
+  std::uint32_t Add(double x, double y, std::string mutex = "") {
+    LaneVertex vertex;
+    vertex.position = {x, y};
+    vertex.mutex = std::move(mutex);
+    graph.vertices.push_back(vertex);
+    return static_cast<std::uint32_t>(graph.vertices.size() - 1);
+  }
+  void Join(std::uint32_t start, std::uint32_t end, bool is_bidirectional = true) {
+    Lane lane;
+    lane.start = start;
+    lane.end = end;
+    lane.is_bidirectional = is_bidirectional;
+    graph.lanes.push_back(lane);
+  }
+  LaneGraph graph;
+};
+
+// A grid without some of its lanes, whose vertices are all connected; a dead end at some of them.
+inline LaneGraph RandomGrid(Draws& draws, std::size_t width, std::size_t height, double missing) {
+  LaneDraft draft;
+  for (std::size_t y = 0; y < height; ++y) {
+    for (std::size_t x = 0; x < width; ++x) draft.Add(2.0 * static_cast<double>(x), 2.0 * static_cast<double>(y));
+  }
+  std::vector<std::size_t> roots(width * height);
+  for (std::size_t i = 0; i < roots.size(); ++i) roots[i] = i;
+  const auto find = [&](std::size_t i) {
+    while (roots[i] != i) i = roots[i];
+    return i;
+  };
+  struct Pair {
+    std::size_t a, b;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    if (i % width + 1 < width) pairs.push_back({i, i + 1});
+    if (i + width < roots.size()) pairs.push_back({i, i + width});
+  }
+  for (std::size_t i = pairs.size(); i > 1; --i) std::swap(pairs[i - 1], pairs[draws.Below(i)]);
+  for (const Pair& pair : pairs) {
+    const bool connects = find(pair.a) != find(pair.b);
+    if (!connects && draws.Chance(missing)) continue;
+    if (connects) roots[find(pair.a)] = find(pair.b);
+    draft.Join(static_cast<std::uint32_t>(pair.a), static_cast<std::uint32_t>(pair.b));
+  }
+  return draft.graph;
+}
+
+// Robots that move as the plan grants, each with delays of its own.
+class TrafficRun {
+ public:
+  struct Robot {
+    std::uint32_t at = 0;
+    std::optional<std::uint32_t> goal = {};
+    std::uint32_t finished = 0;
+    std::size_t left = 0;  // ticks of the present move
+    bool moves = false;
+    std::uint32_t lane = 0;
+    std::size_t holds = 0;  // ticks at the goal
+    std::size_t arrivals = 0;
+    Tick since = 0;
+    bool is_lost = false;  // sends no requests any more
+  };
+
+  TrafficRun(std::vector<LaneGraph> graphs, std::uint64_t seed)
+      : graphs(std::move(graphs)), graph(this->graphs, kClearance), draws(seed), obstructed(graph.lanes(), false) {}
+
+  void Place(std::uint32_t vertex) { robots.push_back({.at = vertex}); }
+
+  // `next_goal`(robot number) gives the next goal after an arrival; nothing: it stays without a goal.
+  template <typename NextGoal>
+  void RunTick(const NextGoal& next_goal) {
+    std::vector<TrafficRequest> requests;
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      Robot& robot = robots[i];
+      if (robot.is_lost) continue;
+      Advance(RobotId(i), robot);
+      if (!robot.moves && robot.goal == robot.at && !HasMoves(RobotId(i))) {
+        if (robot.holds == 0) {
+          ++robot.arrivals;
+          robot.holds = 1 + draws.Below(20);
+        } else if (--robot.holds == 0) {
+          robot.goal.reset();
+        }
+      }
+      if (!robot.goal) {
+        robot.goal = next_goal(i);
+        robot.since = tick;
+      }
+      requests.push_back({.robot = RobotId(i),
+                          .at = robot.at,
+                          .goal = robot.goal,
+                          .holds = robot.holds > 0,
+                          .finished = robot.finished});
+    }
+    PlanTraffic(graph, requests, obstructed, tick, plan);
+    ++tick;
+    Check();
+  }
+
+  bool HasMoves(RobotId robot) const {
+    for (const TrafficMove& move : plan.moves) {
+      if (move.robot == robot) return true;
+    }
+    return false;
+  }
+
+  std::vector<LaneGraph> graphs;
+  TrafficGraph graph;
+  Draws draws;
+  std::vector<bool> obstructed;
+  TrafficPlan plan;
+  std::vector<Robot> robots;
+  Tick tick = 0;
+  double delay = 0.1;  // of a tick, that a robot stands
+
+ private:
+  void Advance(RobotId id, Robot& robot) {
+    if (draws.Chance(delay)) return;
+    if (robot.moves && robot.left > 0) {
+      --robot.left;
+      return;
+    }
+    std::size_t skipped = 0;
+    for (const TrafficMove& move : plan.moves) {
+      if (move.robot != id) continue;
+      if (robot.moves && skipped++ == 0) {
+        // The end of the present move.
+        robot.at = move.to;
+        robot.moves = false;
+        ++robot.finished;
+        continue;
+      }
+      if (!move.granted) break;
+      robot.moves = true;
+      robot.lane = move.lane;
+      robot.left = 1 + draws.Below(8);
+      break;
+    }
+  }
+
+  struct Place_ {
+    Vec2 a{0.0, 0.0};
+    Vec2 b{0.0, 0.0};
+    std::vector<std::string> groups;
+  };
+
+  Place_ PlaceOf(const Robot& robot) const {
+    const LaneGraph& lanes = graphs.front();
+    if (!robot.moves) {
+      const LaneVertex& vertex = lanes.vertices[robot.at];
+      return {vertex.position, vertex.position, {vertex.mutex}};
+    }
+    const LaneVertex& start = lanes.vertices[graph.start(robot.lane)];
+    const LaneVertex& end = lanes.vertices[graph.end(robot.lane)];
+    return {start.position, end.position, {start.mutex, end.mutex}};
+  }
+
+  // By points along the lanes: another way than that of the graph.
+  static double DistanceOf(const Place_& one, const Place_& two) {
+    double least = 1e9;
+    for (int i = 0; i <= 8; ++i) {
+      for (int k = 0; k <= 8; ++k) {
+        const Vec2 p = one.a + (one.b - one.a) * (i / 8.0);
+        const Vec2 q = two.a + (two.b - two.a) * (k / 8.0);
+        least = std::min(least, (p - q).norm());
+      }
+    }
+    return least;
+  }
+
+  void Check() {
+    std::vector<Place_> places;
+    for (const Robot& robot : robots) places.push_back(PlaceOf(robot));
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        const Vec2 apart = places[i].a - places[k].a;
+        if (apart.norm() > 8.0) continue;
+        ASSERT_GE(DistanceOf(places[i], places[k]), kClearance)
+            << "robots " << k << " and " << i << " at tick " << tick;
+        for (const std::string& group : places[i].groups) {
+          for (const std::string& other : places[k].groups) ASSERT_TRUE(group.empty() || group != other);
+        }
+      }
+    }
+  }
+};
+
+}  // namespace troupe
