@@ -1,7 +1,7 @@
 // Formation: where the robots of a traffic rest, one at a vertex, and the moves that are possible one after another.
 //
 // The invariant of all plans: robots that rest do not conflict (traffic_graph.h), and a move keeps it, with its whole
-// lane. Robots that began nearer to each other than the clearance are let apart, never together.
+// lane. Robots that began in a conflict may move apart, never together.
 //
 // Robots are numbered by their rows. Moves can be undone in reverse order, so that searches need no copies.
 #pragma once

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "troupe/check.h"
+
 namespace troupe {
 namespace {
 
@@ -18,6 +20,7 @@ struct Segment {
   Vec2 a{0.0, 0.0};
   Vec2 b{0.0, 0.0};
   double z = 0.0;
+  double radius = 0.0;  // m, of the robots on it
 };
 
 double SquaredDistance(const Vec2& point, const Segment& segment) {
@@ -53,7 +56,7 @@ class Cells {
     });
   }
 
-  // Of the segments within the size of a cell, ascending, with others.
+  // Of the segments within half the size of a cell, ascending, with others.
   std::vector<std::uint32_t> Near(const Segment& segment) const {
     std::vector<std::uint32_t> near;
     ForEachCell(segment, [&](const Cell& cell) {
@@ -72,7 +75,7 @@ class Cells {
  private:
   using Cell = std::array<std::int64_t, 2>;
 
-  // Points half a cell apart: no cell that the segment passes is more than one away from theirs.
+  // Of points half a cell apart: those of two segments within half a cell of each other are in cells side by side.
   template <typename Use>
   void ForEachCell(const Segment& segment, const Use& use) const {
     const Vec2 way = segment.b - segment.a;
@@ -95,10 +98,13 @@ void MakeSet(std::vector<std::uint32_t>& numbers) {
 
 }  // namespace
 
-TrafficGraph::TrafficGraph(std::span<const LaneGraph> graphs, double clearance) {
-  for (const LaneGraph& graph : graphs) {
+TrafficGraph::TrafficGraph(std::span<const LaneGraph> graphs, std::span<const double> radii) {
+  TROUPE_CHECK(radii.size() == graphs.size());
+  for (std::size_t i = 0; i < graphs.size(); ++i) {
     first_vertex_.push_back(static_cast<std::uint32_t>(vertices_.size()));
-    for (const LaneVertex& vertex : graph.vertices) vertices_.push_back({.position = vertex.position, .z = vertex.z});
+    for (const LaneVertex& vertex : graphs[i].vertices) {
+      vertices_.push_back({.position = vertex.position, .z = vertex.z, .radius = radii[i]});
+    }
   }
   first_vertex_.push_back(static_cast<std::uint32_t>(vertices_.size()));
   exits_.resize(vertices_.size());
@@ -114,7 +120,7 @@ TrafficGraph::TrafficGraph(std::span<const LaneGraph> graphs, double clearance) 
   first_lane_.push_back(static_cast<std::uint32_t>(lanes_.size()));
   AddRides(graphs);
   FindGroups(graphs);
-  FindConflicts(clearance);
+  FindConflicts(radii.empty() ? 0.0 : *std::max_element(radii.begin(), radii.end()));
 }
 
 void TrafficGraph::AddWay(std::uint32_t start, std::uint32_t end, double seconds, bool is_bidirectional) {
@@ -167,21 +173,23 @@ void TrafficGraph::FindGroups(std::span<const LaneGraph> graphs) {
   }
 }
 
-void TrafficGraph::FindConflicts(double clearance) {
-  const double squared = clearance * clearance;
+// `radius`: the largest one, m.
+void TrafficGraph::FindConflicts(double radius) {
   const auto is_near = [&](const Segment& one, const Segment& two) {
-    return std::fabs(one.z - two.z) < kLevelGap && SquaredDistance(one, two) < squared;
+    const double clearance = one.radius + two.radius;
+    return std::fabs(one.z - two.z) < kLevelGap && SquaredDistance(one, two) < clearance * clearance;
   };
-  Cells vertex_cells(std::max(2.0 * clearance, 1.0));
-  Cells lane_cells(std::max(2.0 * clearance, 1.0));
+  Cells vertex_cells(std::max(4.0 * radius, 1.0));
+  Cells lane_cells(std::max(4.0 * radius, 1.0));
   std::vector<Segment> points;
   std::vector<Segment> ways;
   for (const Vertex& vertex : vertices_) {
-    points.push_back({vertex.position, vertex.position, vertex.z});
+    points.push_back({vertex.position, vertex.position, vertex.z, vertex.radius});
     vertex_cells.Add(static_cast<std::uint32_t>(points.size() - 1), points.back());
   }
   for (const Way& lane : lanes_) {
-    ways.push_back({vertices_[lane.start].position, vertices_[lane.end].position, vertices_[lane.start].z});
+    const Vertex& start = vertices_[lane.start];
+    ways.push_back({start.position, vertices_[lane.end].position, start.z, start.radius});
     lane_cells.Add(static_cast<std::uint32_t>(ways.size() - 1), ways.back());
   }
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
@@ -194,7 +202,7 @@ void TrafficGraph::FindConflicts(double clearance) {
     for (const std::uint32_t other : vertex_cells.Near(ways[i])) {
       if (is_near(ways[i], points[other])) lane.near_vertices.push_back(other);
     }
-    // Also where both ends are on different levels, or the clearance is none.
+    // Also where both ends are on different levels, or the radius is none.
     for (const std::uint32_t end : {lane.start, lane.end}) {
       const std::vector<std::uint32_t>& near = vertices_[end].near;
       lane.near_vertices.insert(lane.near_vertices.end(), near.begin(), near.end());

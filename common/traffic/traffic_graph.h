@@ -1,9 +1,10 @@
 // TrafficGraph: all graphs of lanes of a world as one, with the relation that traffic is planned by: which vertices and
 // lanes two bodies cannot be on at the same time.
 //
-// Two vertices or lanes conflict if they are on one level and nearer to each other than the clearance, or in one group:
-// a mutex, or the cabin of a lift with its vertices on all floors. A body on a lane is anywhere on it, ends included;
-// so lanes that share a vertex conflict. A ride of a lift is a lane, too, after those of the graphs.
+// Two vertices or lanes conflict if they are on one level and nearer to each other than the radii of the robots of
+// their graphs, or in one group: a mutex, or the cabin of a lift with its vertices on all floors. A body on a lane is
+// anywhere on it, ends included; so lanes that share a vertex conflict. A ride of a lift is a lane, too, after those of
+// the graphs.
 //
 // Vertices are numbered through all graphs, in their order, and so are lanes. A pure function of its arguments. Cost:
 // linear in the lanes and their conflicts.
@@ -27,8 +28,8 @@ struct TrafficExit {
 
 class TrafficGraph {
  public:
-  // `clearance`: m, between the origins of two bodies.
-  TrafficGraph(std::span<const LaneGraph> graphs, double clearance);
+  // `radii`: m, by graph: no part of a robot on it is farther from its origin.
+  TrafficGraph(std::span<const LaneGraph> graphs, std::span<const double> radii);
 
   std::size_t vertices() const { return exits_.size(); }
   std::size_t lanes() const { return lanes_.size(); }
@@ -50,7 +51,7 @@ class TrafficGraph {
   // The ends of a lane.
   std::uint32_t start(std::uint32_t lane) const { return lanes_[lane].start; }
   std::uint32_t end(std::uint32_t lane) const { return lanes_[lane].end; }
-  // Nearer than the clearance; ascending, itself included.
+  // Those that it conflicts with by their distance; ascending, itself included.
   std::span<const std::uint32_t> VerticesNearVertex(std::uint32_t vertex) const { return vertices_.at(vertex).near; }
   std::span<const std::uint32_t> VerticesNearLane(std::uint32_t lane) const { return lanes_[lane].near_vertices; }
   std::span<const std::uint32_t> LanesNearLane(std::uint32_t lane) const { return lanes_[lane].near_lanes; }
@@ -65,6 +66,7 @@ class TrafficGraph {
   struct Vertex {
     Vec2 position{0.0, 0.0};
     double z = 0.0;
+    double radius = 0.0;
     std::vector<std::uint32_t> near = {};
     std::vector<std::uint32_t> groups = {};
   };
@@ -79,7 +81,7 @@ class TrafficGraph {
   void AddRides(std::span<const LaneGraph> graphs);
   void AddWay(std::uint32_t start, std::uint32_t end, double seconds, bool is_bidirectional);
   void FindGroups(std::span<const LaneGraph> graphs);
-  void FindConflicts(double clearance);
+  void FindConflicts(double radius);
 
   std::vector<Vertex> vertices_;
   std::vector<Way> lanes_;

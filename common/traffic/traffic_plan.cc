@@ -51,7 +51,7 @@ class Planner {
       const std::optional<std::uint32_t> row = RowOf(request.robot);
       if (row) Report(*row, request);
     }
-    if (std::erase_if(plan_.closures, [&](const TrafficClosure& closure) { return closure.until <= tick_; }) > 0) {
+    if (std::erase_if(plan_.closures, [&](const LaneClosure& closure) { return closure.until <= tick_; }) > 0) {
       drops_ = true;
     }
     for (const TrafficRequest& request : requests) {
@@ -59,7 +59,7 @@ class Planner {
     }
     for (const TrafficMove& move : plan_.moves) drops_ = drops_ || (!move.granted && obstructed_[move.lane]);
     if (drops_) std::erase_if(plan_.moves, [](const TrafficMove& move) { return !move.granted; });
-    for (const TrafficClosure& closure : plan_.closures) closed_[closure.lane] = true;
+    for (const LaneClosure& closure : plan_.closures) closed_[closure.lane] = true;
     ExtendPlan();
     Grant();
   }
@@ -112,10 +112,9 @@ class Planner {
     front->to = robot.at;
     drops_ = true;
     plan_.moves.erase(std::remove_if(front + 1, plan_.moves.end(), is_own), plan_.moves.end());
-    const TrafficClosure closure{front->lane, tick_ + kClosedTicks};
-    const auto place =
-        std::lower_bound(plan_.closures.begin(), plan_.closures.end(), closure,
-                         [](const TrafficClosure& a, const TrafficClosure& b) { return a.lane < b.lane; });
+    const LaneClosure closure{front->lane, tick_ + kClosedTicks};
+    const auto place = std::lower_bound(plan_.closures.begin(), plan_.closures.end(), closure,
+                                        [](const LaneClosure& a, const LaneClosure& b) { return a.lane < b.lane; });
     if (place != plan_.closures.end() && place->lane == closure.lane) {
       *place = closure;
     } else {
@@ -176,6 +175,7 @@ class Planner {
     // By row; those without a way come after all others.
     std::vector<std::size_t> ranks(plan_.robots.size(), order.size());
     for (std::size_t i = 0; i < order.size(); ++i) ranks[order[i]] = i;
+    std::vector<bool> stuck(plan_.robots.size(), false);  // without a way: all others may move it
     bool is_first = true;
     std::size_t searches = 0;
     // The others take turns, so that each searches once in a while.
@@ -190,9 +190,10 @@ class Planner {
       ++searches;
       std::vector<bool> is_fixed(plan_.robots.size());
       for (std::uint32_t other = 0; other < is_fixed.size(); ++other) {
-        is_fixed[other] = IsFixed(formation, other) || (ranks[other] < ranks[row] && !is_first);
+        is_fixed[other] = IsFixed(formation, other) || (ranks[other] < ranks[row] && !is_first && !stuck[other]);
       }
-      if (Extend(formation, row, is_fixed, is_first)) is_first = false;
+      stuck[row] = !Extend(formation, row, is_fixed, is_first);
+      is_first = is_first && stuck[row];
     }
   }
 

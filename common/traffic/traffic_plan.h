@@ -24,6 +24,7 @@
 
 #include "common/traffic/traffic_graph.h"
 #include "troupe/ids.h"
+#include "troupe/traffic_state.h"
 
 namespace troupe {
 
@@ -37,35 +38,10 @@ struct TrafficRequest {
   bool is_blocked = false;     // a body that takes no part is in the way of its present move
 };
 
-struct TrafficRobot {
-  RobotId robot;
-  std::uint32_t at = 0;  // the vertex that it was at last
-  std::optional<std::uint32_t> goal = {};
-  Tick since = 0;  // of the goal
-  bool holds = false;
-  std::uint32_t finished = 0;
-  bool operator==(const TrafficRobot&) const = default;
-};
-
-struct TrafficMove {
-  RobotId robot;
-  std::uint32_t lane = 0;
-  std::uint32_t to = 0;  // an end of the lane; the start of the move, if the robot turns back
-  bool granted = false;
-  bool operator==(const TrafficMove&) const = default;
-};
-
-// A lane that no plan uses for a time.
-struct TrafficClosure {
-  std::uint32_t lane = 0;
-  Tick until = 0;
-  bool operator==(const TrafficClosure&) const = default;
-};
-
 struct TrafficPlan {
-  std::vector<TrafficRobot> robots;      // ascending
-  std::vector<TrafficMove> moves;        // in the order of the plan
-  std::vector<TrafficClosure> closures;  // ascending
+  std::vector<TrafficRobot> robots;   // ascending
+  std::vector<TrafficMove> moves;     // in the order of the plan
+  std::vector<LaneClosure> closures;  // ascending
   bool operator==(const TrafficPlan&) const = default;
 };
 

@@ -24,7 +24,7 @@ TEST(TrafficGraphTest, LanesLeadInTheirDirections) {
   for (int i = 0; i < 3; ++i) draft.Add(2.0 * i, 0.0);
   draft.Join(0, 1, false);
   draft.Join(1, 2);
-  const TrafficGraph graph(std::vector{draft.graph}, kClearance);
+  const TrafficGraph graph = GraphOf({draft.graph});
   EXPECT_THAT(EndsOf(graph, 0), ElementsAre(1));
   EXPECT_THAT(EndsOf(graph, 1), ElementsAre(2));
   EXPECT_THAT(EndsOf(graph, 2), ElementsAre(1));
@@ -39,7 +39,7 @@ TEST(TrafficGraphTest, PlacesConflictWithinTheClearance) {
   draft.Add(2.3, 0.5);  // near the third one
   draft.Join(0, 1);
   draft.Join(2, 3);
-  const TrafficGraph graph(std::vector{draft.graph}, kClearance);
+  const TrafficGraph graph = GraphOf({draft.graph});
   EXPECT_THAT(ListOf(graph.VerticesNearLane(0)), ElementsAre(0, 1, 2, 4));
   EXPECT_THAT(ListOf(graph.VerticesNearVertex(2)), ElementsAre(2, 3, 4));
   EXPECT_THAT(ListOf(graph.VerticesNearVertex(0)), ElementsAre(0));
@@ -55,7 +55,7 @@ TEST(TrafficGraphTest, LanesThatCrossConflictAlsoOfDifferentGraphs) {
   other.Add(5.0, -5.0);
   other.Add(5.0, 5.0);
   other.Join(0, 1);
-  const TrafficGraph graph(std::vector{one.graph, other.graph}, kClearance);
+  const TrafficGraph graph = GraphOf({one.graph, other.graph});
   EXPECT_EQ(graph.VertexOf(1, 0), 2u);
   EXPECT_EQ(graph.NumberOf(1, 3), 1u);
   EXPECT_FALSE(graph.IsOf(0, 2));
@@ -69,7 +69,7 @@ TEST(TrafficGraphTest, LevelsDoNotConflict) {
   draft.Add(0.0, 0.0);
   draft.Add(0.1, 0.0);
   draft.graph.vertices[1].z = 3.0;
-  const TrafficGraph graph(std::vector{draft.graph}, kClearance);
+  const TrafficGraph graph = GraphOf({draft.graph});
   EXPECT_THAT(ListOf(graph.VerticesNearVertex(0)), ElementsAre(0));
 }
 
@@ -81,7 +81,7 @@ TEST(TrafficGraphTest, ALiftIsAGroupWithARideBetweenItsFloors) {
     draft.graph.vertices[i].floor = i;
     draft.graph.vertices[i].z = 3.0 * i;
   }
-  const TrafficGraph graph(std::vector{draft.graph}, kClearance);
+  const TrafficGraph graph = GraphOf({draft.graph});
   EXPECT_EQ(graph.lanes(), 3u);
   EXPECT_EQ(graph.LaneNumberOf(0, 0), TrafficGraph::kRide);
   EXPECT_THAT(EndsOf(graph, 1), ElementsAre(0, 2));
@@ -99,7 +99,7 @@ TEST(TrafficGraphTest, ALaneIsInTheGroupsOfItsEnds) {
   draft.Join(0, 1);
   draft.Join(1, 2);
   draft.graph.lanes[1].mutex = "a";
-  const TrafficGraph graph(std::vector{draft.graph}, kClearance);
+  const TrafficGraph graph = GraphOf({draft.graph});
   EXPECT_THAT(ListOf(graph.GroupsOfLane(0)), ElementsAre(0));
   EXPECT_THAT(ListOf(graph.GroupsOfLane(1)), ElementsAre(0, 1));
   EXPECT_TRUE(graph.IsOpen(1));

@@ -152,7 +152,7 @@ TEST(TrafficPlanTest, ASearchFindsAWayIfThereIsOne) {
     const std::size_t width = 2 + draws.Below(3);
     const std::size_t height = 2 + draws.Below(2);
     const LaneGraph lanes = RandomGrid(draws, width, height, draws.Chance(0.3) ? 0.3 : 1.0);
-    const TrafficGraph graph(std::vector{lanes}, kClearance);
+    const TrafficGraph graph = GraphOf({lanes});
     std::vector<std::uint32_t> places;
     const std::size_t robots = 2 + draws.Below(width * height - 2);
     for (std::uint32_t i = 0; i < width * height; ++i) places.push_back(i);
@@ -210,7 +210,7 @@ TEST(TrafficPlanTest, ABlockedRobotTurnsBackAndGoesRound) {
   draft.Join(0, 2);
   draft.Join(2, 3);
   draft.Join(3, 1);
-  const TrafficGraph graph(std::vector{draft.graph}, kClearance);
+  const TrafficGraph graph = GraphOf({draft.graph});
   const std::vector<bool> obstructed(graph.lanes(), false);
   TrafficPlan plan;
   TrafficRequest request{.robot = RobotId(0), .at = 0, .goal = 1};
@@ -220,7 +220,7 @@ TEST(TrafficPlanTest, ABlockedRobotTurnsBackAndGoesRound) {
   request.is_blocked = true;
   PlanTraffic(graph, std::span(&request, 1), obstructed, 2, plan);
   request.is_blocked = false;
-  EXPECT_EQ(plan.closures, (std::vector<TrafficClosure>{{0, 2 + kClosedTicks}}));
+  EXPECT_EQ(plan.closures, (std::vector<LaneClosure>{{0, 2 + kClosedTicks}}));
   std::vector<std::uint32_t> ends;
   for (const TrafficMove& move : plan.moves) ends.push_back(move.to);
   EXPECT_EQ(ends, (std::vector<std::uint32_t>{0, 2, 3, 1}));
@@ -235,7 +235,7 @@ TEST(TrafficPlanTest, ARobotStartsToTakePartWhereNoOtherIs) {
   for (int i = 0; i < 3; ++i) draft.Add(3.0 * i, 0.0);
   draft.Join(0, 1);
   draft.Join(1, 2);
-  const TrafficGraph graph(std::vector{draft.graph}, kClearance);
+  const TrafficGraph graph = GraphOf({draft.graph});
   const std::vector<bool> obstructed(graph.lanes(), false);
   TrafficPlan plan;
   std::vector<TrafficRequest> requests = {{.robot = RobotId(0), .at = 1}, {.robot = RobotId(4), .at = 1, .goal = 2}};

@@ -15,7 +15,12 @@
 
 namespace troupe {
 
-inline constexpr double kClearance = 0.6;  // m
+inline constexpr double kRadius = 0.3;               // m, of all robots
+inline constexpr double kClearance = 2.0 * kRadius;  // m
+
+inline TrafficGraph GraphOf(const std::vector<LaneGraph>& graphs) {
+  return TrafficGraph(graphs, std::vector<double>(graphs.size(), kRadius));
+}
 
 // Repeatable numbers.
 class Draws {
@@ -95,8 +100,8 @@ class TrafficRun {
     bool is_lost = false;  // sends no requests any more
   };
 
-  TrafficRun(std::vector<LaneGraph> graphs, std::uint64_t seed)
-      : graphs(std::move(graphs)), graph(this->graphs, kClearance), draws(seed), obstructed(graph.lanes(), false) {}
+  TrafficRun(std::vector<LaneGraph> its_graphs, std::uint64_t seed)
+      : graphs(std::move(its_graphs)), graph(GraphOf(graphs)), draws(seed), obstructed(graph.lanes(), false) {}
 
   void Place(std::uint32_t vertex) { robots.push_back({.at = vertex}); }
 

@@ -1,0 +1,67 @@
+// The traffic of robots on lanes, as a part of a WorldState: who takes part, the plan for all of them, and the lanes
+// that it does not use for a time. common/traffic/traffic_plan.h says how plans are made and executed.
+//
+// Vertices and lanes are counted through all graphs of the world, in their order; the rides of lifts come after all
+// lanes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "troupe/fields.h"
+#include "troupe/ids.h"
+
+namespace troupe {
+
+// A robot that takes part.
+struct TrafficRobot {
+  RobotId robot;
+  std::uint32_t at = 0;
+  std::optional<std::uint32_t> goal = {};
+  Tick since = 0;
+  bool holds = false;
+  std::uint32_t finished = 0;
+  bool operator==(const TrafficRobot&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"robot", &TrafficRobot::robot},
+        Field{"at", &TrafficRobot::at, "the vertex that it was at last"},
+        Field{"goal", &TrafficRobot::goal, "vertex; none: it makes room for others"},
+        Field{"since", &TrafficRobot::since, "of the goal"}.In("tick"),
+        Field{"holds", &TrafficRobot::holds, "it stays where it is"},
+        Field{"finished", &TrafficRobot::finished, "moves since it takes part, modulo 2^32"},
+    };
+  }
+};
+
+// A robot's way along one lane, in the plan.
+struct TrafficMove {
+  RobotId robot;
+  std::uint32_t lane = 0;
+  std::uint32_t to = 0;
+  bool granted = false;
+  bool operator==(const TrafficMove&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"robot", &TrafficMove::robot},
+        Field{"lane", &TrafficMove::lane},
+        Field{"to", &TrafficMove::to, "an end of the lane; the start of the move, if the robot turns back"},
+        Field{"granted", &TrafficMove::granted, "it may begin"},
+    };
+  }
+};
+
+// A lane that no plan uses for a time, because a body that takes no part was in the way.
+struct LaneClosure {
+  std::uint32_t lane = 0;
+  Tick until = 0;
+  bool operator==(const LaneClosure&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"lane", &LaneClosure::lane},
+        Field{"until", &LaneClosure::until}.In("tick"),
+    };
+  }
+};
+
+}  // namespace troupe
