@@ -24,7 +24,7 @@ set(may_include_common/bitmap common/base common/geometry)
 set(may_include_common/image common/base common/bitmap)
 set(may_include_common/model common/base common/bitmap common/geometry)
 set(may_include_common/signals common/base common/geometry common/model)
-set(may_include_common/spatial common/base common/bitmap common/geometry common/model)
+set(may_include_common/spatial common/base common/bitmap common/geometry common/model common/traffic)
 set(may_include_common/sensing common/base common/geometry common/model common/spatial include/troupe/sensor.h)
 set(may_include_common/crowd common/base common/geometry)
 set(may_include_common/traffic common/base common/geometry common/model)
@@ -80,7 +80,7 @@ set(may_include_ros/flags common/base command_line ros/messages)
 set(may_include_ros/connection common/base transport/dds/binding ros/messages common/spatial idl/ros)
 set(may_include_ros/link common/base ros/messages ros/connection transport/wire)
 
-set(may_include_world-service/core common/base common/crowd common/geometry common/model common/spatial)
+set(may_include_world-service/core common/base common/crowd common/geometry common/model common/spatial common/traffic)
 set(may_include_world-service/service
   common/base common/geometry common/model common/run common/signals common/spatial worldfile worldfile/models transport/protocol
   common/trace world-service/core)

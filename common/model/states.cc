@@ -90,6 +90,11 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
                                                                   : world.lifts[person.lift - 1].floors.size();
     if (person.floor >= floors) return BadInput("found a person with a lift or a floor that does not exist");
   }
+  for (std::size_t i = 1; i < state.traffic_robots.size(); ++i) {
+    if (!(state.traffic_robots[i - 1].robot < state.traffic_robots[i].robot)) {
+      return BadInput("found robots of the traffic that do not ascend");
+    }
+  }
   for (const RadioTransmission& transmission : state.transmissions) {
     if (FindRadio(world.robot(transmission.from), transmission.message.radio) == nullptr) {
       return BadInput("found a radio message of a sensor that is no radio");
@@ -104,7 +109,7 @@ Status CheckState(const WorldDescription& world, const DeviceCounts& devices, co
 bool HaveSameRows(const WorldState& a, const WorldState& b) {
   bool same = true;
   ForEachTable([&]<typename Row>(const Field<WorldState, std::vector<Row>>& table) {
-    if constexpr (!std::is_same_v<Row, RadioTransmission>) same = same && table.Of(a).size() == table.Of(b).size();
+    if constexpr (!kIsVaryingTable<Row>) same = same && table.Of(a).size() == table.Of(b).size();
   });
   return same;
 }

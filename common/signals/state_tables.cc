@@ -70,14 +70,12 @@ std::string SingularOf(std::string_view table) {
 }
 
 template <typename Row>
-constexpr bool kVaries = std::is_same_v<Row, RadioTransmission>;
-template <typename Row>
 constexpr bool kIsOfRobots = std::is_same_v<Row, JointState> || std::is_same_v<Row, GripperState> ||
                              std::is_same_v<Row, ImuState> || std::is_same_v<Row, CameraState>;
 
 template <typename Row>
 StateTable MakeTable(const Field<WorldState, std::vector<Row>>& table) {
-  StateTable made{std::string(table.name), SingularOf(table.name), kVaries<Row>, kIsOfRobots<Row>, {}, nullptr};
+  StateTable made{std::string(table.name), SingularOf(table.name), kIsVaryingTable<Row>, kIsOfRobots<Row>, {}, nullptr};
   ForEachLeaf<Row>([&]<typename Leaf>(const Leaf& leaf) {
     using Value = typename Leaf::Part;
     Signal signal{std::string(leaf.name), std::string(leaf.unit), std::string(leaf.documentation), Cell<Value>::kType,
@@ -241,7 +239,7 @@ std::vector<std::vector<ThingName>> NameThings(const WorldDescription& world) {
     Names& its = names.emplace_back();
     if constexpr (requires { NamesOf(world, table.Of(placed)); }) {
       its = NamesOf(world, table.Of(placed));
-    } else if constexpr (!kVaries<Row>) {
+    } else if constexpr (!kIsVaryingTable<Row>) {
       for (std::size_t i = 0; i < table.Of(placed).size(); ++i) {
         its.push_back({SingularOf(table.name) + " " + std::to_string(i)});
       }

@@ -61,6 +61,17 @@ class OrderCheck {
     return BadInput("found a call of lift " + std::to_string(order.lift) + " to floor " + std::to_string(order.floor) +
                     ", expected those of the world");
   }
+  // The vertices are of one graph.
+  Status operator()(const TrafficOrder& order) const {
+    if (!robot_) return NeedsRobot("traffic");
+    std::size_t first = 0;
+    for (const LaneGraph& graph : world_.lane_graphs) {
+      const std::size_t end = first + graph.vertices.size();
+      if (order.at >= first && order.at < end && (!order.goal || (*order.goal >= first && *order.goal < end))) return {};
+      first = end;
+    }
+    return BadInput("found traffic at vertex " + std::to_string(order.at) + ", expected vertices of one graph of lanes");
+  }
   Status operator()(const TwistOrder& order) const {
     if (!robot_) return NeedsRobot("a twist");
     // A twist that a tool sets is a jump: only the bounds of the velocity count, not the bounds of the acceleration.
@@ -116,6 +127,7 @@ Status CheckOrder(const Scene& scene, RobotId robot, const Order& order) {
 
 Status CheckInput(const Scene& scene, const Input& input) {
   const WorldDescription& world = scene.world();
+  if (std::holds_alternative<TrafficOrder>(input.order)) return BadInput("found traffic, expected an order of a tool");
   if (input.robot && !HasRobot(world, *input.robot)) {
     return BadInput("found an order for a robot that the world does not have");
   }

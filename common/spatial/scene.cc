@@ -3,16 +3,25 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <utility>
 #include <variant>
 
 #include "common/model/states.h"
 #include "common/spatial/walk_routes.h"
+#include "common/traffic/traffic_graph.h"
 
 namespace troupe {
 
+struct LastTrafficGraph {
+  std::mutex mutex;
+  std::vector<double> radii;
+  std::shared_ptr<const TrafficGraph> graph;  // null: none yet
+};
+
 Scene::Scene(Shared<WorldDescription> description)
-    : world_(std::move(description)), walk_routes_(std::make_shared<LazyWalkRoutes>()) {
+    : world_(std::move(description)), walk_routes_(std::make_shared<LazyWalkRoutes>()),
+      traffic_graph_(std::make_shared<LastTrafficGraph>()) {
   FindBodies();
   FindStoresOfModels();
   imus_ = FindImus(world());
@@ -30,6 +39,15 @@ Scene::Scene(Shared<WorldDescription> description)
     ray_shape_of_.push_back(ray_shapes_.Add(body));
   }
   MeasureRadioReach();
+}
+
+std::shared_ptr<const TrafficGraph> Scene::TrafficGraphFor(const std::vector<double>& radii) const {
+  const std::lock_guard lock(traffic_graph_->mutex);
+  if (!traffic_graph_->graph || traffic_graph_->radii != radii) {
+    traffic_graph_->graph = std::make_shared<const TrafficGraph>(world().lane_graphs, radii);
+    traffic_graph_->radii = radii;
+  }
+  return traffic_graph_->graph;
 }
 
 const WalkRoutes& Scene::walk_routes() const {

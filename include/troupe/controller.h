@@ -240,7 +240,7 @@ class Controller {
 // A shared library defines these two (TROUPE_CONTROLLER does it):
 //   extern "C" int troupe_controller_abi();
 //   extern "C" troupe::Controller* troupe_create_controller(const troupe::RobotInfo& info);   // throws std::exception
-#define TROUPE_CONTROLLER_ABI 11
+#define TROUPE_CONTROLLER_ABI 12
 #define TROUPE_CONTROLLER(Type)                                                                   \
   extern "C" __attribute__((visibility("default"))) int troupe_controller_abi() {                 \
     return TROUPE_CONTROLLER_ABI;                                                                 \

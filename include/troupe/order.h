@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <tuple>
 #include <variant>
@@ -78,6 +79,26 @@ struct LiftOrder {
   }
 };
 
+// Of a robot that takes part in the planned traffic of its lanes (TrafficRobot), in each tick in which it does. Vertices
+// are counted through all graphs of the world.
+struct TrafficOrder {
+  std::uint32_t at = 0;                    // the vertex that it is at, of the graph that it drives on
+  std::optional<std::uint32_t> goal = {};  // of the same graph; nothing: it makes room for others
+  bool holds = false;                      // it stays where it is, for instance while it is loaded
+  std::uint32_t finished = 0;              // moves since it takes part, modulo 2^32
+  bool is_blocked = false;                 // a body that takes no part is in the way of its present move
+  bool operator==(const TrafficOrder&) const = default;
+  static constexpr auto Fields() {
+    return std::tuple{
+        Field{"at", &TrafficOrder::at},
+        Field{"goal", &TrafficOrder::goal},
+        Field{"holds", &TrafficOrder::holds},
+        Field{"finished", &TrafficOrder::finished},
+        Field{"blocked", &TrafficOrder::is_blocked},
+    };
+  }
+};
+
 // Sets the velocity of a robot at the end of the tick, from which its drive accelerates. Of tools only.
 struct TwistOrder {
   Twist twist = {};  // in R, within the limits of the drive
@@ -85,7 +106,7 @@ struct TwistOrder {
   static constexpr auto Fields() { return std::tuple{Field{"twist", &TwistOrder::twist}}; }
 };
 
-using Order = std::variant<LightOrder, CameraOrder, DoorOrder, LiftOrder, TwistOrder>;
+using Order = std::variant<LightOrder, CameraOrder, DoorOrder, LiftOrder, TwistOrder, TrafficOrder>;
 
 // An order from outside of the simulation, for one tick.
 struct Input {

@@ -11,6 +11,7 @@
 #include "troupe/ids.h"
 #include "troupe/pose.h"
 #include "troupe/radio_message.h"
+#include "troupe/traffic_state.h"
 #include "troupe/world_description.h"
 
 namespace troupe {
@@ -237,6 +238,9 @@ struct WorldState {
   std::vector<DoorState> doors = {};
   std::vector<LiftState> lifts = {};
   std::vector<PersonState> people = {};
+  std::vector<TrafficRobot> traffic_robots = {};  // ascending
+  std::vector<TrafficMove> traffic_moves = {};    // in the order of the plan
+  std::vector<LaneClosure> lane_closures = {};    // ascending
   bool operator==(const WorldState&) const = default;
   static constexpr auto Fields() {
     return std::tuple{
@@ -253,9 +257,18 @@ struct WorldState {
         Field{"doors", &WorldState::doors, "in the order of WorldDescription::doors"},
         Field{"lifts", &WorldState::lifts, "in the order of WorldDescription::lifts"},
         Field{"people", &WorldState::people, "by PersonId"},
+        Field{"traffic_robots", &WorldState::traffic_robots, "robots that take part in the planned traffic of lanes"},
+        Field{"traffic_moves", &WorldState::traffic_moves, "of these robots, in the order of the plan"},
+        Field{"lane_closures", &WorldState::lane_closures, "lanes that the plan does not use"},
     };
   }
 };
+
+// The tables with another number of rows in each tick.
+template <typename Row>
+inline constexpr bool kIsVaryingTable =
+    std::is_same_v<Row, RadioTransmission> || std::is_same_v<Row, TrafficRobot> || std::is_same_v<Row, TrafficMove> ||
+    std::is_same_v<Row, LaneClosure>;
 
 // Calls visit(table) for each field that is a list of rows: Field<WorldState, std::vector<Row>>.
 template <typename Visit>

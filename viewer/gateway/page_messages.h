@@ -24,9 +24,9 @@
 
 namespace troupe {
 
-// The rows that the page shows. Of the others, transmissions are no rows by id, and former velocities explain nothing.
+// The rows that the page shows. Of the others, lists that vary have no rows by id, and former velocities explain nothing.
 template <typename Row>
-inline constexpr bool kIsShownTable = !std::is_same_v<Row, ImuState> && !std::is_same_v<Row, RadioTransmission>;
+inline constexpr bool kIsShownTable = !std::is_same_v<Row, ImuState> && !kIsVaryingTable<Row>;
 
 // StateRows: the newest state of a world, row by row, with the number of the update that changed each row last. So the
 // difference from any earlier update is known without keeping that state, for viewers that skip updates. Costs one

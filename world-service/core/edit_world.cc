@@ -395,6 +395,8 @@ EditedWorld ResetWorld(const std::shared_ptr<const Scene>& original, const std::
     edited.state.tick = 0;
     // Their ticks would be in the future.
     edited.state.transmissions.clear();
+    edited.state.lane_closures.clear();
+    for (TrafficRobot& robot : edited.state.traffic_robots) robot.since = 0;
   }
   return edited;
 }

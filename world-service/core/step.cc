@@ -140,6 +140,7 @@ StepResult Finish(StepWorkspace& workspace, const WorldState& before, const Tick
   DropLostObjects(workspace);
   LetObjectsFall(workspace);
   MovePeople(workspace, people_pool);
+  DirectTraffic(orders, workspace);
   Transmit(workspace.world(), by_robot, workspace.next);
   ExchangeEnergy(workspace);
   OperateDevices(orders, workspace);

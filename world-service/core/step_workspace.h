@@ -179,6 +179,10 @@ void MoveDoors(const TickOrders& orders, StepWorkspace& workspace);
 void CallLifts(const TickOrders& orders, StepWorkspace& workspace);
 void MoveLifts(StepWorkspace& workspace);
 
+// The planned traffic of lanes: moves the plan on by the orders of the robots that take part, and grants their next
+// moves.
+void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace);
+
 // Adds what doors, lifts and people have done between two states: doors in their order, then lifts, then people.
 void AddBuildingEvents(const Scene& scene, const WorldState& before, const WorldState& now, std::vector<Event>& events);
 

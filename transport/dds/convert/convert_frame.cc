@@ -112,7 +112,7 @@ void ForEachTableWithColumns(StateColumns& state, const Visit& visit) {
 void StateToWire(const WorldState& now, const WorldState* before, troupe_wire_StateColumns& wire, WireArena& arena) {
   ForEachTableWithColumns(wire, [&]<typename Row>(const Field<WorldState, std::vector<Row>>& table, auto& columns) {
     const std::vector<Row>& rows = table.Of(now);
-    if constexpr (std::is_same_v<Row, RadioTransmission>) {
+    if constexpr (kIsVaryingTable<Row>) {
       const auto for_each_row = [&](const auto& use) { std::for_each(rows.begin(), rows.end(), use); };
       ListToColumns(rows.size(), for_each_row, kLeaves<Row>, MembersOf(columns), arena);
     } else {
@@ -126,8 +126,8 @@ Status StateFromWire(const troupe_wire_StateColumns& wire, bool whole, WorldStat
   ForEachTableWithColumns(
       wire, [&]<typename Row>(const Field<WorldState, std::vector<Row>>& table, const auto& columns) {
         if (!problem.ok()) return;
-        if constexpr (std::is_same_v<Row, RadioTransmission>) {
-          problem = ListFromColumns("frame of radio messages", kLeaves<Row>, MembersOf(columns), table.Of(state));
+        if constexpr (kIsVaryingTable<Row>) {
+          problem = ListFromColumns("frame of a list", kLeaves<Row>, MembersOf(columns), table.Of(state));
         } else {
           problem = RowsFromWire(table.name, columns, whole, table.Of(state));
         }

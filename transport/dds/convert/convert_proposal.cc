@@ -75,6 +75,7 @@ void OrdersToWire(const std::vector<Proposal>& proposals, troupe_wire_Proposal& 
   OrdersToColumns<CameraOrder>(for_each, wire.cameras, arena);
   OrdersToColumns<DoorOrder>(for_each, wire.doors, arena);
   OrdersToColumns<LiftOrder>(for_each, wire.lifts, arena);
+  OrdersToColumns<TrafficOrder>(for_each, wire.traffic, arena);
 }
 
 Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& proposals) {
@@ -87,6 +88,7 @@ Status OrdersFromWire(const troupe_wire_Proposal& wire, std::vector<Proposal>& p
   if (problem.ok()) problem = OrdersFromColumns<CameraOrder>("proposal of cameras", wire.cameras, add);
   if (problem.ok()) problem = OrdersFromColumns<DoorOrder>("proposal of doors", wire.doors, add);
   if (problem.ok()) problem = OrdersFromColumns<LiftOrder>("proposal of lifts", wire.lifts, add);
+  if (problem.ok()) problem = OrdersFromColumns<TrafficOrder>("proposal of traffic", wire.traffic, add);
   return problem;
 }
 
@@ -119,7 +121,7 @@ Status TextsFromWire(const troupe_wire_SayColumns& wire, std::vector<Proposal>& 
 
 static_assert(kMemberCount<Proposal> == 6, "a new field of a proposal needs a column here");
 // A twist is an order of tools alone, which no proposal has.
-static_assert(std::variant_size_v<Order> == 5, "a new kind of order needs columns here, and in convert_order.cc");
+static_assert(std::variant_size_v<Order> == 6, "a new kind of order needs columns here, and in convert_order.cc");
 
 constexpr auto kMessages = [](auto& proposal) -> auto& {
   return proposal.messages;

@@ -224,7 +224,13 @@ FrameMessage RandomMessages::Frame() {
     object.mode = object.holder ? ObjectMode::kHeld : static_cast<ObjectMode>(Below(3));
   }
   for (LiftState& lift : state.lifts) lift.session = MaybeId<RobotId>(state.robots.size());
-  if (state.robots.empty()) state.transmissions.clear();
+  if (state.robots.empty()) {
+    state.transmissions.clear();
+    state.traffic_robots.clear();
+    state.traffic_moves.clear();
+  }
+  for (TrafficRobot& robot : state.traffic_robots) robot.robot = RobotId(Below(state.robots.size()));
+  for (TrafficMove& move : state.traffic_moves) move.robot = RobotId(Below(state.robots.size()));
   for (RadioTransmission& transmission : state.transmissions) {
     transmission.from = RobotId(Below(state.robots.size()));
     transmission.message.to = MaybeId<RobotId>(state.robots.size());
@@ -297,6 +303,9 @@ ProposalMessage RandomMessages::Proposal() {
     for (std::size_t i = Below(3); i > 0; --i) orders.push_back(CameraOrder{Below(5), Number(), Number()});
     for (std::size_t i = Below(3); i > 0; --i) orders.push_back(DoorOrder{Below(5), Number()});
     for (std::size_t i = Below(3); i > 0; --i) orders.push_back(LiftOrder{Below(5), Below(5), Coin()});
+    for (std::size_t i = Below(2); i > 0; --i) {
+      orders.push_back(TrafficOrder{static_cast<std::uint32_t>(Below(50)), {}, Coin(), 3, Coin()});
+    }
     if (Coin()) message.proposals.back().say = Text();
     robot += 1 + Below(10);
   }

@@ -1,0 +1,99 @@
+// The planned traffic of lanes (step_workspace.h: PlanTraffic): the orders of robots that take part, the lanes on which
+// other robots are, and the rows of the state, for the plan of common/traffic.
+#include "common/traffic/traffic_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "common/spatial/scene.h"
+#include "world-service/core/step_workspace.h"
+
+namespace troupe {
+namespace {
+
+constexpr double kLevelGap = 1.3;  // m: bodies so far apart in height are on different levels
+
+std::size_t GraphOf(const WorldDescription& world, std::uint32_t vertex) {
+  std::size_t graph = 0;
+  std::size_t end = world.lane_graphs[0].vertices.size();
+  while (vertex >= end) end += world.lane_graphs[++graph].vertices.size();
+  return graph;
+}
+
+// An edit may have changed the lanes: a plan with a vertex or a lane that they do not have begins anew.
+bool Fits(const TrafficGraph& graph, const TrafficPlan& plan) {
+  const auto has_robot = [&](const TrafficRobot& robot) {
+    return robot.at < graph.vertices() && (!robot.goal || *robot.goal < graph.vertices());
+  };
+  const auto has_move = [&](const TrafficMove& move) {
+    return move.lane < graph.lanes() && (move.to == graph.start(move.lane) || move.to == graph.end(move.lane)) &&
+           std::any_of(plan.robots.begin(), plan.robots.end(),
+                       [&](const TrafficRobot& robot) { return robot.robot == move.robot; });
+  };
+  const auto has_lane = [&](const LaneClosure& closure) { return closure.lane < graph.lanes(); };
+  return std::all_of(plan.robots.begin(), plan.robots.end(), has_robot) &&
+         std::all_of(plan.moves.begin(), plan.moves.end(), has_move) &&
+         std::all_of(plan.closures.begin(), plan.closures.end(), has_lane);
+}
+
+// The lanes within reach of robots that take no part, for instance of one without an agent.
+std::vector<bool> FindObstructed(const StepWorkspace& workspace, const TrafficGraph& graph,
+                                 std::span<const double> radii, const std::vector<bool>& takes_part) {
+  const WorldDescription& world = workspace.world();
+  std::vector<bool> obstructed(graph.lanes(), false);
+  for (std::size_t i = 0; i < world.robots.size(); ++i) {
+    if (takes_part[i] || !RobotExists(world, RobotId(i))) continue;
+    const Pose& X_WR = workspace.next.robots[i].X_WR;
+    const double radius = workspace.scene.body(workspace.scene.body_of(RobotId(i))).radius;
+    std::size_t number = 0;
+    for (std::size_t g = 0; g < world.lane_graphs.size(); ++g) {
+      const LaneGraph& lanes = world.lane_graphs[g];
+      for (const Lane& lane : lanes.lanes) {
+        const LaneVertex& start = lanes.vertices[lane.start];
+        const Vec2 way = lanes.Way(lane.start, lane.end);
+        const Vec2 offset = X_WR.translation() - start.position;
+        const double squared = way.squaredNorm();
+        const double along = squared > 0.0 ? std::clamp(offset.dot(way) / squared, 0.0, 1.0) : 0.0;
+        if (std::fabs(X_WR.z - start.z) < kLevelGap && (offset - along * way).norm() < radius + radii[g]) {
+          obstructed[number] = true;
+        }
+        ++number;
+      }
+    }
+  }
+  return obstructed;
+}
+
+}  // namespace
+
+void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
+  const WorldDescription& world = workspace.world();
+  WorldState& state = workspace.next;
+  std::vector<TrafficRequest> requests;
+  std::vector<bool> takes_part(world.robots.size(), false);
+  std::vector<double> radii(world.lane_graphs.size(), 0.0);
+  orders.ForEachOfRobots<TrafficOrder>([&](RobotId robot, const TrafficOrder& order) {
+    if (takes_part[robot.index()]) return;  // the first one counts
+    takes_part[robot.index()] = true;
+    requests.push_back({robot, order.at, order.goal, order.holds, order.finished, order.is_blocked});
+    double& radius = radii[GraphOf(world, order.at)];
+    radius = std::max(radius, workspace.scene.body(workspace.scene.body_of(robot)).radius);
+  });
+  if (requests.empty()) {
+    state.traffic_robots.clear();
+    state.traffic_moves.clear();
+    state.lane_closures.clear();
+    return;
+  }
+  const std::shared_ptr<const TrafficGraph> graph = workspace.scene.TrafficGraphFor(radii);
+  TrafficPlan plan{std::move(state.traffic_robots), std::move(state.traffic_moves), std::move(state.lane_closures)};
+  if (!Fits(*graph, plan)) plan = {};
+  PlanTraffic(*graph, requests, FindObstructed(workspace, *graph, radii, takes_part), state.tick, plan);
+  state.traffic_robots = std::move(plan.robots);
+  state.traffic_moves = std::move(plan.moves);
+  state.lane_closures = std::move(plan.closures);
+}
+
+}  // namespace troupe
