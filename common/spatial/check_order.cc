@@ -67,10 +67,12 @@ class OrderCheck {
     std::size_t first = 0;
     for (const LaneGraph& graph : world_.lane_graphs) {
       const std::size_t end = first + graph.vertices.size();
-      if (order.at >= first && order.at < end && (!order.goal || (*order.goal >= first && *order.goal < end))) return {};
+      if (order.at >= first && order.at < end && (!order.goal || (*order.goal >= first && *order.goal < end)))
+        return {};
       first = end;
     }
-    return BadInput("found traffic at vertex " + std::to_string(order.at) + ", expected vertices of one graph of lanes");
+    return BadInput("found traffic at vertex " + std::to_string(order.at) +
+                    ", expected vertices of one graph of lanes");
   }
   Status operator()(const TwistOrder& order) const {
     if (!robot_) return NeedsRobot("a twist");

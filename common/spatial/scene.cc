@@ -20,7 +20,8 @@ struct LastTrafficGraph {
 };
 
 Scene::Scene(Shared<WorldDescription> description)
-    : world_(std::move(description)), walk_routes_(std::make_shared<LazyWalkRoutes>()),
+    : world_(std::move(description)),
+      walk_routes_(std::make_shared<LazyWalkRoutes>()),
       traffic_graph_(std::make_shared<LastTrafficGraph>()) {
   FindBodies();
   FindStoresOfModels();

@@ -79,8 +79,8 @@ struct LiftOrder {
   }
 };
 
-// Of a robot that takes part in the planned traffic of its lanes (TrafficRobot), in each tick in which it does. Vertices
-// are counted through all graphs of the world.
+// Of a robot that takes part in the planned traffic of its lanes (TrafficRobot), in each tick in which it does.
+// Vertices are counted through all graphs of the world.
 struct TrafficOrder {
   std::uint32_t at = 0;                    // the vertex that it is at, of the graph that it drives on
   std::optional<std::uint32_t> goal = {};  // of the same graph; nothing: it makes room for others

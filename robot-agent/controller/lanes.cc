@@ -26,6 +26,7 @@
 #include "robot-agent/controller/lane_tasks.h"
 #include "robot-agent/controller/site_controls.h"
 #include "robot-agent/navigation/lane_traffic.h"
+#include "robot-agent/navigation/planned_way.h"
 #include "robot-agent/navigation/steering.h"
 #include "troupe/deterministic_math.h"
 
@@ -44,6 +45,7 @@ constexpr double kNoWaySeconds = 1.0;    // at rest, until it leaves a destinati
 constexpr double kAtStart = 0.5;         // m along a lane: it has hardly left
 // s at rest before a person, who perhaps waits for it: until it moves anywhere, so that the person can pass.
 constexpr double kPersonPatience = 3.0;
+constexpr double kBlockedSeconds = 1.0;  // at a contact, until it asks for another way
 
 class LanesController final : public Controller, public RobotWatcher {
  public:
@@ -57,6 +59,7 @@ class LanesController final : public Controller, public RobotWatcher {
         tasks_(settings, graph, steer_.speed, can_turn()),
         controls_(info, graph),
         giving_way_(id_, graph, info.lane_graphs, steer_.speed) {
+    if (settings.planned) plan_.emplace(id_, graph, info.lane_graphs);
     for (const LaneVertex& vertex : graph_->vertices) AddGroup(vertex.mutex);
     for (const Lane& lane : graph_->lanes) AddGroup(lane.mutex);
   }
@@ -70,6 +73,7 @@ class LanesController final : public Controller, public RobotWatcher {
     radius_ = radii_[id_.index()];
     half_width_ = std::min(radius_, 0.5 * world.model(world.robot(id_).root).size_y);
     others_ = SeeOthers(world, around.state, id_, radii_);
+    if (plan_) plan_->Read(around.state);
   }
 
   Command Update(const Observation& observation) override {
@@ -85,7 +89,11 @@ class LanesController final : public Controller, public RobotWatcher {
     if (const std::optional<Command> recovery = recovery_.Update(observation, patience)) return *recovery;
     tasks_.Update(observation, at_);
     SetTarget();
-    if (legs_.empty() && target_ && *target_ != at_ && !is_unreachable_) PlanTo(*target_);
+    if (plan_) {
+      FollowPlan();
+    } else if (legs_.empty() && target_ && *target_ != at_ && !is_unreachable_) {
+      PlanTo(*target_);
+    }
     if (legs_.empty()) {
       Rest();
     } else {
@@ -98,6 +106,7 @@ class LanesController final : public Controller, public RobotWatcher {
     }
     if (settings_.close_doors) controls_.CloseBehind(legs_, position(), radius_, others_);
     controls_.EndSessions(NeededVertices());
+    if (plan_) AddTrafficOrder();
     return std::move(command_);
   }
 
@@ -161,6 +170,10 @@ class LanesController final : public Controller, public RobotWatcher {
     target_ = target;
     is_unreachable_ = false;
     rest_since_.reset();
+    if (plan_) {
+      CheckTarget();
+      return;
+    }
     // A leg that it is on is finished first.
     if (!legs_.empty()) legs_.resize(is_on_leg_ ? 1 : 0);
   }
@@ -176,18 +189,45 @@ class LanesController final : public Controller, public RobotWatcher {
     is_on_leg_ = false;
   }
 
+  // In the planned traffic: whether lanes lead to a target at all.
+  void CheckTarget() {
+    if (!target_ || *target_ == at_ || FastestRoute(*graph_, at_, *target_, steer_.speed)) return;
+    is_unreachable_ = true;
+    command_.report = fmt::format("no lanes lead from {} to {}", NameOf(*graph_, at_), NameOf(*graph_, *target_));
+  }
+
+  // The granted moves are the legs, once it is at the vertex at which it begins to take part.
+  void FollowPlan() {
+    if (!has_arrived_) return;
+    std::vector<Leg> legs = plan_->Legs();
+    const bool goes_on = !legs.empty() && !legs_.empty() && legs.front() == legs_.front();
+    legs_ = std::move(legs);
+    // It turns back on its way: it is on the leg to where it began.
+    if (!goes_on) is_on_leg_ = !legs_.empty() && legs_.front().from == legs_.front().to;
+  }
+
+  void AddTrafficOrder() {
+    const bool holds = !has_arrived_ || target_ == at_;
+    const bool is_on_lane = !legs_.empty() && is_on_leg_ && legs_.front().lane;
+    blocked_ticks_ = now_->stalled && is_on_lane ? blocked_ticks_ + 1 : 0;
+    const bool is_blocked = static_cast<double>(blocked_ticks_) * now_->interval > kBlockedSeconds;
+    command_.orders.emplace_back(plan_->OrderFor(at_, is_unreachable_ ? std::nullopt : target_, holds, is_blocked));
+  }
+
   // At a vertex without a way to drive.
   void Rest() {
     if (!rest_since_) rest_since_ = now_->time;
     const double rested = now_->time - *rest_since_;
     const bool was_aside = tasks_.is_aside();
     if (target_ && *target_ != at_) {
-      // The route may be closed for a moment only.
-      if (rested < kNoWaySeconds) return;
+      // The route may be closed for a moment only. In the planned traffic it waits for its next move.
+      if (rested < kNoWaySeconds || (plan_ && !is_unreachable_)) return;
       tasks_.LeaveOut(*now_);
       rest_since_.reset();
     } else if (target_ && tasks_.Rest(*now_, rested, command_)) {
       rest_since_.reset();
+    } else if (plan_) {
+      return;  // others make it move
     } else if (was_aside) {
       GiveRoom(2.0 * rested, GivingWay::IsAskedForRoom(place(), Vec2::Zero()));
     } else if (!target_) {
@@ -205,12 +245,14 @@ class LanesController final : public Controller, public RobotWatcher {
   // Along the present leg.
 
   void Follow() {
+    if (plan_ && !plan_->takes_part()) return;
     const Leg leg = legs_.front();
     if (!leg.lane && leg.from != leg.to) return Ride(leg);
     if (!is_on_leg_) {
       is_on_leg_ = MayEnter(leg);
       if (!is_on_leg_) {
         if (!rest_since_) rest_since_ = now_->time;
+        if (plan_) return;
         return GiveRoom(now_->time - *rest_since_, GivingWay::IsAskedForRoom(place(), WayOf(leg)));
       }
       if (settings_.close_doors) controls_.Note(lane(*leg.lane));
@@ -241,6 +283,10 @@ class LanesController final : public Controller, public RobotWatcher {
 
   // Out of a doorway that another robot's call closes, to the start of the leg.
   void BackOut(const Leg& leg) {
+    if (plan_) {
+      is_on_leg_ = false;  // it asks again for what it needs
+      return;
+    }
     legs_ = {{leg.from, leg.from, {}}};
     is_on_leg_ = true;
     backs_out_ = true;
@@ -251,6 +297,8 @@ class LanesController final : public Controller, public RobotWatcher {
     backs_out_ = false;
     if (leg.lane) giving_way_.OnPassed(*leg.lane);
     at_ = leg.to;
+    if (plan_ && has_arrived_) plan_->Finish();
+    has_arrived_ = true;
     legs_.erase(legs_.begin());
     is_on_leg_ = false;
     turn_.Forget();
@@ -296,7 +344,7 @@ class LanesController final : public Controller, public RobotWatcher {
       if (controls_.IsStuck(*ahead.door)) ObstructByDoor(*ahead.door, leg, 0.0);
       return false;
     }
-    return EnterGroups(leg);
+    return plan_ || EnterGroups(leg);
   }
 
   bool EnterGroups(const Leg& leg) {
@@ -422,6 +470,7 @@ class LanesController final : public Controller, public RobotWatcher {
   // Another robot is in the way.
   void Block(RobotId other, const Leg& leg, double at = 0.0) {
     is_blocked_ = true;
+    if (plan_) return;  // the plan has the turns of robots
     std::optional<BlockEnd> end = giving_way_.OnBlocked(place(), other, leg, is_on_leg_ && at >= kAtStart);
     if (!end) return;
     const std::string& name = around_ ? around_->world().robot(other).name : "";
@@ -511,6 +560,10 @@ class LanesController final : public Controller, public RobotWatcher {
   bool is_blocked_ = false;
 
   bool waits_for_person_ = false;  // in the last tick
+  std::optional<PlannedWay> plan_;   // nothing: it finds its own way
+  bool has_arrived_ = false;         // at a vertex, since the start
+  std::uint32_t blocked_ticks_ = 0;  // by a contact on the present lane
+
   bool has_started_ = false;
   std::size_t at_ = 0;                         // the vertex that it was at last
   std::vector<Leg> legs_;                      // to do, the present one first

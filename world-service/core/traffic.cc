@@ -1,18 +1,19 @@
 // The planned traffic of lanes (step_workspace.h: PlanTraffic): the orders of robots that take part, the lanes on which
 // other robots are, and the rows of the state, for the plan of common/traffic.
-#include "common/traffic/traffic_plan.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "common/spatial/scene.h"
+#include "common/traffic/traffic_plan.h"
 #include "world-service/core/step_workspace.h"
 
 namespace troupe {
 namespace {
 
+// Beside the body of a robot: as the controller stops behind another robot, and not exactly at a vertex.
+constexpr double kMargin = 0.2;  // m
 constexpr double kLevelGap = 1.3;  // m: bodies so far apart in height are on different levels
 
 std::size_t GraphOf(const WorldDescription& world, std::uint32_t vertex) {
@@ -79,7 +80,7 @@ void DirectTraffic(const TickOrders& orders, StepWorkspace& workspace) {
     takes_part[robot.index()] = true;
     requests.push_back({robot, order.at, order.goal, order.holds, order.finished, order.is_blocked});
     double& radius = radii[GraphOf(world, order.at)];
-    radius = std::max(radius, workspace.scene.body(workspace.scene.body_of(robot)).radius);
+    radius = std::max(radius, workspace.scene.body(workspace.scene.body_of(robot)).radius + kMargin);
   });
   if (requests.empty()) {
     state.traffic_robots.clear();
