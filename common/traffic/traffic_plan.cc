@@ -209,7 +209,11 @@ class Planner {
     const std::size_t begun = formation.moves().size();
     const std::uint32_t goal = *plan_.robots[row].goal;
     bool found = search.Find(formation, row, goal);
-    if (!found && is_first && (plan_.moves.empty() || tick_ % kAnyWayTicks == 0)) {
+    const std::uint32_t there = formation.occupant(goal);
+    const bool is_taken = there != kNone && is_fixed[there];
+    if (!found && !is_taken && is_first && !has_searched_any_way_ &&
+        (plan_.moves.empty() || tick_ % kAnyWayTicks == 0)) {
+      has_searched_any_way_ = true;
       found = search.FindAnyWay(formation, row, goal);
     }
     if (!found) return false;
@@ -255,8 +259,9 @@ class Planner {
   Tick tick_;
   TrafficPlan& plan_;
   std::vector<bool> closed_;
-  std::vector<std::size_t> pending_;  // moves, by row
-  bool drops_ = false;                // the moves that are not granted
+  std::vector<std::size_t> pending_;   // moves, by row
+  bool drops_ = false;                 // the moves that are not granted
+  bool has_searched_any_way_ = false;  // in this tick: it is the longest search
 };
 
 }  // namespace
