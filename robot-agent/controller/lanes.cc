@@ -132,6 +132,7 @@ class LanesController final : public Controller, public RobotWatcher {
   // The way to a vertex of the level is the first leg: to the nearest one whose way is clear, if there is one.
   void Start() {
     has_started_ = true;
+    if (plan_ && plan_->takes_part()) return GoStraightTo(plan_->at());
     const std::size_t nearest = FindNearestVertex(*graph_, position(), now_->pose_estimate.z, kOnOneLevel)->vertex;
     GoStraightTo(IsClearTo(nearest) ? nearest : FindClearVertex().value_or(nearest));
   }

@@ -1,6 +1,7 @@
 #include "robot-agent/navigation/planned_way.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace troupe {
 
@@ -18,7 +19,9 @@ void PlannedWay::Read(const WorldState& state) {
   const auto row = std::lower_bound(state.traffic_robots.begin(), state.traffic_robots.end(), own_,
                                     [](const TrafficRobot& a, RobotId b) { return a.robot < b; });
   takes_part_ = row != state.traffic_robots.end() && row->robot == own_;
+  const bool is_first = !std::exchange(has_read_, true);
   if (!takes_part_) return;
+  if (is_first) finished_ = row->finished;
   at_ = row->at - first_vertex_;
   for (const TrafficMove& move : state.traffic_moves) {
     if (move.robot == own_ && move.granted) moves_.push_back(move);

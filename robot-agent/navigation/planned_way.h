@@ -23,9 +23,12 @@ class PlannedWay {
   // `graph`: one of `graphs`, which are all of the world.
   PlannedWay(RobotId own, const LaneGraph& graph, std::span<const LaneGraph> graphs);
 
-  // The plan of a tick.
+  // The plan of a tick. The first one may have a row of the robot already: of a controller before this one, whose moves
+  // are continued.
   void Read(const WorldState& state);
   bool takes_part() const { return takes_part_; }
+  // The vertex that the robot was at last. REQUIRES: it takes part.
+  std::size_t at() const { return at_; }
 
   // The granted moves as legs: from the vertex that the robot was at last. A move back to that vertex is a leg from it
   // to itself.
@@ -41,6 +44,7 @@ class PlannedWay {
   std::uint32_t first_vertex_ = 0;  // of its graph, among those of all
   std::uint32_t first_lane_ = 0;
   std::uint32_t lane_count_ = 0;
+  bool has_read_ = false;
   bool takes_part_ = false;
   std::uint32_t finished_ = 0;
   std::uint32_t at_ = 0;
